@@ -237,7 +237,7 @@ def _walk(q: Array, at: NDArray[np.intp], around: _Around, least: float) -> Arra
             better = closest < distance[active]
             distance[active] = closest
             active = active[better & (closest > least)]
-    # steps may end before the closest facet: the farthest point is compared with all facets, until it stays the farthest
+    # steps may end before the closest facet: the farthest point is compared with all facets until it stays so
     checked = np.zeros(len(q), dtype=bool)
     while len(q):
         k = int(distance.argmax())

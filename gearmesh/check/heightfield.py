@@ -1,5 +1,4 @@
-"""Flanks as height fields: intersections of circles about an axis, or of straight rays, with a triangle mesh or an
-exact grid.
+"""Flanks as height fields: circles about an axis, or rays, intersected with a triangle mesh or an exact grid.
 
 A `HeightChart` splits space into two flat coordinates (a, b) and a height, so that a flank is a function height(a, b):
 
@@ -64,10 +63,10 @@ class HeightChart(Protocol):
         """Return unit directions (..., 3) of increasing height."""
 
     def plane_height(self, flat: Array, normal: Array, offset: Array, near: Array) -> Array:
-        """Return heights (...,) of the planes normal . r = offset over `flat`, on the branch of points `near` (..., 3)."""
+        """Return heights (...,) of the planes normal . r = offset over `flat`, on the branch of `near` (..., 3)."""
 
     def lowest(self, corners: Array) -> Array:
-        """Return lower bounds (T, 2) of the flat coordinates over triangles (T, 3, 3); the upper ones are at corners."""
+        """Return lower bounds (T, 2) of the flat coordinates over triangles (T, 3, 3); upper bounds are corners."""
 
 
 @dataclass(frozen=True)
@@ -94,7 +93,7 @@ class Arcs:
         return self.sense * np.stack((-r[..., 1] / rho, r[..., 0] / rho, np.zeros_like(rho)), axis=-1)
 
     def plane_height(self, flat: Array, normal: Array, offset: Array, near: Array) -> Array:
-        # solve |n_xy| rho cos(theta - direction of n_xy) = offset - n_z z; of two roots take the one on the side of `near`
+        # solve |n_xy| rho cos(theta - direction of n_xy) = offset - n_z z, with the root on the side of `near`
         middle = polar_angle(normal)
         length = flat[..., 0] * np.hypot(normal[..., 0], normal[..., 1])
         half = np.arccos((offset - normal[..., 2] * flat[..., 1]) / length)
@@ -814,7 +813,7 @@ def _powers(t: Array) -> tuple[Array, Array]:
 
 
 def _solve(first: Array, second: Array, right: Array) -> Array:
-    """Solve x0 first + x1 second = right, all (N, 2), for x (N, 2); not finite where `first` and `second` are parallel."""
+    """Solve x0 first + x1 second = right, all (N, 2), for x (N, 2); not finite for parallel vectors."""
     with np.errstate(all="ignore"):
         determinant = plane_cross(first, second)
         x0, x1 = plane_cross(right, second) / determinant, plane_cross(first, right) / determinant

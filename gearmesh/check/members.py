@@ -274,7 +274,7 @@ def _outwards(start: int, most: int) -> Iterator[range]:
 
 
 def flank_patches(tooth: Tooth, side: Side, cells: int) -> Half:
-    """Return the trimmed flank alone on exact grids of about `cells` x `cells` cells, cut at corners of its form point."""
+    """Return the trimmed flank alone on exact grids of about `cells` x `cells`, cut at corners of its form point."""
     s = np.linspace(0.0, 1.0, cells + 1)
     grids = [tooth.flank_grid(side, s, t).points for t in _spans(tooth, cells)]
     return Half(PatchedFlank(tuple(GridFlank(grid) for grid in grids)), (FLANKS[side],) * len(grids))

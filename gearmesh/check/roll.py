@@ -4,10 +4,11 @@ The test knows only two flanks (triangle meshes, or dense grids of exact points)
 an independent check of the contact solver, with which it shares no equation: it contains distances, but no curvatures
 and no tangency conditions.
 
-1. Touch. Every circle about the gear's axis that meets both flanks gives the turn of the gear at which its two points meet. The
-   largest turn is the first touch (`touch.first_touch`).
-2. Patch. Distances are measured along the common normal over the common tangent plane. The part closer than delta is measured by
-   its area, centroid and second moments (`_patch`). An ellipse with semi-axis a has the second moment a^2 / 4.
+1. Touch. Every circle about the gear's axis that meets both flanks gives the turn of the gear at which its two points
+   meet. The largest turn is the first touch (`touch.first_touch`).
+2. Patch. Distances are measured along the common normal over the common tangent plane. The part closer than delta is
+   measured by its area, centroid and second moments (`_patch`). An ellipse with semi-axis a has the second moment a^2 /
+   4.
 """
 
 from __future__ import annotations

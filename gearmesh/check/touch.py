@@ -5,10 +5,11 @@ which the gear must turn on this circle. Circles are places (rho, z). The circle
 of two regions with rims. The largest advance is in one of three kinds of places. Each kind is searched separately, so
 that an overlap that is a thin strip or a mere corner is not missed:
 
-1. Corners of the overlap: crossings of a rim of one flank with a rim of the other (Newton's method on both rims, exact).
+1. Corners of the overlap: crossings of a rim of one flank with a rim of the other (Newton's method on both rims,
+   exact).
 2. Sides of the overlap: rims of one flank over the other flank, divided between the corners (`_rim`).
-3. Inside of the overlap: cells of the (rho, z) plane, divided while they may hold the largest advance (`_inside`). Cells that
-   contain a place of a rim are divided, too, even if their centres are not on both flanks.
+3. Inside of the overlap: cells of the (rho, z) plane, divided while they may hold the largest advance (`_inside`).
+   Cells that contain a place of a rim are divided, too, even if their centres are not on both flanks.
 
 A flank of several patches has the rims of all patches: a corner of the profile is a rim and needs no other treatment.
 """
@@ -266,7 +267,7 @@ def _rim(
     best: FirstTouch | None,
     arcs: Ways,
 ) -> Iterator[_Advances]:
-    """Yield advances on the rim of one flank over the mating flank, between crossings of rims, in ever shorter pieces."""
+    """Yield advances on the rim of one flank over the mating flank, between crossings, in ever shorter pieces."""
     near = np.repeat(_near(own, box), len(FIRST_RIM_SHARES))
     share = np.tile(FIRST_RIM_SHARES, len(near) // len(FIRST_RIM_SHARES))
     advances = _over(own, mating, is_pinion, near, share)

@@ -1,5 +1,4 @@
-"""Threads that go round their axis: a circle about the mating gear's axis meets every winding of a thread, but a tooth
-only once.
+"""Threads that go round their axis: a circle about the gear's axis meets every winding, but a tooth only once.
 
 A thread is therefore rolled in overlapping pieces of less than a turn, each piece by itself. Neighbouring windings
 require gear rotations one turn of the pinion apart. The winding in mesh is the winding within half of this of the

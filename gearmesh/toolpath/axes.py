@@ -1,5 +1,4 @@
-"""Tool axes: one lead and one tilt per pass, measured from the opening of the space, that keep the shank clear of all
-teeth.
+"""Tool axes: one lead and one tilt per pass, from the opening of the space, that keep the shank clear of teeth.
 
 A shank of radius R along the axis a from the ball's centre c has the following distance from a point q beside it (0 <
 (q - c) . a < L):
@@ -140,7 +139,7 @@ def _try(space: CutSpace, passes: Passes, ball: BallCutter, some: Array, leads: 
         )
         clearance = np.minimum(clearance, wall_clearance)
         clear = np.where(rise > 0.0, clear, 0.0)
-        # clearance from points of the teeth: shank and holder as cylinders, and the height at which an endless shank hits
+        # clearance from points of the teeth: shank and holder as cylinders, and height of an endless shank
         for points, gap in _in_the_way(space, passes, ball, int(j)):
             away, up = _from_axis(centres, axes, points)
             for part in ball.cylinders:

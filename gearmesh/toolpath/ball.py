@@ -6,7 +6,7 @@ r"""Ball-end cutters, and the largest ball that fits into a space.
                  | |
         ---.     | |    .---
             \    (c)   /
-             \    r   /       c = r + (R + stock) n touches the surface in r; the tip is at c - R a, a the unit tool axis
+             \    r   /       c = r + (R + stock) n touches the surface in r; the tip is c - R a, a the unit tool axis
               `--.|.-'
 
 A ball that touches the surface in r, with normal n, and passes through q has the radius |q - r|^2 / (2 n . (q - r)).

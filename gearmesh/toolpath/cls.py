@@ -4,12 +4,12 @@ PARTNO        name of the design and the member
 PPRINT        description, one line each
 UNITS/MM
 MULTAX/ON     locations have a tool axis
-CUTTER/d,r,e,f,a,b,h    7-parameter cutter: diameter, corner radius, distance of the corner's centre from the axis (0) and its
-              height over the tip (r), both angles 0, and the height
+CUTTER/d,r,e,f,a,b,h    7-parameter cutter: diameter, corner radius, distance of the corner's centre from the axis (0)
+              and its height over the tip (r), both angles 0, and the height
 LOADTL/n
 RAPID         for the next GOTO only
 FEDRAT/v,MMPM
-GOTO/x,y,z,i,j,k        tip of the tool (not the ball's centre), mm, in the member's own frame, and unit axis to the shank
+GOTO/x,y,z,i,j,k        tip of the tool (not the ball's centre), mm, in the member's frame, and unit axis to the shank
 END, FINI
 """
 

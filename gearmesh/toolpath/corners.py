@@ -1,8 +1,7 @@
-r"""Sharp inner corners between two walls of a space: the part of either wall that a ball reaches, and the material left
-in the corner.
+r"""Sharp inner corners between two walls of a space: the part of either wall that a ball reaches, and the rest.
 
-             \    (c)    /                  the ball touches both walls, r R tan(phi / 2) from the corner, phi the angle between
-              \   / \   /                   their normals; along the normals at the corner it leaves
+             \    (c)    /                  the ball touches both walls, r R tan(phi / 2) from the corner, phi the angle
+              \   / \   /                   between their normals; along the normals at the corner it leaves
                \ /   \ /
        wall k   `-- --'   wall k + 1            R (1 - sqrt(1 - tan^2(phi / 2)))
                    V

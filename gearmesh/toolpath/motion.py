@@ -131,7 +131,7 @@ def join(motions: list[ToolMotion]) -> ToolMotion:
 
 
 def motion_of(passes: Passes, axes: Axes, ball: BallCutter, depth: float, order: str, overrun: float) -> ToolMotion:
-    """Return the motion through all passes in order, which begins and ends above the teeth; `depth` (mm) of the space."""
+    """Return the motion through all passes, which begins and ends above the teeth; `depth` (mm) of the space."""
     centres, contacts, vectors = _beyond_ends(passes, axes.vectors, overrun)
     if order == ZIGZAG_ORDER:
         centres[1::2], contacts[1::2], vectors[1::2] = (a[1::2, ::-1] for a in (centres, contacts, vectors))

@@ -1,5 +1,4 @@
-"""Passes along the tooth: lines s = const of the walls, spaced by the scallop, with points spaced by the chord
-tolerance.
+"""Passes along the tooth: lines s = const of the walls, spaced by the scallop, with points spaced by the chords.
 
 Near a point of contact the ball leaves the surface by the quadratic form of A = 1/R - K. K is the shape operator (n_i =
 -K r_i, hollow positive); direction 1 is along the pass and direction 2 across it. As the ball moves along the pass, the
@@ -231,7 +230,7 @@ def _sag(centres: Array) -> Array:
 
 
 def _finer(t: Array, per_chord: Array, fixed: Array) -> Array:
-    """Return stations with about `per_chord` (N-1,) new chords in each old chord; the `fixed` stations are among them."""
+    """Return stations with about `per_chord` (N-1,) new chords in each old chord; `fixed` stations are kept."""
     total = np.concatenate(([0.0], np.cumsum(1.05 * np.maximum(per_chord, 1e-3))))
     at = np.interp(fixed, t, total)
     cells = np.maximum(1, np.ceil(np.diff(at)).astype(int))

@@ -1,5 +1,4 @@
-"""The space before the tooth on +x: its walls between the tips of the previous tooth and of this tooth, and all
-surfaces beside it.
+"""The space before the tooth on +x: its walls between the tips of both teeth, and the surfaces beside it.
 
 At a fixed station the walls, counterclockwise about the axis (seen from +z), are
 
@@ -54,7 +53,7 @@ class SpaceWall:
 
     @property
     def side(self) -> int:
-        """-1 left of the middle of the space (flank and fillet of the previous tooth), 0 root, 1 right of the middle."""
+        """-1 left of the middle (flank and fillet of the previous tooth), 0 for the root, 1 right of the middle."""
         return self.region.side.sign if self.region.side else 0
 
     def jet(self, s: Array, sections: Sections, stock: float = 0.0) -> Jet:
@@ -123,7 +122,7 @@ class CutSpace:
         return SpaceFrames(feed, opening, across * np.sign(dot(across, right - left))[:, None])
 
     def refuse_threads(self) -> None:
-        """Raise NoSolutionError for a thread whose space does not open between its tips in a section across the axis."""
+        """Raise NoSolutionError for a thread whose space does not open between its tips across the axis."""
         sections = self.tooth.sections(np.linspace(0.0, 1.0, OPENING_STATIONS))
         left, right = (self.walls[k].jet(np.array([end]), sections).r[0] for k, end in ((0, 0.0), (-1, 1.0)))
         root = self.walls[2].jet(np.array([0.5]), sections)

@@ -1,6 +1,4 @@
-"""A whole tool path: plans passes, chooses axes, proves the result, and plans again if too much material is left or
-gouged.
-"""
+"""A whole tool path: passes planned, axes chosen, result proved, all repeated if too much is left or gouged."""
 
 from __future__ import annotations
 

@@ -63,7 +63,7 @@ class DrawnSide:
     tip: float
 
     def parts(self, top: float) -> tuple[tuple[str, GeneratedSurface, Array], ...]:
-        """Return flank (from `top` to the form point) and fillet (on to the root), each with parameters (P,) across it."""
+        """Return flank (`top` to form point) and fillet (form point to root), each with parameters (P,) across it."""
         return (
             ("flank", self.flank, np.linspace(top, self.form_point[0], POINTS_ACROSS_FLANK)),
             ("fillet", self.fillet, np.linspace(self.form_point[1], self.root, POINTS_ACROSS_TIP)),

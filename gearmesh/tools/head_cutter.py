@@ -149,7 +149,7 @@ class Blade:
         last, edge = self._last, self.edge_radius
         if isinstance(last, RackLine):
             return last.at_height(edge * (1.0 - np.sin(last.alpha))), last.alpha
-        # the rounding's centre is at the height of its radius; its distance from the arc's centre is the sum of both radii
+        # the rounding's centre is at the height of its radius, and at the sum of both radii from the arc's centre
         angle = float(np.arcsin((edge - last.centre[0]) / (edge + last.radius)))
         return angle, angle
 
@@ -184,7 +184,7 @@ class Blade:
 
     @cached_property
     def _knots(self) -> tuple[float, float, float]:
-        """Lengths (mm) from the tip plane: of the toprem's begin, of the rounding's begin, and 0; parameters of `tip`."""
+        """Parameters of `tip`, lengths (mm) from the tip plane: begin of the toprem, begin of the rounding, 0."""
         rounding = self.edge_radius * (0.5 * np.pi - self._touch[1]) or SHARP_EDGE_LENGTH_MM
         along = self._toprem_begins - self._touch[0]
         if isinstance(self._last, Arc):

@@ -6,7 +6,7 @@ The worm takes the shaper's place, with its thread inside the shaper's teeth. It
       |  |                                                           the gear; the pitch point is x = r_ps, y = 0
       |  |        | pitch point
     --o--+--------+--> x
-      |  |<- r_w >|        E_ws = r_w - r_ps,   sin(lambda) = threads m / (2 r_w),   the worm turns N_s / threads as fast
+      |  |<- r_w >|        E_ws = r_w - r_ps,   sin(lambda) = threads m / (2 r_w),   worm turns N_s / threads as fast
 
 The contact normal n = (sin kappa, -cos kappa, 0) is at the angle kappa to y and is tangent to the base circle. Shaper
 and worm then satisfy n . v = 0 on a whole line across the profile. The distance of this line from the worm's middle

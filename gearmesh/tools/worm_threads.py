@@ -7,7 +7,7 @@ is centred on +x at z = 0 of the worm's frame. Profiles are those of `rack`: x o
       x ^   ____  thread     ZA  edge in the axial plane
         |  /    \            ZN  edge in the plane across the helix, in the middle of the space (or thread)
      ---+-/------\---> -y    ZI  involute of the transverse section
-        |/        \          ZK, ZC  disk whose axis is across the helix in the middle of the space, its profile a line or an arc
+        |/        \          ZK, ZC  disk, its axis across the helix in the middle of the space, its profile a line or an arc
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ class TransverseInvolute:
         p = np.asarray(p, dtype=float)
         turn, r, screw = self.angle + p, self.radius, self.screw
         c, s, p_r = np.cos(turn), np.sin(turn), r * p
-        # the normal is tangent x path = (c, s, 0) x (r e_s + p_r e_c + P e_z); its length is constant along the involute
+        # the normal is tangent x path = (c, s, 0) x (r e_s + p_r e_c + P e_z); its length is constant
         across = screw / np.hypot(screw, r)
         s_n, c_n = across * s, across * c
         return Generatrix(

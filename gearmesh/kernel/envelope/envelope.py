@@ -206,7 +206,7 @@ class Envelope:
         return self.motion.at(np.zeros(()))
 
     def _closed_form(self, tool: Jet) -> tuple[Array, Array, Array]:
-        """Return phi (...,), the velocity (..., 3) and df/dphi (...,) there, for constant omega and tau linear in phi."""
+        """Return phi (...,), the velocity (..., 3) and df/dphi (...,), for constant omega and tau linear in phi."""
         start = self._rest
         velocity, f_phi = _velocity(start, tool.r), dot(tool.n, start.tau_phi)
         phi = -dot(tool.n, velocity) / f_phi

@@ -111,7 +111,7 @@ class FeedGeneration:
         return _cramer(self.partials(self.tool.r_v, self.tool.n_v), self.by_motion(ROLL_PARAMETER), -self.residual)
 
     def partials(self, r_x: Array, n_x: Array) -> Array:
-        """Return derivatives (..., 2) of both equations as the tool point moves by r_x and its normal by n_x, (..., 3)."""
+        """Return derivatives (..., 2) of both equations for changes r_x, n_x (..., 3) of tool point and normal."""
         return np.stack(
             [
                 dot(n_x, w) + dot(self.tool.n, cross(omega, r_x))

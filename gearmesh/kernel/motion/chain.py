@@ -162,7 +162,7 @@ def _accumulate(
             tau_phi = turn(back, velocity_phi) - cross(omega, tau)
         total = total @ joint
         if number:
-            # twists of the product so far, seen from behind this step: Ad(J^-1) xi, and Ad(J^-1) xi' - [xi_J, Ad(J^-1) xi]
+            # twists of the product so far, behind this step: Ad(J^-1) xi, and Ad(J^-1) xi' - [xi_J, Ad(J^-1) xi]
             twists = [_body(joint, *twist) for twist in twists]
             derivatives = [[_body(joint, *twist) for twist in row] for row in derivatives]
             for a in parameter_numbers:

@@ -53,7 +53,7 @@ class RackRoll:
 class CradleRoll:
     """A tilted and fed tool turns with a cradle while the blank turns about its own axis [CR3553 1.2; AB 9-16].
 
-        M(phi) r = Rz(turn(phi)) base (feed(phi) + Rz(sense phi) (centre + slide(phi) + Rz(swivel(phi)) Ry(tilt(phi)) r))
+        M r = Rz(turn(phi)) base (feed(phi) + Rz(sense phi) (centre + slide(phi) + Rz(swivel(phi)) Ry(tilt(phi)) r))
 
     The cradle axis is z of the machine frame. turn, tilt and swivel are polynomials of phi: their coefficients (rad)
     belong to 1, phi, phi^2, ...; no coefficients mean 0. feed and slide are paths: their coefficients (3,), mm, belong
@@ -174,7 +174,7 @@ class CradleRoll:
         )
 
     def _with_changing_tilt(self, carried: MotionState, phi: Array) -> tuple[Array, tuple[Array, Array, Array, Array]]:
-        """Return rotations (..., 3, 3) of a tool with changing tilt or swivel, and the carrier's twist plus the tool's."""
+        """Return rotations (..., 3, 3) of a tool with changing tilt or swivel, and the twist of carrier plus tool."""
         (tilt, tilt_phi, tilt_2), (swivel, swivel_phi, swivel_2) = (
             tuple(_polynomial(p, phi)[..., 0] for p in setting) for setting in self._leaning
         )
@@ -191,7 +191,7 @@ class CradleRoll:
         return leaning, (omega, tau, omega_phi, tau_phi)
 
     def _transform(self, cradle: tuple[Array, Array], blank: tuple[Array, Array], centre: Array, fed: Array) -> Rigid:
-        """Return Rz(blank) base Rz(cradle) from cosines and sines; written out, which is faster than general products."""
+        """Return Rz(blank) base Rz(cradle) from cosines and sines, written out, faster than general products."""
         (c, s), (c_blank, s_blank) = cradle, blank
         columns = np.empty((*c.shape, 3, 3))
         base = self.base.rotation
@@ -208,7 +208,7 @@ class CradleRoll:
 
 
 def _derivatives(coefficients: tuple[float, ...]) -> tuple[Array, Array, Array]:
-    """Return coefficients, highest power first, of a polynomial given lowest first, and of its first two derivatives."""
+    """Return coefficients, highest power first, of a polynomial given lowest first, and of two derivatives."""
     highest_first = np.trim_zeros(np.array(coefficients[::-1]), "f")
     return highest_first, np.polyder(highest_first), np.polyder(highest_first, 2)
 

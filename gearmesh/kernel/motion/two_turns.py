@@ -48,7 +48,7 @@ class TwoTurns:
 
     @cached_property
     def _place(self) -> Array:
-        """Matrix (9, 12) from products of the parts of outer and inner angle to the rotation (9) and translation (3)."""
+        """Matrix (9, 12) from products of the parts of both angles to the rotation (9) and translation (3)."""
         rotations = np.einsum("aij,jk,bkl->abil", ROTATION_PARTS, self.between.rotation, ROTATION_PARTS)
         translations = rotations @ self.last.translation
         translations[:, 0] += ROTATION_PARTS @ self.between.translation

@@ -45,7 +45,7 @@ def about_axis(a: Array) -> Array:
 
 
 def components(*values: ArrayLike) -> Array:
-    """Return vectors (..., K) from K components. The first component has the full shape (...,). Faster than np.stack."""
+    """Return vectors (..., K) from K components, the first of full shape (...,); faster than np.stack."""
     vectors = np.empty((*np.shape(values[0]), len(values)))
     for k, value in enumerate(values):
         vectors[..., k] = value
@@ -115,7 +115,7 @@ def spread(indices: NDArray[np.int64], count: int) -> NDArray[np.int64]:
 
 
 def distinct(numbers: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return each of the whole numbers (...,) once, ascending, (K,). np.unique is much slower here because it hashes."""
+    """Return each of the whole numbers (...,) once, ascending, (K,). np.unique is slower because it hashes."""
     ascending = np.sort(numbers, axis=None)
     distinct_numbers: NDArray[np.int64] = ascending[np.append(True, ascending[1:] != ascending[:-1])[: ascending.size]]
     return distinct_numbers

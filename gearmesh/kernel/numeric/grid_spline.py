@@ -78,7 +78,7 @@ class GridSpline:
 
     @cached_property
     def _cells(self) -> tuple[Array, Array, Array]:
-        """Grid lines in x and y that bound the polynomial pieces, and coefficients (I, J, a, b) of x^a y^b per piece."""
+        """Grid lines in x and y that bound the pieces, and coefficients (I, J, a, b) of x^a y^b in each piece."""
         lines, local = [], []
         for knots, degree in zip(self.knots, self.degrees, strict=True):
             lines.append(knots[degree : len(knots) - degree])

@@ -32,7 +32,7 @@ class Polynomials:
     coefficients: Array
 
     def __call__(self, x: Array, order: int = 0) -> Array:
-        """Return values (order 0) or derivatives of an order at x (...,); the shape of one value is appended to (...,)."""
+        """Return values (order 0) or derivatives at x (...,); the shape of one value is appended to (...,)."""
         return self.derivatives(x, order)[0]
 
     def derivatives(self, x: Array, *orders: int) -> list[Array]:
@@ -49,7 +49,7 @@ class Polynomials:
 
     @cached_property
     def _derivative_tables(self) -> list[Array]:
-        """Coefficients of the derivatives of orders 0 to K + 1, in the format of `coefficients`; the last table is 0."""
+        """Coefficients of the derivatives of orders 0 to K + 1, each like `coefficients`; the last table is 0."""
         degree = len(self.coefficients) - 1
         table = []
         for order in range(degree + 1):
@@ -93,7 +93,7 @@ def knots_of(x: Array, degree: int) -> Array:
 
 
 def interpolate(x: Array, values: Array, degree: int, knots: Array | None = None) -> Array:
-    """Return coefficients (N, ...) of the B-splines of `knots` (default `knots_of`) through values (N, ...) at x (N,)."""
+    """Return coefficients (N, ...) of B-splines on `knots` (default `knots_of`) through values (N, ...) at x (N,)."""
     sums = basis(knots_of(x, degree) if knots is None else knots, degree, x)
     return np.asarray(np.linalg.solve(sums, values.reshape(len(x), -1))).reshape(values.shape)
 

@@ -98,7 +98,8 @@ class CylinderMeridian:
     sin(psi) sin(tilt), -sin(psi) cos(tilt)) out of the body. This normal is at right angles to the motion where y = x
     tan(psi) sin(tilt). With x = distance - radius cos(psi) it follows
 
-        z = radius sin(psi) cos(tilt) + distance tan(psi) sin(tilt)^2 / cos(tilt),   rho = x sqrt(1 + tan(psi)^2 sin(tilt)^2)
+        z = radius sin(psi) cos(tilt) + distance tan(psi) sin(tilt)^2 / cos(tilt)
+        rho = x sqrt(1 + tan(psi)^2 sin(tilt)^2)
     """
 
     #: distance of the cylinder's axis from the z axis, mm

@@ -1,4 +1,4 @@
-"""Points of a surface at given stations, the coordinate along the face width: Newton's method for the second parameter."""
+"""Points of a surface at given stations along the face width: Newton's method for the second parameter."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class TrimError(NoSolutionError):
 
 @dataclass(frozen=True)
 class Followed(Solution):
-    """Points at stations: second parameter v (...,) as `values`, distance (mm) to the station as residual, and `jet`."""
+    """Points at stations: second parameter v (...,) as `values`, distance (mm) from the station as residual."""
 
     jet: Jet
 
