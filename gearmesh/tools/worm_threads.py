@@ -7,7 +7,7 @@ is centred on +x at z = 0 of the worm's frame. Profiles are those of `rack`: x o
       x ^   ____  thread     ZA  edge in the axial plane
         |  /    \            ZN  edge in the plane across the helix, in the middle of the space (or thread)
      ---+-/------\---> -y    ZI  involute of the transverse section
-        |/        \          ZK, ZC  disk, its axis across the helix in the middle of the space, its profile a line or an arc
+        |/        \          ZK, ZC  disk, axis across the helix in the middle of the space, profile a line or an arc
 """
 
 from __future__ import annotations

@@ -275,7 +275,7 @@ def test_rack_generated_curvature_by_both_routes(
         assert flat <= 1e-12 * bent
 
 
-def test_spur_involute_has_the_length_of_its_generating_line_as_radius_of_curvature() -> None:
+def test_radius_of_curvature_of_a_spur_involute_is_its_generating_line() -> None:
     pressure, roll = np.radians(20.0), 40.0
     surface = Envelope(Rack(pressure, 0.0), RackRoll(roll))
     u, v = np.linspace(-3.0, 3.0, 7), np.linspace(-5.0, 5.0, 7)

@@ -118,7 +118,7 @@ def test_a_parallel_helicoid_is_the_helicoid_turned(side: int) -> None:
     np.testing.assert_allclose(moved.n, same.n, atol=1e-14)
 
 
-def test_no_amount_is_found_where_the_field_rises_as_fast_as_points_move() -> None:
+def test_no_amount_where_the_field_rises_as_fast_as_points_move() -> None:
     base, at = SURFACES["involute"]
     n = base.jet(*np.array(at)[:, None]).n[0]
 

@@ -68,7 +68,7 @@ def test_derivatives_along_the_line_of_a_disk_are_those_of_its_points() -> None:
     assert np.abs((after.n - before.n) / (2.0 * step) - at.n_p).max() < 1e-8
 
 
-def test_a_disk_touches_nowhere_beyond_the_end_of_its_profile_that_a_steep_thread_leaves() -> None:
+def test_a_disk_touches_nowhere_beyond_the_profile_left_by_a_steep_thread() -> None:
     disk = DiskLine(RackLine(0.35, 0.0, -0.7), 3.0, 3.0, np.arctan(1.0), 0.5 * np.pi, 31.8)
     p = np.array([-1.0, 1.0, 3.0, 10.0, 20.0])
     section, across = disk.profile.section(p), np.array([0.0, -np.sin(disk.tilt), np.cos(disk.tilt)])
