@@ -73,7 +73,7 @@ def test_given_settings_leave_the_backlash_asked_for_and_touch_at_phi1_0() -> No
 
 
 @pytest.mark.sweep
-def test_an_index_that_is_given_makes_the_same_tooth_whatever_the_backlash_is() -> None:
+def test_given_index_makes_the_same_tooth_for_any_backlash() -> None:
     design: Any = gm.load(GIVEN)
     sheet = settings_sheet(design, gm.build(design).train)
     keys = {"pinion.concave.index_angle", "pinion.convex.index_angle"}

@@ -229,7 +229,7 @@ def test_the_chord_is_what_a_calliper_reads(name: str) -> None:
         assert abs(ends[0] - ends[1]) == pytest.approx(tables[CUT]["s_mnc"][k], abs=2e-4)
 
 
-def test_sheet_and_drawing_have_the_dimensions_of_the_teeth_as_they_are_cut() -> None:
+def test_sheet_and_drawing_have_dimensions_of_the_cut_teeth() -> None:
     """Of a pair whose formulas are up to 30 um and 0.4 mm off: thickness from grids of the flanks, tip and root from points."""
     gears, tables = gm.build(design_named("spiral_bevel_formate")), tables_of("spiral_bevel_formate")
     mean = tables["Pair"]["mean cone distance"][1]
@@ -305,7 +305,7 @@ def test_the_transverse_contact_ratio_is_that_of_virtual_teeth_in_mesh() -> None
     assert pair["eps_v_gamma"][1] == pytest.approx(np.hypot(turn / pitch, pair["eps_v_beta"][1]), abs=1e-8)
 
 
-def test_an_edge_radius_by_agma_929_leaves_a_flat_of_0_2_mm_at_the_blade_s_tip() -> None:
+def test_edge_radius_by_agma_929_leaves_a_flat_at_the_blade_tip() -> None:
     """Radii at which the rounding of a blade begins and ends, not the formula; lengths of an inch design too."""
     unit = design_named("inch").mm_per_unit
     cut = bevel_teeth(design_named("inch").in_mm()).cut

@@ -180,7 +180,7 @@ def test_shaper_like_the_pinion_gives_lines_of_contact() -> None:
 
 @pytest.mark.parametrize("key", ["dE", "dq"])
 @pytest.mark.parametrize("error", [-0.1, 0.1])
-def test_parallel_shift_moves_the_path_as_the_internal_mesh_of_shaper_and_pinion_says(key: str, error: float) -> None:
+def test_parallel_shift_moves_the_path_by_the_mesh_of_shaper_and_pinion(key: str, error: float) -> None:
     """Shaper and pinion stay in mesh at another centre distance: their line of action turns, and with it the path."""
     given = design(f"assembly.{key}={error}")
     shaped, path = shaped_gear(given), analyse(pair_of(given), PHI1[1:4])
@@ -347,7 +347,7 @@ def test_units_do_not_matter() -> None:
 
 
 @pytest.mark.quick
-def test_a_face_gear_has_no_diameters_but_radii_of_its_ends_and_heights_of_tip_and_root() -> None:
+def test_face_gear_has_end_radii_and_tip_and_root_heights() -> None:
     """Of shaft angle 90 deg tip and root are planes: the pitch radius of the shaper less the addendum, its top radius."""
     own = design()
     tables = build(own).sheet().plain_tables["Members at mid face"]

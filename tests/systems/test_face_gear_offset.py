@@ -55,7 +55,7 @@ def test_aligned_pair_turns_uniformly_and_touches_with_normals_through_the_pitch
     np.testing.assert_allclose(np.sum(velocity * path.normal, axis=-1), 0.0, rtol=0, atol=1e-9)
 
 
-def test_shaper_like_the_pinion_is_conjugate_on_crossed_axes_and_solids_do_not_overlap() -> None:
+def test_shaper_like_the_pinion_is_conjugate_on_crossed_axes_without_overlap() -> None:
     """Solver, flanks rolled on grids of exact points, and solids."""
     given = design("offset=30", "shaft_angle=80", "backlash=0.02", sample="face_gear_conjugate")
     pair = pair_of(given)
@@ -158,7 +158,7 @@ def test_refusals_name_key_value_and_limit(overrides: list[str], words: str) -> 
 
 @pytest.mark.sweep_cases("120.0", "90.0")
 @pytest.mark.parametrize("shaft_angle", [70.0, 90.0, 120.0])
-def test_sheet_has_axodes_that_roll_on_each_other_and_the_lines_of_contact(shaft_angle: float) -> None:
+def test_sheet_has_rolling_axodes_and_lines_of_contact(shaft_angle: float) -> None:
     """The cones touch in the instantaneous axis, where both members have one velocity; in the pitch point it is the pitch line."""
     given = design(f"shaft_angle={shaft_angle}", sample="face_gear")
     tables = {each.title: each for each in data_sheet(given, system.build(given)).tables}

@@ -153,7 +153,7 @@ def test_refusals_name_key_value_and_limit(overrides: list[str], words: str) -> 
     assert words in str(failure.value)
 
 
-def test_root_of_a_single_thread_is_more_than_half_a_turn_wide_at_its_ends() -> None:
+def test_single_thread_root_is_wider_than_half_a_turn_at_ends() -> None:
     """Seen across the worm; it was refused as a root that fillets overlap in."""
     tooth = system.worm(load(SAMPLES / "face_gear.toml")).member.tooth
     ends = tooth.sections([0.0, 0.5, 1.0])

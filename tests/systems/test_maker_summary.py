@@ -120,7 +120,7 @@ def test_flanks_and_toprem_of_the_design_file_are_what_the_sheet_cuts(hand: str)
 
 
 @pytest.mark.sweep
-def test_the_pair_of_the_sheet_has_contact_and_the_backlash_that_the_design_asks_for() -> None:
+def test_pair_of_the_summary_has_contact_and_the_requested_backlash() -> None:
     contact = gm.build(gm.load(ENTERED)).contact()
     assert contact.fit is not None
     # least over the cycle, where both flanks lag

@@ -404,7 +404,7 @@ def test_free_edge_radii_give_way_and_given_ones_do_not() -> None:
 
 
 @pytest.mark.sweep
-def test_a_mean_point_that_is_not_generated_at_cradle_rotation_0_is_refused() -> None:
+def test_mean_point_not_generated_at_cradle_rotation_0_is_refused() -> None:
     flat = {**BASIC, "spiral_angle": 0.0, "pinion": {"teeth": 20}, "gear": {"teeth": 20}}
     pair_of(parse(flat))
     with pytest.raises(GearmeshError, match="use mean_point"):

@@ -100,7 +100,7 @@ def test_the_contact_goes_where_v_and_h_put_it(name: str, side: str) -> None:
 
 
 @pytest.mark.sweep
-def test_a_place_that_other_teeth_hide_is_refused_with_the_nearest_that_is_free() -> None:
+def test_hidden_place_is_refused_with_the_nearest_free_place() -> None:
     """21/45: what brought the vertex to the toe left the contact on edges; the place that is offered is where teeth touch first."""
     design = load(CORPUS / "vh_spiral_bevel_21_45.toml")
     found = gm.build(design).vh()

@@ -292,7 +292,7 @@ UNIFORM = (
 
 @pytest.mark.parametrize("keys", some(UNIFORM, 2))
 @pytest.mark.sweep_cases("keys0")
-def test_a_larger_zi_hob_leaves_a_wheel_with_profile_shift_that_is_uniform_and_free(keys: dict[str, Any]) -> None:
+def test_larger_zi_hob_leaves_a_uniform_wheel_without_jamming(keys: dict[str, Any]) -> None:
     """Without backlash: neither flank is ahead anywhere, so nothing jams, and both touch in the pitch point together."""
     contact = gm.build(gm.parse(keys)).contact()
     path, fitted, cycle = contact.path, contact.fit, contact.cycle

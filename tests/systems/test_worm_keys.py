@@ -158,7 +158,7 @@ def test_a_throat_radius_is_refused_where_there_is_no_throat() -> None:
         gears_of({**keys, "wheel.throat_radius": 18})
 
 
-def test_a_centre_distance_that_no_shift_makes_up_is_refused_by_its_name() -> None:
+def test_centre_distance_without_possible_shift_is_refused_by_its_name() -> None:
     """And not by that of the profile shift, which nobody set; at 2 modules from the distance without shift it is taken."""
     middle, m = (design := gm.parse(BASE)).center_distance, design.given_module  # type: ignore[attr-defined]
     for side in (-2.0, 2.0):

@@ -83,7 +83,7 @@ def test_figures_are_those_of_the_hand() -> None:
     )
 
 
-def test_figures_of_a_za_worm_and_its_larger_hob_are_those_of_the_hand() -> None:
+def test_za_worm_and_larger_hob_match_hand_calculation() -> None:
     """tan(alpha_n) = tan(alpha_0) cos(gamma); a hob of 3 threads. In the middle plane a rack of 20 deg meets an involute gear."""
     keys: dict[str, Any] = {"worm": {"form": "ZA"}, "backlash": 0.1, "friction": 0.05}
     sheet = sheet_of(gears_of(**keys, hob={"reference_diameter": 90, "threads": 3}))

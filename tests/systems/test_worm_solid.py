@@ -311,7 +311,7 @@ def test_worm_of_a_design_touches_the_pinion_with_its_flanks(crowning: str) -> N
     assert needed + pitch <= part.figures["length_mm"] < needed + pitch + 1.0
 
 
-def test_worm_of_a_pinion_that_is_not_ground_by_it_is_fed_without_crowning() -> None:
+def test_worm_of_an_unground_pinion_is_fed_without_crowning() -> None:
     plunged, *others = (
         part_of_design(load(NOVIKOV, [f"pinion.crowning={crowning}"])) for crowning in ("worm_plunge", "disk", "none")
     )

@@ -59,7 +59,7 @@ def test_teeth_are_sound_at_every_station(name: str) -> None:
     tooth.prove_land(np.union1d(np.linspace(0.0, 1.0, 2001), corners))
 
 
-def test_a_face_width_that_is_left_open_is_no_reason_for_a_refusal() -> None:
+def test_open_face_width_is_no_reason_for_a_refusal() -> None:
     """What is left of DIN 3975's is sound, an eighth of it more is not; where that is, it stays."""
     steep = gm.load(CORPUS / "face_worm_drive_10.toml")
     gears = gm.build(steep)
@@ -160,7 +160,7 @@ def steep_worm(form: str, **worm: float) -> WormDriveDesign:
 
 
 @pytest.mark.parametrize("form", SHORT)
-def test_a_rounding_is_reached_that_the_end_of_the_flank_leaves_room_for(form: str) -> None:
+def test_rounding_is_reached_where_the_flank_end_has_room(form: str) -> None:
     """The flank ends at the base cylinder, a ground one where it is nearest to the axis, looked for on 200,001 points: a
     rounding is as large as that is above the root, or larger, and touches the flank above, on this side of its end."""
     thread = nominal_thread(steep_worm(form, dedendum=0.8))
@@ -354,7 +354,7 @@ def test_throat_angle_is_refused_where_it_does_nothing() -> None:
 
 
 @pytest.mark.sweep
-def test_wheels_of_an_adapted_addendum_are_sound_between_the_stations_of_the_proof() -> None:
+def test_wheels_with_adapted_addendum_are_sound_between_proof_stations() -> None:
     """Seed 172: with the usual face its solid failed; the face of three quarters is meshed, and closed."""
     gears = gm.build(gm.load(CORPUS / "solid_worm_drive_172.toml"))
     assert any("wheel.addendum" in line for line in gears.warnings)

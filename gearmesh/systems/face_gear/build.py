@@ -368,8 +368,8 @@ def _pinion(design: FaceGearDesign, place: float) -> Member:
         return {"theta_1": np.degrees(theta), "u_1": v + place}
 
     racks = round_tips("pinion", spec, m, (flank, flank), heights)
-    made = member("pinion", spec, racks, roll, source_parameters, "addendum")
-    return with_end_chamfers(with_modifications(with_tip_surface(made, spec), spec), spec)
+    spur = member("pinion", spec, racks, roll, source_parameters, "addendum")
+    return with_end_chamfers(with_modifications(with_tip_surface(spur, spec), spec), spec)
 
 
 # ---------------------------------------------------------------- assembly
@@ -382,8 +382,8 @@ def _mounts(design: FaceGearDesign, shaped: ShapedGear, place: float) -> tuple[M
     """
     errors, spec, m = design.assembly, design.pinion, design.given_module
     alpha = np.radians(design.pressure_angle)
-    apart = 0.5 * (shaped.shaper.teeth - spec.teeth) * m
-    pinion = Rigid(np.eye(3), np.array([apart, errors.dE, place]))
+    axis_distance = 0.5 * (shaped.shaper.teeth - spec.teeth) * m
+    pinion = Rigid(np.eye(3), np.array([axis_distance, errors.dE, place]))
     along = Rigid(np.eye(3), np.array([0.0, 0.0, errors.dq]))
     gear = gear_base(shaped.shaft_angle + float(np.radians(errors.d_gamma)), -shaped.offset) @ along
     # half a tooth angle on the pitch cylinder, less half of the backlash

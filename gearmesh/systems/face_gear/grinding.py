@@ -92,8 +92,8 @@ class Grinding:
         shaper = self.shaped.shaper
 
         def normal(q: Array) -> tuple[Array, Array]:
-            at = np.array([shaper.pitch_radius, 0.0]) - shaper.rounding.section(q)[0]
-            return q, at[..., 0] * np.cos(q) + at[..., 1] * np.sin(q)
+            point = np.array([shaper.pitch_radius, 0.0]) - shaper.rounding.section(q)[0]
+            return q, point[..., 0] * np.cos(q) + point[..., 1] * np.sin(q)
 
         return self._envelope(side, shaper.rounding, normal)
 
@@ -123,9 +123,9 @@ class Grinding:
         right, left = (self._grind_side(tooth.side(side), side) for side in Side)
         return replace(tooth, right=right, left=left)
 
-    def _grind_side(self, side: ToothSide, which: Side) -> ToothSide:
+    def _grind_side(self, side: ToothSide, flank_side: Side) -> ToothSide:
         """Return one side of a shaped tooth with ground flank and fillet."""
-        flank, fillet = self.flank(which), self.fillet(which)
+        flank, fillet = self.flank(flank_side), self.fillet(flank_side)
         return replace(side, flank=flank, fillet=fillet, tool=self.worm.description, generation=(flank, fillet))
 
     def difference(self, tooth: Tooth) -> float:
@@ -137,8 +137,8 @@ class Grinding:
             assert grid.v is not None
             worm, kappa = self._kappa(side, grid.v)
             ground = self.flank(side).generation(grid.p, grid.v - worm.along(kappa))
-            apart = ground.state.tool_to_blank.point(ground.tool.r) - surface.jet(grid.p, grid.v).r
-            distances.append(np.linalg.norm(apart, axis=-1).max())
+            distance = ground.state.tool_to_blank.point(ground.tool.r) - surface.jet(grid.p, grid.v).r
+            distances.append(np.linalg.norm(distance, axis=-1).max())
         return float(max(distances))
 
     def contact(self, tooth: Tooth, side: Side) -> tuple[Array, Array]:
@@ -151,7 +151,7 @@ class Grinding:
     def reach(self, tooth: Tooth) -> tuple[float, float]:
         """Return the lowest and highest position (mm) along the worm's axis of points that grind a trimmed tooth."""
         places = [side.sign * self.own(side)[1].place(*self.contact(tooth, side)) for side in Side]
-        return float(min(place.min() for place in places)), float(max(place.max() for place in places))
+        return float(min(positions.min() for positions in places)), float(max(positions.max() for positions in places))
 
     def reserve(self, tooth: Tooth) -> float:
         """Return the least pressure angle (rad) of the grinding points, beyond that of the thread's singular points."""

@@ -168,11 +168,9 @@ class ShapedGear:
         return np.stack((rho * np.cos(angle), rho * np.sin(angle), x * s + z * c), axis=-1)
 
     def singularity(self, theta: Array, z: Array) -> Array:
-        """Return the area (R_u x R_v) . N over that of the shaper, (...,).
+        """Return the area (R_u x R_v) . N over its value on the shaper, (...,).
 
         It is 0 on the limiting line [LF04 17.9.1-3], < 0 beyond it.
-
-        N over its value on the shaper, (...,): 0 on the limiting line [LF04 17.9.1-3], < 0 beyond it.
         """
         kappa, q = self.pressure_angle(z), self.ratio
         x, y = self.contact(theta, kappa)

@@ -112,8 +112,8 @@ def tips_on_pinion(design: FaceGearDesign, shaped: ShapedGear, radii: tuple[floa
     # at phi1 = 0 a tooth of the gear is in the middle of a space of the pinion, without backlash
     turned = gear_base(shaped.shaft_angle, -shaped.offset) @ Rigid.about_z(phi1[..., 0] * teeth / shaped.teeth)
     fixed = np.einsum("pqij,stj->psti", turned.rotation, edges) + turned.translation
-    apart = 0.5 * (shaper.teeth - teeth) * m
-    x, y = fixed[..., 0] - apart, fixed[..., 1]
+    axis_distance = 0.5 * (shaper.teeth - teeth) * m
+    x, y = fixed[..., 0] - axis_distance, fixed[..., 1]
     angle, pitch = np.arctan2(y, x) + phi1, 2.0 * np.pi / teeth
     return np.hypot(x, y).ravel() / m, (angle - pitch * np.round(angle / pitch)).ravel()
 
@@ -143,8 +143,8 @@ def _half_space(design: FaceGearDesign, depth: float, radius: float) -> Callable
         centre_x - radius * np.sin(arc), centre_y + radius * np.cos(arc), -np.sin(arc), np.cos(arc), pitch
     )
     x = np.linspace(centre_x - radius * np.sin(alpha), shift + design.pinion.addendum, PROFILE_POINTS)
-    one = np.ones_like(x)
-    flank = _generate(x, half + (x - shift) * np.tan(alpha), -np.sin(alpha) * one, np.cos(alpha) * one, pitch)
+    ones = np.ones_like(x)
+    flank = _generate(x, half + (x - shift) * np.tan(alpha), -np.sin(alpha) * ones, np.cos(alpha) * ones, pitch)
     # an undercut flank reverses at its cusp: only the part beyond it counts
     cusp = int(np.argmin(flank[0]))
 

@@ -45,19 +45,19 @@ def _axodes(design: FaceGearDesign, shaped: ShapedGear) -> SheetTable:
     teeth, angle = (design.pinion.teeth, design.shaper_teeth), shaped.shaft_angle
     cones = [np.degrees(half_angles(count, shaped.teeth, angle)) for count in teeth]
     meet = shaped.offset == 0.0
-    apart = 0.5 * (teeth[1] - teeth[0]) * design.given_module
+    axis_distance = 0.5 * (teeth[1] - teeth[0]) * design.given_module
     rows: list[Row] = [
         ("gamma_1", "half angle of its axode", "deg", tuple(float(c[0]) if meet else None for c in cones)),
         ("gamma_2", "half angle of the gear's axode", "deg", tuple(float(c[1]) if meet else None for c in cones)),
-        ("B", "distance of the axis from the pinion's", "mm", (0.0, apart)),
+        ("B", "distance of the axis from the pinion's", "mm", (0.0, axis_distance)),
         ("", "pitch point from the apex, along the axis", "mm", (shaped.pitch_distance if meet else None,) * 2),
     ]
     return table(AXODES_TITLE, ("pinion", "shaper"), rows)
 
 
-def half_angles(first: int, second: int, shaft_angle: float) -> tuple[float, float]:
+def half_angles(teeth: int, mating_teeth: int, shaft_angle: float) -> tuple[float, float]:
     """Return the half angles (rad) of both axodes on intersecting axes, by tooth numbers [LF04 18.2.2]."""
-    cosine, sine, ratio = np.cos(shaft_angle), np.sin(shaft_angle), second / first
+    cosine, sine, ratio = np.cos(shaft_angle), np.sin(shaft_angle), mating_teeth / teeth
     return float(np.arctan2(sine, ratio + cosine)), float(np.arctan2(sine, 1.0 / ratio + cosine))
 
 

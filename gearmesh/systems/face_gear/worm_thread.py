@@ -83,15 +83,15 @@ class Thread:
         """Radius (mm) of the root cylinder."""
         return self.worm.distance + self.low - 0.5 * self.clearance
 
-    def side(self, which: int) -> ToothSide:
+    def side(self, thread_side: int) -> ToothSide:
         """Return the thread's right side (+1) or left side (-1) in the worm's frame; a thread is centred on +x."""
-        shaper, side = self.worm.shaper, -which * self.worm.hand
-        to_own = Rigid.about_z(-which * np.pi / self.worm.threads)
+        shaper, side = self.worm.shaper, -thread_side * self.worm.hand
+        to_own = Rigid.about_z(-thread_side * np.pi / self.worm.threads)
         flank = PlacedSurface(self.flank(side), to_own)
         generated = self.worm.thread(Reversed(shaper.rounding), side, branch=-1)
         rounding = MappedSurface(generated, lambda q, v: self._crest_mapping(side, q, v))
         tip_corner = TipCorner(PlacedSurface(rounding, to_own), (1.0, -shaper.form_point[1]), -shaper.root)
-        wall = Wall(flank, self.root, which)
+        wall = Wall(flank, self.root, thread_side)
         return ToothSide(
             flank, wall, (0.0, 0.0), 1.0, 1.0, tip_corner=tip_corner, sharp=True, tool=ToolDescription("shaper")
         )
@@ -154,17 +154,17 @@ class Thread:
         worm, shaper = self.worm if side > 0 else self.worm.mirror_image, self.worm.shaper
         # point of the rounding from the shaper's axis, with the shaper's space centred on x; its normal is at the angle -q
         points, tangents, _, _ = shaper.rounding.section(-q)
-        at, slope, y = np.array([shaper.pitch_radius, 0.0]) - points, tangents, side * v
-        radius = np.hypot(at[..., 0], at[..., 1])
+        point, slope, y = np.array([shaper.pitch_radius, 0.0]) - points, tangents, side * v
+        radius = np.hypot(point[..., 0], point[..., 1])
         with np.errstate(invalid="ignore"):
             x = np.sqrt(radius**2 - y**2)
-        psi = np.arctan2(y, x) - np.arctan2(at[..., 1], at[..., 0])
+        psi = np.arctan2(y, x) - np.arctan2(point[..., 1], point[..., 0])
         c, s = np.cos(-q), np.sin(-q)
-        arm = at[..., 0] * c + at[..., 1] * s
+        arm = point[..., 0] * c + point[..., 1] * s
         # derivatives by q; the angle of the normal is -q, the tangent is -d at / d(-q)
-        arm_q = slope[..., 0] * c + slope[..., 1] * s + at[..., 0] * s - at[..., 1] * c
-        radius_q = np.einsum("...i,...i", at, slope) / radius
-        turn_q = (at[..., 0] * slope[..., 1] - at[..., 1] * slope[..., 0]) / radius**2
+        arm_q = slope[..., 0] * c + slope[..., 1] * s + point[..., 0] * s - point[..., 1] * c
+        radius_q = np.einsum("...i,...i", point, slope) / radius
+        turn_q = (point[..., 0] * slope[..., 1] - point[..., 1] * slope[..., 0]) / radius**2
         kappa, kappa_q = psi - q, -1.0 - turn_q - radius_q * y / (radius * x)
         z, z_kappa, z_arm = worm.along_arm(kappa, arm)
         return Mapping(q, z, np.ones_like(q), np.zeros_like(q), z_kappa * kappa_q + z_arm * arm_q, side * z_kappa / x)

@@ -76,13 +76,13 @@ def is_hypoid(file: StageReader) -> bool:
 
 def read_bevel(file: StageReader) -> dict[str, Any]:
     """Return the keys of the design of a stage."""
-    stage, own = file.stage, file.own_keys(file.stage)
-    pinion, gear = sorted(file.gears(), key=lambda one: file.required_count(one, "number_of_teeth"))
+    stage, own_keys = file.stage, file.own_keys(file.stage)
+    pinion, gear = sorted(file.gears(), key=lambda component: file.required_count(component, "number_of_teeth"))
     offset = file.number(stage, "hypoid_offset", "offset") or 0.0
     module = file.number(stage, "outer_transverse_module", "module")
     teeth = {
-        name: file.required_count(one, "number_of_teeth", f"{name}.teeth")
-        for name, one in zip(MEMBER_NAMES, (pinion, gear), strict=True)
+        name: file.required_count(component, "number_of_teeth", f"{name}.teeth")
+        for name, component in zip(MEMBER_NAMES, (pinion, gear), strict=True)
     }
     if module is None:
         module = file.required_number(gear, "outer_pitch_diameter") / teeth["gear"]
@@ -93,7 +93,7 @@ def read_bevel(file: StageReader) -> dict[str, Any]:
         "kind": "hypoid" if abs(offset) > MAX_ROUNDING else "spiral_bevel",
         "units": "mm",
         "name": stage.name or None,
-        **own,
+        **own_keys,
         "module": module,
         "shaft_angle": file.number(stage, "shaft_angle", "shaft_angle"),
         "pressure_angle": file.number(stage, "nominal_design_pressure_angle_drive", "pressure_angle"),
@@ -102,13 +102,13 @@ def read_bevel(file: StageReader) -> dict[str, Any]:
         "face_width": file.number(gear, "face_width", "face_width"),
         "offset": offset if abs(offset) > MAX_ROUNDING else None,
     }
-    for name, one in zip(MEMBER_NAMES, (pinion, gear), strict=True):
+    for name, component in zip(MEMBER_NAMES, (pinion, gear), strict=True):
         keys[f"{name}.teeth"] = teeth[name]
         for key in ("root_angle", "face_angle"):
-            keys[f"{name}.{key}"] = file.number(one, key, f"{name}.{key}")
+            keys[f"{name}.{key}"] = file.number(component, key, f"{name}.{key}")
     keys |= file.materials(dict(zip(MEMBER_NAMES, (pinion, gear), strict=True)))
-    right = (keys["hand"] or own.get("hand") or "left") == "right"
-    formate = "formate" in str(own.get("process", ""))
+    right = (keys["hand"] or own_keys.get("hand") or "left") == "right"
+    formate = "formate" in str(own_keys.get("process", ""))
     for side, machine in _sides(file, pinion, right, False).items():
         keys |= {f"pinion.{side}.{key}": value for key, value in machine.items()}
     keys |= {
@@ -171,9 +171,11 @@ def _one_cutter(file: StageReader, gear: Component, sides: Mapping[str, dict[str
         return {}
     outside, inside = sides["concave"], sides["convex"]
     of_blades = ("tip_radius", "blade_angle")
-    apart = [key for key in outside if key not in of_blades and abs(outside[key] - inside.get(key, math.inf)) > 1e-6]
-    if apart:
-        file.notes.append(f"{gear}: settings are not used: a design cuts both flanks with the same {', '.join(apart)}")
+    unequal = [key for key in outside if key not in of_blades and abs(outside[key] - inside.get(key, math.inf)) > 1e-6]
+    if unequal:
+        file.notes.append(
+            f"{gear}: settings are not used: a design cuts both flanks with the same {', '.join(unequal)}"
+        )
         return {}
     radii = outside["tip_radius"], inside["tip_radius"]
     keys = {**outside, "tip_radius": 0.5 * (radii[0] + radii[1]), "point_width": radii[0] - radii[1]}
@@ -187,7 +189,7 @@ def write_bevel(file: StageWriter, design: FaceMilledDesign, known: Component | 
     blank, keys = bevel_teeth(design).cut.blank, file.keys
     stage = file.stage(STAGE_TYPE, known, design.name or "")
     gears = file.gears(stage, (GEAR_TYPE, GEAR_TYPE), MEMBER_NAMES)
-    counts = [one.attributes.get("number_of_teeth") for one in gears]
+    counts = [gear.attributes.get("number_of_teeth") for gear in gears]
     if counts[0] is not None and counts[1] is not None and float(str(counts[0].text)) > float(str(counts[1].text)):
         gears = (gears[1], gears[0])
     file.put(stage, "shaft_angle", file.take("shaft_angle"))
@@ -199,13 +201,13 @@ def write_bevel(file: StageWriter, design: FaceMilledDesign, known: Component | 
     right = design.hand == "right"
     spirals = [keys.get("spiral_angle"), math.degrees(blank.gear.spiral_angle)]
     width = file.take("face_width")
-    for name, one, member, spiral in zip(MEMBER_NAMES, gears, blank.members, spirals, strict=True):
+    for name, gear, member, spiral in zip(MEMBER_NAMES, gears, blank.members, spirals, strict=True):
         hand = right == (name == "pinion")
-        file.put(one, "face_width", width if name == "gear" else member.face_width)
-        file.put(one, "mean_spiral_angle", spiral)
-        file.put(one, "spiral_angle_pitch_direction", "right" if hand else "left")
-        _write_member(file, one, member, name)
-        flanks = file.flanks(one, FLANK_TYPE)
+        file.put(gear, "face_width", width if name == "gear" else member.face_width)
+        file.put(gear, "mean_spiral_angle", spiral)
+        file.put(gear, "spiral_angle_pitch_direction", "right" if hand else "left")
+        _write_member(file, gear, member, name)
+        flanks = file.flanks(gear, FLANK_TYPE)
         for flank, component in flanks.items():
             _write_side(file, component, name, "concave" if (flank == "left") == hand else "convex")
         for key in _keys_given(file, name):
@@ -215,12 +217,12 @@ def write_bevel(file: StageWriter, design: FaceMilledDesign, known: Component | 
     return stage
 
 
-def _write_member(file: StageWriter, one: Component, member: MemberBlank, name: str) -> None:
+def _write_member(file: StageWriter, component: Component, member: MemberBlank, name: str) -> None:
     """Write the data of a member's blank."""
-    file.put(one, "number_of_teeth", member.teeth)
+    file.put(component, "number_of_teeth", member.teeth)
     for key in ("root_angle", "face_angle"):
-        file.put(one, key, file.take(f"{name}.{key}"))
-    file.put(one, "pitch_angle", math.degrees(member.pitch_angle))
+        file.put(component, key, file.take(f"{name}.{key}"))
+    file.put(component, "pitch_angle", math.degrees(member.pitch_angle))
     for attribute, value in (
         ("mean_cone_distance", member.mean_cone_distance),
         ("outer_cone_distance", member.outer_cone_distance),
@@ -231,9 +233,9 @@ def _write_member(file: StageWriter, one: Component, member: MemberBlank, name: 
         ("pitch_apex_beyond_crossing_point", member.pitch_apex),
         ("root_apex_beyond_crossing_point", member.root_apex),
     ):
-        file.put(one, attribute, value)
+        file.put(component, attribute, value)
     file.take(f"{name}.teeth")
-    file.put_material(one, name)
+    file.put_material(component, name)
 
 
 def _write_side(file: StageWriter, flank: Component, name: str, side: str) -> None:

@@ -463,14 +463,14 @@ def wheel_tooth(design: WormDriveDesign) -> Tooth:
             else "",
         )
     if hob.distance <= throat.outside:
-        apart = abs(hob_apart(design)[0]) > DIAMETER_TOLERANCE
+        displaced = abs(hob_apart(design)[0]) > DIAMETER_TOLERANCE
         raise VagueError(
-            "hob.center_distance" if apart else "wheel.outside_diameter",
-            hob.distance if apart else spec.outside_diameter,
+            "hob.center_distance" if displaced else "wheel.outside_diameter",
+            hob.distance if displaced else spec.outside_diameter,
             unit="mm",
             reason="the outside cylinder reaches the hob's axis",
             allowed=f"more than {at_least(throat.outside)} mm"
-            if apart
+            if displaced
             else f"less than {at_most(2.0 * hob.distance)} mm",
         )
     bore = bore_radius("wheel", spec.stated_bore, smallest, "the root diameter in the middle plane")

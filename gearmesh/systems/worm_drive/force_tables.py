@@ -79,9 +79,9 @@ class PitchForces:
 
 def pitch_forces(mesh: ThreadMesh, friction: float, driver: int) -> PitchForces:
     """Return the forces per N of normal force with a coefficient of friction; `driver`: +1 worm, -1 wheel."""
-    at = mesh.at_reference()
+    contact = mesh.at_reference()
     # friction drags the wheel's flank along with the sliding worm; with the wheel driving, all speeds are reversed
-    return PitchForces(mesh, at.r, at.n + driver * mesh.side * friction * unit(at.v12))
+    return PitchForces(mesh, contact.r, contact.n + driver * mesh.side * friction * unit(contact.v12))
 
 
 def efficiencies(mesh: ThreadMesh, friction: float) -> tuple[float, float | None]:
@@ -119,7 +119,7 @@ def pair_forces(design: WormDriveDesign, torque: float, speed: float | None) -> 
         "F_a": "axial, > 0 along the own z",
     }
     rows += [
-        (symbol, names[symbol], "N", tuple(normal * part for part in both)) for symbol, both in forces.parts.items()
+        (symbol, names[symbol], "N", tuple(normal * part for part in values)) for symbol, values in forces.parts.items()
     ]
     drag: Row = ("F_n", "normal to the flanks", "N", (normal, normal))
     title = f"Forces for {torque:g} Nm on the worm, its {flank.value} flanks driving"

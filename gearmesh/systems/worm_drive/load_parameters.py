@@ -120,11 +120,11 @@ def load_parameters(
     bent = contact.curvature > 0.0
     used = bool(bent[weight > 0.0].all())
     weight = np.where(bent, weight, 0.0)
-    whole, a = float(weight.sum()), mesh.distance
+    weight_sum, a = float(weight.sum()), mesh.distance
 
     def mean(figure: Array) -> float:
         """Return the weighted mean of a quantity over the field."""
-        return float((weight * np.where(weight > 0.0, figure, 0.0)).sum()) / whole
+        return float((weight * np.where(weight > 0.0, figure, 0.0)).sum()) / weight_sum
 
     pitch = mesh.thread.axial_pitch
     arm = dot(cross(contact.r - np.array([a, 0.0, 0.0]), contact.n), mesh.wheel_axis)
@@ -137,7 +137,7 @@ def load_parameters(
         speed = rolling * math.pi / 30.0 / a
         film = FILM_FACTOR * speed**0.7 * (radius / a) ** 0.43 / (load * a**2) ** 0.13
         return LoadParameters(
-            length=whole / pitch,
+            length=weight_sum / pitch,
             radius=1.0 / mean(contact.curvature),
             pressure=math.pi / 32.0 * load * a**3 * mean(contact.curvature),
             film=mean(film),
@@ -163,8 +163,8 @@ def middle_contact_ratio(design: WormDriveDesign, tip: LandLevel) -> float:
         return tip.at(axial) - _wheel_radius(mesh, r)
 
     root = bracketed_root(out, ends[:1], ends[1:])
-    first = root.values if root.converged.all() else ends[:1]
-    shift = mesh.at(np.concatenate((first, ends[1:])), np.zeros(2)).shift
+    start = root.values if root.converged.all() else ends[:1]
+    shift = mesh.at(np.concatenate((start, ends[1:])), np.zeros(2)).shift
     return float(abs(shift[1] - shift[0])) / mesh.thread.axial_pitch
 
 

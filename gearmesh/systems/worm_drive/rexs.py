@@ -58,7 +58,7 @@ ROOT_ATTRIBUTE = "root_diameter_worm_gear"
 
 def read_worm_drive(file: StageReader) -> dict[str, Any]:
     """Return the keys of the design of a stage."""
-    stage, own = file.stage, file.own_keys(file.stage)
+    stage, own_keys = file.stage, file.own_keys(file.stage)
     worm, wheel = sorted(file.gears(), key=lambda one: one.type != WORM_TYPE)
     lead = file.number(worm, "lead_angle_worm_gear", "worm.lead_angle", zero=True)
     diameter = file.number(worm, DIAMETER_ATTRIBUTE, "worm.reference_diameter")
@@ -66,7 +66,7 @@ def read_worm_drive(file: StageReader) -> dict[str, Any]:
     form = file.text(worm, "flank_form", "worm.form")
     if axial is None and normal is None:
         raise file.refusal(worm, "axial_module", "missing, and so is normal_module")
-    by_axial = axial is not None and own.get("module_section") != "normal"
+    by_axial = axial is not None and own_keys.get("module_section") != "normal"
     module = axial if axial is not None else (normal or 0.0) / math.cos(math.radians(abs(lead or 0.0)))
     quotient = file.number(worm, "form_factor_worm_gear", "worm.quotient")
     if diameter is None and quotient is not None:
@@ -75,7 +75,7 @@ def read_worm_drive(file: StageReader) -> dict[str, Any]:
         "kind": "worm_drive",
         "units": "mm",
         "name": stage.name or None,
-        **own,
+        **own_keys,
         "module": axial if by_axial else normal,
         "module_section": "axial" if by_axial else "normal",
         "pressure_angle": _either(file, (worm, wheel), "pressure_angle_worm_gear", "pressure_angle"),
@@ -112,7 +112,7 @@ def read_worm_drive(file: StageReader) -> dict[str, Any]:
 
 def _either(file: StageReader, gears: tuple[Component, Component], id: str, key: str) -> float | None:
     """Return a value that both gears of a stage may have: that of the first gear that has it."""
-    values = [file.number(one, id, key) for one in gears]
+    values = [file.number(gear, id, key) for gear in gears]
     return next((value for value in values if value is not None), None)
 
 
@@ -168,11 +168,11 @@ def write_worm_drive(file: StageWriter, design: WormDriveDesign, known: Componen
     sense = 1.0 if spec.right_hand else -1.0
     file.put(stage, "center_distance", file.take("center_distance"))
     file.put(stage, "gear_ratio", design.wheel.teeth / spec.threads)
-    for one in (worm, wheel):
-        file.put(one, "flank_form", form)
-        file.put(one, "axial_module", module)
-        file.put(one, "normal_module", design.normal_module)
-        file.put(one, "pressure_angle_worm_gear", design.pressure_angle)
+    for gear in (worm, wheel):
+        file.put(gear, "flank_form", form)
+        file.put(gear, "axial_module", module)
+        file.put(gear, "normal_module", design.normal_module)
+        file.put(gear, "pressure_angle_worm_gear", design.pressure_angle)
     file.put(worm, "number_of_teeth", file.take("worm.threads"))
     file.put(worm, DIAMETER_ATTRIBUTE, diameter)
     file.put(worm, "form_factor_worm_gear", diameter / module)
@@ -190,8 +190,8 @@ def write_worm_drive(file: StageWriter, design: WormDriveDesign, known: Componen
     file.put(wheel, "outer_diameter_worm_wheel", file.take("wheel.outside_diameter"))
     file.put(wheel, TIP_ATTRIBUTE, reference + 2.0 * module * (design.wheel.profile_shift + design.wheel.addendum))
     _write_tools(file, design, worm, wheel, form)
-    for name, one in zip(MEMBER_NAMES, (worm, wheel), strict=True):
-        file.put_material(one, name)
+    for name, gear in zip(MEMBER_NAMES, (worm, wheel), strict=True):
+        file.put_material(gear, name)
     for key in GIVEN_KEYS:
         file.take(key)
     if design.module_section == "normal":

@@ -172,8 +172,8 @@ class WormThread:
 
     def form_radius(self, rounding: Rounding) -> float:
         """Return the radius at which flank and a rounding meet, mm."""
-        at = self.section.curve.at(np.array(rounding.form_point[0]))
-        return float(np.hypot(at.c[0], at.c[1]))
+        point = self.section.curve.at(np.array(rounding.form_point[0]))
+        return float(np.hypot(point.c[0], point.c[1]))
 
     def rounding_surface(self, rounding: Rounding, side: int, outward: int = 1) -> Helicoid:
         """Return the surface of a rounding on a side of the threads."""
@@ -309,9 +309,9 @@ def _at_radius(surface: Helicoid, radius: float, start: float) -> float:
     """Return the parameter of the point of a helicoid's curve at a radius (mm), by Newton's method; NaN if it has none."""
     p = start
     for _ in range(MAX_ROOT_STEPS):
-        at = surface.curve.at(np.array(p))
-        rho = math.hypot(at.c[0], at.c[1])
-        slope = float(at.c[:2] @ at.c_p[:2]) / rho
+        point = surface.curve.at(np.array(p))
+        rho = math.hypot(point.c[0], point.c[1])
+        slope = float(point.c[:2] @ point.c_p[:2]) / rho
         step = (rho - radius) / slope if slope else math.nan
         p -= step
         if not abs(rho - radius) > ROOT_TOLERANCE * radius:

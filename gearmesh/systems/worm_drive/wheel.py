@@ -66,19 +66,19 @@ class FaceFlank:
     def jet(self, u: Array, v: Array) -> Jet:
         """Return the jet at p = u and v."""
         u, v = broadcast_pair(u, v)
-        away, depth = np.hypot(self.height, v), self.outer - self.height
-        share, rate = (self.outer - away) / depth, -v / away / depth
+        line_radius, depth = np.hypot(self.height, v), self.outer - self.height
+        share, rate = (self.outer - line_radius) / depth, -v / line_radius / depth
         a, a_v = self.form_point + (u - self.form_point) * share, (u - self.form_point) * rate
-        at = self.own.curve.at(a)
-        x, y, x_p, y_p = at.c[..., 0], at.c[..., 1], at.c_p[..., 0], at.c_p[..., 1]
+        point = self.own.curve.at(a)
+        x, y, x_p, y_p = point.c[..., 0], point.c[..., 1], point.c_p[..., 0], point.c_p[..., 1]
         mirror = self.own.signs[1]
         # the generating curve itself turns about the axis
         turned = -mirror * (x * y_p - y * x_p) / (x**2 + y**2)
         b = np.arctan2(v, self.height) - mirror * np.arctan2(y, x)
         # a diverging Newton step may overflow the square; the polar angle is then constant
         with np.errstate(over="ignore"):
-            mapping = Mapping(a, b, share, a_v, turned * share, self.height / away**2 + turned * a_v)
-        return mapping.over(self.own.sweep(at, b))
+            mapping = Mapping(a, b, share, a_v, turned * share, self.height / line_radius**2 + turned * a_v)
+        return mapping.over(self.own.sweep(point, b))
 
 
 def crossed_axes(tilt: float) -> Array:
@@ -152,8 +152,8 @@ class WormHob:
 
     def flank(self, side: int, height: float) -> Envelope:
         """Return the flank of a side of the wheel's tooth, with the parameters of `FaceFlank` at the `height`."""
-        own = self.thread.flank(self._side(side), -1)
-        return self.generate(FaceFlank(own, self.form_radius, self.rounding.form_point[0], height), side)
+        hob_flank = self.thread.flank(self._side(side), -1)
+        return self.generate(FaceFlank(hob_flank, self.form_radius, self.rounding.form_point[0], height), side)
 
     def fillet(self, side: int) -> Envelope:
         """Return the fillet of a side of the wheel's tooth."""

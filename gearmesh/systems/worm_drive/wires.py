@@ -58,9 +58,9 @@ class Wires:
 
 def _parallel(thread: WormThread, p: Array, radius: Array) -> tuple[Array, Array]:
     """Radii (N,) of the flank at p, and the points (N, 2), x and z, at `radius` (N,) over it in the axial section."""
-    at = thread.section.jet(p, np.zeros_like(p))
-    points, _ = half_plane(at.r + radius[:, None] * at.n, at.n, thread.screw)
-    return np.hypot(at.r[:, 0], at.r[:, 1]), points
+    jet = thread.section.jet(p, np.zeros_like(p))
+    points, _ = half_plane(jet.r + radius[:, None] * jet.n, jet.n, thread.screw)
+    return np.hypot(jet.r[:, 0], jet.r[:, 1]), points
 
 
 def wires_at(thread: WormThread, radius: float) -> Wires:
@@ -86,8 +86,8 @@ def wires_of(thread: WormThread, diameter: float, radii: tuple[float, float]) ->
     root = bracketed_root(miss, ends[:1], ends[1:])
     if not root.converged.all():
         return None
-    at, points = _parallel(thread, root.values, half)
-    return Wires(diameter, float(points[0, 0]), float(at[0]))
+    contact_radii, points = _parallel(thread, root.values, half)
+    return Wires(diameter, float(points[0, 0]), float(contact_radii[0]))
 
 
 def over_balls(

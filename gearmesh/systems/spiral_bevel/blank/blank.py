@@ -360,8 +360,8 @@ def tapered_blank(
     angles, mean = data.pitch_angles, data.mean_cone_distance
     wanted, gap = standard_dedenda(data, given)
     roots = []
-    for name, angle, dedendum, asked in zip(("pinion", "gear"), angles, wanted, given.root_angles, strict=True):
-        root = angle - standard_dedendum_angle(dedendum, mean) if asked is None else asked
+    for name, angle, dedendum, given_root in zip(("pinion", "gear"), angles, wanted, given.root_angles, strict=True):
+        root = angle - standard_dedendum_angle(dedendum, mean) if given_root is None else given_root
         check_root_angle(name, root, angle)
         roots.append(root)
     # depths of both members by their root lines, which pass through the apex
@@ -420,25 +420,27 @@ class _Depths:
 
     def tapers(self, pitch: PitchCones) -> tuple[float, float]:
         """Return the dedendum angles (rad) of (pinion, gear)."""
-        first, second = (angle - root for angle, root in zip(pitch.pitch_angles, self.roots, strict=True))
-        return first, second
+        pinion_angle, gear_angle = (angle - root for angle, root in zip(pitch.pitch_angles, self.roots, strict=True))
+        return pinion_angle, gear_angle
 
     def addenda(self, pitch: PitchCones) -> tuple[float, float]:
         """Return the mean addenda (mm) of (pinion, gear), across the pitch cones.
 
         An addendum is the mating gear's dedendum less the clearance, which counts across the mating gear's root line.
         """
-        first, second = (
+        gear_addendum, pinion_addendum = (
             float(dedendum - self.gap / np.cos(taper))
             for dedendum, taper in zip(self.dedenda, self.tapers(pitch), strict=True)
         )
-        return second, first
+        return pinion_addendum, gear_addendum
 
     @property
     def standard(self) -> tuple[ToothDepth, ToothDepth]:
         """Mean depths with the clearance across the pitch cones [ISO 23509 (136)-(139)]."""
-        first, second = self.dedenda
-        return ToothDepth(second - self.gap, first), ToothDepth(first - self.gap, second)
+        pinion_dedendum, gear_dedendum = self.dedenda
+        return ToothDepth(gear_dedendum - self.gap, pinion_dedendum), ToothDepth(
+            pinion_dedendum - self.gap, gear_dedendum
+        )
 
     def cones(self, pitch: PitchCones) -> BlankCones:
         """Return the cones of tip and root."""
@@ -479,8 +481,10 @@ def _blank(data: BasicData, depths: _Depths, more: float, cutter_radius: float |
 
 def wide_face(width: float, outer: float) -> tuple[str, ...]:
     """Return the warning on a face width (mm) that is unusual at an outer cone distance (mm), or nothing."""
-    told = f"face_width = {width:g} mm is more than {MAX_USUAL_FACE_SHARE:g} of the outer cone distance, {outer:.6g} mm"
-    return (told,) if width > MAX_USUAL_FACE_SHARE * outer else ()
+    warning = (
+        f"face_width = {width:g} mm is more than {MAX_USUAL_FACE_SHARE:g} of the outer cone distance, {outer:.6g} mm"
+    )
+    return (warning,) if width > MAX_USUAL_FACE_SHARE * outer else ()
 
 
 @dataclass(frozen=True)
@@ -506,19 +510,21 @@ def gear_cutter(
     - `blade_angles`: angles of the gear's inside and outside blades, rad
     - `above_tip`: height of the pitch point above the tips of the blades, mm
     """
-    away = 0.5 * backlash / float(np.cos(0.5 * (blade_angles[0] + blade_angles[1])))
+    set_back = 0.5 * backlash / float(np.cos(0.5 * (blade_angles[0] + blade_angles[1])))
     # the gear's tooth space at the pitch point, and how much narrower it is at the tips of the blades
-    space = pinion + away
+    space = pinion + set_back
     narrower = above_tip * (np.tan(blade_angles[0]) + np.tan(blade_angles[1]))
     point_width = float(max(space - narrower, 0.05 * module))
-    return GearCut((pinion - away, float(np.pi * module - space)), point_width, min(0.2 * module, 0.5 * point_width))
+    return GearCut(
+        (pinion - set_back, float(np.pi * module - space)), point_width, min(0.2 * module, 0.5 * point_width)
+    )
 
 
 def _member(pitch: PitchCones, k: int, depths: _Depths, thickness: float, line: ToothLine) -> MemberBlank:
     """Blank of member `k` (0 pinion, 1 gear) with a mean normal `thickness` (mm) and a tooth `line` of the cutter."""
-    angle, asked, dedendum = pitch.pitch_angles[k], depths.faces[k], depths.dedenda[k]
+    angle, given_face, dedendum = pitch.pitch_angles[k], depths.faces[k], depths.dedenda[k]
     mean, outer = pitch.mean_cone_distances[k], pitch.outer_cone_distance
-    face = depths.cones(pitch).face_angles[k] if asked is None else asked
+    face = depths.cones(pitch).face_angles[k] if given_face is None else given_face
     if not face < np.radians(89.5):
         raise DesignError(
             "shaft_angle",

@@ -48,14 +48,16 @@ def root_cone(name: str, sides: dict[Side, Generated], axial: Level, extent: tup
 def _common(name: str, sides: dict[Side, Generated]) -> ConeLevel:
     """Return the cone to which both sides are cut. Raises DesignError for sides that are cut to different depths."""
     by_name = {("concave" if side.concave else "convex"): side.settings.tip_cone() for side in sides.values()}
-    first, second = by_name["concave"], by_name["convex"]
-    if not np.allclose((first.angle, first.offset), (second.angle, second.offset), rtol=0.0, atol=1e-9):
+    concave_cone, convex_cone = by_name["concave"], by_name["convex"]
+    if not np.allclose(
+        (concave_cone.angle, concave_cone.offset), (convex_cone.angle, convex_cone.offset), rtol=0.0, atol=1e-9
+    ):
         raise DesignError(
             f"{name}.convex.sliding_base",
             reason="the sides would be cut to different depths",
             allowed=f"the same sliding_base and machine_root_angle as {name}.concave",
         )
-    return first
+    return concave_cone
 
 
 def bottom(

@@ -197,8 +197,8 @@ class _OnGear:
         position as cut at the gear rotation `mean`.
         """
         phi1 = self._sense * (mean - turns) / self._ratio
-        place = Rigid.about_z(-self._sense * phi1) @ (self._base @ Rigid.about_z(turns))
-        return place.point(jet.r), -place.vector(jet.n)
+        gear_to_pinion = Rigid.about_z(-self._sense * phi1) @ (self._base @ Rigid.about_z(turns))
+        return gear_to_pinion.point(jet.r), -gear_to_pinion.vector(jet.n)
 
     @cached_property
     def _gear(self) -> Generated:

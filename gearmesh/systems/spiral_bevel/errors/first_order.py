@@ -35,8 +35,10 @@ def first_order(design: BevelT, build: Callable[[BevelT], GearTrain]) -> FirstOr
         pair = build(design.with_values(without_errors(design))).pairs[0]
         # nominal contact at phi1, and at the mean point as the last one
         path = analyse(pair, np.append(phi1, 0.0))
-        first, second = pair.mounts
-        nominal = NominalContact(path.point, path.normal, first.axis, second.axis, first.sign, second.origin)
+        pinion_mount, gear_mount = pair.mounts
+        nominal = NominalContact(
+            path.point, path.normal, pinion_mount.axis, gear_mount.axis, pinion_mount.sign, gear_mount.origin
+        )
         # displacement of the teeth of each member by its eccentricity, in the fixed frame
         teeth = [
             member.mount.at(turn).vector(np.array([*runout(design, member.name), 0.0]))

@@ -168,10 +168,10 @@ class _Side:
 
     def _holds(self, x: Array) -> NDArray[np.bool_]:
         """Return True (N,) where the displaced teeth first touch at the point of the unknowns x (N, 6)."""
-        good: NDArray[np.bool_] = np.asarray(np.isfinite(x).all(axis=-1))
-        if not good.any():
-            return good
-        x, mount = x[good], self.pair.pinion.mount
+        touches_first: NDArray[np.bool_] = np.asarray(np.isfinite(x).all(axis=-1))
+        if not touches_first.any():
+            return touches_first
+        x, mount = x[touches_first], self.pair.pinion.mount
         # the first touch of all teeth at the rotation of the vertex
         vertex = mount.zero + mount.sign * x[:, 2]
         vertex = (vertex + np.pi) % (2.0 * np.pi) - np.pi
@@ -180,10 +180,10 @@ class _Side:
         # it must be the vertex's point
         r = self.pair.pinion.tooth.side(self.pair.flanks[0]).flank.jet(x[:, 0], x[:, 1]).r
         with np.errstate(invalid="ignore"):
-            good[good] = paths.surface[:, 0] & (
+            touches_first[touches_first] = paths.surface[:, 0] & (
                 np.linalg.norm(paths.point[:, 0] - r, axis=-1) <= MAX_FIRST_TOUCH_DISTANCE_MM
             )
-        return good
+        return touches_first
 
 
 def _flank(concave: bool, hand: int) -> Side:

@@ -226,8 +226,8 @@ class BevelDimensions:
         """Whole depth h_t1 at the pinion's outer end, across its root cone [ISO 23509 (226)]."""
         pinion = self.pinion
         along = (pinion.face_apex + pinion.crown(pinion.cone_distances[0])) / np.cos(pinion.face_angle)
-        apart = (pinion.root_apex - pinion.face_apex) * np.sin(pinion.root_angle)
-        return float(along * np.sin(pinion.addendum_angle + pinion.dedendum_angle) - apart)
+        root_shift = (pinion.root_apex - pinion.face_apex) * np.sin(pinion.root_angle)
+        return float(along * np.sin(pinion.addendum_angle + pinion.dedendum_angle) - root_shift)
 
 
 def bevel_dimensions(
@@ -350,20 +350,22 @@ def _pinion_face(
     # face widths in the pitch plane: (154), (155)
     plane, front = outer - inner, middle - inner
     auxiliary = projected = 0.0
-    share, apart = pitch.face_width_factor, pitch.offset_angle
+    share, offset_angle = pitch.face_width_factor, pitch.offset_angle
     if pitch.method == 1:
         span, auxiliary, projected = _gleason_face(pitch, cones, working, depths)
     elif pitch.method == 3:
         # width in whole millimetres: (170)-(173)
-        whole = math.floor(plane + 3.0 * pitch.mean_normal_module * abs(math.tan(apart)) + 1.0)
-        within = front + 0.5 * (whole - plane)
-        span = FaceSpan(whole - within, within)
+        whole_width = math.floor(plane + 3.0 * pitch.mean_normal_module * abs(math.tan(offset_angle)) + 1.0)
+        within = front + 0.5 * (whole_width - plane)
+        span = FaceSpan(whole_width - within, within)
     else:
         # width divided at the mean point like the wheel's: (156)-(158), (167)-(169)
-        width = pitch.face_width * (1.0 + math.tan(apart) ** 2)
+        width = pitch.face_width * (1.0 + math.tan(offset_angle) ** 2)
         span = FaceSpan(share * width, width - share * width)
     # wheel cone distances at the ends of the pinion's face: (174), (175)
-    reached = [math.hypot(mean + b * math.cos(apart), b * math.sin(apart)) for b in (span.outer, -span.inner)]
+    reached = [
+        math.hypot(mean + b * math.cos(offset_angle), b * math.sin(offset_angle)) for b in (span.outer, -span.inner)
+    ]
     reaching(line, tuple(reached))
     turned = [float(line.spiral_angle_at(distance)) for distance in reached]
     offsets = [math.asin(across / distance) for distance in reached]
@@ -383,11 +385,11 @@ def _gleason_face(
     pitch: PitchCones, cones: BlankCones, working: float, depths: tuple[float, float]
 ) -> tuple[FaceSpan, float, float]:
     """Return the pinion's face, lambda' (rad) and b_reri1 (mm) by method 1 [ISO 23509 (159)-(166)]."""
-    (pinion_angle, wheel_angle), apart, share = pitch.pitch_angles, pitch.offset_angle, pitch.face_width_factor
+    (pinion_angle, wheel_angle), offset_angle, share = pitch.pitch_angles, pitch.offset_angle, pitch.face_width_factor
     face, (addendum, below) = cones.face_angles[0], depths
-    along = pitch.ratio * math.cos(pinion_angle) + math.cos(wheel_angle) * math.cos(apart)
-    auxiliary = math.atan(math.sin(apart) * math.cos(wheel_angle) / along)
-    width = pitch.face_width * math.cos(auxiliary) / math.cos(apart - auxiliary)
+    along = pitch.ratio * math.cos(pinion_angle) + math.cos(wheel_angle) * math.cos(offset_angle)
+    auxiliary = math.atan(math.sin(offset_angle) * math.cos(wheel_angle) / along)
+    width = pitch.face_width * math.cos(auxiliary) / math.cos(offset_angle - auxiliary)
     # from the mean point along the pinion's axis, then along its pitch cone
     turned = math.cos(face) / math.cos(face - pinion_angle)
     more = working * math.sin(cones.root_plane.offset_angle) * (1.0 - 1.0 / pitch.ratio)

@@ -169,9 +169,9 @@ class OffsetPair:
         if self.method == 1 or self.offset < 0.0:
             return np.asarray(flat)
         # tan(zeta_mp) = sin(zeta_m) / (cot(Sigma) cos(delta_2) + cos(zeta_m) sin(delta_2)) is 1 / tan(beta_m2)
-        most = np.tan(0.5 * np.pi - self.spiral_angle)
-        share = most * np.cos(wheel) * cotangent / np.hypot(1.0, most * np.sin(wheel))
-        steep = np.arcsin(np.clip(share, -1.0, 1.0)) + np.arctan(most * np.sin(wheel))
+        steepest_tangent = np.tan(0.5 * np.pi - self.spiral_angle)
+        share = steepest_tangent * np.cos(wheel) * cotangent / np.hypot(1.0, steepest_tangent * np.sin(wheel))
+        steep = np.arcsin(np.clip(share, -1.0, 1.0)) + np.arctan(steepest_tangent * np.sin(wheel))
         return np.asarray(np.minimum(flat, steep))
 
     def _leaning(self, wheel: Array, turn: Array) -> tuple[Array, Array, Array]:
@@ -179,10 +179,10 @@ class OffsetPair:
         sine, cosine = np.sin(self.shaft_angle), np.cos(self.shaft_angle)
         pinion = np.arcsin(np.clip(np.cos(turn) * sine * np.cos(wheel) - cosine * np.sin(wheel), -1.0, 1.0))
         along = cosine * np.cos(wheel) + sine * np.cos(turn) * np.sin(wheel)
-        apart = np.copysign(1.0, self.offset) * np.arctan2(sine * np.sin(turn), along)
+        offset_angle = np.copysign(1.0, self.offset) * np.arctan2(sine * np.sin(turn), along)
         if self.method == 1:
-            return pinion, np.full_like(wheel, self.spiral_angle), self.spiral_angle - apart
-        return pinion, self.spiral_angle + apart, np.full_like(wheel, self.spiral_angle)
+            return pinion, np.full_like(wheel, self.spiral_angle), self.spiral_angle - offset_angle
+        return pinion, self.spiral_angle + offset_angle, np.full_like(wheel, self.spiral_angle)
 
     def _offset_error(self, wheel: Array, turn: Array) -> Array:
         """Return the axes' offset less the pair's offset, times cos(beta_m1), (N,), mm [ISO 23509 (113)]."""
@@ -222,26 +222,30 @@ def _centres_on_a_line(pair: OffsetPair, cones: TangentCones) -> Array:
 
     R_m1 = R_mcheck says that the pinion's apex is on the line through the wheel's apex and the cutter's centre.
     """
-    line, apart, radius = _line(pair, cones), cones.offset_angle, pair.cutter.radius
+    line, offset_angle, radius = _line(pair, cones), cones.offset_angle, pair.cutter.radius
     pinion_distance, wheel_distance = cones.cone_distances
-    across = (wheel_distance - pinion_distance * np.cos(apart)) * radius * np.sin(line.centre_angle)
-    along = pinion_distance * np.sin(apart) * (wheel_distance - radius * np.cos(line.centre_angle))
+    across = (wheel_distance - pinion_distance * np.cos(offset_angle)) * radius * np.sin(line.centre_angle)
+    along = pinion_distance * np.sin(offset_angle) * (wheel_distance - radius * np.cos(line.centre_angle))
     return np.asarray((across - along) / (radius * wheel_distance))
 
 
 def _klingelnberg(pair: OffsetPair, cones: TangentCones) -> Array:
     """Return the residuals (N,) of method 3: R_m1 less R_mint, times the denominator of (105) [ISO 23509 (99)-(106)]."""
-    (pinion_distance, wheel_distance), apart, radius = cones.cone_distances, cones.offset_angle, pair.cutter.radius
+    (pinion_distance, wheel_distance), offset_angle, radius = (
+        cones.cone_distances,
+        cones.offset_angle,
+        pair.cutter.radius,
+    )
     pinion, wheel = cones.pitch_angles
     beta1, beta2 = cones.spiral_angles
     lead = _line(pair, cones).lead_angle
-    axial = np.arcsin(np.sin(apart) * np.cos(pinion) / np.sin(pair.shaft_angle))
+    axial = np.arcsin(np.sin(offset_angle) * np.cos(pinion) / np.sin(pair.shaft_angle))
     turned = beta2 + np.arctan(np.sin(wheel) * np.tan(axial))
     a3 = radius * np.cos(beta2 - lead) ** 2
     a4 = wheel_distance * np.cos(turned) * np.cos(beta2)
-    a5 = np.sin(apart) * np.cos(turned - beta2) * np.cos(lead)
+    a5 = np.sin(offset_angle) * np.cos(turned - beta2) * np.cos(lead)
     a6 = wheel_distance * np.cos(beta2) + radius * np.sin(lead)
-    a7 = np.cos(beta1) * np.cos(turned) - np.sin(turned - lead) * np.sin(apart) / np.cos(beta2 - lead)
+    a7 = np.cos(beta1) * np.cos(turned) - np.sin(turned - lead) * np.sin(offset_angle) / np.cos(beta2 - lead)
     return np.asarray((pinion_distance * (a5 * a6 + a3 * a7) - a3 * a4) / (radius * wheel_distance))
 
 

@@ -109,11 +109,11 @@ def pinion_places(design: FaceMilledDesign, blank: BevelBlank, sides: Sides, gea
 def indexed_backlash(cut: CutSides) -> float:
     """Return the normal backlash (mm) at the mean point that the index positions of the pinion's sides leave."""
     ratio = cut.blank.gear.teeth / cut.blank.pinion.teeth
-    away = [
+    gaps = [
         (cut.turns[name] * ratio - cut.places[0][name]) * (1.0 if side.flank is Side.LEFT else -1.0)
         for name, side in cut.pinion.items()
     ]
-    return 0.5 * sum(away) / thinning(1.0, cut.blank)
+    return 0.5 * sum(gaps) / thinning(1.0, cut.blank)
 
 
 def _refuse_thicker(thickness: float, cut: CutSides) -> None:

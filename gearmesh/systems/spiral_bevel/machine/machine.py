@@ -79,8 +79,8 @@ class MachineSettings:
         """
         c, s = np.cos(self.machine_root_angle), np.sin(self.machine_root_angle)
         axes = np.array([[s, 0.0, -c], [0.0, 1.0, 0.0], [c, 0.0, s]])
-        apart = np.array([self.machine_centre_to_back, -hand * self.machining_offset, -self.sliding_base])
-        return Rigid(axes, axes @ apart)
+        displacement = np.array([self.machine_centre_to_back, -hand * self.machining_offset, -self.sliding_base])
+        return Rigid(axes, axes @ displacement)
 
     def cutter_centre(self, hand: int) -> Array:
         """Return the cutter's centre (3,) in the machine frame at cradle rotation 0."""
@@ -116,7 +116,7 @@ class MachineSettings:
         turn = (place, -per_roll, *(per_roll * c for c in self.modified_roll))
         x, y, z = (float(c) for c in self.cutter_centre(hand))
         # moving the blank away equals moving the machine back
-        away = [(0.0, -hand * offset, -base) for offset, base in _pair(self.vertical_motion, self.helical_motion)]
+        feed = [(0.0, -hand * offset, -base) for offset, base in _pair(self.vertical_motion, self.helical_motion)]
         return CradleRoll(
             (x, y, z),
             self.own_from_machine(hand),
@@ -125,7 +125,7 @@ class MachineSettings:
             tilt=(self.tilt, *self.tilt_motion) if self.tilted else (),
             swivel=(self._lean(hand), *(hand * a for a in self.swivel_motion)) if self.tilted else (),
             slide=_vectors([a * self._outwards(hand) for a in _trim(self.radial_motion)]),
-            feed=_vectors(away),
+            feed=_vectors(feed),
         )
 
     def standing(self, hand: int, place: float) -> Rigid:
@@ -150,9 +150,11 @@ def _trim(coefficients: tuple[float, ...]) -> tuple[float, ...]:
 
 def _pair(first: tuple[float, ...], second: tuple[float, ...]) -> list[tuple[float, float]]:
     """Return pairs of coefficients of the same power, up to the highest power that is not 0."""
-    one, other = _trim(first), _trim(second)
-    count = max(len(one), len(other))
-    return list(zip(one + (0.0,) * (count - len(one)), other + (0.0,) * (count - len(other)), strict=True))
+    first_row, second_row = _trim(first), _trim(second)
+    count = max(len(first_row), len(second_row))
+    return list(
+        zip(first_row + (0.0,) * (count - len(first_row)), second_row + (0.0,) * (count - len(second_row)), strict=True)
+    )
 
 
 def _vectors(rows: list[Array] | list[Vector]) -> tuple[Vector, ...]:

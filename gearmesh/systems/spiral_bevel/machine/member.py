@@ -131,8 +131,8 @@ def _fitting_tooth(
     """
 
     def prove(share: float) -> Tooth:
-        flanks = {which: side.with_edge(share) for which, side in sides.items()}
-        cut = {which: side.side(places[which]) for which, side in flanks.items()}
+        flanks = {flank_side: side.with_edge(share) for flank_side, side in sides.items()}
+        cut = {flank_side: side.side(places[flank_side]) for flank_side, side in flanks.items()}
         tooth = Tooth(teeth, cut[Side.RIGHT], cut[Side.LEFT], body)
         try:
             lower = bottom(flanks, cut, places, tooth.pitch_angle, (body.axial, body.extent))

@@ -113,9 +113,9 @@ def member_of(design: BevelDesign, blank: BevelBlank, name: str, sides: Sides, p
 
     Raises DesignError for teeth that cannot exist.
     """
-    spec, own = (design.pinion, blank.pinion) if name == "pinion" else (design.gear, blank.gear)
+    spec, member_blank = (design.pinion, blank.pinion) if name == "pinion" else (design.gear, blank.gear)
     by_flank = {side.flank: places[key] for key, side in sides.items()}
-    member = bevel_member(name, spec, blank, own, sides, by_flank)
+    member = bevel_member(name, spec, blank, member_blank, sides, by_flank)
     return CutMember(member, lost_heights(member.tooth))
 
 

@@ -38,12 +38,15 @@ def tolerance_table(grade: int, blank: BevelBlank, members: Sequence[str]) -> Sh
     `members`: "pinion", "gear" or both.
     """
     sizes = [tolerance_sizes(blank, MEMBER_NAMES.index(name)) for name in members]
-    limits = [own.tolerances(grade) or {} for own in sizes]
-    diameters: Values = tuple(own.diameter for own in sizes)
+    limits = [member_sizes.tolerances(grade) or {} for member_sizes in sizes]
+    diameters: Values = tuple(member_sizes.diameter for member_sizes in sizes)
     rows: list[Row] = [
         ("B", "grade of accuracy", "-", (grade,) * len(sizes)),
         ("d_T", "tolerance diameter", "mm", diameters),
-        *((symbol, words, "um", tuple(own.get(symbol) for own in limits)) for symbol, words in NAMES.items()),
+        *(
+            (symbol, words, "um", tuple(member_limits.get(symbol) for member_limits in limits))
+            for symbol, words in NAMES.items()
+        ),
     ]
     return table("Tolerances [ISO 17485:2006]", tuple(members), rows)
 

@@ -111,9 +111,9 @@ class CutPair:
         member = blank.members[k]
         mean, (inner, outer), angle = member.mean_cone_distance, member.extent, member.pitch_angle
         module, alpha = blank.mean_normal_module, blank.pressure_angle
-        depth, other = blank.standard_depths[k], blank.standard_depths[1 - k]
+        depth, mating_depth = blank.standard_depths[k], blank.standard_depths[1 - k]
         thickness = self.nominal_thicknesses[k]
-        thicker = thickness - 0.5 * np.pi * module - (depth.addendum - other.addendum) * np.tan(alpha)
+        thicker = thickness - 0.5 * np.pi * module - (depth.addendum - mating_depth.addendum) * np.tan(alpha)
         return MemberDimensions(
             teeth=member.teeth,
             pitch_angle=angle,
@@ -142,10 +142,12 @@ def normal_diameter(member: MemberBlank, pressure_angle: float) -> float:
     return 2.0 * member.mean_radius / float(across)
 
 
-def measures_of(member: Member, own: MemberBlank, sides: dict[str, Generated]) -> ToothMeasures:
+def measures_of(member: Member, member_blank: MemberBlank, sides: dict[str, Generated]) -> ToothMeasures:
     """Return the measures of a member's tooth at inner, mean and outer cone distance."""
-    stations = np.array([own.inner_cone_distance, own.mean_cone_distance, own.outer_cone_distance])
-    return ToothMeasures(member.tooth, sides["concave"].hand, stations, own.pitch_cone)
+    stations = np.array(
+        [member_blank.inner_cone_distance, member_blank.mean_cone_distance, member_blank.outer_cone_distance]
+    )
+    return ToothMeasures(member.tooth, sides["concave"].hand, stations, member_blank.pitch_cone)
 
 
 def point_width(sides: dict[str, Generated]) -> float:
@@ -179,8 +181,8 @@ def dimension_tables(
         ("z", "teeth", "-", tuple(member.teeth for member in dimensions)),
     ]
     iso += [
-        (symbol, f"{words}, nominal" if symbol in NOMINAL_SYMBOLS else words, kind, (value, other[3]))
-        for (symbol, words, kind, value), other in zip(*rows, strict=True)
+        (symbol, f"{words}, nominal" if symbol in NOMINAL_SYMBOLS else words, kind, (value, gear_row[3]))
+        for (symbol, words, kind, value), gear_row in zip(*rows, strict=True)
     ]  # fmt: skip
     iso += _mounting(cut, dimensions)
     return (
@@ -288,9 +290,11 @@ def _duplex(blank: BevelBlank) -> float:
 def _mounting(cut: CutPair, dimensions: tuple[MemberDimensions, MemberDimensions]) -> list[Row]:
     """Return the rows for mounting and turning; the back face is the body's, hub included."""
     backs = [member.tooth.blank.body.ends[1] for member in cut.members]
-    crowns = [(own.crown(own.outer_cone_distance), own.crown(own.inner_cone_distance)) for own in cut.blank.members]
+    crowns = [
+        (blank.crown(blank.outer_cone_distance), blank.crown(blank.inner_cone_distance)) for blank in cut.blank.members
+    ]
     # the cones at both ends are perpendicular to the pitch cone
-    angles = tuple(float(np.degrees(own.pitch_angle)) for own in dimensions)
+    angles = tuple(float(np.degrees(member.pitch_angle)) for member in dimensions)
     return [
         ("t_B", "mounting distance: crossing point to back face", "mm", tuple(backs)),
         ("t_xoB", "crown to back face", "mm", tuple(b - outer for b, (outer, _) in zip(backs, crowns, strict=True))),
@@ -326,14 +330,19 @@ class CutTooth:
         transverse, normal, lands = lines.transverse_thicknesses, lines.normal_thicknesses, measures.top_lands
         addenda, root = self.own.addendum_at(measures.stations), measures.root_heights
         rows: list[tuple[str, str, str, float | None]] = []
-        for k, (letter, place) in enumerate((("i", "inner"), ("m", "mean"), ("e", "outer"))):
+        for k, (letter, place_name) in enumerate((("i", "inner"), ("m", "mean"), ("e", "outer"))):
             rows += [
-                (f"beta_{letter}", f"{place} spiral angle", "deg", float(np.degrees(spirals[k]))),
-                (f"s_{letter}t", f"{place} transverse circular thickness", "mm", float(transverse[k])),
-                (f"s_{letter}n", f"{place} normal circular thickness", "mm", float(normal[k])),
-                (f"s_a{letter}n", f"{place} normal top land", "mm", float(lands[k])),
-                (f"h_a{letter}", f"{place} addendum", "mm", float(addenda[k])),
-                (f"h_{letter}", f"{place} whole depth, in the middle of the space", "mm", float(addenda[k] - root[k])),
+                (f"beta_{letter}", f"{place_name} spiral angle", "deg", float(np.degrees(spirals[k]))),
+                (f"s_{letter}t", f"{place_name} transverse circular thickness", "mm", float(transverse[k])),
+                (f"s_{letter}n", f"{place_name} normal circular thickness", "mm", float(normal[k])),
+                (f"s_a{letter}n", f"{place_name} normal top land", "mm", float(lands[k])),
+                (f"h_a{letter}", f"{place_name} addendum", "mm", float(addenda[k])),
+                (
+                    f"h_{letter}",
+                    f"{place_name} whole depth, in the middle of the space",
+                    "mm",
+                    float(addenda[k] - root[k]),
+                ),
             ]
         tongue = self._chordal_addendum(float(normal[MEAN_STATION]), float(addenda[MEAN_STATION]), blank.pressure_angle)
         turn = float(
@@ -411,7 +420,7 @@ def measured_table(teeth: tuple[CutTooth, ...], blank: BevelBlank, unit: float, 
     """Return the table of measures of teeth of a `blank`, a column each; lengths over `unit` (mm) in `noun`."""
     columns = [tooth.rows(blank) for tooth in teeth]
     rows: list[Row] = [
-        (symbol, words, kind, (value, *(other[k][3] for other in columns[1:])))
+        (symbol, words, kind, (value, *(column[k][3] for column in columns[1:])))
         for k, (symbol, words, kind, value) in enumerate(columns[0])
     ]
     names = tuple(tooth.member.name for tooth in teeth)
@@ -422,8 +431,16 @@ def _teeth(cut: CutPair, slots: tuple[float, float]) -> tuple[CutTooth, ...]:
     """Return both teeth of a pair as they are cut."""
     return tuple(
         # with offset the contact also moves around the pinion
-        CutTooth(member, own, sides, measures, slot, width, bool(cut.blank.offset) and own is cut.blank.pinion)
-        for member, own, sides, measures, slot, width in zip(
+        CutTooth(
+            member,
+            member_blank,
+            sides,
+            measures,
+            slot,
+            width,
+            bool(cut.blank.offset) and member_blank is cut.blank.pinion,
+        )
+        for member, member_blank, sides, measures, slot, width in zip(
             cut.members, cut.blank.members, (cut.pinion, cut.gear), cut.measures, slots, cut.point_widths, strict=True
         )
     )

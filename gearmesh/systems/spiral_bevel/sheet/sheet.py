@@ -126,8 +126,12 @@ def settings_sheet(design: FaceMilledDesign, train: GearTrain) -> Sheet:
         "gear.cutter.point_width": cut.point_widths[1] / unit,
     }
     edges = {f"pinion.{name}": side.blade.edge_radius for name, side in pinion.items()}
-    first, second = (gear[name].blade.edge_radius for name in ("concave", "convex"))
-    edges |= {"gear.cutter": first} if first == second else {"gear.cutter.outside": first, "gear.cutter.inside": second}
+    outside_radius, inside_radius = (gear[name].blade.edge_radius for name in ("concave", "convex"))
+    edges |= (
+        {"gear.cutter": outside_radius}
+        if outside_radius == inside_radius
+        else {"gear.cutter.outside": outside_radius, "gear.cutter.inside": inside_radius}
+    )
     values |= {f"{key}.edge_radius": value / unit for key, value in edges.items()}
     values |= {
         "face_width": blank.gear.face_width / unit,
@@ -283,12 +287,12 @@ def _extra_rows(sides: list[Generated], unit: float, units: str) -> Iterator[tup
                 yield f"{item}{power + first}", f"{noun or units}/rad^{power + first}" if noun != "-" else "-", *values
 
 
-def slot_widths_of(tooth: Tooth, own: MemberBlank) -> Array:
+def slot_widths_of(tooth: Tooth, member: MemberBlank) -> Array:
     """Return the normal widths (3,), mm, of the slots between the blades' edges at the root, at toe, mean and heel.
 
     The blades' edges are prolonged to the root.
     """
-    return _slot_widths(tooth, np.array([tooth.blank.extent[0], own.mean_cone_distance, tooth.blank.extent[1]]))
+    return _slot_widths(tooth, np.array([tooth.blank.extent[0], member.mean_cone_distance, tooth.blank.extent[1]]))
 
 
 def slot_rows(widths: list[Array], unit: float, units: str) -> Iterator[tuple[Any, ...]]:

@@ -54,21 +54,21 @@ class PitchLines:
     ) -> PitchLines:
         """Return the pitch lines of flanks at `stations` (T,), near parameters `starts` (T, 2)."""
         wanted = np.stack((stations, np.zeros_like(stations)), axis=-1)
-        return cls({which: on_flank(flanks[which], starts[which], levels, wanted)[1] for which in Side}, hand, levels)
+        return cls({side: on_flank(flanks[side], starts[side], levels, wanted)[1] for side in Side}, hand, levels)
 
-    def lengthwise(self, which: Side) -> Array:
+    def lengthwise(self, side: Side) -> Array:
         """Return the unit vectors (T, 3) along a flank's pitch line, towards the heel."""
         axial, height = self.levels
-        jet = self.jets[which]
+        jet = self.jets[side]
         direction = unit_vector(cross(jet.n, height.gradient(jet.r)))
         return direction * np.sign(dot(direction, axial.gradient(jet.r)))[:, None]
 
-    def spiral_angles(self, which: Side) -> Array:
+    def spiral_angles(self, side: Side) -> Array:
         """Return the angles (T,) between a flank's pitch line and the generatrices of the pitch cone.
 
         They are > 0 in the sense of the hand.
         """
-        direction, jet = self.lengthwise(which), self.jets[which]
+        direction, jet = self.lengthwise(side), self.jets[side]
         around = dot(direction, unit_vector(cross(AXIS, jet.r)))
         angles: Array = np.arctan2(self.hand * around, dot(direction, self.levels[0].gradient(jet.r)))
         return angles
@@ -76,7 +76,7 @@ class PitchLines:
     @property
     def transverse_thicknesses(self) -> Array:
         """Circular thicknesses (T,) along the pitch circle."""
-        right, left = (self.jets[which].r for which in (Side.RIGHT, Side.LEFT))
+        right, left = (self.jets[side].r for side in (Side.RIGHT, Side.LEFT))
         turn = (polar_angle(left) - polar_angle(right)) % (2.0 * np.pi)
         thicknesses: Array = np.hypot(right[:, 0], right[:, 1]) * turn
         return thicknesses
@@ -84,7 +84,7 @@ class PitchLines:
     @property
     def across(self) -> Array:
         """Cosines (T,) of the mean of the flanks' spiral angles: normal over transverse thicknesses."""
-        cosines: Array = np.cos(np.mean([self.spiral_angles(which) for which in Side], axis=0))
+        cosines: Array = np.cos(np.mean([self.spiral_angles(side) for side in Side], axis=0))
         return cosines
 
     @property
@@ -120,16 +120,16 @@ class ToothMeasures:
     @cached_property
     def pitch_lines(self) -> PitchLines:
         """Lines in which the flanks cross the pitch cone."""
-        flanks = {which: self.tooth.side(which).flank for which in Side}
-        starts = {which: self.tooth.flank_grid(which, [0.5], self._t).parameters[0] for which in Side}
+        flanks = {side: self.tooth.side(side).flank for side in Side}
+        starts = {side: self.tooth.flank_grid(side, [0.5], self._t).parameters[0] for side in Side}
         return PitchLines.of(flanks, starts, self.hand, self.stations, self._levels)
 
     @property
     def top_lands(self) -> Array:
         """Widths (T,) of the tip across the tooth."""
         ends, tangents, tip = [], [], self.tooth.blank.tip
-        for which in Side:
-            jet = self.tooth.flank_grid(which, [1.0], self._t).jet
+        for side in Side:
+            jet = self.tooth.flank_grid(side, [1.0], self._t).jet
             assert jet is not None
             direction = unit_vector(cross(jet.n[0], tip.gradient(jet.r[0])))
             ends.append(jet.r[0])
@@ -155,9 +155,9 @@ class ToothMeasures:
         rho, z = np.linalg.solve(np.array(rows), np.array([self.stations[number] - offsets[0], -offsets[1]]))
         return np.array([rho, z, float(height.value(np.array([rho, 0.0, z])))])
 
-    def advance(self, which: Side) -> float:
+    def advance(self, side: Side) -> float:
         """Return the angle (rad) about the axis between the first and the last station of a flank's pitch line."""
-        angles = np.unwrap(polar_angle(self.pitch_lines.jets[which].r))
+        angles = np.unwrap(polar_angle(self.pitch_lines.jets[side].r))
         return abs(float(angles[-1] - angles[0]))
 
     def chord(self, number: int, depth: float) -> float:
@@ -169,19 +169,19 @@ class ToothMeasures:
         flank.
         """
         height = self.pitch_cone
-        r = [self.pitch_lines.jets[which].r[number] for which in (Side.RIGHT, Side.LEFT)]
+        r = [self.pitch_lines.jets[side].r[number] for side in (Side.RIGHT, Side.LEFT)]
         angles = np.unwrap([float(polar_angle(point)) for point in r])
         rho, z, _ = self._section_point(number, self.tooth.blank.tip)
         middle = float(np.mean(angles))
         tip = np.array([rho * np.cos(middle), rho * np.sin(middle), z])
         # axes of the calliper: out of the pitch cone, and along the tooth by the mean of both flanks
         up = unit_vector(height.gradient(tip))
-        along = sum(self.pitch_lines.lengthwise(which)[number] for which in Side)
+        along = sum(self.pitch_lines.lengthwise(side)[number] for side in Side)
         along = unit_vector(along - up * dot(along, up))
         ends = []
-        for which in Side:
-            start = self.tooth.flank_grid(which, [0.5], self._t[[number]]).parameters[0]
+        for side in Side:
+            start = self.tooth.flank_grid(side, [0.5], self._t[[number]]).parameters[0]
             # the jaw touches the flank in the plane across the tooth, at the depth of the tongue
             jaws = SlantedLevel(along, tip), SlantedLevel(up, tip)
-            ends.append(on_flank(self.tooth.side(which).flank, start, jaws, np.array([[0.0, -depth]]))[1].r[0])
+            ends.append(on_flank(self.tooth.side(side).flank, start, jaws, np.array([[0.0, -depth]]))[1].r[0])
         return abs(float(dot(ends[0] - ends[1], np.cross(up, along))))

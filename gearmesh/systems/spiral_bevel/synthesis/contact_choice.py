@@ -49,9 +49,9 @@ MAX_AHEAD_SHARE = 0.03
 MAX_LAG_ERROR = 0.05
 #: rounds of centring, scaling and bending a path
 MAX_REFINE_ROUNDS = 5
-#: distance (pitches) of the mean point from the middle of the path that is left
+#: distance (pitches) of the mean point from the middle of the path up to which it is not moved
 CENTRE_TOLERANCE_PITCHES = 0.02
-#: relative error of the lag that is left
+#: relative error of the lag up to which the parabola is not scaled
 LAG_TOLERANCE = 2e-3
 #: largest distances of the mean point from the middle of the flank, over face width and working depth
 MAX_SHIFT_SHARES = (0.25, 0.35)
@@ -108,10 +108,10 @@ class _Search:
 
     def best(self, first: ContactChoice) -> ContactChoice:
         """Return the first good choice, or else the best one."""
-        best, most = first, (-np.inf, -np.inf)
+        best, best_score = first, (-np.inf, -np.inf)
         for rolled in (False, True) if "roll" in self.free else (False,):
-            # modified roll makes no path longer: it is tried only for long paths that are not good
-            if sum(most) >= 1.0 or (rolled and most[1] >= 0.0):
+            # modified roll makes no path longer: it is not tried if a path is only too short
+            if sum(best_score) >= 1.0 or (rolled and best_score[1] >= 0.0):
                 break
             for direction in self._directions(first):
                 if self.previews.count >= MAX_PREVIEW_COUNTS[rolled]:
@@ -119,10 +119,10 @@ class _Search:
                 for choice, path in self._ellipses(direction, rolled=rolled):
                     # the number of previews is not known in advance, but its limit is
                     tell(min(self.previews.count / max(MAX_PREVIEW_COUNTS), 1.0))
-                    good = self._good(path)
-                    if sum(good) > sum(most):
-                        best, most = choice, good
-                if sum(most) >= 1.0:
+                    score = self._good(path)
+                    if sum(score) > sum(best_score):
+                        best, best_score = choice, score
+                if sum(best_score) >= 1.0:
                     break
         return best
 
@@ -162,9 +162,9 @@ class _Search:
 
     def _ellipses(self, choice: ContactChoice, *, rolled: bool) -> Iterator[tuple[ContactChoice, ContactPreview]]:
         """Yield the choice of a direction with shorter and shorter ellipses, and their paths."""
-        whole, least = choice.asked.semi_major_axis, -np.inf
+        full_length, least = choice.asked.semi_major_axis, -np.inf
         for share in ELLIPSE_SHARES if "semi_major_axis" in self.free else (1.0,):
-            choice = replace(choice, asked=replace(choice.asked, semi_major_axis=share * whole))
+            choice = replace(choice, asked=replace(choice.asked, semi_major_axis=share * full_length))
             refined = self._refine(choice, rolled=rolled)
             if refined is None:
                 continue

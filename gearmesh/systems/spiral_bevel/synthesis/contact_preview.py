@@ -112,14 +112,14 @@ class ContactPreview:
             return np.nan
         # at the change the lags of a pair and of its successor, one pitch later, are equal
         smooth, phi = self.smooth, np.linspace(self.phi[0], self.phi[-1] - 1.0, CHANGE_POINTS)
-        apart = smooth(phi) - smooth(phi + 1.0)
-        change = np.flatnonzero(apart[:-1] * apart[1:] <= 0.0)
+        lag_difference = smooth(phi) - smooth(phi + 1.0)
+        change = np.flatnonzero(lag_difference[:-1] * lag_difference[1:] <= 0.0)
         if not change.size:
             return np.nan
         # the change nearest to half a pitch before the mean point, interpolated linearly
         k = change[np.abs(phi[change] + 0.5).argmin()]
-        at = phi[k] + (phi[k + 1] - phi[k]) * apart[k] / (apart[k] - apart[k + 1])
-        return float(smooth(at) - smooth(np.linspace(at, at + 1.0, CHANGE_POINTS)).min())
+        change_phi = phi[k] + (phi[k + 1] - phi[k]) * lag_difference[k] / (lag_difference[k] - lag_difference[k + 1])
+        return float(smooth(change_phi) - smooth(np.linspace(change_phi, change_phi + 1.0, CHANGE_POINTS)).min())
 
 
 @dataclass(frozen=True)
@@ -181,12 +181,12 @@ class ContactPreviews:
         rho = np.hypot(r[:, 0], r[:, 1])
 
         def same_circle(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
-            at = flank.jet(x[:, 0], x[:, 1])
-            here = np.hypot(at.r[:, 0], at.r[:, 1])
-            f = np.stack((here - rho[index], at.r[:, 2] - r[index, 2]), axis=-1)
+            jet_at = flank.jet(x[:, 0], x[:, 1])
+            radius = np.hypot(jet_at.r[:, 0], jet_at.r[:, 1])
+            f = np.stack((radius - rho[index], jet_at.r[:, 2] - r[index, 2]), axis=-1)
             columns = [
-                np.stack(((at.r[:, 0] * d[:, 0] + at.r[:, 1] * d[:, 1]) / here, d[:, 2]), axis=-1)
-                for d in (at.r_u, at.r_v)
+                np.stack(((jet_at.r[:, 0] * d[:, 0] + jet_at.r[:, 1] * d[:, 1]) / radius, d[:, 2]), axis=-1)
+                for d in (jet_at.r_u, jet_at.r_v)
             ]
             return f, np.stack(columns, axis=-1)
 
@@ -293,14 +293,14 @@ class ContactPreviews:
         return ContactPreview(phi, lag, place, begin, end, pinion, mean)
 
     @staticmethod
-    def _margins(own: MemberBlank, side: Generated, r: Array, p: Array) -> tuple[Array, ...]:
+    def _margins(member: MemberBlank, side: Generated, r: Array, p: Array) -> tuple[Array, ...]:
         """Return the distances (mm) of points r (K, 3) of a flank inside each of its limits.
 
         `p`: blade parameters (K,) of the points.
         """
-        station = own.stations.value(r)
-        ends = station - own.inner_cone_distance, own.outer_cone_distance - station
-        return *ends, -own.tip.value(r), _above_form_point(side, p)
+        station = member.stations.value(r)
+        ends = station - member.inner_cone_distance, member.outer_cone_distance - station
+        return *ends, -member.tip.value(r), _above_form_point(side, p)
 
 
 def _finer(table: Array, on: NDArray[np.bool_]) -> Array:
@@ -368,8 +368,8 @@ def _path(flanks: tuple[Flank, Flank], x: Array, pitch: float, length: float) ->
         solution = solve(conditions, np.array(starts), tolerance=POSITION_TOLERANCE * length)
         known |= {
             direction * k: x
-            for direction, x, good in zip(directions, solution.values, solution.converged, strict=True)
-            if good
+            for direction, x, converged in zip(directions, solution.values, solution.converged, strict=True)
+            if converged
         }
         directions = [direction for direction in directions if direction * k in known]
         if not directions:

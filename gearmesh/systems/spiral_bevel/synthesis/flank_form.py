@@ -124,7 +124,7 @@ def form_choice(design: FaceMilledDesign, blank: BevelBlank, name: str, target: 
 
 
 def terms(x: Array, y: Array) -> Array:
-    """Return the terms (..., 5) of the polynomial at coordinates x and y (...,), in the order of EASE_OFF."""
+    """Return the terms (..., 5) of the polynomial at coordinates x and y (...,), in the order of EASE_OFF_KEYS."""
     return np.stack((y, x, y * y, x * x, x * y), axis=-1)
 
 
@@ -309,19 +309,22 @@ class _Fit:
         with np.errstate(all="ignore"):
             for _ in range(steps):
                 jet = surface.jet(at[:, 0], at[:, 1])
-                away = self._r - jet.r
+                to_surface = self._r - jet.r
                 # Newton step in the plane across the conjugate's normal
-                f1, f2 = dot(away, e1), dot(away, e2)
+                f1, f2 = dot(to_surface, e1), dot(to_surface, e2)
                 a, b, c, d = (dot(column, e) for e in (e1, e2) for column in (jet.r_u, jet.r_v))
                 step = np.stack((d * f1 - b * f2, a * f2 - c * f1), axis=-1) / (a * d - b * c)[:, None]
                 at = at + step
             jet = surface.jet(at[:, 0], at[:, 1])
             # orientation of the surface, whose sign tells folded parts from the flank
             area = dot(cross(jet.r_u, jet.r_v), jet.n)
-            away = self._r - jet.r
+            to_surface = self._r - jet.r
             # a remaining distance from the normal is corrected in the tangent plane
-            e = dot(away, jet.n) / dot(self._n, jet.n)
-            near = np.hypot(dot(away, e1), dot(away, e2)) < MAX_NORMAL_MISS_MODULES * self.blank.mean_normal_module
+            e = dot(to_surface, jet.n) / dot(self._n, jet.n)
+            near = (
+                np.hypot(dot(to_surface, e1), dot(to_surface, e2))
+                < MAX_NORMAL_MISS_MODULES * self.blank.mean_normal_module
+            )
             # folded parts of the surface have the opposite orientation to most of it
             near &= area * np.nansum(np.sign(area)) > 0.0
         return np.where(near, e, np.nan), at, jet
@@ -334,8 +337,8 @@ class _Fit:
         for k in range(len(q)):
             moved = q.copy()
             moved[k] += SETTING_STEP
-            other = self.cut(moved)
-            r = other.motion.at(phi).tool_to_blank.point(other.tool.jet(at[:, 0], at[:, 1]).r)
+            moved_flank = self.cut(moved)
+            r = moved_flank.motion.at(phi).tool_to_blank.point(moved_flank.tool.jet(at[:, 0], at[:, 1]).r)
             columns.append(dot(jet.r - r, jet.n) / (SETTING_STEP * dot(self._n, jet.n)))
         return np.stack(columns, axis=-1)
 

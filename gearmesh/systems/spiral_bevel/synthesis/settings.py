@@ -220,12 +220,12 @@ def _gear_side(
     """
     spec, member, side = design.gear.cutter, blank.gear, BLADE_SIDES[name]
     table, nominal = ("outside", blank.blade_angles[1]) if side == OUTSIDE_BLADE else ("inside", blank.blade_angles[0])
-    own = blade_keys(spec, getattr(spec, table))
+    keys = blade_keys(spec, getattr(spec, table))
     prefix = f"gear.cutter.{table}" if getattr(spec, table).model_fields_set else "gear.cutter"
-    angle = _radians(own["blade_angle"], nominal)
-    blade = _blade(prefix, (side, blank.cutter_radius + 0.5 * side * width, angle), own, 0.5 * blank.mean_depth, blank)
+    angle = _radians(keys["blade_angle"], nominal)
+    blade = _blade(prefix, (side, blank.cutter_radius + 0.5 * side * width, angle), keys, 0.5 * blank.mean_depth, blank)
     tip_height, mean = blank.mean_depth - blank.clearance, member.along_root(member.mean_cone_distance)
-    return Generated(machine, blade, -HAND_SIGNS[design.hand], mean, tip_height, own["edge_radius"] is None)
+    return Generated(machine, blade, -HAND_SIGNS[design.hand], mean, tip_height, keys["edge_radius"] is None)
 
 
 def _check_gear_tilt(spec: GearCutter) -> None:
@@ -614,9 +614,9 @@ def meshing_turns(jet: Jet, gear_to_pinion: Rigid, sense: int, ratio: float, nea
     f = np.stack(values, axis=-1)
     mean, a, b = f.mean(axis=-1), 2.0 / 3.0 * (f @ np.cos(_THIRD_TURNS)), 2.0 / 3.0 * (f @ np.sin(_THIRD_TURNS))
     with np.errstate(invalid="ignore"):
-        away, middle = np.arccos(-mean / np.hypot(a, b)), np.arctan2(b, a)
+        half_angle, middle = np.arccos(-mean / np.hypot(a, b)), np.arctan2(b, a)
     # both roots; the one nearest `near` is returned
-    roots = np.stack((middle - away, middle + away)) - near
+    roots = np.stack((middle - half_angle, middle + half_angle)) - near
     roots = (roots + np.pi) % (2.0 * np.pi) - np.pi
     nearest: Array = near + np.where(np.abs(roots[0]) <= np.abs(roots[1]), roots[0], roots[1])
     return nearest

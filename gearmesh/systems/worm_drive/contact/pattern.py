@@ -97,8 +97,8 @@ class _Flank:
     def _bases(self, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
         """Return the bases of worm and wheel with errors (N,) in addition to the design's errors."""
         stated = self.design.assembly
-        whole = {key: values + getattr(stated, key) for key, values in errors.items()}
-        return displaced_bases(self.own, self.train, {**whole, "dz1": np.full_like(errors["da"], stated.dz1)})
+        all_errors = {key: values + getattr(stated, key) for key, values in errors.items()}
+        return displaced_bases(self.own, self.train, {**all_errors, "dz1": np.full_like(errors["da"], stated.dz1)})
 
     def shifts(self) -> list[PatternShift]:
         """Return one shift per place, from the entering to the leaving side.
@@ -107,13 +107,13 @@ class _Flank:
         """
         path = self._path()
         shares, x = self._swept(path)
-        good = self._holds(x)
+        possible = self._holds(x)
         name = f"worm_{self.own.contact.flank}"
-        if not good.any():
+        if not possible.any():
             raise NoSolutionError(
                 "assembly", reason=f"{name}: no value of {self.moved[0]} brings the contact into the face"
             )
-        shares, x = shares[good], x[good]
+        shares, x = shares[possible], x[possible]
         values, stated = self._moves.values(x, self.moved), self.design.assembly
         places = ("entering side", "middle", "leaving side")
         rows = []
@@ -153,14 +153,14 @@ class _Flank:
         k = np.flatnonzero(path.kind == "point")
         r = pair.gear.one_tooth.side(pair.flanks[1]).flank.jet(path.params2[k, 0], path.params2[k, 1]).r
         depth = HalfwayLevel(blank.root, blank.tip).value(r) - 0.5 * self._clearance
-        at = int(np.abs(depth).argmin())
-        (toe, heel), m = blank.extent, k[at]
+        nearest = int(np.abs(depth).argmin())
+        (toe, heel), m = blank.extent, k[nearest]
         worm_mount, wheel_mount = pair.mounts
         turns = [
             mount.sign * (turn - mount.zero)
             for mount, turn in ((worm_mount, path.rotation[m]), (wheel_mount, path.phi2[m]))
         ]
-        share = (blank.axial.value(r[at]) - toe) / (heel - toe)
+        share = (blank.axial.value(r[nearest]) - toe) / (heel - toe)
         return float(share), np.array([*path.params1[m], *turns, *(0.0 for _ in self.moved)])
 
     def _swept(self, path: ContactPath) -> tuple[Array, Array]:
@@ -174,11 +174,11 @@ class _Flank:
         inner = np.clip(begin, PLACE_SHARES[0], PLACE_SHARES[-1])
         for end in (PLACE_SHARES[0], PLACE_SHARES[-1]):
             steps = int(np.ceil(abs(end - inner) / MAX_SHARE_STEP)) + 1
-            way = np.union1d(
+            places = np.union1d(
                 np.linspace(inner, end, steps), [s for s in PLACE_SHARES if min(inner, end) <= s <= max(inner, end)]
             )
             unknowns = start
-            for share in way if end > inner else way[::-1]:
+            for share in places if end > inner else places[::-1]:
                 solved = self._solve(float(share), unknowns)
                 unknowns = solved if np.isfinite(solved).all() else unknowns
                 shares.append(float(share))
@@ -200,16 +200,16 @@ class _Flank:
 
     def _holds(self, x: Array) -> NDArray[np.bool_]:
         """Return True (N,) where the displaced teeth first touch at the point of the unknowns x (N, 4 + K)."""
-        good: NDArray[np.bool_] = np.asarray(np.isfinite(x).all(axis=-1))
-        if not good.any():
-            return good
-        x, mount = x[good], self.pair.pinion.mount
+        touches_first: NDArray[np.bool_] = np.asarray(np.isfinite(x).all(axis=-1))
+        if not touches_first.any():
+            return touches_first
+        x, mount = x[touches_first], self.pair.pinion.mount
         turned = mount.zero + mount.sign * x[:, 2]
         bases = self._bases(self._moves.values(x, self.moved))
         paths = assembly_paths(solver_pair(self.pair), bases, turned[:, None])
         r = self.pair.pinion.tooth.side(self.pair.flanks[0]).flank.jet(x[:, 0], x[:, 1]).r
         with np.errstate(invalid="ignore"):
-            good[good] = paths.surface[:, 0] & (
+            touches_first[touches_first] = paths.surface[:, 0] & (
                 np.linalg.norm(paths.point[:, 0] - r, axis=-1) <= MAX_FIRST_TOUCH_DISTANCE_MM
             )
-        return good
+        return touches_first
