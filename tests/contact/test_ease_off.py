@@ -12,6 +12,9 @@ from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh.check.heightfield import Arcs, GridFlank
+from gearmesh.contact.engagement import ease_off as ease_off_module
+from gearmesh.contact.first_touch.field import Advances
+from gearmesh.contact.pair import Pair
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.teeth.gear_train import GearPair
 
@@ -134,3 +137,26 @@ def test_points_of_a_worm_are_read_where_they_touch_first() -> None:
     for along in steps:
         assert np.median(along) > 0.0
         assert (along < 0.0).sum() == 1
+
+
+def test_a_fine_grid_takes_no_more_memory_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The page of a worm drive asks at 7,500 points and some 1,300 positions: 0.5 GB where all are held at once."""
+    followed = gm.build(gm.load(SAMPLES / "spur.toml")).contact().engagement
+    assert followed is not None
+    flank = followed.pair.parts[0].pinion
+    (low, left), (high, right) = flank.grid[0, 0], flank.grid[-1, -1]
+    fine = np.stack(np.meshgrid(np.linspace(low, high, 71), np.linspace(left, right, 81), indexing="ij"), axis=-1)
+    held: list[int] = []
+    advances = ease_off_module.advances
+
+    def measured(pair: Pair, phi1: np.ndarray, r: np.ndarray, n: np.ndarray, index: np.ndarray) -> Advances:
+        held.append(len(index) * len(r))
+        return advances(pair, phi1, r, n, index)
+
+    monkeypatch.setattr(ease_off_module, "advances", measured)
+    found = ease_off_module.ease_off(followed, 2.0 * np.pi / 20, fine)
+    assert sum(held) > 2 * max(held)
+    assert max(held) <= 2**18
+    # blocks of points are the same as one by one
+    monkeypatch.setattr(ease_off_module, "LARGEST_TABLE", 10**9)
+    np.testing.assert_array_equal(ease_off_module.ease_off(followed, 2.0 * np.pi / 20, fine).distance, found.distance)

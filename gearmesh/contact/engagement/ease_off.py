@@ -26,6 +26,8 @@ AS_NEAR = 1e-3
 #: mm within which tables of flanks are right as far past their edges as the mating flank is drawn: near the base circle a point
 #: seems to touch there twice
 PAST_EDGES = 5e-3
+#: positions times points whose advances are held at once, in some 30 tables of so many numbers
+LARGEST_TABLE = 2**17
 
 
 @dataclass(frozen=True)
@@ -58,28 +60,39 @@ def ease_off(engagement: Engagement, pitch: float, grid: Array | None = None) ->
     phi1 = np.linspace(low, high, int(np.ceil((high - low) * max(PER_PITCH / pitch, PER_TURN / (2.0 * np.pi)))) + 1)
     grid = pair.pinion.grid if grid is None else grid
     jet = pair.pinion.surface.jet(grid[..., 0].ravel(), grid[..., 1].ravel())
+    count = max(1, LARGEST_TABLE // len(phi1))
+    blocks = [slice(k, k + count) for k in range(0, len(jet.r), count)]
     with np.errstate(all="ignore"):
-        field = advances(pair, phi1, jet.r, jet.n, np.arange(len(phi1)))
-        past = field.beyond.max(axis=0)
-        # of threads the gear's flank also passes where it comes from behind: no advance there
-        advance = np.where(np.isnan(field.advance), -np.inf, field.advance)
-        levers = _levers(pair, jet.r, jet.n, phi1[advance.argmax(axis=0)])
-        first = np.broadcast_to(np.arange(len(phi1), dtype=float)[:, None], advance.shape)
-        nearest = _Nearest.of(phi1, np.where(past <= 0.0, advance, -np.inf), AS_NEAR / levers, first)
-        any_nearest = _Nearest.of(phi1, advance, PAST_EDGES / levers, past)
+        rows = np.concatenate([_nearest_rows(pair, phi1, jet.r[part], jet.n[part]) for part in blocks], axis=1)
+        (advance, nearest_phi1, nearest_beyond), (advance_past, phi1_past, beyond_past) = rows.reshape(2, 3, -1)
         # NaN where no point is most advanced in the middle of the positions
-        top = np.fmax.reduce(nearest.advance)
-        distance, continued = (
-            (top - place.advance) * _levers(pair, jet.r, jet.n, place.phi1) for place in (nearest, any_nearest)
-        )
+        top = np.fmax.reduce(advance)
+        distance = (top - advance) * _levers(pair, jet.r, jet.n, nearest_phi1)
+        continued = (top - advance_past) * _levers(pair, jet.r, jet.n, phi1_past)
         # a point that worms pass twice goes on where it touches
         known = np.isfinite(distance)
         continued = np.where(known, distance, continued)
-        continued_phi1 = np.where(known, nearest.phi1, any_nearest.phi1)
-        beyond = np.where(known, nearest.read(past), any_nearest.read(past))
+        continued_phi1 = np.where(known, nearest_phi1, phi1_past)
+        beyond = np.where(known, nearest_beyond, beyond_past)
     shape = grid.shape[:2]
-    parts = (values.reshape(shape) for values in (distance, nearest.phi1, beyond, continued, continued_phi1))
+    parts = (values.reshape(shape) for values in (distance, nearest_phi1, beyond, continued, continued_phi1))
     return EaseOff(jet.r.reshape(*shape, 3), *parts)
+
+
+def _nearest_rows(pair: Pair, phi1: Array, r: Array, n: Array) -> Array:
+    """Advance (rad), rotation (rad) and distance past the gear's edges (mm) of points r (K, 3) with normals n, where they are nearest
+    to the gear's flank, and the same three where they are nearest to the flank as its table goes on: (6, K)."""
+    field = advances(pair, phi1, r, n, np.arange(len(phi1)))
+    past = field.beyond.max(axis=0)
+    # of threads the gear's flank also passes where it comes from behind: no advance there
+    advance = np.where(np.isnan(field.advance), -np.inf, field.advance)
+    levers = _levers(pair, r, n, phi1[advance.argmax(axis=0)])
+    first = np.broadcast_to(np.arange(len(phi1), dtype=float)[:, None], advance.shape)
+    places = (
+        _Nearest.of(phi1, np.where(past <= 0.0, advance, -np.inf), AS_NEAR / levers, first),
+        _Nearest.of(phi1, advance, PAST_EDGES / levers, past),
+    )
+    return np.stack([row for place in places for row in (place.advance, place.phi1, place.read(past))])
 
 
 @dataclass(frozen=True)
