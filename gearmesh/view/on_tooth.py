@@ -27,13 +27,21 @@ SHORTEST = 10.0
 CORNER = 0.7
 #: what a way along the normal counts for in an ellipse, as a part of one along the major axis
 OUT_OF_PLANE = 0.25
+#: places on the flank from the middle of an ellipse to its edge: a straight line between two of them is 0.4 pixels below the flank
+#: at most (spiral bevel); discs are drawn at least 1.3 pixels above it
+RINGS = 5
 #: rounds in which the end of a ray on the flank is found, to less than a ten-thousandth of it, and the parts into which
 #: each one divides what is left: quarters, for a projection costs much and a point of it little
 ROUNDS, PARTS = 7, 4
 
 
 def ellipses_on_surface(
-    contact: MemberContact, chosen: NDArray[np.int64], project: Project, lift: float, rays: int = 145, rings: int = 9
+    contact: MemberContact,
+    chosen: NDArray[np.int64],
+    project: Project,
+    lift: float,
+    rays: int = 145,
+    rings: int = RINGS,
 ) -> tuple[Array, Array]:
     """Contact ellipses of the positions `chosen` (E,), laid on the surface and cut off at the flank's edges.
 
@@ -54,9 +62,14 @@ def ellipses_on_surface(
     reach[outside] = _last_inside(
         lambda part, k: place(out_which[k], out_turn[k], part), np.zeros(out_turn.shape), np.ones(out_turn.shape)
     )
-    part = np.linspace(0.0, 1.0, rings)[:, None] * reach[:, None, :]
-    grown = (len(chosen), rings, rays)
-    discs = place(np.broadcast_to(which[:, None], grown), np.broadcast_to(turn[:, None], grown), part)
+    edge = rim.copy()
+    edge[outside] = place(out_which, out_turn, reach[outside])
+    part = np.linspace(0.0, 1.0, rings)[1:-1, None] * reach[:, None, :]
+    grown = part.shape
+    inner = place(np.broadcast_to(which[:, None], grown), np.broadcast_to(turn[:, None], grown), part)
+    middle = place(chosen, np.zeros(len(chosen)), np.zeros(len(chosen)))
+    middle = np.broadcast_to(middle[:, None, None], (len(chosen), 1, rays, 3))
+    discs = np.concatenate((middle, inner, edge[:, None]), axis=1)
     # The outline ends where it crosses the edge, between two samples.
     row, column = np.nonzero(outside[:, 1:] != outside[:, :-1])
     inner, outer = column + outside[row, column], column + ~outside[row, column]

@@ -80,8 +80,10 @@ def ease_off(engagement: Engagement, pitch: float, grid: Array | None = None) ->
 
 
 def _nearest_rows(pair: Pair, phi1: Array, r: Array, n: Array) -> Array:
-    """Advance (rad), rotation (rad) and distance past the gear's edges (mm) of points r (K, 3) with normals n where they are nearest
-    to the gear's flank, and the same three of the flank as its table goes on: (6, K)."""
+    """Advance (rad), rotation (rad) and distance past the gear's edges (mm) of points r (K, 3) with normals n, (6, K).
+
+    The first three rows hold where points are nearest to the gear's flank, the others to the flank as its table goes on.
+    """
     field = advances(pair, phi1, r, n, np.arange(len(phi1)))
     past = field.beyond.max(axis=0)
     # of threads the gear's flank also passes where it comes from behind: no advance there

@@ -25,8 +25,7 @@ class Primitive(TypedDict):
 
     points (V, 3), cells of so many `corners` (one for dots, two for lines), one after the other, and where they begin (C + 1,),
     `colours` (V, 3) of points, or one `colour` of three parts of 1. `values` (V,) from 0 to `limit` take the
-    colours of a `table` (256, 4), if there is one; what is beyond `cut` is left out. `front` is a point and a direction away from
-    the viewer, before which nothing is shown.
+    colours of a `table` (256, 4), if there is one; what is beyond `cut` is left out.
     """
 
     points: bytes
@@ -42,7 +41,6 @@ class Primitive(TypedDict):
     opacity: float
     width: float
     culled: str
-    front: tuple[list[float], list[float]] | None
 
 
 class Order(TypedDict):
@@ -78,7 +76,6 @@ PLAIN = Primitive(
     opacity=1.0,
     width=1.0,
     culled="",
-    front=None,
 )
 
 
@@ -184,7 +181,6 @@ def _aim(renderer: Any, order: Order, rows: int, strip: int) -> None:
 
 
 def _actor(primitive: Primitive) -> Any:
-    from vtkmodules.vtkCommonDataModel import vtkPlane
     from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
     mapper, actor = vtkPolyDataMapper(), vtkActor()
@@ -192,11 +188,6 @@ def _actor(primitive: Primitive) -> Any:
     mapper.SetScalarVisibility(primitive["colours"] is not None or primitive["table"] is not None)
     if primitive["table"] is not None:
         _take_colours(mapper, primitive["table"], primitive["limit"])
-    if primitive["front"] is not None:
-        plane = vtkPlane()
-        plane.SetOrigin(primitive["front"][0])
-        plane.SetNormal(primitive["front"][1])
-        mapper.AddClippingPlane(plane)
     actor.SetMapper(mapper)
     look = actor.GetProperty()
     look.SetColor(*primitive["colour"])

@@ -17,6 +17,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.view.offscreen.drawing_process import PLAIN, Order, Primitive
+from gearmesh.view.offscreen.front_plane import cut_front
 from gearmesh.view.palette import COLOUR_MAP, INK, REGION_EDGE
 from gearmesh.view.scene import Camera, Curve, Dots, PatternArea, Scene, SceneBody, ValueMap
 
@@ -160,11 +161,12 @@ class Viewer:
         size = np.sqrt(dot(outward, outward) * dot(towards, towards))
         return dot(outward, towards) / np.where(size > 0.0, size, 1.0)
 
-    def front(self, pixels: float) -> tuple[list[float], list[float]]:
-        """Point and direction of the plane before which nothing is shown of what was moved by so many pixels."""
+    def depth(self, points: Array, pixels: float) -> Array:
+        """Distance (N,), mm, of points (N, 3) that were moved by so many pixels behind the plane before which nothing is shown."""
         assert self.camera.front is not None
-        back = self.camera.axes[2]
-        return (self.camera.focus + (self.camera.front - pixels * self.pixel) * back).tolist(), (-back).tolist()
+        front = self.camera.front - pixels * self.pixel
+        behind: Array = front - (points - self.camera.focus) @ self.camera.axes[2]
+        return behind
 
 
 def corner_normals(mesh: TriangleMesh) -> Array:
@@ -259,13 +261,15 @@ def _inside(
     """The inside of a solid that is cut open, as flat as a section, `behind` by so many pixels: drawn before the lines on it."""
     pixels = behind - 2.0
     points = viewer.move_back(corners.reshape(-1, 3), pixels)
-    yield _primitive(points, _nearest_first(cells, points), colour, front=viewer.front(pixels))
+    points, cells, _ = cut_front(points, _nearest_first(cells, points), viewer.depth(points, pixels))
+    yield _primitive(points, cells, colour)
     # a face that is seen as a line has the material behind it on one side alone: lines farther away would stand beside it
     ends = mesh.triangles[viewer.edge_on(corners)]
     if len(ends):
         sides = np.unique(np.sort(ends[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0)
-        lines, width = viewer.move_back(mesh.vertices, behind), 1.0 * OVERSAMPLING
-        yield _primitive(lines, sides, colour, width=width, front=viewer.front(behind))
+        lines = viewer.move_back(mesh.vertices, behind)
+        lines, sides, _ = cut_front(lines, sides, viewer.depth(lines, behind))
+        yield _primitive(lines, sides, colour, width=1.0 * OVERSAMPLING)
 
 
 def _body(body: SceneBody, viewer: Viewer) -> Iterator[Primitive]:
@@ -286,20 +290,22 @@ def _body(body: SceneBody, viewer: Viewer) -> Iterator[Primitive]:
     # sections have no lines that triangles must stay behind, and those that do would reach before the plane of the section
     back = behind if body.section is not None else behind + viewer.slopes(corners)[:, None, None]
     points = viewer.move_back(corners, back).reshape(-1, 3)
-    yield _primitive(
-        points,
-        _nearest_first(outer, points),
-        body.paint.colour,
-        colours=viewer.light(points, corner_normals(mesh).reshape(-1, 3), np.repeat(colours, 3, axis=0)).tobytes(),
-        opacity=body.opacity,
-        front=viewer.front(behind) if opened else None,
+    lit: NDArray[np.uint8] | None = viewer.light(
+        points, corner_normals(mesh).reshape(-1, 3), np.repeat(colours, 3, axis=0)
     )
+    outer = _nearest_first(outer, points)
+    if opened:
+        points, outer, lit = cut_front(points, outer, viewer.depth(points, behind), lit)
+    assert lit is not None
+    yield _primitive(points, outer, body.paint.colour, colours=lit.tobytes(), opacity=body.opacity)
     # lines on the far side would show through a section
     edges = region_edges(mesh, viewer.faces(corners) if opened else None)
     if len(edges) and body.section is None:
-        pixels, width = behind - 0.5, 1.0 * OVERSAMPLING
-        lines, front = viewer.move_back(mesh.vertices, pixels), viewer.front(pixels) if opened else None
-        yield _primitive(lines, edges, REGION_EDGE, width=width, front=front)
+        pixels = behind - 0.5
+        lines = viewer.move_back(mesh.vertices, pixels)
+        if opened:
+            lines, edges, _ = cut_front(lines, edges, viewer.depth(lines, pixels))
+        yield _primitive(lines, edges, REGION_EDGE, width=1.0 * OVERSAMPLING)
 
 
 # --- what lies on them ---

@@ -1,0 +1,66 @@
+"""Triangles and lines cut at a plane before which nothing is shown.
+
+The cut is made here, not by OpenGL: clipping there looks at every pixel, also at those that other triangles hide.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.kernel.numeric.algebra import Array
+
+#: corners of the pieces that remain of a triangle, by how many of its corners are behind the plane, the odd one first: k stands for
+#: its corner k, k + 3 for the point between its corners 0 and k
+PIECES = {1: ((0, 4, 5),), 2: ((4, 1, 2), (4, 2, 5))}
+
+
+def cut_front(
+    points: Array, cells: NDArray[np.int64], depth: Array, colours: NDArray[np.uint8] | None = None
+) -> tuple[Array, NDArray[np.int64], NDArray[np.uint8] | None]:
+    """Points (V, 3), cells (C, 2 or 3) and colours (V, 3) of what is behind a plane, where the `depth` (V,) is at least 0.
+
+    Cells that the plane cuts come first. Points of no cell are left out.
+    """
+    behind = depth >= 0.0
+    count = behind[cells].sum(axis=1)
+    whole = cells[count == cells.shape[1]]
+    if cells.shape[1] == 2:
+        ends = cells[count == 1]
+        ends = np.where(behind[ends[:, :1]], ends, ends[:, ::-1])
+        corners = np.stack((ends[:, 0], ends[:, 0]), axis=-1), np.stack((ends[:, 0], ends[:, 1]), axis=-1)
+    else:
+        kept = [_corners(cells[count == k], behind, k) for k in PIECES]
+        corners = tuple(np.concatenate([part[side] for part in kept]) for side in (0, 1))
+    first, second = (corner.reshape(-1) for corner in corners)
+    # on the line between two corners where the depth is 0, or at the first one where both are the same
+    span = depth[first] - depth[second]
+    share = (depth[first] / np.where(span == 0.0, 1.0, span))[:, None]
+    used, renumbered = np.unique(whole, return_inverse=True)
+    pieces = len(used) + np.arange(len(first)).reshape(corners[0].shape)
+    mixed = points[first] + share * (points[second] - points[first])
+    shades = None
+    if colours is not None:
+        own, other = colours[first].astype(float), colours[second].astype(float)
+        shades = np.concatenate((colours[used], np.rint(own + share * (other - own)).astype(np.uint8)))
+    return (
+        np.concatenate((points[used], mixed)),
+        np.concatenate((pieces, renumbered.reshape(whole.shape))).astype(np.int64),
+        shades,
+    )
+
+
+def _corners(
+    cells: NDArray[np.int64], behind: NDArray[np.bool_], count: int
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Points (P, 3) and (P, 3) between which the corners of the pieces of triangles (C, 3) lie.
+
+    Both are the same for corners that stay. So many corners of each triangle are behind the plane.
+    """
+    # the odd corner is the one of its side: behind for one of three, before for two of three
+    odd = (behind[cells] == (count == 1)).argmax(axis=1)
+    turned = np.take_along_axis(cells, (odd[:, None] + np.arange(3)) % 3, axis=1)
+    pieces = np.array(PIECES[count]).reshape(-1)
+    first = np.where(pieces < 3, pieces, 0)
+    second = np.where(pieces < 3, pieces, pieces - 3)
+    return turned[:, first].reshape(-1, 3), turned[:, second].reshape(-1, 3)
