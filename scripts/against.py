@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import math
-import os
 import statistics
 import subprocess
 import sys
@@ -19,6 +18,10 @@ from io import BytesIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from processes import Measured, measured
 
 ROOT = Path(__file__).parent.parent
 #: figures of two versions are the same within this part of the larger of them and 1
@@ -64,11 +67,18 @@ COMMANDS = {
     "run helical": _run("helical"),
     "run spiral_bevel_basic": _run("spiral_bevel_basic"),
     "run hypoid": _run("hypoid"),
+    "run worm_drive": _run("worm_drive"),
     "report helical": Command("report samples/helical.toml -o {out}/page.html"),
     "report spiral_bevel_basic": Command("report samples/spiral_bevel_basic.toml -o {out}/page.html"),
     "render helical, tooth": Command("render samples/helical.toml -o {out}/tooth.png"),
     "render spiral_bevel_basic, pair": Command("render samples/spiral_bevel_basic.toml --view pair -o {out}/pair.png"),
     "render helical, loaded": Command("render samples/helical.toml --view loaded --torque 500 -o {out}/loaded.png"),
+    "load helical, 500 Nm": Command("load samples/helical.toml --torque 500 --json -", ""),
+    "study spiral_bevel_basic, 25 assemblies": Command(
+        "study samples/spiral_bevel_basic.toml --vary assembly.dV=-0.05:0.05:5 --vary assembly.dH=-0.05:0.05:5 --workers 1"
+        " --no-pictures -o {out}/study",
+        "study/study.json",
+    ),
     "help": Command("--help"),
     "describe helical": Command("describe samples/helical.toml --json -", ""),
     "tca helical": _contact("helical"),
@@ -95,25 +105,6 @@ COLUMNS = {
     "figures": "figures compared",
     "differ": "that differ",
 }
-
-
-#: starts a command and prints its status, CPU seconds and peak: the peak of a process counts from that of the one that starts it,
-#: which the bench with its libraries would be
-LAUNCHER = """
-import os, subprocess, sys
-with open(sys.argv[1], "wb") as out, open(sys.argv[2], "wb") as err:
-    process = subprocess.Popen(sys.argv[3:], stdout=out, stderr=err)
-    _, status, used = os.wait4(process.pid, 0)
-print(os.waitstatus_to_exitcode(status), used.ru_utime + used.ru_stime, used.ru_maxrss / 1024)
-"""
-
-
-@dataclass(frozen=True)
-class Measured:
-    """What one run of a command took: CPU seconds of all its processes, and MB of the largest of them at its peak."""
-
-    cpu: float
-    megabytes: float
 
 
 def revision(version: str) -> str:
@@ -153,31 +144,18 @@ def versions_here(folder: Path) -> Path:
     return path
 
 
-def measured(python: Path, command: Command, folder: Path) -> tuple[Measured, Any]:
+def run_of(python: Path, command: Command, folder: Path) -> tuple[Measured, Any]:
     """One run in a folder that exists: what it took, and its figures. Raises CalledProcessError where it fails.
 
     Exit status 3 is a check of the design that fails, not a failure of the command.
     """
     words = command.words.replace("{out}", str(folder)).split()
-    env = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
-    env.pop("PYTHONPATH", None)
-    printed, said = folder / "printed", folder / "said"
-    launcher = [sys.executable, "-S", "-E", "-c", LAUNCHER, printed, said]
-    ran = subprocess.run(
-        [*launcher, python, "-m", "gearmesh", *words],
-        cwd=_samples(folder),
-        env=env,
-        stdout=subprocess.PIPE,
-        text=True,
-        check=True,
-    )
-    status, cpu, megabytes = map(float, ran.stdout.split())
-    if status not in (0, 3):
-        raise subprocess.CalledProcessError(int(status), words, stderr=said.read_text())
+    printed = folder / "printed"
+    took = measured([python, "-m", "gearmesh", *words], _samples(folder), printed, folder / "said", (0, 3))
     figures = None
     if command.figures is not None:
         figures = figures_of((folder / command.figures if command.figures else printed).read_text(encoding="utf-8"))
-    return Measured(cpu, megabytes), figures
+    return took, figures
 
 
 def figures_of(text: str) -> Any:
@@ -246,18 +224,18 @@ def error_of(figures: Any, path: str) -> float:
 def row(name: str, command: Command, pythons: tuple[Path, Path], rounds: int, folder: Path) -> dict[str, Any]:
     """Figures of one command: medians over rounds in which the two versions run one after the other.
 
-    The first round, which compiles the modules, does not count.
+    The modules are compiled: pip does that when it installs them.
     """
     runs: list[tuple[Measured, Measured]] = []
     figures: list[Any] = [None, None]
-    for k in range(rounds + 1):
+    for k in range(rounds):
         both = []
         for side, python in enumerate(pythons):
             place = folder / f"{k}-{side}"
             place.mkdir()
-            took, figures[side] = measured(python, command, place)
+            took, figures[side] = run_of(python, command, place)
             both.append(took)
-        runs += [(both[0], both[1])] if k else []
+        runs.append((both[0], both[1]))
     ratios = [before.cpu / now.cpu for before, now in runs]
     found: dict[str, Any] = {"command": name, "ratio": statistics.median(ratios)}
     found["spread"] = f"{min(ratios):.2f} to {max(ratios):.2f}"

@@ -10,7 +10,6 @@ machine counts for all alike; the compiled files of the package are there, as af
 from __future__ import annotations
 
 import argparse
-import os
 import re
 import statistics
 import subprocess
@@ -25,6 +24,7 @@ from typing import Any
 sys.path.insert(0, str(Path(__file__).parent))
 
 import tables
+from processes import measured
 
 ROOT = Path(__file__).parent.parent
 #: commands, {} where a file is written, and the ratio that was asked for
@@ -76,14 +76,7 @@ COLUMNS = {
 
 def cpu_seconds(command: Sequence[str]) -> float:
     """CPU seconds of a process, children included. Raises CalledProcessError where it fails."""
-    environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
-    quiet = subprocess.DEVNULL
-    with subprocess.Popen(command, cwd=ROOT, env=environment, stdout=quiet, stderr=quiet) as process:
-        _, status, used = os.wait4(process.pid, 0)
-        process.returncode = os.waitstatus_to_exitcode(status)
-    if process.returncode:
-        raise subprocess.CalledProcessError(process.returncode, command)
-    return used.ru_utime + used.ru_stime
+    return measured(command, ROOT).cpu
 
 
 def start(rounds: int) -> list[dict[str, Any]]:

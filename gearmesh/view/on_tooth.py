@@ -66,10 +66,10 @@ def ellipses_on_surface(
     edge[outside] = place(out_which, out_turn, reach[outside])
     part = np.linspace(0.0, 1.0, rings)[1:-1, None] * reach[:, None, :]
     grown = part.shape
-    inner = place(np.broadcast_to(which[:, None], grown), np.broadcast_to(turn[:, None], grown), part)
+    rings_within = place(np.broadcast_to(which[:, None], grown), np.broadcast_to(turn[:, None], grown), part)
     middle = place(chosen, np.zeros(len(chosen)), np.zeros(len(chosen)))
     middle = np.broadcast_to(middle[:, None, None], (len(chosen), 1, rays, 3))
-    discs = np.concatenate((middle, inner, edge[:, None]), axis=1)
+    discs = np.concatenate((middle, rings_within, edge[:, None]), axis=1)
     # The outline ends where it crosses the edge, between two samples.
     row, column = np.nonzero(outside[:, 1:] != outside[:, :-1])
     inner, outer = column + outside[row, column], column + ~outside[row, column]

@@ -31,10 +31,13 @@ def test_the_area_behind_the_plane_is_kept_and_colours_stay_linear() -> None:
         return 0.5 * (one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0])
 
     assert areas(kept, triangles).min() >= -1e-15
-    # by points on a triangle: a height below 0 at so many of them
-    weights = rng.dirichlet((1.0, 1.0, 1.0), 2000)
-    below = (weights @ z.reshape(-1)[cells].T < 0.0).mean(axis=0)
-    assert areas(kept, triangles).sum() == pytest.approx((areas(points, cells) * below).sum(), abs=2e-3)
+    # a place is covered once where the sheet is behind the plane, and not at all before it
+    places = rng.uniform(0.02, 0.98, (400, 2))
+    own, height = _covering(points, cells, places)
+    assert (own == 1).all()
+    covered, _ = _covering(kept, triangles, places)
+    assert ((height < 0.0) == (covered == 1)).all()
+    assert set(covered.tolist()) == {0, 1}
     # those that the plane cuts come first, and points of no cell are gone
     uncut = (z.reshape(-1)[cells] <= 0.0).all(axis=1).sum()
     assert areas(kept, triangles[-uncut:]) == pytest.approx(np.full(uncut, 0.5 / (count - 1) ** 2))
@@ -51,3 +54,17 @@ def test_lines_end_at_the_plane() -> None:
         ((0.0, 0.0, -1.0), (3.0, 0.0, -1.0)),
         ((2.5, 0.0, 0.0), (3.0, 0.0, -1.0)),
     ]
+
+
+def _covering(points: np.ndarray, triangles: np.ndarray, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """How many triangles cover places (N, 2) as seen from above, and the height of the last one there."""
+    a, b, c = np.moveaxis(points[triangles], 1, 0)
+    one, two = (b - a)[:, :2], (c - a)[:, :2]
+    double = one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]
+    away = places[:, None] - a[:, :2]
+    with np.errstate(all="ignore"):
+        u = (away[..., 0] * two[:, 1] - away[..., 1] * two[:, 0]) / double
+        v = (one[:, 0] * away[..., 1] - one[:, 1] * away[..., 0]) / double
+        inside = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0)
+        heights = a[:, 2] + u * (b - a)[:, 2] + v * (c - a)[:, 2]
+    return inside.sum(axis=1), np.where(inside, heights, -np.inf).max(axis=1)

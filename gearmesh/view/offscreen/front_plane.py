@@ -28,16 +28,16 @@ def cut_front(
     if cells.shape[1] == 2:
         ends = cells[count == 1]
         ends = np.where(behind[ends[:, :1]], ends, ends[:, ::-1])
-        corners = np.stack((ends[:, 0], ends[:, 0]), axis=-1), np.stack((ends[:, 0], ends[:, 1]), axis=-1)
+        one, two = np.stack((ends[:, 0], ends[:, 0]), axis=-1), ends
     else:
         kept = [_corners(cells[count == k], behind, k) for k in PIECES]
-        corners = tuple(np.concatenate([part[side] for part in kept]) for side in (0, 1))
-    first, second = (corner.reshape(-1) for corner in corners)
+        one, two = (np.concatenate([part[side] for part in kept]) for side in (0, 1))
+    first, second = one.reshape(-1), two.reshape(-1)
     # on the line between two corners where the depth is 0, or at the first one where both are the same
     span = depth[first] - depth[second]
     share = (depth[first] / np.where(span == 0.0, 1.0, span))[:, None]
     used, renumbered = np.unique(whole, return_inverse=True)
-    pieces = len(used) + np.arange(len(first)).reshape(corners[0].shape)
+    pieces = len(used) + np.arange(len(first)).reshape(one.shape)
     mixed = points[first] + share * (points[second] - points[first])
     shades = None
     if colours is not None:
