@@ -16,7 +16,7 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.joint import REVOLUTE_JOINT
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import station_normal
-from gearmesh.mesh.deviation.bound import CHAMFER
+from gearmesh.mesh.deviation.bound import CHAMFER_BOUND_FACTOR
 from gearmesh.mesh.ends import end_mesh
 from gearmesh.mesh.solid import gear_solid, prove
 from gearmesh.mesh.tessellate import tessellate
@@ -256,7 +256,7 @@ def test_no_place_of_a_chamfer_is_farther_than_its_bound(
     monkeypatch.setattr(end_mesh, "PLACES", places)
     again = replace(mesh)
     farthest = max(end.deviation for end in again.end_meshes().values())
-    assert 0.9 * measured < farthest <= CHAMFER * measured <= 1.1001 * measured
+    assert 0.9 * measured < farthest <= CHAMFER_BOUND_FACTOR * measured <= 1.1001 * measured
 
 
 @pytest.mark.sweep

@@ -1,15 +1,14 @@
-"""How far sharp edges of a mesh, chords, are from the exact edges, by the heights of the chords over both surfaces that meet
-there.
+"""Distances of the chords of a mesh's sharp edges from the exact edges, by the heights of the chords over both surfaces.
 
-Across an edge both the exact body and the mesh are wedges between two planes with the normals n1, n2, apart by the vector w
-from the exact edge to the chord. With heights h1 = n1 . w and h2 = n2 . w of the chord the distance between both surfaces (of
-Hausdorff) is
+In a section across an edge the exact body and the mesh are two equal wedges between planes with normals n1, n2; the vector w
+leads from the exact edge to the chord. With the heights h1 = n1 . w and h2 = n2 . w of the chord, the Hausdorff distance of
+the two surfaces is
 
-    max |n . w|   over the unit vectors n between n1 and n2:
+    max |n . w|   over the unit vectors n between n1 and n2.
 
-|w| where w points into the cone of the normals (or away from it), for then one edge is the closest point of the other; else the
-larger height. Where the surfaces pass smoothly into each other it is their height, however far the chord is from the seam along
-them; where they meet at an acute angle it is more than either.
+It is |w| if w (or -w) points into the cone of the normals, because each edge is then the closest point of the other body;
+otherwise it is the larger height. If the surfaces join smoothly, the distance is the height, however far the chord is from the
+seam along the surfaces. If they meet at an acute angle, it is larger than both heights.
 """
 
 from __future__ import annotations
@@ -24,43 +23,47 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.surface.levels import Level, station_normal
 from gearmesh.kernel.surface.surface import Surface
-from gearmesh.mesh.deviation.facets import ROUNDS, LineHeights, Range, chord_range, limit, over_chord, second_forms
+from gearmesh.mesh.deviation.facets import MAX_ROUNDS, LineHeights, Range, chord_range, limit, over_chord, second_forms
 from gearmesh.mesh.deviation.feet import Feet
 from gearmesh.mesh.deviation.revolution import drop
 
 Index = NDArray[np.int64]
 
 
-#: square of the sine of the angle between a surface and a face below which it is no less
-STEEPEST = 1e-6
-#: mm up to which a point counts as the end of a chord
-NO_WAY = 1e-6
-#: heights of the parts from x to y (K,), shares of their length, of chords by their numbers (K,)
+#: least square of the sine of the angle between a surface and a face; smaller ones count as this
+MIN_SINE_SQUARE = 1e-6
+#: largest distance of a point from the end of a chord that counts as 0
+END_TOLERANCE_MM = 1e-6
+#: function of chord numbers, x and y (K,) that returns the heights of the chords' parts from x to y (shares of the length)
 Measure = Callable[[Index, Array, Array], LineHeights]
 
 
 @dataclass(frozen=True)
 class Chords:
-    """Chords whose ends (L, 2, 3), mm, lie on a surface at `parameters` (L, 2, 2), which is turned to where they are by `place`;
-    `lengths` (2,) of the surface as those of `Feet`."""
+    """Chords with their ends on a surface."""
 
+    #: the surface, in its own frame
     surface: Surface
+    #: ends (L, 2, 3), mm, in the frame of the surface
     ends: Array
+    #: parameters (L, 2, 2) of the surface at the ends
     parameters: Array
+    #: motion from the frame of the surface to that of the edge
     place: Rigid
+    #: (2,) as in `Feet`
     lengths: Array
 
     def measure(self, which: Index, x: Array, y: Array) -> LineHeights:
-        """As `Measure`."""
+        """Return the heights of parts of chords, see `Measure`."""
         at = np.stack((x, y, 0.5 * (x + y)), axis=1)[..., None]
         q, guess = (
-            ((1.0 - at) * given[which, None, 0] + at * given[which, None, 1]).reshape(-1, given.shape[-1])
-            for given in (self.ends, self.parameters)
+            ((1.0 - at) * values[which, None, 0] + at * values[which, None, 1]).reshape(-1, values.shape[-1])
+            for values in (self.ends, self.parameters)
         )
-        # the end that is nearer
+        # the nearer end of the chord is another start of the search for the foot
         end = (at[..., 0].ravel() > 0.5).astype(int)
         owner = np.repeat(which, 3)
-        near = self.parameters[owner, end], np.linalg.norm(q - self.ends[owner, end], axis=1) + NO_WAY
+        near = self.parameters[owner, end], np.linalg.norm(q - self.ends[owner, end], axis=1) + END_TOLERANCE_MM
         feet, samples = Feet.of(self.surface, q, guess, near, self.lengths), np.arange(len(q)).reshape(-1, 3)
         along = (y - x)[:, None] * (self.ends[which, 1] - self.ends[which, 0])
         forms, slopes = second_forms(feet, samples, along[:, None])
@@ -72,42 +75,47 @@ class Chords:
 
 @dataclass(frozen=True)
 class FaceChords:
-    """Chords between points (L, 2, 3), mm, of an end face, where a level is constant; `outwards`: 1 if it rises out of the body, or
-    -1."""
+    """Chords between points of an end face, on which an axial station is constant."""
 
+    #: axial station of points
     level: Level
+    #: ends (L, 2, 3), mm
     ends: Array
+    #: 1 if the station rises out of the body, else -1
     outwards: float
 
     def measure(self, which: Index, x: Array, y: Array) -> LineHeights:
-        """As `Measure`; heights are convex or concave along a chord."""
+        """Return the heights of parts of chords, see `Measure`; they are convex or concave along a chord."""
         a, b = self.ends[which, 0], self.ends[which, 1]
         first, last, middle = (a + share[:, None] * (b - a) for share in (x, y, 0.5 * (x + y)))
         station = self.level.value(a)
-        one, other, half = (self.outwards * (self.level.value(q) - station) for q in (first, last, middle))
+        start_height, end_height, half = (
+            self.outwards * (self.level.value(q) - station) for q in (first, last, middle)
+        )
         sag = -self.outwards * station_normal(self.level)[0] * drop(first, last)
-        low, high = np.minimum(one, other) + np.minimum(sag, 0.0), np.maximum(one, other) + np.maximum(sag, 0.0)
+        low = np.minimum(start_height, end_height) + np.minimum(sag, 0.0)
+        high = np.maximum(start_height, end_height) + np.maximum(sag, 0.0)
         return LineHeights(low, high, half, self.outwards * self.level.gradient(middle))
 
 
 def mirror(measure: Measure) -> Measure:
-    """Over the image of a surface in a plane z = const that all chords are in."""
+    """Return the measure over the mirror image of a surface in a plane z = const that contains all chords."""
     image = np.array([1.0, 1.0, -1.0])
 
     def measure_image(which: Index, x: Array, y: Array) -> LineHeights:
-        own = measure(which, x, y)
-        return replace(own, normals=own.normals * image)
+        heights = measure(which, x, y)
+        return replace(heights, normals=heights.normals * image)
 
     return measure_image
 
 
-def in_face(own: Measure, face: Measure) -> Measure:
-    """Over the surface square to a face in which all chords are: how far they are from the edge itself, whatever begins there."""
+def in_face(surface: Measure, face: Measure) -> Measure:
+    """Return the measure of the distance from an edge within the face that contains all chords, from both measures there."""
 
     def measure_in_face(which: Index, x: Array, y: Array) -> LineHeights:
-        over, station = own(which, x, y), face(which, x, y)
+        over, station = surface(which, x, y), face(which, x, y)
         cosine = dot(over.normals, station.normals)
-        scale = 1.0 / np.sqrt(np.maximum(1.0 - cosine**2, STEEPEST))
+        scale = 1.0 / np.sqrt(np.maximum(1.0 - cosine**2, MIN_SINE_SQUARE))
         normals = (over.normals - cosine[:, None] * station.normals) * scale[:, None]
         return LineHeights(over.low * scale, over.high * scale, over.middles * scale, normals)
 
@@ -115,7 +123,7 @@ def in_face(own: Measure, face: Measure) -> Measure:
 
 
 def known(triangles: Index, line: Index, sides: LineHeights, place: Rigid) -> LineHeights:
-    """Of the chords between nodes of a line (L + 1,) on the edge of a mesh, what was measured of its triangles' sides."""
+    """Return the heights, known from the sides of triangles, of the chords of a line of nodes (L + 1,) on the edge of a mesh."""
     size = int(triangles.max()) + 1
     ends = np.sort(triangles[:, [[1, 2], [2, 0], [0, 1]]].reshape(-1, 2), axis=1)
     wanted = np.sort(np.stack((line[:-1], line[1:]), axis=1), axis=1)
@@ -127,21 +135,23 @@ def known(triangles: Index, line: Index, sides: LineHeights, place: Rigid) -> Li
 
 @dataclass(frozen=True)
 class EdgeSide:
-    """Chords (L,) over one of the two surfaces of an edge: what is known of the whole ones, and how parts are measured."""
+    """Chords (L,) over one of the two surfaces of an edge."""
 
+    #: heights of the whole chords
     whole: LineHeights
+    #: measure of parts of the chords
     measure: Measure
 
 
-def edge_bounds(one: EdgeSide, other: EdgeSide, sampled: float = 0.0, allowed: float = np.inf) -> tuple[Array, float]:
-    """Bounds (L,), mm, of the distance along edges, and the largest distance measured if that is more than `sampled`.
+def edge_bounds(side: EdgeSide, other: EdgeSide, sampled: float = 0.0, allowed: float = np.inf) -> tuple[Array, float]:
+    """Return the bounds (L,), mm, of the distances of edges, and the largest of `sampled` and all measured distances, mm.
 
-    Chords whose bound is above the `limit` are halved, ROUNDS times at most; then their bounds stay as they are.
+    Chords with a bound above the `limit` are halved, up to MAX_ROUNDS times; then the remaining bounds are used.
     """
-    which = np.arange(len(one.whole.middles))
+    which = np.arange(len(side.whole.middles))
     bounds, x, y = np.zeros(len(which)), np.zeros(len(which)), np.ones(len(which))
-    first, second = one.whole, other.whole
-    for last in (*(False,) * ROUNDS, True):
+    first, second = side.whole, other.whole
+    for last in (*(False,) * MAX_ROUNDS, True):
         cosine = dot(first.normals, second.normals)
         largest = _largest((first.low, first.high), (second.low, second.high), cosine)
         sampled = max(sampled, float(between_wedges(first.middles, second.middles, cosine).max(initial=0.0)))
@@ -152,12 +162,15 @@ def edge_bounds(one: EdgeSide, other: EdgeSide, sampled: float = 0.0, allowed: f
         which, x, y = which[open_], x[open_], y[open_]
         middle = 0.5 * (x + y)
         which, x, y = np.tile(which, 2), np.concatenate((x, middle)), np.concatenate((middle, y))
-        first, second = one.measure(which, x, y), other.measure(which, x, y)
+        first, second = side.measure(which, x, y), other.measure(which, x, y)
     return bounds, sampled
 
 
 def between_wedges(first: Array, second: Array, cosine: Array) -> Array:
-    """Distance (...,), mm, of wedges apart by a vector of heights `first`, `second` (...,); `cosine` of their normals' angle."""
+    """Return the distance (...,), mm, of equal wedges apart by a vector with heights `first` and `second` (...,), mm.
+
+    `cosine` (...,): cosine of the angle between the normals of the wedge's planes.
+    """
     cos, sin = np.sqrt(np.maximum(0.5 * (1.0 + cosine), 0.0)), np.sqrt(np.maximum(0.5 * (1.0 - cosine), 0.0))
     with np.errstate(all="ignore"):
         along, across = np.abs(0.5 * (first + second) / cos), np.abs(0.5 * (first - second) / sin)
@@ -166,7 +179,7 @@ def between_wedges(first: Array, second: Array, cosine: Array) -> Array:
 
 
 def _largest(first: Range, second: Range, cosine: Array) -> Array:
-    """The greatest of `between_wedges` over ranges of the heights: it is convex in them, so that corners tell."""
-    corners = [between_wedges(one, other, cosine) for one in first for other in second]
+    """Return the largest `between_wedges` over ranges of the heights: it is convex, so its extremes are at the corners."""
+    corners = [between_wedges(height, other_height, cosine) for height in first for other_height in second]
     largest: Array = np.maximum.reduce(corners)
     return largest

@@ -1,33 +1,33 @@
-"""How far facets are from the exact surface that their corners lie on: upper bounds, and the largest distance measured.
+"""Upper bounds of the distances of facets from the exact surface through their corners, and the largest distance measured.
 
-The signed distance h(q) of a facet's point q from a smooth surface has the normal n at its foot r = q - h n as gradient, and
-the second form there as Hessian: with dq = dr + h dn + n dh, along a vector w of the facet
+Let h(q) be the signed distance of a point q of a facet from a smooth surface. Its gradient is the normal n at the foot
+r = q - h n; its Hessian is the second form there. With dq = dr + h dn + n dh, along a vector w of the facet it is
 
-    w . dn(w),   where dn = a_i n_i   and   (r_i . r_j + h n_i . r_j) a_i = w . r_j,
+    w . dn(w),   with   dn = a_i n_i   and   (r_i . r_j + h n_i . r_j) a_i = w . r_j,
 
-exactly, whatever the parameters u_i of the surface are [do Carmo, Differential Geometry of Curves and Surfaces, 3.5 ex. 11:
-parallel surfaces]. A jet has both. With H(y) the Hessian at the places y of a triangle with corners x_i, Taylor's formula about
-any place x = sum l_i x_i gives (the gradient drops out, since sum l_i (x_i - x) = 0)
+exactly, for any parameters u_i of the surface [do Carmo, Differential Geometry of Curves and Surfaces, 3.5 ex. 11: parallel
+surfaces]. Both follow from a jet. Let H(y) be the Hessian at places y of a triangle with corners x_i. Taylor's formula about a
+place x = sum l_i x_i gives (the gradient drops out, because sum l_i (x_i - x) = 0)
 
-    h(x) = sum l_i h(x_i) - sum l_i int_0^1 (1 - s) H(x + s (x_i - x)) [x_i - x] ds,
+    h(x) = sum l_i h(x_i) - sum l_i int_0^1 (1 - s) H(x + s (x_i - x)) [x_i - x] ds.
 
-so that where low <= H <= up as quadratic forms all over the triangle
+If low <= H <= up as quadratic forms all over the triangle, it follows that
 
     sum l_i h_i - 1/2 sum_ij l_i l_j up[x_i - x_j] <= h(x) <= sum l_i h_i - 1/2 sum_ij l_i l_j low[x_i - x_j]    (i < j).
 
-Both sides are quadratic in l and have their extremes in closed form. h and H are measured at the corners, at the middles of the
-edges and at the centre; the formula is applied to the four quarters of the triangle, between the measured h, with low and up of
-the whole. What it rests on, and all it rests on: that H leaves the range of the seven measured ones by no more than MARGIN of
-their largest difference from the mean. Forms are compared in the affine frame in which the triangle is equilateral, so that
-long thin triangles along a ruling are judged by what counts.
+Both sides are quadratic in l, with extremes in closed form. h and H are measured at the corners, at the middles of the edges
+and at the centre. The formula is applied to the four quarters of the triangle with their measured h, and with low and up of
+the whole triangle. It rests on one assumption: H leaves the range of the seven measured values by no more than
+VARIATION_MARGIN of their largest difference from the mean. Forms are compared in the affine frame in which the triangle is
+equilateral, so that long thin triangles along a ruling are judged correctly.
 
-Where the surface is singular (an involute at its base circle) H has no bound. There the gradient has: with |(n(y) - g) . (x_i -
-x_j)| <= R_ij for some vector g, h differs from sum l_i h_i by at most 2 sum_ij l_i l_j R_ij. The better of both bounds is
-taken.
+Where the surface is singular (an involute at its base circle), H has no bound, but the gradient has. With
+|(n(y) - g) . (x_i - x_j)| <= R_ij for some vector g, h differs from sum l_i h_i by at most 2 sum_ij l_i l_j R_ij. The smaller
+of both bounds is taken.
 
-Triangles whose bound is above CLOSE times the largest distance measured are cut into their quarters, which are measured as they
-were: so the bound is proved by subdivision where curvature changes much over a triangle. After ROUNDS of that what is still above
-stays as it is: a bound all the same, only less close.
+Triangles with a bound above CLOSE_BOUND_RATIO times the largest measured distance are cut into quarters, which are measured
+in the same way: subdivision proves the bound where the curvature changes much over a triangle. After MAX_ROUNDS subdivisions
+the remaining bound is used as it stands.
 """
 
 from __future__ import annotations
@@ -39,55 +39,60 @@ from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.surface import Surface
-from gearmesh.mesh.deviation.feet import FLOOR, PAIRS, Feet
+from gearmesh.mesh.deviation.feet import MATRIX_PAIRS, ROUNDING_MM, Feet
 
 Index = NDArray[np.int64]
-#: least and greatest of something
+#: least and greatest values
 Range = tuple[Array, Array]
 
-#: share of the largest difference between a measured second form (or normal) and the mean by which it may be larger elsewhere
-MARGIN = 0.5
-#: bounds above so many times the largest distance measured are looked into, where they are above what is allowed those above the
-#: smaller one
-CLOSE, CLOSEST = 1.1, 1.01
-#: and at most so often
-ROUNDS = 6
-#: facets measured at once: as many as stay in the cache
-BLOCK = 4_000
+#: assumed excess of a second form (or normal) over the measured ones, as a share of their largest difference from the mean
+VARIATION_MARGIN = 0.5
+#: bound over the largest measured distance above which a facet is subdivided
+CLOSE_BOUND_RATIO = 1.1
+#: the same for bounds above the allowed distance
+CLOSEST_BOUND_RATIO = 1.01
+#: largest number of subdivisions
+MAX_ROUNDS = 6
+#: facets measured at once, so that their arrays stay in the cache
+FACETS_PER_BLOCK = 4_000
 
 
 @dataclass(frozen=True)
 class LineHeights:
-    """Of straight lines: least (`low`) and greatest (`high`) heights over a surface, mm, those of their middles, all (...,), and
-    the surface's `normals` there (..., 3)."""
+    """Heights of straight lines over a surface."""
 
+    #: least heights (...,), mm
     low: Array
+    #: greatest heights (...,), mm
     high: Array
+    #: heights (...,), mm, of the middles
     middles: Array
+    #: normals (..., 3) of the surface near the middles
     normals: Array
 
 
 @dataclass(frozen=True)
 class FacetBounds:
-    """Upper bounds (M,) of the distances of facets from a surface, mm, the largest distance `sampled`, mm.
+    """Bounds of the distances of facets from a surface."""
 
-    `sides` (M, 3): their edges, of which number k is opposite to corner k; `lengths` (2,) of the surface there, as those of `Feet`.
-    """
-
+    #: upper bounds (M,), mm
     bounds: Array
+    #: largest measured distance, mm
     sampled: float
+    #: heights of the edges (M, 3); edge k is opposite to corner k
     sides: LineHeights
+    #: (2,) of the surface, as in `Feet`
     lengths: Array
 
     @property
     def largest(self) -> float:
-        """The largest bound, mm."""
+        """Largest bound, mm."""
         return float(self.bounds.max(initial=0.0))
 
 
 def limit(sampled: float, allowed: float) -> float:
-    """The bound (mm) that is good enough where so much was measured, and so much is allowed."""
-    return max(min(CLOSE * sampled, allowed), CLOSEST * sampled, FLOOR)
+    """Return the bound, mm, above which facets are subdivided, by the largest measured and the allowed distance, mm."""
+    return max(min(CLOSE_BOUND_RATIO * sampled, allowed), CLOSEST_BOUND_RATIO * sampled, ROUNDING_MM)
 
 
 def facet_bounds(
@@ -98,21 +103,24 @@ def facet_bounds(
     sampled: float = 0.0,
     allowed: float = np.inf,
 ) -> FacetBounds:
-    """Of facets (M, 3) between points (N, 3) that lie on a surface at its `parameters` (N, 2), mm.
+    """Return the bounds of facets between points on a surface.
 
-    `sampled`: the largest distance measured elsewhere, which is returned if none is larger; bounds need not be close where they are
-    below it. `allowed`: where more is measured than fits under it the bounds are as close as can be.
+    - parameters: parameters (N, 2) of the surface at the points.
+    - points: (N, 3), mm.
+    - triangles: (M, 3).
+    - sampled: largest distance, mm, measured elsewhere; bounds below it are not refined.
+    - allowed: allowed distance, mm; bounds above it are refined as far as possible.
     """
     every, measured, lengths = np.arange(len(triangles)), list[_Measured](), None
-    for start in range(0, len(triangles), BLOCK):
-        used, corners = np.unique(triangles[start : start + BLOCK], return_inverse=True)
-        owner = every[start : start + BLOCK]
+    for start in range(0, len(triangles), FACETS_PER_BLOCK):
+        used, corners = np.unique(triangles[start : start + FACETS_PER_BLOCK], return_inverse=True)
+        owner = every[start : start + FACETS_PER_BLOCK]
         facets = _Facets(points[used], parameters[used], corners.reshape(-1, 3), owner)
         measured.append(_Measured.of(surface, facets, lengths))
         lengths = measured[0].feet.lengths
         sampled = max(sampled, measured[-1].feet.largest)
     sides, bounds = _join([part.sides for part in measured]), np.zeros(len(triangles))
-    for last in (*(False,) * ROUNDS, True):
+    for last in (*(False,) * MAX_ROUNDS, True):
         open_ = [part.bounds > (np.inf if last else limit(sampled, allowed)) for part in measured]
         for part, again in zip(measured, open_, strict=True):
             np.maximum.at(bounds, part.facets.owner[~again], part.bounds[~again])
@@ -126,36 +134,48 @@ def facet_bounds(
 
 @dataclass(frozen=True)
 class _Facets:
-    """Facets (M, 3) between points (N, 3), parameters (N, 2) of the surface near these, and whose parts they are, `owner` (M,)."""
+    """Facets, or parts of facets."""
 
+    #: (N, 3), mm
     points: Array
+    #: parameters (N, 2) of the surface near the points
     parameters: Array
+    #: corners (M, 3)
     corners: Index
+    #: facet (M,) that each part belongs to
     owner: Index
 
 
 @dataclass(frozen=True)
 class _Measured:
-    """Facets with what was measured at their corners, the middles of their edges and their centres."""
+    """Facets measured at their corners, the middles of their edges and their centres."""
 
+    #: the facets
     facets: _Facets
+    #: bounds (M,), mm
     bounds: Array
+    #: heights of the edges (M, 3)
     sides: LineHeights
+    #: corners, middles of edges and centres, mm
     points: Array
+    #: feet of these points
     feet: Feet
+    #: indices (M, 3) in `points` of the middles of the edges
     edges: Index
 
     @staticmethod
     def of(surface: Surface, facets: _Facets, lengths: Array | None) -> _Measured:
+        """Return the measured facets; `lengths` (2,) as in `Feet.of`."""
         q, corners = facets.points, facets.corners
         low, high = np.moveaxis(np.sort(corners[:, [[1, 2], [2, 0], [0, 1]]], axis=-1), -1, 0)
         numbers, side = np.unique(low * len(q) + high, return_inverse=True)
         ends = np.stack(np.divmod(numbers, len(q)), axis=-1)
         middles, guesses = (
-            np.concatenate((given[ends].mean(axis=1), given[corners].mean(axis=1))) for given in (q, facets.parameters)
+            np.concatenate((values[ends].mean(axis=1), values[corners].mean(axis=1)))
+            for values in (q, facets.parameters)
         )
         points = np.concatenate((q, middles))
-        # a corner of each edge and facet, to which it is no farther than this
+        # second start of the search for feet: a corner of the edge or facet, and its distance
         corner = np.concatenate((np.arange(len(q)), ends[:, 0], corners[:, 0]))
         reach = np.linalg.norm(points - q[corner], axis=1)
         reach[: len(q)] = np.inf
@@ -167,7 +187,7 @@ class _Measured:
         forms, slopes = second_forms(feet, at, along)
         low, up = over_triangle(forms, slopes)
         heights = feet.heights[at]
-        quarters = heights[:, _QUARTERS]
+        quarters = heights[:, _QUARTER_CORNERS]
         bounds = np.maximum(
             _peak(quarters, -0.25 * low[:, None]).max(axis=1), _peak(-quarters, 0.25 * up[:, None]).max(axis=1)
         )
@@ -181,60 +201,64 @@ class _Measured:
         return _Measured(facets, bounds, sides, points, feet, edges)
 
     def quarters(self, chosen: NDArray[np.bool_]) -> _Facets:
-        """The quarters of some facets (M,)."""
+        """Return the quarters of the `chosen` (M,) facets."""
         at = np.column_stack((self.facets.corners, self.edges))[chosen]
-        used, corners = np.unique(at[:, _QUARTERS], return_inverse=True)
-        owner = np.repeat(self.facets.owner[chosen], len(_QUARTERS))
+        used, corners = np.unique(at[:, _QUARTER_CORNERS], return_inverse=True)
+        owner = np.repeat(self.facets.owner[chosen], len(_QUARTER_CORNERS))
         return _Facets(self.points[used], self.feet.parameters[used], corners.reshape(-1, 3), owner)
 
 
-#: corners of the quarters of a triangle with corners 0, 1, 2 and middles 3, 4, 5 of the edges opposite to these, so that the edge
-#: opposite to each of them runs along the triangle's opposite to the corner of the same place
-_QUARTERS = np.array([(0, 5, 4), (5, 1, 3), (4, 3, 2), (3, 4, 5)])
+#: corners of the quarters of a triangle with corners 0, 1, 2 and middles 3, 4, 5 of the opposite edges; edge k of a quarter is
+#: parallel to edge k of the triangle
+_QUARTER_CORNERS = np.array([(0, 5, 4), (5, 1, 3), (4, 3, 2), (3, 4, 5)])
 
 
 def second_forms(feet: Feet, at: Index, along: Array) -> tuple[Array, Array]:
-    """Second derivatives of heights, mm, and slopes, mm, along edges (M, E, 3) at samples `at` (M, S): (M, S, E) each."""
-    factors = np.empty((len(at), len(PAIRS), along.shape[1]))
-    for k, (i, j) in enumerate(PAIRS):
+    """Return second derivatives and slopes (M, S, E), mm, of the heights along edges (M, E, 3), at samples `at` (M, S)."""
+    factors = np.empty((len(at), len(MATRIX_PAIRS), along.shape[1]))
+    for k, (i, j) in enumerate(MATRIX_PAIRS):
         factors[:, k] = (1.0 if i == j else 2.0) * along[:, :, i] * along[:, :, j]
     with np.errstate(all="ignore"):
         return feet.changes[at] @ factors, feet.normals[at] @ np.swapaxes(along, 1, 2)
 
 
 def over_triangle(forms: Array, slopes: Array) -> Range:
-    """Least and greatest second derivatives (M, 3), mm, of heights along edges of triangles by samples (M, S, 3) all over these."""
+    """Return least and greatest second derivatives (M, 3), mm, along the edges, from samples (M, S, 3) all over triangles."""
     with np.errstate(all="ignore"):
         mean = forms.mean(axis=1)
         away = forms - mean[:, None]
-        # half the trace, and the distance of the eigenvalues from it, where the triangle is equilateral
+        # in the frame in which the triangle is equilateral: half the trace, and the distance of the eigenvalues from it
         trace = away.mean(axis=2)
         spread = np.sqrt(2.0 / 3.0 * ((away - trace[..., None]) ** 2).sum(axis=2))
-        more, less = ((1.0 + MARGIN) * part.max(axis=1)[:, None] for part in (trace + spread, spread - trace))
+        more, less = ((1.0 + VARIATION_MARGIN) * part.max(axis=1)[:, None] for part in (trace + spread, spread - trace))
         tilt = _by_slopes(slopes)
         tame = np.maximum(np.abs(mean - less), np.abs(mean + more)).max(axis=1) <= tilt.max(axis=1)
     return np.where(tame[:, None], mean - less, -tilt), np.where(tame[:, None], mean + more, tilt)
 
 
 def over_chord(forms: Array, slopes: Array) -> Range:
-    """Least and greatest second derivatives (M, E), mm, of heights along edges by samples (M, S, E) on them."""
+    """Return least and greatest second derivatives (M, E), mm, along edges, from samples (M, S, E) on the edges."""
     with np.errstate(all="ignore"):
         mean = forms.mean(axis=1)
-        more, less = ((1.0 + MARGIN) * part.max(axis=1) for part in (forms - mean[:, None], mean[:, None] - forms))
+        more, less = (
+            (1.0 + VARIATION_MARGIN) * part.max(axis=1) for part in (forms - mean[:, None], mean[:, None] - forms)
+        )
         tilt = _by_slopes(slopes)
         tame = np.maximum(np.abs(mean - less), np.abs(mean + more)) <= tilt
     return np.where(tame, mean - less, -tilt), np.where(tame, mean + more, tilt)
 
 
 def _by_slopes(slopes: Array) -> Array:
-    """Second derivatives (M, E), mm, that lead to the bound by slopes (M, S, E)."""
-    tilt: Array = 8.0 * (1.0 + MARGIN) * np.abs(slopes - slopes.mean(axis=1, keepdims=True)).max(axis=1)
+    """Return second derivatives (M, E), mm, that give the same bound as the slopes (M, S, E) do."""
+    tilt: Array = 8.0 * (1.0 + VARIATION_MARGIN) * np.abs(slopes - slopes.mean(axis=1, keepdims=True)).max(axis=1)
     return tilt
 
 
 def _peak(values: Array, bend: Array) -> Array:
-    """Greatest value (...,) over triangles of sum l_i v_i + 1/2 sum_ij l_i l_j bend_k, of values and bends (..., 3); k is neither
-    i nor j."""
+    """Return the greatest value (...,) over a triangle of sum l_i v_i + 1/2 sum_ij l_i l_j bend_k, with k neither i nor j.
+
+    values, bend: (..., 3).
+    """
     values, bend = np.broadcast_arrays(values, bend)
     (v0, v1, v2), (k0, k1, k2) = np.moveaxis(values, -1, 0), np.moveaxis(bend, -1, 0)
     greatest = np.maximum(np.maximum(highest(v1, v2, k0), highest(v2, v0, k1)), highest(v0, v1, k2))
@@ -247,7 +271,7 @@ def _peak(values: Array, bend: Array) -> Array:
 
 
 def highest(first: Array, last: Array, bend: Array) -> Array:
-    """Greatest value (...,) of (1 - x) first + x last + bend x (1 - x) / 2, x from 0 to 1."""
+    """Return the greatest value (...,) of (1 - x) first + x last + bend x (1 - x) / 2 for x from 0 to 1."""
     rise = last - first
     with np.errstate(all="ignore"):
         inside = 0.5 * (first + last) + 0.125 * bend + 0.5 * rise**2 / bend
@@ -255,13 +279,14 @@ def highest(first: Array, last: Array, bend: Array) -> Array:
 
 
 def chord_range(first: Array, last: Array, middle: Array, second: Range) -> Range:
-    """Least and greatest heights (...,) along chords by those of both ends and middle, and the range of the second derivative."""
+    """Return least and greatest heights (...,) along chords, by the heights of ends and middle and the second derivatives."""
     low, high = second
     greatest = np.maximum(highest(first, middle, -0.25 * low), highest(middle, last, -0.25 * low))
     return -np.maximum(highest(-first, -middle, 0.25 * high), highest(-middle, -last, 0.25 * high)), greatest
 
 
 def _join(sides: list[LineHeights]) -> LineHeights:
+    """Return several sets of lines as one."""
     if len(sides) == 1:
         return sides[0]
     return LineHeights(

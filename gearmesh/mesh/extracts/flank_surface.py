@@ -14,20 +14,20 @@ from gearmesh.teeth.region import FLANKS, Side
 
 
 def flank_meshes(member: Member, flanks: Sequence[Side], tolerance: float) -> list[ToothMesh]:
-    """A mesh of each of the flanks, of all different teeth one after the other, within `tolerance` (mm)."""
+    """Return the meshes of flanks within `tolerance`, mm, of all different teeth, tooth by tooth."""
     return [tessellate(tooth, tolerance, (FLANKS[side],)) for tooth in member.different_teeth for side in flanks]
 
 
 def join_flanks(member: Member, meshes: Sequence[ToothMesh], teeth: int | None = None) -> SurfaceMesh:
-    """The flanks of the first `teeth` teeth, or of all, in every row, of the meshes of `flank_meshes`."""
+    """Return the flanks of the first `teeth` teeth, or of all, in all rows; `meshes` are those of `flank_meshes`."""
     places = member.tooth.joint.places(member.tooth.teeth)[:teeth]
     kinds, tooth = member.order[: len(places)], list(member.different_teeth)
     names = tuple(dict.fromkeys(mesh.patches[0].region for mesh in meshes))
     every = []
     for mesh in meshes:
         (patch,) = mesh.patches
-        own = places[kinds == next(k for k, kind in enumerate(tooth) if kind is mesh.tooth)]
-        motion = member.tooth.joint.to(own * member.tooth.pitch_angle)
+        kind_places = places[kinds == next(k for k, kind in enumerate(tooth) if kind is mesh.tooth)]
+        motion = member.tooth.joint.to(kind_places * member.tooth.pitch_angle)
         for half in member.halves:
             points, normals, facets = (
                 half.points(patch.points),
@@ -36,7 +36,7 @@ def join_flanks(member: Member, meshes: Sequence[ToothMesh], teeth: int | None =
             )
             turned = [np.einsum("kij,nj->kni", motion.rotation, vectors) for vectors in (points, normals, facets)]
             turned[0] += motion.translation[..., None, :]
-            count = len(own)
+            count = len(kind_places)
             every.append(
                 SurfaceMesh(
                     turned[0].reshape(-1, 3),
@@ -55,6 +55,6 @@ def join_flanks(member: Member, meshes: Sequence[ToothMesh], teeth: int | None =
 
 
 def _parameters(nodes: LinkNodes) -> np.ndarray:
-    """p, v, s and t (N, 4) of nodes on a surface."""
+    """Return p, v, s and t (N, 4) of nodes on a surface."""
     assert nodes.parameters is not None
     return np.column_stack((nodes.parameters, nodes.s, nodes.t))

@@ -1,11 +1,11 @@
 r"""Sectors: some pitches of a gear as a closed solid with two congruent cut faces, for cyclic symmetry.
 
-The cut surface goes through the middles of the roots: at every station (a plane, cone or cylinder about the axis) it is the
-generatrix at the polar angle theta of the root's middle there, from the axis out; beyond the teeth theta stays as it is at toe
-and heel. So it follows helical and spiral teeth, through rim, web and hub. The whole gear's mesh is cut along it, and a
-second time along the same surface turned by the pitches: what lies between is the sector. Of the second cut only the
-outline is kept: its face is the first one's, turned, node by node. Outside the cuts all facets are those of the gear, so that
-as many sectors as make a gear have its volume to rounding.
+The cut surface goes through the middles of the roots. On each station surface (a plane, cone or cylinder about the axis) it
+is the generatrix at the polar angle theta of the root's middle, from the axis outwards. Beyond the teeth theta stays constant.
+The cut therefore follows helical and spiral teeth, through rim, web and hub. The mesh of the whole gear is cut along this
+surface, and along the same surface turned by the pitches; the sector lies between. The second cut face is the first one
+turned, node by node; only its outline comes from the second cut. All other facets are those of the gear: the sectors of a
+whole gear have its volume to rounding.
 """
 
 from __future__ import annotations
@@ -28,56 +28,61 @@ from gearmesh.teeth.tooth import Tooth
 
 Index = NDArray[np.int64]
 
-#: the cut is this angle (rad) beside the middles of the roots, where nodes of the mesh may be: on them rounding would decide on
-#: which side they are, at either cut anew
-BESIDE = 1e-9
-#: most angle (rad) between neighbouring generatrices of the cut surface, and the same over the pitch
-MOST_TWIST, TWIST_OF_PITCH = 0.1, 1.0 / 16.0
-#: share of the cells between rows by which the outermost are inside the teeth: no row is where the mesh has stations of its own
-INSIDE = (0.013, 0.029)
-#: angle (rad) by which the middles of a straight tooth's roots may seem to turn
-STRAIGHT = 1e-12
-#: share of the tooth's height above the root at which the rows of the cut surface are joined too: it is twisted less about there
-ABOVE = 0.1
-#: how far the cut surface goes beyond the gear, over its largest radius; largest angle (rad) between the edges of its outer wall
-BEYOND, WALL = 0.1, 0.2
+#: angle of the cut beside the middles of the roots: nodes of the mesh may lie there, and rounding would decide on their side
+CUT_OFFSET_RAD = 1e-9
+#: largest angle between neighbouring generatrices of the cut surface
+MAX_TWIST_RAD = 0.1
+#: the same limit in pitches
+MAX_TWIST_PITCHES = 1.0 / 16.0
+#: distances of the outermost rows from the tooth's ends, in cells: no row coincides with a station of the mesh
+END_CELL_SHARES = (0.013, 0.029)
+#: largest turn of the middles of a straight tooth's roots, which is rounding
+STRAIGHT_TURN_RAD = 1e-12
+#: height above the root, as a share of the tooth's height, at which the rows of the cut surface are joined, too
+JOINED_HEIGHT_SHARE = 0.1
+#: margin of the cut surface beyond the gear, as a share of the largest radius
+MARGIN_SHARE = 0.1
+#: largest angle between edges of the wedge's outer wall
+MAX_WALL_STEP_RAD = 0.2
 
 
 @dataclass(frozen=True)
 class CutSurface:
-    """The cut surface before tooth 0: polar angles `theta` (N,), rad, at station coordinates `stations` (N,), ascending.
+    """Cut surface before tooth 0, straight between its stations."""
 
-    Between them it is straight. `above` (N,): rho (mm), or z where stations are cylinders, a little above the root.
-    """
-
+    #: axial station of points
     level: Level
+    #: station coordinates (N,), rising
     stations: Array
+    #: polar angles (N,), rad
     theta: Array
+    #: rho (N,), mm, a little above the root; z if the stations are cylinders
     above: Array
 
     @staticmethod
     def of(member: Member) -> CutSurface:
-        """Through the middles of the root before tooth 0, of all rows of teeth."""
+        """Return the surface through the middles of the root before tooth 0, for all rows of teeth."""
         tooth, level = member.tooth, member.tooth.blank.axial
         turning = np.abs(np.diff(_middles(tooth, tooth.even)[1]))
-        # straight rows between which the surface is twisted by little
-        most = min(MOST_TWIST, TWIST_OF_PITCH * tooth.pitch_angle)
-        rows = int(np.ceil(turning.sum() / most)) + 1 if turning.max() > STRAIGHT else 1
-        low, high = (share / rows for share in INSIDE)
+        # rows are close enough that the surface between them is hardly twisted
+        most = min(MAX_TWIST_RAD, MAX_TWIST_PITCHES * tooth.pitch_angle)
+        rows = int(np.ceil(turning.sum() / most)) + 1 if turning.max() > STRAIGHT_TURN_RAD else 1
+        low, high = (share / rows for share in END_CELL_SHARES)
         root, theta, above = _middles(tooth, tooth.sections(np.linspace(low, 1.0 - high, rows + 1)))
         places = np.concatenate([level.value(half.points(root)) for half in member.halves])
         order = np.argsort(places)
-        theta, above = (np.tile(of_one, len(member.halves))[order] for of_one in (theta, above))
+        theta, above = (np.tile(values, len(member.halves))[order] for values in (theta, above))
         return CutSurface(level, places[order], theta, above)
 
     def rows(self, mesh: TriangleMesh) -> Array:
-        """Points (M, 3, 3) of a grid on it whose rows are generatrices from one side of a mesh to the other, beyond its outline.
+        """Return a grid (M, 3, 3), mm, whose rows are generatrices of the surface, beyond the outline of a mesh on all sides.
 
-        The first of a row is on the axis, or, where stations are cylinders, the first row is; the second above the root.
+        The first point of each row is on the axis; if stations are cylinders, the first row is. The second point is above the
+        root.
         """
         (across, up), base = station_normal(self.level), float(self.level.value(np.zeros(3)))
         rho, z = np.hypot(mesh.vertices[:, 0], mesh.vertices[:, 1]), mesh.vertices[:, 2]
-        margin = BEYOND * float(rho.max())
+        margin = MARGIN_SHARE * float(rho.max())
         outer = float(rho.max()) + margin
         if up == 0.0:
             ends, sides = base + across * np.array([0.0, outer]), (z.min() - margin, z.max() + margin)
@@ -85,7 +90,9 @@ class CutSurface:
             value = across * rho + up * z + base
             ends, sides = np.array([value.min() - margin, value.max() + margin]), (0.0, outer)
         stations = np.sort(np.concatenate((ends, self.stations)))
-        angle, above = (np.interp(stations, self.stations, of_row) for of_row in (self.theta + BESIDE, self.above))
+        angle, above = (
+            np.interp(stations, self.stations, values) for values in (self.theta + CUT_OFFSET_RAD, self.above)
+        )
         grid = np.stack((np.full_like(above, sides[0]), above, np.full_like(above, sides[1])), axis=1)
         rest = (stations - base)[:, None] * np.ones(3)
         rhos, zs = (rest / across, grid) if up == 0.0 else (grid, (rest - across * grid) / up)
@@ -93,15 +100,15 @@ class CutSurface:
 
 
 def _middles(tooth: Tooth, sections: Sections) -> tuple[Array, Array, Array]:
-    """Middle of the root before tooth 0, (T, 3), mm, its polar angles (T,), rad, without jumps, and `CutSurface.above` (T,)."""
+    """Return the middles (T, 3), mm, of the root before tooth 0, their polar angles (T,), rad, and `CutSurface.above` (T,)."""
     half, place = np.array([0.5]), 0 if station_normal(tooth.blank.axial)[1] else 1
     root, land = (tooth.grid(region, half, sections).points[0] for region in (Region.ROOT, Region.LAND))
     low, high = (np.stack((np.hypot(r[:, 0], r[:, 1]), r[:, 2]))[place] for r in (root, land))
-    return root, tooth.joint.running(tooth.joint.angle(root)), low + ABOVE * (high - low)
+    return root, tooth.joint.running(tooth.joint.angle(root)), low + JOINED_HEIGHT_SHARE * (high - low)
 
 
 def _check_pitches(member: Member, pitches: int) -> None:
-    """Raise DesignError where a member has no sector of so many pitches."""
+    """Raise DesignError if a member has no sector of `pitches` pitches."""
     if np.isinf(member.tooth.joint.cycle(member.tooth.teeth)):
         raise ArgumentError("sector", pitches, must_be=f"left out for the {member.name}, which does not turn")
     most = member.tooth.teeth - 1
@@ -115,9 +122,9 @@ def _check_pitches(member: Member, pitches: int) -> None:
 
 
 def cyclic(member: Member, pitches: int) -> tuple[Member, tuple[str, ...]]:
-    """The member without what does not repeat after so many pitches, and a line for all that is left out.
+    """Return the member without features that do not repeat after `pitches` pitches, and a warning for each of these.
 
-    Raises DesignError where there is no sector of so many.
+    Raises DesignError if there is no such sector.
     """
     _check_pitches(member, pitches)
     warnings = []
@@ -139,9 +146,10 @@ def cyclic(member: Member, pitches: int) -> tuple[Member, tuple[str, ...]]:
 
 
 def sector(whole: TriangleMesh, member: Member, pitches: int) -> TriangleMesh:
-    """The first `pitches` pitches of a member from its whole mesh: closed by the faces cut_right, before tooth 0, and cut_left.
+    """Return the first `pitches` pitches of a member, cut from its whole mesh.
 
-    Raises DesignError where the mesh does not repeat after so many pitches.
+    The faces cut_right, before tooth 0, and cut_left close it. Raises DesignError if the mesh does not repeat after the
+    pitches.
     """
     import manifold3d
 
@@ -164,7 +172,7 @@ def sector(whole: TriangleMesh, member: Member, pitches: int) -> TriangleMesh:
         raise DesignError(
             member.name, reason=f"its body does not repeat after {pitches} of {member.tooth.teeth} pitches"
         )
-    # the second face is the first one turned: nodes of its outline are there already
+    # the second face is the first one turned; the nodes of its outline exist already
     vertices[partners[:, 1]] = turn.point(vertices[partners[:, 0]])
     inner = np.setdiff1d(first, partners[:, 0])
     numbers = np.arange(len(vertices))
@@ -172,19 +180,19 @@ def sector(whole: TriangleMesh, member: Member, pitches: int) -> TriangleMesh:
     vertices = np.concatenate((vertices, turn.point(vertices[inner])))
     used, compact = np.unique(np.concatenate((triangles[surface], first, numbers[first][:, ::-1])), return_inverse=True)
     vertices, compact = vertices[used], compact.reshape(-1, 3)
-    own, names = whole.regions[source[surface]], len(whole.region_names)
+    kept_regions, names = whole.regions[source[surface]], len(whole.region_names)
     return replace(
         whole,
         vertices=vertices,
         triangles=compact,
-        regions=np.concatenate((own, np.repeat(names + np.arange(2), len(first)))).astype(np.int32),
+        regions=np.concatenate((kept_regions, np.repeat(names + np.arange(2), len(first)))).astype(np.int32),
         region_names=(*whole.region_names, *CUT_REGIONS),
-        normals=np.concatenate((whole.normals[source[surface]], facet_normals(vertices, compact[len(own) :]))),
+        normals=np.concatenate((whole.normals[source[surface]], facet_normals(vertices, compact[len(kept_regions) :]))),
     )
 
 
 def genus_of(mesh: TriangleMesh, member: Member, pitches: int) -> int:
-    """Number of holes through a sector, by those of the member and the pieces that they leave of a cut face."""
+    """Return the genus of a sector, by the holes of the member and the number of pieces of a cut face."""
     cut = mesh.only(Region.CUT_RIGHT).triangles
     edges = np.unique(np.sort(cut[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0)
     pieces = int(cut.max()) + 1 - len(edges) + len(cut)
@@ -193,11 +201,11 @@ def genus_of(mesh: TriangleMesh, member: Member, pitches: int) -> int:
 
 
 def _wedge(rows: Array, angle: float) -> tuple[Array, tuple[Index, Index, Index]]:
-    """Vertices (V, 3), and triangles of three sides, of the solid between a grid (M, N, 3) and itself turned by an angle about z.
+    """Return the solid between a grid (M, N, 3) and the same grid turned about z: vertices (V, 3) and triangles of three sides.
 
-    The sides: the grid, the turned grid, and what points of its border go over in between, in steps.
+    The sides are the grid, the turned grid, and the surface that the border of the grid sweeps, in steps.
     """
-    count, steps = rows.shape[0] * rows.shape[1], int(np.ceil(angle / WALL))
+    count, steps = rows.shape[0] * rows.shape[1], int(np.ceil(angle / MAX_WALL_STEP_RAD))
     points = rows.reshape(-1, 3)
     vertices = Rigid.about_z(angle * np.arange(steps + 1) / steps).rotation[:, None] @ points[..., None]
     # points on the axis stay where they are
@@ -221,7 +229,7 @@ def _wedge(rows: Array, angle: float) -> tuple[Array, tuple[Index, Index, Index]
 
 
 def _snap(vertices: Array, cut: Index, nodes: Array) -> Array:
-    """The vertices (V, 3) with those of the `cut` that are next to `nodes` of the gear on these."""
+    """Return vertices (V, 3) with those of the `cut` that are close to `nodes` of the gear moved onto these."""
     from scipy.spatial import cKDTree
 
     distance, nearest = cKDTree(nodes).query(vertices[cut], distance_upper_bound=closeness(nodes))
@@ -231,7 +239,7 @@ def _snap(vertices: Array, cut: Index, nodes: Array) -> Array:
 
 
 def _outline(triangles: Index) -> Index:
-    """Edges (E, 2) of triangles that only one of them has, each with its smaller node first."""
+    """Return the edges (E, 2) that belong to one triangle only, each with its smaller node first."""
     ends, counts = np.unique(
         np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0, return_counts=True
     )
@@ -239,19 +247,19 @@ def _outline(triangles: Index) -> Index:
 
 
 def _partners(vertices: Array, first: Index, last: Index, turn: Rigid) -> Index | None:
-    """Nodes (N, 2) on the outline of the first cut face, and where they are, turned, on the last one's; None where they are not."""
+    """Return pairs (N, 2) of a node on the outline of the first cut face and its image on the last one; None if they differ."""
     from scipy.spatial import cKDTree
 
     near, far = _outline(first), _outline(last)
-    own, there = np.unique(near), np.unique(far)
-    distance, nearest = cKDTree(vertices[there]).query(turn.point(vertices[own]))
+    nodes, there = np.unique(near), np.unique(far)
+    distance, nearest = cKDTree(vertices[there]).query(turn.point(vertices[nodes]))
     if (
-        len(own) != len(there)
+        len(nodes) != len(there)
         or distance.max(initial=0.0) > closeness(vertices)
         or np.unique(nearest).size < len(there)
     ):
         return None
-    turned = np.sort(there[nearest][np.searchsorted(own, near)], axis=1)
+    turned = np.sort(there[nearest][np.searchsorted(nodes, near)], axis=1)
     if not np.array_equal(np.unique(turned, axis=0), far):
         return None
-    return np.stack((own, there[nearest]), axis=1)
+    return np.stack((nodes, there[nearest]), axis=1)
