@@ -21,7 +21,7 @@ from gearmesh.mesh.hexahedra.cyclic import pair_cuts
 from gearmesh.mesh.hexahedra.hexahedra import Cells, CoarsestLines, Focus, HexGrid, focused_grid, hex_mesh, plain_grid
 from gearmesh.mesh.hexahedra.hexes import HexMesh, join
 from gearmesh.mesh.hexahedra.layers import layers
-from gearmesh.mesh.hexahedra.turned_body import CORE, SHAFT_END, whole_mesh
+from gearmesh.mesh.hexahedra.turned_body import CORE_SET, SHAFT_END_SET, whole_mesh
 from gearmesh.progress import in_turn, part
 from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.region import CUT_REGIONS, Side
@@ -51,7 +51,7 @@ SPRINGS = 0.015
 #: the same where contact is on an edge: contact stiffness over Young's modulus, 1/mm; converges where harder springs do not
 EDGE_STIFFNESS = 50.0
 #: where a member is held, the first of these sets that it has
-HELD = ("rim", "bore", SHAFT_END, CORE)
+HELD = ("rim", "bore", SHAFT_END_SET, CORE_SET)
 #: default numbers of elements
 CELLS = Cells()
 #: points along the radius at which the pressure on a loaded ellipse is taken

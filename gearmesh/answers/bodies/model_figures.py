@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from gearmesh.fe.gear_model import resolving
 from gearmesh.fe.model import CyclicSymmetry
 from gearmesh.figures import Figures, figure
-from gearmesh.mesh.hexahedra.hexahedra import NEARLY
+from gearmesh.mesh.hexahedra.hexahedra import ENOUGH_LAYERS_SHARE
 from gearmesh.mesh.hexahedra.hexes import HexMesh
 
 
@@ -59,11 +59,11 @@ class Resolution(Figures):
             return "the contact is at an edge"
         least = min(min(half_axes.across, half_axes.along) for half_axes in self.over.values())
         inwards, wanted = min(self.inwards.values()), resolving(second_order, 1.0)
-        if least < NEARLY * wanted.over:
+        if least < ENOUGH_LAYERS_SHARE * wanted.over:
             return f"{least:.2g} elements over a semi-axis of the contact ellipse"
-        if inwards < NEARLY * wanted.inwards:
+        if inwards < ENOUGH_LAYERS_SHARE * wanted.inwards:
             return f"{inwards:.2g} layers of elements over the smaller semi-axis of the contact ellipse, into the tooth"
-        if self.sag > wanted.sag / NEARLY**2:
+        if self.sag > wanted.sag / ENOUGH_LAYERS_SHARE**2:
             return f"elements along the contact ellipse deviate from the flank by {self.sag:.2g} of the approach"
         return ""
 

@@ -1,1 +1,1 @@
-"""Hexahedra of teeth and rim, as finite-element models want them."""
+"""Hexahedra of teeth, rim and body for finite-element models."""

@@ -1,4 +1,4 @@
-"""Hexahedra of a sector: both cut faces with the same nodes, turned, in the same order."""
+"""Hexahedra of a sector: the nodes of one cut face are those of the other, turned, in the same order."""
 
 from __future__ import annotations
 
@@ -10,21 +10,21 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.mesh.hexahedra.hexes import HexMesh
 
-#: share of the largest radius by which nodes of both cut faces, turned onto each other, may be apart: rounding
-ALIKE = 1e-9
+#: largest distance of nodes of both cut faces, turned onto each other, as a share of the largest radius: rounding
+ROUNDING_SHARE = 1e-9
 
 
 def pair_cuts(mesh: HexMesh, turn: Rigid) -> HexMesh:
-    """The mesh with node k of its set cut_left where node k of cut_right is, turned.
+    """Return the mesh with node k of the set cut_left at the turned place of node k of cut_right.
 
-    Raises DesignError where no node is there.
+    Raises DesignError if the cut faces have different nodes.
     """
     from scipy.spatial import cKDTree
 
     first, last = mesh.node_sets["cut_right"], mesh.node_sets["cut_left"]
     wanted = turn.point(mesh.nodes[first])
     distance, nearest = cKDTree(mesh.nodes[last]).query(wanted)
-    if np.unique(nearest).size < len(last) or distance.max() > ALIKE * np.abs(wanted).max():
+    if np.unique(nearest).size < len(last) or distance.max() > ROUNDING_SHARE * np.abs(wanted).max():
         raise DesignError("sector", reason="the cut faces of the hexahedra are not alike")
     nodes, partners = mesh.nodes.copy(), last[nearest]
     nodes[partners] = wanted

@@ -1,8 +1,8 @@
 """Structured hexahedra of some or all teeth of a member, with the rim under them and named sets.
 
-The quadrilaterals of the sections (`section_lattice`) are joined from toe to heel. Halves of a tooth share the nodes on
-its middle, neighbouring teeth those of the radial cut between them. A second-order mesh is the lattice of half the cell
-size with its mid-side nodes kept, so that those of the flanks lie on the exact surface too.
+The quadrilaterals of the sections (`section_lattice`) are joined from toe to heel. The halves of a tooth share the nodes on
+its middle; neighbouring teeth share the nodes of the radial cut between them. A second-order mesh is the lattice of half the
+cell size with its mid-side nodes kept: the mid-side nodes of flanks lie on the exact surface, too.
 """
 
 from __future__ import annotations
@@ -25,90 +25,97 @@ from gearmesh.teeth.region import FLANKS, Side
 from gearmesh.teeth.section import breaks
 from gearmesh.teeth.tooth import Tooth
 
-#: rim under the root over the whole depth of the teeth
-RIM_DEPTH = 1.2
-#: growth of cell sizes away from the contact, per unit of distance
-GROWTH = 0.4
-#: least numbers of cells along, across and through where they follow from a contact ellipse
+#: default thickness of the rim under the root, in whole depths
+RIM_WHOLE_DEPTHS = 1.2
+#: growth of the cell size per unit of distance from the contact
+CELL_GROWTH = 0.4
+#: least number of cells along, across and through the tooth if they follow from a contact ellipse
 LEAST_CELLS = 6
-#: share of the elements wanted over a contact ellipse that does, and below which lines are added: their slant takes some, too
-NEARLY, ENOUGH = 0.95, 0.98
-#: stations that are given up for lines that follow a contact ellipse leave as many as these
+#: share of the wanted elements into the tooth that is enough
+ENOUGH_LAYERS_SHARE = 0.95
+#: share of the wanted elements over a contact ellipse below which lines are added; their slant takes some
+ENOUGH_LINES_SHARE = 0.98
+#: least number of stations when stations are given up for lines that follow a contact ellipse
 LEAST_STATIONS = 24
-#: beyond this many semi-axes the fine lines no longer follow the slant of the ellipse
-FOLLOWED = 1.5
+#: distance from the ellipse, in semi-axes, up to which the fine lines follow its slant
+FOLLOWED_SEMI_AXES = 1.5
 
 Index = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
 class Cells:
-    """Numbers of cells: form point to tip, middle of root land to form point, flank to middle of the tooth, from there to the
-    rim's inner face, toe to heel, and on a broken tip edge.
+    """Numbers of cells.
 
     The defaults give a pair with three teeth each 72,660 elements; [LF04] 17.10 has 71,460.
     """
 
+    #: form point to tip
     flank: int = 24
+    #: middle of the root land to form point
     fillet: int = 11
+    #: flank to middle of the tooth
     thickness: int = 4
+    #: middle of the tooth's foot to the rim's inner face
     rim: int = 3
+    #: toe to heel
     face: int = 35
+    #: on a broken tip edge
     edge: int = 1
 
 
 @dataclass(frozen=True)
 class Focus:
-    """A contact ellipse on a flank, in the flank's coordinates s (form point to tip) and t (toe to heel), both 0 .. 1.
+    """A contact ellipse on a flank, in the flank's coordinates s (form point to tip) and t (toe to heel), both 0 .. 1."""
 
-    `s`, `t`: its centre; `slope`: ds/dt of the line through the middles of its chords of constant t; `half_s`: half its
-    chord through the centre along s; `half_t`: half its extent along t; `half_depth`: its smaller semi-axis over half the
-    tooth's thickness there; `cells`: elements wanted over each half, 0 for what the numbers of elements allow; `bow`: second
-    derivative (mm) in t of the flank's height over the plane that touches it there, along the ellipse.
-    """
-
+    #: s of the centre
     s: float
+    #: t of the centre
     t: float
+    #: ds/dt of the line through the middles of the chords of constant t
     slope: float
+    #: half the chord through the centre along s
     half_s: float
+    #: half the extent along t
     half_t: float
+    #: smaller semi-axis over half the tooth's thickness
     half_depth: float
+    #: wanted elements over each half; 0 for as many as the numbers of cells allow
     cells: int = 8
+    #: second derivative, mm, in t of the flank's height over its tangent plane, along the ellipse
     bow: float = 0.0
 
 
 @dataclass(frozen=True)
 class CoarsestLines:
-    """The coarsest lines over a contact ellipse that will do, whatever the numbers of elements.
+    """Limits of the coarseness of lines over a contact ellipse."""
 
-    `over`: elements over each semi-axis; `inwards`: over the smaller semi-axis, into the tooth; `sag` (mm): of an element's edge
-    along the ellipse from the flank.
-    """
-
+    #: least number of elements over each semi-axis
     over: float
+    #: least number of elements into the tooth over the smaller semi-axis
     inwards: float
+    #: largest distance, mm, of an element's edge along the ellipse from the flank
     sag: float
 
 
 @dataclass(frozen=True)
 class HexGrid:
-    """Where the lines of a whole member run: `t` (T + 1,) stations, `lines` of the tooth on +x.
+    """Lines of a whole member."""
 
-    `others` (F + 1,): places of the other teeth's lines from form point to tip; they share all else. `own` (F + 1,) or (F + 1, T
-    + 1):
-    those of some other teeth that have lines of their own, by the tooth's place. `centre`: running polar angle (rad) of the middle
-    of the arc of threads (`layers`).
-    """
-
+    #: stations (T + 1,)
     t: Array
+    #: lines of the tooth on +x
     lines: Lines
+    #: places (F + 1,), from form point to tip, of the other teeth's lines; all else is shared
     others: Array
+    #: places (F + 1,) or (F + 1, T + 1) of teeth with lines of their own, by the tooth's place
     own: Mapping[int, Array] = field(default_factory=dict)
+    #: running polar angle, rad, of the middle of a thread's arc (see `layers`)
     centre: float = 0.0
 
 
 def plain_grid(cells: Cells) -> HexGrid:
-    """Evenly spaced lines."""
+    """Return evenly spaced lines."""
     flank = uniform(cells.flank)
     lines = Lines(cells.fillet, flank, cells.edge, uniform(cells.thickness), uniform(cells.rim))
     return HexGrid(uniform(cells.face), lines, flank)
@@ -121,25 +128,27 @@ def focused_grid(
     wanted: CoarsestLines | None = None,
     shared: Array | None = None,
 ) -> HexGrid:
-    """Lines that crowd round a contact ellipse on the tooth on +x, and across the flanks round those on teeth at places `near` it.
+    """Return lines that are dense around a contact ellipse.
 
-    With `focus.cells` elements wanted over each half of it, their numbers along the face, across the flank and through the
-    tooth follow from that, and those of `cells` hold elsewhere; with 0 wanted, they are as fine there as all the numbers of
-    `cells` allow, or, where that is too coarse for what is `wanted`, as many more as it takes, and fewer along the face.
-    `shared` (K,): rising stations that the mating tooth has about the ellipse, and which are this one's there.
+    - cells: numbers of cells.
+    - focus: ellipse on the tooth on +x. If it wants elements, the numbers along the face, across the flank and through the
+      tooth follow from them, and `cells` holds elsewhere. If not, lines are as dense at the ellipse as `cells` allows.
+    - near: ellipses on other teeth by place; lines across their flanks are dense around them.
+    - wanted: limits of the coarseness; where `cells` is too coarse, lines are added, and stations along the face given up.
+    - shared: rising stations (K,) of the mating tooth around the ellipse, which this tooth takes over.
     """
     sizes = [
         (focus.half_t, focus.half_t, focus.t, cells.face),
         (focus.half_s, focus.half_s, focus.s, cells.flank),
         (0.5 * focus.half_depth, focus.half_depth, 0.0, cells.thickness),
     ]
-    # numbers of cells that hold whatever the spacing takes
+    # given numbers of cells; None where the spacing decides
     fixed: list[int | None] = [None if focus.cells else count for _, _, _, count in sizes]
     if focus.cells:
-        spacings = [Spacing(width, half / focus.cells, GROWTH) for width, half, _, _ in sizes]
+        spacings = [Spacing(width, half / focus.cells, CELL_GROWTH) for width, half, _, _ in sizes]
     else:
         spacings = [
-            Spacing.of(width, count, float(np.clip(place, 0.0, 1.0)), GROWTH) for width, _, place, count in sizes
+            Spacing.of(width, count, float(np.clip(place, 0.0, 1.0)), CELL_GROWTH) for width, _, place, count in sizes
         ]
         if wanted is not None:
             spacings, fixed = _refine_spacings(wanted, focus, spacings, fixed)
@@ -153,30 +162,30 @@ def focused_grid(
     thickness = inwards.nodes(layers or max(inwards.cells(0.0), LEAST_CELLS))
     own, count = {}, len(flank) - 1
     for place, near_focus in (near or {}).items():
-        # all teeth have as many lines
-        spacing = Spacing.of(near_focus.half_s, count, float(np.clip(near_focus.s, 0.0, 1.0)), GROWTH)
+        # all teeth have the same number of lines
+        spacing = Spacing.of(near_focus.half_s, count, float(np.clip(near_focus.s, 0.0, 1.0)), CELL_GROWTH)
         own[place] = spacing.nodes(count, _middle(near_focus, t))
     return HexGrid(t, Lines(cells.fillet, flank, cells.edge, thickness, uniform(cells.rim)), uniform(cells.flank), own)
 
 
 def _middle(focus: Focus, t: Array) -> Array:
-    """Middle (T + 1,) of the fine lines, from form point to tip, at stations t (T + 1,)."""
-    reach = FOLLOWED * focus.half_t
-    # the fine lines stay on the flank: if some left it, all others would shift to fill their places
+    """Return the middles (T + 1,) of the dense lines, from form point to tip, at stations t (T + 1,)."""
+    reach = FOLLOWED_SEMI_AXES * focus.half_t
+    # the dense lines stay on the flank: if some left it, all others would shift
     margin = min(focus.half_s, 0.5)
     middle: Array = np.clip(focus.s + focus.slope * np.clip(t - focus.t, -reach, reach), margin, 1.0 - margin)
     return middle
 
 
 def longest_cell(focus: Focus, sag: float) -> float:
-    """The longest cell in t whose edge is no further than `sag` (mm) from the flank at the ellipse, infinite for a straight one."""
+    """Return the longest cell in t whose edge is within `sag`, mm, of the flank at the ellipse; inf for a straight flank."""
     return float(np.sqrt(8.0 * sag / focus.bow)) if focus.bow > 0.0 else np.inf
 
 
 def _refine_spacings(
     wanted: CoarsestLines, focus: Focus, spacings: list[Spacing], fixed: list[int | None]
 ) -> tuple[list[Spacing], list[int | None]]:
-    """Spacings along, across and inwards with those that are too coarse made finer, and the numbers of cells that still hold."""
+    """Return the spacings along, across and inwards, made finer where too coarse, and the numbers of cells that still hold."""
     finest = (
         min(focus.half_t / wanted.over, longest_cell(focus, wanted.sag)),
         focus.half_s / wanted.over,
@@ -184,23 +193,27 @@ def _refine_spacings(
     )
     needed = [replace(spacing, finest=size) for spacing, size in zip(spacings, finest, strict=True)]
     needed[2] = replace(needed[2], width=focus.half_depth)
-    coarse = [ENOUGH * spacing.finest > size for spacing, size in zip(spacings[:2], finest[:2], strict=True)]
-    # layers beyond the ellipse's depth grow, the first of them may end there
+    coarse = [
+        ENOUGH_LINES_SHARE * spacing.finest > size for spacing, size in zip(spacings[:2], finest[:2], strict=True)
+    ]
+    # number of layers within the ellipse's depth
     layers = spacings[2].nodes(fixed[2] or LEAST_CELLS)
-    coarse.append(bool(np.interp(focus.half_depth, layers, np.arange(len(layers))) < NEARLY * wanted.inwards))
+    coarse.append(
+        bool(np.interp(focus.half_depth, layers, np.arange(len(layers))) < ENOUGH_LAYERS_SHARE * wanted.inwards)
+    )
     if not any(coarse):
         return spacings, fixed
     stations = max(needed[0].cells(focus.t), LEAST_STATIONS)
     if not coarse[0]:
         stations = min(stations, fixed[0] or stations)
     fitting = [finer if rough else as_were for finer, rough, as_were in zip(needed, coarse, spacings, strict=True)]
-    along = Spacing.of(focus.half_t, stations, float(np.clip(focus.t, 0.0, 1.0)), GROWTH)
+    along = Spacing.of(focus.half_t, stations, float(np.clip(focus.t, 0.0, 1.0)), CELL_GROWTH)
     counts = [None if rough else count for rough, count in zip(coarse, fixed, strict=True)]
     return [along, *fitting[1:]], [stations, *counts[1:]]
 
 
 def on_breaks(tooth: Tooth, grid: HexGrid) -> HexGrid:
-    """The grid with a line on every seam of the flanks and on every station where they are not smooth: the nearest goes there."""
+    """Return the grid with the nearest line moved to each seam of the flanks and to each station where they are not smooth."""
     seams = np.unique(
         np.concatenate([breaks(tooth.chain[FLANKS[Side.RIGHT]]), 1.0 - breaks(tooth.chain[FLANKS[Side.LEFT]])]).round(
             12
@@ -216,18 +229,18 @@ def on_breaks(tooth: Tooth, grid: HexGrid) -> HexGrid:
 
 
 def on_stations(grid: HexGrid, places: Array) -> HexGrid:
-    """The grid with a station at each of some places (K,), 0 .. 1, inside: the nearest goes there."""
+    """Return the grid with the nearest station moved to each of the places (K,) inside 0 .. 1."""
     return replace(grid, t=_snap(grid.t, places))
 
 
 def with_stations(grid: HexGrid, places: Array) -> HexGrid:
-    """The grid with a station at each of some places (K,), 0 .. 1: the nearest, or where that is taken a new one."""
+    """Return the grid with a station at each of the places (K,): the nearest one moved, or a new one if that is taken."""
     moved = on_stations(grid, places)
     missing = [place for place in places if np.abs(moved.t - place).min() > 1e-12]
     t = np.sort(np.concatenate((moved.t, missing)))
 
     def at(lines: Array) -> Array:
-        """Lines (F + 1,) or (F + 1, T) at the new stations."""
+        """Return lines (F + 1,) or (F + 1, T) at the new stations."""
         return lines if lines.ndim == 1 else np.array([np.interp(t, moved.t, line) for line in lines])
 
     lines, others = replace(moved.lines, flank=at(moved.lines.flank)), at(moved.others)
@@ -236,14 +249,14 @@ def with_stations(grid: HexGrid, places: Array) -> HexGrid:
 
 
 def _snap(places: Array, wanted: Array) -> Array:
-    """Places (N,) or (N, T), ascending, the nearest to each of `wanted` put there, none of them twice and neither end."""
+    """Return places (N,) or (N, T), rising, with the nearest moved to each of `wanted`; none twice, and never an end."""
     moved = places.copy().reshape(len(places), -1)
     taken = np.zeros(moved.shape, dtype=bool)
     taken[[0, -1]] = True
     columns = np.arange(moved.shape[1])
     for place in wanted:
         k = np.where(taken, np.inf, np.abs(moved - place)).argmin(axis=0)
-        # only between its neighbours
+        # a place may only move between its neighbours
         inner = np.clip(k, 1, len(moved) - 2)
         fits = (k == inner) & (moved[inner - 1, columns] < place) & (place < moved[inner + 1, columns])
         moved[inner[fits], columns[fits]] = place
@@ -252,7 +265,7 @@ def _snap(places: Array, wanted: Array) -> Array:
 
 
 def halve(grid: HexGrid) -> HexGrid:
-    """The grid with every cell cut in two each way."""
+    """Return the grid with each cell halved in all directions."""
     lines = grid.lines
     fine = Lines(
         2 * lines.root,
@@ -271,6 +284,7 @@ def halve(grid: HexGrid) -> HexGrid:
 
 
 def _with_middles(places: Array) -> Array:
+    """Return places with the middles between them."""
     result = np.empty((2 * len(places) - 1, *places.shape[1:]))
     result[::2], result[1::2] = places, 0.5 * (places[1:] + places[:-1])
     return result
@@ -279,37 +293,43 @@ def _with_middles(places: Array) -> Array:
 def hex_mesh(
     tooth: Tooth, teeth: Index, grid: HexGrid, rim: float | None = None, *, second_order: bool = False
 ) -> HexMesh:
-    """Hexahedra of the teeth at the places `teeth` (K,), neighbours in rising order (0 is the tooth on +x), own frame, mm.
+    """Return the hexahedra of some neighbouring teeth, in the member's own frame, mm.
 
-    `rim`: thickness, mm, of the rim under the root land, default `RIM_DEPTH` whole depths of the middle section, less
-    where the body is thinner. Face sets, and node sets of the same names: flank_right_k, flank_left_k, fillet_right_k,
-    fillet_left_k of the k-th of the teeth (from 1), root, land, edge (if broken), rim (inner face), bore (the same where the
-    rim reaches it), toe, heel, and of fewer than all teeth cut_right and cut_left. Element sets: tooth_k.
+    - teeth: places (K,) of the teeth, rising; 0 is the tooth on +x.
+    - grid: lines.
+    - rim: thickness, mm, of the rim under the root land; by default RIM_WHOLE_DEPTHS whole depths of the middle section, or
+      less if the body is thinner.
+    - second_order: True for mid-side nodes.
 
-    Raises TrimError for a tooth that cannot be trimmed, DesignError for a rim that does not fit, and a member of one tooth.
+    Face sets, and node sets of the same names, are: flank_right_k, flank_left_k, fillet_right_k, fillet_left_k of tooth k
+    (from 1), root, land, edge (if broken), rim (inner face), bore (if the rim reaches it), toe, heel, and cut_right and
+    cut_left unless all teeth are meshed. Element sets are tooth_k.
+
+    Raises TrimError for a tooth that cannot be trimmed, DesignError for a rim that does not fit, and for a member of one tooth.
     """
     return toothed_rim(tooth, teeth, grid, rim, second_order=second_order).mesh
 
 
 @dataclass(frozen=True)
 class ToothedRim:
-    """Hexahedra of teeth and rim, and the nodes on the rim's inner face that a body can join.
+    """Hexahedra of teeth and rim, and the nodes on the rim's inner face for a body to join."""
 
-    `inner` (S, J): their numbers by station and growing polar angle, -1 where elements of second order have none; `points` (S, J,
-    3): where they are, mm; `closed`: they go round the axis, the first comes after the last; `step`: how many are to an element.
-    """
-
+    #: the hexahedra
     mesh: HexMesh
+    #: node numbers (S, J) on the inner face by station and growing polar angle; -1 where second-order elements have no node
     inner: Index
+    #: their places (S, J, 3), mm
     points: Array
+    #: True if the nodes go around the axis: the first follows the last
     closed: bool
+    #: number of spaces between nodes in an element
     step: int
 
 
 def toothed_rim(
     tooth: Tooth, teeth: Index, grid: HexGrid, rim: float | None = None, *, second_order: bool = False
 ) -> ToothedRim:
-    """Hexahedra as those of `hex_mesh`, and the nodes of the rim's inner face."""
+    """Return the hexahedra of `hex_mesh`, with the nodes of the rim's inner face."""
     if tooth.teeth < 2 and tooth.screw is None:
         reason = "hexahedra of a tooth end between it and its neighbours"
         raise DesignError("teeth", tooth.teeth, reason=reason, allowed="at least 2")
@@ -337,7 +357,7 @@ def toothed_rim(
 
 
 def rim_of(sections: Layers, rim: float | None) -> tuple[Chart, Array]:
-    """Chart of the sections, and the height u (T,), mm, of the rim's inner face in them.
+    """Return the chart of the sections, and the height u (T,), mm, of the rim's inner face in them.
 
     Raises DesignError for a rim thicker than the body.
     """
@@ -351,30 +371,32 @@ def rim_of(sections: Layers, rim: float | None) -> tuple[Chart, Array]:
 
 
 def usual_rim(tooth: Tooth, t: Array) -> float:
-    """The rim, mm, of `RIM_DEPTH` whole depths of the middle of stations t (T,), less where the body has less."""
+    """Return the default thickness of the rim, mm, for stations t (T,)."""
     return _usual(layers(tooth, t).base)
 
 
 def _usual(base: Base) -> float:
-    return min(RIM_DEPTH * _depth(base), float(base.room.max()))
+    """Return the default thickness of the rim, mm."""
+    return min(RIM_WHOLE_DEPTHS * _depth(base), float(base.room.max()))
 
 
 def _depth(base: Base) -> float:
+    """Return the whole depth, mm, of the middle section."""
     return float((base.tip - base.root)[len(base.root) // 2])
 
 
 def whole_rim(tooth: Tooth, t: Array) -> float:
-    """The thickest rim, mm, that the body has under the root at stations t (T,): down to the bore, if there is one."""
+    """Return the thickest possible rim, mm, at stations t (T,): down to the bore, if there is one."""
     return float(layers(tooth, t).base.room.max())
 
 
 def whole_depth(tooth: Tooth, t: Array) -> float:
-    """Depth (mm) from root to tip in the middle of stations t (T,)."""
+    """Return the depth, mm, from root to tip at the middle of stations t (T,)."""
     return _depth(layers(tooth, t).base)
 
 
 def least_room(tooth: Tooth, t: Array) -> float:
-    """The least room (mm) that the body has under the root at stations t (T,)."""
+    """Return the least depth, mm, of the body under the root at stations t (T,)."""
     return float(layers(tooth, t).base.room.min())
 
 
@@ -399,11 +421,12 @@ class _Layout:
         self._blocks = [self._tooth(k) for k in range(len(teeth))]
 
     def _fresh(self, *shape: int) -> Index:
+        """Return new section node numbers of a shape."""
         first, self._count = self._count, self._count + int(np.prod(shape))
         return np.arange(first, self._count).reshape(shape)
 
     def _tooth(self, k: int) -> dict[tuple[Side, str], Index]:
-        """Section node numbers of the four blocks of a tooth, "lower" and "upper" of either side, with what they share."""
+        """Return the section node numbers of the four blocks of a tooth, "lower" and "upper" of either side; some are shared."""
         rows, columns, across = self._rows, self._columns, self._across
         high = self._teeth[k][0].upper.shape[0]
         right = np.concatenate((self._cuts[None, k], self._fresh(rows - 1, columns)))
@@ -421,7 +444,7 @@ class _Layout:
         }
 
     def mesh(self, places: Rigid, bore: bool) -> ToothedRim:
-        """The mesh of the teeth moved to `places` (K,); `bore`: the rim's inner face is the bore."""
+        """Return the mesh of the teeth moved to `places` (K,); `bore`: True if the rim's inner face is the bore."""
         rotation, way = (
             np.broadcast_to(v, (len(self._teeth), *v.shape[-n:]))
             for v, n in ((places.rotation, 2), (places.translation, 1))
@@ -456,7 +479,7 @@ class _Layout:
         return ToothedRim(mesh, numbers.reshape(nodes.shape[:2])[:, inner], nodes[:, inner], self._closed, self._step)
 
     def _inner_line(self) -> Index:
-        """Section node numbers (J,) along the rim's inner face, as the polar angle grows."""
+        """Return the section node numbers (J,) along the rim's inner face, with growing polar angle."""
         halves = [
             half
             for blocks in self._blocks
@@ -465,9 +488,9 @@ class _Layout:
         return np.concatenate(halves if self._closed else (*halves, self._blocks[-1][Side.LEFT, "lower"][:1, -1]))
 
     def _elements(self, block: Index, side: Side) -> Index:
-        """Elements (E, 8 or 20) of a block, s slowest, then d, then t; node numbers count layer by layer."""
+        """Return the elements (E, 8 or 20) of a block, s slowest, then d, then t; node numbers count layer by layer."""
         step = self._step
-        corners = step * np.array(_CORNERS[side])
+        corners = step * np.array(_ELEMENT_CORNERS[side])
         offsets = corners if step == 1 else np.concatenate((corners, corners[np.array(HEX_EDGES)].sum(axis=1) // 2))
         s, d, t = np.meshgrid(*(np.arange(0, n - 1, step) for n in (*block.shape, self._layers)), indexing="ij")
         node = block[s[..., None] + offsets[:, 0], d[..., None] + offsets[:, 1]]
@@ -475,8 +498,8 @@ class _Layout:
         return elements
 
     def _faces(self, k: int, side: Side, part: str, numbers: Index) -> dict[str, Index]:
-        """Face sets (n, 2) of a block whose elements are `numbers` (S, D, T), in the order of `_elements`."""
-        outer, inner, first, last = _FACES[side]
+        """Return the face sets (n, 2) of a block with elements `numbers` (S, D, T), in the order of `_elements`."""
+        outer, inner, first, last = _BLOCK_FACES[side]
 
         def faces(which: Index, face: int) -> Index:
             return np.stack((which.ravel(), np.full(which.size, face)), axis=1)
@@ -498,10 +521,10 @@ class _Layout:
         return {name: value for name, value in sets.items() if len(value)}
 
 
-#: corners of an element in steps (s, d, t); the left half mirrors the right one, its elements turn the other way
-_CORNERS = {
+#: corners of an element in steps (s, d, t); elements of the left half have the other sense, because it mirrors the right half
+_ELEMENT_CORNERS = {
     Side.RIGHT: [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)],
     Side.LEFT: [(0, 0, 0), (0, 1, 0), (1, 1, 0), (1, 0, 0), (0, 0, 1), (0, 1, 1), (1, 1, 1), (1, 0, 1)],
 }
-#: faces (of `mesh.HEX_FACES`) on the outline, on the last line d, on the first and on the last line s
-_FACES = {Side.RIGHT: (2, 4, 5, 3), Side.LEFT: (5, 3, 2, 4)}
+#: faces, as indices in `HEX_FACES`, on the outline, on the last line d, on the first line s and on the last line s
+_BLOCK_FACES = {Side.RIGHT: (2, 4, 5, 3), Side.LEFT: (5, 3, 2, 4)}

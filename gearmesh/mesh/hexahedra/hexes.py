@@ -1,4 +1,4 @@
-"""The mesh of hexahedra that finite-element models are made of: arrays and named sets."""
+"""Meshes of hexahedra for finite-element models: arrays and named sets."""
 
 from __future__ import annotations
 
@@ -20,32 +20,33 @@ HEX_EDGES = ((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0,
 
 @dataclass(frozen=True)
 class HexMesh:
-    """Hexahedra with named sets.
+    """Hexahedra with named sets."""
 
-    `nodes` (N, 3) in mm; `elements` (E, 8) node indices (bottom counterclockwise seen from the top, then top), or (E, 20)
-    with mid-side nodes in the order of `HEX_EDGES` (C3D20, VTK's quadratic hexahedron). `node_sets` and `element_sets`
-    hold indices (K,); `face_sets` hold (K, 2): element, and face 0 .. 5 of `HEX_FACES`.
-    """
-
+    #: (N, 3), mm
     nodes: Array
+    #: node indices (E, 8): bottom counterclockwise seen from the top, then top; or (E, 20) with mid-side nodes in the order of
+    #: `HEX_EDGES` (C3D20, VTK's quadratic hexahedron)
     elements: NDArray[np.int64]
+    #: node indices (K,) by name
     node_sets: dict[str, NDArray[np.int64]]
+    #: element indices (K,) by name
     element_sets: dict[str, NDArray[np.int64]]
+    #: (K, 2) by name: element, and face 0 .. 5 of `HEX_FACES`
     face_sets: dict[str, NDArray[np.int64]]
 
     @property
     def second_order(self) -> bool:
-        """Whether elements have mid-side nodes."""
+        """True if elements have mid-side nodes."""
         has_middles: bool = self.elements.shape[1] == 20
         return has_middles
 
     def face_corners(self, name: str) -> NDArray[np.int64]:
-        """Corner nodes of the faces of a set.
+        """Return the corner nodes of the faces of a set.
 
         Parameters
         ----------
         name : str
-            Of the face set.
+            Name of the face set.
 
         Returns
         -------
@@ -63,12 +64,12 @@ class HexMesh:
         return np.take_along_axis(self.elements[element], np.array(HEX_FACES)[face][:, ::-1], axis=1)
 
     def face_outlines(self, name: str) -> NDArray[np.int64]:
-        """Nodes along the outlines of the faces of a set.
+        """Return the nodes along the outlines of the faces of a set.
 
         Parameters
         ----------
         name : str
-            Of the face set.
+            Name of the face set.
 
         Returns
         -------
@@ -91,12 +92,12 @@ class HexMesh:
         return np.take_along_axis(self.elements[element], np.array(outlines)[face], axis=1)
 
     def face_nodes(self, name: str) -> NDArray[np.int64]:
-        """All nodes of the faces of a set.
+        """Return all nodes of the faces of a set.
 
         Parameters
         ----------
         name : str
-            Of the face set.
+            Name of the face set.
 
         Returns
         -------
@@ -112,12 +113,12 @@ class HexMesh:
         return np.unique(self.face_outlines(name))
 
     def move(self, transform: Rigid) -> HexMesh:
-        """The same mesh in another frame.
+        """Return the mesh in another frame.
 
         Parameters
         ----------
         transform : Rigid
-            From this frame to the other one.
+            From the frame of the mesh to the other frame.
 
         Returns
         -------
@@ -134,7 +135,7 @@ class HexMesh:
 
 
 def join(meshes: dict[str, HexMesh]) -> HexMesh:
-    """Several meshes as one, not connected: sets of the mesh `name` are called name_set, its elements `name`."""
+    """Return several meshes as one, unconnected: sets of the mesh `name` become name_set, its elements the set `name`."""
     nodes, elements, first_node, first_element = [], [], 0, 0
     node_sets, element_sets, face_sets = {}, {}, {}
     for name, mesh in meshes.items():

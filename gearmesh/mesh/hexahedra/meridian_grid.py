@@ -1,14 +1,14 @@
 r"""Quadrilaterals in the axial half plane between the inner face of a rim and the profile of the body under it.
 
-The outline is laid onto lines of two directions, of V along the axis and of H across it, each side of it at one value:
+The outline is mapped to lines of two directions, H along the rim and V square to it; each side has one nominal value:
 
-        P0 ------ rim ------ Pn           the rim's inner face has the nodes of its stations, and every line of the grid
-         |                    |           that crosses it goes through one of them
+        P0 ------ rim ------ Pn           the rim's inner face has nodes at its stations; each line of the grid that
+         |                    |           crosses the rim goes through one of these nodes
          |   +---- H ----+    |
-         +-V-+           +-V--+           (rho, z) = nominal place + displacement: that of the sides is given, that of the inside
-         web's recess                     is harmonic, so that an outline of straight angles has straight lines
+         +-V-+           +-V--+           (rho, z) = nominal place + displacement; the displacement is given on the outline
+         web's recess                     and harmonic inside, so an outline of right angles has straight lines
 
-Sides that only nearly run along or across the axis, as cones of shafts, rims of bevel gears and back cones, bend the lines.
+Sides that are only nearly along or square to the axis (cones of shafts, rims of bevel gears, back cones) bend the lines.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.polylines import contains
 
-#: share of the outline's size below which its edges count as none
-NONE = 1e-7
+#: longest edge that counts as 0, as a share of the outline's size
+NO_LENGTH_SHARE = 1e-7
 #: name of the edge that is the rim's inner face
 RIM_FACE = "rim_face"
 
@@ -32,86 +32,97 @@ Index = NDArray[np.int64]
 
 
 class OutlineError(Exception):
-    """The outline does not go onto lines of two directions."""
+    """The outline cannot be mapped to lines of two directions."""
 
 
 @dataclass(frozen=True)
 class MeridianOutline:
-    """A body in the axial half plane: `points` (N, 2), (rho, z), mm, the last of them joined to the first by the rim's inner face;
-    `names` (N - 1,) of the edges between them."""
+    """Outline of a body in the axial half plane; the rim's inner face joins the last point to the first."""
 
+    #: points (N, 2), (rho, z), mm
     points: Array
+    #: names of the N - 1 edges between the points
     names: tuple[str, ...]
 
 
 @dataclass(frozen=True)
 class BoundaryEdges:
-    """Edges of the grid on its outline: on lines of which of the two directions (`axis` 0: constant first index), their first nodes
-    (E, 2), whether the grid is at larger indices, and their names."""
+    """Edges of the grid on its outline."""
 
+    #: direction (E,): 0 on a line of constant first index, 1 of constant second index
     axis: Index
+    #: indices (E, 2) of the first node of each edge
     first: Index
+    #: True (E,) if the body is at larger indices
     above: NDArray[np.bool_]
+    #: name of each edge
     names: tuple[str, ...]
 
 
 @dataclass(frozen=True)
 class MeridianGrid:
-    """Nodes `points` (A, B, 2), (rho, z), by lines of growing rho and growing z; `cells` (A - 1, B - 1) that are in the body;
-    `edges` of its outline.
+    """Grid of quadrilaterals in the axial half plane."""
 
-    `station` (A,) or (B,): for every line of the rim's axis (1: lines of z) the station whose angles its nodes have, the nearest
-    beyond the rim; `on_rim` (S, 2): indices of the rim's nodes, by station.
-    """
-
+    #: nodes (A, B, 2), (rho, z), mm, by lines of growing rho and growing z
     points: Array
+    #: True (A - 1, B - 1) for cells in the body
     cells: NDArray[np.bool_]
+    #: edges on the outline
     edges: BoundaryEdges
+    #: index (0 or 1) that counts along the rim
     axis: int
+    #: station (A,) or (B,) whose polar angles the nodes of each line along `axis` have; beyond the rim the nearest
     station: Index
+    #: indices (S, 2) of the rim's nodes, by station
     on_rim: Index
 
 
 @dataclass(frozen=True)
 class _OutlineSide:
-    """Neighbouring edges of one direction: `axis` along which it has one `value`, numbers of its first point and edge, of its last
-    point."""
+    """Neighbouring edges of one direction."""
 
+    #: coordinate that is nominally constant: 0 rho, 1 z
     axis: int
+    #: number of the first point and edge
     first: int
+    #: number of the last point
     last: int
 
 
 def rim_corners(outline: MeridianOutline, stations: Array, axis: int) -> Array:
-    """Shares (K,) of the rim's length, 0 .. 1, at which lines of the outline's corners cross it; `stations` (S, 2) are on it.
+    """Return the shares (K,) of the rim's length, 0 .. 1, at which the lines of the outline's corners cross the rim.
 
-    Raises OutlineError.
+    `stations` (S, 2): points of the rim. Raises OutlineError.
     """
     laid = _OutlineLayout(outline, stations, axis)
     inside = (laid.shares_of(laid.breaks[1 - laid.rim_axis])).tolist()
-    return np.array([share for share in inside if NONE < share < 1.0 - NONE])
+    return np.array([share for share in inside if NO_LENGTH_SHARE < share < 1.0 - NO_LENGTH_SHARE])
 
 
 def meridian_grid(outline: MeridianOutline, stations: Array, axis: int, size: float, step: int = 1) -> MeridianGrid:
-    """The grid of an outline with cells of about a `size` (mm), each of `step` spaces between lines.
+    """Return the grid of an outline.
 
-    `stations` (S, 2): the rim's nodes from the first to the last point, of which those at steps are corners of cells; `axis`: 0
-    where the rim runs along the axis, 1 where across. Raises OutlineError.
+    - stations: the rim's nodes (S, 2), from the first point to the last; each `step`-th is a corner of cells.
+    - axis: 0 if the rim runs along the axis, 1 if square to it.
+    - size: approximate size of cells, mm.
+    - step: number of spaces between lines in a cell.
+
+    Raises OutlineError.
     """
     return _OutlineLayout(outline, stations, axis).grid(size, step)
 
 
 class _OutlineLayout:
-    """An outline laid onto lines of two directions."""
+    """Mapping of an outline to lines of two directions."""
 
     def __init__(self, outline: MeridianOutline, stations: Array, rim_axis: int) -> None:
         points, names = [outline.points[0]], []
-        least = NONE * float(np.ptp(outline.points, axis=0).max())
+        least = NO_LENGTH_SHARE * float(np.ptp(outline.points, axis=0).max())
         for point, name in zip(outline.points[1:], outline.names, strict=True):
             if np.linalg.norm(point - points[-1]) > least:
                 points.append(point)
                 names.append(name)
-        # the closing edge comes last
+        # the closing edge, the rim, comes last
         self._points, self._names = np.array(points), (*names, RIM_FACE)
         self._stations, self.rim_axis = stations, rim_axis
         self._directions = [self._direction(k) for k in range(len(points))]
@@ -121,19 +132,21 @@ class _OutlineLayout:
         self.breaks = self._lines()
 
     def _edge(self, k: int) -> tuple[Array, Array]:
+        """Return the ends (2,) of an edge."""
         return self._points[k], self._points[(k + 1) % len(self._points)]
 
     def _direction(self, k: int) -> int:
-        """0 for an edge of constant rho, or nearly, 1 for one of constant z."""
+        """Return 0 for an edge of nearly constant rho, 1 for an edge of nearly constant z."""
         name = self._names[k]
         if name == RIM_FACE:
             return self.rim_axis
-        one, other = self._edge(k)
-        rho, z = np.abs(other - one)
-        # what is left of the toothed end faces is at right angles to the rim
+        start, end = self._edge(k)
+        rho, z = np.abs(end - start)
+        # the rest of the toothed end faces is square to the rim
         return 1 - self.rim_axis if k in (0, len(self._names) - 2) and min(rho, z) > 0.0 else int(rho > z)
 
     def _merge(self) -> list[_OutlineSide]:
+        """Return the sides: runs of edges of one direction."""
         count = len(self._directions)
         starts = [k for k in range(count) if self._directions[k] != self._directions[k - 1]]
         if len(starts) < 4 or len(starts) % 2:
@@ -144,15 +157,16 @@ class _OutlineLayout:
         ]
 
     def _value(self, side: _OutlineSide) -> float:
-        own = self._points[np.arange(side.first, side.last + 1) % len(self._points), side.axis]
+        """Return the nominal value of a side."""
+        coordinates = self._points[np.arange(side.first, side.last + 1) % len(self._points), side.axis]
         if len(self._names) - 1 in range(side.first, side.last):
-            # the rim is beyond all else
-            outwards = own.mean() > self._points[:, side.axis].mean()
-            return float(own.max() if outwards else own.min())
-        return float(0.5 * (own.min() + own.max()))
+            # the rim is the outermost side
+            outwards = coordinates.mean() > self._points[:, side.axis].mean()
+            return float(coordinates.max() if outwards else coordinates.min())
+        return float(0.5 * (coordinates.min() + coordinates.max()))
 
     def _corners(self) -> Array:
-        """Nominal places (N, 2) of the outline's points."""
+        """Return the nominal places (N, 2) of the outline's points."""
         count, nominal = len(self._points), np.full((len(self._points), 2), np.nan)
         for side, value in zip(self._sides, self._values, strict=True):
             nominal[np.arange(side.first, side.last + 1) % count, side.axis] = value
@@ -160,61 +174,65 @@ class _OutlineLayout:
             inner = np.arange(side.first, side.last + 1)
             along = 1 - side.axis
             ends = nominal[[side.first % count, side.last % count], along]
-            own = self._points[inner % count, along].copy()
-            own[[0, -1]] = ends
-            steps = np.diff(own) * np.sign(ends[1] - ends[0])
+            places = self._points[inner % count, along].copy()
+            places[[0, -1]] = ends
+            steps = np.diff(places) * np.sign(ends[1] - ends[0])
+            # a side that goes back is spaced by its length instead
             if (steps <= 0.0).any():
                 way = np.linalg.norm(np.diff(self._points[inner % count], axis=0), axis=-1)
-                own = ends[0] + (ends[1] - ends[0]) * np.concatenate(([0.0], np.cumsum(way))) / way.sum()
-            nominal[inner % count, along] = own
+                places = ends[0] + (ends[1] - ends[0]) * np.concatenate(([0.0], np.cumsum(way))) / way.sum()
+            nominal[inner % count, along] = places
         return nominal
 
     def _lines(self) -> tuple[Array, Array]:
-        """Values of both directions that some line has."""
-        least = NONE * float(np.ptp(self._points, axis=0).max())
+        """Return the nominal values of the lines of both directions."""
+        least = NO_LENGTH_SHARE * float(np.ptp(self._points, axis=0).max())
         first, second = (np.unique(self._nominal[:, axis]) for axis in (0, 1))
         return tuple(v[np.concatenate(([True], np.diff(v) > least))] for v in (first, second))  # type: ignore[return-value]
 
     @property
     def _rim_ends(self) -> tuple[float, float]:
-        """Nominal places of its first and last station along the rim."""
+        """Nominal places along the rim of its first and last station."""
         first, last = self._nominal[[0, -1], 1 - self.rim_axis].tolist()
         return first, last
 
     def shares_of(self, values: Array) -> Array:
-        """Where lines cross the rim, as shares of its length from the first station on."""
+        """Return the places at which lines cross the rim, as shares of its length from the first station."""
         first, last = self._rim_ends
         return np.asarray((values - first) / (last - first))
 
     def _station_values(self) -> Array:
+        """Return the nominal places (S,) of the stations along the rim."""
         way = np.linalg.norm(np.diff(self._stations, axis=0), axis=-1)
         first, last = self._rim_ends
         return np.asarray(first + (last - first) * np.concatenate(([0.0], np.cumsum(way))) / way.sum())
 
     def _subdivide(self, breaks: Array, size: float, step: int) -> Array:
-        """Lines between breaks, with cells of about a size, each of `step` spaces."""
+        """Return lines between breaks, with cells of about a size, each of `step` spaces."""
         parts = [
             np.linspace(low, high, step * max(1, round((high - low) / size)) + 1)[:-1] for low, high in pairwise(breaks)
         ]
         return np.concatenate((*parts, breaks[-1:]))
 
     def grid(self, size: float, step: int) -> MeridianGrid:
-        along, own = 1 - self.rim_axis, self._station_values()
+        """Return the grid, see `meridian_grid`."""
+        along, values = 1 - self.rim_axis, self._station_values()
         low, high = np.sort(self._rim_ends)
         breaks = self.breaks[along]
         pieces = [
             self._subdivide(np.union1d(breaks[side], end), size, step)
             for side, end in ((breaks <= low, low), (breaks >= high, high))
         ]
-        rim = own if own[0] < own[-1] else own[::-1]
+        rim = values if values[0] < values[-1] else values[::-1]
         lines = [np.empty(0), np.empty(0)]
         lines[along] = np.concatenate((pieces[0][:-1], rim, pieces[1][1:]))
         lines[self.rim_axis] = self._subdivide(self.breaks[self.rim_axis], size, step)
         number = np.clip(np.arange(len(lines[along])) - (len(pieces[0]) - 1), 0, len(rim) - 1)
-        station = number if own[0] < own[-1] else len(rim) - 1 - number
+        station = number if values[0] < values[-1] else len(rim) - 1 - number
         return self._fill((lines[0], lines[1]), station, step)
 
     def _fill(self, lines: tuple[Array, Array], station: Index, step: int) -> MeridianGrid:
+        """Return the grid on given lines."""
         nominal = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1)
         centres = 0.25 * (nominal[1:, 1:] + nominal[1:, :-1] + nominal[:-1, 1:] + nominal[:-1, :-1])
         cells = contains(self._nominal, centres)
@@ -224,14 +242,14 @@ class _OutlineLayout:
     def _boundary(
         self, lines: tuple[Array, Array], cells: NDArray[np.bool_], step: int
     ) -> tuple[Array, BoundaryEdges, Index]:
-        """Places (A, B, 2) of the nodes on the outline, NaN elsewhere; its edges; the rim's nodes by station."""
+        """Return places (A, B, 2) of nodes on the outline, NaN elsewhere; the edges; and the rim's nodes by station."""
         places = np.full((len(lines[0]), len(lines[1]), 2), np.nan)
         padded = np.pad(cells, 1)
         axes, firsts, names = list[Index](), list[Index](), list[str]()
         for k, name in enumerate(self._names[:-1]):
             nodes, shares = self._on_edge(lines, k)
-            one, other = self._edge(k)
-            places[nodes[:, 0], nodes[:, 1]] = one + shares[:, None] * (other - one)
+            start, end = self._edge(k)
+            places[nodes[:, 0], nodes[:, 1]] = start + shares[:, None] * (end - start)
             firsts.append(nodes[:-1:step])
             axes.append(np.full(len(firsts[-1]), self._directions[k]))
             names += [name] * len(firsts[-1])
@@ -244,7 +262,7 @@ class _OutlineLayout:
         return places, BoundaryEdges(np.concatenate(axes), first, above, tuple(names)), on_rim
 
     def _on_edge(self, lines: tuple[Array, Array], k: int) -> tuple[Index, Array]:
-        """Nodes (K, 2) on an edge, in the order of their lines, and their shares (K,) of it."""
+        """Return the nodes (K, 2) on an edge, in the order of lines, and their shares (K,) of its length."""
         axis, start, end = self._directions[k], self._nominal[k], self._nominal[(k + 1) % len(self._points)]
         along = 1 - axis
         low, high = sorted(int(np.abs(lines[along] - v[along]).argmin()) for v in (start, end))
@@ -255,8 +273,10 @@ class _OutlineLayout:
 
 
 def _harmonic(nominal: Array, places: Array, cells: NDArray[np.bool_], lines: Sequence[Array]) -> Array:
-    """All nodes (A, B, 2): on the outline at their `places` (A, B, 2), which are NaN elsewhere; inside nominal + displacement, this
-    harmonic over the nominal cells."""
+    """Return all nodes (A, B, 2): on the outline at `places` (NaN elsewhere), inside at the nominal place plus displacement.
+
+    The displacement is harmonic over the nominal cells.
+    """
     from scipy.sparse import coo_array, diags_array
     from scipy.sparse.linalg import spsolve
 
@@ -267,15 +287,15 @@ def _harmonic(nominal: Array, places: Array, cells: NDArray[np.bool_], lines: Se
     if not inner.any():
         return np.asarray(nominal + moved)
     number, padded_widths = np.arange(used.size).reshape(used.shape), [np.pad(np.diff(line), 1) for line in lines]
-    # conductance of an edge: half the widths of the cells beside it, over its length
+    # Laplace's equation by finite volumes: the conductance of an edge is half the widths of the cells beside it, over its length
     across = padded * padded_widths[1]
     first = 0.5 * (across[1:-1, 1:] + across[1:-1, :-1]) / np.diff(lines[0])[:, None]
     across = padded * padded_widths[0][:, None]
     second = 0.5 * (across[1:, 1:-1] + across[:-1, 1:-1]) / np.diff(lines[1])
-    one = np.concatenate((number[:-1].ravel(), number[:, :-1].ravel()))
-    other = np.concatenate((number[1:].ravel(), number[:, 1:].ravel()))
+    start = np.concatenate((number[:-1].ravel(), number[:, :-1].ravel()))
+    end = np.concatenate((number[1:].ravel(), number[:, 1:].ravel()))
     weights = np.concatenate((first.ravel(), second.ravel()))
-    joined = coo_array((weights, (one, other)), shape=(used.size,) * 2)
+    joined = coo_array((weights, (start, end)), shape=(used.size,) * 2)
     joined = (joined + joined.T).tocsr()
     laplace = (diags_array(np.asarray(joined.sum(axis=1))) - joined).tocsc()
     free, flat = np.flatnonzero(inner), moved.reshape(-1, 2)

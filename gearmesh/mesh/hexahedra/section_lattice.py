@@ -1,20 +1,20 @@
-"""Quadrilaterals in the sections of a tooth with its share of the rim: exact nodes outside, interpolated ones inside.
+"""Quadrilaterals in the sections of a tooth and its share of the rim: exact nodes on the outline, interpolated ones inside.
 
-Each half of a tooth is two blocks, lines s along the outline and lines d into the material:
+Each half of a tooth has two blocks, with lines s along the outline and lines d into the material:
 
               land
           +---------+ C            `upper`: flank (and broken edge) x half the tooth's thickness
     flank |  upper  |
           |         |              `lower`: middle of the root land to the form point x depth of the rim; its side at the
-        J +---------+ M                     joint goes J - M - K, so that the lines d turn round the fillet
+        J +---------+ M                     joint goes J - M - K, so that the lines d turn around the fillet
     cut  /          |
     +---   lower    |
     |               |
     +---------------+ K
         rim, inner face
 
-Interior nodes come from transfinite interpolation in a conformal chart of the section, in which radial cuts and arcs
-round the axis are straight lines; sections of constant station are planes, cones or cylinders.
+Inner nodes come from transfinite interpolation in a conformal chart of the section, in which radial cuts and arcs around the
+axis are straight lines. Sections of constant station are planes, cones or cylinders.
 """
 
 from __future__ import annotations
@@ -28,25 +28,27 @@ from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.mesh.hexahedra.layers import Chart, Layers
 from gearmesh.teeth.region import EDGES, FILLETS, FLANKS, Region, Side
 
-#: how far up from the root land towards the form point the lines J - M and M - K meet on the middle of the tooth
-MEETING = 0.35
-#: least width of the root land, over an even share of its cells, on which these stay
-LEAST_ROOT = 0.4
-#: steps of regula falsi, the first of which halves the interval, towards the place halfway along an edge: within 2 % of its length
+#: height of M over the root land, as a share of the height of the form point
+MEETING_HEIGHT_SHARE = 0.35
+#: least width of the root land, as a share of the even share of its cells; on a narrower one the cells reach over to the fillet
+MIN_ROOT_SHARE = 0.4
+#: steps of regula falsi towards the middle of an edge, the first one a bisection: within 2 % of the edge's length
 HALVING_STEPS = 3
 #: points at which the lengths of the outline's links are measured
 LENGTH_SAMPLES = 65
 
 
 def transfinite(low_s: Array, high_s: Array, low_d: Array, high_d: Array) -> Array:
-    """Nodes (S, D, ..., 2) of a block between its four sides, each interpolated by its own arc length.
+    """Return the nodes (S, D, ..., 2) of a block by transfinite interpolation between its four sides.
 
-    `low_s`, `high_s` (D, ..., 2): the sides at the first and last line s; `low_d`, `high_d` (S, ..., 2): at the first and
-    last line d. Corners must agree.
+    - low_s, high_s: sides (D, ..., 2) at the first and last line s.
+    - low_d, high_d: sides (S, ..., 2) at the first and last line d.
+
+    Each side counts by its arc length. Corners must agree.
     """
     xi_low, xi_high = fractions(low_d)[:, None], fractions(high_d)[:, None]
     eta_low, eta_high = fractions(low_s)[None], fractions(high_s)[None]
-    # straight lines in the unit square between the places on opposite sides
+    # intersections, in the unit square, of the straight lines between corresponding places on opposite sides
     xi = (xi_low + eta_low * (xi_high - xi_low)) / (1.0 - (eta_high - eta_low) * (xi_high - xi_low))
     eta = eta_low + xi * (eta_high - eta_low)
     xi, eta = xi[..., None], eta[..., None]
@@ -59,7 +61,7 @@ def transfinite(low_s: Array, high_s: Array, low_d: Array, high_d: Array) -> Arr
 
 
 def fractions(line: Array) -> Array:
-    """Arc length from the first point over the whole (S, ...) of polylines (S, ..., 2)."""
+    """Return the arc lengths (S, ...) from the first point of polylines (S, ..., 2), over the whole lengths."""
     steps = np.sqrt((np.diff(line, axis=0) ** 2).sum(axis=-1))
     length = np.concatenate((np.zeros((1, *steps.shape[1:])), np.cumsum(steps, axis=0)))
     shares: Array = length / length[-1]
@@ -68,46 +70,47 @@ def fractions(line: Array) -> Array:
 
 @dataclass(frozen=True)
 class Lines:
-    """Where the lines of the lattice run: places from 0 to 1 along each side of the blocks.
+    """Lines of the lattice, as places from 0 to 1 along the sides of the blocks."""
 
-    `root`: cells from the middle of the root land to the form point; `flank` (F + 1,) or (F + 1, T): places from form point to tip;
-    `edge`: cells on a broken tip edge; `thickness` (D + 1,): places from flank to middle; `rim` (R + 1,): from there inwards;
-    `land`: what the length of the root land counts beside that of the fillet where `root` cells are shared out. `halved`: every
-    other line is of mid-side nodes, which on flanks lie as far from one corner of their edge as from the other.
-    """
-
+    #: number of cells from the middle of the root land to the form point
     root: int
+    #: places (F + 1,) or (F + 1, T) from form point to tip
     flank: Array
+    #: number of cells on a broken tip edge
     edge: int
+    #: places (D + 1,) from flank to middle of the tooth
     thickness: Array
+    #: places (R + 1,) from there inwards
     rim: Array
+    #: weight of the root land's length against the fillet's in the share of the `root` cells
     land: float = 1.0
+    #: True if every other line has mid-side nodes, which lie halfway between the corners of their edge on flanks
     halved: bool = False
 
 
 @dataclass(frozen=True)
 class HalfLattice:
-    """Nodes of one half of a tooth: `lower` (L + 1, N + 1, T, 3) and `upper` (U + 1, D + 1, T, 3), lines s by lines d.
+    """Nodes of one half of a tooth, lines s by lines d; line L of `lower` is, up to line D, the first line of `upper`."""
 
-    Line L of `lower` is, up to line D, the first of `upper`. `root_cells` (L,): outer face on the root land, not the fillet.
-    """
-
+    #: (L + 1, N + 1, T, 3), mm
     lower: Array
+    #: (U + 1, D + 1, T, 3), mm
     upper: Array
+    #: True (L,) for cells of `lower` with their outer face on the root land, False on the fillet
     root_cells: NDArray[np.bool_]
 
 
 def tooth_lattice(layers: Layers, lines: Lines, chart: Chart, inner: Array) -> tuple[HalfLattice, HalfLattice]:
-    """Nodes of the right and of the left half of a tooth; `inner` (T,): height u of the rim's inner face."""
+    """Return the nodes of the right and the left half of a tooth; `inner` (T,): height u, mm, of the rim's inner face."""
     outlines = [_outline(layers, side, lines) for side in Side]
     low, flank, land = ([chart.to_chart(getattr(o, name)) for o in outlines] for name in ("low", "flank", "land"))
     bottom, root = chart.depth(inner), 0.5 * (low[0][0, :, 0] + low[1][0, :, 0])
     meeting, centre = 0.5 * (low[0][-1] + low[1][-1]), 0.5 * (low[0][0, :, 1] + low[1][0, :, 1])
-    meeting[:, 0] = root + MEETING * (meeting[:, 0] - root)
+    meeting[:, 0] = root + MEETING_HEIGHT_SHARE * (meeting[:, 0] - root)
     down = _straight(meeting, np.stack((bottom, centre), -1), lines.rim)
     across = [_straight(side[-1], meeting, lines.thickness) for side in low]
     inwards = [np.concatenate((line, down[1:])) for line in across]
-    # what neighbouring halves share is spaced by the mean of both
+    # shared lines of both halves are spaced by the mean of both
     middle = _straight(meeting, land[0][-1], 0.5 * (fractions(flank[0]) + fractions(flank[1])))
     places = 0.5 * (fractions(inwards[0]) + fractions(inwards[1]))
     halves = []
@@ -122,15 +125,20 @@ def tooth_lattice(layers: Layers, lines: Lines, chart: Chart, inner: Array) -> t
 
 @dataclass(frozen=True)
 class _Outline:
-    """One half of a tooth's outline: exact points (..., T, 3) from cut to form point, to the tip, to the middle of the land."""
+    """Half of a tooth's outline, exact points (..., T, 3), mm."""
 
+    #: from the cut to the form point
     low: Array
+    #: from the form point to the tip
     flank: Array
+    #: from the tip to the middle of the land
     land: Array
+    #: True for cells on the root land
     root_cells: NDArray[np.bool_]
 
 
 def _outline(layers: Layers, side: Side, lines: Lines) -> _Outline:
+    """Return the outline of one half of a tooth."""
     links = _Links(layers, side)
     low, root_cells = links.from_cut_to_form_point(lines.root, lines.land, 2 if lines.halved else 1)
     places = links.halve(FLANKS[side], lines.flank) if lines.halved else lines.flank
@@ -141,13 +149,13 @@ def _outline(layers: Layers, side: Side, lines: Lines) -> _Outline:
 
 
 class _Links:
-    """The links of one side of a tooth's outline with every link running from the cut towards the land."""
+    """Links of one side of a tooth's outline; each link runs from the cut towards the land."""
 
     def __init__(self, layers: Layers, side: Side) -> None:
         self._layers, self._side = layers, side
 
     def points(self, region: Region, s: Array) -> Array:
-        """Exact points (S, T, 3) at s (S,) or (S, T); halves of root and land count to their middles."""
+        """Return exact points (S, T, 3), mm, at s (S,) or (S, T); root and land count from end to middle."""
         right = self._side is Side.RIGHT
         if region in (Region.ROOT, Region.LAND):
             place = 0.5 * s + 0.5 if region is Region.ROOT else 0.5 * s
@@ -156,10 +164,10 @@ class _Links:
         return self._layers.grid(region, s if right else 1.0 - s).points
 
     def halve(self, region: Region, s: Array) -> Array:
-        """Places (2 F + 1, T) of which every other one is halfway between its neighbours by distance; s (2 F + 1,) or (2 F + 1, T).
+        """Return places (2 F + 1, T) with every other one halfway between its neighbours by distance.
 
-        Halfway in s is not: where a flank ends near its singular point its length grows with the square of s, and a mid-side node
-        at a quarter of its edge makes the element singular.
+        The middle in s can be wrong: near a singular end of a flank the length grows with the square of s, and a mid-side node
+        at a quarter of its edge makes the element singular. s: (2 F + 1,) or (2 F + 1, T).
         """
         first, last = self.points(region, s[:-2:2]), self.points(region, s[2::2])
         shape = first.shape[:-1]
@@ -180,11 +188,10 @@ class _Links:
         return places
 
     def from_cut_to_form_point(self, cells: int, land: float, step: int) -> tuple[Array, NDArray[np.bool_]]:
-        """Nodes (cells + 1, T, 3) over root land and fillet, and which cells lie on the root land.
+        """Return the nodes (cells + 1, T, 3), mm, over root land and fillet, and True (cells,) for cells on the root land.
 
-        The cells, `step` to an element, are shared out by the mean lengths of both, of the root land `land` times it, evenly spaced
-        on either.
-        Where the root land narrows to less than `LEAST_ROOT` of its cells' even share, they reach over to the fillet.
+        The cells, `step` to an element, are shared by the mean lengths of root land (times `land`) and fillet, evenly spaced on
+        each. Where the root land is narrower than MIN_ROOT_SHARE of the even share, its cells reach over to the fillet.
         """
         s = np.linspace(0.0, 1.0, LENGTH_SAMPLES)
         fillet = FILLETS[self._side]
@@ -193,17 +200,17 @@ class _Links:
         length = np.concatenate((np.zeros((1, steps.shape[1])), np.cumsum(steps, axis=0)))
         root, whole = length[LENGTH_SAMPLES - 1], length[-1]
         part = land * root / (land * root + whole - root)
-        # lines of corners, not of mid-side nodes, lie between root land and fillet
+        # a line of corners, not of mid-side nodes, lies between root land and fillet
         elements = cells // step
         on_root = step * int(np.clip(np.round(elements * part.mean()), 1, elements - 1))
-        change = np.maximum(root, LEAST_ROOT * whole * on_root / cells)
+        change = np.maximum(root, MIN_ROOT_SHARE * whole * on_root / cells)
         wanted = np.concatenate(
             (
                 change * np.linspace(0.0, 1.0, on_root + 1)[:-1, None],
                 change + (whole - change) * np.linspace(0.0, 1.0, cells - on_root + 1)[:, None],
             )
         )
-        # 0 .. 1 over the root land, 1 .. 2 over the fillet
+        # places: 0 .. 1 over the root land, 1 .. 2 over the fillet
         places = np.linspace(0.0, 2.0, 2 * LENGTH_SAMPLES - 1)
         nodes = np.stack([np.interp(w, at, places) for w, at in zip(wanted.T, length.T, strict=True)], axis=-1)
         points = np.where(
@@ -215,6 +222,6 @@ class _Links:
 
 
 def _straight(first: Array, last: Array, places: Array) -> Array:
-    """Points (S, T, 2) from first to last (T, 2) at places (S,) or (S, T)."""
+    """Return points (S, T, 2) on straight lines from `first` to `last` (T, 2) at places (S,) or (S, T)."""
     places = places[:, None] if places.ndim == 1 else places
     return first + places[..., None] * (last - first)

@@ -1,7 +1,8 @@
-"""Hexahedra of a whole gear: teeth and rim, and under them the body as it is turned, web, hubs, shafts and steps of the bore.
+"""Hexahedra of a whole gear: teeth and rim, and under them the turned body with web, hubs, shafts and steps of the bore.
 
-The quadrilaterals of the axial half plane (`meridian_grid`) go round the axis at the angles of the rim's nodes, whose nodes they
-share. Nodes of one line have the angles of the station that it begins at, so that cut faces follow the tooth.
+The quadrilaterals of the axial half plane (`meridian_grid`) are repeated around the axis at the polar angles of the rim's
+nodes, and share these nodes. The nodes of a line have the angles of the station at which it begins, so that cut faces follow
+the tooth.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.hexahedra.hex_quality import scaled_jacobian
 from gearmesh.mesh.hexahedra.hexahedra import (
-    RIM_DEPTH,
+    RIM_WHOLE_DEPTHS,
     HexGrid,
     ToothedRim,
     halve,
@@ -40,22 +41,26 @@ from gearmesh.teeth.blank.body import Body, end_names
 from gearmesh.teeth.region import CUT_REGIONS, Region
 from gearmesh.teeth.tooth import Tooth
 
-#: share of the room under the roots that the rim takes where the body joins it; below it lines may bend
+#: thickest rim that a body joins, as a share of the depth under the roots; below it lines may bend
 RIM_SHARE = 0.8
-#: radius of the core that is left out round the axis of a body without bore, over its smallest one
+#: radius of the core that is left out of a body without bore, as a share of its smallest radius
 CORE_SHARE = 0.2
-#: size of the body's elements that is not given, in whole depths: half a rim that is as thick as rims are by default
-BODY_SIZE = 0.5 * RIM_DEPTH
-#: least number of stations between two corners of the body on the rim, as of a web's faces
+#: default size of the body's elements, in whole depths: half the default rim
+BODY_CELL_WHOLE_DEPTHS = 0.5 * RIM_WHOLE_DEPTHS
+#: least number of cells along the rim between two corners of the body, as the faces of a web
 LEAST_BETWEEN = 2
-#: names of sets
-CORE, BODY, SHAFT_END = "core", "body", "shaft_end"
+#: node and face set of the core's surface
+CORE_SET = "core"
+#: element set of the body
+BODY_SET = "body"
+#: node and face set of a shaft's end
+SHAFT_END_SET = "shaft_end"
 
 Index = NDArray[np.int64]
 
 
 def core_radius(tooth: Tooth, body: Body) -> float:
-    """Radius (mm) of what is left out round the axis of a body without bore, 0 of others."""
+    """Return the radius, mm, of the core that is left out of a body without bore; 0 for other bodies."""
     root = tooth.grid(Region.ROOT, np.array([0.5]), tooth.sections([0.0, 1.0])).points[0]
     radii = [float(tooth.joint.radius(root).min()), *(rho for rho, _ in body.profile if rho > 0.0)]
     return CORE_SHARE * min(radii) if body.solid else 0.0
@@ -71,42 +76,45 @@ def whole_mesh(
     *,
     second_order: bool = False,
 ) -> HexMesh:
-    """Hexahedra as those of `hexahedra.hex_mesh`, and of the turned `body` (as `Member.body`) under the rim.
+    """Return the hexahedra of teeth and rim, as `hexahedra.hex_mesh` does, and of the turned body under the rim.
 
-    `size` (mm): of the body's elements, by default `BODY_SIZE` whole depths. The set rim is of an internal gear alone, its outside;
-    more sets are the regions of the body (bore, web, hub, shaft, counterbore, face_toe, face_heel), shaft_end, and core, where a
-    body without bore ends short of its axis (`core_radius`); element set body.
+    - body: as `Member.body`.
+    - size: size, mm, of the body's elements; by default BODY_CELL_WHOLE_DEPTHS whole depths.
 
-    Raises TrimError for a tooth that cannot be trimmed, DesignError for a body that does not go onto rings of hexahedra.
+    Further sets are the regions of the body (bore, web, hub, shaft, counterbore, face_toe, face_heel), shaft_end, core (the
+    surface of the core that is left out of a body without bore), and the element set body. The set rim exists for internal
+    gears only; it is their outside.
+
+    Raises TrimError for a tooth that cannot be trimmed, DesignError for a body that cannot be meshed by rings of hexahedra.
     """
-    core = CORE if body.solid else Region.BORE.value
+    core = CORE_SET if body.solid else Region.BORE.value
     tooth = replace(tooth, blank=replace(tooth.blank, body=_with_core(tooth, body)))
     grid = on_breaks(tooth, grid)
     rim = _thickness(tooth, grid, rim)
-    cells = BODY_SIZE * whole_depth(tooth, grid.t) if size is None else size
+    cells = BODY_CELL_WHOLE_DEPTHS * whole_depth(tooth, grid.t) if size is None else size
     for axis in _axes(tooth, grid, rim):
         try:
-            own = _with_corners(tooth, grid, rim, axis)
-            stations = _meridian(tooth, (halve(own) if second_order else own).t, rim)
+            body_grid = _with_corners(tooth, grid, rim, axis)
+            stations = _meridian(tooth, (halve(body_grid) if second_order else body_grid).t, rim)
             step = 2 if second_order else 1
             laid = meridian_grid(_outline(tooth, stations, core), stations, axis, cells, step)
         except OutlineError:
             continue
-        mesh = _join(toothed_rim(tooth, teeth, own, rim, second_order=second_order), laid)
-        under = mesh.element_sets[BODY]
+        mesh = _join(toothed_rim(tooth, teeth, body_grid, rim, second_order=second_order), laid)
+        under = mesh.element_sets[BODY_SET]
         if scaled_jacobian(mesh.nodes, mesh.elements[under]).min() > 0.0:
             return mesh
     raise DesignError("fe.body", "whole", reason="the body has no rings of hexahedra", allowed='"rim"')
 
 
 def _with_core(tooth: Tooth, body: Body) -> Body:
-    """The body with a hole round its axis where it has no bore."""
+    """Return the body, with a hole around its axis if it has no bore."""
     radius = core_radius(tooth, body)
     return Body(tuple((max(rho, radius), z) for rho, z in body.profile), body.bands)
 
 
 def _thickness(tooth: Tooth, grid: HexGrid, rim: float | None) -> float:
-    """Thickness (mm) of the rim: that of `hex_mesh`, less where the body has no room for it all along."""
+    """Return the thickness, mm, of the rim: that of `hex_mesh`, or less if the body is thinner anywhere."""
     chart, inner = rim_of(layers(tooth, grid.t), rim)
     room = RIM_SHARE * least_room(tooth, grid.t)
     if room <= 0.0:
@@ -115,7 +123,7 @@ def _thickness(tooth: Tooth, grid: HexGrid, rim: float | None) -> float:
 
 
 def _meridian(tooth: Tooth, t: Array, rim: float) -> Array:
-    """The rim's inner face (T, 2), (rho, z), at stations t (T,)."""
+    """Return the rim's inner face (T, 2), (rho, z), mm, at stations t (T,)."""
     chart, inner = rim_of(layers(tooth, t), rim)
     depth = chart.depth(inner)
     points = chart.from_chart(np.stack((depth, np.zeros_like(depth)), axis=-1))
@@ -123,31 +131,31 @@ def _meridian(tooth: Tooth, t: Array, rim: float) -> Array:
 
 
 def _outline(tooth: Tooth, stations: Array, bore: str) -> MeridianOutline:
-    """The outline of the body under the rim, its bore's faces named `bore`."""
+    """Return the outline of the body under the rim; the faces of its bore get the name `bore`."""
     body = tooth.blank.body
     names = [bore if band is Region.BORE else band.value for band in body.bands]
     if Region.BORE in body.bands:
         for k in (body.bore_band - 1, body.bore_band + 1):
             if 0 <= k < len(names) and body.bands[k] is Region.SHAFT:
-                names[k] = SHAFT_END
+                names[k] = SHAFT_END_SET
     points = np.array((stations[0], *body.profile, stations[-1]))
     first, last = end_names(tooth.blank.axial)
     return MeridianOutline(points, (first, *names, last))
 
 
 def _axes(tooth: Tooth, grid: HexGrid, rim: float) -> tuple[int, int]:
-    """Directions of the rim, the one that it nearly has first: 0 along the axis, 1 across."""
+    """Return both directions of the rim to try, the nearer one first: 0 along the axis, 1 square to it."""
     rho, z = np.abs(np.ptp(_meridian(tooth, grid.t, rim), axis=0))
     return (1, 0) if rho > z else (0, 1)
 
 
 def _with_corners(tooth: Tooth, grid: HexGrid, rim: float, axis: int) -> HexGrid:
-    """The grid with stations where lines of the body's corners cross the rim, and so many between them that webs can bend."""
+    """Return the grid with stations where the lines of the body's corners cross the rim, and enough between for webs to bend."""
     t = np.linspace(0.0, 1.0, 201)
     stations = _meridian(tooth, t, rim)
     way = np.linalg.norm(np.diff(stations, axis=0), axis=-1)
     shares = np.concatenate(([0.0], np.cumsum(way))) / way.sum()
-    corners = np.sort(np.interp(rim_corners(_outline(tooth, stations, CORE), stations, axis), shares, t))
+    corners = np.sort(np.interp(rim_corners(_outline(tooth, stations, CORE_SET), stations, axis), shares, t))
     grid = with_stations(grid, corners)
     bounds = np.concatenate(([0.0], corners, [1.0]))
     few = [
@@ -159,7 +167,7 @@ def _with_corners(tooth: Tooth, grid: HexGrid, rim: float, axis: int) -> HexGrid
 
 
 def _join(rim: ToothedRim, laid: MeridianGrid) -> HexMesh:
-    """One mesh of the rim and of the body's rings, which share the nodes on the rim's inner face."""
+    """Return one mesh of rim and body, which share the nodes on the rim's inner face."""
     mesh, step, round_ = rim.mesh, rim.step, rim.inner.shape[1]
     angles = np.unwrap(np.arctan2(rim.points[..., 1], rim.points[..., 0]), axis=1)
     grown = laid.station if laid.axis else laid.station[:, None]
@@ -173,18 +181,18 @@ def _join(rim: ToothedRim, laid: MeridianGrid) -> HexMesh:
     elements, cells = _elements(laid, numbers, rim.closed, step)
     count, first = len(elements), len(mesh.elements)
     everything = np.concatenate((mesh.nodes, places.reshape(-1, 3)))
-    # those of the rim stay as they are
+    # the nodes of the rim keep their numbers
     kept = np.union1d(np.arange(len(mesh.nodes)), elements)
     whole = np.concatenate((mesh.elements, np.searchsorted(kept, elements)))
     sets = {name: faces for name, faces in mesh.face_sets.items() if name not in ("rim", "bore")}
     for name, faces in _faces(laid, cells, first, rim.closed, step).items():
         sets[name] = np.concatenate((sets[name], faces)) if name in sets else faces
-    joined = HexMesh(everything[kept], whole, {}, {**mesh.element_sets, BODY: first + np.arange(count)}, sets)
+    joined = HexMesh(everything[kept], whole, {}, {**mesh.element_sets, BODY_SET: first + np.arange(count)}, sets)
     return replace(joined, node_sets={name: joined.face_nodes(name) for name in sets})
 
 
 def _elements(laid: MeridianGrid, numbers: Index, closed: bool, step: int) -> tuple[Index, Index]:
-    """Elements (E, 8 or 20), cell by cell and then round the axis; their numbers (A, B, J) by cell, -1 where there is none."""
+    """Return the elements (E, 8 or 20), cell by cell, then around the axis, and their numbers (A, B, J) by cell; -1 for none."""
     around = numbers.shape[2] if closed else numbers.shape[2] - 1
     inside = laid.cells[::step, ::step]
     i, j = np.nonzero(inside)
@@ -201,16 +209,16 @@ def _elements(laid: MeridianGrid, numbers: Index, closed: bool, step: int) -> tu
 
 
 def _faces(laid: MeridianGrid, cells: Index, first: int, closed: bool, step: int) -> dict[str, Index]:
-    """Face sets (n, 2) of the rings, by the names of the outline's edges, and of their cut faces."""
+    """Return the face sets (n, 2) of the body, by the names of the outline's edges, and of its cut faces."""
     edges, sets = laid.edges, dict[str, list[Index]]()
     at = edges.first // step
     inner = at - np.where(edges.above, 0, 1)[:, None] * np.eye(2, dtype=np.int64)[edges.axis]
-    # faces of `HEX_FACES`: at small and large rho, at small and large z
+    # faces, as indices in `HEX_FACES`, at small and large rho, at small and large z
     face = np.where(edges.axis == 0, np.where(edges.above, 5, 3), np.where(edges.above, 0, 1))
     for name in dict.fromkeys(edges.names):
-        own = np.array([other == name for other in edges.names])
-        elements = cells[inner[own, 0], inner[own, 1]]
-        sets.setdefault(name, []).append(_pairs(elements, np.repeat(face[own], cells.shape[2])))
+        named = np.array([edge_name == name for edge_name in edges.names])
+        elements = cells[inner[named, 0], inner[named, 1]]
+        sets.setdefault(name, []).append(_pairs(elements, np.repeat(face[named], cells.shape[2])))
     if not closed:
         there = cells[..., 0] >= 0
         for region, (number, which) in zip(CUT_REGIONS, ((0, 2), (-1, 4)), strict=True):
@@ -220,4 +228,5 @@ def _faces(laid: MeridianGrid, cells: Index, first: int, closed: bool, step: int
 
 
 def _pairs(elements: Index, faces: Index) -> Index:
+    """Return pairs (n, 2) of element and face."""
     return np.stack((elements.ravel(), faces), axis=1)
