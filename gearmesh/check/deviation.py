@@ -224,6 +224,7 @@ def _walk(q: Array, at: NDArray[np.intp], around: _Around, least: float) -> Arra
     `least` are therefore searched along the strip of their facet on either side first, then in rings around it.
     """
     at, distance = at.copy(), triangle_distance(q, around.corners[at])
+    # each stage repeats until no point finds a closer facet
     for reach in SEARCH_RINGS:
         active = np.flatnonzero(distance > least)
         while active.size:

@@ -289,6 +289,7 @@ def _patch(pinion: Field, gear: Field, delta: float, start: float) -> _Patch:
         if better is None:
             shape = _PatchShape(0.0, shape.centre, shape.halves / 4.0, shape.axes)
             continue
+        # a lattice that fits is enlarged, made finer, or final; any other lattice follows the measured patch
         fits = _fits(better, shape)
         if fits and lattice.rim_is_near(delta):
             margin *= 1.3

@@ -44,16 +44,16 @@ class Wound(Protocol):
         """Return the part of the flank between two z (mm), slightly extended; None if there is none."""
 
 
-T = TypeVar("T")
-W = TypeVar("W", bound=Wound)
+Piece = TypeVar("Piece")
+WoundFlank = TypeVar("WoundFlank", bound=Wound)
 
 
 @dataclass(frozen=True)
-class WoundTouch(Generic[T]):
+class WoundTouch(Generic[Piece]):
     """First touch of one piece of a thread."""
 
     #: the piece
-    piece: T
+    piece: Piece
     #: its first touch
     touch: FirstTouch
     #: rotation of the gear, rad
@@ -69,7 +69,7 @@ def turns(tooth: Tooth) -> float:
     return float(spin * abs(angles[-1] - angles[0]) / (2.0 * np.pi))
 
 
-def windings(flank: W, count: float) -> tuple[W, ...]:
+def windings(flank: WoundFlank, count: float) -> tuple[WoundFlank, ...]:
     """Return a flank of `count` turns in pieces of less than a turn; the flank itself if it is short enough."""
     if count < MIN_WOUND_TURNS:
         return (flank,)
@@ -90,8 +90,8 @@ def middle(flank: Wound) -> float:
 
 
 def in_mesh(
-    touches: Iterable[WoundTouch[T]], guess: float, ratio: float, drive: int, *, anywhere: bool = False
-) -> WoundTouch[T] | None:
+    touches: Iterable[WoundTouch[Piece]], guess: float, ratio: float, drive: int, *, anywhere: bool = False
+) -> WoundTouch[Piece] | None:
     """Return the touch of the winding in mesh: the first touch near phi2 = `guess` (rad).
 
     Near means within half a turn of the pinion. Without such a touch the result is None, or with `anywhere` the first

@@ -1,17 +1,17 @@
 """Tool axes: one lead and one tilt per pass, from the opening of the space, that keep the shank clear of teeth.
 
-A shank of radius R along the axis a from the ball's centre c has the following distance from a point q beside it (0 <
-(q - c) . a < L):
+A shank of radius R lies along the axis a from the ball's centre c. A point q beside it, 0 < (q - c) . a < L, is at the
+distance
 
     |(q - c) - ((q - c) . a) a| - R
 
 The axis a rises from the tangent plane at the point of contact by beta (sin beta = a . n). The distance of the shank
 from this plane is R (1 / cos beta - 1).
 
-Of the directions tried, the direction nearest to the opening of the space that keeps the wanted clearance is taken. If
-there is none, the direction with the largest clearance is taken. Directions are chosen at a few passes and stations;
-the angles of the passes between are interpolated. The clearance of the resulting axes is measured at the points of all
-passes (`proof`).
+Of all tried directions with the wanted clearance, the direction nearest to the opening of the space is taken. If no
+direction has the wanted clearance, the direction with the largest clearance is taken. Directions are chosen at a few
+passes and stations, and the angles of the passes between are interpolated. `proof` measures the clearance of the
+resulting axes at the points of all passes.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ from gearmesh.toolpath.ball import BallCutter
 from gearmesh.toolpath.passes import Passes
 from gearmesh.toolpath.space import CutSpace
 
-#: tilts that are tried
+#: tilts that are tried, away from the wall
 TRIED_TILTS_DEG = np.arange(-40.0, 85.0, 5.0)
-#: leads that are tried; leads after the first are used only if no tilt alone keeps the shank clear
+#: leads that are tried, towards the heel; leads after the first only where no tilt alone keeps the shank clear
 TRIED_LEADS_DEG = (0.0, 20.0, -20.0, 40.0, -40.0, 60.0, -60.0)
 #: wanted clearance, in radii of the ball
 WANTED_CLEARANCE_RADII = 0.05
@@ -96,6 +96,7 @@ def _choose(
     leads = np.radians(TRIED_LEADS_DEG) if lead is None else np.array([lead])
     best = np.full((2, some.size), np.nan)
     clear = np.zeros(some.size)
+    # each lead is tried for the passes that no earlier lead keeps clear
     for tried_lead in leads:
         undecided = np.flatnonzero(np.isnan(best[0]))
         if not undecided.size:

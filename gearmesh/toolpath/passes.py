@@ -1,13 +1,13 @@
 """Passes along the tooth: lines s = const of the walls, spaced by the scallop, with points spaced by the chords.
 
-Near a point of contact the ball leaves the surface by the quadratic form of A = 1/R - K. K is the shape operator (n_i =
--K r_i, hollow positive); direction 1 is along the pass and direction 2 across it. As the ball moves along the pass, the
-least distance over all its positions remains at a distance y from the pass:
+Near a point of contact the ball leaves the surface by the quadratic form of A = 1/R - K. K is the shape operator
+(n_i = -K r_i, hollow positive); direction 1 is along the pass and direction 2 across it. As the ball moves along the
+pass, the least distance over all its positions remains at a distance y from the pass:
 
     z = 1/2 (A22 - A12^2 / A11) y^2 = 1/2 (det A / A11) y^2
 
-Passes at a step s therefore leave the scallop h with s^2 = 8 h A11 / det A. For A12 = 0 this is 8 h / (1/R - k22) = 8 h
-R rho / (rho +- R), with + for a surface convex across the pass and - for a hollow surface.
+Passes at a step s therefore leave the scallop h with s^2 = 8 h A11 / det A. For A12 = 0 this is
+8 h / (1/R - k22) = 8 h R rho / (rho +- R): + for a surface that is convex across the pass, - for a hollow surface.
 
 Between two points the ball moves along a chord, which differs from the true path of its centre by the sag e. If the
 chord is nearer to the surface than this path, e . n < 0, both ends are lifted by the sag. This leaves more material and

@@ -1,8 +1,8 @@
 """Proof of a motion: the material that it leaves, measured on the exact surfaces independently of the plan.
 
 The ball sweeps a capsule along each straight path of its centre. Let n be the normal in a point q of the exact surface.
-If n first enters a capsule from a to b at q + z n, the finished surface is z above the exact surface. With c(l) = a + l
-(b - a), w = c - q and w' the part of w across n:
+If n first enters a capsule from a to b at q + z n, the finished surface is z above the exact surface. Let
+c(l) = a + l (b - a), w = c - q and w' the part of w across n:
 
     z = min over l in [0, 1] of  n . w - sqrt(R^2 - |w'|^2)
 
@@ -39,7 +39,7 @@ from gearmesh.toolpath.space import CutSpace
 POINTS_PER_STEP = 2
 #: smallest number of points across a wall
 MIN_POINTS_ACROSS = 25
-#: chords along a wall whose ends and middles are measured to find the density of the passes
+#: chords along a wall whose ends and middles are measured first, to find the density of the passes
 DRAFT_CHORDS = 12
 #: chords along a wall whose ends and middles are measured in the proof
 PROOF_CHORDS = 60
@@ -55,7 +55,7 @@ POINTS_PER_BLOCK = 20_000
 TEETH_SPACING_RADII = 0.125
 #: clearance up to which a shank is measured, in radii of the ball
 MEASURED_CLEARANCE_RADII = 0.25
-#: limit of the stations of these points
+#: limit of the stations of the points beside a shank
 MAX_STATIONS = 2001
 #: number of measured positions of a shank; all positions if there are fewer than twice as many
 SHANK_POSITIONS = 3000
@@ -282,6 +282,7 @@ def _clearance(teeth: Array, centres: Array, axes: Array, part: ToolCylinder, ga
     up_to = np.arange(part.low, high + step, step)
     if not up_to.size:
         return np.inf
+    # samples along the axis find the points of the teeth near the cylinder, whose exact distance is then taken
     for k in range(0, len(centres), POSITIONS_PER_BLOCK):
         centre, axis = centres[k : k + POSITIONS_PER_BLOCK], axes[k : k + POSITIONS_PER_BLOCK]
         samples = (centre[:, None] + up_to[:, None] * axis[:, None]).reshape(-1, 3)

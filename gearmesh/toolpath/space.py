@@ -129,8 +129,8 @@ class CutSpace:
         rise = dot(unit(0.5 * (left + right) - root.r[0]), root.n[0])
         if rise.min() < MIN_OPENING_COSINE:
             raise NoSolutionError(
-                reason="the thread winds too far round the axis: in a section across the axis, from which tool axes are "
-                "taken, its space does not open between its tips",
+                reason="the thread winds too far round the axis: in a section across the axis, from which tool axes "
+                "are taken, its space does not open between its tips",
                 remedy="turn, mill or grind it as a thread",
             )
 

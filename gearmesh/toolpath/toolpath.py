@@ -104,18 +104,21 @@ def tool_path(member: Member, ball: BallCutter, order: PathOrder) -> ToolPath:
         axes = choose_axes(space, passes, ball, order.lead, order.tilt)
         motion = motion_of(passes, axes, ball, space.depth, order.feed, OVERRUN_RADII * ball.radius)
         tell(0.4)
+        # a coarse measurement first: it already finds most passes that are too far apart
         for chords in (DRAFT_CHORDS, PROOF_CHORDS):
             left = measure_left(space, walls, passes, motion, order.stock, order.scallop, chords)
             if left.scallop > order.scallop or left.gouge > MAX_GOUGE_MM:
                 break
         else:
             break
+        # closer passes where too much is left, finer chords after a gouge
         denser = denser * _factors(space, left, order.scallop)
         if left.gouge > MAX_GOUGE_MM:
             budget = Budget(budget.scallop, CHORD_REDUCTION * budget.chord)
     else:
         raise _refusal(ball, left, order.scallop)
     tell(0.9)
+    # the shank is measured at the points of all passes, not only where its axes were chosen
     clearance = shank_clearance(space, motion, ball)
     if clearance < 0.0:
         raise NoSolutionError(

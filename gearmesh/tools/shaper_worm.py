@@ -1,6 +1,6 @@
 """Worms that grind (or hob) face gears: involute shaper -> thread of the worm -> tooth of the gear [LF04 18.1, 18.14].
 
-The worm takes the shaper's place, with its thread inside the shaper's teeth. Its axis crosses the shaper's axis:
+The worm takes the shaper's place, with its thread inside the shaper's teeth. The axes of worm and shaper cross:
 
     y ^    worm's axis, at x = -E_ws, at 90 deg +- lambda to z       the frame of the shaper: z its axis, x towards
       |  |                                                           the gear; the pitch point is x = r_ps, y = 0
@@ -14,10 +14,10 @@ plane is
 
     Z = -hand E_ws tan(lambda) (cos kappa - cos alpha) / sin kappa
 
-The gear's line of contact with the shaper is at z(kappa) [LF04 18.4], so worm and gear touch in a point. When the worm
-is fed along the shaper's axis by l, Z + l = z(kappa), it generates the same surface as the shaper, because the feed
-does not change a cylinder. The thread is no screw surface, unlike the worm of a helical gear: it follows the shaper,
-like a barrel.
+The gear's line of contact with the shaper is at z(kappa) [LF04 18.4], so worm and gear touch in a point. The worm is
+fed along the shaper's axis by l, with Z + l = z(kappa). It then generates the same surface as the shaper, because the
+feed does not change a cylinder. Unlike the worm of a helical gear, the thread is no screw surface: it follows the
+shaper, like a barrel.
 
 Singular points of the thread follow from v_r + v = 0 [LF04 17.9.1]. With k = r_ps / r_w they are the solutions of
 

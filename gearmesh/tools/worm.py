@@ -135,6 +135,7 @@ class Worm:
                 phi = gear.parameter(u, v)
                 return thread.parameter(u, v - slide * phi) - self.roll * phi
 
+            # `apart` is linear in v: its root follows from two values
             zero = np.zeros_like(u)
             at_zero, at_one = apart(zero), apart(zero + 1.0)
             v = at_zero / (at_zero - at_one)

@@ -1,8 +1,8 @@
 r"""Generating curves of worm flanks [ISO 10828]: a straight or rounded edge in a plane, an involute, a grinding disk.
 
 Every curve lies on the flank of a right-hand thread that faces +z, and sweeps the flank in a screw motion. The thread
-is centred on +x at z = 0 of the worm's frame. Profiles are those of `rack`: x outward from the reference cylinder, n =
-(sin, -cos) out of the thread, and -y along the section's second axis.
+is centred on +x at z = 0 of the worm's frame. Profiles are those of `rack`: x outward from the reference cylinder,
+n = (sin, -cos) out of the thread, and -y along the section's second axis.
 
       x ^   ____  thread     ZA  edge in the axial plane
         |  /    \            ZN  edge in the plane across the helix, in the middle of the space (or thread)
@@ -82,7 +82,7 @@ class DiskLine:
     """Line on which a disk touches the flank that it grinds: n . (e_z x r + P e_z) = 0.
 
     The line is the same at every place of the screw motion. Normals of the disk meet its axis at a point that does not
-    depend on the angle delta about the axis, and a shift of r along n does not change the equation. Let n_x and n_w be
+    depend on the angle delta about the axis. A shift of r along n does not change the equation. Let n_x and n_w be
     the components of the profile's normal across and along the disk's axis, rho the distance from this axis and w the
     coordinate along it:
 

@@ -1,7 +1,7 @@
 """Envelopes: the surface that a tool surface generates on a blank in a one-parameter motion, with its exact jet.
 
-M(phi) takes the tool to the blank; Omega and tau are its twist in the tool frame; w = Omega x r + tau is the velocity
-of tool points over the blank:
+M(phi) takes the tool to the blank. Omega and tau are its twist in the tool frame, and w = Omega x r + tau is the
+velocity of tool points over the blank:
 
     equation of meshing   f(u, v, phi) = n . w = 0                      [CR3553 1.4.1, 1.5.2; LT02 7; LT85 A.4]
     generated surface     R = M r,  N = L n                             (L the rotation of M)

@@ -221,10 +221,12 @@ class FeedEnvelope:
         u, s = broadcast_pair(u, s)
         v, psi = (np.array(np.broadcast_to(x, u.shape), dtype=float) for x in self.start(u, s))
         with np.errstate(divide="ignore", invalid="ignore"):
+            # a prepared start is often the solution already
             g = self._at(u, v, psi, s)
             todo = np.flatnonzero(~g.holds & np.isfinite(u) & np.isfinite(s))
             if not todo.size:
                 return g
+            # plain Newton steps of the unsolved points; the last dv, dpsi belong to the points of `todo`
             flat_u, flat_v, flat_psi, flat_s = (x.reshape(-1) for x in (u, v, psi, s))
             dv, dpsi = (x.reshape(-1)[todo] for x in g.newton_step)
             iterations = 0
@@ -239,6 +241,7 @@ class FeedEnvelope:
                 if not todo.size:
                     break
             else:
+                # damped steps from the start for the rest; points without a solution become NaN
                 solution = self._damped_newton(flat_u[todo], flat_s[todo])
                 iterations += solution.iterations
                 flat_v[todo], flat_psi[todo] = np.where(solution.converged[:, None], solution.values, np.nan).T

@@ -95,9 +95,7 @@ class Chain:
 
     @cached_property
     def _two_turns(self) -> TwoTurns | None:
-        """The same motion as `TwoTurns`, or None unless exactly two steps turn, in a constant ratio, and nothing
-        shifts.
-        """
+        """The same motion as `TwoTurns`, if exactly two steps turn in a constant ratio and none shifts; else None."""
         fixed, turns = [Rigid.identity()], list[tuple[float, float]]()
         for step in self.steps:
             if step.moves or any(step.higher):

@@ -19,8 +19,8 @@ Vector = tuple[float, float, float]
 class RackRoll:
     """A rack's pitch plane x = 0 rolls without sliding on the pitch cylinder of radius `radius` (mm) [LT02 6].
 
-    M(phi) r = Rz(phi) (r + (radius, -radius phi, -advance phi)). The twist in the tool frame is Omega = e_z and tau =
-    (radius phi, 0, -advance), so the equation of meshing is linear in phi [LT02 7; LT85 A.4].
+    M(phi) r = Rz(phi) (r + (radius, -radius phi, -advance phi)). The twist in the tool frame is Omega = e_z and
+    tau = (radius phi, 0, -advance), so the equation of meshing is linear in phi [LT02 7; LT85 A.4].
 
     A turning worm or hob is the same surface as a worm or hob that slides along its axis. It is therefore a rack, too;
     if the axes are not at right angles it has an `advance` along the blank's axis.

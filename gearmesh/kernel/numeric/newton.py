@@ -33,9 +33,9 @@ def solve(
 ) -> Solution:
     """Solve function(x) = 0 for N independent systems of k unknowns.
 
-    The result has `values` (N, k); the residual is the largest |f| of a system. `function(x, index)` gets unknowns (M,
-    k) of the unfinished members `index` (M,), in which a member may occur several times. It returns residuals (M, k)
-    and Jacobians (M, k, k), in units in which `tolerance` on the largest component is meaningful.
+    The result has `values` (N, k); the residual is the largest |f| of a system. `function(x, index)` gets unknowns
+    (M, k) of the unfinished members `index` (M,), in which a member may occur several times. It returns residuals
+    (M, k) and Jacobians (M, k, k), in units in which `tolerance` on the largest component is meaningful.
 
     - `max_step` (k,): limit of a step per component.
     - `halvings`: a step is halved up to so many times while the residual does not decrease; then the member is STALLED.

@@ -95,6 +95,7 @@ def _shrink_brackets(
         x1, f1, x2, f2 = bracket[:, member]
         nearest, least = np.where(np.abs(f1) < np.abs(f2), (x1, f1), (x2, f2))
         width, allowed = np.abs(x2 - x1), np.abs(nearest) * relative + tolerance
+        # a bracket is done at a root, without a change of sign, at values that are not finite, or when narrow enough
         done = np.select(
             [
                 np.abs(least) <= np.finfo(float).smallest_normal,
@@ -115,6 +116,7 @@ def _shrink_brackets(
         share = np.full(member.size, 0.5)
         if iterations:
             share = _next_fraction((x1, f1, x2, f2, *last[:, active]), width, allowed)
+        # the new point replaces the end with its sign; the replaced end is kept as x3
         x = x1 + share * (x2 - x1)
         f = np.asarray(function(x, member), dtype=float)
         same = np.sign(f) == np.sign(f1)
@@ -130,6 +132,7 @@ def _next_fraction(points: tuple[Array, ...], width: Array, allowed: Array) -> A
     """
     x1, f1, x2, f2, x3, f3 = points
     xi, phi, alpha = (x1 - x2) / (x3 - x2), (f1 - f2) / (f3 - f2), (x3 - x1) / (x2 - x1)
+    # quadratic interpolation is safe if x(f) through the three points is monotonic in the bracket
     safe = (1.0 - np.sqrt(1.0 - xi) < phi) & (phi < np.sqrt(xi))
     quadratic = f1 / (f1 - f2) * f3 / (f3 - f2) - alpha * f1 / (f3 - f1) * f2 / (f2 - f3)
     least = 0.5 * allowed / width

@@ -238,7 +238,7 @@ class SlantedLevel:
 
 @dataclass(frozen=True)
 class ConeLevel:
-    """g = sin(angle) rho + cos(angle) z - offset: a plane, cone or cylinder about z, or a surface parallel to one.
+    """g = sin(angle) rho + cos(angle) z - offset: the plane, cone or cylinder g = 0 about z, with parallels at other g.
 
     `angle` (rad) is the angle of the normal from z towards rho: 0 and pi are planes across the axis, pi/2 is a
     cylinder. g is the distance along the normal, mm. As the station coordinate of a bevel gear, `angle` is the pitch

@@ -46,6 +46,7 @@ def nearest(surface: Surface, q: Array, u: Array, v: Array) -> Nearest:
         du, dv = tangential(jet, q - jet.r)
         if not (np.maximum(np.abs(along_u), np.abs(along_v)) > TOLERANCE_MM).any():
             break
+    # the step that would follow is the distance left in the tangent plane
     remaining = jet.r_u * du[..., None] + jet.r_v * dv[..., None]
     residual = np.sqrt(dot(remaining, remaining))
     outcomes = [

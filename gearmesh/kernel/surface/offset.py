@@ -3,7 +3,7 @@
         n  N            R = r + a n,   a = g(R)
         | /
     ----+----- R        A point moves along the exact normal n of the base surface until its distance from the base
-        | a             equals the amount g *at its new place*. g is a function of space and shares no parameters with n.
+        | a             equals the amount g *at its new place*. g is a function of space, not of u and v.
     ----+----- r
 
 Let t(R) be the distance from the base, positive along n: the moved surface is the zero of t - g. The gradient of t is n

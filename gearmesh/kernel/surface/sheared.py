@@ -66,12 +66,14 @@ class Withdrawn:
         e, flat = plane * base.r / rho, plane * base.n
         out = dot(base.n, e)[..., None]
         k = rho / (rho + h)
+        # the normal of the moved surface in the frame (e_rho, e_phi, e_z), then normalised
         normal = k * flat + (1.0 - k) * out * e + (base.n[..., 2:] - rate * out) * AXIS
         size = 1.0 / np.sqrt(dot(normal, normal))[..., None]
         n = size * normal
 
         def change(r_q: Array, n_q: Array) -> tuple[Array, Array]:
             z_q, rho_q = r_q[..., 2:], dot(e, r_q)[..., None]
+            # derivatives of e_rho, of the normal's radial part and of k along a parameter
             e_q = (plane * r_q - rho_q * e) / rho
             out_q = (dot(n_q, e) + dot(base.n, e_q))[..., None]
             k_q = (h * rho_q - rho * rate * z_q) / (rho + h) ** 2

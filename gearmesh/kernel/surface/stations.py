@@ -63,6 +63,7 @@ def follow(surface: Surface, p: Array, stations: Array, axial: Level, start: Arr
         start = _interpolate(surface, p, stations, axial, start)
     v = np.broadcast_to(np.asarray(start, dtype=float), p.shape)
     scale = 1.0 + float(np.abs(stations).max(initial=0.0))
+    # the whole batch first, then only its unconverged points
     v, jet, miss, iterations = _newton_steps(surface, p, stations, axial, v, (scale, MAX_BATCH_STEPS))
     unconverged = ~(np.abs(miss) <= RELATIVE_TOLERANCE * scale)
     if unconverged.any() and iterations == MAX_BATCH_STEPS:

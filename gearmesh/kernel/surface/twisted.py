@@ -33,6 +33,7 @@ class Twisted:
         psi, k, bend = self.rate * z, np.full_like(z, self.rate), np.zeros_like(z)
         if self.more is not None:
             psi, k, bend = (angle + addition for angle, addition in zip((psi, k, bend), self.more(z), strict=True))
+        # h = psi' n . (e_z x r) tilts the normal against the twist
         swept = about_axis(flat.r)
         around = k[..., None] * swept
         lean = dot(flat.n, around)
@@ -44,6 +45,7 @@ class Twisted:
             z_q = r_q[..., 2:]
             lean_q = dot(n_q, around) + k * dot(flat.n, about_axis(r_q)) + bend * z_q[..., 0] * dot(flat.n, swept)
             normal_q = (n_q - lean_q[..., None] * AXIS) * shorter[..., None]
+            # derivative of the normalisation
             longer = lean * lean_q - lean_q * n_z - lean * n_q[..., 2]
             normal_q = normal_q - (longer * shorter**2)[..., None] * normal
             return r_q + around * z_q, normal_q + k[..., None] * z_q * about_axis(normal)
