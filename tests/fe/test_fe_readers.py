@@ -97,6 +97,33 @@ def test_volumes_and_shapes_of_second_order_are_those_of_gmsh(tmp_path: Path) ->
     assert ours.min() < 0.0
 
 
+def test_gmsh_volume_of_tetrahedra_of_second_order_is_that_of_straight_ones() -> None:
+    """A cylinder; the Jacobians that gmsh returns have the curved elements."""
+    import gmsh
+
+    gmsh.initialize()
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.option.setNumber("Mesh.MeshSizeMax", 2.0)
+        gmsh.model.occ.addCylinder(0.0, 0.0, 0.0, 0.0, 0.0, 2.0, 5.0)
+        gmsh.model.occ.synchronize()
+        gmsh.model.mesh.generate(3)
+        told = []
+        for order in (1, 2):
+            gmsh.model.mesh.setOrder(order)
+            (kind,) = gmsh.model.mesh.getElementTypes(3)
+            tags, _ = gmsh.model.mesh.getElementsByType(kind)
+            told.append(gmsh.model.mesh.getElementQualities(tags, "volume").sum())
+        points, weights = gmsh.model.mesh.getIntegrationPoints(kind, "Gauss6")
+        _, determinants, _ = gmsh.model.mesh.getJacobians(kind, points)
+    finally:
+        gmsh.finalize()
+    curved = (determinants.reshape(-1, len(weights)) @ weights).sum()
+    assert told[1] == pytest.approx(told[0], rel=1e-9)
+    assert curved == pytest.approx(50.0 * np.pi, rel=1e-4)
+    assert told[1] < 0.995 * curved
+
+
 def _bent_cubes(count: int) -> Array:
     """Nodes (count, 20, 3) of unit cubes whose corners, and more so mid-side nodes, are displaced at random."""
     rng = np.random.default_rng(7)
