@@ -47,7 +47,7 @@ from gearmesh.mesh.solid import gear_solid
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.systems.system import worm
 from gearmesh.teeth.gear_train import Member
-from gearmesh.teeth.region import FILLETS, FLANKS, Region
+from gearmesh.teeth.region import FILLET_REGIONS, FLANK_REGIONS, Region
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.view.diagrams.plots import CostRun, plot_cost
 
@@ -303,7 +303,7 @@ def needs(tooth: Tooth, order: int = 24) -> dict[str, Need]:
     sections, after, before = (tooth.sections(s + d) for d in (0.0, step, -step))
     found = {}
     for region in tooth.regions:
-        if region not in (*FLANKS.values(), *FILLETS.values()):
+        if region not in (*FLANK_REGIONS.values(), *FILLET_REGIONS.values()):
             continue
         jet = tooth.grid(region, s, sections).jet
         assert jet is not None
@@ -370,7 +370,7 @@ def kinds(quick: bool) -> list[dict[str, Any]]:
             edges = borders(member.tooth, error, max(patch.deviation for patch in mesh.patches))
             counted = sum(max(need.fewest / error, edges[k]) for k, need in asked.items())
             row = {"member": f"{sample}, {name}", "tolerance_um": tolerance, "error_um": 1e3 * error}
-            for links, regions in (("flanks", FLANKS), ("fillets", FILLETS)):
+            for links, regions in (("flanks", FLANK_REGIONS), ("fillets", FILLET_REGIONS)):
                 least = sum(asked[region].fewest for region in regions.values()) / error
                 least = least if least > 1e-3 else np.nan
                 row[links] = sum(taken[region] for region in regions.values()) / least

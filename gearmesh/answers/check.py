@@ -26,7 +26,7 @@ from gearmesh.kernel.numeric.algebra import ARCSEC, Array, dot, spread
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.systems.system import Reserve
 from gearmesh.teeth.gear_train import GearPair
-from gearmesh.teeth.region import FLANKS
+from gearmesh.teeth.region import FLANK_REGIONS
 
 #: facet tolerance (mm) of the flanks that the roll test turns against each other, and over the height of teeth so large that this
 #: is more
@@ -351,7 +351,7 @@ def flank_meshes(pair: GearPair, tolerance: float) -> tuple[TriangleMesh, Triang
     from gearmesh.mesh.tessellate import tessellate
 
     first, second = (
-        teeth_mesh(tessellate(member.tooth, tolerance, (FLANKS[side],), lean=False), member.name, np.array([0]))
+        teeth_mesh(tessellate(member.tooth, tolerance, (FLANK_REGIONS[side],), lean=False), member.name, np.array([0]))
         for member, side in zip(pair.both, pair.flanks, strict=True)
     )
     return first, second

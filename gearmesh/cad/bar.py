@@ -38,9 +38,9 @@ from gearmesh.cad.step import NamedFace, Part, require_occ
 from gearmesh.cad.turned import Prism
 from gearmesh.kernel.numeric.algebra import Array, unit
 from gearmesh.teeth.blank.body import end_edges
-from gearmesh.teeth.blank.end_edge import SHARP
+from gearmesh.teeth.blank.end_edge import SHARP_ENDS
 from gearmesh.teeth.gear_train import Member
-from gearmesh.teeth.region import FILLETS, Region
+from gearmesh.teeth.region import FILLET_REGIONS, Region
 
 #: s along a link at which its distance from what is drawn is measured
 SAMPLES = np.linspace(0.0, 1.0, 17)
@@ -185,7 +185,7 @@ def has_straight_faces(member: Member) -> bool:
     """Whether all faces of a rack are planes and cylinders along the tooth traces."""
     tooth = member.tooth
     rounded = tooth.tip_edge is not None and tooth.tip_edge.rounded
-    return tooth.unmodified_tooth is tooth and not rounded and tooth.blank.ends == SHARP
+    return tooth.unmodified_tooth is tooth and not rounded and tooth.blank.ends == SHARP_ENDS
 
 
 def spline_bar_part(member: Member, teeth: SplineTooth) -> Part:
@@ -318,7 +318,7 @@ def _links(member: Member) -> tuple[list[BarLink], Array, float]:
     miss = 0.0
     for region in wide:
         toe = grids[region][:, 0]
-        if region in FILLETS.values():
+        if region in FILLET_REGIONS.values():
             trace = unit(grids[region][0, 1] - toe[0])
             arcs[region] = BarArc.of(toe, drawn[region].normals[:, 0], trace)
             miss = max(miss, arcs[region].miss(toe))

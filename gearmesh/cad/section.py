@@ -26,7 +26,7 @@ from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.progress import tell
 from gearmesh.teeth.end_strip import EndStrip, StripPiece
 from gearmesh.teeth.gear_train import Member
-from gearmesh.teeth.region import FILLETS, Region
+from gearmesh.teeth.region import FILLET_REGIONS, Region
 from gearmesh.teeth.section import BottomLink, DrawnLink, GeneratedLink, Sections, TurnedLink
 from gearmesh.teeth.tooth import Tooth
 
@@ -238,7 +238,7 @@ def _of_rack(tooth: Tooth, piece: Piece, sections: Sections, tolerance: float) -
         return PlaneLine(first, last), 0.0
     if isinstance(link, GeneratedLink) and tooth.side(link.side).generated is not None:
         return _fit(tooth, piece, sections, tolerance)
-    if piece.region not in FILLETS.values():
+    if piece.region not in FILLET_REGIONS.values():
         return PlaneLine(first, last), 0.0
     trace = np.diff(tooth.grid(piece.region, np.zeros(1), tooth.sections([0.0, 1.0])).points[0], axis=0)[0]
     if abs(trace[1]) > ON_FACE:

@@ -33,7 +33,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.mount import Mount
-from gearmesh.teeth.region import EDGES, FILLETS, FLANKS, Region, Side
+from gearmesh.teeth.region import FILLET_REGIONS, FLANK_REGIONS, TIP_EDGES, Region, Side
 from gearmesh.teeth.tooth import Tooth
 
 #: cells of a flank's grid in either direction; twice as many move phi2 by less than 0.005 arcsec (tests)
@@ -41,7 +41,11 @@ FLANK_CELLS = 80
 #: cells of a half tooth's grids along a flank's profile and along the face
 HALF_CELLS = 40
 #: cells across other links, relative to the cells across the flank
-CELL_SHARES = {**dict.fromkeys(FILLETS.values(), 1.0), **dict.fromkeys(EDGES.values(), 0.5), Region.LAND: 0.25}
+CELL_SHARES = {
+    **dict.fromkeys(FILLET_REGIONS.values(), 1.0),
+    **dict.fromkeys(TIP_EDGES.values(), 0.5),
+    Region.LAND: 0.25,
+}
 #: smallest number of cells across a grid
 MIN_CELLS = 4
 #: links that are nowhere longer are left out
@@ -277,7 +281,7 @@ def flank_patches(tooth: Tooth, side: Side, cells: int) -> Half:
     """Return the trimmed flank alone on exact grids of about `cells` x `cells`, cut at corners of its form point."""
     s = np.linspace(0.0, 1.0, cells + 1)
     grids = [tooth.flank_grid(side, s, t).points for t in _spans(tooth, cells)]
-    return Half(PatchedFlank(tuple(GridFlank(grid) for grid in grids)), (FLANKS[side],) * len(grids))
+    return Half(PatchedFlank(tuple(GridFlank(grid) for grid in grids)), (FLANK_REGIONS[side],) * len(grids))
 
 
 def tooth_half(tooth: Tooth, side: Side, cells: int, *, turned: bool = True) -> Half:
@@ -286,7 +290,11 @@ def tooth_half(tooth: Tooth, side: Side, cells: int, *, turned: bool = True) -> 
     Land and root are included if `turned`. Raises TrimError if the tooth cannot be trimmed.
     """
     middle = (0.0, 0.5) if side is Side.RIGHT else (0.5, 1.0)
-    links = [(FLANKS[side], (0.0, 1.0), 0.0), (FILLETS[side], (0.0, 1.0), 0.0), (EDGES[side], (0.0, 1.0), 0.0)]
+    links = [
+        (FLANK_REGIONS[side], (0.0, 1.0), 0.0),
+        (FILLET_REGIONS[side], (0.0, 1.0), 0.0),
+        (TIP_EDGES[side], (0.0, 1.0), 0.0),
+    ]
     if turned:
         # right flank: second half of the root before the tooth; left flank: first half of the root after the tooth
         next_root = 0.0 if side is Side.RIGHT else tooth.pitch_angle

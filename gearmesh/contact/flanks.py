@@ -21,7 +21,7 @@ from gearmesh.kernel.surface.nearest import tangential
 from gearmesh.kernel.surface.stations import along
 from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.teeth.gear_train import GearPair, Member
-from gearmesh.teeth.region import FILLETS, FLANKS, Side
+from gearmesh.teeth.region import FILLET_REGIONS, FLANK_REGIONS, Side
 from gearmesh.teeth.section import Link, breaks
 from gearmesh.teeth.tooth import Tooth
 
@@ -200,7 +200,7 @@ def contact_flank(member: Member, side: Side) -> Flank:
     Raises TrimError where the tooth cannot be trimmed, DesignError where teeth of the member differ.
     """
     tooth = member.one_tooth
-    grid = tooth.grid(FLANKS[side], rows_of(tooth.chain[FLANKS[side]], side), tooth.even)
+    grid = tooth.grid(FLANK_REGIONS[side], rows_of(tooth.chain[FLANK_REGIONS[side]], side), tooth.even)
     axial, (toe, heel) = tooth.blank.axial, tooth.blank.extent
     form_point = FormPoints(tooth, side, grid)
     smooth = {FORM_POINT} if form_point.smooth else set()
@@ -259,7 +259,7 @@ def contact_fillet(member: Member, side: Side) -> Flank:
     tooth = member.one_tooth
     axial, (toe, heel) = tooth.blank.axial, tooth.blank.extent
     s = np.linspace(0.0, 1.0, FILLET_ROWS)
-    grid = tooth.grid(FILLETS[side], s if side is Side.RIGHT else s[::-1], tooth.even)
+    grid = tooth.grid(FILLET_REGIONS[side], s if side is Side.RIGHT else s[::-1], tooth.even)
     return Flank(
         surface=tooth.side(side).fillet,
         mount=member.mount,

@@ -19,9 +19,9 @@ from gearmesh.systems import system as systems
 from gearmesh.systems.common.plain_sheet import MASS
 from gearmesh.systems.system import DrawnRows, SheetTable
 from gearmesh.teeth.blank.body import end_names
-from gearmesh.teeth.blank.end_edge import SHARP
+from gearmesh.teeth.blank.end_edge import SHARP_ENDS
 from gearmesh.teeth.gear_train import Member
-from gearmesh.teeth.region import HEEL, TOE
+from gearmesh.teeth.region import HEEL_END, TOE_END
 from gearmesh.teeth.tooth import Tooth
 
 #: keys that are said elsewhere on the sheet
@@ -91,7 +91,7 @@ def _count(tooth: Tooth) -> str:
 def _end_chamfers(member: Member) -> list[DataRow]:
     """A row for the broken edges of the end faces, if there are any."""
     ends, names = member.tooth.blank.ends, end_names(member.tooth.blank.axial)
-    if ends == SHARP:
+    if ends == SHARP_ENDS:
         return []
     toe, heel = (
         "sharp"
@@ -99,7 +99,7 @@ def _end_chamfers(member: Member) -> list[DataRow]:
         else f"R {number(end.width)} mm"
         if end.rounded
         else f"{number(end.width)} mm x {number(np.degrees(np.arctan2(end.depth, end.width)), 2)}°"
-        for end in (ends[names.index(TOE)], ends[names.index(HEEL)])
+        for end in (ends[names.index(TOE_END)], ends[names.index(HEEL_END)])
     )
     name = "rounding" if any(end is not None and end.rounded for end in ends) else "chamfer"
     if any(end is not None and not end.rounded for end in ends) and name == "rounding":

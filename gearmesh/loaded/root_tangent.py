@@ -15,7 +15,7 @@ import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 from gearmesh.mesh.hexahedra.layers import layers
-from gearmesh.teeth.region import FILLETS, Side
+from gearmesh.teeth.region import FILLET_REGIONS, Side
 from gearmesh.teeth.tooth import Tooth
 
 #: angle of the tangent, rad, on external teeth
@@ -36,7 +36,7 @@ def tangent_weights(tooth: Tooth, side: Side, t: Array, nodes: Array) -> Array:
     have none.
     """
     s, sections = np.linspace(0.0, 1.0, FILLET_SAMPLES), layers(tooth, t)
-    fillet = sections.grid(FILLETS[side], s if side is Side.RIGHT else s[::-1])
+    fillet = sections.grid(FILLET_REGIONS[side], s if side is Side.RIGHT else s[::-1])
     # directions along, up and across the tooth at every station
     end_middles = 0.5 * (sections.flank(Side.RIGHT, [0.0, 1.0]).points + sections.flank(Side.LEFT, [0.0, 1.0]).points)
     along = unit(np.gradient(end_middles[0], axis=0))

@@ -7,10 +7,10 @@ from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.triangles import TriangleMesh, facet_normals
-from gearmesh.teeth.region import FILLETS, FLANKS, Region
+from gearmesh.teeth.region import FILLET_REGIONS, FLANK_REGIONS, Region
 
 #: regions whose triangles have the normals of the exact surfaces
-_EXACT_REGIONS = (*FLANKS.values(), *FILLETS.values())
+_EXACT_REGIONS = (*FLANK_REGIONS.values(), *FILLET_REGIONS.values())
 
 
 def labelled_mesh(

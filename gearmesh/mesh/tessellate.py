@@ -28,7 +28,7 @@ from gearmesh.mesh.links.seams import thin_seams
 from gearmesh.mesh.patch import PatchMesh
 from gearmesh.teeth.blank.body import end_edges
 from gearmesh.teeth.end_strip import EndStrip
-from gearmesh.teeth.region import FILLETS, FLANKS, Region
+from gearmesh.teeth.region import FILLET_REGIONS, FLANK_REGIONS, Region
 from gearmesh.teeth.section import Sections, breaks
 from gearmesh.teeth.tooth import Tooth
 
@@ -321,7 +321,7 @@ class _Draft:
             THINNED_SHARE * SAMPLED_SHARE * self.tolerance,
             np.array([len(patch.triangles) for patch in patches]),
         )
-        curved = np.array([region in (*FLANKS.values(), *FILLETS.values()) for region in self.regions])
+        curved = np.array([region in (*FLANK_REGIONS.values(), *FILLET_REGIONS.values()) for region in self.regions])
         if taken.sum() > MAX_SEAM_TRIANGLES or not curved.any():
             return patches
         cells = self.forms.seam_cells(allowed, whole=len(self.regions) == len(self.tooth.regions))

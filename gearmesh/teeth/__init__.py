@@ -1,1 +1,1 @@
-"""Teeth from their surfaces, trimmed; members, their mounting, and which of them mesh."""
+"""Trimmed teeth and their surfaces; members, their mounting, and the pairs that mesh."""

@@ -1,4 +1,4 @@
-"""Where on a flank something lies: length along the face, height from root to tip, mm.
+"""Coordinates on a flank: length along the face, height from root to tip, mm.
 
 The length is the tooth's station coordinate, the height the coordinate at right angles to it in the axial half plane:
 
@@ -8,7 +8,7 @@ The length is the tooth's station coordinate, the height the coordinate at right
       '-----------'                cones            cone distance    at right angles to the pitch cone
          root                      of a rack        z                over its reference plane
 
-Both are counted from the middle of the flank towards heel and tip, or as drawings have them (`as_drawn`).
+Both count from the middle of the flank towards heel and tip, or as in drawings (`as_drawn`).
 """
 
 from __future__ import annotations
@@ -22,42 +22,47 @@ from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.surface.levels import Level, station_normal
 from gearmesh.teeth.blank.body import end_names
 from gearmesh.teeth.gear_train import Member
-from gearmesh.teeth.region import HEEL, TOE, Side
+from gearmesh.teeth.region import HEEL_END, TOE_END, Side
 
 #: points of the outline along each edge
-EDGE = 41
+EDGE_POINTS = 41
 
 
 @dataclass(frozen=True)
 class FlankFrame:
-    """The two coordinates of a flank, what of them (2,) counts as 0, and the signs (2,) with which they count.
+    """The two coordinates of a flank, with their zero and their signs.
 
-    Of the coordinates themselves: `middle` (2,) of the flank, `along` (2, EDGE, 2) root and tip from toe to heel, `up`
-    (EDGE, 2, 2) toe and heel from root to tip.
+    Frame coordinate = sign (level value - zero). Level values are station coordinate and height, mm.
     """
 
+    #: levels whose values are the station coordinate and the height
     levels: tuple[Level, Level]
+    #: level values (2,) at which the frame coordinates are 0
     zero: Array
+    #: +1 or -1 (2,) for each coordinate
     signs: Array
+    #: level values (2,) at the middle of the flank
     middle: Array
+    #: level values (2, EDGE_POINTS, 2) of root and tip, from toe to heel
     along: Array
+    #: level values (EDGE_POINTS, 2, 2) of toe and heel, from root to tip
     up: Array
 
     @staticmethod
     def of(member: Member, side: Side) -> FlankFrame:
-        """The frame of a member's flank, counted from its middle to heel and tip.
+        """Return the frame of a member's flank; it counts from the middle to heel and tip.
 
         Parameters
         ----------
         member : Member
-            Whose flank is meant.
+            Member with the flank.
         side : Side
             The flank.
 
         Returns
         -------
         FlankFrame
-            Of length along the face and height.
+            Frame with length along the face and height.
 
         Raises
         ------
@@ -71,8 +76,8 @@ class FlankFrame:
         """
         tooth = member.tooth
         levels = (tooth.blank.axial, tooth.blank.across)
-        steps, ends, thirds = np.linspace(0.0, 1.0, EDGE), [0.0, 1.0], [0.0, 0.5, 1.0]
-        way = slice(None, None, 1 if end_names(tooth.blank.axial) == (TOE, HEEL) else -1)
+        steps, ends, thirds = np.linspace(0.0, 1.0, EDGE_POINTS), [0.0, 1.0], [0.0, 0.5, 1.0]
+        way = slice(None, None, 1 if end_names(tooth.blank.axial) == (TOE_END, HEEL_END) else -1)
         cross, along, up = (
             _values(levels, tooth.flank_grid(side, *grid).points[:, way])
             for grid in ((thirds, thirds), (ends, steps), (steps, ends))
@@ -82,7 +87,7 @@ class FlankFrame:
 
     @property
     def as_drawn(self) -> FlankFrame:
-        """The same frame with z, radius and cone distance as they are; other heights are from the middle to the tip."""
+        """The frame with z, radius and cone distance themselves; other heights count from the middle to the tip."""
         (across, up), (out, _) = (station_normal(level) for level in self.levels)
         if across == 0.0:
             return replace(self, zero=np.zeros(2), signs=np.array([up, out]))
@@ -90,7 +95,7 @@ class FlankFrame:
 
     @cached_property
     def outline(self) -> Array:
-        """The edges of the flank as a closed line (K, 2): root, heel, tip, toe."""
+        """Edges of the flank as a closed line (K, 2): root, heel, tip, toe."""
         edges = self.edges
         return np.concatenate((edges["root"], edges["heel"][1:], edges["tip"][-2::-1], edges["toe"][-2::-1]))
 
@@ -101,23 +106,23 @@ class FlankFrame:
 
     @cached_property
     def edges(self) -> dict[str, Array]:
-        """The edges (EDGE, 2) by what they are called: root and tip from toe to heel, toe and heel from root to tip."""
+        """Edges (EDGE_POINTS, 2) by name: root and tip run from toe to heel, toe and heel from root to tip."""
         along, up = (self.signs * (edges - self.zero) for edges in (self.along, self.up))
         return {"root": along[0], "tip": along[1], "toe": up[:, 0], "heel": up[:, 1]}
 
     @property
     def marks(self) -> dict[str, Array]:
-        """Where the middles of the edges are, (2,)."""
-        return {name: edge[EDGE // 2] for name, edge in self.edges.items()}
+        """Middles (2,) of the edges, by name."""
+        return {name: edge[EDGE_POINTS // 2] for name, edge in self.edges.items()}
 
     @property
     def inverted(self) -> tuple[bool, bool]:
-        """Whether lengths grow to the toe, heights to the root."""
+        """True for each coordinate that grows the other way: length to the toe, height to the root."""
         marks = self.marks
         return bool(marks["heel"][0] < marks["toe"][0]), bool(marks["tip"][1] < marks["root"][1])
 
     def places(self, points: Array) -> Array:
-        """Length and height of points of the flank.
+        """Return length and height of points of the flank.
 
         Parameters
         ----------
@@ -138,7 +143,7 @@ class FlankFrame:
         return np.asarray(self.signs * (_values(self.levels, points) - self.zero))
 
     def directions(self, points: Array, vectors: Array) -> Array:
-        """Vectors at points of the flank, in length and height.
+        """Resolve vectors at points of the flank into length and height.
 
         Parameters
         ----------
@@ -163,4 +168,5 @@ class FlankFrame:
 
 
 def _values(levels: tuple[Level, Level], points: Array) -> Array:
+    """Return the values (..., 2) of both levels at points (..., 3)."""
     return np.stack([level.value(points) for level in levels], axis=-1)

@@ -1,4 +1,4 @@
-"""What a design is built into: members, each with its own axis, and the pairs of them that mesh."""
+"""Members with their axes, and the pairs that mesh: the result of building a design."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.blank.features import BodyFeatures, Boss, ClosedLine, Drilling, Opening, Slot
 from gearmesh.teeth.blank.halves import SINGLE_ROW, AxialGap, HalfGear, Rows
-from gearmesh.teeth.micro_geometry.index_angles import EVEN, IndexAngles
+from gearmesh.teeth.micro_geometry.index_angles import NO_INDEX_ANGLES, IndexAngles
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import (
     BAR_REGIONS,
@@ -34,33 +34,39 @@ from gearmesh.teeth.tooth import Tooth
 #: Surface parameters (p, v) (...,) of a flank -> values named and counted as in the source (angles in degrees)
 SourceParameters = Callable[[Array, Array], dict[str, Array]]
 
-#: how far (mm) teeth that differ may be from each other where they begin at the root
-SEAM = 1e-9
+#: largest distance between different teeth of a member where they begin at the root
+MAX_ROOT_GAP_MM = 1e-9
 
 
 @dataclass(frozen=True)
 class Member:
-    """One member of a gear set: its tooth in its own frame (axis z, tooth centred on x), its mounting, its body's features.
+    """One member of a gear set: its tooth in its own frame (axis z, tooth centred on x), its mounting and its body.
 
-    `tool_parameters`: those of the flanks as the tools leave them, where they were modified since; `rows`: how many
-    rows of teeth there are, of which `tooth` is of the first; `overhang` (mm): how far a rack goes on beyond its last pitch, at
-    either end; `others`: teeth that differ from `tooth`, by their numbers: 0 is on +x, they are counted as the joint's angle
-    grows, in every row alike; `index`: how far their flanks are ahead of their places, counted likewise; `idler`: it passes torque
-    on from one mesh to another, and none to its bore.
-
-    Raises DesignError for other teeth that do not fit between their neighbours, and for index angles of another number of teeth.
+    Tooth 0 is on +x; teeth are counted as the angle of the joint grows, in every row alike. Raises DesignError for
+    teeth in `others` that do not fit between their neighbours, and for index angles of another number of teeth.
     """
 
+    #: name in the gear set, as "pinion"
     name: str
+    #: tooth of the first row; all teeth are like it unless `others` says otherwise
     tooth: Tooth
+    #: values of a flank point under the names of the source, from its surface parameters
     source_parameters: SourceParameters
+    #: hubs, shafts, bores, keyway, holes and spokes
     features: BodyFeatures = field(default_factory=BodyFeatures)
+    #: transform from the own frame to the fixed frame
     mount: Mount = field(default_factory=lambda: Mount(Rigid.identity()))
+    #: `source_parameters` of the unmodified flanks; None if they were not modified
     tool_parameters: SourceParameters | None = None
+    #: rows of teeth: one, or the two halves of a double helical member
     rows: Rows = SINGLE_ROW
+    #: length (mm) of a rack beyond its last pitch, at either end
     overhang: float = 0.0
+    #: teeth that differ from `tooth`, by number
     others: Mapping[int, Tooth] = field(default_factory=dict, hash=False)
-    index: IndexAngles = EVEN
+    #: angles by which the flanks are ahead of their theoretical places
+    index: IndexAngles = NO_INDEX_ANGLES
+    #: True if the member passes torque from one mesh to another, and none to its bore
     idler: bool = False
 
     def __post_init__(self) -> None:
@@ -103,7 +109,7 @@ class Member:
                 raise ArgumentError("tooth", number, must_be=f"from {places[0]} to {places[-1]} for the {self.name}")
 
     def tooth_at(self, number: int) -> Tooth:
-        """The tooth of a number.
+        """Return the tooth with a number.
 
         Parameters
         ----------
@@ -130,7 +136,7 @@ class Member:
 
     @property
     def one_tooth(self) -> Tooth:
-        """The tooth that all are. Raises DesignError where they differ."""
+        """The tooth of a member whose teeth are all alike. Raises DesignError where they differ."""
         self.check_alike()
         return self.tooth
 
@@ -157,22 +163,22 @@ class Member:
 
     @property
     def different_teeth(self) -> tuple[Tooth, ...]:
-        """Every different tooth once, in the order of their first numbers."""
+        """Different teeth, once each, in the order of their first numbers."""
         return tuple({id(tooth): tooth for tooth in self._row}.values())
 
     @property
     def order(self) -> NDArray[np.int64]:
-        """For all teeth by their numbers, (teeth,), which of the different ones they are."""
+        """Index into `different_teeth` of every tooth, (teeth,), by number."""
         kinds = [id(tooth) for tooth in self.different_teeth]
         return np.array([kinds.index(id(tooth)) for tooth in self._row], dtype=np.int64)
 
     @property
     def _row(self) -> list[Tooth]:
-        """All teeth by their numbers."""
+        """All teeth by number."""
         return [self.others.get(k, self.tooth) for k in self.tooth.joint.places(self.tooth.teeth).tolist()]
 
     def with_teeth(self, teeth: Mapping[int, Tooth]) -> Member:
-        """The member with other teeth of some numbers.
+        """Return the member with other teeth at some numbers.
 
         Parameters
         ----------
@@ -197,12 +203,12 @@ class Member:
         return replace(self, others={**self.others, **teeth})
 
     def with_tooth(self, tooth: Tooth) -> Member:
-        """The member with all teeth alike.
+        """Return the member with all teeth alike.
 
         Parameters
         ----------
         tooth : Tooth
-            All of them are as this one.
+            The tooth that all teeth become.
 
         Returns
         -------
@@ -217,12 +223,12 @@ class Member:
         return replace(self, tooth=tooth, others={})
 
     def with_teeth_like(self, number: int) -> Member:
-        """The member with all teeth as its tooth of a number.
+        """Return the member with all teeth like its tooth with a number.
 
         Parameters
         ----------
         number : int
-            As of `tooth_at`.
+            Number of a tooth, as in `tooth_at`.
 
         Returns
         -------
@@ -242,7 +248,7 @@ class Member:
         return self.with_tooth(self.tooth_at(number))
 
     def is_shaped_as(self, other: Member) -> bool:
-        """Whether both are the same but for name and mounting, as the planets of a set are.
+        """True if both members differ only in name and mounting, as the planets of a set do.
 
         Parameters
         ----------
@@ -259,70 +265,74 @@ class Member:
         False
         """
         return all(
-            own is theirs or (name != "tooth" and own == theirs)
-            for name, own, theirs in ((f.name, getattr(self, f.name), getattr(other, f.name)) for f in fields(self))
+            value is other_value or (name != "tooth" and value == other_value)
+            for name, value, other_value in (
+                (f.name, getattr(self, f.name), getattr(other, f.name)) for f in fields(self)
+            )
             if name not in ("name", "mount")
         )
 
     @property
     def halves(self) -> tuple[HalfGear, ...]:
-        """Every row of its teeth: both halves of a double helical member, or the only one."""
+        """Rows of teeth: both halves of a double helical member, or the only row."""
         return self.rows.halves
 
     @property
     def gaps(self) -> tuple[AxialGap, ...]:
-        """What is between halves that do not meet."""
+        """Gaps between halves that do not meet."""
         return self.rows.gaps
 
     @property
     def extent(self) -> tuple[float, float]:
-        """First and last station (mm) of the whole."""
+        """First and last station (mm) of the whole member."""
         return self.rows.extent(self.tooth.blank.faces)
 
     @property
     def plain_body(self) -> Body:
-        """The body under the teeth, of both halves if there are two, without the hub."""
+        """Body under the teeth, of both halves if there are two, without hubs, shafts and steps."""
         return self.rows.body(self.tooth.blank.body)
 
     @property
     def body(self) -> Body:
-        """The body under the teeth, with hubs, shafts and steps of the bore."""
+        """Body under the teeth, with hubs, shafts and steps of the bore."""
         return self.features.turn(self.plain_body)
 
     @property
     def turned_body(self) -> Body | None:
-        """The same where it is of revolution, under one row of teeth; None of the bar of a rack and of two rows."""
+        """The body if it is one of revolution under one row of teeth; None for the bar of a rack and for two rows."""
         return None if self.tooth.joint.travel is not None or len(self.halves) > 1 else self.body
 
     @property
     def keyway(self) -> Slot | None:
-        """The keyway in its bore."""
+        """Keyway in the bore, None if there is none."""
         return self.features.keyway
 
     @property
     def hub(self) -> Boss | None:
-        """The hub on its heel."""
+        """Hub on the heel side, None if there is none."""
         return self.features.hub
 
     @property
     def holes(self) -> Drilling | None:
-        """The holes that lighten it."""
+        """Holes that lighten the body, None if there are none."""
         return self.features.holes
 
     @property
     def flat_ends(self) -> bool:
-        """Whether the teeth end on planes."""
+        """True if the teeth end on planes."""
         return station_normal(self.tooth.blank.axial)[0] == 0.0
 
     @property
     def openings(self) -> tuple[Opening, ...]:
-        """What is cut out of its body along the axis, but for bore and keyway."""
+        """Openings that are cut along the axis out of the body, without bore and keyway."""
         return self.features.openings(self.body, self.flat_ends)
 
     @property
     def prisms(self) -> tuple[tuple[ClosedLine, float, float], ...]:
-        """Outlines of all that is cut along the axis out of its turned body, each between two z (mm); of a keyway without the
-        bore."""
+        """Outlines of everything that is cut along the axis out of the turned body, each with its two z (mm).
+
+        The outline of a keyway excludes the bore.
+        """
         cuts = [(opening.curves, opening.low, opening.high) for opening in self.openings]
         if self.keyway is not None:
             band = self.body.bore_band
@@ -335,12 +345,12 @@ class Member:
 
     @property
     def genus(self) -> int:
-        """Number of holes through the whole."""
+        """Number of holes through the whole member."""
         return self.plain_body.genus + sum(opening.floor is None for opening in self.openings)
 
     @property
     def body_regions(self) -> tuple[Region, ...]:
-        """Regions of the body in the order of the files."""
+        """Regions of the body, in the order of the files."""
         if self.tooth.joint.travel is not None:
             return BAR_REGIONS if self.features.row is None else (*BAR_REGIONS, self.features.row.region)
         features = self.features.rare_regions
@@ -351,14 +361,14 @@ class Member:
 
     @property
     def repeated_regions(self) -> tuple[Region, ...]:
-        """Regions of the tooth that look alike on every tooth: of a bar all but the root, which goes on beyond the last."""
+        """Regions that look alike on every tooth; not the root of a bar, which goes on beyond the last tooth."""
         regions = self.tooth.regions
         return (
             regions if self.tooth.joint.travel is None else tuple(name for name in regions if name is not Region.ROOT)
         )
 
     def plain_volume(self) -> float:
-        """Volume of teeth and body, of both halves if there are two, without the features of the body.
+        """Return the volume of teeth and body, of both halves if there are two, without the features of the body.
 
         Returns
         -------
@@ -372,57 +382,59 @@ class Member:
         8790
         """
         shares = np.bincount(self.order) / self.tooth.teeth
-        half = float(shares @ [tooth.volume() for tooth in self.different_teeth])
+        row_volume = float(shares @ [tooth.volume() for tooth in self.different_teeth])
         if self.overhang:
             (back, low), (_, high) = self.tooth.blank.body.profile
             section = (float(self.tooth.blank.root.at(0.0)) - back) * (high - low)
             section -= sum(end.area for end in self.tooth.blank.ends if end is not None)
-            half += 2.0 * self.overhang * section
-        return self.rows.volume(half, self.tooth.blank.body)
+            row_volume += 2.0 * self.overhang * section
+        return self.rows.volume(row_volume, self.tooth.blank.body)
 
 
 def _mismatch(tooth: Tooth, nominal: Tooth) -> str:
-    """Why a tooth cannot be beside a nominal one; empty where it can."""
+    """Reason why a tooth cannot be beside a nominal tooth; empty if it can."""
     if tooth.teeth != nominal.teeth:
         return f"it is one of {tooth.teeth} teeth, they of {nominal.teeth}"
     for name in ("joint", "blank"):
-        own, theirs = getattr(tooth, name), getattr(nominal, name)
-        if own is not theirs and own != theirs:
+        value, nominal_value = getattr(tooth, name), getattr(nominal, name)
+        if value is not nominal_value and value != nominal_value:
             return f"its {name} is another"
     if tooth.regions != nominal.regions:
         return "it has other surfaces beside flanks and fillets"
     apart = float(np.linalg.norm(tooth.root_ends - nominal.root_ends, axis=-1).max())
-    return "" if apart <= SEAM else f"it begins {apart:.3g} mm beside them at the root"
+    return "" if apart <= MAX_ROOT_GAP_MM else f"it begins {apart:.3g} mm beside them at the root"
 
 
 @dataclass(frozen=True)
 class GearPair:
-    """Two members that mesh, and on which flanks.
+    """Two members that mesh, and the flanks that touch."""
 
-    `pinion` is the member whose rotation phi1 counts, `gear` the one that it drives; `flanks` names the touching side of
-    either; `drive` is +1 where contact pushes the gear towards larger phi2, -1 towards smaller; `ratio` is the nominal
-    d phi2 / d phi1; `delta` (mm) is the marking-compound thickness; `generation` gives, for pinion surface parameters, the
-    generation angle (rad) where the source counts phi1 by it, None where phi1 is the rotation. `figures`
-    are the gear system's figures of the pair beside its contact.
-    """
-
+    #: member whose rotation is phi1
     pinion: Member
+    #: member that the pinion drives, with rotation phi2
     gear: Member
+    #: touching sides of pinion and gear
     flanks: tuple[Side, Side]
+    #: +1 if contact pushes the gear towards larger phi2, -1 towards smaller
     drive: int
+    #: nominal d phi2 / d phi1
     ratio: float
+    #: thickness of the marking compound, mm
     delta: float
+    #: generation angle (rad) of pinion surface parameters, if the source counts phi1 by it; None if phi1 is the
+    #: rotation
     generation: Callable[[Array, Array], Array] | None = None
+    #: figures of the gear system for the pair, apart from its contact
     figures: Figures | None = None
 
     @property
     def eccentric(self) -> bool:
-        """Whether a member turns about another axis than its own, so that no two tooth pairs are alike."""
+        """True if a member turns about an axis that is not its own, so that no two tooth pairs are alike."""
         return any(member.mount.eccentricity != (0.0, 0.0) for member in self.both)
 
     @property
     def uneven(self) -> bool:
-        """Whether teeth of a member have pitch deviations, so that no two tooth pairs are alike."""
+        """True if teeth of a member have pitch deviations, so that no two tooth pairs are alike."""
         return any(member.index.uneven for member in self.both)
 
     @property
@@ -431,28 +443,29 @@ class GearPair:
 
     @property
     def images(self) -> tuple[Rigid, ...]:
-        """For every half, of the pair as of both members, how the first is brought there in the fixed frame: reflected in the
-        pinion's plane of symmetry."""
+        """Motion in the fixed frame from the first half to each half of the pair: a reflection in the pinion's plane of
+        symmetry.
+        """
         base = self.pinion.mount.base
         further = zip(self.pinion.halves[1:], self.gear.halves[1:], strict=False)
         return (Rigid.identity(), *(base @ half.motion @ base.inverse for half, _ in further))
 
     @property
     def halves(self) -> tuple[GearPair, ...]:
-        """The pair of the first halves, and after it those of others, seen in their images: as pairs of the same teeth."""
+        """The pair of the first halves, then the pairs of the others, seen in their images: pairs of the same teeth."""
         mount = self.gear.mount
         further = zip(self.images[1:], self.gear.halves[1:], strict=False)
         mounts = [replace(mount, base=image @ mount.base @ half.motion) for image, half in further]
-        return (self, *(replace(self, gear=replace(self.gear, mount=own)) for own in mounts))
+        return (self, *(replace(self, gear=replace(self.gear, mount=half_mount)) for half_mount in mounts))
 
     @property
     def name(self) -> str:
-        """Names of both, as "sun-planet_1"."""
+        """Names of both members, as "sun-planet_1"."""
         return f"{self.pinion.name}-{self.gear.name}"
 
     @property
     def members(self) -> dict[str, Member]:
-        """Both by their names, the pinion first."""
+        """Both members by name, the pinion first."""
         return {member.name: member for member in self.both}
 
     @property
@@ -460,17 +473,17 @@ class GearPair:
         return self.pinion.mount, self.gear.mount
 
     def middle(self, member: Member) -> float:
-        """Middle of the working flank of a member, half way up, of all halves together.
+        """Return the middle of a member's working flank, at half height, averaged over all halves.
 
         Parameters
         ----------
         member : Member
-            One of the pair's.
+            Member of the pair.
 
         Returns
         -------
         float
-            Place along its axis, mm, in the member's own frame.
+            Coordinate along the member's axis, mm, in its own frame.
 
         Examples
         --------
@@ -484,10 +497,10 @@ class GearPair:
 
     @property
     def shaft_angle(self) -> float:
-        """Angle between the axes, rad, 0 to pi, counted as for bevel gears; 0 where they are parallel, whichever way they point.
+        """Angle between the axes, rad, 0 to pi, as counted for bevel gears; 0 if they are parallel in either sense.
 
-        It is the angle between the axes taken in the senses that would lie together if the members, meshing from outside on
-        parallel axes, turned against each other.
+        Each axis has the sense in which both would coincide if the members were external gears on parallel axes,
+        turning against each other.
         """
         first, second = (mount.sign * mount.axis for mount in self.mounts)
         across = float(np.linalg.norm(np.cross(first, second)))
@@ -500,7 +513,7 @@ class GearPair:
 
     @property
     def output(self) -> Joint:
-        """The joint that the gear moves in with phi2."""
+        """Joint in which the gear moves with phi2."""
         return self.gear.mount.joint
 
     @property
@@ -509,7 +522,7 @@ class GearPair:
         return self.pinion.tooth.pitch_angle
 
     def index(self, name: str) -> int:
-        """Number of a member by its name.
+        """Return the number of a member from its name.
 
         Parameters
         ----------
@@ -536,38 +549,41 @@ class GearPair:
 
 @dataclass(frozen=True)
 class GearTrain:
-    """What every further step starts from: all members by their names, and the pairs that mesh.
+    """All members of a gear set by name, and the pairs that mesh."""
 
-    `unpaired`: members that mesh with none, and `lacking` what a design calls the one that they would mesh with; `warnings`: what
-    the design's owner should know of the geometry, one line each; `alike`: for every pair the number of the first one that meshes
-    as it does, but for the phase; empty where all are different.
-    """
-
+    #: kind of the gear system, as "planetary"
     kind: str
+    #: pairs that mesh
     pairs: tuple[GearPair, ...]
+    #: warnings about the geometry, one line each
     warnings: tuple[str, ...] = field(default=())
+    #: number of the first pair that meshes like each pair, apart from the phase; empty if all are different
     alike: tuple[int, ...] = field(default=())
+    #: members without a mating gear
     unpaired: tuple[Member, ...] = field(default=())
+    #: table of a design that would add the mating gear
     lacking: str = ""
 
     @property
     def different(self) -> tuple[int, ...]:
-        """Numbers of the pairs that are not like one before them."""
+        """Numbers of the pairs that are not like an earlier pair."""
         return tuple(dict.fromkeys(self.alike or range(len(self.pairs))))
 
     @property
     def members(self) -> dict[str, Member]:
-        """Every member once, in the order of the pairs, and after them those without one."""
+        """Every member once: first those of the pairs, in order, then those without a mating gear."""
         paired = (member for pair in self.pairs for member in pair.both)
         return {member.name: member for member in (*paired, *self.unpaired)}
 
     def with_member(self, member: Member) -> GearTrain:
-        """The same gear set with another member of that name in all its pairs; of pairs that were alike those with it stay so.
+        """Return the gear set with another member of that name in all its pairs.
+
+        Pairs that were alike stay alike if both contain the member, or neither does.
 
         Parameters
         ----------
         member : Member
-            It takes the place of the one with its name.
+            It replaces the member with its name.
 
         Returns
         -------
@@ -585,7 +601,7 @@ class GearTrain:
         return replace(made, alike=tuple(kinds.index(kind) for kind in kinds))
 
     def with_members(self, change: Callable[[Member], Member]) -> GearTrain:
-        """The same gear set with every member as `change` makes it; pairs that were alike have to stay so.
+        """Return the gear set with every member replaced by `change(member)`; pairs that were alike must stay alike.
 
         Parameters
         ----------
@@ -605,7 +621,7 @@ class GearTrain:
         return replace(self, pairs=pairs, unpaired=tuple(map(change, self.unpaired)))
 
     def like(self, which: int | str) -> int:
-        """How many pairs mesh as one of them does, itself counted: the planets of a set.
+        """Return the number of pairs that mesh like a pair, itself included: the number of planets of a set.
 
         Parameters
         ----------
@@ -628,11 +644,11 @@ class GearTrain:
         """
         name = self.pair(which).name
         numbers = self.alike or tuple(range(len(self.pairs)))
-        own = next(number for number, pair in zip(numbers, self.pairs, strict=True) if pair.name == name)
-        return numbers.count(own)
+        kind = next(number for number, pair in zip(numbers, self.pairs, strict=True) if pair.name == name)
+        return numbers.count(kind)
 
     def pair(self, which: int | str) -> GearPair:
-        """A pair of the set.
+        """Return a pair of the set.
 
         Parameters
         ----------
@@ -667,14 +683,14 @@ class GearTrain:
         raise ArgumentError("pair", which, must_be=f"one of {', '.join(pair.name for pair in self.pairs)}")
 
     def needs_pair(self, argument: str, value: object) -> DesignError:
-        """The refusal of an argument that needs members that mesh.
+        """Return the refusal of an argument that needs a mating gear.
 
         Parameters
         ----------
         argument : str
-            What it is called.
+            Name of the argument.
         value : object
-            What was given.
+            Refused value.
 
         Returns
         -------
@@ -685,12 +701,11 @@ class GearTrain:
         --------
         >>> print(gm.gear(18, module=2).train.needs_pair("cycle", True))
         cycle = true: needs a mating gear: add the table [pinion]
-
         """
         return ArgumentError(argument, value, reason="needs a mating gear", remedy=f"add the table [{self.lacking}]")
 
     def _without_pair(self) -> DesignError:
-        """The refusal of what needs members that mesh."""
+        """Return the refusal of a result that needs a mating gear."""
         return DesignError(
             self.lacking,
             reason=f"the {', '.join(self.members)} has no mating gear, which contact, load and all figures of a mesh need",

@@ -1,6 +1,6 @@
-"""Undercut and pointing of a member's teeth: how deep its tool may cut, how high its tip may be [LF04 17.9].
+"""Undercut and pointing of a member's teeth: limits of the tool's depth and of the tip's height [LF04 17.9].
 
-Seen in one section of a tooth and of the tool that generates it:
+One section of a tooth, and of the tool that generates it:
 
         tooth                          tool
          ____  tip              B  ----------------  h2: generates the tip where the land is only s_a wide
@@ -10,8 +10,8 @@ Seen in one section of a tooth and of the tool that generates it:
      /  limit   \\              A  ----------------  h1: generates the singular point
     /   fillet   \\               ================  form point: the tool's flank ends and its tip rounding begins
 
-As long as the form point is above A the flank is complete. Where it does not, the fillet cuts it off at their intersection.
-Heights are those of the tool's profile, over the pitch plane where one is known; sections are those of the blank's stations.
+The flank is complete if the form point is above A. Otherwise the fillet cuts it off at their intersection. Heights are
+those of the tool's profile, over the pitch plane if there is one; sections are those of the blank's stations.
 """
 
 from __future__ import annotations
@@ -40,18 +40,22 @@ from gearmesh.teeth.tooth_side import ToothSide
 from gearmesh.teeth.undercut import cut_off, regularity
 from gearmesh.tools.description import HeightZero
 
-#: how far beyond the form point the tool's flank, prolonged, is searched, in lengths of the flank
-PROLONGED = 3.0
-#: how far beyond the ends of the face its limits are searched, in face widths
-BEYOND = 1.0
-#: sections from toe to heel
-STATIONS = 5
-#: pieces across a flank and stations along it in which areas of the tool's flank are measured: 1e-4 of them
-PIECES, AREA_STATIONS = 16, 129
-#: largest residual (mm) of a land of given width
-TOLERANCE = 1e-10
-#: tooth numbers that are tried for the smallest without undercut
-FEWEST, MOST = 3, 10_000
+#: length beyond the form point in which the prolonged flank of the tool is searched, in flank lengths
+PROLONGED_FLANK_LENGTHS = 3.0
+#: length beyond the ends of the face in which its limits are searched, in face widths
+PROLONGED_FACE_WIDTHS = 1.0
+#: stations from toe to heel, by default
+LIMIT_STATIONS = 5
+#: pieces across a flank that measure the area of the tool's flank, to 1e-4 of it
+AREA_PIECES = 16
+#: stations along the face that measure it
+AREA_STATIONS = 129
+#: largest residual where a land has a given width
+LAND_TOLERANCE_MM = 1e-10
+#: smallest number of teeth that is tried for undercut
+MIN_TEETH_TRIED = 3
+#: largest number of teeth that is tried
+MAX_TEETH_TRIED = 10_000
 
 #: right and left flank of a tooth, each with its parameter p near the tip, at all stations or (T,) at each
 Flanks = tuple[tuple[Surface, float | Array], tuple[Surface, float | Array]]
@@ -59,45 +63,54 @@ Flanks = tuple[tuple[Surface, float | Array], tuple[Surface, float | Array]]
 
 @dataclass(frozen=True)
 class LostFlank:
-    """What of the tool's flank, from its form point to the tooth's tip, generates nothing that remains: the tool's other parts cut
-    it away, or it would stand beyond the singular points.
+    """Part of the tool's flank, from its form point to the tooth's tip, that generates nothing that remains.
 
-    `share`: of its area over the face; `face`: of the face width that is undercut; `most`: of the flank's length across the
-    station where that is greatest, at the coordinate `at` (mm). 0 and no station (NaN) of sides that are not undercut; all NaN
-    where the tool is not known.
+    The tool's other parts cut it away, or it would stand beyond the singular points. Shares are 0 and `at` is NaN for a
+    side without undercut. All are NaN if the tool is not known.
     """
 
+    #: lost share of the flank's area over the face
     share: float
+    #: share of the face width that is undercut
     face: float
+    #: largest lost share of the flank's length across a station
     most: float
+    #: coordinate of that station, mm
     at: float
 
 
 @dataclass(frozen=True)
 class SideLimits:
-    """One side of a tooth at T stations; lengths in mm, NaN where there is nothing.
+    """Limits of one side of a tooth at T stations; lengths in mm, NaN where a limit does not exist.
 
-    `p`, `v` (T,): parameters of the limiting line; `on_tool`, `on_tooth` (T, 3): its points on the tool, in the tool's
-    frame, and the singular points of the tooth, in the member's. `h1` (T,): depth of the limiting line below the pitch
-    plane, `form_point_depth` (T,) that of the tool's form point: undercut where the form point lies deeper. `h2` (T,): height
-    of the tool point that generates the tip where the land has the width asked for. `undercut` (T,): the fillet cuts the flank off;
-    `flank_radius` (T,): where the flank begins, `lost` (T,): how much of the tool's flank generates nothing that remains.
-    `undercut_from`: station, on the face or beyond it, at which undercut begins or ends, NaN if at none. `lost_flank`: what of the
-    tool's flank is lost over the whole face. Of a rack, whose `joint` is a slide, radii are heights over its reference plane.
+    For a rack, whose `joint` is a slide, radii are heights over its reference plane.
     """
 
+    #: first parameter (T,) of the limiting line
     p: Array
+    #: second parameter (T,) of the limiting line
     v: Array
+    #: points (T, 3) of the limiting line, in the tool's frame
     on_tool: Array
+    #: singular points (T, 3) of the tooth, in the member's frame
     on_tooth: Array
+    #: depth (T,) of the limiting line below the pitch plane
     h1: Array
+    #: depth (T,) of the tool's form point below the pitch plane; a tooth is undercut if it exceeds `h1`
     form_point_depth: Array
+    #: height (T,) of the tool point that generates the tip where the land has the required width
     h2: Array
+    #: True (T,) where the fillet cuts the flank off
     undercut: NDArray[np.bool_]
+    #: radius (T,) at which the flank begins
     flank_radius: Array
+    #: height (T,) of the tool's flank that generates nothing that remains
     lost: Array
+    #: station, on the face or beyond it, at which undercut begins or ends; NaN if there is none
     undercut_from: float
+    #: lost part of the tool's flank over the whole face
     lost_flank: LostFlank
+    #: motion from one tooth to the next
     joint: Joint = REVOLUTE_JOINT
 
     @property
@@ -108,22 +121,25 @@ class SideLimits:
 
 @dataclass(frozen=True)
 class MemberLimits:
-    """Limits of a member at T stations with station coordinates `stations` (T,), mm.
+    """Limits of a member at T stations; lengths in mm."""
 
-    `tip_radius`, `top_land` (T,): of the tooth as it is; `land_radius` (T,): tip radius at which the land, without broken
-    edges, is as wide as was asked for, `rise` (T,): how far that tip stands over the blank's, across it;
-    `pointed_from`: station at which the land is so narrow on the member's own tip, NaN if at none.
-    `fewest_teeth`: smallest tooth number that the same rack cuts without undercut; None for other tools.
-    """
-
+    #: station coordinates (T,)
     stations: Array
+    #: limits of the right side
     right: SideLimits
+    #: limits of the left side
     left: SideLimits
+    #: tip radius (T,) of the tooth
     tip_radius: Array
+    #: width (T,) of its top land, along the arc
     top_land: Array
+    #: tip radius (T,) at which the land, without broken edges, has the required width
     land_radius: Array
+    #: height (T,) of that tip over the tip of the blank
     rise: Array
+    #: station at which the land on the member's own tip has that width; NaN if there is none
     pointed_from: float
+    #: smallest tooth number that the same rack cuts without undercut; None for other tools
     fewest_teeth: int | None
 
     @property
@@ -131,8 +147,8 @@ class MemberLimits:
         return {"right": self.right, "left": self.left}
 
 
-def member_limits(member: Member, land: float = 0.0, count: int = STATIONS) -> MemberLimits:
-    """Undercut and pointing of a member at `count` stations; `land` s_a (mm) is the smallest top land that is allowed.
+def member_limits(member: Member, land: float = 0.0, count: int = LIMIT_STATIONS) -> MemberLimits:
+    """Compute undercut and pointing of a member at `count` stations; `land` s_a (mm) is the smallest allowed top land.
 
     Raises TrimError where the tooth itself cannot be trimmed.
     """
@@ -156,7 +172,7 @@ def member_limits(member: Member, land: float = 0.0, count: int = STATIONS) -> M
 
 
 def lost_heights(tooth: Tooth) -> dict[Side, float]:
-    """How much (mm, at most along the face) of the tool's flank undercut removes, of the sides that are undercut."""
+    """Largest height (mm) along the face of the tool's flank that undercut removes, for each undercut side."""
     tooth = tooth.unmodified_tooth
     sections = tooth.sections(np.linspace(0.0, 1.0, PROOF_STATIONS))
     heights = {}
@@ -169,7 +185,7 @@ def lost_heights(tooth: Tooth) -> dict[Side, float]:
 
 
 def lost_flank(tooth: Tooth, which: Side) -> LostFlank:
-    """What undercut makes useless of a side's tool; NaN where the tooth cannot be trimmed at all stations."""
+    """Part of a side's tool that undercut makes useless; NaN if the tooth cannot be trimmed at all stations."""
     tooth = tooth.unmodified_tooth
     side = tooth.side(which)
     if side.generation is None:
@@ -184,15 +200,15 @@ def lost_flank(tooth: Tooth, which: Side) -> LostFlank:
         return LostFlank(0.0, 0.0, 0.0, math.nan)
     ends, form_point = sections.of(which), np.full_like(t, side.form_point[0])
     begins = np.where(cut, ends.form_point_flank, form_point)
-    (left, kept), (gone, lost) = (
+    (kept_length, kept_area), (lost_length, lost_area) = (
         _on_tool(side.generation[0], between, sections.stations, tooth.blank.axial)
         for between in ((ends.tip, begins), (begins, form_point))
     )
-    share = gone / (left + gone)
-    # it ends between the stations, at breaks, which are on the side that is not cut
+    share = lost_length / (kept_length + lost_length)
+    # undercut ends at breaks, which are stations on the side that is not cut
     step, k = np.diff(t), int(np.argmax(share))
     return LostFlank(
-        share=float(lost.sum() / (lost.sum() + kept.sum())),
+        share=float(lost_area.sum() / (lost_area.sum() + kept_area.sum())),
         face=float(step[cut[:-1] | cut[1:]].sum()),
         most=float(share[k]),
         at=float(sections.stations[k]),
@@ -202,9 +218,11 @@ def lost_flank(tooth: Tooth, which: Side) -> LostFlank:
 def _on_tool(
     flank: GeneratedSurface, between: tuple[Array, Array], stations: Array, axial: Level
 ) -> tuple[Array, Array]:
-    """Lengths (T,), mm, across the tool's flank between two parameters (T,) each at stations (T,), and the area (T - 1,), mm^2,
-    between one and the next."""
-    share = np.linspace(0.0, 1.0, PIECES + 1)[:, None]
+    """Measure the tool's flank between two parameters (T,) at stations (T,).
+
+    Returns its lengths (T,), mm, across, and its areas (T - 1,), mm^2, between neighbouring stations.
+    """
+    share = np.linspace(0.0, 1.0, AREA_PIECES + 1)[:, None]
     p = between[0] + share * (between[1] - between[0])
     v, _ = along(flank, p, stations, axial)
     r = flank.tool.jet(*flank.on_tool(p, v)).r
@@ -214,8 +232,11 @@ def _on_tool(
 
 
 def undercut_margin(tooth: Tooth) -> float:
-    """How far the flanks are from being undercut anywhere along the face: 0 where that begins, less where they are; it is near 1
-    where the tool leaves as much area near the root as near the tip."""
+    """Smallest regularity of the flanks along the face: 0 where undercut begins, negative where the flanks are
+    undercut.
+
+    It is near 1 if the tool leaves as much area near the root as near the tip.
+    """
     stations, axial = tooth.even.stations, tooth.blank.axial
     least = []
     for which in Side:
@@ -226,7 +247,7 @@ def undercut_margin(tooth: Tooth) -> float:
 
 
 def _undercut(tooth: Tooth, which: Side, sections: Sections) -> NDArray[np.bool_]:
-    """Stations (T,) where undercut, and not a corner of the tool, cuts a flank off."""
+    """True (T,) at stations where undercut, not a corner of the tool, cuts a flank off."""
     side, stations, axial = tooth.side(which), sections.stations, tooth.blank.axial
     if not side.crossed:
         changed: NDArray[np.bool_] = sections.of(which).form_point_flank != side.form_point[0]
@@ -235,8 +256,11 @@ def _undercut(tooth: Tooth, which: Side, sections: Sections) -> NDArray[np.bool_
 
 
 def ways_to_limiting_line(tooth: Tooth, which: Side, count: int, steps: int) -> tuple[Array, Array]:
-    """Points (steps, count, 3) of a flank as its tool leaves it, and unit normals: from its tip to the singular points, the
-    limiting line of its tool, at even stations from toe to heel; NaN at stations where there are none."""
+    """Points (steps, count, 3) and unit normals of a flank, from its tip to the singular points of its tool's limiting
+    line.
+
+    The flank is as its tool leaves it; the stations are even from toe to heel. NaN at stations without singular points.
+    """
     tooth = tooth.unmodified_tooth
     side, t = tooth.side(which), np.linspace(0.0, 1.0, count)
     stations, start = tooth.stations(t), tooth.near_tips(which, t)
@@ -250,13 +274,14 @@ def ways_to_limiting_line(tooth: Tooth, which: Side, count: int, steps: int) -> 
 
 
 def _singular(tooth: Tooth, which: Side, t: Array) -> Array:
-    """Parameter p (T,) of the singular point nearest to the tip at t (T,), NaN where there is none."""
+    """Parameter p (T,) of the singular point nearest to the tip at t (T,), NaN if there is none."""
     side, start = tooth.side(which), tooth.near_tips(which, t)
     ends = start, start + _reach(side) * (side.form_point[0] - start)
     return singular_at(side.flank, ends, tooth.stations(t), tooth.blank.axial)
 
 
 def _side(tooth: Tooth, which: Side, sections: Sections, p_land: Array) -> SideLimits:
+    """Return the limits of one side; `p_land` (T,): flank parameter at which the land has the required width."""
     side, stations, axial = tooth.side(which), sections.stations, tooth.blank.axial
     form_point_flank, p = sections.of(which).form_point_flank, _singular(tooth, which, sections.t)
     v, on_tool, on_tooth = (np.full((*stations.shape, *shape), np.nan) for shape in ((), (3,), (3,)))
@@ -288,7 +313,7 @@ def _side(tooth: Tooth, which: Side, sections: Sections, p_land: Array) -> SideL
 
 
 def _arms(joint: Joint, rho: Array) -> Array:
-    """How far (T,), mm/rad, points of radii rho (T,) move."""
+    """Distance (T,), mm/rad, that points of radii rho (T,) move per radian of the joint."""
     return joint.arm(np.stack((rho, np.zeros_like(rho), np.zeros_like(rho)), axis=-1))
 
 
@@ -296,17 +321,17 @@ def _arms(joint: Joint, rho: Array) -> Array:
 
 
 def crossing(land: LandLevel, axial: Level, stations: Array) -> tuple[Array, Array]:
-    """(rho, z), mm, (T,) each, of the circles of a land, or of a rack's height, at given station coordinates."""
+    """Circles of a land, or heights of a rack, at given station coordinates: (rho, z), mm, (T,) each."""
     surface = land.surface
     r = along(surface, np.zeros_like(stations), stations, axial, surface.meeting(axial, stations))[1].r
     return r[..., 0], r[..., 2]
 
 
 def pitch_height(tooth: Tooth, side: ToothSide, stations: Array) -> Array:
-    """Height (T,), mm, of the pitch plane on the tool's profile at stations (T,); NaN where there is none.
+    """Height (T,), mm, of the pitch plane on the tool's profile at stations (T,); NaN if there is none.
 
-    A rack's heights are counted from it. A head cutter's are counted from its tip plane, which envelopes the root cone:
-    there the pitch cone stands above it by the dedendum of the station.
+    Heights of a rack count from the pitch plane. Heights of a head cutter count from its tip plane, which envelopes the
+    root cone: the pitch cone is above it by the dedendum of the station.
     """
     if side.tool.zero is HeightZero.PITCH_PLANE:
         return np.zeros_like(stations)
@@ -318,27 +343,29 @@ def pitch_height(tooth: Tooth, side: ToothSide, stations: Array) -> Array:
 
 
 def _reach(side: ToothSide) -> float:
-    """How far, in lengths of the flank from tip to form point, its profile goes on downwards."""
-    share = np.linspace(0.0, 1.0 + PROLONGED, 400)
+    """Length of the tool's profile from the tip downwards, in flank lengths from tip to form point."""
+    share = np.linspace(0.0, 1.0 + PROLONGED_FLANK_LENGTHS, 400)
     height = side.tool.height(side.tip + share * (side.form_point[0] - side.tip))
     if np.isnan(height).all():
-        return 1.0 + PROLONGED
+        return 1.0 + PROLONGED_FLANK_LENGTHS
     back = np.flatnonzero(~(np.diff(height) < 0.0))
-    return float(share[back[0]]) if back.size else 1.0 + PROLONGED
+    return float(share[back[0]]) if back.size else 1.0 + PROLONGED_FLANK_LENGTHS
 
 
 # ---------------------------------------------------------------- undercut
 
 
 def undercut_station(tooth: Tooth, side: ToothSide) -> float:
-    """Station (mm) where the limiting line crosses the tool's form point, nearest to the middle of the face; NaN if nowhere.
+    """Station (mm) where the limiting line crosses the tool's form point, nearest to the middle of the face; NaN if
+    there is none.
 
-    On one side of it the teeth are undercut, on the other they are not: the inner radius of a face gear.
+    The teeth are undercut on one side of it only. For a face gear it is the inner radius.
     """
     blank = tooth.blank
     ends = np.array(blank.extent)
+    # zeros of the area density along the form point line, on the face and a face width beyond
     v, _ = along(side.flank, np.full(2, side.form_point[0]), ends, blank.axial)
-    prolonged = BEYOND * (v[1] - v[0])
+    prolonged = PROLONGED_FACE_WIDTHS * (v[1] - v[0])
     low, high = np.array([v[0] - prolonged]), np.array([v[1] + prolonged])
     _, crossings = zeros(lambda x, k: area_density(side.flank.jet(np.full_like(x, side.form_point[0]), x)), low, high)
     if not crossings.size:
@@ -348,17 +375,20 @@ def undercut_station(tooth: Tooth, side: ToothSide) -> float:
 
 
 def fewest_teeth(tooth: Tooth) -> int | None:
-    """Smallest tooth number that the racks of both sides, as deep as they are, cut without undercut; None for other tools.
+    """Smallest tooth number that the racks of both sides, at their depth, cut without undercut.
 
-    None as well where the fillet is meant to cut the flank, as a protuberance does: of any number.
-    None as well if even MOST teeth are undercut. Module, helix and cone angle stay: the pitch radius grows with the number.
-    Teeth that a worm or disk grinds count as the rack behind it cuts them, without crowning.
+    Module, helix and cone angle stay, so that the pitch radius grows with the number. Teeth that a worm or disk grinds
+    count as cut by the equivalent rack, without crowning. None in three cases:
+
+    - another tool cuts the teeth;
+    - the fillet is meant to cut the flank, as that of a protuberance is;
+    - even MAX_TEETH_TRIED teeth are undercut.
     """
     if tooth.right.sharp or tooth.left.sharp:
         return None
     sides = (tooth.right, tooth.left)
     cut = [(side.tool.rack, side) for side in sides if side.tool.rack is not None]
-    stations = tooth.stations(np.linspace(0.0, 1.0, STATIONS))
+    stations = tooth.stations(np.linspace(0.0, 1.0, LIMIT_STATIONS))
 
     def whole(teeth: int) -> bool:
         for rack, side in cut:
@@ -367,10 +397,13 @@ def fewest_teeth(tooth: Tooth) -> int | None:
                 return False
         return True
 
-    if len(cut) < len(sides) or not whole(MOST):
+    if len(cut) < len(sides) or not whole(MAX_TEETH_TRIED):
         return None
+    # bisection: tooth numbers above the smallest sound one are sound, too
     _, fewest = last_true(
-        lambda n, _: np.array([not whole(int(k)) for k in n]), np.array([FEWEST - 1]), np.array([MOST])
+        lambda n, _: np.array([not whole(int(k)) for k in n]),
+        np.array([MIN_TEETH_TRIED - 1]),
+        np.array([MAX_TEETH_TRIED]),
     )
     return int(fewest[0])
 
@@ -386,14 +419,19 @@ def land_of_width(
     width: float = 0.0,
     joint: Joint = REVOLUTE_JOINT,
 ) -> tuple[Array, Array, Array]:
-    """Where two flanks, prolonged, leave a top land of `width` (mm, arc in the section of the station).
+    """Solve for the tip at which two flanks, prolonged, leave a top land of `width` (mm, arc in the section of the
+    station).
 
-    Parameters p (T,) of the right and of the left flank, and the point (T, 3) of the right one, NaN where the sound flanks do
-    not reach so far. The lands are cones parallel to `tip`.
+    Returns parameters p (T,) of the right and the left flank, and the point (T, 3) of the right flank. They are NaN
+    where the sound flanks do not reach so far. The lands are cones parallel to `tip`.
     """
+    # start: the flanks at their nominal tip
     start = _at(flanks, axial, stations)
 
     def residual(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
+        """Return residuals (M, 4), mm, and Jacobian for (p, v) of both flanks: stations, equal height, width of the
+        land.
+        """
         right, left = _jets(flanks, x)
         arc, by_right, by_left = _arc(joint, right, left)
         level = tip.value(left.r) - tip.value(right.r)
@@ -407,10 +445,10 @@ def land_of_width(
 
     # trial steps may reach the axis, where there is no arc: the solver halves them
     with np.errstate(all="ignore"):
-        solution = newton.solve(residual, start, tolerance=TOLERANCE)
+        solution = newton.solve(residual, start, tolerance=LAND_TOLERANCE_MM)
     sound = solution.converged.copy()
     for at_start, at_end in zip(_jets(flanks, start), _jets(flanks, solution.values), strict=True):
-        # not past a singular point, of the tool itself neither
+        # the physical root is not past a singular point of the flank: its area density keeps its sign
         sound &= area_density(at_start) * area_density(at_end) > 0.0
     x = np.where(sound[:, None], solution.values, np.nan)
     return (
@@ -421,19 +459,24 @@ def land_of_width(
 
 
 def pointed_station(tooth: Tooth, width: float = 0.0) -> float:
-    """Station (mm), on the face or beyond it, where the land on the member's own tip is `width` (mm) wide; NaN if nowhere.
+    """Station (mm), on the face or beyond it, where the land on the member's own tip is `width` (mm) wide; NaN if there
+    is none.
 
-    The outer radius of a face gear is the one where the land ends.
+    For a face gear it is the outer radius at which the land ends.
     """
     axial, tip = tooth.blank.axial, tooth.blank.tip
     ends = np.array(tooth.blank.extent)
     flanks = _flanks(tooth, np.array([0.0, 1.0]))
     start = _at(flanks, axial, ends)
+    # widths of the land at both ends of the face: equal widths never reach another width
     lands = _arc(tooth.joint, *_jets(flanks, start))[0]
     if abs(lands[1] - lands[0]) <= 1e-9 * abs(lands).max():
         return float("nan")
 
     def residual(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
+        """Return residuals (M, 4), mm, and Jacobian for (p, v) of both flanks: tip level twice, equal station, width of
+        the land.
+        """
         right, left = _jets(flanks, x)
         arc, by_right, by_left = _arc(tooth.joint, right, left)
         f = np.stack(
@@ -445,21 +488,23 @@ def pointed_station(tooth: Tooth, width: float = 0.0) -> float:
         jacobian[:, 3, :2], jacobian[:, 3, 2:] = by_right, by_left
         return f, jacobian
 
+    # start: the end of the face with the narrower land
     nearer = int(np.argmin(lands))
-    solution = newton.solve(residual, start[nearer : nearer + 1], tolerance=TOLERANCE)
+    solution = newton.solve(residual, start[nearer : nearer + 1], tolerance=LAND_TOLERANCE_MM)
     if not solution.converged[0]:
         return float("nan")
     at = float(axial.value(flanks[0][0].jet(solution.values[:, 0], solution.values[:, 1]).r)[0])
-    return at if abs(at - ends.mean()) <= (0.5 + BEYOND) * (ends[1] - ends[0]) else float("nan")
+    return at if abs(at - ends.mean()) <= (0.5 + PROLONGED_FACE_WIDTHS) * (ends[1] - ends[0]) else float("nan")
 
 
 def _flanks(tooth: Tooth, t: Array) -> Flanks:
+    """Return both flanks with their parameter p near the tip at t (T,)."""
     right, left = ((tooth.side(which).flank, tooth.near_tips(which, t)) for which in Side)
     return right, left
 
 
 def _at(flanks: Flanks, axial: Level, stations: Array) -> Array:
-    """(p, v) of right and left flank, (T, 4), where they start at the stations (T,)."""
+    """Return (p, v) of the right and the left flank, (T, 4), at their start parameters on stations (T,)."""
     columns = []
     for surface, p_start in flanks:
         p = np.full_like(stations, p_start)
@@ -468,14 +513,16 @@ def _at(flanks: Flanks, axial: Level, stations: Array) -> Array:
 
 
 def _jets(flanks: Flanks, x: Array) -> tuple[Jet, Jet]:
+    """Return the jets (T,) of both flanks at parameters (T, 4)."""
     (right, _), (left, _) = flanks
     return right.jet(x[:, 0], x[:, 1]), left.jet(x[:, 2], x[:, 3])
 
 
 def _arc(joint: Joint, right: Jet, left: Jet) -> tuple[Array, Array, Array]:
-    """Arc (T,) on the right point's circle from right to left, mm, and its derivatives (T, 2) by (p, v) of either.
+    """Arc (T,) on the right point's circle from the right to the left point, mm, and its derivatives (T, 2) by (p, v)
+    of each flank.
 
-    On a rack the distance along it.
+    For a rack it is the distance along the bar.
     """
     if joint.travel is not None:
         ways = (np.stack((jet.r_u[:, 1], jet.r_v[:, 1]), axis=-1) for jet in (right, left))
@@ -492,7 +539,7 @@ def _arc(joint: Joint, right: Jet, left: Jet) -> tuple[Array, Array, Array]:
 
 
 def _turn(r: Array, dr: Array) -> Array:
-    """Change (...,) of the polar angle, rad."""
+    """Change (...,) of the polar angle, rad, for a displacement dr of r."""
     return (r[..., 0] * dr[..., 1] - r[..., 1] * dr[..., 0]) / (r[..., 0] ** 2 + r[..., 1] ** 2)
 
 

@@ -14,21 +14,25 @@ from gearmesh.kernel.numeric.algebra import Array
 
 @dataclass(frozen=True)
 class Mount:
-    """A member's bearing: `base` takes the unrotated member to the fixed frame, phi moves it in its `joint`.
+    """Bearing of a member: transform from its own frame to the fixed frame at a rotation phi.
 
-    That is a turn about its own z axis, or the slide of a rack. A rotation by phi (rad, counted as the source counts it) is a
-    right-handed rotation by `sign` * (phi - `zero`). `eccentricity` (x, y), mm, displaces the member's own z axis from the axis of
-    rotation and turns with the member.
+    The member turns about its own z axis, or slides if it is a rack. A rotation by phi (rad, counted as the source
+    counts it) is a right-handed rotation by `sign` * (phi - `zero`).
     """
 
+    #: transform of the unrotated member to the fixed frame
     base: Rigid
+    #: +1 if phi is right-handed about the member's z axis, -1 if left-handed
     sign: float = 1.0
+    #: phi of the unrotated member, rad; mm of travel for a rack
     zero: float = 0.0
+    #: displacement (x, y), mm, of the member's z axis from the axis of rotation; turns with the member
     eccentricity: tuple[float, float] = (0.0, 0.0)
+    #: motion of the member: a turn, or the slide of a rack
     joint: Joint = REVOLUTE_JOINT
 
     def at(self, phi: ArrayLike) -> Rigid:
-        """Where the member is at a rotation.
+        """Return the transform of the member at a rotation.
 
         Parameters
         ----------
@@ -52,10 +56,11 @@ class Mount:
         return turned @ self.own_to_turning
 
     def _turn(self, phi: ArrayLike) -> Rigid:
+        """Return the transform of a member without eccentricity at a rotation."""
         return self.base @ self.joint.to(self.sign * (np.asarray(phi, dtype=float) - self.zero))
 
     def rows(self, index: NDArray[np.intp]) -> Mount:
-        """Some of the mounts of many assemblies.
+        """Return some of the mounts of many assemblies.
 
         Parameters
         ----------
@@ -79,16 +84,18 @@ class Mount:
 
     @property
     def own_to_turning(self) -> Rigid:
-        """The member's own frame in the one that turns about the axis of rotation: the shift by the eccentricity."""
+        """Transform from the own frame to the frame that turns about the axis of rotation: the shift by the
+        eccentricity.
+        """
         return Rigid(np.eye(3), np.array([*self.eccentricity, 0.0]))
 
     @property
     def concentric(self) -> Mount:
-        """The same with the teeth on the axis of rotation."""
+        """The mount without eccentricity: its teeth are centred on the axis of rotation."""
         return replace(self, eccentricity=(0.0, 0.0))
 
     def off(self, phi: ArrayLike) -> Array:
-        """How far the teeth are off the place that they have without eccentricity.
+        """Return the displacement of the teeth by the eccentricity.
 
         Parameters
         ----------
@@ -109,7 +116,7 @@ class Mount:
         return self._turn(phi).vector(np.array([*self.eccentricity, 0.0]))
 
     def displace(self, phi: float) -> Mount:
-        """The mount of teeth that stay as far off as they are at one rotation, and turn about their own axis there.
+        """Return a mount whose teeth keep the displacement of one rotation and turn about their own axis.
 
         Parameters
         ----------
@@ -131,7 +138,7 @@ class Mount:
         return replace(self, base=base, eccentricity=(0.0, 0.0)) if self.eccentricity != (0.0, 0.0) else self
 
     def shift(self, shift: Array) -> Mount:
-        """The mounts of displaced assemblies.
+        """Return the mounts of displaced assemblies.
 
         Parameters
         ----------
@@ -168,7 +175,7 @@ class Mount:
         return self.sign * self.joint.spin(self.base)
 
     def velocity(self, r: Array) -> Array:
-        """How points of the member move as phi grows.
+        """Return the velocity of points of the member with respect to phi.
 
         Parameters
         ----------

@@ -1,4 +1,6 @@
-"""Names of the parts of a gear's surface: sides of a tooth, regions of teeth and body. Files and JSON hold their values."""
+"""Names of the parts of a gear's surface: sides of a tooth, regions of teeth and body. Files and JSON contain the
+values.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,7 @@ class Side(StrEnum):
 
     @property
     def sign(self) -> int:
-        """+1 right, -1 left."""
+        """+1 for the right side, -1 for the left."""
         return 1 if self is Side.RIGHT else -1
 
     @property
@@ -22,7 +24,7 @@ class Side(StrEnum):
 
 
 class Region(StrEnum):
-    """A part of a gear's surface: the links of a tooth's sections, and what the body has under them."""
+    """A part of a gear's surface: a link of a tooth's section, or a part of the body."""
 
     ROOT = "root"
     FILLET_RIGHT = "fillet_right"
@@ -61,31 +63,42 @@ class Region(StrEnum):
 
     @property
     def side(self) -> Side | None:
-        """The side of the tooth that it belongs to; None for root, land and body."""
-        return _SIDES.get(self)
+        """The side of the tooth that the region belongs to; None for root, land and body."""
+        return _REGION_SIDES.get(self)
 
     @property
     def is_flank(self) -> bool:
-        return self in FLANKS.values()
+        return self in FLANK_REGIONS.values()
 
 
-FLANKS = {Side.RIGHT: Region.FLANK_RIGHT, Side.LEFT: Region.FLANK_LEFT}
-FILLETS = {Side.RIGHT: Region.FILLET_RIGHT, Side.LEFT: Region.FILLET_LEFT}
-EDGES = {Side.RIGHT: Region.EDGE_RIGHT, Side.LEFT: Region.EDGE_LEFT}
-#: the ends of the face, plane end faces there, and the broken edges of end faces
-TOE, HEEL = "toe", "heel"
-END_FACES = {TOE: Region.FACE_TOE, HEEL: Region.FACE_HEEL}
-END_EDGES = {TOE: Region.EDGE_TOE, HEEL: Region.EDGE_HEEL}
-_SIDES = {region: side for regions in (FLANKS, FILLETS, EDGES) for side, region in regions.items()}
+#: flank of each side
+FLANK_REGIONS = {Side.RIGHT: Region.FLANK_RIGHT, Side.LEFT: Region.FLANK_LEFT}
+#: fillet of each side
+FILLET_REGIONS = {Side.RIGHT: Region.FILLET_RIGHT, Side.LEFT: Region.FILLET_LEFT}
+#: broken tip edge of each side
+TIP_EDGES = {Side.RIGHT: Region.EDGE_RIGHT, Side.LEFT: Region.EDGE_LEFT}
+#: name of the end at the toe
+TOE_END = "toe"
+#: name of the end at the heel
+HEEL_END = "heel"
+#: plane end face at each end
+END_FACES = {TOE_END: Region.FACE_TOE, HEEL_END: Region.FACE_HEEL}
+#: broken edge of the end face at each end
+END_EDGES = {TOE_END: Region.EDGE_TOE, HEEL_END: Region.EDGE_HEEL}
+#: side of each region of a flank, fillet or tip edge
+_REGION_SIDES = {
+    region: side for regions in (FLANK_REGIONS, FILLET_REGIONS, TIP_EDGES) for side, region in regions.items()
+}
 
-#: regions that a body may have, in the order of the files, which list them all; and those listed only where there are any
+#: regions of a body that files always list, in their order
 BODY_REGIONS = tuple(Region)[8:18]
+#: regions of a body that files list only if there are any
 RARE_REGIONS = tuple(Region)[18:20]
-#: only where there are two halves with a gap between
+#: region between two halves of a member
 GAP_REGIONS = tuple(Region)[20:21]
-#: only where there is one of them: steps of shaft and bore, bolt holes, openings between spokes
+#: regions of steps of shaft and bore, bolt holes and openings between spokes; listed only if there are any
 FEATURE_REGIONS = (Region.SHAFT, Region.COUNTERBORE, Region.BOLT, Region.SPOKE)
-#: those of the bar of a rack
+#: regions of the bar of a rack
 BAR_REGIONS = (Region.FACE_TOE, Region.FACE_HEEL, Region.BACK, Region.END)
-#: cut faces of a sector of some teeth: before its first tooth, and after its last
+#: cut faces of a sector of some teeth: before its first tooth and after its last
 CUT_REGIONS = (Region.CUT_RIGHT, Region.CUT_LEFT)

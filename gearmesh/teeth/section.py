@@ -1,11 +1,12 @@
-"""Sections of a tooth: the chain of links at every station, and where each of them starts and ends.
+"""Sections of a tooth: a chain of links at every station, and the start and end of each link.
 
-Going round the tooth counterclockwise (seen from +z) at a fixed station the section is the chain
+A section at a fixed station runs round the tooth counterclockwise (seen from +z) over the links
 
     root | fillet_right | flank_right | (edge_right) | land | (edge_left) | flank_left | fillet_left | next root
 
-s in [0, 1] runs along each link of the chain. Every grid point lies on its exact surface and neighbouring links share
-their end points exactly. Where a link is not smooth along the profile it has a seam: a constant parameter at a constant s.
+Parameter s runs from 0 to 1 along each link. Every grid point lies on its exact surface, and neighbouring links share
+their end points exactly. A link that is not smooth along the profile has a seam: a constant surface parameter at a
+constant s.
 """
 
 from __future__ import annotations
@@ -27,20 +28,22 @@ from gearmesh.teeth.region import Region, Side
 
 @dataclass(frozen=True)
 class Grid:
-    """Points and unit outward normals (S, T, 3) of one link on an (s, t) grid; `jet` where the link is a `Surface`.
+    """Points of one link on an (s, t) grid."""
 
-    `p`, `v` (S, T) are that surface's parameters.
-    """
-
+    #: points (S, T, 3), own frame, mm
     points: Array
+    #: unit outward normals (S, T, 3)
     normals: Array
+    #: jet (S, T) of the link's surface; None if the link is drawn
     jet: Jet | None = None
+    #: first surface parameter (S, T)
     p: Array | None = None
+    #: second surface parameter (S, T)
     v: Array | None = None
 
     @property
     def parameters(self) -> Array:
-        """(S, T, 2): p and v of a grid on a surface."""
+        """Surface parameters p and v, (S, T, 2)."""
         assert self.p is not None
         assert self.v is not None
         return np.stack((self.p, self.v), axis=-1)
@@ -48,17 +51,21 @@ class Grid:
 
 @dataclass(frozen=True)
 class Ends:
-    """Where the links of one side end, at each of T stations: parameters (T,), and points (T, 3) of the broken edge.
+    """Ends of one side's links at each of T stations."""
 
-    `tip_corner`: the parameter at which a generated chamfer or rounding begins, NaN where it has none.
-    """
-
+    #: flank parameter p (T,) at the form point
     form_point_flank: Array
+    #: fillet parameter q (T,) at the form point
     form_point_fillet: Array
+    #: flank parameter p (T,) where the flank ends at the tip, or at its broken edge
     tip: Array
+    #: parameter (T,) at which a generated chamfer or rounding begins; NaN if there is none
     tip_corner: Array
+    #: polar angle (T,) where the land begins, rad; y in mm for a rack
     tip_angle: Array
+    #: polar angle (T,) where the root begins, rad; y in mm for a rack
     root_angle: Array
+    #: points (T, 3) of the drawn tip edge; None if there is none
     edge: EdgePoints | None
 
     def __getitem__(self, which: slice | NDArray[np.intp]) -> Ends:
@@ -76,19 +83,23 @@ class Ends:
 
 @dataclass(frozen=True)
 class Sections:
-    """Trimmed chain ends of both sides at stations t (T,) with station coordinates `stations` (T,), mm."""
+    """Trimmed sections of a tooth at T stations."""
 
+    #: stations (T,), 0 at the toe, 1 at the heel
     t: Array
+    #: station coordinates (T,), mm
     stations: Array
+    #: ends of the links on the right side
     right: Ends
+    #: ends of the links on the left side
     left: Ends
 
     def __getitem__(self, which: slice | NDArray[np.intp]) -> Sections:
-        """The sections at some of the stations."""
+        """Return the sections at some of the stations."""
         return Sections(self.t[which], self.stations[which], self.right[which], self.left[which])
 
     def of(self, side: Side) -> Ends:
-        """The ends of one side.
+        """Return the ends of one side.
 
         Parameters
         ----------
@@ -114,7 +125,7 @@ Seams = tuple[tuple[float, float], ...]
 
 
 class Link(Protocol):
-    """One link of the chain: what it is, its exact surface (None: drawn, not generated), where it starts and ends."""
+    """One link of a section: its region, its exact surface (None if drawn), its start and its end."""
 
     @property
     def region(self) -> Region: ...
@@ -128,18 +139,18 @@ class Link(Protocol):
 
     @property
     def cone(self) -> ConeLevel | None:
-        """The plane, cylinder or cone that the surface is, if it is one."""
+        """The surface if it is a plane, cylinder or cone; None for other surfaces."""
 
     @property
     def seams(self) -> Seams: ...
 
     def span(self, sections: Sections) -> tuple[Array, Array]:
-        """The surface's first parameter at the start and the end of the link, in the chain's direction.
+        """Return the surface's first parameter at start and end of the link, in the direction of the section.
 
         Parameters
         ----------
         sections : Sections
-            The tooth's, at T stations.
+            Sections of the tooth at T stations.
 
         Returns
         -------
@@ -155,14 +166,14 @@ class Link(Protocol):
         """
 
     def grid(self, s: ArrayLike, sections: Sections) -> Grid:
-        """Exact points and normals on the link.
+        """Return exact points and normals on the link.
 
         Parameters
         ----------
         s : array_like
             (S,), or (S, T), from 0 to 1 along the link.
         sections : Sections
-            The tooth's, at T stations.
+            Sections of the tooth at T stations.
 
         Returns
         -------
@@ -178,14 +189,15 @@ class Link(Protocol):
 
 
 def breaks(link: Link) -> Array:
-    """s (K,) of the link's seams."""
+    """Values of s (K,) at the link's seams."""
     return np.array([s for s, _ in link.seams])
 
 
 def parameter(s: Array, span: tuple[Array, Array], seams: Seams) -> tuple[Array, Array]:
-    """The surface's first parameter at s of a link that spans it, and its rate dp/ds; all of shapes that broadcast.
+    """Return the surface's first parameter at s of a link that spans it, and its rate dp/ds; all shapes broadcast.
 
-    Straight from one end to the other, or from seam to seam; on a seam the rate is that of what follows.
+    The parameter is linear in s from one end to the other, or from seam to seam. At a seam the rate is the one after
+    the seam.
     """
     first, last = span
     if not seams:
@@ -195,31 +207,38 @@ def parameter(s: Array, span: tuple[Array, Array], seams: Seams) -> tuple[Array,
     shape = np.broadcast_shapes(np.shape(s), np.shape(first))
     p, rate = np.empty(shape), np.empty(shape)
     for k in range(len(places) - 1):
-        on = np.broadcast_to(np.asarray(s) >= places[k], shape) if k else np.ones(shape, dtype=bool)
+        after_seam = np.broadcast_to(np.asarray(s) >= places[k], shape) if k else np.ones(shape, dtype=bool)
         slope = (values[k + 1] - values[k]) / (places[k + 1] - places[k])
-        p = np.where(on, values[k] + (s - places[k]) * slope, p)
-        rate = np.where(on, slope, rate)
+        p = np.where(after_seam, values[k] + (s - places[k]) * slope, p)
+        rate = np.where(after_seam, slope, rate)
     return np.where(np.asarray(s) == 1.0, last, p), rate
 
 
 def _rows(s: ArrayLike) -> Array:
-    """s (S,) or (S, T) as (S, 1) or (S, T)."""
+    """Return s (S,) or (S, T) as an array (S, 1) or (S, T)."""
     s = np.asarray(s, dtype=float)
     return s[:, None] if s.ndim == 1 else s
 
 
 @dataclass(frozen=True)
 class GeneratedLink:
-    """A flank, fillet, tip chamfer or rounding; `ends` are its ends on a side's way from the root to the land, which the left
-    one goes back."""
+    """Link of a flank, fillet, tip chamfer or rounding."""
 
+    #: region of the link
     region: Region
+    #: side of the tooth
     side: Side
+    #: exact surface
     surface: Surface
+    #: station coordinate of a point
     axial: Level
+    #: first surface parameters (T,) at the ends towards root and land; the left side runs from land to root
     ends: Callable[[Ends], tuple[Array, Array]]
+    #: a tool generates the surface
     generated: bool = True
+    #: the surface is no plane, cylinder or cone
     cone: None = None
+    #: lines along the face over which the link is not smooth
     seams: Seams = ()
 
     def span(self, sections: Sections) -> tuple[Array, Array]:
@@ -229,7 +248,7 @@ class GeneratedLink:
         return self.between(_rows(s), sections.of(self.side), sections.stations)
 
     def between(self, s: Array, ends: Ends, stations: Array) -> Grid:
-        """As `grid`, s (S, 1) or (S, T), where only the side's own ends are known."""
+        """Return `grid` at s (S, 1) or (S, T) from the ends of this side alone."""
         p = parameter(s, self._span(ends), self.seams)[0]
         v, jet = along(self.surface, p, stations, self.axial)
         return Grid(jet.r, jet.n, jet, p, v)
@@ -241,14 +260,21 @@ class GeneratedLink:
 
 @dataclass(frozen=True)
 class TurnedLink:
-    """A land or root: a surface of revolution, or a plane, whose first parameter is the angle; `ends` are its angles."""
+    """Link of a land or root: a surface of revolution, or a plane, whose first parameter is the polar angle."""
 
+    #: region of the link
     region: Region
+    #: surface of the land or root
     surface: LandSurface
+    #: station coordinate of a point
     axial: Level
+    #: polar angles (T,) at both ends, rad; y in mm for a rack
     ends: Callable[[Sections], tuple[Array, Array]]
+    #: the link belongs to neither side
     side: None = None
+    #: no tool motion generates the surface
     generated: bool = False
+    #: the link is smooth
     seams: Seams = ()
 
     @property
@@ -268,15 +294,23 @@ class TurnedLink:
 
 @dataclass(frozen=True)
 class BottomLink:
-    """A root that a tool generates between two values of its first parameter, from one fillet's end to the next one's."""
+    """Link of a root that a tool generates, from the end of one fillet to the end of the next."""
 
+    #: region of the link
     region: Region
+    #: generated surface
     surface: Surface
+    #: station coordinate of a point
     axial: Level
+    #: first surface parameter at both ends, the same at all stations
     ends: tuple[float, float]
+    #: the link belongs to neither side
     side: None = None
+    #: a tool generates the surface
     generated: bool = True
+    #: the surface is no plane, cylinder or cone
     cone: None = None
+    #: the link is smooth
     seams: Seams = ()
 
     def span(self, sections: Sections) -> tuple[Array, Array]:
@@ -294,15 +328,23 @@ class BottomLink:
 
 @dataclass(frozen=True)
 class DrawnLink:
-    """A broken tip edge, drawn on the stations."""
+    """Link of a broken tip edge that is drawn on the stations."""
 
+    #: region of the link
     region: Region
+    #: side of the tooth
     side: Side
+    #: chamfer or rounding
     edge: TipEdge
+    #: station coordinate of a point
     axial: Level
+    #: the edge has no exact surface
     surface: None = None
+    #: no tool generates the edge
     generated: bool = False
+    #: the edge is no plane, cylinder or cone
     cone: None = None
+    #: the link is smooth
     seams: Seams = ()
 
     def span(self, sections: Sections) -> tuple[Array, Array]:

@@ -1,7 +1,8 @@
-"""The space between two teeth: what a broach, an electrode or a form tool fills.
+"""The space between two teeth: the volume that a broach, an electrode or a form tool fills.
 
-Its chain is that of the tooth after it, with the tip surface from its right tip back to the left tip of the tooth before in the
-place of the land; the links of the left side then belong to that tooth before, one pitch back, and the chain is closed:
+Its chain of links starts from the tooth after it. The tip surface, from this tooth's right tip back to the left tip of
+the tooth before, takes the place of the land. The links of the left side belong to the tooth before, one pitch back. So
+the chain is closed:
 
                  tip surface, back
            .----------------------------.
@@ -9,8 +10,8 @@ place of the land; the links of the left side then belong to that tooth before, 
     flank  |                            |  flank
             `-- fillet    root  fillet -'
 
-All else is as of a tooth: sections, grids, meshes. Normals point out of the teeth, so into the space, but that of the tip surface,
-which points away from both.
+Sections, grids and meshes are made as for a tooth. Normals point out of the teeth, into the space. The normal of the
+tip surface points away from both.
 """
 
 from __future__ import annotations
@@ -25,15 +26,15 @@ from gearmesh.teeth.tooth import Tooth
 
 @dataclass(frozen=True)
 class Space(Tooth):
-    """The space before a tooth, on the side of its right flank."""
+    """The space before a tooth, beside its right flank."""
 
     @staticmethod
     def before(tooth: Tooth) -> Space:
-        """The one between a tooth and another that is like it."""
+        """Return the space between a tooth and an equal tooth before it."""
         return Space(**{field.name: getattr(tooth, field.name) for field in fields(Tooth)})
 
     def _top(self) -> TurnedLink:
-        """The tip surface, from the tip of the right side back to that of the left one of the tooth before."""
+        """Return the tip surface, from the right tip back to the left tip of the tooth before."""
         pitch = self.pitch_angle
 
         def across(sections: Sections) -> tuple[Array, Array]:
@@ -42,5 +43,5 @@ class Space(Tooth):
         return TurnedLink(Region.TIP_SURFACE, self.blank.tip.surface, self.blank.axial, across)
 
     def volume(self, order: int = 24) -> float:
-        """Volume (mm^3) of the space, by Gauss quadrature of exact section areas."""
+        """Return the volume (mm^3) of the space, by Gauss quadrature of exact section areas."""
         return abs(self._swept(order))

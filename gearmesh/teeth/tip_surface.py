@@ -12,14 +12,15 @@ from gearmesh.kernel.surface.tabulated import TabulatedSurface, nodes_across
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.section import DrawnLink, Sections
 
-#: sections in each smooth stretch of the face through which a drawn edge's surface goes
+#: sections in each smooth stretch of the face that the surface of a drawn edge interpolates
 SECTIONS_PER_STRETCH = 33
 
 
 def drawn_edge_surface(
     link: DrawnLink, sections_at: Callable[[Array], Sections], smooth_stretches: tuple[float, ...]
 ) -> TabulatedSurface:
-    """Surface through exact sections of a drawn edge, with parameters (s, z): s from 0 at the flank to 1 at the land, z mm.
+    """Return the surface through exact sections of a drawn edge; parameters s from 0 at the flank to 1 at the land, and
+    z in mm.
 
     Parameters
     ----------

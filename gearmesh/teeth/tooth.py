@@ -1,7 +1,8 @@
-"""A tooth: flanks, fillets and lands trimmed against each other and by the blank, on grids (s, t).
+"""A tooth: flanks, fillets and lands, trimmed against each other and by the blank, as grids (s, t) of exact points.
 
-t in [0, 1] runs from toe to heel, s along each link of the section (see `section`). "right" is y < 0 of a tooth centred on
-+x (ISO 21771). Fillets are what the tool's tip generates; where they undercut the flank, both end at their true intersection.
+Parameter t runs from 0 at the toe to 1 at the heel, s from 0 to 1 along each link of a section (see `section`). "right"
+is y < 0 of a tooth centred on +x (ISO 21771). The tool's tip generates the fillet. Where the fillet undercuts the
+flank, both end at their true intersection.
 """
 
 from __future__ import annotations
@@ -25,10 +26,10 @@ from gearmesh.kernel.surface.stations import TrimError, along, follow
 from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.development import Development
-from gearmesh.teeth.blank.end_edge import SHARP
+from gearmesh.teeth.blank.end_edge import SHARP_ENDS
 from gearmesh.teeth.blank.tip_edge import TipEdge
 from gearmesh.teeth.end_strip import EndStrip, SharpOutline, StripPiece
-from gearmesh.teeth.region import EDGES, FILLETS, FLANKS, Region, Side
+from gearmesh.teeth.region import FILLET_REGIONS, FLANK_REGIONS, TIP_EDGES, Region, Side
 from gearmesh.teeth.section import (
     BottomLink,
     DrawnLink,
@@ -44,45 +45,54 @@ from gearmesh.teeth.tip_surface import drawn_edge_surface
 from gearmesh.teeth.tooth_side import Bottom, TipCorner, ToothSide
 from gearmesh.teeth.undercut import Undercut, cut_off, form_point, intersection, singular_stations, trim_tolerance
 
-#: stations at which the beginning of undercut is looked for
+#: stations between which the beginning and the end of undercut are looked for
 BREAK_SAMPLES = 17
-#: nodes of Gauss's rule along a generatrix, on which products of three coordinates are polynomials of degree 4
-ACROSS = 3
+#: Gauss nodes along a generatrix: exact for products of three coordinates, which have degree 4 there
+GENERATRIX_NODES = 3
 #: stations at which a flank is searched for loops with two cusps
 FOLD_STATIONS = 5
-#: distance from where undercut begins or ends at which a flank with such a loop is tried
-BESIDE = 1e-6
-#: stations, evenly spaced, whose sections are kept
+#: distance in t from the beginning or end of undercut at which a flank with such a loop is trimmed as a proof
+BREAK_DISTANCE_T = 1e-6
+#: fewest stations, evenly spaced, of the sections that are kept
 EVEN_STATIONS = 25
-#: heights of the tooth that a face counts as wide, at most
-MOST_HEIGHTS = 64
-#: stations in a turn of a tooth that winds round its axis
-TURN_STATIONS = 24
-#: threads go round so many times as far as along their axis, at the tip; places at which it is asked each way whether flanks are
-#: screw surfaces, and by what share of itself their advance may differ
-STEEP, SCREW_PLACES, SAME_SCREW = 1.8, 3, 1e-6
-#: share of their mean by which the advances of both sides may differ, of threads of two leads
-MOST_APART = 0.5
-#: samples of a flank in which its tip is looked for, and how far from the form point, over what it is nominally
-TIP_SAMPLES, FARTHEST_TIP = 33, 1.5
-#: radius of a tip, over that of the form point, from which on the tooth is followed up to it, at so many points of its flanks
-FAR_TIP, WAY_STATIONS = 2.0, 65
-#: fewest teeth of which this is done: threads of worms are wider than half a turn at their form point
-FEWEST_TEETH = 3
-#: stations of a stretch of the face along which the width of a land is followed
+#: largest face width, in tooth heights, that still adds stations
+MAX_FACE_HEIGHTS = 64
+#: stations in each turn of a tooth that winds round its axis
+STATIONS_PER_TURN = 24
+#: a thread has a tip radius of more than this many times its axial advance per radian
+MIN_RADIUS_PER_ADVANCE = 1.8
+#: samples each way of a flank that is tested for being a screw surface
+SCREW_SAMPLES = 3
+#: largest spread of the advances of these samples, as a share of the mean
+MAX_SCREW_SPREAD = 1e-6
+#: largest difference between the advances of both sides of a thread with two leads, as a share of the mean
+MAX_ADVANCE_DIFFERENCE = 0.5
+#: samples of a flank between which its tip is looked for
+TIP_SAMPLES = 33
+#: largest distance of the tip from the form point, in nominal flank lengths
+MAX_TIP_SHARE = 1.5
+#: tip radius over form point radius from which the tooth's width is followed up to the tip
+MIN_FAR_TIP_RATIO = 2.0
+#: samples of a flank at which that width is followed
+WIDTH_SAMPLES = 65
+#: fewest teeth for which it is followed: threads of worms are wider than half a turn at their form point
+MIN_FOLLOWED_TEETH = 3
+#: stations of each smooth stretch of the face along which the width of the land is followed
 LAND_STATIONS = 9
-#: stations at which a tooth is tried before anything else is made of it
+#: stations at which a tooth is trimmed as a proof, before it is used
 PROOF_STATIONS = 9
-#: share of the tooth's height by which a flank that is followed along the face may miss its tip
+#: largest distance between the tip and a flank followed along the face, as a share of the tooth's height
 TIP_OFF_SHARE = 1e-6
-#: share of a link from its ends within which a break is none of its seams
-CLOSEST = 1e-3
-#: parts of the way to a tip that are left, one after the other, where Newton does not go there at once
-TOWARDS_TIP = (0.75, 0.5, 0.25, 0.0)
-#: half the step of s over which drawn curves are differentiated
+#: distance from the ends of a link, as a share of it, within which a break makes no seam
+MIN_SEAM_SHARE = 1e-3
+#: shares of the way to the tip left after each step, where Newton's method does not converge in one step
+TIP_APPROACH_SHARES = (0.75, 0.5, 0.25, 0.0)
+#: half of the step in s with which drawn curves are differentiated
 HALF_STEP = 1e-6
-#: rounds, and parts in each, in which the interval between two of them is divided: places cost less than rounds
-BREAK_ROUNDS, BREAK_PARTS = 5, 256
+#: rounds in which the interval with a beginning or end of undercut is divided
+BREAK_ROUNDS = 5
+#: parts of the interval in each round: more samples cost less than more rounds
+BREAK_PARTS = 256
 
 #: flank parameters (T,) and jets of the tips of the right and the left side
 Tips = tuple[tuple[Array, Jet], tuple[Array, Jet]]
@@ -92,18 +102,22 @@ Tips = tuple[tuple[Array, Jet], tuple[Array, Jet]]
 class Tooth:
     """One tooth of a member with `teeth` teeth, centred on +x at the middle station.
 
-    `bottom`: the root where it is no surface of revolution; the blank's is then the one through its middle. `joint`: in which
-    the teeth follow each other.
-
-    Raises TrimError from its methods where the chain cannot be closed.
+    Methods raise TrimError where the chain of links cannot be closed.
     """
 
+    #: number of teeth of the member
     teeth: int
+    #: surfaces of the right side, y < 0
     right: ToothSide
+    #: surfaces of the left side
     left: ToothSide
+    #: levels that limit the tooth (stations, tip, root), and the gear body
     blank: Blank
+    #: drawn chamfer or rounding of the tip; None if the tip is sharp or the tool generates its edge
     tip_edge: TipEdge | None = None
+    #: root that is no surface of revolution; the root of `blank` is then the level through its middle
     bottom: Bottom | None = None
+    #: motion from one tooth to the next: a turn, or the slide of a rack
     joint: Joint = REVOLUTE_JOINT
 
     @property
@@ -111,7 +125,7 @@ class Tooth:
         return self.joint.pitch(self.teeth)
 
     def side(self, side: Side) -> ToothSide:
-        """The generated surfaces of one side.
+        """Return the surfaces of one side.
 
         Parameters
         ----------
@@ -132,7 +146,7 @@ class Tooth:
 
     @cached_property
     def chain(self) -> dict[Region, Link]:
-        """Links of the chain in order."""
+        """Links of a section by region, in their order round the tooth."""
         blank = self.blank
         right, left = (self._links(side) for side in Side)
         pitch = self.pitch_angle
@@ -148,11 +162,14 @@ class Tooth:
 
     @cached_property
     def tip_edges(self) -> dict[Side, Surface]:
-        """Surfaces of chamfers or roundings of the tip by sides, none where the tip is sharp: the tool's envelope with its own
-        parameters, or a drawn edge with parameters (s, z), s from 0 at the flank to 1 at the land."""
+        """Surfaces of tip chamfers or roundings by side; empty where the tip is sharp.
+
+        A generated edge is the tool's envelope with its own parameters. A drawn edge has parameters (s, z), s from 0 at
+        the flank to 1 at the land.
+        """
         surfaces: dict[Side, Surface] = {}
         for side in Side:
-            link = self.chain.get(EDGES[side])
+            link = self.chain.get(TIP_EDGES[side])
             if isinstance(link, DrawnLink):
                 surfaces[side] = drawn_edge_surface(link, self.sections, self.smooth_stretches)
             elif link is not None and link.surface is not None:
@@ -160,7 +177,7 @@ class Tooth:
         return surfaces
 
     def tip_edge_grid(self, which: Side, s: Array) -> Grid | None:
-        """Points of the tip edge of one side at even stations, with the parameters of its surface.
+        """Return points of one side's tip edge at the even stations, with the parameters of its surface.
 
         Parameters
         ----------
@@ -179,7 +196,7 @@ class Tooth:
         >>> gears.members["pinion"].tooth.tip_edge_grid(gm.Side.RIGHT, np.array([0.0, 1.0])) is None
         True
         """
-        link = self.chain.get(EDGES[which])
+        link = self.chain.get(TIP_EDGES[which])
         if link is None:
             return None
         if not isinstance(link, DrawnLink):
@@ -189,7 +206,7 @@ class Tooth:
         return Grid(jet.r, jet.n, jet, p, v)
 
     def _top(self) -> TurnedLink:
-        """The link between the tips of both sides."""
+        """Return the link between the tips of both sides."""
 
         def land(sections: Sections) -> tuple[Array, Array]:
             return sections.right.tip_angle, sections.left.tip_angle
@@ -197,14 +214,16 @@ class Tooth:
         return TurnedLink(Region.LAND, self.blank.tip.surface, self.blank.axial, land)
 
     def _links(self, which: Side) -> list[Link]:
-        """Links of one side, from the root to the land."""
+        """Return the links of one side, from the root to the land."""
         side, axial = self.side(which), self.blank.axial
 
         def fillet(ends: Ends) -> tuple[Array, Array]:
             return np.full_like(ends.form_point_fillet, side.root), ends.form_point_fillet
 
         links: list[Link] = [
-            self._add_seams(GeneratedLink(FILLETS[which], which, side.fillet, axial, fillet), side.fillet_breaks),
+            self._add_seams(
+                GeneratedLink(FILLET_REGIONS[which], which, side.fillet, axial, fillet), side.fillet_breaks
+            ),
             self._flank(which),
         ]
         if side.tip_corner is not None:
@@ -213,57 +232,61 @@ class Tooth:
             def tip_corner(ends: Ends) -> tuple[Array, Array]:
                 return ends.tip_corner, np.full_like(ends.tip_corner, end)
 
-            links.append(GeneratedLink(EDGES[which], which, side.tip_corner.surface, axial, tip_corner))
+            links.append(GeneratedLink(TIP_EDGES[which], which, side.tip_corner.surface, axial, tip_corner))
         elif self.tip_edge is not None:
-            links.append(DrawnLink(EDGES[which], which, self.tip_edge, axial))
+            links.append(DrawnLink(TIP_EDGES[which], which, self.tip_edge, axial))
         return links
 
     def _flank(self, which: Side) -> GeneratedLink:
+        """Return the link of one side's flank, from the form point to the tip."""
         side = self.side(which)
         flank = GeneratedLink(
-            FLANKS[which], which, side.flank, self.blank.axial, lambda ends: (ends.form_point_flank, ends.tip)
+            FLANK_REGIONS[which], which, side.flank, self.blank.axial, lambda ends: (ends.form_point_flank, ends.tip)
         )
         return self._add_seams(flank, side.flank_breaks)
 
     def _add_seams(self, link: GeneratedLink, breaks: tuple[float, ...]) -> GeneratedLink:
-        """The link with seams at those of its breaks that it has all along the face."""
+        """Return the link with a seam at each of `breaks` that lies inside it all along the face."""
         if not breaks:
             return link
         first, last = (end[:, None] for end in link.ends(self._coarse_ends(link.side)))
         share = (np.sort(breaks) - first) / (last - first)
-        inside = ((share > CLOSEST) & (share < 1.0 - CLOSEST)).all(axis=0)
+        inside = ((share > MIN_SEAM_SHARE) & (share < 1.0 - MIN_SEAM_SHARE)).all(axis=0)
         seams = [(float(s), float(p)) for s, p in zip(share[0, inside], np.sort(breaks)[inside], strict=True)]
         if link.side is Side.LEFT:
             seams = [(1.0 - s, p) for s, p in seams]
         return replace(link, seams=tuple(sorted(seams)))
 
     def _coarse_ends(self, which: Side) -> Ends:
-        """Where the links of one side end at a few stations from the middle, the first of them, outwards."""
+        """Ends of one side's links at five stations; the middle station is the first."""
         return self.ends(which, np.array([0.5, 0.0, 0.25, 0.75, 1.0]))
 
     @cached_property
     def sharp_ends(self) -> Tooth:
-        """The tooth whose links go on to the end faces."""
-        return self if self.blank.ends == SHARP else replace(self, blank=self.blank.sharp)
+        """The tooth without end chamfers: its links go on to the end faces."""
+        return self if self.blank.ends == SHARP_ENDS else replace(self, blank=self.blank.sharp)
 
     @cached_property
     def end_strips(self) -> tuple[EndStrip | None, EndStrip | None]:
-        """The broken edges of its end faces at toe and heel, None where there is none. Raises TrimError where one has no room."""
+        """Broken edges of the end faces at toe and heel, None where an edge is sharp. Raises TrimError where a chamfer
+        has no room.
+        """
         toe, heel = (self._end_strip(end) for end in (0, 1))
         return toe, heel
 
     def _end_strip(self, end: int) -> EndStrip | None:
+        """Return the broken edge of one end face, or None if that edge is sharp; `end` is 0 at the toe, 1 at the heel."""
         chamfer, at = self.blank.ends[end], np.array([float(end)])
         if chamfer is None:
             return None
-        both = self, self.sharp_ends
-        chains, sections = (self.chain, both[1].chain), (self.sections(at), both[1].sections(at))
+        cut_and_sharp = self, self.sharp_ends
+        chains, sections = (self.chain, cut_and_sharp[1].chain), (self.sections(at), cut_and_sharp[1].sections(at))
         step = self.joint.to(self.pitch_angle)
         return EndStrip(chains, sections, Development(self.blank.axial, self.joint), chamfer, step)
 
     @cached_property
     def sharp_outlines(self) -> tuple[SharpOutline, SharpOutline]:
-        """The outlines of its end faces at toe and heel with sharp edges."""
+        """Outlines of the end faces at toe and heel, with sharp edges."""
         sharp, plane = self.sharp_ends, Development(self.blank.axial, self.joint)
         step = self.joint.to(self.pitch_angle)
         toe, heel = (SharpOutline(sharp.chain, sharp.sections([end]), plane, step) for end in (0.0, 1.0))
@@ -271,27 +294,30 @@ class Tooth:
 
     @property
     def regions(self) -> tuple[Region, ...]:
-        """Regions of the links in order."""
+        """Regions of the links, in order."""
         return tuple(self.chain)
 
     @cached_property
     def breaks(self) -> Array:
-        """Stations t inside (0, 1) that are lines of every grid: where undercut begins or ends, so that the form point of flank and
-        fillet has a corner, and where the flanks are not smooth along the face."""
+        """Stations t inside (0, 1) that are lines of every grid.
+
+        At these stations undercut begins or ends, so that the form point has a corner, or a flank is not smooth along
+        the face.
+        """
         return np.unique(np.concatenate([*(self.breaks_of(side) for side in Side), self.face_breaks]))
 
     @cached_property
     def face_breaks(self) -> Array:
-        """Stations t inside (0, 1) where the flanks, or their tips, are not smooth along the face."""
+        """Stations t inside (0, 1) where a flank or the tip is not smooth along the face."""
         return self._inner([*self.right.face_breaks, *self.left.face_breaks, *self.blank.corners])
 
     def creases(self, region: Region) -> Array:
-        """Stations where the surface of a link has a corner along the face.
+        """Return the stations where the surface of a link has a corner along the face.
 
         Parameters
         ----------
         region : Region
-            Of the link: a flank, a fillet, the land or the root.
+            Region of the link: a flank, a fillet, the land or the root.
 
         Returns
         -------
@@ -308,29 +334,32 @@ class Tooth:
         return self._inner([*sides, *ends.get(region, ())])
 
     def _inner(self, places: list[float]) -> Array:
-        """t inside (0, 1), ascending, of station coordinates (mm)."""
+        """Convert station coordinates (mm) to t, ascending, and keep those inside (0, 1)."""
         toe, heel = self.blank.extent
         t = (np.array(places) - toe) / (heel - toe)
         return np.unique(t[(t > 0.0) & (t < 1.0)])
 
     @property
     def smooth_stretches(self) -> tuple[float, ...]:
-        """t from 0 to 1 between which quadrature of sections is exact: breaks of the face, and where higher derivatives jump."""
+        """Values of t from 0 to 1 between which Gauss quadrature of sections is exact.
+
+        They are 0, the breaks of the face, the places where higher derivatives jump, and 1.
+        """
         return (0.0, *np.union1d(self.face_breaks, self._bends).tolist(), 1.0)
 
     @property
     def _bends(self) -> Array:
-        """t inside (0, 1), ascending, where higher derivatives jump along the face."""
+        """Stations t inside (0, 1), ascending, where higher derivatives jump along the face."""
         return self._inner([*self.right.face_bends, *self.left.face_bends])
 
     @cached_property
     def unmodified_tooth(self) -> Tooth:
-        """The tooth as its tools leave it."""
+        """The tooth as its tools leave it, without modifications or deviations."""
         right, left = (side.generated or side for side in (self.right, self.left))
         return self if (right, left) == (self.right, self.left) else replace(self, right=right, left=left)
 
     def breaks_of(self, which: Side) -> Array:
-        """Stations where undercut of one side begins or ends.
+        """Return the stations where undercut of one side begins or ends.
 
         Parameters
         ----------
@@ -352,7 +381,7 @@ class Tooth:
         return _changes(lambda t: self._cut_off(side, t))
 
     def _cut_off(self, side: ToothSide, t: Array) -> NDArray[np.bool_]:
-        """Stations t (T,) where the flank is undercut, at the tool's form point or before it."""
+        """True (T,) at stations t where the flank is undercut, at the tool's form point or before it."""
         cut, odd = self._cut_off_at_form_point(side, t)
         if not self._folds(side):
             return cut
@@ -363,7 +392,11 @@ class Tooth:
         return cut | folded
 
     def _cut_off_at_form_point(self, side: ToothSide, t: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-        """Where the flank is undercut at the tool's form point, and where its nominal tip says nothing of that, at t (T,)."""
+        """Test for undercut at the tool's form point.
+
+        Returns two arrays (T,) at stations t: where the flank is undercut, and where the nominal tip cannot tell, so
+        that the true tip was used.
+        """
         stations, axial = self.stations(t), self.blank.axial
         sound, odd = self._nominal_tip(side, t)
         cut = cut_off(side, sound, stations, axial)
@@ -372,8 +405,12 @@ class Tooth:
         return cut, odd
 
     def _nominal_tip(self, side: ToothSide, t: Array) -> tuple[Jet, NDArray[np.bool_]]:
-        """The flank's jet at its nominal tip at t (T,), and where that is none, or turned inside out against mid face: steep flanks
-        reach the tip far from there."""
+        """Evaluate the flank at its nominal tip.
+
+        Returns the jet (T,) at stations t, and an array (T,) that is True where it cannot be used. There the station
+        does not meet the flank, or the flank is turned inside out against mid face: steep flanks reach the tip far from
+        the nominal one.
+        """
         which = Side.RIGHT if side is self.right else Side.LEFT
         if which not in self._senses and 0.5 not in t:
             self._nominal_tip(side, np.array([0.5]))
@@ -385,7 +422,9 @@ class Tooth:
         return nominal.jet, odd
 
     def find_undercut(self) -> None:
-        """Find out where flanks are undercut, unless it is known; sections go by it from then on, which changes their rounding.
+        """Find where the flanks are undercut, unless that is known.
+
+        Later sections start from the result, which changes their rounding errors.
 
         Raises
         ------
@@ -402,9 +441,9 @@ class Tooth:
                 self.ends(which, np.linspace(0.0, 1.0, PROOF_STATIONS))
 
     def near_tips(self, which: Side, t: Array) -> Array:
-        """Where on the flank's profile points near the tip are sound.
+        """Return profile parameters of points near the tip at which the flank is sound.
 
-        The nominal tip, or where that says nothing, as of steep flanks, the true one.
+        They are those of the nominal tip, or of the true tip where the nominal one cannot be used, as on steep flanks.
 
         Parameters
         ----------
@@ -432,13 +471,14 @@ class Tooth:
 
     @cached_property
     def _senses(self) -> dict[Side, float]:
-        """Area densities of flanks at their nominal tip at mid face, as soon as they were asked for."""
+        """Area densities of the flanks at their nominal tip at mid face, by side; filled when first needed."""
         return {}
 
     def _folds(self, side: ToothSide) -> bool:
-        """Whether the flank of a side turns back and forth again anywhere before its form point.
+        """True if the flank of a side turns back and forth again before its form point.
 
-        A loop with two cusps is wide, or narrow and next to where the form point itself is cut off no longer.
+        A loop with two cusps is wide, or it is narrow and lies next to the station where undercut at the form point
+        ends. Both places are tested.
         """
         which = Side.RIGHT if side is self.right else Side.LEFT
         if which not in self._folded_sides:
@@ -452,7 +492,7 @@ class Tooth:
         return self._folded_sides[which]
 
     def stations(self, t: ArrayLike) -> Array:
-        """Coordinates of stations between toe and heel.
+        """Return the coordinates of stations between toe and heel.
 
         Parameters
         ----------
@@ -474,7 +514,7 @@ class Tooth:
         return toe + (heel - toe) * np.asarray(t, dtype=float)
 
     def sections(self, t: ArrayLike) -> Sections:
-        """Both sides, trimmed at stations.
+        """Trim both sides at given stations.
 
         Parameters
         ----------
@@ -501,11 +541,11 @@ class Tooth:
         return self._sections(t, self._tips(t))
 
     def _sections(self, t: Array, tips: Tips) -> Sections:
-        """The same where the flanks' tips are known."""
+        """Trim both sides at t (T,), with known tips of the flanks."""
         stations = self.stations(t)
         right, left = (self._ends(side, t, tip) for side, tip in zip(Side, tips, strict=True))
-        # threads go round the axis many times: their angles run on; lands are less than half a turn wide, but of the run-outs of a
-        # single thread, roots less than three quarters
+        # angles of threads, which wind round the axis many times, are continued along the face; a land is narrower than half
+        # a turn (except in the run-out of a single thread), a root narrower than three quarters
         right = replace(right, tip_angle=self.joint.running(right.tip_angle))
         left = replace(left, root_angle=self.joint.running(left.root_angle))
         width = self._width_of_land(right.tip_angle, left.tip_angle, t)
@@ -515,7 +555,7 @@ class Tooth:
         return Sections(t, stations, right, left)
 
     def ends(self, which: Side, t: Array) -> Ends:
-        """Where fillet and flank of one side end; the other side is not asked.
+        """Trim fillet and flank of one side; the other side is not evaluated.
 
         Parameters
         ----------
@@ -544,14 +584,14 @@ class Tooth:
 
     @cached_property
     def even(self) -> Sections:
-        """Sections at EVEN_STATIONS from toe to heel, made once: what contact, clearance and the like start from.
+        """Sections at evenly spaced stations from toe to heel, made once; contact and clearance start from them.
 
-        There are more, two for every tooth's height, where the face is wide: contact is about as long as teeth are high; and so
-        many for every turn of a thread.
+        There are at least EVEN_STATIONS. A wide face has two for every tooth height, because contact is about as long
+        as teeth are high. A thread has STATIONS_PER_TURN for every turn.
         """
         toe, heel = self.blank.extent
-        wide = 2 * int(np.ceil(min(abs(heel - toe) / self.height, MOST_HEIGHTS))) + 1
-        wound = int(np.ceil(TURN_STATIONS * self.windings)) + 1
+        wide = 2 * int(np.ceil(min(abs(heel - toe) / self.height, MAX_FACE_HEIGHTS))) + 1
+        wound = int(np.ceil(STATIONS_PER_TURN * self.windings)) + 1
         return self.sections(np.linspace(0.0, 1.0, max(wide, wound, EVEN_STATIONS)))
 
     @cached_property
@@ -561,7 +601,7 @@ class Tooth:
 
     @cached_property
     def windings(self) -> float:
-        """How often it goes round its axis along the face, by its slope at mid face; 0 of what slides."""
+        """Turns of the tooth round its axis along the face, from its slope at mid face; 0 for a rack."""
         tip, (toe, heel) = self._middle_tip, self.blank.extent
         along_axis, around = self.blank.axial.gradient(tip.r), self.joint.velocity(Rigid.identity(), tip.r)
         spin = float(np.linalg.norm(self.joint.spin(Rigid.identity())))
@@ -570,50 +610,58 @@ class Tooth:
 
     @cached_property
     def screw(self) -> float | None:
-        """Axial advance (mm/rad, negative of left-hand threads) of a thread; None of other teeth.
+        """Axial advance of a thread, mm/rad, negative for left-hand threads; None for other teeth.
 
-        Threads are screw surfaces, as their tools leave them, whose way along the helix is `STEEP` times that along the axis; with
-        a screw parameter for either side it is their mean. Run-outs at their ends are none: the middle between bends counts.
+        The flanks of a thread, as its tools leave them, are screw surfaces, and its tip radius is more than
+        MIN_RADIUS_PER_ADVANCE times the advance. If the two sides have different advances, the mean is returned.
+        Run-outs at the ends are not screw surfaces: only the stretch between them is tested.
         """
         if self.joint.travel is not None or self.windings == 0.0:
             return None
         tooth, screws = self.unmodified_tooth, []
         ends = np.array([0.0, *self._bends, 1.0])
-        along = np.linspace(ends[ends < 0.5].max(), ends[ends > 0.5].min(), SCREW_PLACES)
+        along = np.linspace(ends[ends < 0.5].max(), ends[ends > 0.5].min(), SCREW_SAMPLES)
         for side in Side:
-            grid = tooth.flank_grid(side, np.linspace(0.0, 1.0, SCREW_PLACES), along)
-            # of a screw surface the motion along the helix is at right angles to all normals
+            grid = tooth.flank_grid(side, np.linspace(0.0, 1.0, SCREW_SAMPLES), along)
+            # the motion along the helix of a screw surface is at right angles to all normals, which gives the advance
             around = grid.points[..., 1] * grid.normals[..., 0] - grid.points[..., 0] * grid.normals[..., 1]
-            own = around / grid.normals[..., 2]
-            if not np.ptp(own) <= SAME_SCREW * abs(own.mean()):
+            advances = around / grid.normals[..., 2]
+            if not np.ptp(advances) <= MAX_SCREW_SPREAD * abs(advances.mean()):
                 return None
-            screws.append(float(own.mean()))
+            screws.append(float(advances.mean()))
         screw, apart = 0.5 * sum(screws), abs(screws[0] - screws[1])
         reach = float(self.joint.radius(self._middle_tip.r)[0])
-        # teeth that taper, as beveloids do, wind to either side
-        return screw if reach > STEEP * abs(screw) and apart < MOST_APART * abs(screw) else None
+        # teeth that taper, as of beveloids, wind to opposite sides: they are no threads
+        return (
+            screw
+            if reach > MIN_RADIUS_PER_ADVANCE * abs(screw) and apart < MAX_ADVANCE_DIFFERENCE * abs(screw)
+            else None
+        )
 
     @property
     def sharp_tip(self) -> Tooth:
-        """The tooth without what is drawn at its tip: rounding or chamfer."""
+        """The tooth without the drawn chamfer or rounding of its tip."""
         return self if self.tip_edge is None else replace(self, tip_edge=None)
 
     @cached_property
     def _middle_tip(self) -> Jet:
-        """The right side's tip at mid face (1,)."""
+        """Jet (1,) of the right flank at its tip at mid face."""
         return self._tip(self.right, self.stations([0.5]), np.array([0.5]))[1]
 
     @cached_property
     def _folded_sides(self) -> dict[Side, bool]:
+        """Results of `_folds` by side; filled when first needed."""
         return {}
 
     @cached_property
     def _undercut(self) -> dict[Side, Undercut]:
-        """Where sides are undercut, as soon as one was trimmed from toe to heel: to look for it anew costs most of a trimming."""
+        """Undercut by side, kept as soon as a side was trimmed from toe to heel: finding it takes most of the time of a
+        trimming.
+        """
         return {}
 
     def prove(self) -> None:
-        """Trim the tooth at many stations from toe to heel, and where loops of flanks with two cusps end.
+        """Trim the tooth at many stations from toe to heel, and near the ends of loops with two cusps.
 
         Raises
         ------
@@ -630,21 +678,23 @@ class Tooth:
         self._prove_land(t, tips)
         looped = [self.breaks_of(which) for which in Side if self._folds(self.side(which))]
         if looped:
-            beside = np.concatenate(looped)[:, None] + np.array([-BESIDE, BESIDE])
+            beside = np.concatenate(looped)[:, None] + np.array([-BREAK_DISTANCE_T, BREAK_DISTANCE_T])
             t = np.append(t, np.clip(beside, 0.0, 1.0))
             tips = self._tips(t)
         self._sections(t, tips)
 
     @property
     def has_loops(self) -> bool:
-        """Whether a flank has a loop with two cusps before its form point, whose ends take `prove` a hundred times the work of a
-        section to find."""
+        """True if a flank has a loop with two cusps before its form point.
+
+        In that case `prove` takes about a hundred times as long as one section.
+        """
         return any(self._folds(self.side(which)) for which in Side)
 
     def prove_land(self, t: Array) -> None:
-        """Trim the flanks at the tip alone, a fiftieth of the work.
+        """Trim only the flanks at the tip, in a fiftieth of the time of a section.
 
-        Tip roundings and chamfers are known to `sections` alone.
+        Chamfers and roundings of the tip are not tested: only `sections` includes them.
 
         Parameters
         ----------
@@ -675,13 +725,14 @@ class Tooth:
                 raise TrimError("tip", worst, "the flank turns back along the face near its tip")
 
     def _prove_land(self, t: Array, tips: Tips) -> None:
+        """Raise TrimError where the tooth is pointed or a flank misses its tip, at stations t (T,) with known tips."""
         if self.tip_edge is None and self.right.tip_corner is None:
             right, left = (self.joint.angle(jet.r) for _, jet in tips)
             self._width_of_land(right, left, t)
         self._prove_tips(t, tips)
 
     def prove_root(self, t: Array) -> None:
-        """Follow the fillets' ends at the root alone, a tenth of the work.
+        """Follow only the ends of the fillets at the root, in a tenth of the time of a section.
 
         Parameters
         ----------
@@ -703,13 +754,13 @@ class Tooth:
 
     @cached_property
     def root_ends(self) -> Array:
-        """Where the fillets of its right and left side begin at the root, (2, PROOF_STATIONS, 3), mm."""
+        """Points (2, PROOF_STATIONS, 3), mm, where the fillets of the right and the left side begin at the root."""
         stations = self.stations(np.linspace(0.0, 1.0, PROOF_STATIONS))
         sides = (self.side(which) for which in Side)
         return np.array([self._root_jet(side, stations).r for side in sides])
 
     def root_middle(self, z: Array) -> Array:
-        """The middle of the root before a rack's tooth, as its tools leave it: where bars end.
+        """Return y of the middle of the root before a rack's tooth, as its tools leave it; a bar ends there.
 
         Parameters
         ----------
@@ -732,16 +783,16 @@ class Tooth:
         return np.asarray(np.interp(z, middle[:, 2], middle[:, 1]))
 
     def grid(self, region: Region, s: ArrayLike, sections: Sections) -> Grid:
-        """Exact points and normals of one link of the tooth's outline.
+        """Return exact points and normals of one link.
 
         Parameters
         ----------
         region : Region
-            Which link, as "flank_right".
+            Region of the link, as "flank_right".
         s : array_like
-            Share (S,), or (S, T), of the way along it.
+            Shares (S,) or (S, T) of the way along the link.
         sections : Sections
-            Where links end at T stations.
+            Ends of the links at T stations.
 
         Returns
         -------
@@ -757,7 +808,7 @@ class Tooth:
         return self.chain[region].grid(s, sections)
 
     def flank_grid(self, which: Side, s: ArrayLike, t: ArrayLike) -> Grid:
-        """Exact points and normals of a trimmed flank; the other side is not asked.
+        """Return exact points and normals of a trimmed flank; the other side is not evaluated.
 
         Parameters
         ----------
@@ -791,16 +842,17 @@ class Tooth:
         return self._flank(which).between(s if which is Side.RIGHT else 1.0 - s, ends, self.stations(t))
 
     def volume(self, order: int = 24) -> float:
-        """Volume of all teeth and the body, by Gauss quadrature of exact section areas.
+        """Return the volume of all teeth and the body, by Gauss quadrature of exact section areas.
 
-        A section is a cone, plane or cylinder of a constant station down to a floor, the straight line between the ends of
-        the body's profile. With u along its generatrix its area is the integral of rho du over the polar angle, and the
-        volume that of the areas over the station. Floor and profile enclose the rest, a solid of revolution.
+        The section of a station lies on a plane, cone or cylinder. It reaches from the tooth's outline down to a floor,
+        the straight line between the ends of the body's profile. With u along the generatrix, its area is the integral
+        of rho du over the polar angle. The volume of the teeth is the integral of the area over the station coordinate.
+        Floor and profile enclose the rest, a solid of revolution.
 
         Parameters
         ----------
         order : int
-            Points of a rule.
+            Gauss nodes in each direction.
 
         Returns
         -------
@@ -833,7 +885,7 @@ class Tooth:
         return float((heel - toe) * total) + sum(self._strip_volume(end, nodes, weights) for end in (0, 1))
 
     def _strip_volume(self, end: int, nodes: Array, weights: Array) -> float:
-        """Volume (mm^3) of a tooth over the floor within the depth of the chamfer at an end, 0 where there is none."""
+        """Volume (mm^3) of one tooth over the floor, within the depth of the chamfer at an end; 0 for a sharp end."""
         strip = self.end_strips[end]
         if strip is None:
             return 0.0
@@ -845,14 +897,14 @@ class Tooth:
         return abs(way) * float(np.sign(self.blank.extent[1] - self.blank.extent[0])) * total
 
     def quadrature(self, order: int = 24) -> tuple[Array, Array]:
-        """Gauss's rule over one tooth down to its floor, as `volume` has it.
+        """Return a Gauss rule over one tooth, down to the floor that `volume` uses.
 
-        Along the generatrices it is exact for products of up to three coordinates.
+        The rule is exact along the generatrices for products of up to three coordinates.
 
         Parameters
         ----------
         order : int
-            Points of a rule.
+            Gauss nodes in each direction.
 
         Returns
         -------
@@ -868,20 +920,28 @@ class Tooth:
         >>> bool(weights.sum() > 0.0)
         True
         """
-        (nodes, weights), (places, shares) = (np.polynomial.legendre.leggauss(n) for n in (order, ACROSS))
-        nodes, weights, places, shares = 0.5 * (nodes + 1.0), 0.5 * weights, 0.5 * (places + 1.0), 0.5 * shares
+        (nodes, weights), (depths, shares) = (np.polynomial.legendre.leggauss(n) for n in (order, GENERATRIX_NODES))
+        nodes, weights, depths, shares = 0.5 * (nodes + 1.0), 0.5 * weights, 0.5 * (depths + 1.0), 0.5 * shares
         points, amounts = [], []
         for outline, along_s, stations, size in self._outlines(nodes):
             foot, rate = self._generatrices(outline, along_s, stations)
-            there = foot + places[:, None, None, None] * (outline - foot)
-            wide = 1.0 if self.joint.travel is not None else np.hypot(there[..., 0], there[..., 1])
-            points.append(there.reshape(-1, 3))
-            amounts.append((size * shares[:, None, None] * weights[:, None] * weights * rate * wide).ravel())
+            samples = foot + depths[:, None, None, None] * (outline - foot)
+            radius = 1.0 if self.joint.travel is not None else np.hypot(samples[..., 0], samples[..., 1])
+            points.append(samples.reshape(-1, 3))
+            amounts.append((size * shares[:, None, None] * weights[:, None] * weights * rate * radius).ravel())
         return np.concatenate(points), np.concatenate(amounts)
 
     def _outlines(self, nodes: Array) -> Iterator[tuple[Array, Array, Array, float | Array]]:
-        """Points (S, T, 3) of all smooth pieces of a tooth's surface at nodes of both directions, their derivatives by s, their
-        stations (T,), mm, and what the square from 0 to 1 is in s and station, of a strip at each node, signed from toe to heel."""
+        """Yield every smooth piece of a tooth's surface, evaluated at Gauss nodes in both directions.
+
+        Each piece has four parts:
+
+        - points (S, T, 3), mm;
+        - their derivatives by s;
+        - their stations (T,), mm;
+        - the area in s and station coordinate of the parameter square, signed from toe to heel; on a chamfer one value
+          per node.
+        """
         toe, heel = self.blank.extent
         for low, high in pairwise(self.smooth_stretches):
             sections = self.sections(low + (high - low) * nodes)
@@ -899,8 +959,11 @@ class Tooth:
                 yield points, along_s, self.blank.faces[end] + depth * way, abs(way) * np.sign(heel - toe) * rate
 
     def _generatrices(self, points: Array, along_s: Array, stations: Array) -> tuple[Array, Array]:
-        """Where the generatrices of sections to points (S, T, 3) leave the floor, (S, T, 3), and what they sweep per ds, (S, T):
-        their length by the polar angle, of a bar by y."""
+        """Generatrices from the floor to points (S, T, 3) of a section.
+
+        Returns their feet (S, T, 3) on the floor, and the area that they sweep per ds, (S, T): length times polar
+        angle, of a bar length times y.
+        """
         x, y, z = np.moveaxis(points, -1, 0)
         foot = np.array(points)
         if self.joint.travel is not None:
@@ -914,14 +977,18 @@ class Tooth:
         return foot, (up * (rho - floor) - across * (z - floor_z)) * turning
 
     def _area_density(self, link: Link, s: Array, sections: Sections) -> Array:
-        """d(area over the floor)/ds on an (S, T) grid: the area between generatrices is the integral of rho du."""
+        """Derivative by s of the area over the floor, on an (S, T) grid; area between generatrices is the integral of
+        rho du.
+        """
         return self._density(*self._outline(link, s, sections), sections.stations)
 
     def _density(self, points: Array, along_s: Array, stations: Array) -> Array:
-        """The same of points (S, T, 3) at stations (T,), mm, and their derivatives by s."""
+        """Derivative by s of the area over the floor, (S, T), from points (S, T, 3), their derivatives by s, and
+        stations (T,), mm.
+        """
         x, y, z = np.moveaxis(points, -1, 0)
         if self.joint.travel is not None:
-            # of a bar: between the section and the bar's back
+            # a bar: the area between the section and the back
             bar: Array = (x - self.blank.body.profile[0][0]) * along_s[..., 1]
             return bar
         rho = np.hypot(x, y)
@@ -933,14 +1000,14 @@ class Tooth:
         return density
 
     def _floor(self, stations: Array) -> tuple[Array, Array]:
-        """The floor at stations (T,), mm, (T,) each: rho and z."""
+        """Return rho and z (T,) of the floor at stations (T,), mm."""
         first, last = (np.array(self.blank.body.profile[k]) for k in (0, -1))
         toe, heel = self.blank.faces
         floor, floor_z = (first + ((stations - toe) / (heel - toe))[:, None] * (last - first)).T
         return floor, floor_z
 
     def _outline(self, link: Link, s: Array, sections: Sections) -> tuple[Array, Array]:
-        """Points of a link and their derivatives by s at constant stations, (S, T, 3) each."""
+        """Return points of a link and their derivatives by s at constant stations, (S, T, 3) each."""
         grid = link.grid(s, sections)
         if grid.jet is None:
             ahead = link.grid(s + HALF_STEP, sections).points
@@ -952,9 +1019,10 @@ class Tooth:
         return grid.points, (grid.jet.r_u + grid.jet.r_v * dv[..., None]) * rate[..., None]
 
     def _ends(self, which: Side, t: Array, at_tip: tuple[Array, Jet], *, root: bool = True) -> Ends:
-        """Where the links of one side end, from its tip; without `root` the root's angle is left out (NaN)."""
+        """Trim one side from its tip at t (T,); without `root` the polar angle of the root is NaN."""
         side, stations, (tip, tip_jet) = self.side(which), self.stations(t), at_tip
         tip_point, tip_corner = tip_jet.r, np.full_like(stations, np.nan)
+        # form point, or the intersection of flank and fillet where the flank is undercut
         form_point_flank, form_point_fillet, undercut = form_point(
             side,
             (tip, tip_jet),
@@ -965,6 +1033,7 @@ class Tooth:
             folds=self._folds(side),
         )
         self._demand_flank(side, (form_point_flank, tip), (stations, t), tip_jet)
+        # sections from toe to heel show all undercut: later sections start from it
         if t.size >= PROOF_STATIONS and t.min() <= 0.0 and t.max() >= 1.0:
             self._undercut.setdefault(which, undercut)
         root_angle = np.full_like(stations, np.nan)
@@ -981,7 +1050,10 @@ class Tooth:
         return Ends(form_point_flank, form_point_fillet, tip, tip_corner, self.joint.angle(tip_point), root_angle, edge)
 
     def _demand_flank(self, side: ToothSide, ends: tuple[Array, Array], at: tuple[Array, Array], tip: Jet) -> None:
-        """Raise TrimError where the form point lies beyond the tip, both flank parameters `ends` (T,) at stations and t (T,)."""
+        """Raise TrimError where the form point lies beyond the tip.
+
+        `ends`: flank parameters (T,) of form point and tip; `at`: stations (mm) and t (T,); `tip`: jets at the tip.
+        """
         height = (ends[1] - ends[0]) * np.sign(side.tip - side.form_point[0])
         if (height > 0.0).all():
             return
@@ -992,20 +1064,22 @@ class Tooth:
         raise TrimError("flank", float(t[k]), lost)
 
     def _tips(self, t: Array) -> Tips:
-        """Where the flanks of both sides have their tip at t (T,), as `_tip`."""
+        """Return `_tip` of both sides at t (T,)."""
         right, left = (self._tip(self.side(which), self.stations(t), t) for which in Side)
         return right, left
 
     def _tip(self, side: ToothSide, stations: Array, t: Array) -> tuple[Array, Jet]:
-        """Flank parameter p (T,) and the flank's jet on the tip's level, or where its tip chamfer or rounding begins, at each
-        station."""
+        """Solve for the flank's tip: the point on the tip's level, or where a generated chamfer or rounding begins.
+
+        Returns the flank parameter p (T,) and the jet at each station.
+        """
         axial, tip = self.blank.axial, self.blank.tip
         if side.tip_corner is not None:
             begins, _ = self._tip_corner(side, side.tip_corner, stations, t)
             return begins, along(side.flank, begins, stations, axial)[1]
 
         def at_tip(which: NDArray[np.intp], level: Array) -> Callable[[Array, NDArray[np.intp]], tuple[Array, Array]]:
-            """Residuals of the points of some stations on levels (N,), mm, of the tip."""
+            """Return the residuals, mm, and their Jacobian for points on given levels (N,), mm, of the tip."""
 
             def residual(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
                 jet = jet_at(x)
@@ -1015,24 +1089,29 @@ class Tooth:
 
             return residual
 
+        # start: the nominal tip at each station
         near = follow(side.flank, np.full_like(stations, side.tip), stations, axial)
         start = np.stack((np.full_like(stations, side.tip), near.values), axis=-1)
         last = start, near.jet
 
         def jet_at(x: Array) -> Jet:
-            """At parameters (N, 2); the last one is kept, as each solution begins and ends with what was evaluated before."""
+            """Evaluate the flank at parameters (N, 2); the last result is kept, because every solution begins with the
+            last point.
+            """
             nonlocal last
             if not np.array_equal(x, last[0]):
                 last = x.copy(), side.flank.jet(x[:, 0], x[:, 1])
             return last[1]
 
         tolerance = trim_tolerance(near.jet.r[near.converged])
+        # two equations, station and tip level, for the flank parameters (p, v)
         solution = newton.solve(at_tip(np.arange(stations.size), np.zeros_like(stations)), start, tolerance=tolerance)
         values, converged = solution.values, solution.converged
+        # the physical root lies between the form point and 1.5 nominal flank lengths from it
         share = (values[:, 0] - side.form_point[0]) / (side.tip - side.form_point[0])
-        odd = np.flatnonzero(~(converged & (share > 0.0) & (share < FARTHEST_TIP)))
+        odd = np.flatnonzero(~(converged & (share > 0.0) & (share < MAX_TIP_SHARE)))
         if odd.size:
-            # steep flanks throw Newton's method far off, to other roots
+            # steep flanks throw Newton's method far off, to other roots: start from the first crossing of the tip level
             first = newton.solve(
                 at_tip(odd, np.zeros(odd.size)), self._near_tip(side, stations[odd]), tolerance=tolerance
             )
@@ -1041,8 +1120,8 @@ class Tooth:
         if not converged.all():
             lost = np.flatnonzero(~converged)
             x = start[lost]
-            # a tip far from that of the tool, as of a throat: towards it by and by
-            for left in TOWARDS_TIP:
+            # a tip far from the tool's, as of a throat: approach it in steps
+            for left in TIP_APPROACH_SHARES:
                 solution = newton.solve(at_tip(lost, left * tip.value(near.jet.r[lost])), x, tolerance=tolerance)
                 x = solution.values
             values[lost], converged[lost] = x, solution.converged
@@ -1051,17 +1130,19 @@ class Tooth:
         return values[:, 0], jet_at(values)
 
     def _near_tip(self, side: ToothSide, stations: Array) -> Array:
-        """Flank parameters (T, 2) near where flanks that are steep along the face reach the tip first, from the form point on;
-        NaN where they do not."""
-        share = np.linspace(0.0, FARTHEST_TIP, TIP_SAMPLES)[:, None]
+        """Return flank parameters (T, 2) near the first crossing of the tip's level, counted from the form point.
+
+        They are start values for flanks that are steep along the face; NaN at stations where there is no crossing.
+        """
+        share = np.linspace(0.0, MAX_TIP_SHARE, TIP_SAMPLES)[:, None]
         p = side.form_point[0] + share * (side.tip - side.form_point[0]) + np.zeros_like(stations)
         curves = follow(side.flank, p, stations, self.blank.axial)
         under: Array = np.where(curves.converged, self.blank.tip.value(curves.jet.r), np.nan)
         crossed: NDArray[np.bool_] = np.asarray(np.diff(under > 0.0, axis=0) & np.isfinite(under[:-1] + under[1:]))
-        k, of = crossed.argmax(axis=0), np.arange(stations.size)
-        low_under, high_under = under[k, of], under[k + 1, of]
+        k, station = crossed.argmax(axis=0), np.arange(stations.size)
+        low_under, high_under = under[k, station], under[k + 1, station]
         far = low_under / (low_under - high_under)
-        ends = ((x[k, of], x[k + 1, of]) for x in (p, curves.values))
+        ends = ((x[k, station], x[k + 1, station]) for x in (p, curves.values))
         start = np.stack([low + far * (high - low) for low, high in ends], axis=-1)
         return np.where(np.asarray(crossed.any(axis=0))[:, None], start, np.nan)
 
@@ -1078,15 +1159,15 @@ class Tooth:
         return solution.values[:, 0], solution.values[:, 2]
 
     def _root_angle(self, side: ToothSide, stations: Array) -> Array:
-        """Polar angle (T,), rad, of the end of a side's fillet at stations (T,)."""
+        """Polar angle (T,), rad, at which a side's fillet begins at the root, at stations (T,)."""
         return self.joint.angle(self._root_jet(side, stations).r)
 
     def _root_jet(self, side: ToothSide, stations: Array) -> Jet:
-        """Jet (T,) of a side's fillet where it begins at the root at stations (T,)."""
+        """Jet (T,) of a side's fillet at the root, at stations (T,)."""
         return along(side.fillet, np.full_like(stations, side.root), stations, self.blank.axial)[1]
 
     def _width_of_root(self, right: Array, before: Array, t: Array) -> Array:
-        """Angle (T,), rad, from the fillet of the tooth `before` to that of the right side at t (T,).
+        """Angle (T,), rad, from the left fillet of the tooth `before` to the right fillet of this tooth, at t (T,).
 
         Raises TrimError where they overlap.
         """
@@ -1098,16 +1179,19 @@ class Tooth:
 
     @cached_property
     def _crosses_below_tip(self) -> bool:
-        """Whether the sides cross at mid face below a tip far above the form point: where the width of the tooth falls through half
-        a turn on the way, the angle at the tip alone looks like land."""
-        if self.teeth < FEWEST_TEETH:
+        """True if the sides cross at mid face below a tip that is far above the form point.
+
+        The width of such a tooth falls through half a turn on the way to the tip, so that the angle at the tip alone
+        looks like a land.
+        """
+        if self.teeth < MIN_FOLLOWED_TEETH:
             return False
         t = np.array([0.5])
         station, (tip, at_tip) = self.stations(t), self._tip(self.right, self.stations(t), t)
         form_point = along(self.right.flank, np.array([self.right.form_point[0]]), station, self.blank.axial)[1].r
-        if not self.joint.radius(at_tip.r)[0] > FAR_TIP * self.joint.radius(form_point)[0]:
+        if not self.joint.radius(at_tip.r)[0] > MIN_FAR_TIP_RATIO * self.joint.radius(form_point)[0]:
             return False
-        share, angles = np.linspace(0.0, 1.0, WAY_STATIONS), []
+        share, angles = np.linspace(0.0, 1.0, WIDTH_SAMPLES), []
         for side, end in ((self.right, tip[0]), (self.left, self._tip(self.left, station, t)[0][0])):
             p = side.form_point[0] + share * (end - side.form_point[0])
             angles.append(self.joint.angle(along(side.flank, p, np.full_like(p, station[0]), self.blank.axial)[1].r))
@@ -1126,8 +1210,10 @@ class Tooth:
         return width
 
     def _turns_of_land(self, t: Array) -> Array:
-        """Full turns (T,), rad, that the width of the land has grown through at t (T,) on its way from mid face: that of a single
-        thread goes round nearly a turn where it runs out."""
+        """Multiples (T,) of 2 pi, rad, to add to the width of the land when it is continued from mid face to t (T,).
+
+        The land of a single thread spans nearly a full turn where the thread runs out.
+        """
         stretches = pairwise(np.unique([0.0, *self._bends, 0.5, 1.0]))
         way = np.unique(np.concatenate([t, *(np.linspace(*ends, LAND_STATIONS) for ends in stretches)]))
         right, left = (self.joint.angle(self._tip(self.side(side), self.stations(way), way)[1].r) for side in Side)
@@ -1138,7 +1224,9 @@ class Tooth:
 
 
 def _changes(holds: Callable[[Array], NDArray[np.bool_]]) -> Array:
-    """Stations t inside (0, 1) where a condition begins or ends, ascending, each on the side where it does not hold."""
+    """Find the stations t inside (0, 1) where a condition begins or ends, ascending, each on the side where it does not
+    hold.
+    """
     t = np.linspace(0.0, 1.0, BREAK_SAMPLES)
     samples = holds(t)
     change = np.flatnonzero(samples[:-1] != samples[1:])
@@ -1150,6 +1238,8 @@ def _changes(holds: Callable[[Array], NDArray[np.bool_]]) -> Array:
 
 
 def _strip_outline(strip: EndStrip, piece: StripPiece, nodes: Array) -> tuple[Array, Array]:
-    """Points of a piece of a chamfer at nodes of both directions and their derivatives along the outline, (S, T, 3) each."""
+    """Points of a piece of a chamfer at nodes in both directions, and their derivatives along the outline, (S, T, 3)
+    each.
+    """
     at, ahead, behind = (strip.at(piece, s[:, None], nodes) for s in (nodes, nodes + HALF_STEP, nodes - HALF_STEP))
     return at, (ahead - behind) / (2.0 * HALF_STEP)

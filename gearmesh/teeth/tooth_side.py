@@ -1,4 +1,4 @@
-"""One side of a tooth: the generated surfaces of its profile and where they pass into each other."""
+"""One side of a tooth: the surfaces of its profile, and the parameters where they meet."""
 
 from __future__ import annotations
 
@@ -11,59 +11,66 @@ from gearmesh.tools.description import ToolDescription
 
 @dataclass(frozen=True)
 class TipCorner:
-    """Tip corner that the tool generates: a rounding, which touches the tip land, or a chamfer; surface parameters (q, v), q
-    across the profile.
+    """Chamfer or rounding of the tip that the tool generates; surface parameters (q, v), q across the profile.
 
-    `form_point` (p, q): parameters of flank and tip chamfer or rounding where they meet; `end`: parameter of the latter where the
-    land begins. `crossed`: the flank was modified since, and they end where they cross.
+    A rounding is tangent to the tip land.
     """
 
+    #: surface of the chamfer or rounding
     surface: Surface
+    #: parameters p of the flank and q of `surface` where they meet
     form_point: tuple[float, float]
+    #: parameter q where the land begins
     end: float
+    #: True if the flank was modified after cutting: both surfaces then end where they cross
     crossed: bool = False
 
 
 @dataclass(frozen=True)
 class ToothSide:
-    """One side of a tooth: generated flank and fillet, surface parameters (p, v) with p across the profile.
+    """One side of a tooth: flank and fillet with surface parameters (p, v) and (q, v), p and q across the profile.
 
-    `form_point` (p, q): flank and fillet parameters where the tool's flank passes into its tip rounding;
-    `root`: fillet parameter where the tool's tip plane begins; `tip`: flank parameter near the tip, a start value.
-    `sharp`: they meet there in an edge, as what two tools or two parts of one generate does, not smoothly. `crossed`: at the
-    joint, a hollow corner of the tool, they have run past each other, and end where they cross.
-    `tip_corner`: rounding or chamfer of the tip that the tool generates, on both sides or none.
-
-    `tool`: what made it, as its tool describes itself; `generation`: flank and fillet by their motion of the tool, None where they
-    have other parameters than it, or no tool at all is known to have left them.
-
-    `flank_breaks`, `fillet_breaks`: parameters p and q of lines over which flank or fillet are not smooth, where a relief begins or
-    the tool's profile has a corner or a jump of its curvature; `face_breaks`: station coordinates (mm) of such lines across the
-    face. All grids have lines there. `face_bends`: those where only higher derivatives jump, which grids need no lines for.
-    `creases` and `ridges`: those of the flank's over which it has a corner, and those across the face. `smooth_flank`: the flank's
-    surface about a place (p, v), going on over creases and ridges as if there were none, where there are some. `tabulated`: the
-    flank goes by a table, whose points do not determine what is between. `generated`: the side as the tool leaves it, where it
-    was modified since.
+    Breaks are lines over which a surface is not smooth, because a relief begins there, or because the tool's profile
+    has a corner or a jump of its curvature. Every grid has a line on every break.
     """
 
+    #: surface of the flank
     flank: Surface
+    #: surface of the fillet
     fillet: Surface
+    #: parameters p of the flank and q of the fillet where the tool's flank passes into its tip rounding
     form_point: tuple[float, float]
+    #: parameter q where the tool's tip plane begins
     root: float
+    #: parameter p near the tip, a start value
     tip: float
+    #: chamfer or rounding of the tip that the tool generates, on both sides of a tooth or on none
     tip_corner: TipCorner | None = None
+    #: parameters p of breaks along the flank
     flank_breaks: tuple[float, ...] = ()
+    #: parameters q of breaks along the fillet
     fillet_breaks: tuple[float, ...] = ()
+    #: station coordinates (mm) of breaks across the face
     face_breaks: tuple[float, ...] = ()
+    #: station coordinates (mm) where only higher derivatives jump; grids need no lines there
     face_bends: tuple[float, ...] = ()
+    #: those of `flank_breaks` over which the flank has a corner
     creases: tuple[float, ...] = ()
+    #: those of the breaks across the face over which the flank has a corner
     ridges: tuple[float, ...] = ()
+    #: flank near a place (p, v), continued over creases and ridges as if there were none; None without them
     smooth_flank: Callable[[float, float], Surface] | None = None
+    #: True if the flank interpolates a table, whose points do not determine the surface between them
     tabulated: bool = False
+    #: the side as its tool leaves it; None if it was not modified
     generated: ToothSide | None = None
+    #: True if flank and fillet meet in an edge, because two tools, or two parts of one tool, generate them
     sharp: bool = False
+    #: True if flank and fillet overlap at a hollow corner of the tool and end where they cross
     crossed: bool = False
+    #: description of the tool that made the side
     tool: ToolDescription = field(kw_only=True)
+    #: flank and fillet by their motion of the tool; None if their parameters differ, or if no tool is known
     generation: tuple[GeneratedSurface, GeneratedSurface] | None = field(default=None, kw_only=True)
 
 
@@ -71,7 +78,7 @@ class ToothSide:
 class Bottom:
     """Generated root between the fillets of neighbouring teeth: surface parameters (h, v), h across it.
 
-    `ends`: h where the fillet of the tooth before ends, and where that of this tooth's right side does.
+    `ends`: values of h at the fillet of the tooth before and at the right fillet of this tooth.
     """
 
     surface: Surface

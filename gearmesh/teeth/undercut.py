@@ -1,8 +1,10 @@
-"""Where flank and fillet of a tooth meet: at the tool's form point, or where the fillet has undercut the flank.
+"""Points where flank and fillet of a tooth meet: the tool's form point, or their intersection where the flank is
+undercut.
 
-An undercut flank turns back at its singular point, the cusp: the branch beyond, up to the tool's form point, is not part of the
-tooth. The fillet begins at the end of that branch and cuts the sound one in a curve. The flank may turn twice before it reaches
-the form point, in a loop with a cusp at either end: it is cut there as well, if the fillet reaches the sound branch.
+An undercut flank turns back at its singular point, the cusp. The branch from there to the tool's form point is not part
+of the tooth. The fillet begins at the end of that branch and cuts the sound branch in a curve. The flank may turn twice
+before it reaches the form point, in a loop with a cusp at either end. It is cut there as well, if the fillet reaches
+the sound branch.
 """
 
 from __future__ import annotations
@@ -21,42 +23,46 @@ from gearmesh.kernel.surface.stations import Followed, TrimError, along, follow
 from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.teeth.tooth_side import ToothSide
 
-#: largest residual of a trimming solve: mm, and a part of the largest coordinate, if that is more
-TRIM_TOLERANCE, TRIM_ROUNDING = 1e-11, 1e-12
+#: largest residual of a trimming solve, mm
+TRIM_TOLERANCE = 1e-11
+#: largest residual as a share of the largest coordinate, if that is more
+TRIM_ROUNDING = 1e-12
 #: samples of flank and fillet between which a start of their intersection is looked for
-SAMPLES = 300
-#: stations at which that is done; the others start from these
-STARTS = 17
-#: area density at the form point, over that near the tip and negative, up to which the cusp is at the form point: what would be
-#: cut off is about half its square of the flank's height, less than 1e-12 mm
-JUST_BEGUN = 1e-7
-#: points between tip and form point at which a flank is searched for loops with two cusps
+SECTION_SAMPLES = 300
+#: stations at which starts are looked for; the other stations interpolate them
+START_STATIONS = 17
+#: a flank is cut off where its area density at the form point, over that near the tip, is below minus this value; a
+#: smaller undercut removes about half its square of the flank's height, less than 1e-12 mm
+MIN_UNDERCUT_DENSITY = 1e-7
+#: samples between tip and form point that are tested for loops with two cusps
 FOLD_SAMPLES = 24
-#: parts of the flank's and the fillet's parameter by which they may miss each other at the form point, modified since they were cut
-MISSED = 0.1
-#: part of the flank's parameter up to which the loop between cusp and form point is small
-SMALL = 1e-2
-#: the same up to which rounding decides where it crosses itself: it is narrower than the third power of that, 1e-12 of the flank;
-#: within as much of it a solution is the form point itself, where flank and fillet touch and both branches of the fillet end
-LOST = 1e-4
+#: share of a parameter range by which flank and fillet, modified after cutting, may miss each other at the form point
+MAX_FORM_POINT_MISS = 0.1
+#: share of the flank's parameter range up to which the loop between cusp and form point is small
+SMALL_LOOP_SHARE = 1e-2
+#: the same share up to which rounding decides where the loop crosses itself: it is narrower than the third power, 1e-12
+#: of the flank. A solution as near to the form point is the form point itself, where flank and fillet are tangent
+ROUNDED_LOOP_SHARE = 1e-4
 
 
 @dataclass(frozen=True)
 class Undercut:
-    """Where flank and fillet of a side cross: both parameters of the flank and of the fillet (K, 4) at station coordinates (K,)."""
+    """Intersection of flank and fillet of a side at K stations.
+
+    `stations`: station coordinates (K,), mm. `x`: both parameters of the flank and of the fillet (K, 4).
+    """
 
     stations: Array
     x: Array
 
     def at(self, stations: Array) -> Array:
-        """Parameters (T, 4) at stations (T,), straight between those that are known."""
+        """Return parameters (T, 4) at stations (T,), interpolated linearly."""
         order = np.argsort(self.stations)
         return np.stack([np.interp(stations, self.stations[order], column[order]) for column in self.x.T], axis=-1)
 
 
-#: share of the nominal flank, or its inverse, at which the tip of steep flanks is no longer near its nominal place, from which on
-#: flanks are sampled
-FAR_TIP = 0.8
+#: ratio of true to nominal flank length, or its inverse, below which samples end at the true tip
+NEAR_TIP_RATIO = 0.8
 
 
 def trim_tolerance(r: Array) -> float:
@@ -74,21 +80,28 @@ def form_point(
     *,
     folds: bool = False,
 ) -> tuple[Array, Array, Undercut]:
-    """Parameters (T,) of flank and fillet where they meet, at `at` = t and station coordinates (T,), mm; where they are undercut.
+    """Solve for the points where flank and fillet meet.
 
-    `tip`: flank parameter (T,) and jet at the tip; `root`: the level of the root land; `near`: where the same side is undercut
-    at other stations, between which is looked first; `folds`: whether the flank has a loop with two cusps. Raises TrimError
-    where undercut removes the whole flank, or such a loop ends in the flank itself.
+    - `tip`: flank parameter (T,) and jet at the tip.
+    - `at`: t and station coordinates (T,), mm.
+    - `root`: level of the root land.
+    - `near`: undercut of the same side at other stations, from which the solution starts.
+    - `folds`: True if the flank has a loop with two cusps.
+
+    Returns the parameters (T,) of flank and fillet, and the stations with undercut. Raises TrimError where undercut
+    removes the whole flank, or where a loop ends in the flank itself.
     """
     t, stations = at
     p, q = np.full_like(stations, side.form_point[0]), np.full_like(stations, side.form_point[1])
-    cut = cut_off(side, tip[1], stations, axial, JUST_BEGUN)
+    cut = cut_off(side, tip[1], stations, axial, MIN_UNDERCUT_DENSITY)
     if folds:
         cut |= singular_stations(side, stations, axial, tip[0])
     undercut = Undercut(stations[cut], np.empty((0, 4)))
     if cut.any():
-        some = None if near is None or not near.stations.size else near.at(undercut.stations)
-        undercut = replace(undercut, x=_intersection(side, tip[0][cut], (t[cut], stations[cut]), axial, root, some))
+        nearby_starts = None if near is None or not near.stations.size else near.at(undercut.stations)
+        undercut = replace(
+            undercut, x=_intersection(side, tip[0][cut], (t[cut], stations[cut]), axial, root, nearby_starts)
+        )
         p[cut], q[cut] = undercut.x[:, 0], undercut.x[:, 2]
     if side.crossed and not cut.all():
         p[~cut], q[~cut] = _crossing(side, tip[0][~cut], (t[~cut], stations[~cut]), axial, root)
@@ -96,15 +109,15 @@ def form_point(
 
 
 def _crossing(side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level, root: Level) -> tuple[Array, Array]:
-    """Parameters (T,) of flank and fillet where they cross, having run past each other up to the form point, where nothing is
+    """Solve for the parameters (T,) of flank and fillet where they cross near the form point, at stations without
     undercut.
 
-    Modified since they were cut they may not reach each other there, and cross a little farther on. Raises TrimError where they
-    do not.
+    Flank and fillet overlap up to the form point. If they were modified after cutting, they may cross a little beyond
+    it. Raises TrimError where they do not cross.
     """
     t, stations = at
     form_point = [np.full_like(stations, parameter) for parameter in side.form_point]
-    reach = 0.0 if side.generated is None else -MISSED
+    reach = 0.0 if side.generated is None else -MAX_FORM_POINT_MISS
     start = [
         x
         for surface, p in zip((side.flank, side.fillet), form_point, strict=True)
@@ -112,6 +125,7 @@ def _crossing(side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level
     ]
 
     def crossing(start: Array, which: NDArray[np.bool_]) -> tuple[Array, NDArray[np.bool_]]:
+        """Return solutions (M, 4) from a start, and an array that is True where they are intersections in the overlap."""
         solution = intersection((side.flank, side.fillet), start, stations[which], axial)
         p, q = solution.values[:, 0], solution.values[:, 2]
         past = (
@@ -120,41 +134,46 @@ def _crossing(side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level
         )
         return solution.values, solution.converged & np.all([(x >= reach) & (x <= 1.0) for x in past], axis=0)
 
-    x, here = crossing(np.stack(start, axis=-1), np.ones(stations.shape, dtype=bool))
-    lost = ~here
+    x, solved = crossing(np.stack(start, axis=-1), np.ones(stations.shape, dtype=bool))
+    lost = ~solved
     if lost.any():
-        # the corner is far from where they cross
-        x[lost], here[lost] = crossing(_start(side, tip[lost], (t[lost], stations[lost]), axial, root), lost)
-    if not here.all():
-        k = int(np.argmin(here))
+        # the form point is far from the intersection: start from sampled sections
+        x[lost], solved[lost] = crossing(_start(side, tip[lost], (t[lost], stations[lost]), axial, root), lost)
+    if not solved.all():
+        k = int(np.argmin(solved))
         raise TrimError("crossing", float(t[k]), "the toprem does not meet the flank that it relieves")
     return x[:, 0], x[:, 2]
 
 
 def cut_off(side: ToothSide, sound: Jet, stations: Array, axial: Level, just_begun: float = 0.0) -> NDArray[np.bool_]:
-    """Stations (T,) where the flank at the tool's form point is turned inside out against its jet `sound` near the tip.
+    """True (T,) where the flank at the tool's form point is turned inside out against its jet `sound` near the tip.
 
-    Up to the part `just_begun` of the area density there the form point is the cusp itself and cuts nothing off.
+    Down to minus `just_begun` of the area density there, the form point is the cusp itself and cuts nothing off.
     """
     turned: NDArray[np.bool_] = regularity(side, sound, stations, axial) <= -just_begun
     return turned
 
 
 def regularity(side: ToothSide, sound: Jet, stations: Array, axial: Level) -> Array:
-    """Area density (T,) of the flank at the tool's form point over that of its jet `sound` near the tip: 0 where undercut
-    begins, and negative beyond."""
+    """Area density (T,) of the flank at the tool's form point, over that of its jet `sound` near the tip.
+
+    It is 0 where undercut begins, and negative beyond.
+    """
     lost = along(side.flank, np.full_like(stations, side.form_point[0]), stations, axial)[1]
     return np.asarray(area_density(lost) / area_density(sound))
 
 
 def singular_stations(side: ToothSide, stations: Array, axial: Level, tip: Array | None = None) -> NDArray[np.bool_]:
-    """Stations (T,) where the flank is turned inside out somewhere between tip and form point, against its sense near the tip, at
-    the flank parameter `tip` (T,), or nominally."""
+    """True (T,) at stations where the flank is turned inside out between tip and form point, against its sense near the
+    tip.
+
+    `tip`: flank parameter (T,) at the tip; the nominal one by default.
+    """
     share = np.linspace(1.0, 0.0, FOLD_SAMPLES + 1)[:-1, None]
     reach = np.full_like(stations, side.tip - side.form_point[0])
     if tip is not None:
         true = (tip - side.form_point[0]) / reach
-        near_by = (true > FAR_TIP) & (true * FAR_TIP < 1.0)
+        near_by = (true > NEAR_TIP_RATIO) & (true * NEAR_TIP_RATIO < 1.0)
         # beyond the tip, where the nominal one may lie, flanks may end or be turned inside out
         share = np.minimum(share * np.where(near_by, 1.0, true), true)
     p = side.form_point[0] + share * reach
@@ -172,40 +191,44 @@ def _intersection(
     root: Level,
     start: Array | None,
 ) -> Array:
-    """Both parameters of flank and of fillet (T, 4) on the intersection curve flank x fillet at each station, `start` near it."""
+    """Solve for both parameters of flank and fillet (T, 4) on their intersection at each station; `start` is near it."""
     t, stations = at
     if start is None:
-        some = np.unique(np.linspace(0, stations.size - 1, STARTS).round().astype(np.intp))
-        known = _start(side, tip[some], (t[some], stations[some]), axial, root)
-        start = Undercut(stations[some], known).at(stations)
+        start_indices = np.unique(np.linspace(0, stations.size - 1, START_STATIONS).round().astype(np.intp))
+        known_starts = _start(side, tip[start_indices], (t[start_indices], stations[start_indices]), axial, root)
+        start = Undercut(stations[start_indices], known_starts).at(stations)
     solution = intersection((side.flank, side.fillet), start, stations, axial)
     x = solution.values
-    astray = ~solution.converged | (np.abs(x[:, 0] - side.form_point[0]) <= LOST * np.abs(tip - side.form_point[0]))
+    # solutions astray: not converged, or at the form point, which is no intersection of the sound branch
+    astray = ~solution.converged | (
+        np.abs(x[:, 0] - side.form_point[0]) <= ROUNDED_LOOP_SHARE * np.abs(tip - side.form_point[0])
+    )
     if astray.any():
-        anew = _start(side, tip[astray], (t[astray], stations[astray]), axial, root)
-        again = intersection((side.flank, side.fillet), anew, stations[astray], axial)
-        x[astray] = np.where(again.converged[:, None], again.values, np.nan)
-    tiny = ~(np.abs(x[:, 0] - side.form_point[0]) > 2.0 * LOST * np.abs(tip - side.form_point[0]))
+        new_start = _start(side, tip[astray], (t[astray], stations[astray]), axial, root)
+        second_solution = intersection((side.flank, side.fillet), new_start, stations[astray], axial)
+        x[astray] = np.where(second_solution.converged[:, None], second_solution.values, np.nan)
+    # loops that rounding decides are placed by the closed form of `_start`
+    tiny = ~(np.abs(x[:, 0] - side.form_point[0]) > 2.0 * ROUNDED_LOOP_SHARE * np.abs(tip - side.form_point[0]))
     if tiny.any():
         x[tiny] = _in_rounding(side, tip[tiny], (t[tiny], stations[tiny]), axial, x[tiny])
     return x
 
 
 def _in_rounding(side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level, x: Array) -> Array:
-    """Both parameters (T, 4) where flank and fillet cross, put right where rounding decided x (T, 4): see `_start`.
+    """Replace the parameters x (T, 4) where rounding decides where flank and fillet cross; see `_start`.
 
-    Raises TrimError where nothing was found and the loop is too large for that.
+    Raises TrimError where no solution was found and the loop is too large for that.
     """
     t, stations = at
     form_point = np.full_like(stations, side.form_point[0])
     cusp = singular_at(side.flank, (tip, form_point), stations, axial)
-    lost = np.abs(cusp - form_point) < LOST * np.abs(tip - form_point)
-    missing = ~lost & ~(np.abs(x[:, 0] - form_point) > LOST * np.abs(tip - form_point))
+    lost = np.abs(cusp - form_point) < ROUNDED_LOOP_SHARE * np.abs(tip - form_point)
+    missing = ~lost & ~(np.abs(x[:, 0] - form_point) > ROUNDED_LOOP_SHARE * np.abs(tip - form_point))
     if missing.any():
         raise _undercut_error(t[int(np.argmax(missing))])
     p, q = cusp + 0.5 * (cusp - form_point), np.full_like(stations, side.form_point[1])
     v, flank = along(side.flank, p, stations, axial)
-    # the fillet, along which the flank comes to the form point, is followed back to where the flank ends
+    # the flank reaches the form point along the fillet: follow the fillet back to the point on the flank
     fillet = along(side.fillet, q, stations, axial)[1]
     gradient = axial.gradient(fillet.r)
     way = fillet.r_u - (dot(gradient, fillet.r_u) / dot(gradient, fillet.r_v))[:, None] * fillet.r_v
@@ -215,10 +238,11 @@ def _in_rounding(side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Le
 
 
 def intersection(surfaces: tuple[Surface, Surface], start: Array, stations: Array, axial: Level) -> Solution:
-    """Both parameters of one and of the other surface (T, 4) at their common points at the stations (T,), from a start (T, 4)."""
+    """Solve for both parameters of both surfaces (T, 4) at their common points on stations (T,), from a start (T, 4)."""
     one, other = surfaces
 
     def residual(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
+        """Return residuals (M, 4), mm, and Jacobian: the distance of both points, and the station of the first."""
         flank, fillet = one.jet(x[:, 0], x[:, 1]), other.jet(x[:, 2], x[:, 3])
         gradient = axial.gradient(flank.r)
         f = np.concatenate((flank.r - fillet.r, (axial.value(flank.r) - stations[index])[:, None]), axis=-1)
@@ -233,23 +257,26 @@ def intersection(surfaces: tuple[Surface, Surface], start: Array, stations: Arra
 
 
 def _start(side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level, root: Level) -> Array:
-    """Start values (T, 4) from sampled sections: where the polar angles of flank and fillet cross, over the height.
+    """Start values (T, 4) from sampled sections: the heights at which the polar angles of flank and fillet are equal.
 
-    Samples crowd towards cusp and form point because the loop between them may be tiny. What is too small for them has a start of
-    its own: with s = p - cusp the flank's height is A s^2 / 2 and its offset B s^3 / 3, the fillet leaves it at s = -e along the
-    tangent of slope -(B / A) e, and meets it again where -1/3 + h = (1 - 2 h)^(3/2) / 3, at h = 3/8, s = e / 2.
+    Samples crowd towards cusp and form point, because the loop between them may be tiny. A loop too small for the
+    samples has a start of its own. With s = p - cusp the flank's height is A s^2 / 2 and its offset B s^3 / 3. The
+    fillet leaves the flank at s = -e along the tangent of slope -(B / A) e. It meets the flank again at h = 3/8,
+    s = e / 2, where
+
+        -1/3 + h = (1 - 2 h)^(3/2) / 3
     """
     t, stations = at
-    crowded = np.linspace(0.0, 1.0, SAMPLES)[:, None] ** 4
+    crowded = np.linspace(0.0, 1.0, SECTION_SAMPLES)[:, None] ** 4
     cusp = singular_at(side.flank, (tip, side.form_point[0]), stations, axial)
     if side.crossed:
-        # where nothing is undercut the flank goes on to the form point
+        # a flank without undercut goes on to the form point
         cusp = np.where(np.isnan(cusp), side.form_point[0], cusp)
     if np.isnan(cusp).any():
         raise _undercut_error(t[int(np.argmax(np.isnan(cusp)))])
-    # a modified flank may cross the fillet beyond the end that its tool left it with
+    # a modified flank may cross the fillet beyond the end at which its tool stops
     p = cusp + crowded * (tip - cusp)
-    reach = 1.0 + MISSED if side.crossed and side.generated is not None else 1.0
+    reach = 1.0 + MAX_FORM_POINT_MISS if side.crossed and side.generated is not None else 1.0
     q = side.root + (1.0 - crowded[::-1]) * reach * (side.form_point[1] - side.root)
     flank, fillet = (
         follow(surface, np.broadcast_to(x, p.shape), stations, axial)
@@ -262,12 +289,13 @@ def _start(side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level, r
         )
         if not (height.size and height_fillet.size):
             raise _undercut_error(t[k])
-        levels = np.linspace(height[0], min(height[-1], height_fillet[-1]), SAMPLES)[1:-1]
+        # difference of the polar angles over common heights: its last change of sign is the intersection nearest to the tip
+        levels = np.linspace(height[0], min(height[-1], height_fillet[-1]), SECTION_SAMPLES)[1:-1]
         apart = np.interp(levels, height, angle) - np.interp(levels, height_fillet, angle_fillet)
         crossing = np.flatnonzero(apart[:-1] * apart[1:] <= 0.0)
         if levels[-1] > levels[0] and crossing.size:
             place = levels[crossing[-1]]
-        elif abs(cusp[k] - side.form_point[0]) < SMALL * abs(tip[k] - side.form_point[0]):
+        elif abs(cusp[k] - side.form_point[0]) < SMALL_LOOP_SHARE * abs(tip[k] - side.form_point[0]):
             beside = cusp[k] + 0.5 * (cusp[k] - side.form_point[0])
             place = np.interp(abs(beside - cusp[k]), np.abs(p_there - cusp[k]), height)
         else:
@@ -278,13 +306,14 @@ def _start(side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level, r
 
 
 def _section_samples(curve: Followed, p: Array, k: int, root: Level) -> tuple[Array, Array, Array, Array]:
-    """Both parameters, height over the root and polar angle of the samples of a section (S, T) that station k has."""
+    """Samples of the section at station k: both parameters, height over the root, polar angle."""
     there = curve.converged[:, k]
     r = curve.jet.r[there, k]
     return p[there, k], curve.values[there, k], root.value(r), polar_angle(r)
 
 
 def _undercut_error(t: float) -> TrimError:
+    """Return the error for a flank and a fillet that do not intersect."""
     return TrimError(
         "undercut",
         float(t),

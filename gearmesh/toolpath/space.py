@@ -20,7 +20,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 from gearmesh.kernel.surface.surface import Jet
 from gearmesh.teeth.gear_train import Member
-from gearmesh.teeth.region import FILLETS, FLANKS, Region, Side
+from gearmesh.teeth.region import FILLET_REGIONS, FLANK_REGIONS, Region, Side
 from gearmesh.teeth.section import Link, Sections
 from gearmesh.teeth.tooth import Tooth
 
@@ -103,7 +103,7 @@ class CutSpace:
         """All walls in order."""
         chain, unmoved = self.tooth.chain, Rigid.identity()
         to_previous = self.tooth.joint.to(-self.tooth.pitch_angle)
-        left, right = ((FLANKS[side], FILLETS[side]) for side in (Side.LEFT, Side.RIGHT))
+        left, right = ((FLANK_REGIONS[side], FILLET_REGIONS[side]) for side in (Side.LEFT, Side.RIGHT))
         return (
             *(SpaceWall(chain[region], to_previous) for region in left),
             SpaceWall(chain[Region.ROOT], unmoved),

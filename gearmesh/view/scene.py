@@ -17,7 +17,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.mount import Mount
-from gearmesh.teeth.region import HEEL, TOE
+from gearmesh.teeth.region import HEEL_END, TOE_END
 from gearmesh.view.palette import COMPOUND, OUTLINE, PATH
 
 Project = Callable[[Array], Array]
@@ -306,7 +306,7 @@ class ToothView:
     grid: Array | None = None
     title: str = ""
     size: tuple[int, int] = (1600, 1200)
-    ends: tuple[str, str] = (TOE, HEEL)
+    ends: tuple[str, str] = (TOE_END, HEEL_END)
 
     @property
     def lift(self) -> float:

@@ -13,7 +13,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, spread, unit
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.gear_train import GearPair
-from gearmesh.teeth.region import FLANKS
+from gearmesh.teeth.region import FLANK_REGIONS
 from gearmesh.view.on_tooth import (
     area_edges,
     closest_gap,
@@ -338,7 +338,7 @@ def _flank_points(view: ToothView) -> Array:
     """Points (K, 3) of the flank that is looked at, or of both flanks of its tooth."""
     if view.grid is not None:
         return view.grid.reshape(-1, 3)
-    flanks = [name for name in view.fine.region_names if name in FLANKS.values()]
+    flanks = [name for name in view.fine.region_names if name in FLANK_REGIONS.values()]
     return view.fine.only(*flanks).vertices if flanks else view.fine.vertices
 
 

@@ -19,7 +19,7 @@ from gearmesh.mesh.tessellate import tessellate
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.systems.designs import load
 from gearmesh.teeth.gear_train import GearPair
-from gearmesh.teeth.region import FILLETS, FLANKS, Region, Side
+from gearmesh.teeth.region import FILLET_REGIONS, FLANK_REGIONS, Region, Side
 
 CELLS = 20
 
@@ -71,7 +71,7 @@ def tooth_meshes(pair: GearPair, coast: bool, tooth: int, tolerance: float) -> t
     meshes = []
     for k, (member, side) in enumerate(zip(pair.both, pair.flanks, strict=True)):
         which = side.other if coast else side
-        links = [FILLETS[which], FLANKS[which]]
+        links = [FILLET_REGIONS[which], FLANK_REGIONS[which]]
         mesh = tessellate(member.tooth, tolerance, tuple(links if which is Side.RIGHT else links[::-1]))
         back = tooth if k == 0 else tooth * int(np.sign(pair.ratio)) + (pair.drive if coast else 0)
         meshes.append(teeth_mesh(mesh, member.name, np.array([-round(member.mount.sign) * back])))

@@ -12,7 +12,7 @@ from gearmesh.loaded.root_tangent import tangent_weights
 from gearmesh.systems.cylindrical.geometry.proportions import proportions
 from gearmesh.systems.cylindrical.geometry.root import critical_section
 from gearmesh.systems.cylindrical.sheet import SheetPair
-from gearmesh.teeth.region import FILLETS
+from gearmesh.teeth.region import FILLET_REGIONS
 
 pytestmark = pytest.mark.quick
 
@@ -27,8 +27,8 @@ def test_it_is_where_iso_6336_has_it(sample: str) -> None:
     for member, teeth in zip(pair.both, sheet.teeth, strict=True):
         section = critical_section(member.tooth, teeth)
         wanted = np.hypot(section.radius, 0.5 * section.chord * np.cos(teeth.beta))
-        for side in FILLETS:
-            fillet = member.tooth.grid(FILLETS[side], s, member.tooth.sections(t)).points
+        for side in FILLET_REGIONS:
+            fillet = member.tooth.grid(FILLET_REGIONS[side], s, member.tooth.sections(t)).points
             nodes = fillet.swapaxes(0, 1).reshape(-1, 3)
             weights = tangent_weights(member.tooth, side, t, nodes)
             np.testing.assert_allclose(weights.sum(axis=1), np.ones(5), rtol=1e-12)

@@ -15,10 +15,10 @@ from gearmesh.kernel.surface.curvature import gaussian_curvature, shape_operator
 from gearmesh.mesh.deviation.bound import patch_bounds, tooth_bound
 from gearmesh.mesh.tessellate import ToothMesh, tessellate
 from gearmesh.systems.system import worm
-from gearmesh.teeth.region import FILLETS, FLANKS, Region, Side
+from gearmesh.teeth.region import FILLET_REGIONS, FLANK_REGIONS, Region, Side
 from gearmesh.teeth.tooth import Tooth
 
-CURVED = {*FLANKS.values(), *FILLETS.values()}
+CURVED = {*FLANK_REGIONS.values(), *FILLET_REGIONS.values()}
 
 
 @cache
@@ -130,7 +130,7 @@ def test_sides_that_are_bent_most_beside_their_middles_keep_the_tolerance(sample
 @pytest.mark.sweep
 def test_merged_triangles_keep_the_tolerance_between_edges_and_centres() -> None:
     """Long ones are bent to both sides: with middles of edges and centres alone measured some were 1.2 um off."""
-    fillet = tessellate(tooth_of("hypoid", "pinion"), 0.001, (FILLETS[Side.RIGHT],)).patches[0]
+    fillet = tessellate(tooth_of("hypoid", "pinion"), 0.001, (FILLET_REGIONS[Side.RIGHT],)).patches[0]
     assert patch_bounds(fillet, 0.0, 0.00095).largest <= 0.001
 
 

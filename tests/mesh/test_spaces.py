@@ -22,7 +22,7 @@ from gearmesh.kernel.surface.stations import along
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.gear_train import Member
-from gearmesh.teeth.offset import ACCURACY, offset_member, offset_tooth
+from gearmesh.teeth.offset import OFFSET_ACCURACY, offset_member, offset_tooth
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.space import Space
 from gearmesh.teeth.tooth import Tooth
@@ -175,7 +175,7 @@ def test_the_largest_offset_is_the_least_radius_of_curvature_of_the_fillet() -> 
     rack, gear = member_of("rack", "rack"), member_of("spur", "pinion")
     c = 3.0 * (1.25 - 0.38 - 0.3)
     for member, radius in ((rack, 0.38 * 2.0), (gear, 0.38 * 3.0 + c**2 / (30.0 + c))):
-        off = ACCURACY * member.tooth.height
+        off = OFFSET_ACCURACY * member.tooth.height
         with pytest.raises(gm.errors.DesignError, match="would have a cusp") as refusal:
             offset_member(member, 50.0)
         bound = float(refusal.value.allowed.split()[2])
@@ -215,7 +215,7 @@ def test_the_fillet_of_a_sharp_shaper_ends_where_its_corner_is_on_the_axis_of_ro
 
 
 def test_an_offset_leaves_a_land_and_a_body_under_the_teeth(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("gearmesh.teeth.offset.ACCURACY", 0.1)
+    monkeypatch.setattr("gearmesh.teeth.offset.OFFSET_ACCURACY", 0.1)
     for bore, reason in ((53.4, "cut through the body"), (20.0, "is pointed")):
         with pytest.raises(gm.errors.DesignError, match=reason):
             gm.gear(21, module=3.0, bore=bore).solid("gear", offset="-1.2mm" if bore > 50.0 else "-5mm")
@@ -273,7 +273,7 @@ def test_flanks_for_metrology_have_the_exact_surface_at_every_vertex(tmp_path: P
     ],
 )
 def test_refusals(arguments: str, words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("gearmesh.teeth.offset.ACCURACY", 0.1)
+    monkeypatch.setattr("gearmesh.teeth.offset.OFFSET_ACCURACY", 0.1)
     monkeypatch.chdir(tmp_path)
     assert refused("solid", SAMPLES / "helical.toml", "--member", "pinion", *arguments.split()).startswith(words)
     assert not list(tmp_path.iterdir())

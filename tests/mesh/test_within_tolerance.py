@@ -14,7 +14,7 @@ import gearmesh as gm
 from gearmesh.check import deviation
 from gearmesh.check.deviation import deviations
 from gearmesh.mesh.tessellate import tessellate
-from gearmesh.teeth.region import FLANKS, Region
+from gearmesh.teeth.region import FLANK_REGIONS, Region
 
 #: triangles of a tooth that any of the corpus takes at most
 MOST = 100_000
@@ -45,7 +45,7 @@ def test_a_flank_that_ends_at_its_base_is_continued_by_the_fillet() -> None:
     tree, beyond = cKDTree(np.concatenate(outline)), 0
     turn = sections.right.tip_angle
     for patch in mesh.patches:
-        if patch.region not in FLANKS.values():
+        if patch.region not in FLANK_REGIONS.values():
             continue
         q, t = ((deviation.SAMPLE_WEIGHTS @ each[patch.triangles]) for each in (patch.points, patch.nodes.t[:, None]))
         back = turn[1] - turn[0] - (turn[2] - turn[0]) * t[..., 0]

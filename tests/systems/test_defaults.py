@@ -11,7 +11,7 @@ import gearmesh as gm
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.spiral_bevel.design import SpiralBevelDesign
 from gearmesh.teeth.gear_train import GearPair
-from gearmesh.teeth.region import FILLETS, Side
+from gearmesh.teeth.region import FILLET_REGIONS, Side
 
 # sample, what is set, the key whose default gives way, its standard value
 ADAPTED = [
@@ -107,7 +107,7 @@ def _deepest(pair: GearPair) -> float:
     pinion, gear = pair.both
     sections, phi1 = gear.tooth.sections(np.linspace(0.0, 1.0, 33)), np.radians(np.linspace(-20.0, 20.0, 321))
     middle, half = pinion.tooth.sections([0.5]), 0.5 * pinion.tooth.pitch_angle
-    fillet = pinion.tooth.grid(FILLETS[Side.LEFT], np.linspace(0.0, 1.0, 2001), middle)
+    fillet = pinion.tooth.grid(FILLET_REGIONS[Side.LEFT], np.linspace(0.0, 1.0, 2001), middle)
     curve, normals = fillet.points[:, 0, :2], fillet.normals[:, 0, :2]
     radii = np.hypot(*curve.T)
     deepest = -1.0

@@ -25,7 +25,7 @@ from gearmesh.systems.cylindrical.rack.member import RackMesh, RackProportions, 
 from gearmesh.systems.system import complete_design
 from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.mount import Mount
-from gearmesh.teeth.region import FLANKS, Side
+from gearmesh.teeth.region import FLANK_REGIONS, Side
 
 #: helix angle (deg), hand and profile shift of the pinion; working flank; how far (mm) the rack stands off; the rack itself
 CASES: dict[str, Any] = {
@@ -190,7 +190,9 @@ def test_rolled_grids_touch_where_the_solver_says(pair: tuple[RackMesh, GearPair
 def test_rolled_facets_touch_within_their_tolerance() -> None:
     gears, tolerance = pair_of("right")[1], 0.001
     meshes = [
-        teeth_mesh(tessellate(member.tooth, tolerance, (FLANKS[side],)), member.name, np.zeros(1, dtype=np.int64))
+        teeth_mesh(
+            tessellate(member.tooth, tolerance, (FLANK_REGIONS[side],)), member.name, np.zeros(1, dtype=np.int64)
+        )
         for member, side in zip(gears.both, gears.flanks, strict=True)
     ]
     phi1 = np.array([0.05])

@@ -12,7 +12,7 @@ import gearmesh as gm
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import dot
 from gearmesh.teeth.micro_geometry.plane_flank import PlaneFlank
-from gearmesh.teeth.region import FILLETS, Region, Side
+from gearmesh.teeth.region import FILLET_REGIONS, Region, Side
 
 #: tables of modifications of both flanks, of the right and of the left one
 TABLES: dict[str, Any] = {
@@ -59,7 +59,8 @@ def test_flanks_lie_behind_their_planes_by_what_is_removed(helix: int) -> None:
         assert np.abs(behind - removed(side, points[..., 0], points[..., 2], low)).max() < 1e-12
         begins, ends = (0.0, 1.0) if side is Side.RIGHT else (1.0, 0.0)
         flank, fillet = (
-            tooth.grid(link, np.array([at]), sections).points for link, at in ((region, begins), (FILLETS[side], ends))
+            tooth.grid(link, np.array([at]), sections).points
+            for link, at in ((region, begins), (FILLET_REGIONS[side], ends))
         )
         assert np.abs(flank - fillet).max() < 1e-9
 

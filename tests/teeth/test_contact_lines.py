@@ -72,7 +72,7 @@ def test_tool_and_tooth_touch_along_the_lines(sample: str, name: str) -> None:
             assert np.nanmin(np.abs(at(line.at - 0.01))) > 100.0 * NONE
 
 
-def test_lines_on_the_pinion_of_a_face_gear_are_those_of_the_shaper() -> None:
+def test_lines_on_a_face_gear_pinion_match_the_shaper() -> None:
     """L_s1 [LF04 18.4]: shaper, pinion and its rack have normals through one pitch line, where two involutes touch."""
     design = gm.load(SAMPLES / "face_gear.toml")
     member, (teeth, shaper) = gm.build(design).members["pinion"], (25, 28)

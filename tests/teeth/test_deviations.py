@@ -20,7 +20,7 @@ from gearmesh.kernel.surface.surface import Surface
 from gearmesh.systems.common.micro_geometry import with_true_involutes
 from gearmesh.teeth.micro_geometry.deviations import DeviationGrid, with_deviations
 from gearmesh.teeth.micro_geometry.screw_involute import AmountJet, ScrewInvolute
-from gearmesh.teeth.region import FILLETS, FLANKS, Side
+from gearmesh.teeth.region import FILLET_REGIONS, FLANK_REGIONS, Side
 from gearmesh.teeth.section import Grid
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.view.diagrams.modification_diagrams import is_modified
@@ -162,7 +162,7 @@ class Transverse:
         return AmountJet(a, *(np.zeros_like(a) for _ in range(5)))
 
 
-def test_involutes_by_normals_and_by_the_line_of_action_are_the_same_to_second_order() -> None:
+def test_amounts_by_normals_and_line_of_action_agree_to_second_order() -> None:
     """Half the deviations leave a quarter of the difference, which is about amount times steepness."""
     member, left = with_true_involutes(sample("helical").member("pinion")), []
     tooth = member.tooth
@@ -229,10 +229,10 @@ def test_teeth_stay_closed(name: str) -> None:
         was, now = (np.abs(a.normals[-1] - b.normals[0]).max() for a, b in ((old, link), (new, after)))
         assert now < 1e-9 or was > 1e-4
     nominal, real = chains
-    fillets = [k for k, region in enumerate(before.tooth.regions) if region in FILLETS.values()]
+    fillets = [k for k, region in enumerate(before.tooth.regions) if region in FILLET_REGIONS.values()]
     for k, end in zip(fillets, (0, -1), strict=True):
         np.testing.assert_allclose(real[k].points[end], nominal[k].points[end], atol=1e-12)
-    flanks = [k for k, region in enumerate(before.tooth.regions) if region in FLANKS.values()]
+    flanks = [k for k, region in enumerate(before.tooth.regions) if region in FLANK_REGIONS.values()]
     assert all(np.abs(real[k].points - nominal[k].points).max() > 1e-3 for k in flanks)
 
 

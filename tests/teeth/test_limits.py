@@ -258,7 +258,7 @@ def test_pointing_along_the_face() -> None:
 
 
 @pytest.mark.quick
-def test_the_pitch_plane_of_a_bevel_gear_is_a_dedendum_over_the_tip_plane() -> None:
+def test_bevel_pitch_plane_is_a_dedendum_over_the_tip_plane() -> None:
     design = load(SAMPLES / "spiral_bevel_basic.toml")
     blank, gears = basic_blank(design.in_mm()), pair_of(design)
     for name, part in gears.members.items():

@@ -16,9 +16,9 @@ E = m.Extent(root=4.0, tip=12.0, toe=-10.0, heel=10.0)
 RING = m.Extent(root=22.0, tip=12.0, toe=10.0, heel=-10.0)
 GRID = tuple(tuple(0.01 * np.sin(i + 0.7 * j) for j in range(5)) for i in range(6))
 FIELDS: dict[str, m.FlankField] = {
-    **{f"tip_{shape}": m.tip_relief(0.1, 9.0, E, shape) for shape in m.SHAPES},
-    **{f"root_{shape}": m.root_relief(0.1, 6.0, E, shape) for shape in m.SHAPES},
-    **{f"end_{shape}": m.end_relief(0.1, 3.0, E, "toe", shape) for shape in m.SHAPES},
+    **{f"tip_{shape}": m.tip_relief(0.1, 9.0, E, shape) for shape in m.RELIEF_SHAPES},
+    **{f"root_{shape}": m.root_relief(0.1, 6.0, E, shape) for shape in m.RELIEF_SHAPES},
+    **{f"end_{shape}": m.end_relief(0.1, 3.0, E, "toe", shape) for shape in m.RELIEF_SHAPES},
     "crowning": m.profile_crowning(0.4, E),
     "slope": m.profile_slope(-0.4, E),
     "twist": m.profile_twist(0.4, E),
@@ -58,7 +58,7 @@ def test_partials(name: str) -> None:
 
 
 @pytest.mark.parametrize("e", [E, RING])
-@pytest.mark.parametrize("shape", m.SHAPES)
+@pytest.mark.parametrize("shape", m.RELIEF_SHAPES)
 def test_amounts_are_where_the_names_say(e: m.Extent, shape: m.Shape) -> None:
     start = e.tip + 0.4 * (e.root - e.tip)
     tip, root = m.tip_relief(0.02, start, e, shape), m.root_relief(0.03, start, e, shape)

@@ -139,7 +139,7 @@ def test_a_loop_narrower_than_rounding_is_no_removed_flank() -> None:
 
 
 @pytest.mark.sweep
-def test_a_flank_that_folds_before_its_form_point_is_cut_by_the_fillet_as_well() -> None:
+def test_fillet_cuts_a_flank_that_folds_before_its_form_point() -> None:
     """Where undercut deepens towards one end the flank turns twice, and the form point itself is on a branch that is right
     side out."""
     tooth = gm.build(gm.load(CORPUS / "fold_modified_involute_edge_2085.toml")).members["pinion"].tooth
@@ -157,7 +157,7 @@ def test_a_flank_that_folds_before_its_form_point_is_cut_by_the_fillet_as_well()
 
 
 @pytest.mark.sweep
-def test_a_fold_that_ends_in_the_flank_itself_is_refused_by_a_key_that_was_set() -> None:
+def test_fold_that_ends_in_the_flank_names_a_given_key() -> None:
     """By what the refusal says would mend it: the design's own angle, or the depth where that was put in anew."""
     file = CORPUS / "fold_spiral_bevel_edge_2080.toml"
     folded = [f"{key}={value}" for key, value in standard_factors(12, 15).items()]

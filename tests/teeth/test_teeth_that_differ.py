@@ -21,7 +21,7 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
 from gearmesh.mesh.tessellate import tessellate_alike
-from gearmesh.teeth.region import FILLETS, FLANKS, Side
+from gearmesh.teeth.region import FILLET_REGIONS, FLANK_REGIONS, Side
 from gearmesh.teeth.tooth import Tooth
 
 SAMPLES = Path(gm.__file__).parents[1] / "samples"
@@ -43,7 +43,7 @@ def differing(sample: str) -> tuple[gm.Gears, gm.Gears]:
 def offset_volume(tooth: Tooth, nominal: Tooth) -> float:
     """Volume (mm^3) between flanks and fillets of two teeth with the same parameters: facets of one times how far they moved."""
     total, sections = 0.0, nominal.sections(np.linspace(0.0, 1.0, 121))
-    for region in (*FLANKS.values(), *FILLETS.values()):
+    for region in (*FLANK_REGIONS.values(), *FILLET_REGIONS.values()):
         grid, surface = nominal.grid(region, np.linspace(0.0, 1.0, 41), sections), tooth.chain[region].surface
         assert surface is not None
         height = dot(surface.jet(*np.moveaxis(grid.parameters, -1, 0)).r - grid.points, grid.normals)

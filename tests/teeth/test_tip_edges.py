@@ -16,7 +16,7 @@ from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.mesh.solid import gear_solid, prove
 from gearmesh.systems.common.tooth_edges import edge_refusal
 from gearmesh.teeth.blank.tip_edge import TipEdge
-from gearmesh.teeth.region import EDGES, Region, Side
+from gearmesh.teeth.region import TIP_EDGES, Region, Side
 from gearmesh.teeth.tooth import Tooth
 
 SIZE = 0.6
@@ -41,7 +41,7 @@ def test_the_legs_of_a_chamfer_on_a_back_cone_are_its_size(side: Side) -> None:
     tooth = tooth_of(TipEdge(SIZE))
     t = np.linspace(0.0, 1.0, 5)
     sharp = replace(tooth, tip_edge=None).flank_grid(side, [1.0], t).points[0]
-    first, middle, last = tooth.grid(EDGES[side], [0.0, 0.5, 1.0], tooth.sections(t)).points
+    first, middle, last = tooth.grid(TIP_EDGES[side], [0.0, 0.5, 1.0], tooth.sections(t)).points
     first, last = (first, last) if side is Side.RIGHT else (last, first)
     up = abs(station_normal(tooth.blank.axial)[1])
     rho, land = np.hypot(*first.T[:2]), np.hypot(*sharp.T[:2])
@@ -54,7 +54,7 @@ def test_the_legs_of_a_chamfer_on_a_back_cone_are_its_size(side: Side) -> None:
 
 
 @pytest.mark.quick
-def test_a_rounding_on_a_back_cone_is_a_circle_that_touches_flank_and_land() -> None:
+def test_rounding_on_a_back_cone_is_a_tangent_circle() -> None:
     tooth = tooth_of(TipEdge(SIZE, rounded=True))
     sections = tooth.sections(np.linspace(0.0, 1.0, 5))
     edge = sections.right.edge
@@ -125,7 +125,7 @@ def test_a_solid_with_roundings_on_back_cones_is_closed() -> None:
 
 
 @pytest.mark.quick
-def test_tip_edges_larger_than_the_tooth_are_refused_with_the_largest_that_fits() -> None:
+def test_too_large_tip_edges_are_refused_with_the_largest_that_fits() -> None:
     tooth = tooth_of(TipEdge(4.0))
     with pytest.raises(TrimError, match=r"pointed|larger than the flank") as failure:
         tooth.prove()

@@ -97,7 +97,7 @@ def test_touches_and_does_not_cut_into_the_finished_tooth(sample: str, name: str
             assert -1e-2 < np.max(depth) < DEEP
 
 
-def test_worm_of_a_face_gear_touches_its_shaped_flank_and_does_not_cut_into_it() -> None:
+def test_worm_touches_the_shaped_flank_of_a_face_gear_without_cutting() -> None:
     gears = gm.build(gm.load(SAMPLES / "face_gear.toml"))
     gear, part = gears.members["gear"], gears.part("worm")
     assert part.ground == "gear"
@@ -165,7 +165,7 @@ def test_unknown_tool_is_refused() -> None:
 @pytest.mark.parametrize(
     "changes", [[], ["hob.reference_diameter=75", "shaft_angle=82", "worm.right_hand=false", "worm.threads=1"]], ids=str
 )
-def test_hob_of_a_worm_wheel_touches_its_flank_and_does_not_cut_into_it(changes: list[str]) -> None:
+def test_hob_of_a_worm_wheel_touches_its_flank_without_cutting(changes: list[str]) -> None:
     """By the section of its thread alone, which is drawn: seven teeth of the wheel, in the screw motion's section."""
     gears = gm.build(gm.load(SAMPLES / "worm_drive.toml", changes))
     tooth, side = gears.members["wheel"].tooth, gears.pairs[0].flanks[1]

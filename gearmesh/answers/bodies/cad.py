@@ -20,7 +20,7 @@ from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, Summary, figure
 from gearmesh.progress import in_turn, tell
 from gearmesh.teeth.gear_train import Member
-from gearmesh.teeth.region import FLANKS, Side
+from gearmesh.teeth.region import FLANK_REGIONS, Side
 
 if TYPE_CHECKING:
     import build123d
@@ -258,7 +258,7 @@ def cad_surfaces(
 
     started, count = time.perf_counter(), member.tooth.teeth if teeth is None else teeth
     drawn = spline_tooth(member.one_tooth, tolerance)
-    regions = [FLANKS[side] for side in flanks] or None
+    regions = [FLANK_REGIONS[side] for side in flanks] or None
     part = surface_part(member, drawn, count, regions, member.halves if flanks else member.halves[:1])
     own = [miss for link, miss in drawn.deviation.items() if regions is None or link.region in regions]
     return part, CadSurfaceFigures(

@@ -11,7 +11,7 @@ from gearmesh.figures import Figures, figure
 from gearmesh.lengths import Length, in_mm
 from gearmesh.mesh.triangles import Facets, TriangleMesh
 from gearmesh.teeth.gear_train import Member
-from gearmesh.teeth.micro_geometry.index_angles import EVEN
+from gearmesh.teeth.micro_geometry.index_angles import NO_INDEX_ANGLES
 from gearmesh.teeth.region import Region, Side
 
 if TYPE_CHECKING:
@@ -140,7 +140,7 @@ class Extract:
 
         if member.index.uneven:
             if self.space or self.flanks or self.sector is not None:
-                made = self.mesh(replace(member, index=EVEN), tolerance, teeth)
+                made = self.mesh(replace(member, index=NO_INDEX_ANGLES), tolerance, teeth)
                 return replace(made, warnings=(*made.warnings, at_nominal_places(member)))
             member = placed_teeth(member)
         member = self.shift(member)

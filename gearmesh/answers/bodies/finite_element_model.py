@@ -24,7 +24,7 @@ from gearmesh.mesh.hexahedra.hex_quality import scaled_jacobian, volumes
 from gearmesh.mesh.hexahedra.hexahedra import Cells
 from gearmesh.mesh.hexahedra.hexes import HexMesh
 from gearmesh.mesh.hexahedra.turned_body import core_radius
-from gearmesh.teeth.blank.end_edge import SHARP
+from gearmesh.teeth.blank.end_edge import SHARP_ENDS
 from gearmesh.teeth.gear_train import GearTrain, Member
 
 if TYPE_CHECKING:
@@ -266,7 +266,7 @@ def omissions(members: Collection[Member], whole: bool) -> list[str]:
         if member.tooth.screw is not None and member.tooth.tip_edge is not None:
             # hexahedra of threads go by half planes through the axis, where the drawn edge has no points
             parts.setdefault("chamfer or rounding of the tip", []).append(member.name)
-        if member.tooth.blank.ends != SHARP:
+        if member.tooth.blank.ends != SHARP_ENDS:
             parts.setdefault("ends of the face within chamfers or roundings", []).append(member.name)
         if whole and (core := core_radius(member.tooth, member.body)):
             parts.setdefault(f"core of {2.0 * core:.3g} mm round the axis", []).append(member.name)

@@ -26,7 +26,7 @@ from gearmesh.kernel.surface.levels import Level
 from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.teeth.blank.body import end_names
 from gearmesh.teeth.mount import Mount
-from gearmesh.teeth.region import HEEL, TOE
+from gearmesh.teeth.region import HEEL_END, TOE_END
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ class Flank:
 
     def edge_name(self, edge: str) -> str:
         """What answers call an edge: solvers call the end where the face begins its toe (`end_names`)."""
-        return dict(zip((TOE, HEEL), end_names(self.axial), strict=True)).get(edge, edge)
+        return dict(zip((TOE_END, HEEL_END), end_names(self.axial), strict=True)).get(edge, edge)
 
     def smooth_about(self, u: float, v: float) -> Surface | None:
         """The surface as it is about a place, going on over corners; None where there are none."""

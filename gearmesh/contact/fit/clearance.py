@@ -16,7 +16,7 @@ import numpy as np
 from gearmesh.contact.first_touch.spline_table import SplineTable
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.gear_train import GearPair
-from gearmesh.teeth.region import EDGES, Region
+from gearmesh.teeth.region import TIP_EDGES, Region
 
 #: rotations phi1 of the pinion (N,), rad -> those of the gear
 Turns = Callable[[Array], Array]
@@ -64,7 +64,7 @@ def tip_clearance(pair: GearPair, phi2: Turns, of: int) -> Clearance | None:
 
     least: Clearance | None = None
     middle = np.array([0.0, 0.5 * (ACROSS - 1), 0.5 * (stations - 1)])
-    for region in (Region.LAND, *EDGES.values()):
+    for region in (Region.LAND, *TIP_EDGES.values()):
         if region not in tooth.regions:
             continue
         grid = tooth.grid(region, np.linspace(0.0, 1.0, ACROSS), tooth.even).points

@@ -20,7 +20,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.progress import in_turn, listening, part, tell
 from gearmesh.teeth.gear_train import GearPair
-from gearmesh.teeth.micro_geometry.index_angles import EVEN
+from gearmesh.teeth.micro_geometry.index_angles import NO_INDEX_ANGLES
 
 #: positions in a pitch, of the tight mesh and of its search
 PER_PITCH = 12
@@ -101,7 +101,9 @@ def _tight(pair: GearPair, distance: float) -> tuple[float, float]:
 
 def _even(pair: GearPair) -> GearPair:
     """The pair with all teeth at their places."""
-    return replace(pair, pinion=replace(pair.pinion, index=EVEN), gear=replace(pair.gear, index=EVEN))
+    return replace(
+        pair, pinion=replace(pair.pinion, index=NO_INDEX_ANGLES), gear=replace(pair.gear, index=NO_INDEX_ANGLES)
+    )
 
 
 def _least_play(pair: GearPair) -> float:

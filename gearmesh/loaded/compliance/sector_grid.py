@@ -17,7 +17,7 @@ import numpy as np
 
 from gearmesh.mesh.hexahedra.hexahedra import Cells, HexGrid, plain_grid
 from gearmesh.mesh.hexahedra.layers import layers
-from gearmesh.teeth.region import FILLETS, Side
+from gearmesh.teeth.region import FILLET_REGIONS, Side
 from gearmesh.teeth.tooth import Tooth
 
 #: power by which lines from the flank to the middle of the tooth crowd under the flank
@@ -61,7 +61,7 @@ class FilletSize:
     def of(tooth: Tooth, side: Side) -> FilletSize:
         t, s = np.linspace(0.0, 1.0, FILLET_STATIONS), np.linspace(0.0, 1.0, FILLET_PLACES)
         sections = layers(tooth, t)
-        points = sections.grid(FILLETS[side], s).points
+        points = sections.grid(FILLET_REGIONS[side], s).points
         length = np.linalg.norm(np.diff(points, axis=0), axis=-1).sum(axis=0).mean()
         flank_ends = sections.flank(side, np.array([0.0, 1.0 / FLANK_EIGHTHS])).points
         opposite = sections.flank(side.other, np.array([0.0])).points[0]

@@ -10,12 +10,12 @@ from gearmesh.mesh.patch import LinkNodes
 from gearmesh.mesh.tessellate import ToothMesh, tessellate
 from gearmesh.mesh.triangles import SurfaceMesh
 from gearmesh.teeth.gear_train import Member
-from gearmesh.teeth.region import FLANKS, Side
+from gearmesh.teeth.region import FLANK_REGIONS, Side
 
 
 def flank_meshes(member: Member, flanks: Sequence[Side], tolerance: float) -> list[ToothMesh]:
     """Return the meshes of flanks within `tolerance`, mm, of all different teeth, tooth by tooth."""
-    return [tessellate(tooth, tolerance, (FLANKS[side],)) for tooth in member.different_teeth for side in flanks]
+    return [tessellate(tooth, tolerance, (FLANK_REGIONS[side],)) for tooth in member.different_teeth for side in flanks]
 
 
 def join_flanks(member: Member, meshes: Sequence[ToothMesh], teeth: int | None = None) -> SurfaceMesh:

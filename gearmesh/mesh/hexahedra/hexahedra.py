@@ -21,7 +21,7 @@ from gearmesh.mesh.hexahedra.hexes import HEX_EDGES, HexMesh
 from gearmesh.mesh.hexahedra.layers import Base, Chart, Layers, layers
 from gearmesh.mesh.hexahedra.section_lattice import HalfLattice, Lines, tooth_lattice
 from gearmesh.teeth.blank.body import end_names
-from gearmesh.teeth.region import FLANKS, Side
+from gearmesh.teeth.region import FLANK_REGIONS, Side
 from gearmesh.teeth.section import breaks
 from gearmesh.teeth.tooth import Tooth
 
@@ -215,9 +215,9 @@ def _refine_spacings(
 def on_breaks(tooth: Tooth, grid: HexGrid) -> HexGrid:
     """Return the grid with the nearest line moved to each seam of the flanks and to each station where they are not smooth."""
     seams = np.unique(
-        np.concatenate([breaks(tooth.chain[FLANKS[Side.RIGHT]]), 1.0 - breaks(tooth.chain[FLANKS[Side.LEFT]])]).round(
-            12
-        )
+        np.concatenate(
+            [breaks(tooth.chain[FLANK_REGIONS[Side.RIGHT]]), 1.0 - breaks(tooth.chain[FLANK_REGIONS[Side.LEFT]])]
+        ).round(12)
     )
     if not (seams.size or tooth.face_breaks.size):
         return grid

@@ -24,7 +24,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, components
 from gearmesh.kernel.surface.levels import Level, station_normal
 from gearmesh.kernel.surface.stations import along
-from gearmesh.teeth.region import FILLETS, FLANKS, Region, Side
+from gearmesh.teeth.region import FILLET_REGIONS, FLANK_REGIONS, Region, Side
 from gearmesh.teeth.section import GeneratedLink, Grid, Sections, parameter
 from gearmesh.teeth.tooth import Tooth
 
@@ -338,14 +338,14 @@ class ThreadLayers:
 
     def _ends(self, region: Region, side: Side) -> Array:
         """Return the points (T, 3), mm, at which a side ends at the land or the root."""
-        link, last = (FLANKS[side], 1.0) if region is Region.LAND else (FILLETS[side], 0.0)
+        link, last = (FLANK_REGIONS[side], 1.0) if region is Region.LAND else (FILLET_REGIONS[side], 0.0)
         end: Array = self.grid(link, np.array([last if side is Side.RIGHT else 1.0 - last])).points[0]
         return end
 
     def flank(self, side: Side, s: ArrayLike) -> Grid:
         """Return points and normals of a flank."""
         side, s = Side(side), np.asarray(s, dtype=float)
-        return self.grid(FLANKS[side], s if side is Side.RIGHT else 1.0 - s)
+        return self.grid(FLANK_REGIONS[side], s if side is Side.RIGHT else 1.0 - s)
 
     def _swept(self, link: GeneratedLink, s: Array) -> Grid:
         """Return points of a generated link: from the middle of the face they go along the helix to the half planes."""

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.mesh.hexahedra.layers import Chart, Layers
-from gearmesh.teeth.region import EDGES, FILLETS, FLANKS, Region, Side
+from gearmesh.teeth.region import FILLET_REGIONS, FLANK_REGIONS, TIP_EDGES, Region, Side
 
 #: height of M over the root land, as a share of the height of the form point
 MEETING_HEIGHT_SHARE = 0.35
@@ -141,10 +141,10 @@ def _outline(layers: Layers, side: Side, lines: Lines) -> _Outline:
     """Return the outline of one half of a tooth."""
     links = _Links(layers, side)
     low, root_cells = links.from_cut_to_form_point(lines.root, lines.land, 2 if lines.halved else 1)
-    places = links.halve(FLANKS[side], lines.flank) if lines.halved else lines.flank
-    flank = links.points(FLANKS[side], places)
+    places = links.halve(FLANK_REGIONS[side], lines.flank) if lines.halved else lines.flank
+    flank = links.points(FLANK_REGIONS[side], places)
     if layers.tooth.tip_edge is not None:
-        flank = np.concatenate((flank, links.points(EDGES[side], np.linspace(0.0, 1.0, lines.edge + 1))[1:]))
+        flank = np.concatenate((flank, links.points(TIP_EDGES[side], np.linspace(0.0, 1.0, lines.edge + 1))[1:]))
     return _Outline(low, flank, links.points(Region.LAND, lines.thickness), root_cells)
 
 
@@ -194,7 +194,7 @@ class _Links:
         each. Where the root land is narrower than MIN_ROOT_SHARE of the even share, its cells reach over to the fillet.
         """
         s = np.linspace(0.0, 1.0, LENGTH_SAMPLES)
-        fillet = FILLETS[self._side]
+        fillet = FILLET_REGIONS[self._side]
         samples = np.concatenate((self.points(Region.ROOT, s), self.points(fillet, s)[1:]))
         steps = np.sqrt((np.diff(samples, axis=0) ** 2).sum(axis=-1))
         length = np.concatenate((np.zeros((1, steps.shape[1])), np.cumsum(steps, axis=0)))

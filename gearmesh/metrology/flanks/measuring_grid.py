@@ -14,10 +14,10 @@ from gearmesh.errors import ArgumentError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.surface import Surface
 from gearmesh.teeth.gear_train import Member
-from gearmesh.teeth.micro_geometry.deviations import MARGIN
-from gearmesh.teeth.micro_geometry.modified import INVOLUTE
+from gearmesh.teeth.micro_geometry.deviations import EDGE_MARGIN
+from gearmesh.teeth.micro_geometry.modified import MAX_FORM_ERROR
 from gearmesh.teeth.micro_geometry.screw_involute import ScrewInvolute
-from gearmesh.teeth.region import FILLETS, Side
+from gearmesh.teeth.region import FILLET_REGIONS, Side
 from gearmesh.teeth.section import Grid
 
 #: rows and columns of a grid, as is custom for bevel gears
@@ -51,7 +51,7 @@ class MeasuringGrid:
         member: Member,
         side: Side,
         shape: tuple[int, int] = SHAPE,
-        margins: tuple[float, float] = (MARGIN, MARGIN),
+        margins: tuple[float, float] = (EDGE_MARGIN, EDGE_MARGIN),
         *,
         fillet: bool = False,
     ) -> MeasuringGrid:
@@ -92,7 +92,7 @@ class MeasuringGrid:
         s, t = (_shares(count, margin) for count, margin in zip(shape, margins, strict=True))
         if fillet:
             upward = s if side is Side.RIGHT else 1.0 - s
-            grid = tooth.grid(FILLETS[side], upward, tooth.sections(t))
+            grid = tooth.grid(FILLET_REGIONS[side], upward, tooth.sections(t))
         else:
             grid = tooth.flank_grid(side, s, t)
         joint = tooth.joint
@@ -155,7 +155,7 @@ def _roll_lengths(flank: Surface, grid: Grid) -> Array | None:
         return grid.p
     (x, y), (n_x, n_y) = (np.moveaxis(vectors[..., :2], -1, 0) for vectors in (grid.points, grid.normals))
     base = (x * n_y - y * n_x) / np.hypot(n_x, n_y)
-    if np.ptp(base) > INVOLUTE * abs(base.flat[0]):
+    if np.ptp(base) > MAX_FORM_ERROR * abs(base.flat[0]):
         return None
     return np.asarray(np.abs(x * n_x + y * n_y) / np.hypot(n_x, n_y))
 

@@ -15,7 +15,7 @@ from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.micro_geometry import modification as fields
 from gearmesh.teeth.micro_geometry.modification import (
-    STEEPEST,
+    MAX_AMOUNT_SLOPE,
     Extent,
     FaceEnd,
     FlankField,
@@ -159,7 +159,7 @@ def _check_length(key: str, length: float, e: Extent) -> None:
 
 
 def _shape(name: str) -> fields.Shape:
-    return next(shape for shape in fields.SHAPES if shape == name)
+    return next(shape for shape in fields.RELIEF_SHAPES if shape == name)
 
 
 def _topography(key: str, grid: TopographyGrid, true: TrueFlank) -> FlankField:
@@ -182,17 +182,17 @@ def _prove(key: str, value: float | str, field: FlankField, e: Extent) -> None:
     length, z = np.meshgrid(np.linspace(e.root, e.tip, SAMPLES), np.linspace(e.toe, e.heel, SAMPLES))
     jet = field.jet(length, z)
     steepest = float(max(np.abs(jet.a_l).max(), np.abs(jet.a_z).max()))
-    if steepest <= STEEPEST:
+    if steepest <= MAX_AMOUNT_SLOPE:
         return
     reason, remedy = f"the flank would get a slope of {steepest:.3g} mm/mm", "a smaller amount or a greater length"
     if isinstance(value, str):
-        raise DesignError(key, value, reason=f"{reason}, above {STEEPEST:g} mm/mm", allowed=remedy)
-    bound = value * STEEPEST / steepest
+        raise DesignError(key, value, reason=f"{reason}, above {MAX_AMOUNT_SLOPE:g} mm/mm", allowed=remedy)
+    bound = value * MAX_AMOUNT_SLOPE / steepest
     allowed = f"at most {at_most(bound)}" if value > 0.0 else f"at least {at_least(bound)}"
     raise DesignError(
         key,
         value,
         unit="mm",
-        reason=f"{reason}, above {STEEPEST:g} mm/mm",
+        reason=f"{reason}, above {MAX_AMOUNT_SLOPE:g} mm/mm",
         allowed=f"{allowed} mm, or a greater length",
     )

@@ -20,7 +20,7 @@ from gearmesh.teeth.blank.body import end_names
 from gearmesh.teeth.blank.end_edge import EndChamfer, EndChamfers
 from gearmesh.teeth.blank.tip_edge import TipEdge
 from gearmesh.teeth.gear_train import Member
-from gearmesh.teeth.region import HEEL, TOE
+from gearmesh.teeth.region import HEEL_END, TOE_END
 from gearmesh.teeth.tooth import Tooth
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ def with_end_chamfers(member: Member, spec: BrokenEdges) -> Member:
 
     Raises DesignError naming the key, its value and the largest that fits.
     """
-    order = [(TOE, HEEL).index(name) for name in end_names(member.tooth.blank.axial)]
+    order = [(TOE_END, HEEL_END).index(name) for name in end_names(member.tooth.blank.axial)]
     widths, radii = ([both[end] for end in order] for both in (end_widths(spec), _end_radii(spec)))
     if not any((*widths, *radii)):
         return member

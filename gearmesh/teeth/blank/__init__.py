@@ -1,1 +1,1 @@
-"""The blank that limits the teeth and the body under them."""
+"""The blank that limits the teeth, and the body under them."""

@@ -1,4 +1,4 @@
-"""The blank: what limits the teeth."""
+"""The blank: the levels that limit the teeth, and the gear body."""
 
 from __future__ import annotations
 
@@ -6,24 +6,28 @@ from dataclasses import dataclass, replace
 
 from gearmesh.kernel.surface.levels import LandLevel, Level
 from gearmesh.teeth.blank.body import Body
-from gearmesh.teeth.blank.end_edge import SHARP, EndChamfers
+from gearmesh.teeth.blank.end_edge import SHARP_ENDS, EndChamfers
 
 
 @dataclass(frozen=True)
 class Blank:
-    """What limits the teeth. `axial` is the station coordinate, from `extent[0]` (toe) to `extent[1]` (heel), mm.
+    """Levels that limit the teeth, and the gear body under them.
 
-    A station is a plane, cone or cylinder about z; the coordinate is the distance between stations. `tip` and `root` are
-    the levels of the lands; `body` is the gear body under the teeth. With chamfers at the `ends` the extent is that between them,
-    and the body still that between the end faces.
+    A station is a plane, cone or cylinder about z; its coordinate is the distance between stations.
     """
 
+    #: station coordinate of a point, mm
     axial: Level
+    #: station coordinates (mm) of toe and heel; with end chamfers, of the face between them
     extent: tuple[float, float]
+    #: level of the top lands
     tip: LandLevel
+    #: level of the root lands
     root: LandLevel
+    #: gear body between the end faces
     body: Body
-    ends: EndChamfers = SHARP
+    #: chamfers at toe and heel, None for a sharp end
+    ends: EndChamfers = SHARP_ENDS
 
     @property
     def faces(self) -> tuple[float, float]:
@@ -33,11 +37,11 @@ class Blank:
 
     @property
     def sharp(self) -> Blank:
-        """The blank whose teeth go on to the end faces."""
-        return self if self.ends == SHARP else replace(self, extent=self.faces, ends=SHARP)
+        """The blank without end chamfers: its teeth go on to the end faces."""
+        return self if self.ends == SHARP_ENDS else replace(self, extent=self.faces, ends=SHARP_ENDS)
 
     def with_ends(self, ends: EndChamfers) -> Blank:
-        """The blank with chamfers at its end faces, which stay where they are.
+        """Return the blank with chamfers at its end faces, which do not move.
 
         Parameters
         ----------
@@ -61,7 +65,7 @@ class Blank:
 
     @property
     def across(self) -> Level:
-        """The coordinate (mm) at right angles to the station's, along a section from root to tip or back."""
+        """Coordinate (mm) at right angles to the station coordinate, along a section from root to tip or back."""
         return self.tip.across(self.axial)
 
     @property

@@ -1,4 +1,4 @@
-"""The gear body under the teeth: its profile, with a name for every band of it."""
+"""The gear body under the teeth: its profile, with a region for every band of it."""
 
 from __future__ import annotations
 
@@ -9,40 +9,52 @@ from itertools import pairwise
 import numpy as np
 
 from gearmesh.kernel.surface.levels import Level, station_normal
-from gearmesh.teeth.region import END_EDGES, END_FACES, HEEL, TOE, Region
+from gearmesh.teeth.region import END_EDGES, END_FACES, HEEL_END, TOE_END, Region
 
 
 @dataclass(frozen=True)
 class Disc:
-    """The web of a body, mm: radii of hub and rim, which it joins, and z of its faces."""
+    """Web of a body; lengths in mm."""
 
+    #: radius of the hub
     inner: float
+    #: inner radius of the rim
     outer: float
+    #: z of the lower face
     low: float
+    #: z of the upper face
     high: float
 
 
 @dataclass(frozen=True)
 class TurnedStep:
-    """A step of a shaft or bore, mm: its radius, that at its other end (of a cone), its length, and the region of its faces."""
+    """Step of a shaft or bore; lengths in mm."""
 
+    #: radius where the step begins
     radius: float
+    #: radius where it ends; different for a cone
     end_radius: float
+    #: length along the axis
     length: float
+    #: region of the faces
     region: Region
 
 
 @dataclass(frozen=True)
 class PlaneFace:
-    """A plane end of a body at z between two radii, mm; `up`: it looks to larger z."""
+    """Plane end of a body between two radii; lengths in mm."""
 
+    #: position along the axis
     z: float
+    #: smaller radius
     inner: float
+    #: larger radius
     outer: float
+    #: True if the face looks to larger z
     up: bool
 
     def covers(self, reach: tuple[float, float]) -> bool:
-        """Whether all between two radii is on it.
+        """True if the face contains everything between two radii.
 
         Parameters
         ----------
@@ -63,10 +75,11 @@ class PlaneFace:
 
 @dataclass(frozen=True)
 class Body:
-    """A body of revolution under (or, of an internal gear, around) the teeth.
+    """Body of revolution under the teeth, or around the teeth of an internal gear.
 
-    `profile`: points (rho, z), mm, in the axial half plane, from the end face where teeth begin (t = 0) round by the side away
-    from them to the one where they end; `bands`: the region of each band between neighbouring points.
+    `profile`: points (rho, z), mm, in the axial half plane. They run from the end face where the teeth begin (t = 0),
+    round the side away from the teeth, to the end face where they end. `bands`: region of each band between
+    neighbouring points.
     """
 
     profile: tuple[tuple[float, float], ...]
@@ -74,7 +87,7 @@ class Body:
 
     @staticmethod
     def disk(bore: float, toe: tuple[float, float], heel: tuple[float, float], *faces: float) -> Body:
-        """A disk with a bore.
+        """Return a disk with a bore.
 
         The bore's ends lie at z of toe and heel unless `faces` says otherwise.
 
@@ -104,18 +117,19 @@ class Body:
 
     @staticmethod
     def tube(radius: float, toe: float, heel: float, band: Region = Region.BORE) -> Body:
-        """What is left between toothed end faces at z = toe and heel and a cylinder: a bore, or the rim of an internal gear.
+        """Return the body between toothed end faces at z = toe and heel and a cylinder: a bore, or the rim of an
+        internal gear.
 
         Parameters
         ----------
         radius : float
-            Of the cylinder, mm.
+            Radius of the cylinder, mm.
         toe : float
             z of an end face, mm.
         heel : float
             z of an end face, mm.
         band : Region
-            What the cylinder is: the bore, or the rim.
+            Region of the cylinder: the bore, or the rim.
 
         Returns
         -------
@@ -130,14 +144,15 @@ class Body:
 
     @staticmethod
     def hub_and_rim(bore: float, web: Disc, toe: float, heel: float) -> Body:
-        """Hub and rim between end faces at z = toe and heel, and a web between them; the rim bears the teeth.
+        """Return a hub and a rim between end faces at z = toe and heel, with a web between them; the rim bears the
+        teeth.
 
         Parameters
         ----------
         bore : float
             Radius, mm.
         web : Disc
-            Where it is.
+            Radii and faces of the web.
         toe : float
             z of an end face, mm.
         heel : float
@@ -168,12 +183,12 @@ class Body:
         return Body(tuple(profile), (*recess, Region.FACE_TOE, Region.BORE, Region.FACE_HEEL, *recess))
 
     def with_recess(self, web: Disc) -> Body:
-        """A disk with a recess in its heel's face between the radii of a web, which goes on to its toe's face.
+        """Return a disk with a recess in its heel face, between the radii of a web that reaches to its toe face.
 
         Parameters
         ----------
         web : Disc
-            Where it is.
+            Radii and faces of the web.
 
         Returns
         -------
@@ -191,7 +206,7 @@ class Body:
         return Body((*self.profile[: last + 1], *recess, *self.profile[last + 1 :]), bands)
 
     def shift(self, rise: float) -> Body:
-        """The body moved along z.
+        """Return the body moved along z.
 
         Parameters
         ----------
@@ -211,7 +226,8 @@ class Body:
         return Body(tuple((rho, z + rise) for rho, z in self.profile), self.bands)
 
     def with_steps(self, toe: Sequence[TurnedStep], heel: Sequence[TurnedStep]) -> Body:
-        """The body with steps of hub or shaft on its end faces round the bore, each in order from the body outwards.
+        """Return the body with steps of hub or shaft on its end faces, round the bore; steps are in order from the body
+        outwards.
 
         Parameters
         ----------
@@ -237,19 +253,20 @@ class Body:
                 continue
             at = names.index(Region.BORE) + heelward
             bore, face = points[at]
-            there, bands = _turned_steps(steps, bore, face, 1.0 if heelward else -1.0)
+            step_points, bands = _turned_steps(steps, bore, face, 1.0 if heelward else -1.0)
             # from the bore's end to the body; at the toe the other way round
-            points[at : at + 1] = there if heelward else there[::-1]
+            points[at : at + 1] = step_points if heelward else step_points[::-1]
             names[at:at] = bands if heelward else bands[::-1]
-            last = at + len(there) - 1 if heelward else at
-            beside = last + 1 if heelward else last - 1
-            if 0 <= beside < len(points) and points[beside] == points[last]:
-                # as wide as that of the web: no face between them
+            last = at + len(step_points) - 1 if heelward else at
+            neighbour = last + 1 if heelward else last - 1
+            if 0 <= neighbour < len(points) and points[neighbour] == points[last]:
+                # a step as wide as the hub of the web leaves no face between them
                 del points[last], names[last if heelward else last - 1]
         return Body(tuple(points), tuple(names))
 
     def with_stepped_bore(self, toe: Sequence[TurnedStep], heel: Sequence[TurnedStep]) -> Body:
-        """The body with steps of its bore, or of the outside of a ring, each in order from its end inwards.
+        """Return the body with steps of its bore, or of the outside of a ring; steps are in order from the ends
+        inwards.
 
         Parameters
         ----------
@@ -278,22 +295,22 @@ class Body:
             at = names.index(band) + last
             inwards = -1.0 if heelward else 1.0
             radius, z = points[at]
-            there = [(steps[0].radius, z)]
+            step_points = [(steps[0].radius, z)]
             for step, after in zip(steps, (*(step.radius for step in steps[1:]), radius), strict=True):
                 z += inwards * step.length
-                there += [(step.radius, z), (after, z)]
-            bands = [steps[0].region] * (len(there) - 1)
-            points[at : at + 1] = there[::-1] if last else there
+                step_points += [(step.radius, z), (after, z)]
+            bands = [steps[0].region] * (len(step_points) - 1)
+            points[at : at + 1] = step_points[::-1] if last else step_points
             names[at:at] = bands
         return Body(tuple(points), tuple(names))
 
     @property
     def rise(self) -> int:
-        """1 where the profile ends at larger z than it begins, -1 else: of an internal gear."""
+        """+1 if the profile ends at larger z than it begins, -1 for an internal gear."""
         return -1 if self.around else 1
 
     def plane_faces(self, flat_ends: bool) -> list[PlaneFace]:
-        """Its plane ends, and those of the teeth where these are planes.
+        """Return the plane faces of the body, and those of the teeth if these end on planes.
 
         Parameters
         ----------
@@ -321,7 +338,7 @@ class Body:
         return made
 
     def levels(self, reach: tuple[float, float], flat_ends: bool, depth: float | None = None) -> tuple[float, float]:
-        """The z between which an opening between two radii goes through the body, or as deep as asked.
+        """Return the two z between which an opening between two radii cuts the body, through it or to a depth.
 
         Parameters
         ----------
@@ -359,7 +376,7 @@ class Body:
 
     @property
     def web(self) -> Disc | None:
-        """Its web, None where it has none."""
+        """The web, None if there is none."""
         ends = [self.profile[k : k + 2] for k, band in enumerate(self.bands) if band is Region.WEB]
         if not ends:
             return None
@@ -380,22 +397,22 @@ class Body:
 
     @property
     def bore_radius(self) -> float:
-        """Radius (mm) of the bore, 0 where there is none."""
+        """Radius (mm) of the bore, 0 if there is none."""
         return next((self.profile[k][0] for k, band in enumerate(self.bands) if band is Region.BORE), 0.0)
 
     @property
     def bore_diameter(self) -> float | None:
-        """Diameter (mm) of the bore, 0 where there is none; None of a bar."""
+        """Diameter (mm) of the bore, 0 if there is none; None for a bar."""
         return None if Region.BACK in self.bands else 2.0 * self.bore_radius
 
     @property
     def solid(self) -> bool:
-        """True where it is a disk that goes down to its axis."""
+        """True if the body is a disk that reaches to its axis."""
         return self.genus == 0 and Region.BACK not in self.bands
 
     @property
     def bore_band(self) -> int:
-        """Number of the band that is the bore. Raises ValueError where there is none."""
+        """Number of the band that is the bore. Raises ValueError if there is none."""
         return self.bands.index(Region.BORE)
 
     @property
@@ -406,12 +423,12 @@ class Body:
 
     @property
     def genus(self) -> int:
-        """0 for a body without a hole along its axis, such as a bar, 1 for one that has it."""
+        """1 for a body with a hole along its axis, 0 for a body without, such as a bar."""
         return 0 if Region.BACK in self.bands or any(rho == 0.0 for rho, _ in self.profile) else 1
 
     @property
     def around(self) -> bool:
-        """True where the body lies around the teeth, as that of an internal gear."""
+        """True if the body lies around the teeth, as that of an internal gear."""
         return Region.RIM in self.bands
 
     @property
@@ -424,7 +441,7 @@ class Body:
         return Body(tuple(filled), self.bands)
 
     def cut_off(self) -> float:
-        """Volume between profile and axis, signed by the direction of z from toe to heel.
+        """Return the volume between profile and axis, signed by the direction of z from toe to heel.
 
         Returns
         -------
@@ -441,7 +458,7 @@ class Body:
         return float(np.pi / 3.0 * (np.diff(z) @ (rho[1:] ** 2 + rho[1:] * rho[:-1] + rho[:-1] ** 2)))
 
     def enclosed_volume(self) -> float:
-        """Volume between the profile, closed by the straight line from heel to toe, and itself, signed by its sense.
+        """Return the volume enclosed by the profile and the straight line from heel to toe, signed by its sense.
 
         Returns
         -------
@@ -461,7 +478,11 @@ class Body:
 def _turned_steps(
     steps: Sequence[TurnedStep], bore: float, face: float, sense: float
 ) -> tuple[list[tuple[float, float]], list[Region]]:
-    """Points (rho, z) from the bore's end over all steps down to the body's face at z, and the regions of the bands between."""
+    """Return points (rho, z) from the bore's end over all steps down to the body's face, and the regions of the bands
+    between.
+
+    `face`: z of the body's face; `sense`: +1 at the heel, -1 at the toe.
+    """
     ends = face + sense * np.cumsum([step.length for step in steps])
     points, bands = [(bore, float(ends[-1]))], list[Region]()
     for k in range(len(steps) - 1, -1, -1):
@@ -475,12 +496,13 @@ def _turned_steps(
 
 
 def end_names(level: Level) -> tuple[str, str]:
-    """What the ends at t = 0 and t = 1 of teeth on stations of a level are called.
+    """Names of the ends at t = 0 and t = 1 of teeth on stations of a level.
 
-    Between plane end faces the toe is the one at smaller z, where teeth of an internal gear end; else they begin there.
+    Between plane end faces the toe is the end at smaller z. Teeth of an internal gear end there; other teeth begin
+    there.
     """
     across, up = station_normal(level)
-    return (HEEL, TOE) if across == 0.0 and up < 0.0 else (TOE, HEEL)
+    return (HEEL_END, TOE_END) if across == 0.0 and up < 0.0 else (TOE_END, HEEL_END)
 
 
 def end_edges(level: Level) -> tuple[Region, Region]:

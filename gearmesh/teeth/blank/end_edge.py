@@ -1,4 +1,4 @@
-"""Broken edges between the teeth and their end faces, as deburring leaves them: how large they are; see `teeth.end_strip`."""
+"""Sizes of the broken edges between teeth and end faces, as deburring leaves them; their surface is `teeth.end_strip`."""
 
 from __future__ import annotations
 
@@ -8,8 +8,11 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class EndChamfer:
-    """A chamfer along the whole outline of an end face: `width` on the end face, at right angles to the outline, and `depth` under
-    it, mm; or a `rounded` edge between both, an arc where the depth is the width."""
+    """Chamfer, or rounding, along the whole outline of an end face.
+
+    `width`: size on the end face, at right angles to the outline, mm. `depth`: size under the end face, mm. `rounded`:
+    True for a rounding, an arc if depth and width are equal.
+    """
 
     width: float
     depth: float
@@ -17,12 +20,13 @@ class EndChamfer:
 
     @property
     def area(self) -> float:
-        """What it takes off a section across a straight edge, mm^2: a triangle, or what a quarter of an ellipse leaves of a
-        rectangle."""
+        """Area, mm^2, removed from a section across a straight edge: a triangle, or a rectangle less a quarter of an
+        ellipse.
+        """
         return (1.0 - 0.25 * math.pi if self.rounded else 0.5) * self.width * self.depth
 
 
 #: at toe and heel; None where the edge is sharp
 EndChamfers = tuple[EndChamfer | None, EndChamfer | None]
-#: sharp edges
-SHARP: EndChamfers = (None, None)
+#: sharp edges at both ends
+SHARP_ENDS: EndChamfers = (None, None)

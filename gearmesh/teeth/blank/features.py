@@ -1,6 +1,7 @@
-"""Features of a gear body: hubs, shafts, stepped bores, which are turned; keyways, holes, spokes, which are cut along the axis.
+"""Features of a gear body: turned hubs, shafts and stepped bores; keyways, holes and spokes that are cut along the
+axis.
 
-What is cut is a prism along the axis, its outline lines and arcs. Angles in rad, lengths in mm.
+A cut is a prism along the axis, with an outline of lines and arcs. Angles are in rad, lengths in mm.
 """
 
 from __future__ import annotations
@@ -21,18 +22,18 @@ ClosedLine = tuple[PlaneCurve, ...]
 
 @dataclass(frozen=True)
 class Slot:
-    """Keyway in the bore, mm: width, and depth beyond the bore's radius."""
+    """Keyway in the bore, mm: `width`, and `depth` beyond the bore's radius."""
 
     width: float
     depth: float
 
     def in_bore(self, radius: float) -> ClosedLine:
-        """The outline of a bore with the keyway on +x: the arc, and from its end the three lines.
+        """Return the outline of a bore with the keyway on +x: the arc, and from its end the three lines.
 
         Parameters
         ----------
         radius : float
-            Of the bore, mm.
+            Radius of the bore, mm.
 
         Returns
         -------
@@ -52,12 +53,12 @@ class Slot:
         return arc, *(PlaneLine(corners[k], corners[k + 1]) for k in range(3))
 
     def reach(self, radius: float) -> float:
-        """How far from the axis its corners are.
+        """Return the distance of its corners from the axis.
 
         Parameters
         ----------
         radius : float
-            Of the bore, mm.
+            Radius of the bore, mm.
 
         Returns
         -------
@@ -81,7 +82,7 @@ class Boss:
 
     @property
     def step(self) -> TurnedStep:
-        """It as a step on the end face of a body."""
+        """The hub as a step on the end face of a body."""
         return TurnedStep(0.5 * self.diameter, 0.5 * self.diameter, self.length, Region.HUB)
 
 
@@ -94,36 +95,41 @@ class Pattern(Protocol):
 
     @property
     def depth(self) -> float | None:
-        """Depth (mm) from the heel's face, None of what goes through."""
+        """Depth (mm) from the heel's face, None for openings through the body."""
 
     @property
     def count(self) -> int:
-        """How many there are."""
+        """Number of openings."""
 
     @property
     def reach(self) -> tuple[float, float]:
-        """Radii (mm) between which they are, or heights over a bar's reference plane."""
+        """Smallest and largest radius (mm), or height over a bar's reference plane."""
 
     @property
     def outlines(self) -> tuple[ClosedLine, ...]:
-        """One for each."""
+        """Outline of each opening."""
 
 
 @dataclass(frozen=True)
 class Drilling:
-    """Holes along the axis, evenly spaced, the first at the polar angle `start`: their number, diameter, and the circle through
-    their centres, mm."""
+    """Holes along the axis, evenly spaced on a circle; lengths in mm."""
 
+    #: number of holes
     count: int
+    #: diameter of a hole
     diameter: float
+    #: diameter of the circle through their centres
     circle: float
+    #: polar angle of the first hole, rad
     start: float = 0.0
+    #: depth from the heel's face; None: through the body
     depth: float | None = None
+    #: region of the walls
     region: Region = Region.HOLE
 
     @property
     def centres(self) -> Array:
-        """Where they are, (count, 2), mm."""
+        """Centres of the holes, (count, 2), mm."""
         angle = self.start + 2.0 * np.pi * np.arange(self.count) / self.count
         return np.asarray(0.5 * self.circle * np.stack((np.cos(angle), np.sin(angle)), axis=-1))
 
@@ -138,20 +144,26 @@ class Drilling:
 
 @dataclass(frozen=True)
 class HoleRow:
-    """Bolt holes across a bar: their number, diameter, distance from one to the next, `height` of their centres over the reference
-    plane, and y of the middle of the row, mm."""
+    """Row of bolt holes across a bar; lengths in mm."""
 
+    #: number of holes
     count: int
+    #: diameter of a hole
     diameter: float
+    #: distance between neighbouring centres
     pitch: float
+    #: height of the centres over the reference plane
     height: float
+    #: y of the middle of the row
     middle: float
+    #: depth from the heel's face; None: through the bar
     depth: float | None = None
+    #: region of the walls
     region: Region = Region.BOLT
 
     @property
     def centres(self) -> Array:
-        """Where they are, (count, 2), mm."""
+        """Centres of the holes, (count, 2), mm."""
         along = self.middle + self.pitch * (np.arange(self.count) - 0.5 * (self.count - 1))
         return np.stack((np.full(self.count, self.height), along), axis=-1)
 
@@ -166,18 +178,23 @@ class HoleRow:
 
 @dataclass(frozen=True)
 class Spokes:
-    """Spokes of constant width, the middle of the first at the polar angle `start`, and the openings between them, mm.
+    """Spokes of constant width, and the openings between them; lengths in mm."""
 
-    Openings lie between the diameters `inner` and `outer`; their corners have the radius `corner`.
-    """
-
+    #: number of spokes
     count: int
+    #: width of a spoke
     width: float
+    #: inner diameter of the openings
     inner: float
+    #: outer diameter of the openings
     outer: float
+    #: radius of their corners
     corner: float
+    #: polar angle of the middle of the first spoke, rad
     start: float = 0.0
+    #: openings go through the body
     depth: None = None
+    #: region of the walls
     region: Region = Region.SPOKE
 
     @property
@@ -186,8 +203,9 @@ class Spokes:
 
     @property
     def corners(self) -> Array:
-        """Centres (2, 2) of the roundings at the inner and the outer diameter, beside a spoke along +x; NaN where
-        it has no room."""
+        """Centres (2, 2) of the corner roundings at the inner and the outer diameter, beside a spoke along +x; NaN if
+        there is no room.
+        """
         across = 0.5 * self.width + self.corner
         away = np.array([0.5 * self.inner + self.corner, 0.5 * self.outer - self.corner])
         with np.errstate(invalid="ignore"):
@@ -195,7 +213,7 @@ class Spokes:
 
     @property
     def fits(self) -> bool:
-        """Whether there is an opening between two spokes, with all of its corners."""
+        """True if the opening between two spokes has room for all its corners."""
         angles = np.arctan2(self.corners[:, 1], self.corners[:, 0])
         straight = bool(self.corners[1, 0] > self.corners[0, 0] and 0.5 * self.outer > self.corner)
         return straight and bool((angles < np.pi / self.count).all())
@@ -230,51 +248,66 @@ class Spokes:
 
 @dataclass(frozen=True)
 class Opening:
-    """A prism along the axis, cut out of a body between two z, `low` and `high`, mm; it ends in a `floor` at one of them, or goes
-    through."""
+    """Prism along the axis, cut out of a body; lengths in mm."""
 
+    #: region of the walls
     region: Region
+    #: outline, counterclockwise
     curves: ClosedLine
+    #: smaller z
     low: float
+    #: larger z
     high: float
+    #: smallest and largest radius
     reach: tuple[float, float]
+    #: z at which the opening ends; None if it goes through the body
     floor: float | None = None
 
 
 @dataclass(frozen=True)
 class BodyFeatures:
-    """What a body has beside its web and bore. Steps are in order: of shafts from the body outwards, of bores from their ends
-    inwards. `row`: the bolt holes of a bar."""
+    """Features of a body beside its web and bore."""
 
+    #: keyway in the bore
     keyway: Slot | None = None
+    #: hub on the heel side
     hub: Boss | None = None
+    #: holes that lighten the body
     holes: Drilling | None = None
+    #: hub on the toe side
     toe_hub: Boss | None = None
+    #: steps of the shaft on the toe side, from the body outwards
     toe_shaft: tuple[TurnedStep, ...] = ()
+    #: steps of the shaft on the heel side, from the body outwards
     heel_shaft: tuple[TurnedStep, ...] = ()
+    #: steps of the bore on the toe side, from its end inwards
     toe_bore: tuple[TurnedStep, ...] = ()
+    #: steps of the bore on the heel side, from its end inwards
     heel_bore: tuple[TurnedStep, ...] = ()
+    #: bolt holes
     bolts: Drilling | None = None
+    #: spokes and the openings between them
     spokes: Spokes | None = None
+    #: bolt holes of a bar
     row: HoleRow | None = None
 
     @property
     def patterns(self) -> tuple[Pattern, ...]:
-        """What is cut beside the bore."""
+        """Openings that are cut beside the bore."""
         return tuple(pattern for pattern in (self.holes, self.bolts, self.spokes, self.row) if pattern is not None)
 
     @property
     def is_cut(self) -> bool:
-        """Whether anything is that is no body of revolution."""
+        """True if a feature is no body of revolution."""
         return self.keyway is not None or bool(self.patterns)
 
     @property
     def uncut(self) -> BodyFeatures:
-        """What of them is turned."""
+        """The turned features."""
         return replace(self, keyway=None, holes=None, bolts=None, spokes=None, row=None)
 
     def without(self, pattern: Pattern) -> BodyFeatures:
-        """The same but for one of the patterns.
+        """Return the features without one of the patterns.
 
         Parameters
         ----------
@@ -284,7 +317,7 @@ class BodyFeatures:
         Returns
         -------
         BodyFeatures
-            What is left.
+            The remaining features.
 
         Examples
         --------
@@ -302,7 +335,7 @@ class BodyFeatures:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """What of them there is, in words."""
+        """Names of the features that are present."""
         has = {
             "hub": self.hub or self.toe_hub,
             "shaft": self.toe_shaft or self.heel_shaft,
@@ -312,16 +345,16 @@ class BodyFeatures:
             "bolt holes": self.bolts or self.row,
             "spokes": self.spokes,
         }
-        return tuple(name for name, there in has.items() if there)
+        return tuple(name for name, feature in has.items() if feature)
 
     @property
     def rare_regions(self) -> bool:
-        """Whether a body with them has one of FEATURE_REGIONS."""
+        """True if a body with these features has one of FEATURE_REGIONS."""
         steps = (self.toe_shaft, self.heel_shaft, self.toe_bore, self.heel_bore)
         return any(steps) or self.bolts is not None or self.spokes is not None
 
     def turn(self, plain: Body) -> Body:
-        """A body with hubs, shafts and steps of the bore, or of the outside of a ring.
+        """Return a body with hubs, shafts and steps of the bore, or of the outside of a ring.
 
         Parameters
         ----------
@@ -344,7 +377,7 @@ class BodyFeatures:
         return body.with_stepped_bore(self.toe_bore, self.heel_bore)
 
     def openings(self, body: Body, flat_ends: bool) -> tuple[Opening, ...]:
-        """Where they are cut out of a turned body.
+        """Return the openings that the features cut out of a turned body.
 
         Parameters
         ----------

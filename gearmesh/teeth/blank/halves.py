@@ -1,4 +1,4 @@
-"""The rows of teeth that a member has: one, or the two halves of a double helical member, mirror images of each other."""
+"""Rows of teeth of a member: one row, or the two halves of a double helical member, mirror images of each other."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ HalfEnd = tuple[int, int]
 
 @dataclass(frozen=True)
 class HalfGear:
-    """A row of teeth: the member's tooth as it is, or its image in the plane z = `plane` (mm), turned round the axis.
+    """A row of teeth: the member's tooth, or its image in the plane z = `plane` (mm), turned round the axis.
 
-    `number`: as it is counted from 1, None of a row that is the only one; `shared`: ends of the outline (0 toe, 1 heel) that it has
-    in common with the first half.
+    `number`: 1 or 2, None for the only row. `shared`: ends of the outline (0 toe, 1 heel) that the row shares with the
+    first half.
     """
 
     plane: float | None = None
@@ -31,23 +31,23 @@ class HalfGear:
 
     @property
     def hand_sign(self) -> int:
-        """1 for the tooth as it is, -1 for its image: triangles and surfaces are then wound the other way."""
+        """+1 for the member's tooth, -1 for its image, whose triangles and surfaces are wound the other way."""
         return 1 if self.plane is None else -1
 
     @property
     def suffix(self) -> str:
-        """What names of its faces end in."""
+        """Suffix of the names of the row's faces."""
         return "" if self.plane is None else "_mirrored"
 
     @property
     def motion(self) -> Rigid:
-        """The motion, or reflection, that takes the tooth here."""
+        """Motion, or reflection, from the member's tooth to this row."""
         if self.plane is None:
             return Rigid.identity()
         return Rigid(np.diag([1.0, 1.0, -1.0]), np.array([0.0, 0.0, 2.0 * self.plane]))
 
     def points(self, points: Array) -> Array:
-        """Points of the tooth in this row.
+        """Return points of the tooth in this row.
 
         Parameters
         ----------
@@ -67,7 +67,7 @@ class HalfGear:
         return points if self.plane is None else self.motion.point(points)
 
     def vectors(self, vectors: Array) -> Array:
-        """Vectors, such as normals, of the tooth in this row.
+        """Return vectors, such as normals, of the tooth in this row.
 
         Parameters
         ----------
@@ -89,48 +89,51 @@ class HalfGear:
 
 @dataclass(frozen=True)
 class AxialGap:
-    """The gap between two halves: a cylinder as a `body`, and the `ends` that look into it, that of the body's profile first."""
+    """The gap between two halves.
+
+    `body`: the cylinder in the gap. `ends`: ends of the halves at the gap, in the order of the body's profile.
+    """
 
     body: Body
     ends: tuple[HalfEnd, HalfEnd]
 
     @property
     def diameter(self) -> float:
-        """Of the cylinder, mm."""
+        """Diameter of the cylinder, mm."""
         return 2.0 * self.body.profile[0][0]
 
 
 class Rows(Protocol):
-    """How many rows of teeth a member has, and their positions; lengths in mm, in the member's own frame."""
+    """The rows of teeth of a member and their positions; lengths in mm, in the member's own frame."""
 
     @property
     def halves(self) -> tuple[HalfGear, ...]:
-        """Every row, the first of which is the tooth as it is."""
+        """Every row; the first is the member's tooth itself."""
 
     @property
     def outer(self) -> tuple[HalfEnd, HalfEnd]:
-        """The two outermost ends, toe or heel of a half each: that which a body's profile begins at, and that at which it ends."""
+        """The two outermost ends of the halves, toe or heel, in the order of the whole body's profile."""
 
     @property
     def gaps(self) -> tuple[AxialGap, ...]:
-        """What is between rows that do not meet."""
+        """Gaps between rows that do not meet."""
 
     @property
     def face_width(self) -> tuple[str, str]:
         """Symbol and name of the face width of a row [ISO 21771]."""
 
     def body(self, own: Body) -> Body:
-        """The gear body under all rows.
+        """Return the gear body under all rows.
 
         Parameters
         ----------
         own : Body
-            That under the tooth as it is.
+            Body under the member's tooth.
 
         Returns
         -------
         Body
-            That of the whole member.
+            Body of the whole member.
 
         Examples
         --------
@@ -140,17 +143,17 @@ class Rows(Protocol):
         """
 
     def extent(self, own: tuple[float, float]) -> tuple[float, float]:
-        """Where the whole member begins and ends.
+        """Return first and last station of the whole member.
 
         Parameters
         ----------
         own : tuple of two float
-            First and last station of the tooth as it is, mm.
+            First and last station of the member's tooth, mm.
 
         Returns
         -------
         tuple of two float
-            Those of the whole, mm.
+            First and last station of the whole member, mm.
 
         Examples
         --------
@@ -159,12 +162,12 @@ class Rows(Protocol):
         """
 
     def station(self, z: float) -> float:
-        """Where the tooth as it is has the section that the whole has, outside of gaps.
+        """Return the station of the member's tooth that has the section of the whole member at z, outside gaps.
 
         Parameters
         ----------
         z : float
-            Of the section of the whole, mm.
+            z of the section of the whole member, mm.
 
         Returns
         -------
@@ -178,14 +181,14 @@ class Rows(Protocol):
         """
 
     def volume(self, row: float, own: Body) -> float:
-        """Volume of the whole member.
+        """Return the volume of the whole member.
 
         Parameters
         ----------
         row : float
-            Volume of the row of the tooth as it is, on its own body, mm3.
+            Volume of the row of the member's tooth, on its own body, mm3.
         own : Body
-            That body.
+            Body of that row.
 
         Returns
         -------
@@ -235,16 +238,17 @@ class SingleRow:
 
 @dataclass(frozen=True)
 class DoubleHelical:
-    """A second half beyond an end face of the first, which is the tooth's.
+    """A second half beyond an end face of the first, which is the member's tooth; lengths in mm."""
 
-    `plane`: z of the plane of symmetry; `near`: z of the first half's end face that looks at it: its heel, or its toe where
-    `beyond_heel` is false; `groove`: radius of the cylinder in the gap, None where the halves meet; `whole`: the gear body of both.
-    """
-
+    #: z of the plane of symmetry
     plane: float
+    #: z of the first half's end face at the gap
     near: float
+    #: True if that face is its heel, False if it is its toe
     beyond_heel: bool
+    #: radius of the cylinder in the gap; None if the halves meet
     groove: float | None
+    #: gear body of both halves
     whole: Body
 
     @property
@@ -283,4 +287,5 @@ class DoubleHelical:
         return 2.0 * (row + own.cut_off()) - gap - self.whole.cut_off()
 
 
+#: rows of a member with one row of teeth
 SINGLE_ROW = SingleRow()

@@ -1,8 +1,9 @@
-"""Moments of volumes up to the second: what volume, centre of gravity and inertia of a member follow from, of a density of 1.
+"""Moments of volumes up to the second: the basis of volume, centre of gravity and inertia of a member, for a density of
+1.
 
-The teeth are integrated as `Tooth.volume` does, down to a floor, at constant polar angle along the generatrices of their sections;
-the body is what its profile cuts off towards the axis; openings are prisms along it, their sections integrated along their
-outlines. All are closed forms or Gauss's rule on smooth integrands.
+Teeth are integrated like `Tooth.volume`: down to a floor, at constant polar angle along the generatrices of their
+sections. The body is the volume between its profile and the axis. Openings are prisms along the axis; their sections
+are integrated along their outlines. All integrals are closed forms or Gauss rules on smooth integrands.
 """
 
 from __future__ import annotations
@@ -19,15 +20,21 @@ from gearmesh.kernel.plane.curves import PlaneCurve
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.tooth import Tooth
 
-#: mm^3 in m^3
-CUBIC = 1e-9
-#: nodes of Gauss's rule along a profile's pieces, on which moments are polynomials of degree 4, and along an outline's curves
-ALONG, ROUND = 4, 32
+#: m^3 per mm^3
+M3_PER_MM3 = 1e-9
+#: Gauss nodes along a piece of a profile, on which moments are polynomials of degree 4
+PROFILE_NODES = 4
+#: Gauss nodes along a curve of an outline
+OUTLINE_NODES = 32
 
 
 @dataclass(frozen=True)
 class Moments:
-    """Integrals over a volume: of 1, mm^3, of the place r (3,), mm^4, and of its products r r^T (3, 3), mm^5."""
+    """Integrals over a volume.
+
+    `volume`: integral of 1, mm^3. `first`: integral of the position r (3,), mm^4. `second`: integral of r r^T (3, 3),
+    mm^5.
+    """
 
     volume: float
     first: Array
@@ -39,7 +46,7 @@ class Moments:
 
     @staticmethod
     def of(points: Array, weights: Array) -> Moments:
-        """Of points (..., 3) with weights (...,)."""
+        """Return the moments of points (..., 3) with weights (...,)."""
         r, w = points.reshape(-1, 3), weights.ravel()
         return Moments(float(w.sum()), w @ r, (w[:, None] * r).T @ r)
 
@@ -50,7 +57,7 @@ class Moments:
         return Moments(self.volume - other.volume, self.first - other.first, self.second - other.second)
 
     def move(self, motion: Rigid) -> Moments:
-        """Of the volume moved, or reflected."""
+        """Return the moments of the volume moved, or reflected."""
         turned, way = motion.rotation @ self.first, motion.translation
         crossed = np.outer(turned, way)
         second = motion.rotation @ self.second @ motion.rotation.T + crossed + crossed.T
@@ -62,21 +69,21 @@ class Moments:
         return np.asarray(self.first / self.volume)
 
     def mass(self, density: float) -> float:
-        """kg, of a density in kg/m^3."""
-        return self.volume * CUBIC * density
+        """Mass, kg, for a density in kg/m^3."""
+        return self.volume * M3_PER_MM3 * density
 
     def about_axis(self, density: float) -> float:
-        """Moment of inertia about the z axis, kg mm^2, of a density in kg/m^3."""
-        return float(self.second[0, 0] + self.second[1, 1]) * CUBIC * density
+        """Moment of inertia about the z axis, kg mm^2, for a density in kg/m^3."""
+        return float(self.second[0, 0] + self.second[1, 1]) * M3_PER_MM3 * density
 
     def about_centre(self, density: float) -> Array:
-        """Tensor of inertia (3, 3) about the centre of gravity, kg mm^2, of a density in kg/m^3."""
+        """Tensor of inertia (3, 3) about the centre of gravity, kg mm^2, for a density in kg/m^3."""
         second = self.second - np.outer(self.first, self.first) / self.volume
-        return np.asarray(np.trace(second) * np.eye(3) - second) * CUBIC * density
+        return np.asarray(np.trace(second) * np.eye(3) - second) * M3_PER_MM3 * density
 
 
 def member_moments(member: Member) -> Moments:
-    """Moments of a member in its own frame, with all features of its body."""
+    """Return the moments of a member in its own frame, with all features of its body."""
     if member.tooth.joint.travel is not None:
         return _bar(member)
     row = _row(member)
@@ -91,27 +98,27 @@ def member_moments(member: Member) -> Moments:
 
 
 def _row(member: Member) -> Moments:
-    """All teeth of a row down to the axis; signed by the direction of z from toe to heel."""
+    """Moments of all teeth of a row down to the axis, signed by the direction of z from toe to heel."""
     profile = member.tooth.blank.body.profile
     return _teeth(member) + cut_off((profile[0], profile[-1]))
 
 
 def _teeth(member: Member) -> Moments:
-    """All teeth of a row down to their floor, of a rack to its back."""
+    """Moments of all teeth of a row down to their floor, or of a rack to its back."""
     tooth, row = member.tooth, Moments.none()
-    own = [Moments.of(*one.quadrature()) for one in member.different_teeth]
+    tooth_moments = [Moments.of(*tooth_kind.quadrature()) for tooth_kind in member.different_teeth]
     for place, kind in zip(tooth.joint.places(tooth.teeth).tolist(), member.order.tolist(), strict=True):
-        row += own[kind].move(tooth.joint.to(place * tooth.pitch_angle))
+        row += tooth_moments[kind].move(tooth.joint.to(place * tooth.pitch_angle))
     return row
 
 
 def _bar(member: Member) -> Moments:
-    """A rack: its teeth, and what goes on beyond them at both ends as high as the root."""
+    """Moments of a rack: its teeth, and the bar beyond them at both ends, as high as the root."""
     tooth, whole = member.tooth, _teeth(member)
     back, places = tooth.blank.body.profile[0][0], tooth.joint.places(tooth.teeth)
-    nodes, weights = _gauss(ROUND)
+    nodes, weights = _gauss(OUTLINE_NODES)
     x, y, _ = np.meshgrid(*(nodes,) * 3, indexing="ij")
-    # teeth are counted from where the root before them begins, the bar's ends from its middle
+    # a tooth begins with the root before it; the bar ends in the middle of a root: integrate the rest of the bar
     for line, widths in _root_lines(tooth, nodes, weights):
         top, begin, z = line.T
         middle, height = tooth.root_middle(z), top - back
@@ -119,16 +126,21 @@ def _bar(member: Member) -> Moments:
         for place, side in ((places[0], -1.0), (places[-1] + 1, 1.0)):
             way = float(tooth.joint.to(place * tooth.pitch_angle).translation[1])
             length = side * (middle - begin) + member.overhang
-            there = np.stack((back + height * x, begin + way + side * length * y, np.broadcast_to(z, x.shape)), axis=-1)
-            whole += Moments.of(there, amount * length)
-    for outline, *between in member.prisms:
-        whole -= prism(outline, *between)
+            samples = np.stack(
+                (back + height * x, begin + way + side * length * y, np.broadcast_to(z, x.shape)), axis=-1
+            )
+            whole += Moments.of(samples, amount * length)
+    for outline, *z_ends in member.prisms:
+        whole -= prism(outline, *z_ends)
     return whole
 
 
 def _root_lines(tooth: Tooth, nodes: Array, weights: Array) -> Iterator[tuple[Array, Array]]:
-    """Where a rack's root begins from toe to heel, with the chamfers there that go on along it: points (N, 3), and what of the face
-    each stands for, mm, (N,), at `nodes` (N,) of a rule from 0 to 1 with its weights, one part after the other."""
+    """Yield lines along which a rack's root begins, from toe to heel, and within the chamfers at its ends.
+
+    Each line has points (N, 3), mm, at `nodes` (N,) of a rule on 0 .. 1, and the width (N,), mm, of the face at each
+    point.
+    """
     (toe, heel), root = tooth.blank.extent, next(iter(tooth.chain))
     for low, high in pairwise(tooth.smooth_stretches):
         points = tooth.grid(root, np.zeros(1), tooth.sections(low + (high - low) * nodes)).points[0]
@@ -140,9 +152,9 @@ def _root_lines(tooth: Tooth, nodes: Array, weights: Array) -> Iterator[tuple[Ar
 
 
 def cut_off(profile: Sequence[tuple[float, float]]) -> Moments:
-    """Of what a profile (rho, z) cuts off towards the axis; signed by the direction of z."""
+    """Moments of the volume between a profile (rho, z) and the axis, signed by the direction of z."""
     ends = np.array(profile)
-    nodes, weights = _gauss(ALONG)
+    nodes, weights = _gauss(PROFILE_NODES)
     way = np.diff(ends, axis=0)
     rho, z = np.moveaxis(ends[:-1, None] + nodes[:, None] * way[:, None], -1, 0)
     area = np.pi * rho**2 * weights * way[:, 1:]
@@ -151,24 +163,24 @@ def cut_off(profile: Sequence[tuple[float, float]]) -> Moments:
 
 
 def prism(outline: Iterable[PlaneCurve], low: float, high: float) -> Moments:
-    """Of a prism along the axis between two z, mm, its outline counterclockwise."""
-    nodes, weights = _gauss(ROUND)
+    """Moments of a prism along the axis between two z, mm; its outline is counterclockwise."""
+    nodes, weights = _gauss(OUTLINE_NODES)
     points, shares = [], []
     for curve in outline:
         r, slope = curve.at(nodes), curve.slope(nodes)
         # sectors to the origin, along whose rays moments are polynomials
-        ray, ray_weights = _gauss(ALONG)
+        ray, ray_weights = _gauss(PROFILE_NODES)
         swept = (r[:, 0] * slope[:, 1] - r[:, 1] * slope[:, 0]) * weights
         points.append((ray[:, None, None] * r).reshape(-1, 2))
         shares.append((ray_weights * ray)[:, None] * swept)
     flat, share = np.concatenate(points), np.concatenate([part.ravel() for part in shares])
-    z, z_weights = _gauss(ALONG)
+    z, z_weights = _gauss(PROFILE_NODES)
     levels = low + (high - low) * z
-    there = np.concatenate([np.column_stack((flat, np.full(len(flat), level))) for level in levels])
-    return Moments.of(there, np.concatenate([share * (high - low) * weight for weight in z_weights]))
+    samples = np.concatenate([np.column_stack((flat, np.full(len(flat), level))) for level in levels])
+    return Moments.of(samples, np.concatenate([share * (high - low) * weight for weight in z_weights]))
 
 
 def _gauss(order: int) -> tuple[Array, Array]:
-    """Nodes and weights of Gauss's rule on 0 .. 1."""
+    """Nodes and weights of a Gauss rule on 0 .. 1."""
     nodes, weights = np.polynomial.legendre.leggauss(order)
     return 0.5 * (nodes + 1.0), 0.5 * weights

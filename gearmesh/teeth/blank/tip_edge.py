@@ -1,7 +1,7 @@
-r"""Broken edges between flank and top land: drawn on the stations, not generated.
+r"""Broken edges between flank and top land, drawn on the stations.
 
-A station is developed into a plane (see `teeth.blank.development`): the transverse section of a cylindrical gear as it is, the
-cone across the pitch cone of a bevel gear, the cylinder of a face gear. There is
+A station is developed into a plane (see `teeth.blank.development`): the transverse section of a cylindrical gear, the
+cone across the pitch cone of a bevel gear, the cylinder of a face gear. In this plane
 
             land
         ____________ sharp edge         chamfer of size c: a line from the flank, c under the land, to the land, c beside
@@ -10,8 +10,8 @@ cone across the pitch cone of a bevel gear, the cylinder of a face gear. There i
      |               |                  rounding of radius c: a circle that touches flank and land
      flank
 
-So `size` is measured in the station, the transverse section of a helical gear: along the normal to a tooth trace with the
-spiral angle beta the chamfer's leg on the land is size cos(beta).
+So `size` is measured in the station, which is the transverse section of a helical gear. Along the normal to a tooth
+trace with the spiral angle beta the chamfer's leg on the land is size cos(beta).
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ EdgePoints = tuple[Array, Array, Array]
 
 @dataclass(frozen=True)
 class TipEdge:
-    """A 45 deg chamfer or a rounding of `size` mm, of teeth that follow each other in a `joint`."""
+    """A 45 deg chamfer or a rounding of `size` mm; `joint` is the motion from one tooth to the next."""
 
     size: float
     rounded: bool = False
@@ -45,10 +45,11 @@ class TipEdge:
     def _between(
         self, flank: Surface, blank: Blank, sign: int, ends: tuple[Array, Array], stations: Array
     ) -> tuple[Array, EdgePoints]:
-        """Flank parameter (T,) where the broken edge begins, and its points at stations (T,).
+        """Solve for the flank parameter (T,) where the broken edge begins; return it with the points of the edge at
+        stations (T,).
 
-        `ends`: flank parameters (T,) of form point and sharp tip; `sign` +1 on the right side of a tooth, -1 on the left.
-        Raises TrimError where the edge is larger than the flank.
+        `ends`: flank parameters (T,) of form point and sharp tip; `sign`: +1 on the right side of a tooth, -1 on the
+        left. Raises TrimError where the edge is larger than the flank.
         """
         form_point, tip = ends
         axial, plane = blank.axial, Development(blank.axial, self.joint)
@@ -56,11 +57,14 @@ class TipEdge:
         about = plane.about(sharp)
         corner = plane.flat(sharp, about)
         height = plane.reach(corner)
-        # out of the body: the way in which the reach grows, or falls on an internal gear
+        # +1 if the reach grows out of the body, -1 for an internal gear
         outward = plane.lift_vector(plane.beside(corner, height + 1.0) - corner, sharp, about)
         towards = np.sign(dot(blank.tip.gradient(sharp), outward))
 
         def begins(p: Array, which: slice | NDArray[np.intp]) -> tuple[Array, Array, Array]:
+            """Return the height of a trial edge over the land (root: 0), its point on the flank, and its centre, at
+            flank parameters (M,).
+            """
             jet = along(flank, p, stations[which], axial)[1]
             point = plane.flat(jet.r, about[which])
             inward = -plane.flat_vector(jet.n, jet.r, about[which])
@@ -68,6 +72,7 @@ class TipEdge:
             reach = plane.reach(centre if self.rounded else point)
             return towards[which] * (reach - height[which]) + self.size, jet.r, centre
 
+        # a chamfer begins `size` under the land; the centre of a rounding lies `size` under it
         roots = bracketed_root(lambda p, index: begins(p, index)[0], form_point, tip)
         if not roots.converged.all():
             raise TrimError("edge", 0.0, "the tip edge is larger than the flank")
@@ -76,7 +81,7 @@ class TipEdge:
         return roots.values, (on_flank, plane.lift(on_land, on_flank, about), plane.lift(centre, on_flank, about))
 
     def _section_curve(self, edge: EdgePoints, axial: Level, s: Array) -> tuple[Array, Array]:
-        """Points and unit normals (S, T, 3), which lie in the stations, from the flank (s = 0) to the land (s = 1), s (S, 1)."""
+        """Points and unit normals (S, T, 3) in the stations, from the flank (s = 0) to the land (s = 1), s (S, 1)."""
         plane = Development(axial, self.joint)
         about = plane.about(edge[0])
         on_flank, on_land, centre = (plane.flat(r, about) for r in edge)

@@ -1,1 +1,1 @@
-"""Tools beside the teeth that they generate: their positions, and the lines along which they touch."""
+"""Tools beside the teeth that they generate: their positions, and the lines of contact."""

@@ -1,7 +1,8 @@
 """Fields over a flank: functions of its two coordinates in the axial half plane, which make them functions of space.
 
-x runs along the tooth and y across it, from root to tip or back, as the two levels of a `FlankFrame` have them. With the levels'
-gradients and Hessians the derivatives in space follow by the chain rule, for planes, cylinders, cones and racks alike.
+x runs along the tooth and y across it, from root to tip or back, as the two levels of a `FlankFrame` define them.
+Derivatives in space follow from the levels' gradients and Hessians by the chain rule, for planes, cylinders, cones and
+racks alike.
 """
 
 from __future__ import annotations
@@ -20,11 +21,11 @@ from gearmesh.kernel.surface.levels import Level
 from gearmesh.kernel.surface.offset import FieldJet
 
 #: degree of the curves between which a field fades
-DEGREE = 6
-#: share of the way between them at whose end nothing is left
+FADE_CURVE_DEGREE = 6
+#: share of the way between them, at its end, on which the field is 0
 LEFT_FREE = 0.05
-#: bend of b between the first row and the last at which it no longer grows all the way
-MOST_BULGE = 1.0
+#: bulge c from which b no longer grows from the first row to the last
+MAX_BULGE = 1.0
 
 #: values (...,) of a function and of its first two derivatives
 Curve: TypeAlias = tuple[Array, Array, Array]
@@ -34,12 +35,12 @@ class PlaneFunction(Protocol):
     """A function of flank coordinates with its first two derivatives."""
 
     def jet(self, x: Array, y: Array) -> PlaneJet:
-        """Value and partials at x, y (...,), mm."""
+        """Return value and partials at x, y (...,), mm."""
 
 
 @dataclass(frozen=True)
 class LevelField:
-    """The product of functions of the coordinates that two levels are, as a field of space."""
+    """Product of functions of the coordinates of two levels, as a field of space."""
 
     levels: tuple[Level, Level]
     factors: tuple[PlaneFunction, ...]
@@ -64,7 +65,7 @@ class LevelField:
 
 
 def _product(f: PlaneJet, g: PlaneJet) -> PlaneJet:
-    """Of two functions, by Leibniz's rule."""
+    """Product of two functions, by Leibniz's rule."""
     return PlaneJet(
         f.f * g.f,
         f.x * g.f + f.f * g.x,
@@ -76,16 +77,18 @@ def _product(f: PlaneJet, g: PlaneJet) -> PlaneJet:
 
 
 class SplineCurves:
-    """Several functions of x with two derivatives, by splines through points, that go straight on beyond the first and the last."""
+    """Several functions of x with two derivatives: splines through points, straight beyond the first and the last
+    point.
+    """
 
     def __init__(self, x: Array, values: Array) -> None:
-        """Through values (X, K) at x (X,), in any order."""
+        """Interpolate values (X, K) at x (X,), in any order."""
         order = np.argsort(x)
         self.extent = float(x.min()), float(x.max())
         self._spline = spline_through(x[order], values[order], min(CUBIC_DEGREE, len(x) - 1))
 
     def jets(self, x: Array) -> tuple[tuple[Array, Array, Array], ...]:
-        """Values (...,) and two derivatives of each of them at x (...,)."""
+        """Return value (...,) and two derivatives of each function at x (...,)."""
         at = np.clip(x, *self.extent)
         value, slope, bend = (self._spline(at, order) for order in range(3))
         value = value + slope * (x - at)[..., None]
@@ -94,7 +97,9 @@ class SplineCurves:
 
 
 def share_between(y: Array, begins: Curve, ends: Curve) -> PlaneJet:
-    """Share (...,) of the way from one curve of x to another at y, with its partials; a curve: its values and two derivatives."""
+    """Share (...,) of the way from one curve of x to another at y, with its partials; a curve is its value and two
+    derivatives.
+    """
     (e, e_x, e_xx), (b, b_x, b_xx) = begins, ends
     over = 1.0 / (b - e)
     q = (y - e) * over
@@ -105,11 +110,14 @@ def share_between(y: Array, begins: Curve, ends: Curve) -> PlaneJet:
 
 @dataclass(frozen=True)
 class Band:
-    """Coordinates a, b in the plane of a grid's points (x, y) (I, J, 2): a grows with x from first to last column, and
+    """Coordinates a, b in the plane of a grid's points (x, y) (I, J, 2).
+
+    a grows with x from the first column to the last, and
 
         b = u + c u (1 - u)
 
-    u from 0 on its first row to 1 on its last. Both rows are curves of x, and c (x) makes b constant on the row in the middle.
+    u runs from 0 on the first row to 1 on the last. Both rows are curves of x; c (x) makes b constant on the row in the
+    middle.
     """
 
     ends: tuple[float, float]
@@ -117,7 +125,7 @@ class Band:
 
     @staticmethod
     def of(points: Array) -> Band:
-        """Of points (I, J, 2) whose columns are of constant x, nearly. Raises ValueError where they cross."""
+        """Return the band of points (I, J, 2) whose columns have nearly constant x. Raises ValueError where they cross."""
         x, y = points[..., 0], points[..., 1]
         columns = x.mean(axis=0)
         if not (np.diff(columns) * np.sign(columns[-1] - columns[0]) > 0.0).all():
@@ -126,14 +134,14 @@ class Band:
         share = (middle - first) / (last - first)
         wanted = share.mean()
         bulge = (wanted - share) / (share * (1.0 - share)) if len(y) > 2 else np.zeros_like(share)
-        if not (np.isfinite(bulge).all() and np.abs(bulge).max() < MOST_BULGE):
+        if not (np.isfinite(bulge).all() and np.abs(bulge).max() < MAX_BULGE):
             raise ValueError("rows are not between the first and the last")
         return Band(
             (float(columns[0]), float(columns[-1])), SplineCurves(columns, np.stack((first, last, bulge), axis=-1))
         )
 
     def jets(self, x: Array, y: Array) -> tuple[PlaneJet, PlaneJet]:
-        """Both coordinates with their partials at x, y (...,)."""
+        """Return both coordinates with their partials at x, y (...,)."""
         x, y = np.broadcast_arrays(x, y)
         first, last, (c, c_x, c_xx) = self.curves.jets(x)
         u, none = share_between(y, first, last), np.zeros_like(c)
@@ -154,14 +162,14 @@ class Band:
 
 
 def _at_columns(x: Array, y: Array, columns: Array) -> Array:
-    """y (J,) of a row of points x, y (J,) where it crosses the columns."""
-    row = SplineCurves(x, y[:, None]).jets(columns)[0][0]
-    return row
+    """Interpolate y (J,) of a row of points x, y (J,) at the columns."""
+    values = SplineCurves(x, y[:, None]).jets(columns)[0][0]
+    return values
 
 
 @dataclass(frozen=True)
 class BandSpline:
-    """A spline over the coordinates that a band gives the plane."""
+    """A spline over the coordinates of a band."""
 
     band: Band
     spline: GridSpline
@@ -181,10 +189,10 @@ class BandSpline:
 
 @dataclass(frozen=True)
 class Fade:
-    """1 up to one curve, 0 from another on, and smooth to the second derivative; y of both by powers of x less its least.
+    """A function that is 1 up to one curve, 0 beyond another, and smooth to the second derivative.
 
-    With q from 0 to 1 on the way back between them it is 10 q^3 - 15 q^4 + 6 q^5. Beyond the `extent` in x the curves go on
-    straight.
+    Between the curves it is 10 q^3 - 15 q^4 + 6 q^5, q = 0 on the second curve and 1 on the first. `begins`, `ends`:
+    coefficients of y by powers of x less its least. `extent`: range of x, beyond which the curves continue straight.
     """
 
     begins: Array
@@ -193,10 +201,13 @@ class Fade:
 
     @staticmethod
     def between(x: Array, begins: Array, ends: Array) -> Fade:
-        """Between curves through y = `begins` and `ends` (K,) at x (K,), mm; nothing is left a little before the latter."""
+        """Return the function between curves through y = `begins` and `ends` (K,) at x (K,), mm; it is 0 a little
+        before the latter.
+        """
         extent = float(x.min()), float(x.max())
         first, last = (
-            np.asarray(Polynomial.fit(x - extent[0], y, DEGREE).convert().coef, dtype=float) for y in (begins, ends)
+            np.asarray(Polynomial.fit(x - extent[0], y, FADE_CURVE_DEGREE).convert().coef, dtype=float)
+            for y in (begins, ends)
         )
         missed = (polynomial(last, x - extent[0])[0] - ends) / (begins - ends)
         # the curve lies on the near side of all points that it stands for
@@ -205,10 +216,10 @@ class Fade:
 
     def jet(self, x: Array, y: Array) -> PlaneJet:
         q = share_between(y, *(self._curve(curve, x) for curve in (self.ends, self.begins)))
-        on = np.clip(q.f, 0.0, 1.0)
-        f_q, f_qq = 30.0 * (on * (1.0 - on)) ** 2, 60.0 * on * (1.0 - on) * (1.0 - 2.0 * on)
+        share = np.clip(q.f, 0.0, 1.0)
+        f_q, f_qq = 30.0 * (share * (1.0 - share)) ** 2, 60.0 * share * (1.0 - share) * (1.0 - 2.0 * share)
         return PlaneJet(
-            on**3 * (10.0 - 15.0 * on + 6.0 * on**2),
+            share**3 * (10.0 - 15.0 * share + 6.0 * share**2),
             f_q * q.x,
             f_q * q.y,
             f_q * q.xx + f_qq * q.x**2,
@@ -217,7 +228,7 @@ class Fade:
         )
 
     def _curve(self, curve: Array, x: Array) -> tuple[Array, Array, Array]:
-        """A curve and two derivatives at x."""
+        """Return a curve and its two derivatives at x."""
         at = np.clip(x, *self.extent)
         y, slope, bend = polynomial(curve, at - self.extent[0])
         return y + slope * (x - at), slope, np.where(at == x, bend, 0.0)

@@ -1,4 +1,4 @@
-"""Index deviations of a gear's teeth as angles about its axis: how far its flanks are ahead of their theoretical places."""
+"""Index deviations of a gear's teeth as angles about its axis, positive if a flank is ahead of its theoretical place."""
 
 from __future__ import annotations
 
@@ -14,15 +14,18 @@ from gearmesh.teeth.region import Side
 
 @dataclass(frozen=True)
 class IndexAngles:
-    """Angles, rad, about the member's z axis by which the `right` and `left` flanks of its teeth, by their numbers, are ahead of
-    their places; of a side without deviations there are none."""
+    """Angles, rad, about the member's z axis by which flanks are ahead of their theoretical places, by the number of
+    the tooth.
+
+    `right`, `left`: angles (N,) of each side, empty if the side has no deviations.
+    """
 
     right: tuple[float, ...] = ()
     left: tuple[float, ...] = ()
 
     @staticmethod
     def of_sides(angles: Mapping[Side, Array]) -> IndexAngles:
-        """Index deviations from the angles of each side.
+        """Return index deviations from the angles of each side.
 
         Parameters
         ----------
@@ -39,15 +42,17 @@ class IndexAngles:
         >>> gm.IndexAngles.of_sides({gm.Side.RIGHT: np.array([0.0, 1e-4])}).uneven
         True
         """
-        return IndexAngles(**{str(side): tuple(np.asarray(own, dtype=float).tolist()) for side, own in angles.items()})
+        return IndexAngles(
+            **{str(side): tuple(np.asarray(values, dtype=float).tolist()) for side, values in angles.items()}
+        )
 
     @property
     def uneven(self) -> bool:
-        """Whether teeth differ by them."""
-        return any(np.ptp(own) > 0.0 for own in (self.right, self.left) if own)
+        """True if the deviations of a side differ from tooth to tooth."""
+        return any(np.ptp(values) > 0.0 for values in (self.right, self.left) if values)
 
     def check(self, name: str, teeth: int) -> None:
-        """See that there is one deviation a tooth.
+        """Refuse a number of deviations that is not the number of teeth.
 
         Parameters
         ----------
@@ -65,14 +70,14 @@ class IndexAngles:
         --------
         >>> gm.IndexAngles().check("pinion", 18)
         """
-        for own in (self.right, self.left):
-            if own and len(own) != teeth:
+        for values in (self.right, self.left):
+            if values and len(values) != teeth:
                 raise DesignError(
-                    f"{name} pitch deviations", len(own), must_be=f"{teeth}, one a tooth", topic="pitch deviations"
+                    f"{name} pitch deviations", len(values), must_be=f"{teeth}, one a tooth", topic="pitch deviations"
                 )
 
     def of(self, side: Side, teeth: int) -> Array:
-        """Index deviations of the flanks of a side.
+        """Return the index deviations of the flanks of one side.
 
         Parameters
         ----------
@@ -91,9 +96,9 @@ class IndexAngles:
         >>> gears.members["pinion"].index.of(gm.Side.LEFT, 3).tolist()
         [0.0, 0.0, 0.0]
         """
-        own = self.right if side is Side.RIGHT else self.left
-        return np.array(own) if own else np.zeros(teeth)
+        values = self.right if side is Side.RIGHT else self.left
+        return np.array(values) if values else np.zeros(teeth)
 
 
-#: of teeth that are all at their places
-EVEN = IndexAngles()
+#: index angles of teeth at their theoretical places
+NO_INDEX_ANGLES = IndexAngles()

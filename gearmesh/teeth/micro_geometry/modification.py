@@ -1,9 +1,10 @@
-"""Micro-geometry of involute flanks: amounts over roll length and face position, with exact partials [ISO 21771-1; REXS 1.6].
+"""Micro-geometry of involute flanks: amounts over roll length and face position, with exact partials [ISO 21771-1; REXS
+1.6].
 
-Of racks they are over the height above the reference plane.
-
-Every amount is in mm, positive where material is removed, along the line of action in the transverse plane. Fields add up. Each is
-a bend, a function of one variable, along a direction of the (L, z) plane, a product of two of them, or a spline over a grid:
+For racks the amounts are functions of the height above the reference plane instead of the roll length. Every amount is
+in mm, positive where material is removed, along the line of action in the transverse plane. Fields add up. A field is a
+bend (a function of one variable) along a direction of the (L, z) plane, a product of two bends, or a spline over a
+grid:
 
     tip and root relief, profile slope and crowning     bends over the roll length L, between root and tip form circle
     helix slope and crowning, end relief                bends over the face position z, between toe and heel
@@ -11,8 +12,9 @@ a bend, a function of one variable, along a direction of the (L, z) plane, a pro
     profile twist                                       slope over L times slope over z
     topography                                          a cubic spline through amounts on a grid
 
-Below the root form circle of an external gear, and above the tip form circle's lesser roll length of an internal one, amounts
-level off: on the base circle nothing changes along the profile, and the involute begins there as the true one does.
+Amounts level off below the root form circle of an external gear, and beyond the smaller roll length (at the tip form
+circle) of an internal one. On the base circle they do not change along the profile, and the involute begins there as
+the true one does.
 """
 
 from __future__ import annotations
@@ -30,46 +32,51 @@ from gearmesh.teeth.micro_geometry.screw_involute import Amount, AmountJet
 Shape = Literal["linear", "parabolic", "circular"]
 ProfileEnd = Literal["tip", "root"]
 FaceEnd = Literal["toe", "heel"]
-#: how a relief may begin: with a corner, or tangent to the flank as a parabola or a circle is
-SHAPES: tuple[Shape, ...] = ("linear", "parabolic", "circular")
-#: amounts change by at most this much per length
-STEEPEST = 0.1
+#: shapes of the beginning of a relief: a corner, or a parabola or circle tangent to the flank
+RELIEF_SHAPES: tuple[Shape, ...] = ("linear", "parabolic", "circular")
+#: largest slope of an amount, mm/mm
+MAX_AMOUNT_SLOPE = 0.1
 #: share of the least roll length over which amounts level off below it
-LEVELLING = 0.5
+LEVELLING_SHARE = 0.5
 
 
 @dataclass(frozen=True)
 class Extent:
-    """Where a flank is evaluated: roll lengths at the root and tip form circles, or heights of a rack, face positions of toe and
-    heel, mm. `levels`: amounts level off below it, towards the base circle."""
+    """Range in which a flank is evaluated, mm."""
 
+    #: roll length at the root form circle, or height of a rack
     root: float
+    #: roll length at the tip form circle, or height of a rack
     tip: float
+    #: face position of the toe
     toe: float
+    #: face position of the heel
     heel: float
+    #: True if amounts level off below the range, towards the base circle
     levels: bool = True
 
     @property
     def least(self) -> float:
-        """The roll length nearest to the base circle."""
+        """Roll length nearest to the base circle."""
         return min(self.root, self.tip)
 
 
 @dataclass(frozen=True)
 class Kinks:
-    """Lines on which a field is not smooth: roll lengths and face positions, mm, ascending.
+    """Lines on which a field is not smooth; mm, ascending."""
 
-    `creases`, `ridges`: those of either over which the flank has a corner, not only a jump of its curvature.
-    """
-
+    #: roll lengths of the lines along the face
     lengths: tuple[float, ...] = ()
+    #: face positions of the lines along the profile
     positions: tuple[float, ...] = ()
+    #: those of `lengths` over which the flank has a corner, not only a jump of its curvature
     creases: tuple[float, ...] = ()
+    #: those of `positions` over which the flank has a corner
     ridges: tuple[float, ...] = ()
 
     @staticmethod
     def together(parts: list[Kinks]) -> Kinks:
-        """All of them, once each."""
+        """Return all lines of several fields, once each."""
         names = ("lengths", "positions", "creases", "ridges")
         return Kinks(*(tuple(sorted({x for part in parts for x in getattr(part, name)})) for name in names))
 
@@ -89,11 +96,15 @@ class FlankField(Amount, Protocol):
 
 @dataclass(frozen=True)
 class Power:
-    """amount ((x - zero) / scale)^degree, of degree 1 or 2."""
+    """amount ((x - zero) / scale)^degree"""
 
+    #: amount at x = zero + scale, mm
     amount: float
+    #: x at which the bend is 0, mm
     zero: float
+    #: length over which it reaches `amount`, mm; signed
     scale: float
+    #: 1 or 2
     degree: int
 
     def at(self, x: Array) -> tuple[Array, Array, Array]:
@@ -105,45 +116,53 @@ class Power:
 
 @dataclass(frozen=True)
 class Ramp:
-    """0 up to `start`, `amount` at `end`, and on beyond: a line, a parabola, or a circle that touches the flank at the start."""
+    """A bend that is 0 up to `start`, `amount` at `end`, and continues beyond."""
 
+    #: amount at the end, mm
     amount: float
+    #: x at which the ramp begins, mm
     start: float
+    #: x at which it reaches `amount`, mm
     end: float
+    #: a line, or a parabola or circle that is tangent to the flank at the start
     shape: Shape = "linear"
 
     def at(self, x: Array) -> tuple[Array, Array, Array]:
         span, sense = abs(self.end - self.start), np.sign(self.end - self.start)
         s = np.maximum(sense * (x - self.start), 0.0)
-        # at the start itself what comes after it counts
-        on = (sense * (x - self.start) >= 0.0).astype(float)
+        # at the start itself the derivatives are those of the ramp
+        on_ramp = (sense * (x - self.start) >= 0.0).astype(float)
         if self.shape == "linear":
             slope = self.amount / span
-            return slope * s, sense * slope * on, np.zeros_like(s)
+            return slope * s, sense * slope * on_ramp, np.zeros_like(s)
         if self.shape == "parabolic":
             bend = 2.0 * self.amount / span**2
-            return 0.5 * bend * s**2, sense * bend * s, bend * on
+            return 0.5 * bend * s**2, sense * bend * s, bend * on_ramp
         radius = (span**2 + self.amount**2) / (2.0 * self.amount)
         height = np.sqrt(radius**2 - s**2)
-        return s**2 / (radius + height) * on, sense * s / height, radius**2 / height**3 * on
+        return s**2 / (radius + height) * on_ramp, sense * s / height, radius**2 / height**3 * on_ramp
 
     def straight(self, x: float) -> Power:
-        """The straight line that a linear ramp follows at x."""
+        """Return the straight line that a linear ramp follows at x."""
         rises = (x - self.start) * (self.end - self.start) >= 0.0
         return Power(self.amount if rises else 0.0, self.start, self.end - self.start, 1)
 
 
 @dataclass(frozen=True)
 class Along:
-    """A bend over x = by_length L + by_z z, with the `kinks` that it has."""
+    """A bend over x = by_length L + by_z z."""
 
+    #: function of x
     bend: Bend
+    #: derivative of x by the roll length L
     by_length: float
+    #: derivative of x by the face position z
     by_z: float
+    #: lines on which the field is not smooth
     kinks: Kinks = Kinks()
 
     def smooth(self, length: float, z: float) -> Along:
-        """The field as it is at a place (mm), without the corner of a linear ramp."""
+        """Return the field near a place (mm), without the corner of a linear ramp."""
         if not isinstance(self.bend, Ramp) or self.bend.shape != "linear":
             return self
         return Along(self.bend.straight(self.by_length * length + self.by_z * z), self.by_length, self.by_z)
@@ -156,7 +175,7 @@ class Along:
 
 @dataclass(frozen=True)
 class ProfileTwist:
-    """amount x y, of x and y that go from -1/2 to 1/2 over the profile and over the face."""
+    """amount x y, where x and y go from -1/2 to 1/2 over the profile and over the face."""
 
     amount: float
     extent: Extent
@@ -171,14 +190,15 @@ class ProfileTwist:
 
 @dataclass(frozen=True)
 class Topography:
-    """The cubic spline through amounts (I, J), mm, at roll lengths (I,) and face positions (J,), mm, both ascending.
+    """Cubic spline through amounts on a grid, straight beyond it."""
 
-    Beyond the grid it goes on straight.
-    """
-
+    #: roll lengths (I,), mm, ascending
     lengths: tuple[float, ...]
+    #: face positions (J,), mm, ascending
     positions: tuple[float, ...]
+    #: amounts (I, J), mm
     amounts: tuple[tuple[float, ...], ...]
+    #: the spline has no corners
     kinks: Kinks = Kinks()
 
     @cached_property
@@ -198,7 +218,7 @@ class Modification:
 
     @property
     def kinks(self) -> Kinks:
-        """Those of all fields that lie inside the extent."""
+        """Lines of all fields that lie inside the extent."""
         e = self.extent
         low, high = sorted((e.root, e.tip))
         near, far = sorted((e.toe, e.heel))
@@ -215,7 +235,7 @@ class Modification:
         )
 
     def smooth(self, length: float, z: float) -> Modification:
-        """What it is about a place (mm), continued over the lines on which it has corners."""
+        """Return the modification near a place (mm), continued over the lines on which it has corners."""
         fields = tuple(field.smooth(length, z) if isinstance(field, Along) else field for field in self.fields)
         return Modification(fields, self.extent)
 
@@ -232,11 +252,12 @@ class Modification:
 
 
 def level_off(length: Array, least: float) -> tuple[Array, Array, Array]:
-    """Roll lengths (...,) for which amounts are taken, and two derivatives: the same from `least` on, level below half of it.
+    """Roll lengths (...,) at which amounts are evaluated, and two derivatives.
 
-    With x from 0 to 1 on the way down its change is 1 - 3 x^2 + 2 x^3, smooth to the second derivative.
+    They are `length` itself from `least` on, and constant below half of it. With x from 0 to 1 on the way down the
+    slope is 1 - 3 x^2 + 2 x^3, smooth to the second derivative.
     """
-    span = LEVELLING * least
+    span = LEVELLING_SHARE * least
     x = np.clip((least - length) / span, 0.0, 1.0)
     down = x - x**3 + 0.5 * x**4
     return (
@@ -247,58 +268,62 @@ def level_off(length: Array, least: float) -> tuple[Array, Array, Array]:
 
 
 def tip_relief(amount: float, start: float, extent: Extent, shape: Shape = "linear") -> FlankField:
-    """From the roll length `start` to the tip form circle."""
+    """Return a relief from the roll length `start` to the tip form circle."""
     return _over_profile(Ramp(amount, start, extent.tip, shape))
 
 
 def root_relief(amount: float, start: float, extent: Extent, shape: Shape = "linear") -> FlankField:
-    """From the roll length `start` to the root form circle."""
+    """Return a relief from the roll length `start` to the root form circle."""
     return _over_profile(Ramp(amount, start, extent.root, shape))
 
 
 def end_relief(amount: float, length: float, extent: Extent, end: FaceEnd, shape: Shape) -> FlankField:
-    """Over the last `length` mm of the face before an end."""
+    """Return a relief over the last `length` mm of the face before an end."""
     last, other = (extent.toe, extent.heel) if end == "toe" else (extent.heel, extent.toe)
     ramp = Ramp(amount, last + np.copysign(length, other - last), last, shape)
     return Along(ramp, 0.0, 1.0, Kinks(positions=(ramp.start,), ridges=(ramp.start,) if shape == "linear" else ()))
 
 
 def _over_profile(ramp: Ramp) -> FlankField:
+    """Return the field of a ramp over the roll length."""
     return Along(ramp, 1.0, 0.0, Kinks(lengths=(ramp.start,), creases=(ramp.start,) if ramp.shape == "linear" else ()))
 
 
 def profile_crowning(amount: float, extent: Extent) -> FlankField:
-    """A parabola: 0 in the middle of the profile, `amount` at both form circles."""
+    """Return a parabola over the profile: 0 in its middle, `amount` at both form circles."""
     return Along(Power(amount, 0.5 * (extent.root + extent.tip), 0.5 * (extent.tip - extent.root), 2), 1.0, 0.0)
 
 
 def profile_slope(amount: float, extent: Extent) -> FlankField:
-    """`amount` at the tip form circle and 0 at the root's; a negative one is removed at the root."""
+    """Return a slope: `amount` at the tip form circle and 0 at the root form circle; a negative amount is removed at
+    the root.
+    """
     zero, end = (extent.root, extent.tip) if amount > 0.0 else (extent.tip, extent.root)
     return Along(Power(abs(amount), zero, end - zero, 1), 1.0, 0.0)
 
 
 def profile_twist(amount: float, extent: Extent) -> FlankField:
-    """The profile slope rises by `amount` from toe to heel; 0 in the middle of profile and face."""
+    """Return a twist: the profile slope rises by `amount` from toe to heel; 0 in the middle of profile and face."""
     return ProfileTwist(amount, extent)
 
 
 def helix_crowning(amount: float, extent: Extent) -> FlankField:
-    """A parabola: 0 in the middle of the face, `amount` at toe and heel."""
+    """Return a parabola over the face: 0 in its middle, `amount` at toe and heel."""
     return Along(Power(amount, 0.5 * (extent.toe + extent.heel), 0.5 * (extent.heel - extent.toe), 2), 0.0, 1.0)
 
 
 def helix_slope(amount: float, extent: Extent) -> FlankField:
-    """`amount` at the heel and 0 at the toe; a negative one is removed at the toe."""
+    """Return a slope: `amount` at the heel and 0 at the toe; a negative amount is removed at the toe."""
     zero, end = (extent.toe, extent.heel) if amount > 0.0 else (extent.heel, extent.toe)
     return Along(Power(abs(amount), zero, end - zero, 1), 0.0, 1.0)
 
 
 def triangular_end_relief(amount: float, length: float, extent: Extent, lean: float, end: ProfileEnd) -> FlankField:
-    """A parabola across the contact lines, L + lean z = const, in that corner at the tip or root which they cut off.
+    """Return a parabola across the contact lines, L + lean z = const, in the corner at tip or root that they cut off.
 
-    `amount` in the corner; the line where it begins meets tip or root `length` mm from it. `lean` = h tan(beta_b), not 0; h = +1
-    where the profile's angles rise outwards (see `ScrewInvolute.hand`).
+    `amount`: amount in the corner. `length`: distance from the corner, mm, along tip or root, of the line where the
+    relief begins. `lean`: h tan(beta_b), not 0; h = +1 where the profile's angles rise outwards (see
+    `ScrewInvolute.hand`).
     """
     profile = extent.tip if end == "tip" else extent.root
     away = np.sign(profile - (extent.root if end == "tip" else extent.tip))

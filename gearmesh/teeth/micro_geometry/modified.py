@@ -1,8 +1,9 @@
-"""Sides of teeth with micro-geometry, whatever tool generated them, as long as flanks are screw involutes or planes of racks.
+"""Sides of teeth with micro-geometry, for any tool whose flanks are screw involutes or planes of racks.
 
-The flank becomes the involute, or the plane, in closed form less the amounts (see `ScrewInvolute`, `PlaneFlank`). What the tool
-generates beside it, fillet and rounding of the tip, turns about the axis, or slides along the rack, with its end of the flank,
-section by section: so does the tool that moves along the face as the modification wants it, and no step is left where they meet.
+The flank becomes the closed form of the involute, or of the plane, less the amounts (see `ScrewInvolute`,
+`PlaneFlank`). The fillet and the rounding of the tip turn about the axis, or slide along the rack, with the end of the
+flank at each section. A tool that follows the modification along the face moves in this way, and no step remains where
+the surfaces meet.
 """
 
 from __future__ import annotations
@@ -26,40 +27,45 @@ from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide
 
-#: points at which a flank is compared with its involute, and the largest distance (mm), relative to the base radius, from it
-POINTS, INVOLUTE = 5, 1e-11
+#: points across a flank at which it is compared with its closed form
+COMPARED_POINTS = 5
+#: largest distance from the closed form, over the base radius
+MAX_FORM_ERROR = 1e-11
 
 
 class TrueFlank(Protocol):
-    """What a flank is before it is modified, in closed form, and where it is evaluated: from where it begins to where the tip, or
-    what breaks it, does. Places on the profile are roll lengths of involutes, heights of planes; mm."""
+    """Closed form of an unmodified flank, with the range in which it is evaluated: from its beginning to the tip, or to
+    its tip edge.
+
+    A place on the profile is the roll length of an involute, or the height of a plane; mm.
+    """
 
     @property
     def extent(self) -> Extent: ...
 
     @property
     def lean(self) -> float:
-        """Contact lines are l + lean z = const, l the place on the profile."""
+        """Slope of the contact lines, l + lean z = const, l the place on the profile."""
 
     @property
     def places(self) -> Mapping[str, Callable[[float], float]]:
-        """Lengths (mm) that say where on the profile, and the place that they mean, NaN for none."""
+        """Functions by the name of a length (mm); each returns the place on the profile, NaN if there is none."""
 
     @property
     def parameters(self) -> tuple[str, str]:
-        """What the flank's parameters are called."""
+        """Names of the flank's parameters."""
 
     def length_of(self, name: str, place: float) -> float:
-        """A place as the length called `name`."""
+        """Return a place as the length with a name."""
 
     def place(self, jet: Jet) -> Array:
-        """Places (...,) of points by their jets."""
+        """Return places (...,) of points from their jets."""
 
     def surface(self, amount: Amount | None) -> Surface:
-        """The flank less an amount; with None as it is."""
+        """Return the flank less an amount; without an amount, the flank itself."""
 
     def follow(self, surface: Surface, modification: Modification, place: float) -> Surface:
-        """What lies beside the flank, moved section by section as its point of a place is."""
+        """Return a surface beside the flank, moved section by section like the flank's point at a place."""
 
 
 @dataclass(frozen=True)
@@ -71,11 +77,14 @@ class TrueInvolute:
 
     @staticmethod
     def of(tooth: Tooth, which: Side, *, internal: bool = False) -> TrueInvolute:
-        """Raises DesignError where the flank is no screw involute, TrimError where the tooth cannot be trimmed."""
+        """Return the involute of a flank.
+
+        Raises DesignError if the flank is no screw involute, TrimError if the tooth cannot be trimmed.
+        """
         jet, tip = _proof_jets(tooth, which)
         involute = ScrewInvolute.through(tip, which.sign, internal)
         length, z = ScrewInvolute.roll_length(jet, internal), jet.r[..., 2]
-        if np.abs(involute.jet(length, z).r - jet.r).max() > INVOLUTE * involute.base_radius:
+        if np.abs(involute.jet(length, z).r - jet.r).max() > MAX_FORM_ERROR * involute.base_radius:
             raise DesignError("modifications", reason="only involute flanks of cylindrical gears may have them")
         return TrueInvolute(involute, Extent(float(length[0, 1]), float(length[-1, 1]), *tooth.blank.extent))
 
@@ -119,18 +128,21 @@ class TruePlane:
 
     @staticmethod
     def of(tooth: Tooth, which: Side) -> TruePlane:
-        """Raises DesignError where the flank is no plane, TrimError where the tooth cannot be trimmed."""
+        """Return the plane of a flank.
+
+        Raises DesignError if the flank is no plane, TrimError if the tooth cannot be trimmed.
+        """
         jet, tip = _proof_jets(tooth, which)
         plane = PlaneFlank.through(tip, which.sign)
         x, z = jet.r[..., 0], jet.r[..., 2]
-        if np.abs(plane.jet(x, z).r - jet.r).max() > INVOLUTE * tooth.joint.arm(jet.r).max():
+        if np.abs(plane.jet(x, z).r - jet.r).max() > MAX_FORM_ERROR * tooth.joint.arm(jet.r).max():
             raise DesignError("modifications", reason="only plane flanks of racks may have them")
         extent = Extent(float(x[0, 1]), float(x[-1, 1]), *tooth.blank.extent, levels=False)
         return TruePlane(plane, extent)
 
     @property
     def lean(self) -> float:
-        # of the plane and the line of action, square to it: x (tan(alpha_t) + 1 / tan(alpha_t)) + s z tan(beta) = const
+        # contact line: flank plane and plane of action, x (tan(alpha_t) + 1 / tan(alpha_t)) + s z tan(beta) = const
         return self.plane.side * self.plane.slope * float(np.sin(self.plane.alpha_t) * np.cos(self.plane.alpha_t))
 
     @property
@@ -156,22 +168,27 @@ class TruePlane:
 
 
 def true_flank(tooth: Tooth, which: Side, *, internal: bool = False) -> TrueFlank:
-    """What a flank is: a plane of a sliding member, a screw involute of a turning one. Raises as `TrueInvolute.of`."""
+    """Return the closed form of a flank: a plane of a sliding member, a screw involute of a turning one.
+
+    Raises the errors of `TrueInvolute.of` and `TruePlane.of`.
+    """
     return (
         TrueInvolute.of(tooth, which, internal=internal) if tooth.joint.travel is None else TruePlane.of(tooth, which)
     )
 
 
 def _proof_jets(tooth: Tooth, which: Side) -> tuple[Jet, Jet]:
-    """Jets at which a flank is compared with what it should be, and that (1,) of its tip in the middle of the face."""
-    jet = tooth.flank_grid(which, np.linspace(0.0, 1.0, POINTS), [0.0, 0.5, 1.0]).jet
+    """Return jets at which a flank is compared with its closed form, and the jet (1,) of its tip at mid face."""
+    jet = tooth.flank_grid(which, np.linspace(0.0, 1.0, COMPARED_POINTS), [0.0, 0.5, 1.0]).jet
     assert jet is not None
     return jet, Jet(*(getattr(jet, field.name)[-1, 1:2] for field in fields(Jet)))
 
 
 @dataclass(frozen=True)
 class _Motion:
-    """The angle or way by which sections move with the flank's point of a place on the profile, per mm of its amount."""
+    """Motion of sections with the flank's point at a place on the profile: an angle, or a displacement; `per_mm`: per
+    mm of amount.
+    """
 
     modification: Modification
     place: float
@@ -184,7 +201,7 @@ class _Motion:
 
 @dataclass(frozen=True)
 class _Smooth:
-    """A modified flank about a place (on the profile, and z, mm), as if it had no corners."""
+    """A modified flank near a place (place on the profile, and z, mm), continued as if it had no corners."""
 
     true: TrueFlank
     modification: Modification
@@ -194,19 +211,21 @@ class _Smooth:
 
 
 def modified_side(tooth: Tooth, which: Side, true: TrueFlank, modification: Modification | None) -> ToothSide:
-    """The side of a tooth less the amounts of a modification; with None its true flank."""
+    """Return the side of a tooth less the amounts of a modification; without a modification, its true flank."""
     side = tooth.side(which)
     kinks = Kinks() if modification is None else modification.kinks
 
     def twist(surface: Surface, length: float) -> Surface:
+        """Return a surface that moves with the flank's point at a place on the profile."""
         return surface if modification is None else true.follow(surface, modification, length)
 
     def length_at(p: float) -> float:
+        """Return the place on the profile of a flank parameter p, at mid face."""
         middle = tooth.stations([0.5])
         jet = along(side.flank, np.full_like(middle, p), middle, tooth.blank.axial)[1]
         return float(true.place(jet)[0])
 
-    # station coordinates run against z where a ring's teeth look the other way
+    # station coordinates of an internal gear's teeth run against z
     stations = np.asarray(tooth.blank.axial.value(np.array([(0.0, 0.0, z) for z in kinks.positions]).reshape(-1, 3)))
     begins = true.extent.root
     tip_corner = side.tip_corner

@@ -1,11 +1,11 @@
-"""Teeth of a member where its index angles put them, for solids: every flank is turned about the axis, the root stays.
+"""Teeth of a member at the places of its index angles, for solids: flanks turn about the axis, the root stays.
 
-A turned flank is that at its place with deviations along its normals, which end in the fillet: d at a point r of the flank is how
-far along the normal n the turned one is,
+A turned flank is the flank at its place with deviations along its normals, which end in the fillet. The deviation d at
+a point r of the flank is the distance to the turned flank along the normal n,
 
-    R(angle) S(u, v) = r + d n,    by Newton's steps in (u, v, d)
+    R(angle) S(u, v) = r + d n,    by Newton's method in (u, v, d)
 
-and a bicubic spline between the points of a grid, at which it is exact.
+A bicubic spline interpolates it between the points of a grid, at which it is exact.
 """
 
 from __future__ import annotations
@@ -18,19 +18,24 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.gear_train import Member
-from gearmesh.teeth.micro_geometry.deviations import MARGIN, DeviationGrid, deviating_tooth
-from gearmesh.teeth.micro_geometry.index_angles import EVEN
+from gearmesh.teeth.micro_geometry.deviations import EDGE_MARGIN, DeviationGrid, deviating_tooth
+from gearmesh.teeth.micro_geometry.index_angles import NO_INDEX_ANGLES
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 
-#: points across and along a flank, Newton's steps, and the change (mm) that ends them
-GRID, STEPS, ENOUGH = (7, 7), 8, 1e-12
+#: points across and along a flank
+DEVIATION_GRID = (7, 7)
+#: most Newton steps to a distance
+DISTANCE_NEWTON_STEPS = 8
+#: change of the distance that ends them
+DISTANCE_TOLERANCE_MM = 1e-12
 
 
 def placed_teeth(member: Member) -> Member:
-    """The member with teeth that differ by their places, and no index angles; itself where these are all the same.
+    """Return the member with teeth that differ by their places, and no index angles; the same member if all angles are
+    equal.
 
-    Raises DesignError where flanks cannot be moved, as those with corners.
+    Raises DesignError if flanks cannot be moved, as flanks with corners.
     """
     index, teeth = member.index, member.tooth.teeth
     if not index.uneven:
@@ -41,16 +46,19 @@ def placed_teeth(member: Member) -> Member:
         made = [_turned_tooth(member.one_tooth, dict(zip(Side, kind.tolist(), strict=True))) for kind in kinds]
     except DesignError as failure:
         raise DesignError(f"{member.name} pitch deviations", reason=str(failure), topic="pitch deviations") from failure
-    return replace(member, index=EVEN).with_teeth({k: made[kind] for k, kind in enumerate(which.ravel().tolist())})
+    return replace(member, index=NO_INDEX_ANGLES).with_teeth(
+        {k: made[kind] for k, kind in enumerate(which.ravel().tolist())}
+    )
 
 
 def _turned_tooth(tooth: Tooth, angles: dict[Side, float]) -> Tooth:
+    """Return the tooth with each flank turned by its angle, rad."""
     return deviating_tooth(tooth, {side: turned_grid(tooth, side, angle) for side, angle in angles.items() if angle})
 
 
 def turned_grid(tooth: Tooth, side: Side, angle: float) -> DeviationGrid:
-    """How far a flank that is turned by an angle, rad, about the axis is along the normals of the flank at its place."""
-    s, t = np.linspace(MARGIN, 1.0, GRID[0]), np.linspace(0.0, 1.0, GRID[1])
+    """Distances from a flank to the same flank turned by an angle, rad, about the axis, along the normals of the first."""
+    s, t = np.linspace(EDGE_MARGIN, 1.0, DEVIATION_GRID[0]), np.linspace(0.0, 1.0, DEVIATION_GRID[1])
     grid = tooth.flank_grid(side, s, t)
     r, n = grid.points, grid.normals
     return DeviationGrid(r, n, _distances(tooth, side, grid.parameters, r, n, angle))
@@ -61,11 +69,11 @@ def _distances(tooth: Tooth, side: Side, parameters: Array, r: Array, n: Array, 
     surface, turn = tooth.side(side).flank, Rigid.about_z(angle)
     u, v = np.moveaxis(parameters, -1, 0)
     d = np.zeros(u.shape)
-    for _ in range(STEPS):
+    for _ in range(DISTANCE_NEWTON_STEPS):
         jet = surface.jet(u, v).move(turn)
         matrix = np.stack((jet.r_u, jet.r_v, -n), axis=-1)
         step = np.linalg.solve(matrix, (r + d[..., None] * n - jet.r)[..., None])[..., 0]
         u, v, d = u + step[..., 0], v + step[..., 1], d + step[..., 2]
-        if np.abs(step[..., 2]).max() < ENOUGH:
+        if np.abs(step[..., 2]).max() < DISTANCE_TOLERANCE_MM:
             return np.asarray(d)
     raise DesignError("index", reason=f"a flank turned by {angle:.3g} rad does not cross the normals of its place")

@@ -1,11 +1,13 @@
 """Flanks of racks in closed form, with micro-geometry: planes along the tooth traces [ISO 21771-1, ISO 53].
 
-In a rack's own frame (x out of the bar from the reference plane, y along it, z across) the flank of side s, +1 right (y < 0), is
+In a rack's own frame x points out of the bar from the reference plane, y along it, z across. The flank of side s, +1
+right (y < 0), is
 
     y = s (-half + x tan(alpha_t) + a / cos(alpha_t)) + z tan(beta)
 
-An amount a(x, z) along the line of action in the transverse plane, positive where material is removed, moves the point of a height,
-which stays at its height, along the bar into the material: as that of an involute turns about the axis (see `screw_involute`).
+The amount a(x, z) is positive where material is removed, along the line of action in the transverse plane. It moves a
+point along the bar into the material, at constant height. On an involute a point turns about the axis instead (see
+`screw_involute`).
 
             | x  \\
             |     \\ flank        N = (Y_x, -1, Y_z) of the right side y = Y(x, z), its opposite of the left one
@@ -25,21 +27,22 @@ from gearmesh.teeth.micro_geometry.screw_involute import NO_AMOUNT, Amount
 
 @dataclass(frozen=True)
 class PlaneFlank:
-    """A rack's flank; parameters: height x over the reference plane and z, both mm. The normal leaves the material.
+    """A rack's flank; parameters: height x over the reference plane and z, both mm. The normal leaves the material."""
 
-    `alpha_t`: transverse pressure angle, rad; `slope`: dy/dz along the tooth trace; `half`: transverse half thickness of the tooth
-    on the reference plane at z = 0, mm. `amount`: micro-geometry over height and z, None for the plane.
-    """
-
+    #: transverse pressure angle, rad
     alpha_t: float
+    #: dy/dz along the tooth trace
     slope: float
+    #: transverse half thickness of the tooth on the reference plane at z = 0, mm
     half: float
+    #: +1 right, -1 left
     side: int = 1
+    #: micro-geometry over height and z; None for the plane
     amount: Amount | None = None
 
     @staticmethod
     def through(jet: Jet, side: int) -> PlaneFlank:
-        """The plane of a jet (1,) of it."""
+        """Return the plane through a point and with the normal of a jet (1,)."""
         (r,), (n,) = jet.r, side * jet.n / np.abs(jet.n[..., 1:2])
         # n = (Y_x, -1, Y_z)
         made = PlaneFlank(float(np.arctan(side * n[0])), float(n[2]), 0.0, side)
@@ -71,7 +74,7 @@ class PlaneFlank:
 
 
 def _vectors(like: Array, *components: Array | float) -> Array:
-    """Vectors (..., 3) of components (...,) or numbers, of the shape of `like`."""
+    """Vectors (..., 3) of components (...,) or numbers, with the shape of `like`."""
     made = np.empty((*like.shape, 3))
     for k, component in enumerate(components):
         made[..., k] = component

@@ -28,7 +28,7 @@ from gearmesh.systems.cylindrical.rack.member import RackMesh
 from gearmesh.systems.cylindrical.rack.proportions import RackPairProportions, rack_proportions, with_allowances
 from gearmesh.systems.cylindrical.sheet import SheetPair, member_tables
 from gearmesh.systems.system import Reserve, Sheet, SheetTable, complete_design
-from gearmesh.teeth.blank.moments import CUBIC
+from gearmesh.teeth.blank.moments import M3_PER_MM3
 from gearmesh.teeth.gear_train import GearTrain, Member
 from gearmesh.teeth.region import Region
 
@@ -261,7 +261,7 @@ def rack_rows(design: RackKeys, mesh: RackMesh, member: Member, root: float | No
         ("M_r", "from the back over the pin in a space", "mm", over),
         ("rho", "density", "kg/m^3", density),
         ("V", "volume", "mm^3", volume),
-        ("m", "mass", "kg", volume * CUBIC * density),
+        ("m", "mass", "kg", volume * M3_PER_MM3 * density),
     )
     return [(symbol, words, unit, (value,)) for symbol, words, unit, value in values]
 
