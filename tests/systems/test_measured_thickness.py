@@ -52,9 +52,9 @@ def test_a_published_sheet_to_the_last_digit() -> None:
 def test_balls_of_din_3977() -> None:
     """Its table 1 has 55 diameters, in five columns of eleven that begin so; its example (22 teeth, 30 deg, x 0.5, module 3.5):
     6.475 mm, so that 6.5 is taken; 6 mm touches 0.113 modules below the V cylinder, beyond its limit of 0.1."""
-    table = measures.STANDARD[:55]
+    table = measures.STANDARD_DIAMETERS_MM[:55]
     assert [table[k] for k in (0, 11, 22, 33, 44, 54)] == [0.17, 0.895, 3.0, 6.5, 16.0, 50.0]
-    assert list(measures.STANDARD) == sorted(set(measures.STANDARD))
+    assert list(measures.STANDARD_DIAMETERS_MM) == sorted(set(measures.STANDARD_DIAMETERS_MM))
     teeth = Toothing(22, 3.5, ALPHA, math.radians(30.0), shift=0.5)
     middle = measures.v_radius(teeth)
     # the standard's own formula approximates the ideal one

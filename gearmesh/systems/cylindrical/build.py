@@ -31,7 +31,7 @@ from gearmesh.systems.cylindrical.design import PROFILES
 from gearmesh.systems.cylindrical.double_helical import HALF, double_helical_member, half_of
 from gearmesh.systems.cylindrical.geometry.geometry import distance_of, sum_of_shifts
 from gearmesh.systems.cylindrical.geometry.interference import interference_warnings
-from gearmesh.systems.cylindrical.geometry.nominal import MEMBERS, ToothedGear, refuse_thin
+from gearmesh.systems.cylindrical.geometry.nominal import MEMBER_NAMES, ToothedGear, refuse_thin
 from gearmesh.systems.cylindrical.geometry.proportions import GearProportions, PairProportions, proportions
 from gearmesh.systems.cylindrical.geometry.shifts import addendum
 from gearmesh.systems.cylindrical.measured import check_measures
@@ -54,7 +54,7 @@ def build(design: CylindricalDesign) -> GearTrain:
     """
     whole, design = design, half_of(design)
     geometry = proportions(design)
-    members = [whole_member(whole, name, geometry) for name in MEMBERS]
+    members = [whole_member(whole, name, geometry) for name in MEMBER_NAMES]
     flank = Side(design.contact.flank)
     inside = design.pinion.internal or design.gear.internal
     first, second = _mounts(design, geometry)
@@ -153,7 +153,9 @@ def warnings_of(design: CylindricalDesign, geometry: PairProportions) -> tuple[s
     return (
         *unusual_defaults(design, standard),
         *_thickness_warnings(geometry),
-        *interference_warnings(geometry.mesh, geometry.tips, geometry.roots, [*map(design.name_in_texts, MEMBERS)]),
+        *interference_warnings(
+            geometry.mesh, geometry.tips, geometry.roots, [*map(design.name_in_texts, MEMBER_NAMES)]
+        ),
         *other_cutters(geometry.gears),
         *trimming_warnings(geometry.gears),
     )

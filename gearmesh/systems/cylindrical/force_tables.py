@@ -9,7 +9,7 @@ from gearmesh.systems.common.running import running_rows
 from gearmesh.systems.common.symbol_table import Row, Values, table
 from gearmesh.systems.cylindrical.double_helical import half_of
 from gearmesh.systems.cylindrical.geometry.forces import MeshForces, mesh_forces
-from gearmesh.systems.cylindrical.geometry.nominal import MEMBERS
+from gearmesh.systems.cylindrical.geometry.nominal import MEMBER_NAMES
 from gearmesh.systems.cylindrical.geometry.proportions import proportions
 from gearmesh.systems.system import SheetTable, complete_design
 from gearmesh.teeth.region import Side
@@ -29,7 +29,7 @@ def pair_forces(design: CylindricalDesign, torque: float, speed: float | None) -
     if speed is not None:
         rows.append(speed_row(mesh.working_radius(mesh.pinion), speed, 2))
     title = f"Forces for {torque:g} Nm on the pinion, its {flank.value} flanks driving"
-    return (table(title, MEMBERS, [*rows, *force_rows(forces, senses, halves=own.double_helical)]),)
+    return (table(title, MEMBER_NAMES, [*rows, *force_rows(forces, senses, halves=own.double_helical)]),)
 
 
 def speed_row(radius: float, speed: float, columns: int) -> Row:

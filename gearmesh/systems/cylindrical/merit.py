@@ -10,7 +10,7 @@ from gearmesh.errors import VagueError
 from gearmesh.systems.cylindrical.geometry.interference import reserves
 from gearmesh.systems.cylindrical.geometry.line_of_action import LineOfAction, form_roll_length, undercut_reserve
 from gearmesh.systems.cylindrical.geometry.measures import thickness_at
-from gearmesh.systems.cylindrical.geometry.nominal import MEMBERS
+from gearmesh.systems.cylindrical.geometry.nominal import MEMBER_NAMES
 from gearmesh.systems.cylindrical.geometry.proportions import GearProportions, PairProportions, proportions
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ def mesh_merit(design: CylindricalDesign) -> MeshMerit:
     eps_alpha = line.contact_ratio
     width = min(design.pinion.face_width, design.gear.face_width)
     first, second = tip_thicknesses(geometry)
-    for name, thickness, tip in zip(MEMBERS, (first, second), geometry.tips, strict=True):
+    for name, thickness, tip in zip(MEMBER_NAMES, (first, second), geometry.tips, strict=True):
         if thickness <= 0.0:
             raise VagueError(
                 f"{name}.addendum", reason=f"the tooth is pointed below its tip diameter of {2.0 * tip:.6g} mm"

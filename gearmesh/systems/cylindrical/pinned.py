@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from gearmesh.systems.cylindrical.cutting.cutter import cutter_of
 from gearmesh.systems.cylindrical.cutting.hobbed import CHAMFER
 from gearmesh.systems.cylindrical.double_helical import half_of
-from gearmesh.systems.cylindrical.geometry.nominal import MEMBERS
+from gearmesh.systems.cylindrical.geometry.nominal import MEMBER_NAMES
 from gearmesh.systems.cylindrical.geometry.proportions import proportions
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ def pair_values(design: CylindricalDesign, train: GearTrain) -> Values:
     own = half_of(design)
     pair = proportions(own)
     values: Values = {"arrangement": design.arrangement, "assembly.center_distance": pair.mesh.distance}
-    for name in MEMBERS:
+    for name in MEMBER_NAMES:
         values |= member_values(pair.gear(name), name, train.members[name])
     return values
 

@@ -44,7 +44,7 @@ from gearmesh.systems.cylindrical.geometry.line_of_action import (
     tight_distance,
     undercut_reserve,
 )
-from gearmesh.systems.cylindrical.geometry.nominal import MEMBERS
+from gearmesh.systems.cylindrical.geometry.nominal import MEMBER_NAMES
 from gearmesh.systems.cylindrical.geometry.proportions import (
     GearProportions,
     GearsProportions,
@@ -84,19 +84,19 @@ def data_sheet(design: CylindricalDesign, train: GearTrain) -> Sheet:
     own = complete_design(design).in_mm()
     derived, *plain = plain_sheet(own, train).tables
     pair = _sheet_pair(own, train)
-    warnings = pair.fillet_interference(MEMBERS)
+    warnings = pair.fillet_interference(MEMBER_NAMES)
     return Sheet((derived, *half_tables(own, pair.members), *pair_tables(pair), *plain), {}, warnings=warnings)
 
 
 def pair_reserves(design: CylindricalDesign, train: GearTrain) -> tuple[Reserve, ...]:
     """What a pair has left until its teeth interfere."""
-    return _sheet_pair(complete_design(design).in_mm(), train).interference_reserves(0, MEMBERS)
+    return _sheet_pair(complete_design(design).in_mm(), train).interference_reserves(0, MEMBER_NAMES)
 
 
 def _sheet_pair(own: CylindricalDesign, train: GearTrain) -> SheetPair:
     """The pair of a complete design in mm and the gear set built of it."""
     half = half_of(own)
-    return SheetPair(half, proportions(half), tuple(train.members[name] for name in MEMBERS))
+    return SheetPair(half, proportions(half), tuple(train.members[name] for name in MEMBER_NAMES))
 
 
 def half_tables(design: HalvesKeys, members: tuple[Member, ...]) -> list[SheetTable]:
@@ -114,7 +114,7 @@ def half_tables(design: HalvesKeys, members: tuple[Member, ...]) -> list[SheetTa
     return [table("Double helical", tuple(design.specs), rows)]
 
 
-def pair_tables(pair: SheetPair, names: tuple[str, str] = MEMBERS) -> tuple[SheetTable, ...]:
+def pair_tables(pair: SheetPair, names: tuple[str, str] = MEMBER_NAMES) -> tuple[SheetTable, ...]:
     """The tables of a pair, its pinion and gear called by `names`."""
     own, thickness, *others = member_tables(pair, names)
     of_mesh = tables_by_title(
@@ -127,7 +127,7 @@ def pair_tables(pair: SheetPair, names: tuple[str, str] = MEMBERS) -> tuple[Shee
     return (of_mesh[0], *backlash, own, thickness, of_mesh[1], *others)
 
 
-def member_tables(pair: SheetGears, names: tuple[str, ...] = MEMBERS) -> tuple[SheetTable, ...]:
+def member_tables(pair: SheetGears, names: tuple[str, ...] = MEMBER_NAMES) -> tuple[SheetTable, ...]:
     """The tables with one column per member: members, measures, root, reserves, bodies, tolerances; of gears that do not mesh
     without what their mesh says of them."""
     return tables_by_title(

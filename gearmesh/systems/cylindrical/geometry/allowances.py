@@ -1,4 +1,4 @@
-"""Allowances of the tooth thickness of a member, however a design gives them: as they are, by span, by balls, by pins."""
+"""Allowances of the tooth thickness of a member, given directly or as limits of span, balls or pins."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import CylindricalMember
     from gearmesh.systems.cylindrical.rack.design import RackTable
 
-#: largest allowance, modules, that limits of a measured size may ask for either way
-LARGEST = 1.0
+#: largest allowance, of either sign, that limits of a measured size may lead to
+MAX_ALLOWANCE_MODULES = 1.0
 
 
 @dataclass(frozen=True)
 class Allowances:
-    """Upper and lower allowance of the normal tooth thickness, A_sne and A_sni, and the one that is made."""
+    """Allowances of the normal tooth thickness, mm."""
 
     upper: float
     lower: float
@@ -30,14 +30,14 @@ class Allowances:
 
     @classmethod
     def between(cls, upper: float, lower: float, where: str) -> Allowances:
-        """With the one that is made at their "upper" or "lower" end, or in their "middle"."""
+        """Return the allowances; teeth are made at their "upper" or "lower" end, or in their "middle"."""
         return cls(upper, lower, {"upper": upper, "lower": lower, "middle": 0.5 * (upper + lower)}[where])
 
 
 def allowances_of(name: str, spec: CylindricalMember | RackTable, own: Toothing) -> Allowances | None:
-    """Allowances of a part `spec` of a design called `name`, with the nominal teeth `own`; None where it gives none.
+    """Return the allowances of the part `spec` of a design, called `name`; None if the design gives none.
 
-    Raises DesignError for limits of a measured size that no such tooth has.
+    `own`: the nominal teeth. Raises DesignError if no such tooth has the given limits of a measured size.
     """
     key = spec.thickness_key
     if key is None:
@@ -52,13 +52,20 @@ def allowances_of(name: str, spec: CylindricalMember | RackTable, own: Toothing)
 
 
 def made_allowance(name: str, spec: CylindricalMember | RackTable, own: Toothing) -> float:
-    """The allowance with which the teeth of a part are made, 0 where it gives none. Raises as `allowances_of`."""
+    """Return the allowance with which the teeth are made; 0 if the design gives none.
+
+    Raises DesignError as `allowances_of` does.
+    """
     given = allowances_of(name, spec, own)
     return 0.0 if given is None else given.made
 
 
 def _allowance_at(name: str, spec: CylindricalMember | RackTable, key: str, end: str, own: Toothing) -> float:
-    """The allowance of teeth that measure the limit at an `end`, "upper" or "lower", of "span", "balls" or "pins"."""
+    """Return the allowance of teeth whose measured size is at its limit.
+
+    - key: "span", "balls" or "pins".
+    - end: "upper" or "lower".
+    """
     table, bare = getattr(spec, key), replace(own, allowance=0.0)
     value = getattr(table, end)
     if key == "span":
@@ -68,23 +75,28 @@ def _allowance_at(name: str, spec: CylindricalMember | RackTable, key: str, end:
             f"{name}.pins", reason="straight pins touch internal helical teeth at their ends alone", remedy="give balls"
         )
     else:
-        # pins of helical teeth slide until they are
+        # pins of helical teeth slide until they are opposite each other
         opposite = key == "pins" and own.beta != 0.0
         thickness = measures.thickness_over_balls(bare, table.diameter, value, opposite=opposite)
     allowance = thickness - bare.thickness
-    if not abs(allowance) <= LARGEST * own.module:
+    if not abs(allowance) <= MAX_ALLOWANCE_MODULES * own.module:
         raise DesignError(
             f"{name}.{key}.{end}",
             value,
             unit="mm",
-            reason=f"asks for a thickness that is not within {LARGEST:g} modules of that of the profile shift, {own.shift:.4g}",
+            reason=f"asks for a thickness that is not within {MAX_ALLOWANCE_MODULES:g} modules "
+            f"of that of the profile shift, {own.shift:.4g}",
             allowed=_possible(key, table, bare),
         )
     return allowance
 
 
 def _possible(key: str, table: SpanMeasurement | BallMeasurement, own: Toothing) -> str:
-    """What a measured size may be, in words: those of teeth so much thinner and thicker; "" where no such teeth have it."""
+    """Return the allowed range of a measured size as text.
+
+    Its ends belong to the largest allowance of either sign. Where no such teeth have the size, smaller allowances are
+    used. The text is empty if none have it.
+    """
 
     def size(allowance: float) -> float:
         teeth = replace(own, allowance=allowance)
@@ -93,7 +105,10 @@ def _possible(key: str, table: SpanMeasurement | BallMeasurement, own: Toothing)
         return (measures.over_balls if key == "balls" else measures.over_pins)(teeth, table.diameter) or math.nan
 
     parts = (1.0, 0.75, 0.5, 0.25)
-    ends = [[x for part in parts if math.isfinite(x := size(sign * part * LARGEST * own.module))] for sign in (-1, 1)]
+    ends = [
+        [x for part in parts if math.isfinite(x := size(sign * part * MAX_ALLOWANCE_MODULES * own.module))]
+        for sign in (-1, 1)
+    ]
     if not all(ends):
         return ""
     low, high = sorted(end[0] for end in ends)

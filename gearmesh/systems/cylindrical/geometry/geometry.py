@@ -1,8 +1,9 @@
 """Cylindrical gears and their meshes in closed form [ISO 21771].
 
-Tooth numbers, diameters and distances are positive; `sense` is +1 for external teeth and -1 for internal ones, which is the sign
-that ISO 21771 gives to the tooth number. Profile shifts are counted as there: positive towards the tip, which thickens the tooth,
-of either. Lengths in any one unit, angles in rad; "transverse" is the section across the axis.
+Tooth numbers, diameters and distances are positive. `sense` is +1 for external teeth and -1 for internal teeth; ISO
+21771 gives this sign to the tooth number. Profile shifts are counted as in the standard: positive towards the tip,
+which thickens external and internal teeth alike. All lengths share one unit, and angles are in rad. "Transverse" means
+the section across the axis.
 """
 
 from __future__ import annotations
@@ -14,8 +15,8 @@ import numpy as np
 
 from gearmesh.kernel.numeric.roots import bracketed_root
 
-#: largest working pressure angle (rad) that is looked for
-STEEPEST = 1.5
+#: largest working pressure angle (rad) that is searched
+MAX_WORKING_ANGLE = 1.5
 
 
 def involute(angle: float) -> float:
@@ -24,26 +25,35 @@ def involute(angle: float) -> float:
 
 
 def angle_of(involute_value: float) -> float:
-    """The angle (rad) with an involute function of `involute_value`; NaN where it is not between 0 and STEEPEST."""
-    if not 0.0 <= involute_value <= involute(STEEPEST):
+    """Return the angle (rad) whose involute function is `involute_value`.
+
+    NaN if the angle is not between 0 and MAX_WORKING_ANGLE.
+    """
+    if not 0.0 <= involute_value <= involute(MAX_WORKING_ANGLE):
         return math.nan
     roots = bracketed_root(
-        lambda a, _: np.tan(a) - a - involute_value, np.zeros(1), np.array([STEEPEST]), tolerance=1e-15
+        lambda a, _: np.tan(a) - a - involute_value, np.zeros(1), np.array([MAX_WORKING_ANGLE]), tolerance=1e-15
     )
     return float(roots.values[0])
 
 
 @dataclass(frozen=True)
 class Toothing:
-    """The teeth of one member: number, normal module, normal pressure angle, helix angle (positive right-handed), profile shift
-    coefficient x, allowance A_sn of the normal tooth thickness at the reference cylinder."""
+    """Teeth of one member."""
 
+    #: number of teeth, positive
     teeth: int
+    #: normal module m_n
     module: float
+    #: normal pressure angle alpha_n, rad
     alpha: float
+    #: helix angle, rad, positive right-handed
     beta: float = 0.0
+    #: profile shift coefficient x
     shift: float = 0.0
+    #: True for internal teeth
     internal: bool = False
+    #: allowance A_sn of the normal tooth thickness at the reference cylinder
     allowance: float = 0.0
 
     @property
@@ -53,17 +63,17 @@ class Toothing:
 
     @property
     def signed_teeth(self) -> int:
-        """The tooth number as ISO 21771 writes it."""
+        """Tooth number with the sign of ISO 21771."""
         return self.sense * self.teeth
 
     @property
     def alpha_t(self) -> float:
-        """Transverse pressure angle."""
+        """Transverse pressure angle, rad."""
         return math.atan(math.tan(self.alpha) / math.cos(self.beta))
 
     @property
     def beta_b(self) -> float:
-        """Helix angle at the base cylinder."""
+        """Helix angle at the base cylinder, rad."""
         return math.asin(math.sin(self.beta) * math.cos(self.alpha))
 
     @property
@@ -86,45 +96,54 @@ class Toothing:
 
     @property
     def twist(self) -> float:
-        """Turn of the transverse section per length along the axis, rad per length, right-handed positive."""
+        """Rotation of the transverse section per length along the axis, rad, right-handed positive."""
         return math.tan(self.beta) / self.radius
 
     @property
     def thickness(self) -> float:
-        """Normal tooth thickness at the reference cylinder, with its allowance."""
+        """Normal tooth thickness at the reference cylinder, including the allowance."""
         return self.module * (0.5 * math.pi + 2.0 * self.shift * math.tan(self.alpha)) + self.allowance
 
     @property
     def generating_shift(self) -> float:
-        """Generating profile shift coefficient x_E = x + A_sn / (2 m_n tan(alpha_n)), which leaves this thickness."""
+        """Generating profile shift coefficient x_E = x + A_sn / (2 m_n tan(alpha_n)) for this thickness."""
         return self.shift + 0.5 * self.allowance / (self.module * math.tan(self.alpha))
 
     def half_angle(self, radius: float) -> float:
-        """Half of the tooth's transverse thickness at a radius, as an angle about the axis, rad; > 0 on sound teeth."""
+        """Return half of the tooth's transverse thickness at a radius, as an angle (rad) about the axis.
+
+        The angle is positive up to the radius where the tooth is pointed.
+        """
         at_reference = 0.5 * self.thickness / math.cos(self.beta) / self.radius
         pressure = math.acos(min(1.0, self.base_radius / radius))
         return at_reference + self.sense * (involute(self.alpha_t) - involute(pressure))
 
     def roll_length(self, radius: float) -> float:
-        """Length of the involute's generator, from the base circle, at a radius not below it."""
+        """Return the length of the involute's generator, from the base circle, at a radius.
+
+        The radius must not be below the base circle.
+        """
         return math.sqrt(max(0.0, radius**2 - self.base_radius**2))
 
     def rack_form_roll_length(self, depth: float, rounding: float) -> float:
-        """Roll length of what the end of a rack's straight flank generates on an external member; negative where it undercuts.
+        """Return the roll length on an external member of the end of a rack's straight flank.
 
-        `depth` of the root below the reference cylinder, radius of the rack's tip `rounding`.
+        The roll length is negative if the rack undercuts the member.
+
+        - depth: depth of the root below the reference cylinder.
+        - rounding: radius of the rack's tip.
         """
         straight = depth - rounding * (1.0 - math.sin(self.alpha))
         return self.radius * math.sin(self.alpha_t) - straight / math.sin(self.alpha_t)
 
     def radius_at(self, height: float) -> float:
-        """The radius of a place `height` over the reference cylinder, counted towards the tip."""
+        """Return the radius at a `height` over the reference cylinder, counted towards the tip."""
         return self.radius + self.sense * height
 
 
 @dataclass(frozen=True)
 class InvolutePair:
-    """Two members on parallel axes at a centre distance; at most one of them internal."""
+    """Two members on parallel axes at a centre distance; at most one member is internal."""
 
     pinion: Toothing
     gear: Toothing
@@ -132,7 +151,7 @@ class InvolutePair:
 
     @property
     def sum_of_teeth(self) -> int:
-        """|z1 + z2|, teeth counted with the signs of ISO 21771."""
+        """|z1 + z2|, with the signs of ISO 21771."""
         return abs(self.pinion.signed_teeth + self.gear.signed_teeth)
 
     @property
@@ -141,16 +160,16 @@ class InvolutePair:
 
     @property
     def working_angle(self) -> float:
-        """Transverse working pressure angle alpha_wt."""
+        """Transverse working pressure angle alpha_wt, rad."""
         return math.acos(self.reference_distance * math.cos(self.pinion.alpha_t) / self.distance)
 
     def working_radius(self, member: Toothing) -> float:
-        """Radius of a member's working pitch cylinder."""
+        """Return the radius of a member's working pitch cylinder."""
         return member.base_radius / math.cos(self.working_angle)
 
     @property
     def working_helix(self) -> float:
-        """Helix angle at the working pitch cylinders, of the pinion."""
+        """Helix angle (rad) of the pinion at its working pitch cylinder."""
         return math.atan(self.pinion.twist * self.working_radius(self.pinion))
 
     @property
@@ -174,26 +193,27 @@ class InvolutePair:
         return self.distance * math.sin(self.working_angle)
 
     def mating_roll_length(self, length: float, of: Toothing) -> float:
-        """Roll length on the mating gear of the point that has roll length `length` on the member `of`."""
+        """Return the roll length on the mating gear where the member `of` has roll length `length`."""
         other = self.gear if of is self.pinion else self.pinion
         if other.internal or of.internal:
             return length + self.generator if other.internal else length - self.generator
         return self.generator - length
 
     def sliding(self, length: float) -> tuple[float, float]:
-        """Specific sliding of both where the pinion has a roll length: 1 - (speed of the mating gear along the flank) / (own).
+        """Return the specific sliding of pinion and gear at a roll length of the pinion.
 
-        -inf where the own flank is at rest, at its base circle.
+        zeta = 1 - (speed of the mating gear along the flank) / (speed of the member itself). It is -inf where the
+        member's flank is at rest, at its base circle.
         """
         speeds = length / self.pinion.teeth, self.mating_roll_length(length, self.pinion) / self.gear.teeth
-        first, second = (1.0 - mating / own if own > 0.0 else -math.inf for own, mating in (speeds, speeds[::-1]))
-        return first, second
+        of_pinion, of_gear = (1.0 - mating / own if own > 0.0 else -math.inf for own, mating in (speeds, speeds[::-1]))
+        return of_pinion, of_gear
 
 
 def distance_of(pinion: Toothing, gear: Toothing) -> float:
-    """Centre distance at which nominal teeth mesh without backlash; NaN where there is no working pressure angle.
+    """Return the centre distance at which nominal teeth mesh without backlash; NaN if there is none.
 
-    inv(alpha_wt) = inv(alpha_t) + 2 tan(alpha_n) (x1 + x2) / (z1 + z2), signs as in ISO 21771.
+    inv(alpha_wt) = inv(alpha_t) + 2 tan(alpha_n) (x1 + x2) / (z1 + z2), with the signs of ISO 21771.
     """
     signed = pinion.signed_teeth + gear.signed_teeth
     working = angle_of(involute(pinion.alpha_t) + 2.0 * math.tan(pinion.alpha) * (pinion.shift + gear.shift) / signed)
@@ -201,7 +221,10 @@ def distance_of(pinion: Toothing, gear: Toothing) -> float:
 
 
 def sum_of_shifts(pinion: Toothing, gear: Toothing, distance: float) -> float:
-    """Sum x1 + x2 with which nominal teeth mesh without backlash at a centre distance; NaN where it is below the base radii's."""
+    """Return the sum x1 + x2 with which nominal teeth mesh without backlash at a centre distance.
+
+    NaN if the distance is below the sum (with an internal gear: the difference) of the base radii.
+    """
     signed = pinion.signed_teeth + gear.signed_teeth
     cosine = 0.5 * abs(signed) * pinion.transverse_module * math.cos(pinion.alpha_t) / distance
     if cosine > 1.0:
@@ -210,10 +233,10 @@ def sum_of_shifts(pinion: Toothing, gear: Toothing, distance: float) -> float:
 
 
 def specific_sliding(mesh: InvolutePair, tips: tuple[float, float]) -> tuple[float, float]:
-    """Specific sliding at the ends of the path of contact, where it is worst: of the pinion at A, of the gear at E.
+    """Return the specific sliding at the ends of the path of contact: of the pinion at A, of the gear at E.
 
-    `tips`: tip radii of both. zeta = 1 - (v of the mating gear along the flank) / (own); -inf where contact begins at the base
-    circle.
+    These are the extremes of both members. `tips`: tip radii of pinion and gear. zeta = 1 - (speed of the mating gear
+    along the flank) / (speed of the member itself). It is -inf if contact begins at the base circle.
     """
     begins = mesh.mating_roll_length(mesh.gear.roll_length(tips[1]), mesh.gear)
     return mesh.sliding(begins)[0], mesh.sliding(mesh.pinion.roll_length(tips[0]))[1]

@@ -1,9 +1,11 @@
-"""The line of action of a cylindrical mesh: where contact begins and ends, and what happens between [ISO 21771].
+"""The line of action of a cylindrical mesh: start and end of contact, and points between [ISO 21771].
 
-Points on it are counted by the pinion's roll length, from where the line touches its base circle:
+Points on the line are given by the pinion's roll length, counted from where the line touches its base circle:
 
-    A  the pinion's root side, where the gear's tip is met       B  from here to D one tooth pair meets alone
-    C  the pitch point                                           D
+    A  the pinion's root side, where contact with the gear's tip begins
+    B  from here to D one tooth pair is in contact alone
+    C  the pitch point
+    D  end of single contact
     E  the pinion's tip
 """
 
@@ -21,14 +23,17 @@ from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair, Toothin
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.geometry.proportions import GearProportions
 
-#: what is less, in modules, is rounding
-ROUNDING = 1e-9
+#: smaller lengths are rounding
+ROUNDING_MODULES = 1e-9
 #: roll lengths of a member's usable flank, at its root and at its tip
 Flank = tuple[float, float]
 
 
 def form_roll_length(gear: GearProportions) -> float:
-    """Roll length of what the end of the tool's straight flank, or involute, generates; negative where it undercuts the flank."""
+    """Return the roll length at which the tool's straight flank or involute ends on the member.
+
+    The roll length is negative if the tool undercuts the flank.
+    """
     if not gear.spec.hobbed:
         return cut_of(gear).form_roll_length
     own = gear.own
@@ -36,10 +41,11 @@ def form_roll_length(gear: GearProportions) -> float:
 
 
 def undercut_reserve(gear: GearProportions) -> float:
-    """Roll length by which the flank stays clear of undercut, negative where it does not.
+    """Return the roll length by which the flank stays clear of undercut, negative where it is undercut.
 
-    Of an external member from the base circle to what the end of the tool's flank generates, of an internal one from the last point
-    that the cutter's involute generates to the tip, of a formed one from the base circle.
+    - External member: from the base circle to the point that the end of the tool's flank generates.
+    - Internal member: from the last point that the cutter's involute generates to the tip.
+    - Formed member: from the base circle.
     """
     if not gear.own.internal:
         return form_roll_length(gear)
@@ -49,10 +55,12 @@ def undercut_reserve(gear: GearProportions) -> float:
 
 @dataclass(frozen=True)
 class SetBackFillet:
-    """Reason why a member's fillet lies behind the involute of its flank: tips that reach below the flank lose contact there.
+    """Reason why a member's fillet lies behind the involute of its flank.
 
-    cause: the word that a warning begins with, and what ends the flank.
-    remedy: what avoids it; the member's name comes before.
+    Tips that reach below the flank lose contact there.
+
+    cause: the word that a warning begins with, and what ends the flank. remedy: what avoids it; the member's name comes
+    before.
     """
 
     cause: str
@@ -60,15 +68,15 @@ class SetBackFillet:
 
 
 def set_back_fillet(gear: GearProportions) -> SetBackFillet | None:
-    """Undercut by the hob, or relief by its protuberance, of an external member; None of others."""
+    """Return the undercut by the hob, or the relief by its protuberance; None for internal or shaped members."""
     lost = -undercut_reserve(gear)
     if not gear.spec.hobbed or gear.own.internal:
         return None
-    if lost > ROUNDING * gear.own.module:
+    if lost > ROUNDING_MODULES * gear.own.module:
         shift = gear.own.shift + lost * math.sin(gear.own.alpha_t) / gear.own.module
         return SetBackFillet("undercut: the flank", f"profile_shift of at least {at_least(shift)} avoids undercut")
     hob = gear.spec.hob
-    if hob is not None and hob.relief > ROUNDING * gear.own.module:
+    if hob is not None and hob.relief > ROUNDING_MODULES * gear.own.module:
         return SetBackFillet(
             "relief: the flank above what the protuberance cuts", "hob.protuberance must be smaller to avoid it"
         )
@@ -77,18 +85,18 @@ def set_back_fillet(gear: GearProportions) -> SetBackFillet | None:
 
 @dataclass(frozen=True)
 class LineOfAction:
-    """A mesh and the usable flanks of both members, pinion first, as roll lengths at root and tip."""
+    """Line of action of a mesh and the usable flanks of pinion and gear, as roll lengths at root and tip."""
 
     mesh: InvolutePair
     flanks: tuple[Flank, Flank]
 
     @property
     def _sense(self) -> int:
-        """+1 where the pinion's roll length grows from root to tip."""
+        """+1 if the pinion's roll length grows from root to tip, else -1."""
         return self.mesh.pinion.sense
 
     def pinion_length(self, length: float) -> float:
-        """The pinion's roll length where the gear has `length`."""
+        """Return the pinion's roll length at the gear's roll length `length`."""
         return self.mesh.mating_roll_length(length, self.mesh.gear)
 
     @property
@@ -103,12 +111,12 @@ class LineOfAction:
 
     @property
     def contact_ratio(self) -> float:
-        """Transverse contact ratio eps_alpha; negative where flanks miss each other."""
+        """Transverse contact ratio eps_alpha; negative if the flanks miss each other."""
         points = self.points
         return self._sense * (points["E"] - points["A"]) / self.mesh.pinion.base_pitch
 
     def active(self, member: Toothing) -> Flank:
-        """Roll lengths of a member where its active flank begins and ends, root and tip."""
+        """Return the roll lengths of a member at which its active flank begins and ends, at root and tip."""
         points = self.points
         a, e = points["A"], points["E"]
         if member is self.mesh.pinion:
@@ -116,13 +124,16 @@ class LineOfAction:
         return self.mesh.mating_roll_length(e, self.mesh.pinion), self.mesh.mating_roll_length(a, self.mesh.pinion)
 
     def interference_reserve(self, member: Toothing) -> float:
-        """Roll length from where a member's usable flank begins to where the mating gear's tip meets it; negative in the fillet."""
+        """Return the roll length from the start of a member's usable flank to the mating gear's tip.
+
+        The reserve is negative if the tip reaches into the fillet.
+        """
         own, mating = self.flanks if member is self.mesh.pinion else self.flanks[::-1]
         other = self.mesh.gear if member is self.mesh.pinion else self.mesh.pinion
         return member.sense * (self.mesh.mating_roll_length(mating[1], other) - own[0])
 
     def clearing_tip(self, member: Toothing, name: str) -> str:
-        """What to do with the tip of the mating gear, called `name`, that reaches into a member's fillet."""
+        """Return, as text, the tip of the mating gear, called `name`, that clears a member's fillet."""
         own, mating = (
             (self.flanks[0], self.mesh.gear) if member is self.mesh.pinion else (self.flanks[1], self.mesh.pinion)
         )
@@ -131,9 +142,9 @@ class LineOfAction:
         return f"{name}.tip_diameter {bound} mm"
 
     def fillet_interference(self, names: tuple[str, str], set_back: Sequence[SetBackFillet | None]) -> tuple[str, ...]:
-        """A warning for each of pinion and gear, called by `names`, below whose flank the mating gear's tip reaches.
+        """Return a warning for each member below whose flank the mating tip reaches.
 
-        Where a fillet is set back, contact is lost and nothing interferes.
+        `names`: names of pinion and gear. If a fillet is set back, contact is lost there and nothing interferes.
         """
         warnings = []
         both = ((self.mesh.pinion, *names), (self.mesh.gear, *names[::-1]))
@@ -154,11 +165,14 @@ class LineOfAction:
         return tuple(warnings)
 
     def _clears(self, member: Toothing) -> bool:
-        """Whether the mating gear's tip stays on a member's usable flank, but for rounding."""
-        return self.interference_reserve(member) >= -ROUNDING * member.module
+        """True if the mating gear's tip stays on a member's usable flank, up to rounding."""
+        return self.interference_reserve(member) >= -ROUNDING_MODULES * member.module
 
     def fillet_reserves(self, set_back: Sequence[SetBackFillet | None]) -> list[float | None]:
-        """Interference reserves of pinion and gear, 0 for rounding; None of members whose fillet is set back and reached."""
+        """Return the interference reserves of pinion and gear; rounding counts as 0.
+
+        None for a member whose fillet is set back and reached by the mating tip.
+        """
         left: list[float | None] = []
         for member, behind in zip((self.mesh.pinion, self.mesh.gear), set_back, strict=True):
             reserve = self.interference_reserve(member)
@@ -168,7 +182,7 @@ class LineOfAction:
 
 
 def tight_distance(mesh: InvolutePair) -> float:
-    """Centre distance at which the teeth, with their allowances, mesh without backlash; NaN where there is none."""
+    """Return the centre distance at which teeth with their allowances have no backlash; NaN if there is none."""
     even = (
         replace(
             toothing,

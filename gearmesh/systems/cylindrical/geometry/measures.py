@@ -1,9 +1,12 @@
-"""Dimensions by which a tooth's thickness is measured, in closed form [ISO 21771; DIN 3960]: span, balls and pins, chords.
+"""Dimensions by which tooth thickness is measured [ISO 21771; DIN 3960]: span, balls, pins, chords.
 
-Every one is that of the exact surfaces: span is between parallel planes that touch two flanks, in internal gears along the
-common normal of two flanks, between rounded anvils, a ball touches both flanks of a
-space, the constant chord joins the feet of the normals from the middle of the tooth at the reference cylinder, the chord at the
-reference cylinder is the shortest between the two flank lines there. Lengths in the unit of the teeth.
+All of them are dimensions of the exact surfaces in closed form, in the unit of the teeth:
+
+- Span: distance of parallel planes that touch two flanks. On an internal gear it is measured along the common normal of
+  two flanks, between rounded anvils.
+- Ball: touches both flanks of a space.
+- Constant chord: joins the feet of the normals from the middle of the tooth at the reference cylinder.
+- Chord at the reference cylinder: the shortest distance between the two flank lines there.
 """
 
 from __future__ import annotations
@@ -15,8 +18,8 @@ import numpy as np
 from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing, angle_of, involute
 
-#: diameters of balls and pins, mm [DIN 3977 table 1], and larger ones that are to be had
-STANDARD = (
+#: diameters of balls and pins [DIN 3977 table 1], and larger diameters that are available
+STANDARD_DIAMETERS_MM = (
     *(0.17, 0.195, 0.22, 0.25, 0.29, 0.335, 0.39, 0.455, 0.53, 0.62, 0.725),
     *(0.895, 1.0, 1.1, 1.25, 1.4, 1.5, 1.75, 2.0, 2.25, 2.5, 2.75),
     *(3.0, 3.25, 3.5, 3.75, 4.0, 4.25, 4.5, 5.0, 5.25, 5.5, 6.0),
@@ -24,20 +27,20 @@ STANDARD = (
     *(16.0, 18.0, 20.0, 22.0, 25.0, 28.0, 30.0, 35.0, 40.0, 45.0, 50.0),
     *(55.0, 60.0, 70.0, 80.0, 90.0, 100.0),
 )
-#: part of a diameter that is rounding
-ROUNDED = 1e-9
-#: halvings of an interval until it is rounding
-BISECTIONS = 40
+#: relative difference of diameters that is rounding
+DIAMETER_ROUNDING = 1e-9
+#: halvings of an interval until its length is rounding
+BISECTION_STEPS = 40
 
 
 # ---------------------------------------------------------------- span
 
 
 def span(teeth: Toothing, count: int) -> float:
-    """Span W_k over `count` teeth, of an internal member over `count` spaces, along the normal of the flanks.
+    """Return the span W_k along the normal of the flanks, over `count` teeth or, on an internal gear, spaces.
 
-    W_k = (k - 1) p_bn + s_bn, in the plane that touches the base cylinder; the spaces of an internal member are the teeth of an
-    external one, e_bn takes the place of s_bn.
+    W_k = (k - 1) p_bn + s_bn, in the plane that touches the base cylinder. The spaces of an internal member are the
+    teeth of an external member, so that e_bn takes the place of s_bn.
     """
     pitch = teeth.base_pitch * math.cos(teeth.beta_b)
     half = math.pi / teeth.teeth - _half_at_reference(teeth) if teeth.internal else _half_at_reference(teeth)
@@ -46,33 +49,39 @@ def span(teeth: Toothing, count: int) -> float:
 
 
 def span_radius(teeth: Toothing, count: int) -> float:
-    """Radius at which the span touches the flanks, both as far from the middle of the face."""
+    """Return the radius at which the anvils touch the flanks, equally far from the middle of the face."""
     return math.hypot(teeth.base_radius, 0.5 * span(teeth, count) * math.cos(teeth.beta_b))
 
 
 def span_width(teeth: Toothing, count: int) -> float:
-    """Distance along the axis between the points that the span touches: a narrower face has no such span."""
+    """Return the distance along the axis between the points of contact; a narrower face has no such span."""
     return span(teeth, count) * abs(math.sin(teeth.beta_b))
 
 
 def has_span(teeth: Toothing) -> bool:
-    """True where anvils can touch the flanks of a span: flat ones convex flanks, rounded ones those of a spur internal gear.
+    """True if anvils can touch the flanks: external teeth, or spur internal teeth.
 
-    Flanks of an internal gear are hollow. Those of a helical one are touched in points that are apart along the axis too.
+    Flat anvils touch convex flanks, and rounded anvils touch the hollow flanks of a spur internal gear. Hollow flanks
+    of a helical gear would be touched at points that are also apart along the axis.
     """
     return not (teeth.internal and teeth.beta != 0.0)
 
 
 def anvil_radius(teeth: Toothing, count: int) -> float:
-    """Largest radius of rounded anvils for the span of a spur internal gear: that of its hollow flanks where it touches them, or
-    of the ball that touches both flanks of the space there."""
+    """Return the largest radius of rounded anvils for the span of a spur internal gear.
+
+    The radius is limited by the hollow flanks where the anvil touches them, and by the ball that touches both flanks of
+    the space there.
+    """
     radius = span_radius(teeth, count)
     return min(abs(teeth.roll_length(radius)), 0.5 * best_ball(teeth, radius))
 
 
 def span_teeth(teeth: Toothing, flank: tuple[float, float], face: float) -> int | None:
-    """Number of teeth, or spaces, whose span is touched nearest to the V cylinder, on the `flank` (radii) and within the `face`
-    width; None where no number is."""
+    """Return the number of teeth, or spaces, whose span is touched nearest to the V cylinder; None without one.
+
+    `flank`: radii of the flank's ends; `face`: face width.
+    """
     middle = v_radius(teeth)
     return min(
         span_numbers(teeth, flank, face), key=lambda count: abs(span_radius(teeth, count) - middle), default=None
@@ -80,7 +89,10 @@ def span_teeth(teeth: Toothing, flank: tuple[float, float], face: float) -> int 
 
 
 def span_numbers(teeth: Toothing, flank: tuple[float, float], face: float) -> list[int]:
-    """Numbers of teeth, or spaces, whose span anvils can touch on the `flank` (radii) and within the `face` width."""
+    """Return the numbers of teeth, or spaces, whose span anvils can touch on the flank and within the face.
+
+    `flank`: radii of the flank's ends; `face`: face width.
+    """
     if not has_span(teeth):
         return []
     pitch = teeth.base_pitch * math.cos(teeth.beta_b)
@@ -93,7 +105,7 @@ def span_numbers(teeth: Toothing, flank: tuple[float, float], face: float) -> li
 
 
 def v_radius(teeth: Toothing) -> float:
-    """Radius of the V cylinder, d/2 + x m_n: about the middle of the flank."""
+    """Return the radius of the V cylinder, d/2 + x m_n, which is near the middle of the flank."""
     return teeth.radius_at(teeth.shift * teeth.module)
 
 
@@ -101,23 +113,26 @@ def v_radius(teeth: Toothing) -> float:
 
 
 def ball_radius(teeth: Toothing, diameter: float) -> float:
-    """Radius d_K / 2 on which the centre of a ball or pin stands that touches both flanks of a space.
+    """Return the radius d_K / 2 of the centre of a ball or pin that touches both flanks of a space.
 
-    inv(alpha_Kt) = sense (D_M / (2 r_b cos(beta_b)) - eta_b), where eta_b is half of the space's angle at the base circle. NaN
-    where it lies below that circle.
+    inv(alpha_Kt) = sense (D_M / (2 r_b cos(beta_b)) - eta_b), where eta_b is half of the space's angle at the base
+    circle. NaN if the centre lies below that circle.
     """
     offset = 0.5 * diameter / (teeth.base_radius * math.cos(teeth.beta_b))
     return teeth.base_radius / math.cos(angle_of(teeth.sense * (offset - _base_space(teeth))))
 
 
 def ball_contact_radius(teeth: Toothing, diameter: float) -> float:
-    """Radius at which a ball or pin touches the flanks."""
+    """Return the radius at which a ball or pin touches the flanks."""
     length = teeth.roll_length(ball_radius(teeth, diameter))
     return math.hypot(teeth.base_radius, length - teeth.sense * 0.5 * diameter * math.cos(teeth.beta_b))
 
 
 def best_ball(teeth: Toothing, radius: float) -> float:
-    """Diameter of the ball that touches the flanks at a radius: the root of the equation of `ball_radius`, NaN without one."""
+    """Return the diameter of the ball that touches the flanks at a radius; NaN if there is none.
+
+    The diameter is the root of the equation of `ball_radius`.
+    """
     length, largest = teeth.roll_length(radius), 4.0 * math.pi * teeth.transverse_module
 
     def miss(diameter: float) -> float:
@@ -133,9 +148,9 @@ def best_ball(teeth: Toothing, radius: float) -> float:
 
 
 def ball_fits(teeth: Toothing, diameter: float, flank: tuple[float, float], circles: tuple[float, float]) -> bool:
-    """Whether a ball touches the `flank` (radii, in any order), stands out of the space and clears its ground.
+    """True if a ball touches the flank, stands out of the space and clears its ground.
 
-    `circles`: radii of tip and root.
+    `flank`: radii of the flank's ends, in any order; `circles`: radii of tip and root.
     """
     low, high = sorted(flank)
     centre, half = ball_radius(teeth, diameter), 0.5 * teeth.sense * diameter
@@ -144,17 +159,18 @@ def ball_fits(teeth: Toothing, diameter: float, flank: tuple[float, float], circ
 
 
 def ball_range(teeth: Toothing, flank: tuple[float, float], circles: tuple[float, float]) -> tuple[float, float] | None:
-    """Least and largest diameter of a ball that `ball_fits`; None where none does.
+    """Return the least and the largest diameter of a ball that `ball_fits`; None if no ball does.
 
-    It touches nearer to the tip as it is larger, and stands out the further.
+    A larger ball touches nearer to the tip and stands out farther.
     """
     ends = sorted(best_ball(teeth, radius) for radius in flank)
     inside = [ends[0] + share * (ends[1] - ends[0]) for share in np.linspace(0.0, 1.0, 65)[1:-1]]
     fit = [diameter for diameter in inside if ball_fits(teeth, diameter, flank, circles)]
     if not fit:
         return None
+    # bisect between the smallest sample that fits and the end of the range
     least, below = fit[0], ends[0]
-    for _ in range(BISECTIONS):
+    for _ in range(BISECTION_STEPS):
         middle = 0.5 * (least + below)
         least, below = (middle, below) if ball_fits(teeth, middle, flank, circles) else (least, middle)
     return least, ends[1]
@@ -163,23 +179,27 @@ def ball_range(teeth: Toothing, flank: tuple[float, float], circles: tuple[float
 def ball_diameter(
     teeth: Toothing, flank: tuple[float, float], circles: tuple[float, float], unit: float = 1.0
 ) -> float | None:
-    """The diameter of DIN 3977 that is proposed for a `flank` (radii, in any order): on external teeth the smallest not below the
-    one that touches at the V cylinder, on internal ones the one that touches nearest to it.
+    """Return the proposed diameter of a ball or pin; None if no ball fits.
 
-    `circles`: radii of tip and root; the ball stands out of the space and clears its ground. `unit`: the teeth's unit, mm. Where no
-    standard diameter does, the one that touches at the V cylinder; None where none at all does.
+    On external teeth it is the smallest standard diameter [DIN 3977] not below the ball that touches at the V cylinder.
+    On internal teeth it is the standard diameter that touches nearest to that cylinder. If no standard diameter fits,
+    it is the ball that touches at the V cylinder.
+
+    - flank: radii of the flank's ends, in any order.
+    - circles: radii of tip and root; the ball stands out of the space and clears its ground.
+    - unit: the teeth's unit, mm.
     """
     low, high = sorted(flank)
     middle = v_radius(teeth)
     best = best_ball(teeth, min(max(middle, low), high))
-    # a ball touches nearer to the tip as it is larger: others do not touch the flank
+    # a larger ball touches nearer to the tip: diameters outside this range do not touch the flank
     least, most = sorted(best_ball(teeth, radius) for radius in flank)
     standard = [
         size / unit
-        for size in STANDARD
+        for size in STANDARD_DIAMETERS_MM
         if not (size / unit < least or size / unit > most) and ball_fits(teeth, size / unit, flank, circles)
     ]
-    larger = [] if teeth.internal else [size for size in standard if size >= best * (1.0 - ROUNDED)]
+    larger = [] if teeth.internal else [size for size in standard if size >= best * (1.0 - DIAMETER_ROUNDING)]
     if larger:
         return larger[0]
     if standard:
@@ -188,7 +208,7 @@ def ball_diameter(
 
 
 def over_balls(teeth: Toothing, diameter: float) -> float:
-    """Dimension M_dK over two balls (between them, of an internal member) in spaces as nearly opposite as there are."""
+    """Return the dimension M_dK over two balls (internal teeth: between them) in nearly opposite spaces."""
     apart = 2.0 * ball_radius(teeth, diameter)
     if teeth.teeth % 2:
         apart *= math.cos(0.5 * math.pi / teeth.teeth)
@@ -196,9 +216,10 @@ def over_balls(teeth: Toothing, diameter: float) -> float:
 
 
 def over_pins(teeth: Toothing, diameter: float) -> float | None:
-    """Dimension M_dR over two pins; of helical external teeth they slide along their spaces until they stand opposite.
+    """Return the dimension M_dR over two pins; None for helical internal teeth.
 
-    None of helical internal teeth, in which a straight pin touches at its ends.
+    Pins of helical external teeth slide along their spaces until they are opposite each other. In a helical internal
+    space a straight pin touches at its ends.
     """
     if teeth.beta == 0.0:
         return over_balls(teeth, diameter)
@@ -206,12 +227,15 @@ def over_pins(teeth: Toothing, diameter: float) -> float | None:
 
 
 def ball_width(teeth: Toothing, diameter: float) -> float:
-    """Distance along the axis between the points in which a ball or pin touches both flanks of a space: D_M sin(beta_b)."""
+    """Return the distance along the axis between the points of contact with both flanks: D_M sin(beta_b)."""
     return diameter * abs(math.sin(teeth.beta_b))
 
 
 def pin_width(teeth: Toothing, diameter: float) -> float:
-    """Least face width for pins over external teeth: for odd numbers of helical teeth they slide half an axial pitch apart."""
+    """Return the least face width for pins over external teeth.
+
+    On helical teeth of an odd number the pins slide half an axial pitch apart.
+    """
     apart = math.pi / (teeth.teeth * abs(teeth.twist)) if teeth.beta != 0.0 and teeth.teeth % 2 else 0.0
     return apart + ball_width(teeth, diameter)
 
@@ -220,15 +244,23 @@ def pin_width(teeth: Toothing, diameter: float) -> float:
 
 
 def thickness_by_span(teeth: Toothing, count: int, size: float) -> float:
-    """Normal thickness at the reference cylinder of teeth that have a span `size` over `count` teeth, or spaces: that grows with
-    its cosine of alpha_n, in the spaces of an internal member at the cost of the teeth."""
+    """Return the normal thickness at the reference cylinder of teeth with a span `size`.
+
+    The span over `count` teeth changes by cos(alpha_n) times the change of thickness. Wider spaces of internal teeth
+    are thinner teeth.
+    """
     return teeth.thickness + teeth.sense * (size - span(teeth, count)) / math.cos(teeth.alpha)
 
 
 def thickness_over_balls(teeth: Toothing, diameter: float, size: float, *, opposite: bool) -> float:
-    """Normal thickness at the reference cylinder of teeth that have a `size` over (internal: between) balls or pins: `ball_radius`
-    solved for it. `opposite`: they are opposite each other for odd numbers of teeth, too. NaN where their centres would be below
-    the base circle."""
+    """Return the normal thickness at the reference cylinder of teeth with a `size` over balls or pins.
+
+    The size of internal teeth is measured between them. The equation of `ball_radius` is solved for the thickness. NaN
+    if the centres would be below the base circle.
+
+    - diameter: diameter of balls or pins.
+    - opposite: True if they are opposite each other for odd numbers of teeth, too.
+    """
     odd = teeth.teeth % 2 == 1 and not opposite
     centre = 0.5 * (size - teeth.sense * diameter) / (math.cos(0.5 * math.pi / teeth.teeth) if odd else 1.0)
     if centre < teeth.base_radius:
@@ -243,23 +275,28 @@ def thickness_over_balls(teeth: Toothing, diameter: float, size: float, *, oppos
 
 
 def constant_chord(teeth: Toothing, tip: float) -> tuple[float, float]:
-    """Constant chord s_c and its height h_c under the `tip` radius: where a rack's straight flanks touch a tooth in its middle."""
+    """Return the constant chord s_c and its height h_c under the `tip` radius.
+
+    It joins the points at which a rack's straight flanks touch a tooth in its middle.
+    """
     chord = teeth.thickness * math.cos(teeth.alpha) ** 2
     rise = 0.5 * teeth.thickness * math.sin(teeth.alpha) * math.cos(teeth.alpha)
     return chord, abs(tip - teeth.radius) - rise
 
 
 def chord(teeth: Toothing, tip: float) -> tuple[float, float]:
-    """Normal chord at the reference cylinder, the shortest between the flank lines, and its height under the `tip` radius.
+    """Return the normal chord at the reference cylinder and its height under the `tip` radius.
 
-    The lines are those of angle theta = psi + tau z and its turn by 180 deg about the middle of the tooth; the square of half
-    of their distance, r^2 sin(theta)^2 + z^2, is least where r^2 sin(2 theta) tau / 2 + z = 0.
+    The chord is the shortest distance between the two flank lines. The first is the line of angle theta = psi + tau z;
+    the second is its image, turned by 180 deg about the middle of the tooth. The square of half of this distance, r^2
+    sin(theta)^2 + z^2, is least where r^2 sin(2 theta) tau / 2 + z = 0.
     """
     psi, tau, r = _half_at_reference(teeth), abs(teeth.twist), teeth.radius
 
     def slope(z: float) -> float:
         return 0.5 * r * r * math.sin(2.0 * (psi + tau * z)) * tau + z
 
+    # the root between the transverse section (z = 0) and the middle of the tooth (theta = 0)
     z = 0.0
     if tau:
         roots = bracketed_root(
@@ -271,15 +308,15 @@ def chord(teeth: Toothing, tip: float) -> tuple[float, float]:
 
 
 def thickness_at(teeth: Toothing, radius: float) -> float:
-    """Normal tooth thickness at a radius, an arc times the cosine of the helix angle there."""
+    """Return the normal tooth thickness at a radius: an arc times the cosine of the helix angle there."""
     return 2.0 * radius * teeth.half_angle(radius) / math.hypot(1.0, teeth.twist * radius)
 
 
 def _half_at_reference(teeth: Toothing) -> float:
-    """Half of the tooth's transverse thickness at the reference cylinder, rad."""
+    """Return half of the tooth's transverse thickness at the reference cylinder, rad."""
     return 0.5 * teeth.thickness / math.cos(teeth.beta) / teeth.radius
 
 
 def _base_space(teeth: Toothing) -> float:
-    """Half of a space's angle at the base circle, to which the involutes are carried on; rad."""
+    """Return half of a space's angle (rad) at the base circle, to which the involutes are extended."""
     return math.pi / teeth.teeth - _half_at_reference(teeth) - teeth.sense * involute(teeth.alpha_t)

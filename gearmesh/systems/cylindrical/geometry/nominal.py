@@ -1,4 +1,4 @@
-"""The nominal mesh of a cylindrical design, and the one that allowances of the tooth thickness make of it [ISO 21771]."""
+"""The nominal mesh of a cylindrical design, and the mesh with the allowances of the tooth thickness [ISO 21771]."""
 
 from __future__ import annotations
 
@@ -9,43 +9,56 @@ from typing import TYPE_CHECKING
 from gearmesh.errors import DesignError
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.cylindrical.geometry.allowances import made_allowance
-from gearmesh.systems.cylindrical.geometry.geometry import STEEPEST, InvolutePair, Toothing, distance_of, involute
+from gearmesh.systems.cylindrical.geometry.geometry import (
+    MAX_WORKING_ANGLE,
+    InvolutePair,
+    Toothing,
+    distance_of,
+    involute,
+)
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember, ToothingKeys
     from gearmesh.systems.cylindrical.rack.design import RackTable
     from gearmesh.systems.cylindrical.rack.member import RackMesh
 
-#: Names of the members.
-MEMBERS = ("pinion", "gear")
+#: names of the members
+MEMBER_NAMES = ("pinion", "gear")
 
 
 @dataclass(frozen=True)
 class ToothedGear:
-    """A gear as a design says it, whatever it meshes with: its table, its name in texts, its part `spec` of the design, its teeth
-    with their allowance, and the profile of its basic rack."""
+    """A gear of a design, independent of its mating gear."""
 
+    #: name of its table in the design
     table: str
+    #: its name in texts
     name: str
+    #: its table
     spec: CylindricalMember
+    #: its teeth, with their allowance
     own: Toothing
+    #: profile of its basic rack, a key of `PROFILES`
     profile: str
 
 
 def toothed_gear(design: CylindricalDesign, name: str, mesh: InvolutePair) -> ToothedGear:
-    """A member of a mesh, which has the allowances of the thicknesses."""
+    """Return a member of a mesh whose teeth have the allowances of their thickness."""
     return ToothedGear(name, design.name_in_texts(name), getattr(design, name), getattr(mesh, name), design.profile)
 
 
 def toothing(design: CylindricalDesign, name: str) -> Toothing:
-    """The nominal teeth of a member; its profile shift 0 where that is still to be derived."""
+    """Return the nominal teeth of a member; a profile shift that is still to be derived counts as 0."""
     ring = design.pinion.internal or design.gear.internal
-    # two external gears have opposite hands, an internal one that of its mating gear
+    # two external gears have opposite hands; an internal gear has the hand of its mating gear
     return teeth_of(design, getattr(design, name), -1.0 if name == "gear" and not ring else 1.0)
 
 
 def teeth_of(design: ToothingKeys, spec: CylindricalMember, hand: float = 1.0, allowance: float = 0.0) -> Toothing:
-    """The teeth of a part `spec` of a design, nominal but for an `allowance` (mm); `hand` -1: of the other hand than the pinion."""
+    """Return the nominal teeth of the part `spec` of a design, with an `allowance` (mm).
+
+    `hand`: -1 for the hand opposite to the pinion's.
+    """
     return Toothing(
         teeth=spec.teeth,
         module=design.given_module,
@@ -58,8 +71,8 @@ def teeth_of(design: ToothingKeys, spec: CylindricalMember, hand: float = 1.0, a
 
 
 def nominal_mesh(design: CylindricalDesign) -> InvolutePair:
-    """Nominal teeth at the centre distance asked for, or at the one without backlash."""
-    pinion, gear = (toothing(design, name) for name in MEMBERS)
+    """Return the nominal teeth at the given centre distance, or at the distance without backlash."""
+    pinion, gear = (toothing(design, name) for name in MEMBER_NAMES)
     given = design.assembly.center_distance
     mesh = InvolutePair(pinion, gear, distance_of(pinion, gear) if given is None else given)
     least = mesh.reference_distance * math.cos(pinion.alpha_t)
@@ -78,13 +91,13 @@ def nominal_mesh(design: CylindricalDesign) -> InvolutePair:
 
 
 def _no_working_angle(design: CylindricalDesign, mesh: InvolutePair) -> DesignError:
-    """The refusal where profile shifts leave no working pressure angle between 0 and STEEPEST."""
+    """Return the refusal of profile shifts without a working pressure angle between 0 and MAX_WORKING_ANGLE."""
     shifts = [("pinion", mesh.pinion.shift), ("gear", mesh.gear.shift)]
     (first, own), (second, other) = shifts if design.sets("pinion.profile_shift") else shifts[::-1]
     signed = mesh.pinion.signed_teeth + mesh.gear.signed_teeth
     ends = sorted(
         signed * (end - involute(mesh.pinion.alpha_t)) / (2.0 * math.tan(mesh.pinion.alpha))
-        for end in (0.0, involute(STEEPEST))
+        for end in (0.0, involute(MAX_WORKING_ANGLE))
     )
     return DesignError(
         design.name_in_texts(f"{first}.profile_shift"),
@@ -95,35 +108,38 @@ def _no_working_angle(design: CylindricalDesign, mesh: InvolutePair) -> DesignEr
 
 
 def with_allowances(design: CylindricalDesign, nominal: InvolutePair) -> InvolutePair:
-    """Both members with the allowances of their thickness: as given, or what the backlash that is wanted asks for."""
+    """Return the mesh with the allowances of the tooth thickness, given or required by the wanted backlash."""
     wanted = wanted_backlash(design, nominal)
     if wanted is None:
-        first, second = (
+        of_pinion, of_gear = (
             made_allowance(design.name_in_texts(name), getattr(design, name), getattr(nominal, name))
-            for name in MEMBERS
+            for name in MEMBER_NAMES
         )
     else:
-        # sum of the A_sn = (j_bn of the nominal teeth - j_bn) / cos(alpha_n)
-        first = second = 0.5 * (nominal.normal_backlash - wanted) / math.cos(nominal.pinion.alpha)
+        # sum of both A_sn = (j_bn of the nominal teeth - j_bn) / cos(alpha_n), shared equally
+        of_pinion = of_gear = 0.5 * (nominal.normal_backlash - wanted) / math.cos(nominal.pinion.alpha)
     return replace(
         nominal,
-        pinion=replace(nominal.pinion, allowance=first),
-        gear=replace(nominal.gear, allowance=second),
+        pinion=replace(nominal.pinion, allowance=of_pinion),
+        gear=replace(nominal.gear, allowance=of_gear),
     )
 
 
 def wanted_backlash(design: ToothingKeys, nominal: InvolutePair | RackMesh) -> float | None:
-    """The normal backlash that a design asks for in a mesh, by either key; None where it asks for none."""
+    """Return the normal backlash that a design asks for, by either key; None if it asks for none."""
     if design.circumferential_backlash is not None:
         return design.circumferential_backlash * math.cos(nominal.working_angle) * math.cos(nominal.pinion.beta_b)
     return design.backlash if design.sets("backlash") else None
 
 
 def refuse_thin(design: ToothingKeys, name: str, mesh: InvolutePair | RackMesh, thickness: float) -> None:
-    """Refuse the allowance or backlash that leaves a member no tooth: a `thickness` (mm), as it is, of less than nothing."""
+    """Refuse the allowance or backlash that leaves a member no tooth.
+
+    `thickness`: the resulting tooth thickness (mm), zero or negative.
+    """
     refuse_thin_allowance(design.name_in_texts(name), getattr(design, name), thickness)
     key = "backlash" if design.circumferential_backlash is None else "circumferential_backlash"
-    # the allowances of both are the same: how much less of either leaves none of this member
+    # both allowances are equal, so that the backlash at which this tooth vanishes follows from its thickness
     most = mesh.normal_backlash + 2.0 * math.cos(mesh.pinion.alpha) * thickness
     if key != "backlash":
         most /= math.cos(mesh.working_angle) * math.cos(mesh.pinion.beta_b)
@@ -137,7 +153,10 @@ def refuse_thin(design: ToothingKeys, name: str, mesh: InvolutePair | RackMesh, 
 
 
 def refuse_thin_allowance(name: str, spec: CylindricalMember | RackTable, thickness: float) -> None:
-    """Refuse the allowance of a part `spec`, if it has one, that leaves it no tooth: a `thickness` (mm) of less than nothing."""
+    """Refuse the allowance of a part `spec`, if it has one, that leaves it no tooth.
+
+    `thickness`: the resulting tooth thickness (mm), zero or negative.
+    """
     key = spec.thickness_key
     if key is not None:
         given = getattr(spec, key).upper

@@ -1,4 +1,4 @@
-"""What a cylindrical mesh asks of its members: tips, roots, tool roundings, and every default that follows from them [ISO 21771].
+"""Tips, roots, tool roundings and other defaults that follow from a cylindrical mesh [ISO 21771].
 
 Everything is in the design's own unit of length, so that it can be reported under the design's keys.
 """
@@ -17,7 +17,7 @@ from gearmesh.systems.cylindrical.cutting.last_cut import FixedCut, LastCut
 from gearmesh.systems.cylindrical.design import PROFILES
 from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair, Toothing
 from gearmesh.systems.cylindrical.geometry.nominal import (
-    MEMBERS,
+    MEMBER_NAMES,
     ToothedGear,
     nominal_mesh,
     toothed_gear,
@@ -29,20 +29,22 @@ if TYPE_CHECKING:
     from gearmesh.design.core import Design
     from gearmesh.systems.cylindrical.design import CylindricalDesign
 
-#: part of the room on a cutter's tip that a rounding takes that is not given
-ROOM = 0.8
+#: part of the largest rounding on a cutter's tip that the default takes
+TIP_ROUNDING_SHARE = 0.8
 
 
 @dataclass(frozen=True)
 class GearProportions(ToothedGear):
     """A gear with the radii of its tip and its root."""
 
+    #: tip radius
     tip: float
+    #: root radius
     root: float
 
 
 def gear_proportions(gear: ToothedGear) -> GearProportions:
-    """Tip and root of a gear of a complete design."""
+    """Return a gear of a complete design with its tip and root radii."""
     return GearProportions(
         gear.table,
         gear.name,
@@ -62,56 +64,63 @@ class GearsProportions:
 
     @property
     def tips(self) -> tuple[float, ...]:
-        """Tip radii of all."""
+        """Tip radii of all gears."""
         return tuple(gear.tip for gear in self.gears)
 
     @property
     def roots(self) -> tuple[float, ...]:
-        """Root radii of all."""
+        """Root radii of all gears."""
         return tuple(gear.root for gear in self.gears)
 
 
 @dataclass(frozen=True)
 class PairProportions(GearsProportions):
-    """A pair with everything that its mesh says: teeth with their allowances, centre distance, radii of tips and roots."""
+    """A pair with the results of its mesh: allowances, centre distance, radii of tips and roots."""
 
+    #: pinion and gear
     gears: tuple[GearProportions, GearProportions]
+    #: mesh with the allowances of the tooth thickness
     mesh: InvolutePair
+    #: mesh of nominal teeth
     nominal: InvolutePair
 
     @property
     def tips(self) -> tuple[float, float]:
-        """Tip radii of both."""
+        """Tip radii of pinion and gear."""
         return self.gears[0].tip, self.gears[1].tip
 
     @property
     def roots(self) -> tuple[float, float]:
-        """Root radii of both."""
+        """Root radii of pinion and gear."""
         return self.gears[0].root, self.gears[1].root
 
     def gear(self, name: str) -> GearProportions:
-        """One of both by its name."""
-        return self.gears[MEMBERS.index(name)]
+        """Return pinion or gear by its name."""
+        return self.gears[MEMBER_NAMES.index(name)]
 
     def clearance(self, k: int) -> float:
-        """Radial clearance between the tip of a member, 0 the pinion, and the mating root."""
+        """Return the radial clearance between the tip of a member (0 the pinion) and the mating root."""
         own, mating = (self.mesh.pinion, self.mesh.gear)[:: 1 if k == 0 else -1]
         tip, root = own.sense * self.tips[k], mating.sense * self.roots[1 - k]
         return own.sense * mating.sense * self.mesh.distance - tip - root
 
 
 def proportions(design: CylindricalDesign) -> PairProportions:
-    """Teeth, centre distance, tips and roots of a complete design. Raises DesignError where there is no working pressure angle."""
+    """Return teeth, centre distance, tips and roots of a complete design.
+
+    Raises DesignError if there is no working pressure angle.
+    """
     nominal = nominal_mesh(design)
     mesh = with_allowances(design, nominal)
-    first, second = (gear_proportions(toothed_gear(design, name, mesh)) for name in MEMBERS)
+    first, second = (gear_proportions(toothed_gear(design, name, mesh)) for name in MEMBER_NAMES)
     return PairProportions((first, second), mesh, nominal)
 
 
 def derived_values(design: CylindricalDesign) -> dict[str, float]:
-    """What the mesh says of keys that the file leaves out, by dotted key, in the design's units.
+    """Return the values of keys left out in the file that follow from the mesh, by dotted key.
 
-    Raises DesignError for a centre distance or profile shifts that no working pressure angle belongs to.
+    Values are in the design's units. Raises DesignError if no working pressure angle belongs to the centre distance or
+    profile shifts.
     """
     defaults = still_open(design, dict(zip(_keys("profile_shift"), shifts(design), strict=True)))
     _refuse_large_shifts(design, defaults)
@@ -121,23 +130,23 @@ def derived_values(design: CylindricalDesign) -> dict[str, float]:
     mesh = with_allowances(made, nominal)
     addenda = {
         f"{name}.addendum": cut_addendum(toothed_gear(made, name, mesh), addendum(made, name, nominal))
-        for name in MEMBERS
+        for name in MEMBER_NAMES
     }
     defaults |= still_open(design, {**tips, **addenda})
     made = design.fill(defaults)
     mesh = with_allowances(made, nominal)
-    roundings = {f"{name}.tool_tip_radius": _rounding(made, name, mesh) for name in MEMBERS}
+    roundings = {f"{name}.tool_tip_radius": _rounding(made, name, mesh) for name in MEMBER_NAMES}
     return defaults | still_open(design, {**roundings, "backlash": mesh.normal_backlash})
 
 
 def _refuse_large_shifts(design: CylindricalDesign, derived: dict[str, float]) -> None:
-    """Refuse a centre distance whose sum of profile shifts asks for more of one member than its key takes."""
+    """Refuse a centre distance whose sum of profile shifts exceeds the range of a member's key."""
     distance = design.assembly.center_distance
     ranges = {name: type(design).key_at(name) for name in derived}
     large = [name for name, key in ranges.items() if key is not None and not key.low <= derived[name] <= key.high]
     if distance is None or not large:
         return
-    shifts = [derived.get(f"{name}.profile_shift", getattr(design, name).profile_shift) for name in MEMBERS]
+    shifts = [derived.get(f"{name}.profile_shift", getattr(design, name).profile_shift) for name in MEMBER_NAMES]
     raise VagueError(
         "assembly.center_distance",
         distance,
@@ -149,17 +158,17 @@ def _refuse_large_shifts(design: CylindricalDesign, derived: dict[str, float]) -
 
 
 def _keys(key: str) -> list[str]:
-    return [f"{name}.{key}" for name in MEMBERS]
+    return [f"{name}.{key}" for name in MEMBER_NAMES]
 
 
 def still_open(design: Design, values: dict[str, float]) -> dict[str, float]:
-    """Those of values by dotted key that count in a design and are still to be derived."""
+    """Return those of the values by dotted key that the design uses and has not derived yet."""
     plain = design.plain()
     return {key: value for key, value in values.items() if _counts_and_is_open(plain, key)}
 
 
 def _counts_and_is_open(plain: dict[str, object], dotted: str) -> bool:
-    """Whether a key counts in a plain design and is still to be derived."""
+    """True if a plain design uses a key and has not derived it yet."""
     table, _, key = dotted.rpartition(".")
     values = plain[table] if table else plain
     assert isinstance(values, dict)
@@ -167,15 +176,18 @@ def _counts_and_is_open(plain: dict[str, object], dotted: str) -> bool:
 
 
 def _rounding(design: CylindricalDesign, name: str, mesh: InvolutePair) -> float:
-    """The tip rounding, in modules, of the tool of a member that the design does not give."""
+    """Return the default tip rounding, in modules, of a member's tool."""
     other = "gear" if name == "pinion" else "pinion"
     mating = getattr(mesh, other)
     return rounding_in_mesh(toothed_gear(design, name, mesh), mesh, mating, tip_radius(getattr(design, other), mating))
 
 
 def rounding_in_mesh(gear: ToothedGear, mesh: InvolutePair, mating: Toothing, tip: float) -> float:
-    """The tip rounding of the profile, in modules, or what the tool's tooth has room for; of a cutter the largest with which the
-    involute begins before the `tip` (radius) of the `mating` gear of the mesh, if one does."""
+    """Return the default tip rounding of a tool, in modules.
+
+    It is the profile's rounding, limited by the room on the tool's tooth. For a cutter it is also limited so that the
+    involute begins before the `tip` (radius) of the `mating` gear, if any rounding achieves this.
+    """
     most = tool_rounding(gear)
     if gear.spec.hobbed:
         return most
@@ -185,11 +197,11 @@ def rounding_in_mesh(gear: ToothedGear, mesh: InvolutePair, mating: Toothing, ti
 
 
 def tool_rounding(gear: ToothedGear) -> float:
-    """The tip rounding of the profile, in modules, or what the tool's tooth has room for."""
+    """Return the profile's tip rounding, in modules, limited by the room on the tool's tooth."""
     spec, own = gear.spec, gear.own
     _, dedendum, standard = PROFILES[gear.profile]
     if not spec.hobbed:
-        return min(standard, ROOM * sharp_shaper(gear).largest_tip_radius / own.module)
+        return min(standard, TIP_ROUNDING_SHARE * sharp_shaper(gear).largest_tip_radius / own.module)
     m, alpha = own.module, math.degrees(own.alpha)
     if spec.root_diameter is not None:
         depth = own.shift + (own.radius - 0.5 * spec.root_diameter) / m

@@ -1,4 +1,4 @@
-"""How profile shifts share the sum that a centre distance needs, and how tips are shortened for it [ISO 21771]."""
+"""Profile shifts that add up to the sum for a centre distance, and the tip alterations they require [ISO 21771]."""
 
 from __future__ import annotations
 
@@ -13,19 +13,21 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.systems.cylindrical.design import PROFILES
 from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair, Toothing, specific_sliding, sum_of_shifts
-from gearmesh.systems.cylindrical.geometry.nominal import MEMBERS, nominal_mesh, toothing
+from gearmesh.systems.cylindrical.geometry.nominal import MEMBER_NAMES, nominal_mesh, toothing
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember
 
-#: part of an internal gear's addendum that its default leaves between its tip and where the mating gear's involute ends, in modules
-INSIDE = 0.02
-#: how far from equal parts, and in how many steps, the shifts are looked for with which sliding is the same
-AWAY, STEPS = 2.0, 81
+#: margin in an internal gear's default addendum, between its tip and the end of the mating gear's involute
+TIP_MARGIN_MODULES = 0.02
+#: search range about equal parts for the shifts at which sliding is equal
+MAX_SHIFT_DIFFERENCE = 2.0
+#: number of shifts that are tried in this range
+SHIFT_SAMPLES = 81
 
 
 def shifts(design: CylindricalDesign) -> tuple[float, float]:
-    """Profile shifts of both members, those that are given and what the centre distance leaves for the others."""
+    """Return the profile shifts of both members; shifts that are not given share the centre distance's sum."""
     given = design.pinion.profile_shift, design.gear.profile_shift
     open_ = [math.isnan(x) for x in given]
     distance = design.assembly.center_distance
@@ -33,7 +35,7 @@ def shifts(design: CylindricalDesign) -> tuple[float, float]:
         return given
     if distance is None:
         return 0.0 if open_[0] else given[0], 0.0 if open_[1] else given[1]
-    pinion, gear = (toothing(design, name) for name in MEMBERS)
+    pinion, gear = (toothing(design, name) for name in MEMBER_NAMES)
     total = sum_of_shifts(pinion, gear, distance)
     if math.isnan(total):
         nominal_mesh(design)
@@ -60,7 +62,7 @@ def shifts(design: CylindricalDesign) -> tuple[float, float]:
 
 
 def _same_sliding(design: CylindricalDesign, mesh: InvolutePair, total: float) -> float:
-    """The pinion's profile shift with which specific sliding is the same at both ends of the path of contact; NaN if none is."""
+    """Return the pinion's profile shift at which specific sliding at both ends of contact is equal; NaN if none."""
 
     def difference(shift: float) -> float:
         pinion, gear = replace(mesh.pinion, shift=shift), replace(mesh.gear, shift=total - shift)
@@ -73,7 +75,8 @@ def _same_sliding(design: CylindricalDesign, mesh: InvolutePair, total: float) -
         first, second = specific_sliding(moved, tips)
         return first - second
 
-    tried = 0.5 * total + np.linspace(-AWAY, AWAY, STEPS)
+    # sample the difference, and take the change of sign nearest to equal parts
+    tried = 0.5 * total + np.linspace(-MAX_SHIFT_DIFFERENCE, MAX_SHIFT_DIFFERENCE, SHIFT_SAMPLES)
     values = np.array([difference(float(x)) for x in tried])
     finite = np.isfinite(values)
     change = np.flatnonzero(finite[:-1] & finite[1:] & (values[:-1] * values[1:] <= 0.0))
@@ -87,20 +90,26 @@ def _same_sliding(design: CylindricalDesign, mesh: InvolutePair, total: float) -
 
 
 def tip_alterations(design: CylindricalDesign, mesh: InvolutePair) -> tuple[float, float]:
-    """Tip alterations k of both, those given and else what keeps the clearance of the profile: y - x1 - x2, at most 0."""
+    """Return the tip alterations k of both members, given or such that the profile's clearance is kept.
+
+    k = y - x1 - x2, at most 0.
+    """
     m = mesh.pinion.module
     own = 0.0
     if not (mesh.pinion.internal or mesh.gear.internal):
         own = min(0.0, (mesh.distance - mesh.reference_distance) / m - mesh.pinion.shift - mesh.gear.shift)
-        # what is nothing but rounding is nothing
+        # rounding counts as 0
         own = own if own < -1e-12 else 0.0
     first, second = (spec.tip_alteration for spec in (design.pinion, design.gear))
     return given_or(first, own), given_or(second, own)
 
 
 def addendum(design: CylindricalDesign, name: str, mesh: InvolutePair) -> float:
-    """The profile's addendum; of an internal gear at most what the mating gear's involute, above its tool's form point, leaves
-    room for."""
+    """Return the default addendum of a member.
+
+    It is the profile's addendum. For an internal gear it is limited by the start of the mating gear's involute, above
+    the form point of its tool.
+    """
     standard = PROFILES[design.profile][0]
     own = getattr(mesh, name)
     if not own.internal:
@@ -111,13 +120,16 @@ def addendum(design: CylindricalDesign, name: str, mesh: InvolutePair) -> float:
     m = mating.module
     form_point = mating.rack_form_roll_length((given_or(spec.dedendum, dedendum) - mating.shift) * m, rounding * m)
     tip = math.hypot(own.base_radius, max(0.0, form_point) + mesh.generator)
-    return float(min(standard, (own.radius - tip) / m - own.shift - INSIDE))
+    return float(min(standard, (own.radius - tip) / m - own.shift - TIP_MARGIN_MODULES))
 
 
 def tip_radius(
     spec: CylindricalMember, own: Toothing, addendum: float = math.nan, alteration: float = math.nan
 ) -> float:
-    """Tip radius of a member; `addendum` and tip `alteration` count where they are still to be derived."""
+    """Return the tip radius of a member.
+
+    `addendum` and tip `alteration` are used where the keys are still to be derived.
+    """
     if spec.tip_diameter is not None:
         return 0.5 * spec.tip_diameter
     height = given_or(spec.addendum, addendum) + given_or(spec.tip_alteration, alteration)

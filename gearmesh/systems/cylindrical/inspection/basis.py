@@ -12,7 +12,7 @@ from gearmesh.metrology.measured_teeth import InspectionBasis, InvoluteFlank
 from gearmesh.metrology.pitch import BallInSpace
 from gearmesh.systems.cylindrical.double_helical import first_halves, half_of
 from gearmesh.systems.cylindrical.geometry.accuracy import tolerance_sizes
-from gearmesh.systems.cylindrical.geometry.nominal import MEMBERS
+from gearmesh.systems.cylindrical.geometry.nominal import MEMBER_NAMES
 from gearmesh.systems.cylindrical.geometry.proportions import GearsProportions, proportions
 from gearmesh.systems.cylindrical.sheet import SheetGears, SheetPair
 from gearmesh.systems.cylindrical.single.build import proportions as single_proportions
@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 def pair_inspection(design: CylindricalDesign, train: GearTrain, name: str) -> InspectionBasis:
     """Of the "pinion" or the "gear" of a design and the gear set built of it."""
     half = half_of(complete_design(design).in_mm())
-    gears = SheetPair(half, proportions(half), tuple(train.members[own] for own in MEMBERS))
-    return inspection_of(gears, MEMBERS.index(name))
+    gears = SheetPair(half, proportions(half), tuple(train.members[own] for own in MEMBER_NAMES))
+    return inspection_of(gears, MEMBER_NAMES.index(name))
 
 
 def single_inspection(design: SingleGearDesign, train: GearTrain, name: str) -> InspectionBasis:

@@ -21,7 +21,7 @@ from gearmesh.systems.cylindrical.design import CylindricalDesign
 from gearmesh.systems.cylindrical.double_helical import HALF, half_of
 from gearmesh.systems.cylindrical.geometry import proportions as closed
 from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair
-from gearmesh.systems.cylindrical.geometry.nominal import MEMBERS, wanted_backlash
+from gearmesh.systems.cylindrical.geometry.nominal import MEMBER_NAMES, wanted_backlash
 from gearmesh.systems.cylindrical.parts import completed_pair, is_given, nest, shared_keys
 from gearmesh.systems.cylindrical.planetary.design import PLANET, RING, SUN
 from gearmesh.teeth.gear_train import GearPair, GearTrain
@@ -130,7 +130,7 @@ def build(design: PlanetaryDesign) -> GearTrain:
     halves = half_of(both.inner), half_of(both.outer)
     inner, outer = (closed.proportions(half) for half in halves)
     _check_assembly(design, inner.mesh.distance, inner.tips[1])
-    sun, planet = (whole_member(both.inner, which, inner) for which in MEMBERS)
+    sun, planet = (whole_member(both.inner, which, inner) for which in MEMBER_NAMES)
     ring = whole_member(both.outer, "gear", outer)
     # halves of other widths have their middles elsewhere
     of_planet = halves[0].assembly.dz

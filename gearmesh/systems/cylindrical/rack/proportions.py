@@ -20,7 +20,12 @@ from gearmesh.systems.cylindrical.design import PROFILES, CylindricalDesign
 from gearmesh.systems.cylindrical.geometry.allowances import made_allowance
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.systems.cylindrical.geometry.nominal import refuse_thin, teeth_of, wanted_backlash
-from gearmesh.systems.cylindrical.geometry.proportions import ROOM, PairProportions, proportions, still_open
+from gearmesh.systems.cylindrical.geometry.proportions import (
+    TIP_ROUNDING_SHARE,
+    PairProportions,
+    proportions,
+    still_open,
+)
 from gearmesh.systems.cylindrical.parts import completed_pair, nest, shared_keys
 from gearmesh.systems.cylindrical.rack.design import PINION, RACK
 from gearmesh.systems.cylindrical.rack.member import RackMesh, RackProportions
@@ -234,6 +239,6 @@ def _shaper_rounding(pair: CylindricalDesign, mesh: RackMesh, standard: float) -
     tips need."""
     own, of_pair = mesh.pinion, proportions(pair)
     sharp = sharp_shaper(of_pair.gear("pinion"))
-    most = min(standard * own.module, ROOM * sharp.largest_tip_radius)
+    most = min(standard * own.module, TIP_ROUNDING_SHARE * sharp.largest_tip_radius)
     reached = mesh.roll_length_at((mesh.rack.addendum + BEYOND) * own.module)
     return LastCut(sharp, own, of_pair.roots[0]).largest_rounding(reached, most) / own.module

@@ -21,7 +21,7 @@ from gearmesh.systems.common.symbol_table import Missing, Row, column_of, table,
 from gearmesh.systems.cylindrical.geometry.allowances import allowances_of
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.systems.cylindrical.geometry.line_of_action import LineOfAction, SetBackFillet, set_back_fillet
-from gearmesh.systems.cylindrical.geometry.measures import STANDARD
+from gearmesh.systems.cylindrical.geometry.measures import STANDARD_DIAMETERS_MM
 from gearmesh.systems.cylindrical.geometry.proportions import GearProportions, tool_rounding
 from gearmesh.systems.cylindrical.rack.design import PINION, RACK
 from gearmesh.systems.cylindrical.rack.member import RackMesh
@@ -304,4 +304,6 @@ def pin_diameter(mesh: RackMesh, flank: tuple[float, float]) -> float | None:
         root = -mesh.rack.dedendum * mesh.pinion.module
         return flank[0] < touches(diameter) < flank[1] and middle + half > flank[1] and middle - half > root
 
-    return min((size for size in STANDARD if fits(size)), key=lambda size: abs(touches(size)), default=None)
+    return min(
+        (size for size in STANDARD_DIAMETERS_MM if fits(size)), key=lambda size: abs(touches(size)), default=None
+    )

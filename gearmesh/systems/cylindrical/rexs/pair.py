@@ -12,7 +12,7 @@ from gearmesh.exchange.stage_writer import StageWriter
 from gearmesh.systems.common.standards import iso286
 from gearmesh.systems.cylindrical.allowance_keys import CENTER_GRADES
 from gearmesh.systems.cylindrical.double_helical import half_of
-from gearmesh.systems.cylindrical.geometry.nominal import MEMBERS
+from gearmesh.systems.cylindrical.geometry.nominal import MEMBER_NAMES
 from gearmesh.systems.cylindrical.geometry.proportions import proportions
 from gearmesh.systems.cylindrical.rexs.gears import DIGITS, EXTERNAL, INTERNAL, SAME, GearReader, write_gear
 
@@ -74,7 +74,7 @@ def read_pair(file: StageReader) -> dict[str, Any]:
     """Keys of the design of a stage."""
     own = file.own_keys(file.stage)
     pinion, gear = file.gears()
-    gears = GearReader(file, pinion, MEMBERS[0]), GearReader(file, gear, MEMBERS[1])
+    gears = GearReader(file, pinion, MEMBER_NAMES[0]), GearReader(file, gear, MEMBER_NAMES[1])
     common = read_toothing(file, gears)
     distance = file.size(file.stage, "center_distance", "assembly.center_distance")
     count_shift(file, gears, common, distance)
@@ -170,11 +170,11 @@ def write_pair(file: StageWriter, design: CylindricalDesign, known: Component | 
     pair = proportions(half_of(design))
     stage = file.stage(STAGE, known, design.name or "")
     types = [INTERNAL if gear.own.internal else EXTERNAL for gear in pair.gears]
-    gears = file.gears(stage, (types[0], types[1]), MEMBERS)
+    gears = file.gears(stage, (types[0], types[1]), MEMBER_NAMES)
     file.put(stage, "center_distance", pair.mesh.distance)
     file.take("assembly.center_distance")
     write_allowance(file, stage, pair.mesh.distance)
-    for gear, of, name in zip(gears, pair.gears, MEMBERS, strict=True):
+    for gear, of, name in zip(gears, pair.gears, MEMBER_NAMES, strict=True):
         write_gear(file, gear, of, name)
     place(file, gears, file.take("assembly.dz") or 0.0, pair.mesh.distance)
     for key in GIVEN:
