@@ -122,22 +122,33 @@ def sample_plan(spreads: Mapping[str, Spread], count: int, method: str = "lhs", 
 
 def _shares(keys: int, count: int, method: str, seed: int) -> Array:
     """Points (count, keys) of the unit cube; of a Saltelli sample (count (keys + 2), keys)."""
+    rng = np.random.default_rng(seed)
     if method == "random":
-        return np.random.default_rng(seed).random((count, keys))
+        return rng.random((count, keys))
+    if method == "lhs":
+        return _latin_hypercube(keys, count, rng)
     from scipy.stats import qmc
 
-    rng = np.random.default_rng(seed)
     points: Array
     if method == "saltelli":
         both = qmc.Sobol(2 * keys, rng=rng).random(count)
         a, b = both[:, :keys], both[:, keys:]
         points = np.concatenate((a, b, *(np.where(np.arange(keys) == k, b, a) for k in range(keys))))
-    elif method == "lhs":
-        points = qmc.LatinHypercube(keys, rng=rng).random(count)
     else:
         # whole powers of 2 are what a Sobol sequence is balanced at: the first of them
         points = qmc.Sobol(keys, rng=rng).random_base2(max(int(np.ceil(np.log2(count))), 0))[:count]
     return points
+
+
+def _latin_hypercube(keys: int, count: int, rng: np.random.Generator) -> Array:
+    """Points (count, keys) of the unit cube, one in every layer of every key: to the bit those of scipy.stats.qmc.LatinHypercube,
+    which takes half a second to load."""
+    own = rng.spawn(1)[0]
+    inside = own.uniform(size=(count, keys))
+    layers = np.tile(np.arange(1, count + 1), (keys, 1))
+    for of_key in layers:
+        own.shuffle(of_key)
+    return np.asarray((layers.T - inside) / count)
 
 
 def _refuse_size(option: str, count: int) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from oracles.places import SAMPLES
 
 from gearmesh.check.members import roll_flanks, roll_members
 from gearmesh.contact.assemblies import many_assemblies
+from gearmesh.contact.conditions import refinement
 from gearmesh.contact.engagement.cycle import mesh_cycle
 from gearmesh.contact.engagement.engagement import whole_engagement
 from gearmesh.contact.first_touch.first_touch import touches
@@ -102,6 +104,32 @@ def test_many_assemblies_are_what_each_of_them_is_alone() -> None:
         alone = touches(replace(pair, pinion=pinion, gear=gear), phi1)[0]
         np.testing.assert_allclose(together.advance.reshape(6, 5)[m], alone.advance, rtol=0, atol=1e-12)
     assert np.ptp(together.advance.reshape(6, 5), axis=0).min() > 10.0 * ARCSEC
+
+
+def test_what_a_summit_explains_is_not_solved_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Many assemblies: the same contact as with every place solved for, by a share of the evaluations."""
+    gears = sample("spiral_bevel_basic")
+    pair, rng, count = solver_pair(gears), np.random.default_rng(8), 16
+    first, second = pair.pinion.mount.base, pair.gear.mount.base
+    turned = rotation_about("y", 5e-4 * rng.normal(size=count)) @ second.rotation
+    bases = (
+        Rigid(np.broadcast_to(first.rotation, (count, 3, 3)), first.translation + 0.05 * rng.normal(size=(count, 3))),
+        Rigid(turned, np.broadcast_to(second.translation, (count, 3))),
+    )
+    phi1 = np.linspace(-1.5, 1.5, 21) * gears.pitch
+    solved, evaluate = [0], refinement.at_positions
+
+    def counted(*arguments: Any) -> Any:
+        solved[0] += len(arguments[2])
+        return evaluate(*arguments)
+
+    monkeypatch.setattr(refinement, "at_positions", counted)
+    together, few = many_assemblies(pair, bases, phi1), solved[0]
+    monkeypatch.setattr(refinement, "MANY", count * 1000, raising=False)
+    every = many_assemblies(pair, bases, phi1)
+    np.testing.assert_allclose(together.advance, every.advance, rtol=0, atol=1e-12)
+    np.testing.assert_array_equal(together.edges, every.edges)
+    assert few < 0.7 * (solved[0] - few)
 
 
 def test_a_pair_whose_drive_is_wrong_is_found_out() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -108,3 +110,28 @@ def test_what_cannot_be_varied_is_refused_in_one_line(make: object, words: str) 
     with pytest.raises(DesignError, match=words) as failure:
         make()  # type: ignore[operator]
     assert "\n" not in str(failure.value)
+
+
+def test_samples_are_those_of_scipy_to_the_bit() -> None:
+    """Seeds give the points that they gave when scipy.stats drew them."""
+    count, spreads = 1000, {key: Spread("uniform", (0.0, 1.0)) for key in "abc"}
+    plan = sample_plan(spreads, count, "lhs", 7)
+    points = stats.qmc.LatinHypercube(3, rng=np.random.default_rng(7)).random(count)
+    assert [plan.columns[key] for key in "abc"] == points.T.tolist()
+    share = points[:, 0]
+    for spread, expected in (
+        (Spread("normal", (0.3, 0.02)), stats.norm.ppf(share, 0.3, 0.02)),
+        (Spread("triangular", (-1.0, 0.2, 3.0)), stats.triang.ppf(share, 0.3, -1.0, 4.0)),
+        (Spread("triangular", (0.0, 0.0, 3.0)), stats.triang.ppf(share, 0.0, 0.0, 3.0)),
+    ):
+        np.testing.assert_array_equal(spread.at(share), expected)
+
+
+def test_samples_are_drawn_without_all_of_scipy_stats() -> None:
+    code = (
+        "import sys; from gearmesh.study.plan import sample_plan; from gearmesh.study.spreads import Spread; "
+        "sample_plan({'a': Spread('normal', (0, 1)), 'b': Spread('triangular', (0, 1, 2))}, 5); "
+        "print('scipy.stats' in sys.modules)"
+    )
+    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert told.stdout.strip() == "False"

@@ -15,9 +15,11 @@ from oracles.command_line import refused, run
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh.contact.assemblies import AssemblyPaths
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.tca import contact_path
 from gearmesh.errors import NoSolutionError
+from gearmesh.study.rows.path_figures import gears_advance
 from gearmesh.study.rows.work import StudyWork, own_keys
 from gearmesh.systems.system import system
 
@@ -239,3 +241,17 @@ def test_what_the_command_cannot_do_is_one_line(words: list[str], said: str) -> 
 def test_a_design_without_contact_is_refused() -> None:
     with pytest.raises(NoSolutionError, match="the design itself"):
         gm.build(gm.load(CROSSED, ["assembly.dx=300"])).study({"assembly.dy": [0.0]}, workers=1)
+
+
+@pytest.mark.parametrize("rounding", [1e-16, -1e-16])
+def test_estimates_do_not_depend_on_rounding_where_tooth_pairs_are_level(rounding: float) -> None:
+    """Conjugate flanks: every tooth pair is as far ahead as its neighbours, at the first and last position too."""
+    phi1 = np.linspace(-1.5, 1.5, 31)
+    level, seen = np.zeros((1, 31)), np.ones((1, 31), dtype=bool)
+    advance = level.copy()
+    advance[0, [0, -1]] = rounding
+    none = np.full((1, 31, 3), np.nan)
+    paths = AssemblyPaths(
+        phi1, seen, seen, seen, advance, level, level, none, np.stack((none, none), axis=-2), level[..., None]
+    )
+    assert np.isfinite(gears_advance(paths, 1.0)).all()

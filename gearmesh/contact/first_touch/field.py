@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import product
 from typing import TYPE_CHECKING
 
@@ -18,24 +19,33 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.first_touch.heights import Circles, FlankHeights, bilinear
-from gearmesh.contact.pair import EDGES, FORM_POINT, NUMBERED, OF_CORNERS, ROOT, WITHIN, along_face, edge_number
+from gearmesh.contact.pair import (
+    COLUMNS,
+    EDGES,
+    FORM_POINT,
+    NUMBERED,
+    OF_CORNERS,
+    ROOT,
+    WITHIN,
+    along_face,
+    edge_number,
+)
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.surface.surface import Jet
 
 if TYPE_CHECKING:
     from gearmesh.contact.pair import Pair
 
-#: every which column of the flank's grid is sampled
-COLUMNS = 2
-#: points times positions that are worked on at once
-CHUNK = 200_000
+#: points times positions that are worked on at once: arrays that stay in a processor's cache, in half the time of larger ones
+CHUNK = 40_000
 #: maxima inside the flanks that are kept at a position
 INSIDE = 3
 #: rounds in which the circle through an eccentric gear's teeth is found
 ROUNDS = 5
 #: parts into which a cell that may hold a small overlap is divided, each way, and how often
 PARTS, CLOSER = 6, 2
-#: finer and finer lattices about a sharp peak
-FINER = 3
+#: finer and finer lattices about a sharp peak, and parts of a row and a column of the first one
+FINER, ALONG_FACE = 3, (2, 4)
 #: nodes about a place that estimate what may lie between them, at most
 AROUND = 2
 #: a sampled place this far (mm) outside a flank is still on it
@@ -86,23 +96,40 @@ def outlook(pair: Pair, phi1: Array) -> Outlook:
     """What advances may be expected of the flanks of a pair at phi1 (N,), rad."""
     best, gain, inside = _nothing_seen(len(phi1))
     for rows, nodes in _batches(pair, phi1):
-        seen = _Field.of(pair, nodes, phi1, trimmed=True)
-        best[rows], gain[rows], inside[rows] = seen.best, seen.gain, seen.inside
+        field = _Field.of(pair, nodes, advances(pair, phi1, nodes.r, nodes.n, nodes.index), trimmed=True)
+        best[rows], gain[rows], inside[rows] = field.best, field.gain, field.inside
     return Outlook(best, gain, inside)
 
 
 def candidates(
-    pair: Pair, phi1: Array, *, trimmed: bool = True, only: NDArray[np.intp] | None = None, finer: bool = False
+    pair: Pair,
+    phi1: Array,
+    *,
+    trimmed: bool = True,
+    only: NDArray[np.intp] | None = None,
+    finer: bool = False,
+    floor: Array | None = None,
 ) -> Candidates:
     """Where the flanks of a pair may touch first at phi1 (N,), rad, or at some positions `only` (M,); mounts one or N.
 
-    Unless `trimmed` the gear's flank is taken as far as its table goes. The `finer` grid has all nodes of the other.
+    Unless `trimmed` the gear's flank is taken as far as its table goes. The `finer` grid has all nodes of the other. Positions
+    where nothing can be ahead of advances `floor` (N,), rad, have no candidates.
     """
     count = len(phi1) if only is None else len(only)
     best, gain, _ = _nothing_seen(count)
     top, parts = np.full(count, -1), [Candidates.nothing()]
     for rows, nodes in _batches(pair, phi1, only, finer=finer):
-        part = _candidates(pair, nodes, phi1, trimmed)
+        if floor is not None:
+            near = np.flatnonzero(_near(_beyond(pair, phi1, nodes), nodes.shape).any(axis=(1, 2)))
+            rows, nodes = rows[near], nodes.some(near)
+        if not rows.size:
+            continue
+        seen = advances(pair, phi1, nodes.r, nodes.n, nodes.index)
+        if floor is not None:
+            rows, nodes, seen = _worth(pair, rows, nodes, seen, floor)
+        if not rows.size:
+            continue
+        part = _candidates(pair, nodes, seen, phi1, trimmed)
         before = sum(len(earlier.position) for earlier in parts)
         best[rows], gain[rows], top[rows] = part.best, part.gain, np.where(part.top < 0, -1, part.top + before)
         parts.append(part)
@@ -110,6 +137,24 @@ def candidates(
         np.concatenate([getattr(part, name) for part in parts]) for name in ("position", "x", "edges", "most")
     )
     return Candidates(position, x, edges, most, best, gain, top)
+
+
+def _worth(
+    pair: Pair, rows: NDArray[np.intp], nodes: _Nodes, seen: Advances, floor: Array
+) -> tuple[NDArray[np.intp], _Nodes, Advances]:
+    """The positions of nodes, their `rows` (N,) and what is `seen` at them, where advances may be above the `floor`, rad."""
+    if pair.tip_corners:
+        return rows, nodes, seen
+    near = _near(seen.beyond, nodes.shape) & np.isfinite(seen.advance).reshape(-1, *nodes.shape)
+    field = _Field.of(pair, nodes, seen, True)
+    most = field.best + np.where(_wider(near, AROUND + 1), field.bends, 0.0).max(axis=(1, 2))
+    for cells in field.corners.values():
+        position, i, j, _, value = cells.places
+        place = np.stack((i, j), axis=-1)
+        most[position] = np.maximum(most[position], value + _local_gain(field.bends, position, place, AROUND))
+    most[field.unsampled.position] = np.inf
+    kept = np.flatnonzero(most > floor[nodes.index])
+    return rows[kept], nodes.some(kept), seen[kept]
 
 
 def _nothing_seen(count: int) -> tuple[Array, Array, NDArray[np.bool_]]:
@@ -165,6 +210,13 @@ class _Nodes:
         """The same whole grid at other positions."""
         return replace(self, index=index, first=np.zeros(len(index), dtype=np.intp))
 
+    def some(self, which: NDArray[np.intp]) -> _Nodes:
+        """The nodes of some of the positions, by their places in `index`."""
+        index, first = self.index[which], self.first[which]
+        if self.r.ndim == 2:
+            return replace(self, index=index, first=first)
+        return replace(self, index=index, first=first, r=self.r[which], n=self.n[which])
+
     @property
     def ends(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         """At which positions (N,) the first column is the grid's, and the last one is."""
@@ -201,10 +253,10 @@ class _Nodes:
 
 
 def _least_beside(values: Array) -> Array:
-    """The least of values (..., J) of every column and its neighbours."""
+    """The least of values (..., J) of every column and its neighbours, of those that are numbers."""
     least = values.copy()
-    least[..., 1:] = np.minimum(least[..., 1:], values[..., :-1])
-    least[..., :-1] = np.minimum(least[..., :-1], values[..., 1:])
+    np.fmin(least[..., 1:], values[..., :-1], out=least[..., 1:])
+    np.fmin(least[..., :-1], values[..., 1:], out=least[..., :-1])
     return least
 
 
@@ -218,12 +270,44 @@ class Advances:
     rho: Array
     z: Array
 
+    def __getitem__(self, which: NDArray[np.intp]) -> Advances:
+        """The points of some positions."""
+        return Advances(self.advance[which], self.beyond[:, which], self.rho[which], self.z[which])
+
+
+def _beyond(pair: Pair, phi1: Array, nodes: _Nodes) -> Array:
+    """How far (4, N, K), mm, nodes lie outside the gear's flank, as of `Advances`, if it goes round its own axis; else inside."""
+    if pair.gear.mount.eccentricity != (0.0, 0.0):
+        return np.zeros((len(LIMITS), len(nodes.index), nodes.shape[0] * nodes.shape[1]))
+    _, target = _seen_from_gear(pair, phi1, nodes.r, nodes.index)
+    return pair.gear.heights.beyond(pair.gear.mount.joint.radius(target), target[..., 2])
+
+
+def _near(beyond: Array, shape: tuple[int, ...]) -> NDArray[np.bool_]:
+    """Nodes (N, I, J) that do not, with all their neighbours, lie `beyond` (4, N, I J) a limit of the gear: contact is at or beside
+    them."""
+    near = np.ones((beyond.shape[1], *shape), dtype=bool)
+    for limit in beyond:
+        near &= _wider((limit <= SLACK).reshape(-1, *shape))
+    return near
+
+
+def _wider(nodes: NDArray[np.bool_], steps: int = 1) -> NDArray[np.bool_]:
+    """Nodes (N, I, J) and all that are so many steps beside them."""
+    wide = nodes
+    for axis in (1, 2) * steps:
+        narrow, wide = np.moveaxis(wide, axis, 1), wide.copy()
+        along = np.moveaxis(wide, axis, 1)
+        along[:, 1:] |= narrow[:, :-1]
+        along[:, :-1] |= narrow[:, 1:]
+    return wide
+
 
 def advances(pair: Pair, phi1: Array, r: Array, n: Array, index: NDArray[np.intp]) -> Advances:
     """Advances (N, K) of points r (K, 3) or (N, K, 3) with normals n of the pinion, own frame, at positions `index` (N,)."""
     second = pair.gear.mount.rows(index)
     rotation, target = _seen_from_gear(pair, phi1, r, index)
-    normal = n @ rotation
+    normal = _by_component(rotation, n)
     z, joint = target[..., 2], second.joint
     theta = joint.angle(target)
     turn, circles, rho = _turn(pair.gear.heights, second.eccentricity, theta, joint.radius(target), z)
@@ -237,12 +321,23 @@ def advances(pair: Pair, phi1: Array, r: Array, n: Array, index: NDArray[np.intp
 
 
 def _seen_from_gear(pair: Pair, phi1: Array, r: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
-    """Points r (K, 3) or (N, K, 3) of the pinion, own frame, as the gear at rest has them at positions `index` (N,): (N, K, 3), and
-    what rows of vectors are multiplied by, (N, 3, 3) or (3, 3)."""
+    """Points r (K, 3) or (N, K, 3) of the pinion, own frame, as the gear at rest has them at positions `index` (N,): rotations
+    (N, 3, 3) or (3, 3) and points (N, K, 3)."""
     first, second = pair.pinion.mount.rows(index), pair.gear.mount.rows(index)
     own_to_base = second.base.inverse @ first.at(phi1[index])
-    rotation = np.swapaxes(own_to_base.rotation, -1, -2)
-    return rotation, r @ rotation + own_to_base.translation[..., None, :]
+    target = _by_component(own_to_base.rotation, r)
+    target += own_to_base.translation[..., None, :]
+    return own_to_base.rotation, target
+
+
+def _by_component(rotation: Array, vectors: Array) -> Array:
+    """Vectors (K, 3) or (N, K, 3), turned (N, K, 3), whose components are next to each other in memory: all that follows is done
+    component by component."""
+    if vectors.ndim == 2:
+        turned = (rotation.reshape(-1, 3) @ vectors.T).reshape(*rotation.shape[:-1], len(vectors))
+    else:
+        turned = rotation @ np.swapaxes(vectors, -1, -2)
+    return np.swapaxes(turned, -1, -2)
 
 
 def _turn(
@@ -280,11 +375,11 @@ class _Field:
     stations: dict[int, Array]
 
     @staticmethod
-    def of(pair: Pair, nodes: _Nodes, phi1: Array, trimmed: bool) -> _Field:
+    def of(pair: Pair, nodes: _Nodes, seen: Advances, trimmed: bool) -> _Field:
+        """The field of what is `seen` at the nodes."""
         shape = (len(nodes.index), *nodes.shape)
-        field = advances(pair, phi1, nodes.r, nodes.n, nodes.index)
-        advance = field.advance.reshape(shape)
-        beyond = field.beyond.reshape(4, *shape)
+        advance = seen.advance.reshape(shape)
+        beyond = seen.beyond.reshape(4, *shape)
         on = np.where(np.isfinite(advance) & ((beyond <= SLACK).all(axis=0) | (not trimmed)), advance, -np.inf)
         best = on.max(axis=(1, 2))
         inside = (on[:, 1:-1, 1:-1].max(axis=(1, 2)) >= best) & np.isfinite(best)
@@ -296,7 +391,7 @@ class _Field:
                 there, _, _, value = crossings[edge_number(1, name)] = _best_crossing(advance, beyond[limit], others)
                 inside[there] &= best[there] >= value
                 best[there] = np.maximum(best[there], value)
-        place = np.stack((field.rho, np.zeros_like(field.rho), field.z), axis=-1)
+        place = np.stack((seen.rho, np.zeros_like(seen.rho), seen.z), axis=-1)
         stations = {}
         for number in np.flatnonzero(WITHIN | OF_CORNERS):
             bound = pair.bounds[number]
@@ -307,11 +402,29 @@ class _Field:
                     crossings[int(number)] = _best_crossing(advance, beside, list(beyond))
                 else:
                     stations[int(number)] = beside
-        return _Field(advance, beyond, on, _bends(advance), best, _gain(advance), inside, crossings, stations)
+        bends, gain = _bends_and_gain(advance)
+        return _Field(advance, beyond, on, bends, best, gain, inside, crossings, stations)
+
+    @cached_property
+    def corners(self) -> dict[tuple[int, int], _Cells]:
+        """Cells in which the flanks may overlap at corners of the gear's flank, by the numbers of the edges that end there."""
+        numbers = {names: (edge_number(1, names[0]), edge_number(1, names[1])) for names in CORNERS}
+        return {
+            both: _overlapping(self.advance, self.beyond, names).nearest()
+            for names, both in numbers.items()
+            if all(number in self.crossings for number in both)
+        }
+
+    @cached_property
+    def unsampled(self) -> _Cells:
+        """Cells of positions where nothing is sampled in which the flanks may overlap all the same."""
+        unseen = np.flatnonzero(self.best == -np.inf)
+        cells = _overlapping(self.advance[unseen], self.beyond[:, unseen], ())
+        return replace(cells, position=unseen[cells.position], advance=self.advance)
 
 
-def _candidates(pair: Pair, nodes: _Nodes, phi1: Array, trimmed: bool) -> Candidates:
-    field, index = _Field.of(pair, nodes, phi1, trimmed), nodes.index
+def _candidates(pair: Pair, nodes: _Nodes, seen: Advances, phi1: Array, trimmed: bool) -> Candidates:
+    field, index = _Field.of(pair, nodes, seen, trimmed), nodes.index
     on, best, gain = field.on, field.best, field.gain
     shape = on.shape
     places: list[tuple[NDArray[np.intp], Array, NDArray[np.intp], Array, Array]] = []
@@ -370,17 +483,17 @@ def _candidates(pair: Pair, nodes: _Nodes, phi1: Array, trimmed: bool) -> Candid
                 i, j = (fixed, k.astype(float)) if along_face(number) else (k.astype(float), fixed)
                 add_samples(there, i, j, number, rim[there, k])
     sampled_count = sum(len(nodes_of[0]) for nodes_of in places)
-    for names in CORNERS:
-        first, second = (edge_number(1, name) for name in names)
-        if first in field.crossings and second in field.crossings:
-            add(*_cells(field, names), (first, second))
+    # all of a small overlap of two flanks may lie within one cell: then nothing but the signs at its nodes shows it
+    for both, cells in field.corners.items():
+        add(*cells.places, both)
     for tip, number in pair.tip_corners:
         if tip in field.crossings:
-            add(*_cells(field, ("tip",), field.stations[number]), (tip, number))
+            cells = _overlapping(field.advance, field.beyond, ("tip",), field.stations[number])
+            add(*cells.nearest().places, (tip, number))
         else:
             add(*_on_last_row(field, field.stations[number]), (tip, number))
     # where nothing is sampled, less may overlap than a cell holds
-    small = _small_overlaps(pair, nodes, phi1, field)
+    small = _small_overlaps(pair, nodes, phi1, field).places
     for number in pair.ends:
         add(*small, (number, INTERIOR))
     position, place, edges, value, most = (np.concatenate(column) for column in zip(*places, strict=True))
@@ -400,23 +513,54 @@ def sharpen(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array) -> Ar
     """Unknowns (M, 5) where the flanks are most advanced near nodes x (M, 5) at positions (M,): over all of a node's columns on
     either side first, on which an advance may be too sharp to be seen between them, then on finer and finer lattices."""
     grid = pair.pinion.grid
+    rows, columns = (1 + parts * (count - 1) for parts, count in zip(ALONG_FACE, grid.shape[:2], strict=True))
+    lattice = np.stack(
+        np.meshgrid(
+            *(np.linspace(0.0, n - 1.0, k) for n, k in zip(grid.shape[:2], (rows, columns), strict=True)), indexing="ij"
+        ),
+        axis=-1,
+    )
+    parameters = bilinear(grid, lattice.reshape(-1, 2))
+    jet = pair.pinion.surface.jet(parameters[:, 0], parameters[:, 1])
+    sharp = np.empty_like(x)
+    step = max(1, CHUNK // (rows * (2 * COLUMNS * ALONG_FACE[1] + 1)))
+    for k in range(0, len(position), step):
+        part = slice(k, k + step)
+        sharp[part] = _sharpen(pair, phi1, position[part], x[part], lattice, jet)
+    return sharp
+
+
+def _sharpen(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array, lattice: Array, jet: Jet) -> Array:
+    """As `sharpen`, of few places, by the jet of the pinion's flank on a `lattice` (I, J, 2) of grid places."""
+    grid = pair.pinion.grid
     last = np.array(grid.shape[:2]) - 1.0
     flat = grid.reshape(-1, 2)
     node = np.abs((flat - x[:, None, :2]) / np.ptp(flat, axis=0)).sum(axis=2).argmin(axis=1)
     place = np.stack(np.divmod(node, grid.shape[1]), axis=-1).astype(float)
     best = pair.drive * (x[:, 4] - pair.ratio * phi1[position])
-    middle, rows, columns = place * [0.0, 1.0], np.arange(0.0, last[0] + 0.5, 0.5), np.linspace(-COLUMNS, COLUMNS, 17)
-    for _ in range(FINER):
-        ways = np.stack(np.meshgrid(rows, columns, indexing="ij"), axis=-1).reshape(-1, 2)
-        tried = np.clip(middle[:, None] + ways, 0.0, last)
-        there = _advances_at(pair, phi1, position, bilinear(grid, tried.reshape(-1, 2)).reshape(tried.shape))
+    every, (rows, columns) = np.arange(len(position)), lattice.shape[:2]
+
+    def climb(tried: Array, there: Advances) -> None:
+        """Go on to the most advanced of places tried (M, K, 2)."""
+        nonlocal place, best
         advance = np.where((there.beyond <= SLACK).all(axis=0) & np.isfinite(there.advance), there.advance, -np.inf)
         k = advance.argmax(axis=1)
-        every = np.arange(len(k))
         higher = advance[every, k] > best
-        middle = place = np.where(higher[:, None], tried[every, k], place)
+        place = np.where(higher[:, None], tried[every, k], place)
         best = np.where(higher, advance[every, k], best)
-        rows, columns = (np.linspace(-reach, reach, 9) for reach in (rows[1] - rows[0], columns[1] - columns[0]))
+
+    # all rows of the columns beside the node: points of the lattice, which all places share
+    reach = COLUMNS * ALONG_FACE[1]
+    beside = np.clip(ALONG_FACE[1] * (node % grid.shape[1])[:, None] + np.arange(-reach, reach + 1), 0, columns - 1)
+    own = (np.arange(rows)[:, None] * columns + beside[:, None, :]).reshape(len(position), -1)
+    climb(lattice.reshape(-1, 2)[own], advances(pair, phi1, jet.r[own], jet.n[own], position))
+    reaches = 1.0 / np.array(ALONG_FACE)
+    for _ in range(FINER - 1):
+        ways = np.stack(np.meshgrid(*(np.linspace(-reach, reach, 9) for reach in reaches), indexing="ij"), axis=-1)
+        tried = np.clip(place[:, None] + ways.reshape(-1, 2), 0.0, last)
+        parameters = bilinear(grid, tried.reshape(-1, 2)).reshape(tried.shape)
+        climb(tried, _advances_at(pair, phi1, position, parameters))
+        reaches = reaches / 4.0
     return _starts(pair, bilinear(grid, place), phi1, position, best)
 
 
@@ -489,21 +633,20 @@ def _neighbours(values: Array) -> Iterator[Array]:
 def _bends(advance: Array) -> Array:
     """By how much (N, I, J), rad, the advance may rise about every node: twice what a parabola through it and its neighbours
     does, 0 where that is not known."""
-    total = np.zeros(advance.shape)
+    return _bends_and_gain(advance)[0]
+
+
+def _bends_and_gain(advance: Array) -> tuple[Array, Array]:
+    """By how much, rad, the advance may rise about every node (N, I, J), as of `_bends`, and between neighbouring nodes (N,), half
+    its largest second differences."""
+    bends, gain = np.zeros(advance.shape), np.zeros(len(advance))
     for axis in (1, 2):
         bend = 0.25 * np.abs(np.diff(advance, 2, axis=axis))
+        bend[np.isnan(bend)] = 0.0
         inner = np.s_[:, 1:-1] if axis == 1 else np.s_[:, :, 1:-1]
-        total[inner] += np.where(np.isnan(bend), 0.0, bend)
-    return total
-
-
-def _gain(advance: Array) -> Array:
-    """By how much (N,), rad, the advance may rise between neighbouring nodes: half its largest second differences."""
-    total = np.zeros(len(advance))
-    for axis in (1, 2):
-        bend = np.abs(np.diff(advance, 2, axis=axis)).reshape(len(advance), -1)
-        total += 0.5 * np.where(np.isnan(bend), 0.0, bend).max(axis=1, initial=0.0)
-    return total
+        bends[inner] += bend
+        gain += 2.0 * bend.max(axis=(1, 2), initial=0.0)
+    return bends, gain
 
 
 def _local_gain(bends: Array, position: NDArray[np.intp], place: Array, around: int) -> Array:
@@ -515,28 +658,39 @@ def _local_gain(bends: Array, position: NDArray[np.intp], place: Array, around: 
     return gain
 
 
-#: positions (M,), the middles of cells, grid places i, j (M,), and mean and greatest advance (M,) of their nodes
-_Cells = tuple[NDArray[np.intp], Array, Array, Array, Array]
+@dataclass(frozen=True)
+class _Cells:
+    """Cells (C,) of lattices of positions: `position`, row `i` and column `j` of their first node, the mean distance `apart` (mm)
+    of the flanks from there; the `advance` (N, I, J), rad, of the lattices."""
 
+    position: NDArray[np.intp]
+    i: NDArray[np.intp]
+    j: NDArray[np.intp]
+    apart: Array
+    advance: Array
 
-def _cells(field: _Field, crossed: Sequence[str], station: Array | None = None) -> _Cells:
-    """Cells of the grid in which the flanks may overlap while edges of the gear, `crossed`, go through them, and a `station` of it
-    from which nodes (N, I, J) are so far, one per position.
+    def __getitem__(self, which: NDArray[np.intp]) -> _Cells:
+        return _Cells(self.position[which], self.i[which], self.j[which], self.apart[which], self.advance)
 
-    All of a small overlap of two flanks may lie within one cell; then nothing else shows it.
-    """
-    there, apart = _overlapping(field.advance, field.beyond, crossed, station)
-    return _nearest_cells(field, there, apart)
+    def nearest(self) -> _Cells:
+        """Of the cells of every position the one least apart, of equals the first."""
+        order = np.lexsort((self.apart, self.position))
+        return self[order[np.diff(self.position[order], prepend=-1) > 0]]
+
+    @property
+    def places(self) -> tuple[NDArray[np.intp], Array, Array, Array, Array]:
+        """Positions (C,), the middles of the cells, grid places i, j (C,), and mean and greatest advance (C,) of their nodes."""
+        nodes = np.stack([self.advance[self.position, self.i + k, self.j + m] for k in (0, 1) for m in (0, 1)])
+        i, j = self.i.astype(float) + 0.5, self.j.astype(float) + 0.5
+        return self.position, i, j, np.nanmean(nodes, axis=0), np.nanmax(nodes, axis=0)
 
 
 def _small_overlaps(pair: Pair, nodes: _Nodes, phi1: Array, field: _Field) -> _Cells:
     """Cells of positions where nothing is sampled in which the flanks may overlap all the same, by a finer lattice in them."""
-    there, apart = _overlapping(field.advance, field.beyond, ())
-    there[field.best > -np.inf] = False
-    position, *corner = np.nonzero(there)
+    cells = field.unsampled
     place, own, steps = (
-        np.stack(corner, axis=-1).astype(float),
-        np.arange(len(position)),
+        np.stack((cells.i, cells.j), axis=-1).astype(float),
+        np.arange(len(cells.position)),
         np.linspace(0.0, 1.0, PARTS + 1),
     )
     for _ in range(CLOSER):
@@ -544,46 +698,36 @@ def _small_overlaps(pair: Pair, nodes: _Nodes, phi1: Array, field: _Field) -> _C
             break
         ways = np.stack(np.meshgrid(steps, steps, indexing="ij"), axis=-1)
         lattice = place[:, None, None] + ways
-        parameters = nodes.parameters(np.repeat(position[own], ways[..., 0].size), lattice.reshape(-1, 2))
-        seen = _advances_at(pair, phi1, nodes.index[position[own]], parameters.reshape(len(own), -1, 2))
+        position = cells.position[own]
+        parameters = nodes.parameters(np.repeat(position, ways[..., 0].size), lattice.reshape(-1, 2))
+        seen = _advances_at(pair, phi1, nodes.index[position], parameters.reshape(len(own), -1, 2))
         shape = lattice.shape[:3]
-        cell, i, j = np.nonzero(_overlapping(seen.advance.reshape(shape), seen.beyond.reshape(4, *shape), ())[0])
-        place, own, steps = lattice[cell, i, j], own[cell], steps / PARTS
-    there[:] = False
-    there[position[own], corner[0][own], corner[1][own]] = True
-    return _nearest_cells(field, there, apart)
+        closer = _overlapping(seen.advance.reshape(shape), seen.beyond.reshape(4, *shape), ())
+        place, own, steps = lattice[closer.position, closer.i, closer.j], own[closer.position], steps / PARTS
+    return cells[np.unique(own)].nearest()
 
 
-def _overlapping(
-    advance: Array, beyond: Array, crossed: Sequence[str], station: Array | None = None
-) -> tuple[NDArray[np.bool_], Array]:
-    """In which cells of lattices (N, I, J), by the signs at their nodes, flanks may overlap while edges `crossed`, and a `station`,
-    go through them, and how far (mm) they are from there on average, (N, I - 1, J - 1) each; `beyond` (4, N, I, J)."""
-    nodes = [(slice(i, i - 1 or None), slice(j, j - 1 or None)) for i in (0, 1) for j in (0, 1)]
-    there = np.isfinite(np.stack([advance[:, i, j] for i, j in nodes])).max(axis=0)
-    apart = np.zeros(there.shape)
-    for limit, name in enumerate(LIMITS):
-        own = np.stack([beyond[limit][:, i, j] for i, j in nodes])
-        there = there & (own.min(axis=0) <= 0.0)
-        if name in crossed:
-            there = there & (own.max(axis=0) > 0.0)
-            apart += np.abs(own.mean(axis=0))
-        else:
-            apart += np.maximum(own.mean(axis=0), 0.0)
-    if station is not None:
-        own = np.stack([station[:, i, j] for i, j in nodes])
-        there = there & (own.min(axis=0) <= 0.0) & (own.max(axis=0) > 0.0)
-        apart += np.abs(own.mean(axis=0))
-    return there, apart
+def _overlapping(advance: Array, beyond: Array, crossed: Sequence[str], station: Array | None = None) -> _Cells:
+    """Cells of lattices (N, I, J) in which, by the signs at their nodes, flanks may overlap while edges `crossed`, and a `station`,
+    go through them; `beyond` (4, N, I, J)."""
 
+    def any_of(nodes: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Cells with any of so many nodes."""
+        pairs = nodes[:, :-1] | nodes[:, 1:]
+        return pairs[:, :, :-1] | pairs[:, :, 1:]
 
-def _nearest_cells(field: _Field, there: NDArray[np.bool_], apart: Array) -> _Cells:
-    """Of the cells (N, I - 1, J - 1) that are `there` of every position the one least `apart`."""
-    cell = np.where(there, apart, np.inf).reshape(len(there), -1).argmin(axis=1)
-    position = np.flatnonzero(there.any(axis=(1, 2)))
-    i, j = np.divmod(cell[position], there.shape[2])
-    advances = np.stack([field.advance[position, i + k, j + m] for k in (0, 1) for m in (0, 1)])
-    return position, i + 0.5, j + 0.5, np.nanmean(advances, axis=0), np.nanmax(advances, axis=0)
+    there = any_of(np.isfinite(advance))
+    over = [(limit, name in crossed) for limit, name in zip(beyond, LIMITS, strict=True)]
+    for limit, edge in [*over, *([] if station is None else [(station, True)])]:
+        there &= any_of(limit <= 0.0)
+        if edge:
+            there &= any_of(limit > 0.0)
+    position, i, j = np.nonzero(there)
+    apart = np.zeros(len(position))
+    for limit, edge in [*over, *([] if station is None else [(station, True)])]:
+        own = np.mean([limit[position, i + k, j + m] for k in (0, 1) for m in (0, 1)], axis=0)
+        apart += np.abs(own) if edge else np.maximum(own, 0.0)
+    return _Cells(position, i, j, apart, advance)
 
 
 def _on_last_row(field: _Field, station: Array) -> tuple[NDArray[np.intp], Array, Array, Array, Array]:
@@ -606,29 +750,37 @@ def _best_crossing(
     """Where lines of the grid cross an edge, on whose sides nodes lie `beside` (N, I, J) it, and are within `others`, the greatest
     advance of each position: positions (M,), grid places i, j (M,) and advances (M,), interpolated between the nodes on either
     side."""
-    count, _, columns = advance.shape
-    best = np.full(count, -np.inf)
-    where = np.zeros((2, count))
-    every = np.arange(count)
-    for axis in (1, 2):
-        low = np.s_[:, :-1] if axis == 1 else np.s_[:, :, :-1]
-        high = np.s_[:, 1:] if axis == 1 else np.s_[:, :, 1:]
-        before, after = beside[low], beside[high]
+    _, rows, columns = advance.shape
+    inside, flat, from_edge = beside <= 0.0, advance.reshape(-1), beside.reshape(-1)
+    found = []
+    for axis, stride in ((1, columns), (2, 1)):
+        # lines cross the edge at few places: all else is done for those alone
+        changes = np.zeros(advance.shape, dtype=bool)
+        if axis == 1:
+            np.not_equal(inside[:, :-1], inside[:, 1:], out=changes[:, :-1])
+        else:
+            np.not_equal(inside[:, :, :-1], inside[:, :, 1:], out=changes[:, :, :-1])
+        low = np.flatnonzero(changes)
+        high = low + stride
         with np.errstate(all="ignore"):
-            share = before / (before - after)
-            value = advance[low] + share * (advance[high] - advance[low])
-            valid = ((before <= 0.0) != (after <= 0.0)) & np.isfinite(value)
+            before = from_edge[low]
+            share = before / (before - from_edge[high])
+            before = flat[low]
+            value = before + share * (flat[high] - before)
+            valid = np.isfinite(value)
             for other in others:
-                valid &= other[low] + share * (other[high] - other[low]) <= SLACK
-        value = np.where(valid, value, -np.inf).reshape(count, -1)
-        k = value.argmax(axis=1)
-        better = value[every, k] > best
-        i, j = np.divmod(k, columns - (axis == 2))
-        share = np.where(valid, share, 0.0).reshape(count, -1)[every, k]
-        place = np.stack((i + share * (axis == 1), j + share * (axis == 2)))
-        where[:, better], best[better] = place[:, better], value[every, k][better]
-    there = np.flatnonzero(best > -np.inf)
-    return there, where[0, there], where[1, there], best[there]
+                beyond = other.reshape(-1)
+                before = beyond[low]
+                valid &= before + share * (beyond[high] - before) <= SLACK
+        low, share, value = low[valid], share[valid], value[valid]
+        position, node = np.divmod(low, rows * columns)
+        i, j = np.divmod(node, columns)
+        found.append((position, i + share * (axis == 1), j + share * (axis == 2), value))
+    position, i, j, value = (np.concatenate(column) for column in zip(*found, strict=True))
+    # the greatest of each position, of equals the first
+    order = np.lexsort((-value, position))
+    own = order[np.diff(position[order], prepend=-1) > 0]
+    return position[own], i[own], j[own], value[own]
 
 
 def _starts(pair: Pair, parameters: Array, phi1: Array, position: NDArray[np.intp], value: Array) -> Array:

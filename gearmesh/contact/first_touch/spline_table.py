@@ -43,7 +43,10 @@ class SplineTable:
         corner = first * across + second
         values = np.zeros(row.shape)
         for i, of_row in enumerate(by_row):
-            here = sum(of_column * table[corner + (i * across + j)] for j, of_column in enumerate(by_column))
+            here = np.zeros(row.shape)
+            for j, of_column in enumerate(by_column):
+                # the table from there on: that the corner need not be moved saves a third of the time
+                here += of_column * table[i * across + j :].take(corner)
             values += of_row * here
         return values
 
@@ -56,10 +59,11 @@ class SplineTable:
 
 def _weights(place: Array, last: int) -> tuple[NDArray[np.intp], tuple[Array, ...]]:
     """Number (...,) of the first of four coefficients at places (...,), and their weights; NaN beyond those that there are."""
-    step = np.clip(place, -BEYOND, last + BEYOND) + BEYOND
-    known = np.abs(place - 0.5 * last) <= 0.5 * last + BEYOND
-    first = np.floor(np.where(known, step, 0.0))
-    return first.astype(np.intp), table_weights(np.where(known, step - first, np.nan))
+    # NaN where there is no table, so that the weights are
+    step = np.where(np.abs(place - 0.5 * last) <= 0.5 * last + BEYOND, place + BEYOND, np.nan)
+    first = np.floor(step)
+    part = step - first
+    return np.nan_to_num(first, copy=False).astype(np.intp), table_weights(part)
 
 
 def _extend(rows: Array) -> Array:

@@ -19,6 +19,8 @@ from gearmesh.teeth.flank_frame import FlankFrame
 
 #: phases of a pitch at which the advance of the gears is taken
 PHASES = 96
+#: rad by which a tooth pair is ahead of another: advances that are level differ by rounding
+AHEAD = 1e-12
 
 
 @dataclass(frozen=True)
@@ -118,7 +120,7 @@ def gears_advance(paths: AssemblyPaths, pitch: float) -> Array:
         if own.size:
             best[:, own] = np.fmax(best[:, own], _cubic(phi1, paths.advance, paths.slope, at[own]))
     beside = _cubic(phi1, paths.advance, paths.slope, np.array([phi1[0] + pitch, phi1[-1] - pitch]))
-    open_end = np.any(paths.advance[:, [0, -1]] > beside, axis=1, keepdims=True)
+    open_end = np.any(paths.advance[:, [0, -1]] > beside + AHEAD, axis=1, keepdims=True)
     return np.where(np.isfinite(best) & ~open_end, best, np.nan)
 
 
