@@ -188,7 +188,7 @@ class Trial:
         """Copies of some of the places, by their numbers."""
         return Trial(*(getattr(self, field.name)[which] for field in fields(self)))
 
-    def joined(self, other: Trial) -> Trial:
+    def with_others(self, other: Trial) -> Trial:
         """These places and others."""
         return Trial(
             *(np.concatenate((getattr(self, field.name), getattr(other, field.name))) for field in fields(self))
@@ -257,13 +257,13 @@ def refine_candidates(
             begun.most[trial.first[own]] = trial.most[own]
         trial = _next(pair, phi1, trial, contacts, tried if edges else None)
         if len(waiting.position):
-            left = _left(pair, phi1, waiting, contacts, settled, number)
+            left = _remaining_places(pair, phi1, waiting, contacts, settled, number)
             begun.most[np.setdiff1d(waiting.first, waiting.first[left])] = -np.inf
             waiting = waiting.some(left)
             busy = np.zeros(len(phi1), dtype=bool)
             busy[trial.position] = k + 1 < PATIENCE
             now = busy[waiting.position]
-            trial, waiting = trial.joined(waiting.some(np.flatnonzero(~now))), waiting.some(np.flatnonzero(now))
+            trial, waiting = trial.with_others(waiting.some(np.flatnonzero(~now))), waiting.some(np.flatnonzero(now))
     return settled
 
 
@@ -277,7 +277,7 @@ def _most_promising(pair: Pair, phi1: Array, trial: Trial) -> tuple[Trial, Trial
     return trial.some(np.flatnonzero(first)), trial.some(np.flatnonzero(~first))
 
 
-def _left(
+def _remaining_places(
     pair: Pair, phi1: Array, trial: Trial, contacts: Contacts, settled: NDArray[np.bool_], number: int
 ) -> NDArray[np.intp]:
     """Places that may still be ahead of what is known of their positions, some of which are `settled` (N,): those that its summit

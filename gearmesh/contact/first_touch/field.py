@@ -152,7 +152,7 @@ def _worth(
         position, i, j, _, value = cells.places
         place = np.stack((i, j), axis=-1)
         most[position] = np.maximum(most[position], value + _local_gain(field.bends, position, place, AROUND))
-    most[field.unsampled.position] = np.inf
+    most[field.unsampled_cells.position] = np.inf
     kept = np.flatnonzero(most > floor[nodes.index])
     return rows[kept], nodes.some(kept), seen[kept]
 
@@ -406,7 +406,7 @@ class _Field:
         return _Field(advance, beyond, on, bends, best, gain, inside, crossings, stations)
 
     @cached_property
-    def corners(self) -> dict[tuple[int, int], _Cells]:
+    def corners(self) -> dict[tuple[int, int], _LatticeCells]:
         """Cells in which the flanks may overlap at corners of the gear's flank, by the numbers of the edges that end there."""
         numbers = {names: (edge_number(1, names[0]), edge_number(1, names[1])) for names in CORNERS}
         return {
@@ -416,7 +416,7 @@ class _Field:
         }
 
     @cached_property
-    def unsampled(self) -> _Cells:
+    def unsampled_cells(self) -> _LatticeCells:
         """Cells of positions where nothing is sampled in which the flanks may overlap all the same."""
         unseen = np.flatnonzero(self.best == -np.inf)
         cells = _overlapping(self.advance[unseen], self.beyond[:, unseen], ())
@@ -659,7 +659,7 @@ def _local_gain(bends: Array, position: NDArray[np.intp], place: Array, around: 
 
 
 @dataclass(frozen=True)
-class _Cells:
+class _LatticeCells:
     """Cells (C,) of lattices of positions: `position`, row `i` and column `j` of their first node, the mean distance `apart` (mm)
     of the flanks from there; the `advance` (N, I, J), rad, of the lattices."""
 
@@ -669,10 +669,10 @@ class _Cells:
     apart: Array
     advance: Array
 
-    def __getitem__(self, which: NDArray[np.intp]) -> _Cells:
-        return _Cells(self.position[which], self.i[which], self.j[which], self.apart[which], self.advance)
+    def __getitem__(self, which: NDArray[np.intp]) -> _LatticeCells:
+        return _LatticeCells(self.position[which], self.i[which], self.j[which], self.apart[which], self.advance)
 
-    def nearest(self) -> _Cells:
+    def nearest(self) -> _LatticeCells:
         """Of the cells of every position the one least apart, of equals the first."""
         order = np.lexsort((self.apart, self.position))
         return self[order[np.diff(self.position[order], prepend=-1) > 0]]
@@ -685,9 +685,9 @@ class _Cells:
         return self.position, i, j, np.nanmean(nodes, axis=0), np.nanmax(nodes, axis=0)
 
 
-def _small_overlaps(pair: Pair, nodes: _Nodes, phi1: Array, field: _Field) -> _Cells:
+def _small_overlaps(pair: Pair, nodes: _Nodes, phi1: Array, field: _Field) -> _LatticeCells:
     """Cells of positions where nothing is sampled in which the flanks may overlap all the same, by a finer lattice in them."""
-    cells = field.unsampled
+    cells = field.unsampled_cells
     place, own, steps = (
         np.stack((cells.i, cells.j), axis=-1).astype(float),
         np.arange(len(cells.position)),
@@ -707,7 +707,7 @@ def _small_overlaps(pair: Pair, nodes: _Nodes, phi1: Array, field: _Field) -> _C
     return cells[np.unique(own)].nearest()
 
 
-def _overlapping(advance: Array, beyond: Array, crossed: Sequence[str], station: Array | None = None) -> _Cells:
+def _overlapping(advance: Array, beyond: Array, crossed: Sequence[str], station: Array | None = None) -> _LatticeCells:
     """Cells of lattices (N, I, J) in which, by the signs at their nodes, flanks may overlap while edges `crossed`, and a `station`,
     go through them; `beyond` (4, N, I, J)."""
 
@@ -727,7 +727,7 @@ def _overlapping(advance: Array, beyond: Array, crossed: Sequence[str], station:
     for limit, edge in [*over, *([] if station is None else [(station, True)])]:
         own = np.mean([limit[position, i + k, j + m] for k in (0, 1) for m in (0, 1)], axis=0)
         apart += np.abs(own) if edge else np.maximum(own, 0.0)
-    return _Cells(position, i, j, apart, advance)
+    return _LatticeCells(position, i, j, apart, advance)
 
 
 def _on_last_row(field: _Field, station: Array) -> tuple[NDArray[np.intp], Array, Array, Array, Array]:
@@ -752,7 +752,7 @@ def _best_crossing(
     side."""
     _, rows, columns = advance.shape
     inside, flat, from_edge = beside <= 0.0, advance.reshape(-1), beside.reshape(-1)
-    found = []
+    crossings = []
     for axis, stride in ((1, columns), (2, 1)):
         # lines cross the edge at few places: all else is done for those alone
         changes = np.zeros(advance.shape, dtype=bool)
@@ -775,8 +775,8 @@ def _best_crossing(
         low, share, value = low[valid], share[valid], value[valid]
         position, node = np.divmod(low, rows * columns)
         i, j = np.divmod(node, columns)
-        found.append((position, i + share * (axis == 1), j + share * (axis == 2), value))
-    position, i, j, value = (np.concatenate(column) for column in zip(*found, strict=True))
+        crossings.append((position, i + share * (axis == 1), j + share * (axis == 2), value))
+    position, i, j, value = (np.concatenate(column) for column in zip(*crossings, strict=True))
     # the greatest of each position, of equals the first
     order = np.lexsort((-value, position))
     own = order[np.diff(position[order], prepend=-1) > 0]
