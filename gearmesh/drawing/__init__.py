@@ -1,1 +1,1 @@
-"""Workshop drawings of members: views with dimensions, the table of gear data, the title block."""
+"""Workshop drawings of members: views with dimensions, table of gear data, title block."""

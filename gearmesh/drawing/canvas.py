@@ -1,7 +1,7 @@
-"""What a drawing is made of: strokes, hatching, arrows and lettering on paper, in mm from its lower left corner.
+"""Elements of a drawing: strokes, hatching, arrows and lettering on paper, in mm from its lower left corner.
 
-Lines are of the types of ISO 128-2: outlines continuous and wide, dimensions continuous and narrow, axes and reference lines narrow
-long-dashed dotted. Lettering that would lie on other lettering is moved, or its dimension is.
+Line types follow ISO 128-2: wide continuous outlines, narrow continuous dimensions, narrow long-dashed dotted axes and
+reference lines. A text that would lie on another text is moved, or its dimension is.
 """
 
 from __future__ import annotations
@@ -15,18 +15,22 @@ import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
 
-#: height of capitals, mm, and that as a share of the size of the letters [DejaVu Sans]
-LETTERS, CAPITALS = 2.5, 0.729
+#: height of capitals
+LETTER_HEIGHT_MM = 2.5
+#: height of capitals as a share of the font size [DejaVu Sans]
+CAPITALS_SHARE = 0.729
 #: pt in a mm
-POINTS = 72.0 / 25.4
-#: length and half width of arrow heads, mm
-ARROW = (2.8, 0.45)
-#: mm between lines of a hatch, and free space round lettering
-HATCH, ROOM = 2.2, 0.5
+POINTS_PER_MM = 72.0 / 25.4
+#: length and half width of arrow heads
+ARROW_SIZE_MM = (2.8, 0.45)
+#: distance between lines of a hatch
+HATCH_SPACING_MM = 2.2
+#: free space round a text
+TEXT_MARGIN_MM = 0.5
 
 
 class Pen(Enum):
-    """Width of a line (mm), and its dashes as multiples of that width."""
+    """Width of a line (mm), and its dashes as multiples of the width."""
 
     OUTLINE = (0.5, ())
     THIN = (0.25, ())
@@ -45,21 +49,28 @@ class Stroke:
 
 @dataclass(frozen=True)
 class Lettering:
-    """A text at x, y; `height` of its capitals, mm; `angle` in deg; `align`: horizontally, along it; it is centred
-    across; `symbol`: it is one of the sheet, as alpha_n."""
+    """A text on paper, centred across its direction."""
 
+    #: horizontal position, mm
     x: float
+    #: vertical position, mm
     y: float
+    #: the text
     text: str
-    height: float = LETTERS
+    #: height of its capitals, mm
+    height: float = LETTER_HEIGHT_MM
+    #: direction of the text, deg
     angle: float = 0.0
+    #: alignment along the text: left, center or right
     align: str = "center"
+    #: True for bold letters
     bold: bool = False
+    #: True if the text is a symbol of the sheet, as alpha_n
     symbol: bool = False
 
     @property
     def box(self) -> Box:
-        """What it covers."""
+        """Rectangle that the text covers."""
         length, high = text_width(self.text, self.height), 1.35 * self.height
         shift = {"left": 0.0, "center": 0.5, "right": 1.0}[self.align] * length
         if self.angle:
@@ -69,15 +80,19 @@ class Lettering:
 
 @dataclass(frozen=True)
 class Box:
-    """An upright rectangle."""
+    """An upright rectangle, mm."""
 
+    #: smallest x
     left: float
+    #: smallest y
     low: float
+    #: largest x
     right: float
+    #: largest y
     high: float
 
-    def overlaps(self, other: Box, room: float = ROOM) -> bool:
-        """Whether two are nearer than `room` (mm)."""
+    def overlaps(self, other: Box, room: float = TEXT_MARGIN_MM) -> bool:
+        """True if two boxes are nearer than `room` (mm)."""
         return (
             self.left < other.right + room
             and other.left < self.right + room
@@ -88,47 +103,50 @@ class Box:
 
 @dataclass
 class Canvas:
-    """Strokes, filled arrow heads and lettering, in the order in which they are drawn."""
+    """Strokes, filled arrow heads and texts, in the order in which they are drawn."""
 
     strokes: list[Stroke] = field(default_factory=list)
     arrows: list[Array] = field(default_factory=list)
     letters: list[Lettering] = field(default_factory=list)
 
     def line(self, *points: Sequence[float], pen: Pen = Pen.OUTLINE) -> None:
-        """A line through points."""
+        """Draw a line through points."""
         self.stroke(np.array(points, dtype=float), pen)
 
     def stroke(self, points: Array, pen: Pen = Pen.OUTLINE) -> None:
-        """A line through points (N, 2)."""
+        """Draw a line through points (N, 2)."""
         self.strokes.append(Stroke(points, pen))
 
     def circle(self, x: float, y: float, radius: float, pen: Pen = Pen.OUTLINE) -> None:
-        """A circle."""
+        """Draw a circle."""
         angle = np.linspace(0.0, 2.0 * np.pi, 181)
         self.stroke(np.stack((x + radius * np.cos(angle), y + radius * np.sin(angle)), axis=-1), pen)
 
     def arrow(self, tip: Array, way: Array) -> None:
-        """An arrow head at a tip (2,), pointing along `way`, a unit vector (2,)."""
-        length, half = ARROW
+        """Draw an arrow head at a tip (2,) that points along `way`, a unit vector (2,)."""
+        length, half = ARROW_SIZE_MM
         aside = np.array([-way[1], way[0]])
         self.arrows.append(np.array([tip, tip - length * way + half * aside, tip - length * way - half * aside]))
 
     def text(self, lettering: Lettering) -> None:
-        """A text where it says."""
+        """Add a text at its position."""
         self.letters.append(lettering)
 
     def is_free(self, box: Box) -> bool:
-        """Whether no text is there."""
+        """True if no text lies in a box."""
         return not any(box.overlaps(letters.box) for letters in self.letters)
 
     def hatch(self, outlines: Sequence[Array], flipped: bool = False) -> None:
-        """Hatch what closed outlines (N, 2) enclose, by the even-odd rule."""
+        """Hatch the area inside closed outlines (N, 2), by the even-odd rule."""
         slope = np.array([1.0, -1.0 if flipped else 1.0]) / np.sqrt(2.0)
         across = np.array([-slope[1], slope[0]])
         starts = np.concatenate(list(outlines))
         ends = np.concatenate([np.roll(outline, -1, axis=0) for outline in outlines])
         low, high = starts @ across, ends @ across
-        for level in np.arange(np.ceil(low.min() / HATCH), np.floor(low.max() / HATCH) + 1.0) * HATCH:
+        for level in (
+            np.arange(np.ceil(low.min() / HATCH_SPACING_MM), np.floor(low.max() / HATCH_SPACING_MM) + 1.0)
+            * HATCH_SPACING_MM
+        ):
             crossing = (low <= level) != (high <= level)
             share = ((level - low[crossing]) / (high[crossing] - low[crossing]))[:, None]
             along = np.sort((starts[crossing] + share * (ends[crossing] - starts[crossing])) @ slope)
@@ -138,9 +156,9 @@ class Canvas:
 
 @cache
 def text_width(text: str, height: float) -> float:
-    """Length (mm) of a text in letters of a height."""
+    """Width (mm) of a text in letters of a height."""
     from matplotlib.textpath import TextPath
 
     if not text:
         return 0.0
-    return float(TextPath((0.0, 0.0), text + ".", size=height / CAPITALS).get_extents().x1)
+    return float(TextPath((0.0, 0.0), text + ".", size=height / CAPITALS_SHARE).get_extents().x1)

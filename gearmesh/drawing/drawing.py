@@ -1,4 +1,4 @@
-"""Workshop drawings, drawn when they are saved."""
+"""Workshop drawings, painted when they are saved."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from gearmesh.errors import OutputError
 from gearmesh.view.diagrams.plots import save_figure
 from gearmesh.view.picture import saved_bytes
 
-#: suffixes of the files that hold drawings
-SUFFIXES = (".pdf", ".svg", ".png")
+#: suffixes of files with drawings
+DRAWING_SUFFIXES = (".pdf", ".svg", ".png")
 
 
 @dataclass(frozen=True, repr=False)
@@ -37,12 +37,12 @@ class WorkshopDrawing:
 
     @property
     def scale(self) -> str:
-        """As "1:2"."""
+        """Scale of the views, as "1:2"."""
         return scale_name(self._page.scale)
 
     @property
     def texts(self) -> tuple[str, ...]:
-        """All that is written on it."""
+        """All texts on the drawing."""
         return tuple(letters.text for letters in self._page.canvas.letters if letters.text)
 
     def save(self, path: str | PathLike[str]) -> Path:
@@ -69,8 +69,8 @@ class WorkshopDrawing:
         'pinion.svg'
         """
         target = Path(path)
-        if target.suffix.lower() not in SUFFIXES:
-            raise OutputError("cannot write", target, reason=f"its suffix must be one of {', '.join(SUFFIXES)}")
+        if target.suffix.lower() not in DRAWING_SUFFIXES:
+            raise OutputError("cannot write", target, reason=f"its suffix must be one of {', '.join(DRAWING_SUFFIXES)}")
         save_figure(paint(self._page), target)
         return target
 
@@ -82,7 +82,7 @@ class WorkshopDrawing:
 
 
 def drawing_of(gears: GearSet, name: str) -> WorkshopDrawing:
-    """The drawing of a member, as `Gears.drawing` says."""
+    """Return the drawing of a member, as for `Gears.drawing`."""
     member = gears.member(name)
     facts = facts_of(gears, member)
     return WorkshopDrawing(name, compose(views_of(member, facts), facts))

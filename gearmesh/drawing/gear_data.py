@@ -1,4 +1,4 @@
-"""The table of gear data [ISO 1340, DIN 3966] and the title block: what the sheet of a design says of one member."""
+"""Table of gear data [ISO 1340, DIN 3966] and title block of one member, from the sheet of its design."""
 
 from __future__ import annotations
 
@@ -24,72 +24,75 @@ from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import HEEL_END, TOE_END
 from gearmesh.teeth.tooth import Tooth
 
-#: keys that are said elsewhere on the sheet
-ELSEWHERE = (
+#: keys that appear elsewhere on the drawing
+KEYS_SHOWN_ELSEWHERE = (
     *("gearmesh", "name", "kind", "units", "teeth"),
     *("end_chamfer", "end_chamfer_toe", "end_chamfer_heel", "end_chamfer_angle"),
     *("end_rounding", "end_rounding_toe", "end_rounding_heel"),
 )
-#: units of keys as they are written
-UNITS = {"length": "mm", "angle": "deg", "coefficient": "m_n"}
+#: units of keys as written on the drawing
+KEY_UNITS = {"length": "mm", "angle": "deg", "coefficient": "m_n"}
 #: symbols of the deviations of the tip diameter
 TIP_DEVIATIONS = ("A_dae", "A_dai")
-#: what rows of the sheet that no standard has a symbol for are called there, and the words of those that have none of their own
-WORDS = frozenset(
+#: symbols of rows that are words, because no standard has a symbol for them
+WORD_SYMBOLS = frozenset(
     ("fixed", "feed", "form", "gap", "hand", "interference", "taper", "tool", "trimming", "trochoid", "undercut")
 )
-NAMED = {"tool": "tool"}
+#: names of rows that have words of another kind in the sheet
+ROW_NAMES = {"tool": "tool"}
 #: tolerances of profile (a) and helix (b), of ISO 1328-1
-DEVIATION, TRACES = re.compile(r"([fF])_([fH]?)([ab])T"), {"a": "alpha", "b": "beta"}
-#: symbols as ISO 23509 prints them, letter and index, which the sheet has as one word
-LETTERS = re.compile(r"([Rbdhstx])([acefimnorstwxzFR]{1,3})")
-#: mm^3 in m^3
-CUBIC = 1e-9
+DEVIATION_SYMBOL = re.compile(r"([fF])_([fH]?)([ab])T")
+#: index of profile and helix in these symbols
+TRACE_INDICES = {"a": "alpha", "b": "beta"}
+#: symbols as ISO 23509 prints them, letter and index, which the sheet joins
+LETTER_AND_INDEX = re.compile(r"([Rbdhstx])([acefimnorstwxzFR]{1,3})")
+#: m^3 per mm^3
+M3_PER_MM3 = 1e-9
 
 
 def facts_of(gears: GearSet, member: Member) -> Facts:
-    """What a drawing of a member says. Raises as its sheet does."""
+    """Return the data on a drawing of a member. Raises the errors of its sheet."""
     design, tables = gears.design, sheet_of(gears).tables
-    own = systems.system_of(design).drawn
-    if own is not None:
+    drawn_rows = systems.system_of(design).drawn
+    if drawn_rows is not None:
         # false goes before true
-        tables = tuple(sorted(tables, key=lambda table: table.title != own.measured))
+        tables = tuple(sorted(tables, key=lambda table: table.title != drawn_rows.measured))
     mates = [
         name for pair in gears.pairs if member.name in pair.members for name in pair.members if name != member.name
     ]
-    if own is None:
+    if drawn_rows is None:
         keys = _keys(design, member.name)
         rows = [*keys, *(row for row in _everything(tables, member.name) if row not in keys)]
     else:
-        tolerances = own.tolerances if own.accuracy in design.model_fields_set else ()
-        rows = _rows(tables, member.name, mates, own, tolerances)
+        tolerances = drawn_rows.tolerances if drawn_rows.accuracy in design.model_fields_set else ()
+        rows = _rows(tables, member.name, mates, drawn_rows, tolerances)
     own_rows = next((k for k, row in enumerate(rows) if row.heading), len(rows))
-    reference = None if own is None or own.reference is None else own.reference
+    reference = None if drawn_rows is None or drawn_rows.reference is None else drawn_rows.reference
     ends = tuple(_value(tables, symbol, member.name) for symbol in reference or ())
     deviations = tuple(_value(tables, symbol, member.name) for symbol in TIP_DEVIATIONS)
     density = STEEL_DENSITY_KG_PER_M3 if design.material.density is None else design.material.density
     return Facts(
         rows=(*rows[:own_rows], *_end_chamfers(member), *rows[own_rows:]),
-        tip=None if own is None else _value(tables, own.tip, member.name),
+        tip=None if drawn_rows is None else _value(tables, drawn_rows.tip, member.name),
         reference=(float(ends[0]), float(ends[1])) if len(ends) == 2 and None not in ends else None,
         tip_deviations=(float(deviations[0]), float(deviations[1])) if None not in deviations else None,
         title=design.title,
         part=f"{member.name.replace('_', ' ')}, {_count(member.tooth)}",
         material=f"E {number(design.material.youngs_modulus / 1000.0)} GPa, {number(density)} kg/m\N{SUPERSCRIPT THREE}",
-        mass=f"{number(density * CUBIC * exact_volume(member))} kg",
+        mass=f"{number(density * M3_PER_MM3 * exact_volume(member))} kg",
         version=f"gearmesh {__version__}",
         units="mm, deg",
     )
 
 
 def _count(tooth: Tooth) -> str:
-    """How many teeth there are, or threads."""
+    """Number of teeth, or of threads, in words."""
     one, several = ("tooth", "teeth") if tooth.screw is None else ("thread", "threads")
     return f"{tooth.teeth} {one if tooth.teeth == 1 else several}"
 
 
 def _end_chamfers(member: Member) -> list[DataRow]:
-    """A row for the broken edges of the end faces, if there are any."""
+    """Return a row for the broken edges of the end faces, if there are any."""
     ends, names = member.tooth.blank.ends, end_names(member.tooth.blank.axial)
     if ends == SHARP_ENDS:
         return []
@@ -108,20 +111,24 @@ def _end_chamfers(member: Member) -> list[DataRow]:
 
 
 def _column(name: str) -> str:
-    """What a member is called in tables: planets are alike, and have no numbers."""
+    """Name of a member in tables: planets are alike, and have no numbers."""
     return re.sub(r"_\d+$", "", name)
 
 
 def _cells(
     tables: Iterable[SheetTable], name: str, ranges: tuple[tuple[str, ...], ...] = ()
 ) -> Iterator[tuple[str, str, str, Any]]:
-    """Symbol, words, unit and value of all rows about a member, or about its pairs; of tables with columns of other names the
-    values of the first of `ranges` that they have, beside each other."""
+    """Yield symbol, words, unit and value of all rows about a member, or about its pairs.
+
+    For a table with other columns the values come from the first of `ranges` that it has, beside each other.
+    """
     for table in tables:
         head, colon, _ = table.title.partition(": ")
         if colon and _column(name) not in head.lower().split():
             continue
-        column = next((k for k, own in enumerate(table.columns) if own in (name, _column(name), "")), None)
+        column = next(
+            (k for k, column_name in enumerate(table.columns) if column_name in (name, _column(name), "")), None
+        )
         if column is None:
             yield from _of_range(table, ranges)
             continue
@@ -131,7 +138,7 @@ def _cells(
 
 
 def _of_range(table: SheetTable, ranges: tuple[tuple[str, ...], ...]) -> Iterator[tuple[str, str, str, Any]]:
-    """Rows of a table of pairs with the values of several columns, as the least and the largest backlash."""
+    """Yield rows of a table of pairs with the values of several columns, as the least and the largest backlash."""
     names = next((names for names in ranges if set(names) <= set(table.columns)), None)
     if names is None:
         return
@@ -139,36 +146,38 @@ def _of_range(table: SheetTable, ranges: tuple[tuple[str, ...], ...]) -> Iterato
         ends = [values[table.columns.index(name)] for name in names]
         if None not in ends:
             suffix = f" ({' / '.join(names)})" if len(names) > 1 else ""
-            value = " / ".join(number(one, 4) for one in ends) if suffix else ends[0]
+            value = " / ".join(number(value_of_end, 4) for value_of_end in ends) if suffix else ends[0]
             yield symbol, f"{table.title.rpartition(': ')[2].lower()}: {words.partition(',')[0]}{suffix}", unit, value
 
 
 def _value(tables: Iterable[SheetTable], symbol: str, name: str) -> Any:
-    return next((value for own, _, _, value in _cells(tables, name) if own == symbol), None)
+    """Return the value of a symbol, None if the sheet has none."""
+    return next((value for cell_symbol, _, _, value in _cells(tables, name) if cell_symbol == symbol), None)
 
 
 def _rows(
     tables: Iterable[SheetTable], name: str, mates: Iterable[str], drawn: DrawnRows, tolerances: tuple[str, ...]
 ) -> list[DataRow]:
-    """Rows by their symbols, those of the mating gears after them."""
+    """Return rows by their symbols, followed by the rows of the mating gears."""
     cells = list(_cells(tables, name, drawn.ranges))
     rows: list[DataRow] = []
     for symbol in (*drawn.own, *tolerances):
         rows += [*(_row(*cell) for cell in _first(cells, symbol)), *_limits(cells, symbol)]
     for mate in dict.fromkeys(_column(mate) for mate in mates):
-        theirs = list(_cells(tables, mate))
-        of_mate = [_row(*cell) for symbol in drawn.mating for cell in _first(theirs, symbol)]
+        mate_cells = list(_cells(tables, mate))
+        of_mate = [_row(*cell) for symbol in drawn.mating for cell in _first(mate_cells, symbol)]
         if of_mate:
             rows += [DataRow(f"Mating gear: {mate}", heading=True), *of_mate]
     return rows
 
 
 def _first(cells: Iterable[tuple[str, str, str, Any]], symbol: str) -> list[tuple[str, str, str, Any]]:
+    """Return the first cell of a symbol, in a list."""
     return [cell for cell in cells if cell[0] == symbol][:1]
 
 
 def _everything(tables: Iterable[SheetTable], name: str) -> list[DataRow]:
-    """All that the sheet says of a member, and of its pairs where it does so in a table without columns for them."""
+    """Return all rows about a member, and about its pairs in tables with a column for the member."""
     return [
         _row(*cell)
         for cell in _cells([table for table in tables if table.columns != ("",) and table.title != MASS], name)
@@ -177,25 +186,29 @@ def _everything(tables: Iterable[SheetTable], name: str) -> list[DataRow]:
 
 
 def _keys(design: Design, name: str) -> list[DataRow]:
-    """Numbers and words that the design has of both members and of this one, by its keys."""
-    own = design.in_mm()
-    tables: list[Table] = [own]
+    """Return numbers and words of the design, and of this member's table, by their keys."""
+    design_in_mm = design.in_mm()
+    tables: list[Table] = [design_in_mm]
     tables += [
-        part for part in (getattr(own, name, None) or getattr(own, _column(name), None),) if isinstance(part, Table)
+        part
+        for part in (getattr(design_in_mm, name, None) or getattr(design_in_mm, _column(name), None),)
+        if isinstance(part, Table)
     ]
     rows: dict[str, DataRow] = {}
     for table in tables:
         for key, field in type(table).model_fields.items():
             value = getattr(table, key)
-            meaning = next((one for one in field.metadata if isinstance(one, Key)), None)
+            meaning = next(
+                (part_of_metadata for part_of_metadata in field.metadata if isinstance(part_of_metadata, Key)), None
+            )
             plain = isinstance(value, int | float | str) and not isinstance(value, bool)
-            if plain and meaning is not None and key not in ELSEWHERE:
-                rows[key] = _row("", key.replace("_", " "), UNITS.get(meaning.unit, ""), value)
+            if plain and meaning is not None and key not in KEYS_SHOWN_ELSEWHERE:
+                rows[key] = _row("", key.replace("_", " "), KEY_UNITS.get(meaning.unit, ""), value)
     return list(rows.values())
 
 
 def _limits(cells: list[tuple[str, str, str, Any]], symbol: str) -> list[DataRow]:
-    """Both ends of what the sheet has at the ends of an allowance, in one row."""
+    """Return one row for both limits of an allowance, if the sheet has them."""
     upper, lower = (_first(cells, symbol + end) for end in ("_upper", "_lower"))
     if not upper or not lower:
         return []
@@ -206,19 +219,22 @@ def _limits(cells: list[tuple[str, str, str, Any]], symbol: str) -> list[DataRow
 
 
 def _row(symbol: str, words: str, unit: str, value: Any) -> DataRow:
+    """Return a row of gear data; lengths in um have one decimal, other numbers four."""
     if isinstance(value, float):
         value = number(value, 1 if unit == "um" else 4)
     sign = {"-": "", "deg": "\N{DEGREE SIGN}", "um": "µm", "m_n": "m_n"}.get(unit, unit)
     text = f"{value}{'' if sign == chr(176) else ' '}{sign}".strip()
-    return DataRow(NAMED.get(symbol, words.partition(";")[0]), drawn_symbol(symbol), text)
+    return DataRow(ROW_NAMES.get(symbol, words.partition(";")[0]), drawn_symbol(symbol), text)
 
 
 def drawn_symbol(symbol: str) -> str:
-    """A symbol of the sheet as a drawing has it: that of the standard, d_ae for dae; none for words, as hand."""
-    if symbol in WORDS:
+    """Return a symbol of the sheet as a drawing shows it: the symbol of the standard, d_ae for dae; none for words, as
+    hand.
+    """
+    if symbol in WORD_SYMBOLS:
         return ""
-    if deviation := DEVIATION.fullmatch(symbol):
+    if deviation := DEVIATION_SYMBOL.fullmatch(symbol):
         size, kind, trace = deviation.groups()
-        return "_".join(part for part in (size, kind, TRACES[trace], "T") if part)
-    letters = LETTERS.fullmatch(symbol)
+        return "_".join(part for part in (size, kind, TRACE_INDICES[trace], "T") if part)
+    letters = LETTER_AND_INDEX.fullmatch(symbol)
     return "_".join(letters.groups()) if letters and symbol != "beta" else symbol

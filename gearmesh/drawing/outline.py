@@ -1,4 +1,4 @@
-"""The outline of a member: its axial section, as polygons over (z, rho), and its teeth seen along the axis. Lengths in mm."""
+"""Outline of a member: its axial section, as polygons over (z, rho), and its teeth seen along the axis. Lengths in mm."""
 
 from __future__ import annotations
 
@@ -12,14 +12,18 @@ from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.tooth import Tooth
 
-#: stations along the face, points along each link of a tooth
-STATIONS, LINKS = 25, 13
+#: stations along the face
+FACE_STATIONS = 25
+#: points along each link of a tooth
+LINK_POINTS = 13
 
 
 @dataclass(frozen=True)
 class ToothRow:
-    """Of one row of teeth, in the axial half plane: lines (STATIONS, 2) of tip and root, (z, rho), from toe to heel, as if the end
-    faces were sharp, and `broken`, both with the chamfers there."""
+    """One row of teeth in the axial half plane: lines over (z, rho) from toe to heel.
+
+    `tip`, `root`: lines (FACE_STATIONS, 2) of a tooth with sharp end faces. `broken`: both lines with the end chamfers.
+    """
 
     tip: Array
     root: Array
@@ -32,12 +36,12 @@ class ToothRow:
         return np.concatenate((tip, root[::-1]))
 
     def on_ends(self, radii: tuple[float, float]) -> Array:
-        """Points on the end faces, at radii of the tooth.
+        """Return points on the end faces, at radii of the tooth.
 
         Parameters
         ----------
         radii : tuple of two float
-            Of the points at toe and heel, mm.
+            Radii of the points at toe and heel, mm.
 
         Returns
         -------
@@ -61,9 +65,9 @@ class ToothRow:
 
 @dataclass(frozen=True)
 class Outline:
-    """The axial section of a member.
+    """Axial section of a member.
 
-    `rows`: its teeth; `body`: closed polygon (N, 2) of what is under or round them, (z, rho).
+    `rows`: its rows of teeth; `body`: closed polygon (N, 2) of the body under or round them, (z, rho).
     """
 
     rows: tuple[ToothRow, ...]
@@ -71,7 +75,7 @@ class Outline:
 
     @property
     def ends(self) -> tuple[float, float]:
-        """Lowest and highest z of all."""
+        """Lowest and highest z of the section."""
         z = np.concatenate([self.body[:, 0], *(row.tip[:, 0] for row in self.rows)])
         return float(z.min()), float(z.max())
 
@@ -82,7 +86,7 @@ class Outline:
 
 
 def outline_of(member: Member) -> Outline:
-    """The outline of a member. Raises TrimError for teeth that cannot be trimmed."""
+    """Return the outline of a member. Raises TrimError for teeth that cannot be trimmed."""
     lines = [
         [_middle(tooth, region) for region in (Region.LAND, Region.ROOT)]
         for tooth in (member.tooth.sharp_ends, member.tooth)
@@ -97,7 +101,7 @@ def outline_of(member: Member) -> Outline:
     roots = [row.broken[1] for row in rows] + [
         np.array([(z, rho) for rho, z in gap.body.profile]) for gap in member.gaps
     ]
-    # all of them one after the other, from where the profile ends to where it begins
+    # join all roots from the end of the profile to its beginning
     rising = profile[0, 0] < profile[-1, 0]
     ordered = sorted((part[np.argsort(part[:, 0])] for part in roots), key=lambda part: float(part[:, 0].mean()))
     under = np.concatenate(ordered) if len(ordered) > 1 else roots[0]
@@ -107,29 +111,32 @@ def outline_of(member: Member) -> Outline:
 
 
 def _middle(tooth: Tooth, region: Region) -> Array:
-    """The middle of a land or root, (N, 2) over (z, rho), from one end face to the other, of the tooth's chamfers the ends."""
-    points = tooth.grid(region, np.array([0.5]), tooth.sections(np.linspace(0.0, 1.0, STATIONS))).points[0]
-    toe, heel = (np.zeros((0, 3)) if strip is None else strip.middle(region) for strip in tooth.end_strips)
-    points = np.concatenate((toe, points, heel[::-1]))
-    # of a rack the height over the reference plane
+    """Middle of a land or root, (N, 2) over (z, rho), from one end face to the other, including the end chamfers."""
+    points = tooth.grid(region, np.array([0.5]), tooth.sections(np.linspace(0.0, 1.0, FACE_STATIONS))).points[0]
+    toe_chamfer, heel_chamfer = (
+        np.zeros((0, 3)) if strip is None else strip.middle(region) for strip in tooth.end_strips
+    )
+    points = np.concatenate((toe_chamfer, points, heel_chamfer[::-1]))
+    # the radius of a rack is the height over the reference plane
     return np.stack((points[:, 2], tooth.joint.radius(points)), axis=-1)
 
 
 def _in_half(line: Array, half: HalfGear) -> Array:
-    """A line (N, 2) over (z, rho) in its row of teeth."""
+    """Return a line (N, 2) over (z, rho) in its row of teeth."""
     points = half.points(np.stack((line[:, 1], np.zeros(len(line)), line[:, 0]), axis=-1))
     return np.stack((points[:, 2], line[:, 1]), axis=-1)
 
 
 def end_of_teeth(member: Member, above: bool) -> tuple[Array, ...]:
-    """Points (N, 2), mm, over x and y: the teeth's end that looks to larger z (`above`) or smaller, one tooth of them; with a
-    chamfer the section under it, and the outline of the end face.
+    """Outline of one tooth on the end face at larger z (`above`) or at smaller z: lines of points (N, 2), mm, over x
+    and y.
 
-    Of a double helical member that of its first half.
+    With a chamfer it has two lines: the section under the chamfer, and the outline of the end face. For a double
+    helical member the end belongs to its first half.
     """
     tooth = member.tooth
     sections = tooth.sections([0.0, 1.0])
-    links = [tooth.grid(region, np.linspace(0.0, 1.0, LINKS), sections).points for region in tooth.regions]
+    links = [tooth.grid(region, np.linspace(0.0, 1.0, LINK_POINTS), sections).points for region in tooth.regions]
     heel_above = float(links[0][:, 1, 2].mean()) > float(links[0][:, 0, 2].mean())
     end = 1 if heel_above == above else 0
     strip, section = tooth.end_strips[end], np.concatenate([link[:, end, :2] for link in links])
@@ -137,8 +144,10 @@ def end_of_teeth(member: Member, above: bool) -> tuple[Array, ...]:
 
 
 def bar_faces(member: Member) -> tuple[Array, ...]:
-    """Points (N, 2), mm, over x and y: from end to end of a rack the outline of its end face at larger z, where its edges are
-    broken; nothing where they are sharp."""
+    """Outline of a rack's end face at larger z, from end to end, if its edges are broken; empty if they are sharp.
+
+    Points (N, 2), mm, are over x and y.
+    """
     tooth = member.tooth
     end = int(tooth.blank.faces[1] > tooth.blank.faces[0])
     strip = tooth.end_strips[end]
@@ -150,13 +159,13 @@ def bar_faces(member: Member) -> tuple[Array, ...]:
     middle = float(tooth.root_middle(np.array(tooth.blank.faces[end])))
     first = middle + places[0] * step[1] - member.overhang
     last = middle + (places[-1] + 1) * step[1] + member.overhang
-    # the first root is half of one, the last goes on as far as the bar
+    # the first root is cut in half, the last is extended to the end of the bar
     points[:, 1] = np.maximum(points[:, 1], first)
     return (np.concatenate(([(points[0, 0], first)], points, [(points[0, 0], last)])),)
 
 
 def tip_edges(member: Member) -> tuple[Array, Array]:
-    """Both edges of a land from toe to heel, (STATIONS, 2) over x and y."""
+    """Both edges of a land from toe to heel, (FACE_STATIONS, 2) over x and y."""
     tooth = member.tooth
-    points = tooth.grid(Region.LAND, np.array([0.0, 1.0]), tooth.sections(np.linspace(0.0, 1.0, STATIONS))).points
+    points = tooth.grid(Region.LAND, np.array([0.0, 1.0]), tooth.sections(np.linspace(0.0, 1.0, FACE_STATIONS))).points
     return points[0, :, :2], points[1, :, :2]

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-#: mm: border on the left, where sheets are bound, and on the other sides
-BINDING, BORDER = 20.0, 10.0
+#: border on the left, where sheets are bound
+BINDING_BORDER_MM = 20.0
+#: border on the other sides
+SHEET_BORDER_MM = 10.0
 #: enlargements, full size and reductions, the largest first
-SCALES = tuple(
+DRAWING_SCALES = tuple(
     sorted(
         [factor * 10.0**power for power in (0, 1) for factor in (1.0, 2.0, 5.0)]
         + [1.0 / (factor * 10.0**power) for power in (0, 1, 2, 3) for factor in (1.0, 2.0, 5.0)],
@@ -18,22 +20,27 @@ SCALES = tuple(
 
 @dataclass(frozen=True)
 class Paper:
-    """A sheet lying on its long side, mm; smaller ones are taken for views at `scale` or larger only."""
+    """A sheet lying on its long side; lengths in mm."""
 
+    #: size, as A4
     name: str
+    #: length of the long side
     width: float
+    #: length of the short side
     height: float
+    #: smallest scale at which this sheet is used
     scale: float
 
     @property
     def frame(self) -> tuple[float, float, float, float]:
-        """Left, low, right and high side of the drawing space."""
-        return BINDING, BORDER, self.width - BORDER, self.height - BORDER
+        """Left, low, right and high side of the drawing space, mm."""
+        return BINDING_BORDER_MM, SHEET_BORDER_MM, self.width - SHEET_BORDER_MM, self.height - SHEET_BORDER_MM
 
 
-PAPERS = (Paper("A4", 297.0, 210.0, 1.0), Paper("A3", 420.0, 297.0, 0.0))
+#: sheets, in the order in which they are tried
+PAPER_SIZES = (Paper("A4", 297.0, 210.0, 1.0), Paper("A3", 420.0, 297.0, 0.0))
 
 
 def scale_name(scale: float) -> str:
-    """As 1:2 or 5:1."""
+    """Return a scale as 1:2 or 5:1."""
     return f"{scale:g}:1" if scale >= 1.0 else f"1:{round(1.0 / scale):d}"

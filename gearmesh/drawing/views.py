@@ -1,7 +1,8 @@
-"""Views of a member on paper: axial section and view along the axis, of a rack front view and section [ISO 128, ISO 2203].
+"""Views of a member on paper: axial section and view along the axis, of a rack front view and section [ISO 128, ISO
+2203].
 
-First-angle projection: what is seen from the left is drawn on the right. The side on which teeth or hub are looks to the left, x
-is up in both views, where the keyway and the first tooth are.
+First-angle projection: the view from the left is drawn on the right. The side with the teeth or the hub looks to the
+left. x is up in both views; the keyway and the first tooth lie there.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from typing import Protocol
 
 import numpy as np
 
-from gearmesh.drawing.canvas import LETTERS, Canvas, Pen
+from gearmesh.drawing.canvas import LETTER_HEIGHT_MM, Canvas, Pen
 from gearmesh.drawing.dimensions import Span, note, room, stack
 from gearmesh.drawing.facts import Facts, diameter, number
 from gearmesh.drawing.outline import Outline, bar_faces, end_of_teeth, outline_of, tip_edges
@@ -23,37 +24,43 @@ from gearmesh.teeth.blank.features import Drilling, HoleRow, Spokes
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Region
 
-#: mm on paper: between views, chain lines beyond outlines, and the least pitch at which all teeth are drawn
-BETWEEN, BEYOND, PITCH = 10.0, 4.0, 3.0
-#: teeth that are drawn where not all are, and mm that count as nothing
-FEW, NOTHING = 5, 1e-6
-#: regions of steps that have a length of their own
-STEPS = (Region.HUB, Region.SHAFT, Region.COUNTERBORE, Region.RIM)
-#: mm on paper: height of a text over the teeth of a rack
-ABOVE_TEETH = 5.0
+#: distance between views
+VIEW_DISTANCE_MM = 10.0
+#: length of chain lines beyond outlines
+CHAIN_OVERRUN_MM = 4.0
+#: smallest pitch on paper at which all teeth are drawn
+MIN_TOOTH_PITCH_MM = 3.0
+#: number of teeth that are drawn at a smaller pitch
+TEETH_DRAWN = 5
+#: length that counts as 0
+ZERO_LENGTH_MM = 1e-6
+#: regions of steps whose length is a dimension
+LENGTH_REGIONS = (Region.HUB, Region.SHAFT, Region.COUNTERBORE, Region.RIM)
+#: height of a text over the teeth of a rack
+TEXT_ABOVE_TEETH_MM = 5.0
 #: points on each curve of an opening
-CURVE = 33
+CURVE_POINTS = 33
 
 
 class Views(Protocol):
     """The views of a member."""
 
     def size(self, scale: float) -> tuple[float, float]:
-        """Width and height on paper with all dimensions, mm."""
+        """Return width and height on paper with all dimensions, mm."""
 
     def draw(self, canvas: Canvas, scale: float, left: float, low: float) -> None:
-        """Draw them at a scale, above and to the right of this corner."""
+        """Draw the views at a scale, above and to the right of a corner."""
 
 
 def views_of(member: Member, facts: Facts) -> Views:
-    """The views that suit a member."""
+    """Return the views of a gear or of a rack."""
     outline = outline_of(member)
     return (WheelViews if member.body.bore_diameter is not None else RackViews)(member, outline, facts)
 
 
 @dataclass(frozen=True)
 class _Length:
-    """A length along the axis, from one z to another, at the radii where it is taken."""
+    """A length along the axis from `low` to `high` z, measured at the radii `near`."""
 
     low: float
     high: float
@@ -62,11 +69,15 @@ class _Length:
 
 @dataclass(frozen=True)
 class _Diameter:
-    """A diameter, where along the axis it is found (lowest and highest z), and its text."""
+    """A diameter with its position; mm."""
 
+    #: the diameter
     value: float
+    #: lowest z at which it is found
     low: float
+    #: highest z at which it is found
     high: float
+    #: text of the dimension
     text: str
 
 
@@ -80,9 +91,9 @@ class WheelViews:
 
     @cached_property
     def side(self) -> float:
-        """Side that is seen in the end view: 1 from larger z, -1 from smaller."""
+        """Side that the end view shows: 1 from larger z, -1 from smaller."""
         rise = sum(float((row.tip - row.root)[:, 0].sum()) for row in self.outline.rows[:1])
-        if abs(rise) > NOTHING:
+        if abs(rise) > ZERO_LENGTH_MM:
             return 1.0 if rise > 0.0 else -1.0
         return -1.0 if self.member.hub is None else 1.0
 
@@ -93,19 +104,19 @@ class WheelViews:
 
     @property
     def is_cylindrical(self) -> bool:
-        """Whether the tip has the same diameter along the face."""
-        return float(np.ptp(self.tip[:, 1])) < NOTHING
+        """True if the tip has the same diameter along the face."""
+        return float(np.ptp(self.tip[:, 1])) < ZERO_LENGTH_MM
 
     @cached_property
     def own(self) -> list[_Diameter]:
         """Diameters of the teeth."""
-        widest = self.tip[np.abs(self.tip[:, 1] - self.tip[:, 1].max()) < NOTHING]
+        widest = self.tip[np.abs(self.tip[:, 1] - self.tip[:, 1].max()) < ZERO_LENGTH_MM]
         value = 2.0 * widest[0, 1] if self.facts.tip is None else self.facts.tip
         tip = diameter(float(value), self.facts.tip_deviations)
         diameters = [_Diameter(2.0 * widest[0, 1], widest[:, 0].min(), widest[:, 0].max(), tip)]
         if self.facts.reference is not None:
             place = np.concatenate([row.on_ends(self._reference_radii) for row in self.outline.rows])
-            place = place[np.abs(place[:, 1] - place[:, 1].max()) < NOTHING]
+            place = place[np.abs(place[:, 1] - place[:, 1].max()) < ZERO_LENGTH_MM]
             diameters.append(
                 _Diameter(2.0 * place[0, 1], place[:, 0].min(), place[:, 0].max(), f"({diameter(2.0 * place[0, 1])})")
             )
@@ -113,33 +124,34 @@ class WheelViews:
 
     @property
     def _reference_radii(self) -> tuple[float, float]:
+        """Reference radii at toe and heel, mm."""
         assert self.facts.reference is not None
         first, last = self.facts.reference
         return 0.5 * first, 0.5 * last
 
     @cached_property
     def body(self) -> list[_Diameter]:
-        """Diameters of the body, one of each size."""
+        """Diameters of the body, one for each size."""
         profile = self.member.body.profile
         sizes: dict[float, list[float]] = {}
-        sizes_of_teeth = [own.value for own in self.own]
+        sizes_of_teeth = [radius.value for radius in self.own]
         for (rho, z), (other, end) in pairwise(profile):
             places = {rho: (z, end)} if rho == other else {} if z == end else {rho: (z,), other: (end,)}
-            for own, there in places.items():
-                if own > 0.0 and not any(abs(2.0 * own - value) < 1e-3 for value in sizes_of_teeth):
-                    sizes.setdefault(round(own, 6), []).extend(there)
+            for radius, z_values in places.items():
+                if radius > 0.0 and not any(abs(2.0 * radius - value) < 1e-3 for value in sizes_of_teeth):
+                    sizes.setdefault(round(radius, 6), []).extend(z_values)
         for gap in self.member.gaps:
             sizes.setdefault(round(0.5 * gap.diameter, 6), []).extend(gap.body.ends)
         return [_Diameter(2.0 * rho, min(z), max(z), diameter(2.0 * rho)) for rho, z in sizes.items()]
 
     @cached_property
     def lengths(self) -> list[_Length]:
-        """Lengths along the axis, each once."""
+        """Lengths along the axis, without duplicates."""
         body, rows = self.member.body, self.outline.rows
         lengths: list[_Length] = []
 
         def add(one: tuple[float, float], other: tuple[float, float]) -> None:
-            """Between two points (z, rho)."""
+            """Add the length between two points (z, rho)."""
             (a, r), (b, s) = sorted((one, other))
             same = any(abs(a - length.low) < 1e-3 and abs(b - length.high) < 1e-3 for length in lengths)
             if b - a > 1e-3 and not same:
@@ -164,7 +176,7 @@ class WheelViews:
             top = body.ends[1]
             add((top - self.member.hub.length, 0.5 * self.member.hub.diameter), (top, 0.5 * self.member.hub.diameter))
         for band, ((rho, z), (other, end)) in zip(body.bands, pairwise(body.profile), strict=True):
-            if z != end and band in STEPS and not (band is Region.RIM and body.bands.count(band) == 1):
+            if z != end and band in LENGTH_REGIONS and not (band is Region.RIM and body.bands.count(band) == 1):
                 add((z, rho), (end, other))
         lowest, highest = (pick(body.profile, key=lambda point: point[1]) for pick in (min, max))
         add((lowest[1], lowest[0]), (highest[1], highest[0]))
@@ -174,11 +186,15 @@ class WheelViews:
 
     @cached_property
     def sides(self) -> tuple[list[_Diameter], list[_Diameter]]:
-        """Diameters that are given on the left and on the right of the section."""
+        """Diameters on the left and on the right of the section."""
         middle = 0.5 * sum(self.outline.ends)
-        # of a cone the large end
-        right = [] if self.is_cylindrical else [own for own in self.own if -self.side * (own.low - middle) > 0.0]
-        left = [own for own in self.own if own not in right]
+        # the diameter of a cone is on the side of its large end
+        right = (
+            []
+            if self.is_cylindrical
+            else [tooth_diameter for tooth_diameter in self.own if -self.side * (tooth_diameter.low - middle) > 0.0]
+        )
+        left = [tooth_diameter for tooth_diameter in self.own if tooth_diameter not in right]
         return left, [*self.body, *right]
 
     @property
@@ -189,8 +205,17 @@ class WheelViews:
         low, high = self.outline.ends
         left, right = self.sides
         across = 2.0 * self.outline.reach * scale
-        wide = room(len(left)) + (high - low) * scale + room(len(right)) + BETWEEN + across + room(int(self.has_keyway))
-        return wide + BEYOND, across + room(len(self.lengths)) + max(BEYOND, room(int(self.has_keyway)))
+        wide = (
+            room(len(left))
+            + (high - low) * scale
+            + room(len(right))
+            + VIEW_DISTANCE_MM
+            + across
+            + room(int(self.has_keyway))
+        )
+        return wide + CHAIN_OVERRUN_MM, across + room(len(self.lengths)) + max(
+            CHAIN_OVERRUN_MM, room(int(self.has_keyway))
+        )
 
     def draw(self, canvas: Canvas, scale: float, left: float, low: float) -> None:
         ends, axis = self.outline.ends, low + room(len(self.lengths)) + self.outline.reach * scale
@@ -199,12 +224,13 @@ class WheelViews:
         place = _Place(scale, begin, axis, -self.side, first)
         self._section(canvas, place)
         self._dimensions(canvas, place)
-        end = begin + (ends[1] - ends[0]) * scale + room(len(self.sides[1])) + BETWEEN
+        end = begin + (ends[1] - ends[0]) * scale + room(len(self.sides[1])) + VIEW_DISTANCE_MM
         self._end(canvas, scale, np.array([end + self.outline.reach * scale, axis]))
 
     # ---------------------------------------------------------------- axial section
 
     def _section(self, canvas: Canvas, place: _Place) -> None:
+        """Draw the axial section."""
         member, body = self.member, self.member.body
         for up in (1.0, -1.0):
             cuts = []
@@ -216,7 +242,7 @@ class WheelViews:
                 if drilled:
                     middle = 0.5 * sum(reach)
                     line = place.on(np.array([(a, middle), (b, middle)]), up)
-                    canvas.stroke(_longer(line, BEYOND - 1.0), Pen.CHAIN)
+                    canvas.stroke(_longer(line, CHAIN_OVERRUN_MM - 1.0), Pen.CHAIN)
             openings = [place.on(np.array([(z, r) for z, r in zip((a, b, b, a), (s, s, t, t), strict=True)]), up)
                         for (a, b), (s, t) in cuts]  # fmt: skip
             outline = place.on(self.outline.body, up)
@@ -232,20 +258,20 @@ class WheelViews:
             if web is not None:
                 for z in (body.profile[0][1], body.profile[-1][1]):
                     canvas.stroke(place.on(np.array([(z, web.inner), (z, web.outer)]), up))
-        # edges that are seen behind the section
+        # edges behind the section
         for z, rho in self._inner_ends():
             canvas.stroke(np.concatenate([place.on(np.array([(z, rho)]), up) for up in (1.0, -1.0)]))
         axis = place.on(np.array([(z, 0.0) for z in self.outline.ends]), 1.0)
-        canvas.stroke(_longer(axis, BEYOND), Pen.CHAIN)
+        canvas.stroke(_longer(axis, CHAIN_OVERRUN_MM), Pen.CHAIN)
 
     @cached_property
     def _cuts(self) -> list[tuple[tuple[float, float], tuple[float, float], bool]]:
-        """Of holes and the openings between spokes, as if they were in the section: z, radii, and whether they are drilled."""
+        """Holes, and openings between spokes, as if they lay in the section: z, radii, and whether they are drilled."""
         cuts = {(cut.low, cut.high, *cut.reach): cut.region is not Region.SPOKE for cut in self.member.openings}
         return [((a, b), (s, t), drilled) for (a, b, s, t), drilled in cuts.items()]
 
     def _inner_ends(self) -> list[tuple[float, float]]:
-        """(z, rho) of both ends of what is open along the axis."""
+        """(z, rho) of both ends of the bore, or of the teeth of an internal gear."""
         if self.member.body.around:
             return [(float(z), float(rho)) for z, rho in (self.tip[0], self.tip[-1])]
         body, seen = self.member.body, dict[float, float]()
@@ -255,31 +281,35 @@ class WheelViews:
         return [(z, rho) for z, rho in seen.items() if rho > 0.0]
 
     def _dimensions(self, canvas: Canvas, place: _Place) -> None:
+        """Draw the diameters and lengths."""
         ends = np.sort(place.along(np.array(self.outline.ends)))
         for diameters, side in zip(self.sides, (-1, 1), strict=True):
             spans = []
-            for own in diameters:
-                near = place.along(np.array([own.low, own.high]))
+            for size in diameters:
+                near = place.along(np.array([size.low, size.high]))
                 start = float(near.min() if side < 0 else near.max())
-                half = 0.5 * own.value * place.scale
-                spans.append(Span(place.axis - half, place.axis + half, own.text, (start, start)))
+                half = 0.5 * size.value * place.scale
+                spans.append(Span(place.axis - half, place.axis + half, size.text, (start, start)))
             stack(canvas, spans, float(ends[0] if side < 0 else ends[1]), side, upright=True)
         spans = []
         for length in self.lengths:
             a, b = place.along(np.array([length.low, length.high])).tolist()
             levels = [place.axis - radius * place.scale for radius in length.near]
-            both = sorted(zip((a, b), levels, strict=True))
+            ends_and_levels = sorted(zip((a, b), levels, strict=True))
             text = number(length.high - length.low)
-            spans.append(Span(both[0][0], both[1][0], text, (both[0][1], both[1][1])))
+            spans.append(
+                Span(ends_and_levels[0][0], ends_and_levels[1][0], text, (ends_and_levels[0][1], ends_and_levels[1][1]))
+            )
         stack(canvas, spans, place.axis - self.outline.reach * place.scale, -1, upright=False)
 
     # ---------------------------------------------------------------- end view
 
     def _end(self, canvas: Canvas, scale: float, centre: Array) -> None:
+        """Draw the view along the axis."""
         member, body = self.member, self.member.body
 
         def on(points: Array) -> Array:
-            """Points (N, 2) over x and y on paper."""
+            """Return points (N, 2), over x and y, on paper."""
             return np.asarray(centre + scale * np.stack((-self.side * points[:, 1], points[:, 0]), axis=-1))
 
         self._teeth(canvas, scale, centre, on)
@@ -288,7 +318,7 @@ class WheelViews:
             canvas.circle(centre[0], centre[1], scale * rho)
         if self.facts.reference is not None:
             canvas.circle(centre[0], centre[1], 0.5 * scale * max(self.facts.reference), Pen.CHAIN)
-        reach = scale * self.outline.reach + BEYOND
+        reach = scale * self.outline.reach + CHAIN_OVERRUN_MM
         for way in (np.array([reach, 0.0]), np.array([0.0, reach])):
             canvas.line(centre - way, centre + way, pen=Pen.CHAIN)
         self._bore(canvas, scale, centre, on)
@@ -301,14 +331,16 @@ class WheelViews:
             self._name_spokes(canvas, scale, centre, on, member.features.spokes)
 
     def _is_seen(self, z: float) -> bool:
+        """True if a face at z is visible in the end view."""
         low, high = self.member.body.ends
         return self.side * (z - 0.5 * (low + high)) > 0.0
 
     def _teeth(self, canvas: Canvas, scale: float, centre: Array, on: _Mapping) -> None:
+        """Draw all teeth, or some teeth and circles for the rest [ISO 2203]."""
         tooth = self.member.tooth
         pitch, radius = tooth.pitch_angle, float(self.tip[:, 1].max())
-        everything = scale * radius * pitch >= PITCH
-        count = tooth.teeth if everything else FEW
+        all_drawn = scale * radius * pitch >= MIN_TOOTH_PITCH_MM
+        count = tooth.teeth if all_drawn else TEETH_DRAWN
         first = -(count // 2)
         end = end_of_teeth(self.member, self.side > 0.0)
         more = () if self.is_cylindrical else (*end_of_teeth(self.member, self.side < 0.0), *tip_edges(self.member))
@@ -316,9 +348,9 @@ class WheelViews:
         for k in range(first, first + count):
             for line in lines:
                 canvas.stroke(on(_turn(line, k * pitch)))
-        if everything:
+        if all_drawn:
             return
-        # where no teeth are drawn [ISO 2203]: their tips, and the roots thin
+        # teeth that are not drawn [ISO 2203]: tip circles, and the root circle as a thin line
         roots = self.outline.rows[0].root[:, 1]
         tips = {(round(float(rho), 6), Pen.OUTLINE) for rho in (radius, self.tip[:, 1].min())}
         rest = {(round(float(roots.max()), 6), Pen.THIN)} if self.is_cylindrical else set()
@@ -328,6 +360,7 @@ class WheelViews:
             canvas.stroke(on(rho * np.stack((np.cos(angle), np.sin(angle)), axis=-1)), pen)
 
     def _bore(self, canvas: Canvas, scale: float, centre: Array, on: _Mapping) -> None:
+        """Draw bore and keyway with their dimensions."""
         radius, keyway = self.member.body.bore_radius, self.member.keyway
         if radius <= 0.0:
             return
@@ -347,17 +380,18 @@ class WheelViews:
         stack(canvas, [height], centre[0] + reach, 1, upright=True)
 
     def _openings(self, canvas: Canvas, region: Region, on: _Mapping) -> None:
-        """The outlines of openings, of those that end in a floor where they are seen."""
+        """Draw the outlines of openings, except blind ones on the far side."""
         for opening in self.member.openings:
             blind = opening.floor is not None and not self._is_seen(sum((opening.low, opening.high, -opening.floor)))
             if opening.region is region and not blind:
-                points = np.concatenate([curve.at(np.linspace(0.0, 1.0, CURVE)) for curve in opening.curves])
+                points = np.concatenate([curve.at(np.linspace(0.0, 1.0, CURVE_POINTS)) for curve in opening.curves])
                 canvas.stroke(on(np.concatenate((points, points[:1]))))
 
     def _name_holes(self, canvas: Canvas, scale: float, centre: Array, on: _Mapping, holes: Drilling) -> None:
+        """Draw the circle through holes, and a text with their number, size and depth."""
         canvas.circle(centre[0], centre[1], 0.5 * scale * holes.circle, Pen.CHAIN)
         places = on(holes.centres)
-        # from the one at the lower right (of bolt holes left), to below the view
+        # the leader starts at the hole at the lower right (bolt holes: lower left)
         side = -1.0 if holes.region is Region.BOLT else 1.0
         x, y = places[np.argmax(side * places[:, 0] - places[:, 1])]
         way = np.array([side, -1.0]) / np.sqrt(2.0)
@@ -368,7 +402,9 @@ class WheelViews:
         self._note_below(canvas, scale, centre, tip, side, text)
 
     def _name_spokes(self, canvas: Canvas, scale: float, centre: Array, on: _Mapping, spokes: Spokes) -> None:
-        """Number and width of spokes, bounds and corners of the openings, at the foot of the opening at the lower right."""
+        """Draw a text with number and width of spokes, and size of their openings, at the opening at the lower right
+        (beside holes: lower left).
+        """
         angle = spokes.start + 2.0 * np.pi * (np.arange(spokes.count) + 0.5) / spokes.count
         places = on(0.5 * spokes.outer * np.stack((np.cos(angle), np.sin(angle)), axis=-1))
         # holes are named on the right, bolt holes on the left
@@ -379,13 +415,15 @@ class WheelViews:
         )
         if spokes.corner > 0.0:
             text += f", R {number(spokes.corner)}"
-        self._note_below(canvas, scale, centre, tip, side, text, 2.0 * LETTERS)
+        self._note_below(canvas, scale, centre, tip, side, text, 2.0 * LETTER_HEIGHT_MM)
 
     def _note_below(
         self, canvas: Canvas, scale: float, centre: Array, tip: Array, side: float, text: str, more: float = 0.0
     ) -> None:
-        """A text at a leader from a tip to below the view, on the right (`side` 1) or the left, `more` mm lower than usual."""
-        low = centre[1] - scale * self.outline.reach - BEYOND - 3.0 - more
+        """Draw a text at a leader from a tip to below the view, on the right (`side` 1) or the left; `more` (mm) lowers
+        it.
+        """
+        low = centre[1] - scale * self.outline.reach - CHAIN_OVERRUN_MM - 3.0 - more
         corner = (
             (float(tip[0] + side * 2.0), low) if tip[1] > low else (float(tip[0] + side * 4.0), float(tip[1] - 4.0))
         )
@@ -403,39 +441,45 @@ class _Mapping(Protocol):
 
 @dataclass(frozen=True)
 class _Place:
-    """Where the axial section is: `begin` on paper is z = `first`, `axis` the height of its axis, `way` that of z."""
+    """Position of the axial section on paper; lengths in mm."""
 
+    #: scale of the view
     scale: float
+    #: horizontal position of z = `first`
     begin: float
+    #: vertical position of the axis
     axis: float
+    #: +1 if z grows to the right, -1 if to the left
     way: float
+    #: z at the left end of the section
     first: float
 
     def along(self, z: Array) -> Array:
-        """Horizontal places (N,) of z."""
+        """Return horizontal positions (N,) of z."""
         return np.asarray(self.begin + self.way * self.scale * (z - self.first))
 
     def on(self, points: Array, up: float) -> Array:
-        """Points (N, 2) of (z, rho) on paper, above the axis or (`up` -1) below it."""
+        """Return points (N, 2) of (z, rho) on paper, above the axis or (`up` -1) below it."""
         return np.stack((self.along(points[:, 0]), self.axis + up * self.scale * points[:, 1]), axis=-1)
 
 
 def _turn(points: Array, angle: float) -> Array:
+    """Turn points (N, 2) by an angle, rad."""
     c, s = np.cos(angle), np.sin(angle)
     return np.asarray(points @ np.array([(c, s), (-s, c)]))
 
 
 def _longer(line: Array, more: float) -> Array:
-    """A line between two points (2, 2), longer at both ends."""
+    """Lengthen a line between two points (2, 2) at both ends."""
     way = (line[1] - line[0]) / np.linalg.norm(line[1] - line[0])
     return np.array([line[0] - more * way, line[1] + more * way])
 
 
 def _draw_outline(canvas: Canvas, outline: Array, axis: float) -> None:
-    """Draw a closed outline, but for what lies on the axis."""
+    """Draw a closed outline without its parts on the axis."""
     runs: list[list[Array]] = [[]]
     for point, after in zip(outline, np.roll(outline, -1, axis=0), strict=True):
-        if abs(point[1] - axis) < NOTHING and abs(after[1] - axis) < NOTHING:
+        if abs(point[1] - axis) < ZERO_LENGTH_MM and abs(after[1] - axis) < ZERO_LENGTH_MM:
             runs.append([])
             continue
         runs[-1] += [point, after] if not runs[-1] else [after]
@@ -454,7 +498,7 @@ class RackViews:
 
     @cached_property
     def contour(self) -> Array:
-        """Points (N, 2) of the end of teeth and bar, (x, y); with broken edges the section under them."""
+        """Points (N, 2) of the end of teeth and bar, (x, y); with broken edges, of the section under them."""
         from gearmesh.cad.section import member_section
 
         cut = member_section(self.member, max(self.member.tooth.blank.extent), 1e-3)
@@ -462,7 +506,7 @@ class RackViews:
 
     @property
     def heights(self) -> tuple[float, float]:
-        """Of back and tip over the reference plane."""
+        """Heights of back and tip over the reference plane."""
         return float(self.contour[:, 0].min()), float(self.contour[:, 0].max())
 
     @property
@@ -478,8 +522,8 @@ class RackViews:
     def size(self, scale: float) -> tuple[float, float]:
         back, tip = self.heights
         first, last = self.ends
-        above = BEYOND if self.member.features.row is None else BEYOND + ABOVE_TEETH
-        wide = room(2) + (last - first + self.width) * scale + BETWEEN + 2.0 * BEYOND
+        above = CHAIN_OVERRUN_MM if self.member.features.row is None else CHAIN_OVERRUN_MM + TEXT_ABOVE_TEETH_MM
+        wide = room(2) + (last - first + self.width) * scale + VIEW_DISTANCE_MM + 2.0 * CHAIN_OVERRUN_MM
         return wide, (tip - back) * scale + room(1) + above
 
     def draw(self, canvas: Canvas, scale: float, left: float, low: float) -> None:
@@ -499,14 +543,14 @@ class RackViews:
             canvas.line(*zip(x + scale * (face[:, 1] - first), y + scale * (face[:, 0] - back), strict=True))
         level = y - scale * back
         length = last - first
-        canvas.line((x - BEYOND, level), (x + scale * length + BEYOND, level), pen=Pen.CHAIN)
+        canvas.line((x - CHAIN_OVERRUN_MM, level), (x + scale * length + CHAIN_OVERRUN_MM, level), pen=Pen.CHAIN)
         stack(canvas, spans([(0.0, tip - back, tip - back), (0.0, -back, -back)], y, x), x, -1, upright=True)
         stack(canvas, spans([(0.0, length, length)], x, y), y, -1, upright=False)
         row = self.member.features.row
         if row is not None:
             self._holes(canvas, row, np.array([x - scale * first, level]), scale)
         # section
-        x += scale * length + BETWEEN + BEYOND
+        x += scale * length + VIEW_DISTANCE_MM + CHAIN_OVERRUN_MM
         start = np.array([self.outline.ends[0], back])
         tip_line, root_line = (np.array([x, y]) + scale * (line - start) for line in self.outline.rows[0].broken)
         body = np.array([x, y]) + scale * (self.outline.body - start)
@@ -527,7 +571,9 @@ class RackViews:
         stack(canvas, spans([(0.0, self.width, self.width)], x, y), y, -1, upright=False)
 
     def _holes(self, canvas: Canvas, row: HoleRow, origin: Array, scale: float) -> None:
-        """The holes of a row in the front view, `origin` (2,) on paper where y and the reference plane are 0, and their sizes."""
+        """Draw the holes of a row in the front view, with their sizes; `origin` (2,) is the point y = 0 of the
+        reference plane on paper.
+        """
         places = origin + scale * row.centres[:, ::-1]
         for x, y in places:
             canvas.circle(float(x), float(y), 0.5 * scale * row.diameter)
@@ -542,5 +588,5 @@ class RackViews:
         if row.depth is not None:
             text += f", {number(row.depth)} deep"
         tip = places[0] + 0.5 * scale * row.diameter * np.array([1.0, 1.0]) / np.sqrt(2.0)
-        top = float(origin[1]) + scale * self.heights[1] + ABOVE_TEETH
+        top = float(origin[1]) + scale * self.heights[1] + TEXT_ABOVE_TEETH_MM
         note(canvas, (float(tip[0]), float(tip[1])), (float(tip[0]) + 0.5 * (top - float(tip[1])), top), text)

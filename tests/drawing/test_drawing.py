@@ -12,12 +12,12 @@ from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh.cad.section import member_section
-from gearmesh.drawing.canvas import HATCH, Box, Canvas, Pen
+from gearmesh.drawing.canvas import HATCH_SPACING_MM, Box, Canvas, Pen
 from gearmesh.drawing.drawing import WorkshopDrawing
 from gearmesh.drawing.gear_data import drawn_symbol, facts_of
 from gearmesh.drawing.outline import bar_faces, outline_of
-from gearmesh.drawing.page import SMALL, formula
-from gearmesh.drawing.paper import SCALES, scale_name
+from gearmesh.drawing.page import TABLE_LETTER_HEIGHT_MM, formula
+from gearmesh.drawing.paper import DRAWING_SCALES, scale_name
 
 #: sample, changes, member, texts that must be there: key dimensions, hole pattern, tolerances, limits of the span
 KEYED = [
@@ -71,7 +71,7 @@ def test_texts_say_what_the_gear_is_and_none_lies_on_another(case: str) -> None:
     for stroke in made._page.canvas.strokes:
         assert np.all(stroke.points >= np.array([left, low]) - 1e-9)
         assert np.all(stroke.points <= np.array([right, high]) + 1e-9)
-    assert made._page.scale in SCALES
+    assert made._page.scale in DRAWING_SCALES
 
 
 def test_lines_are_to_scale_and_hatching_is_where_material_is() -> None:
@@ -90,7 +90,7 @@ def test_lines_are_to_scale_and_hatching_is_where_material_is() -> None:
     lengths = [np.linalg.norm(np.diff(s.points, axis=0)) for s in made._page.canvas.strokes if s.pen is Pen.HATCHING]
     root, gap = 0.5 * 94.1964, 0.5 * (94.1964 - 2.0)
     section = 2.0 * (60.0 * (root - 20.0) + 12.0 * (gap - 20.0)) - 72.0 * 3.3
-    assert HATCH * sum(lengths) / scale**2 == pytest.approx(section, rel=0.01)
+    assert HATCH_SPACING_MM * sum(lengths) / scale**2 == pytest.approx(section, rel=0.01)
 
 
 @pytest.mark.quick
@@ -101,13 +101,13 @@ def test_hatching_leaves_openings_out() -> None:
     points = np.concatenate([stroke.points.mean(axis=0, keepdims=True) for stroke in canvas.strokes])
     inside = np.all((points > 20.0) & (points < 40.0), axis=1)
     assert not inside.any()
-    area = HATCH * sum(np.linalg.norm(np.diff(stroke.points, axis=0)) for stroke in canvas.strokes)
+    area = HATCH_SPACING_MM * sum(np.linalg.norm(np.diff(stroke.points, axis=0)) for stroke in canvas.strokes)
     assert area == pytest.approx(3200.0, rel=0.02)
     assert [scale_name(scale) for scale in (2.0, 1.0, 0.05)] == ["2:1", "1:1", "1:20"]
     assert Box(0.0, 0.0, 1.0, 1.0).overlaps(Box(0.9, 0.9, 2.0, 2.0))
 
 
-def test_the_table_is_the_sheet_and_tolerances_are_there_if_a_class_is_asked_for() -> None:
+def test_table_has_tolerances_only_for_a_given_accuracy_class() -> None:
     sample, changes, member, _ = CASES["keyed"]
     gears = gm.build(gm.load(SAMPLES / f"{sample}.toml", changes))
     tables = gears.sheet().plain_tables
@@ -233,4 +233,4 @@ def test_what_a_design_and_its_sheet_both_say_is_drawn_once() -> None:
 def test_symbols_with_greek_letters_are_as_large_as_others() -> None:
     """Their size is that of the letters, not of these letters' names."""
     page = gm.build(gm.load(SAMPLES / "helical.toml", ["accuracy_class=7"])).drawing("pinion")._page
-    assert {one.height for one in page.canvas.letters if one.symbol} == {SMALL}
+    assert {one.height for one in page.canvas.letters if one.symbol} == {TABLE_LETTER_HEIGHT_MM}
