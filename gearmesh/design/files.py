@@ -13,10 +13,18 @@ from gearmesh.arguments import checks_arguments
 from gearmesh.design.keys import Table
 from gearmesh.design.shown import value_text
 from gearmesh.errors import ArgumentError, FileError
-from gearmesh.files.reading import DEEPEST, INPUT, MIB, file_text, input_text, json_value, toml_value
+from gearmesh.files.reading import (
+    BYTES_PER_MIB,
+    MAX_TABLE_DEPTH,
+    STANDARD_INPUT,
+    file_text,
+    input_text,
+    json_value,
+    toml_value,
+)
 
 #: largest design file
-MAX_FILE_BYTES = MIB
+MAX_FILE_BYTES = BYTES_PER_MIB
 #: noun for the file in refusals
 FILE_NOUN = "design file"
 
@@ -30,7 +38,7 @@ def read(path: str | os.PathLike[str]) -> dict[str, Any]:
     "-" reads standard input, as JSON if the text begins with a brace or bracket. Raises DesignError with file and line.
     """
     text = text_of(path)
-    name = INPUT if is_input(path) else path
+    name = STANDARD_INPUT if is_input(path) else path
     is_json = text.lstrip().startswith(("{", "[")) if is_input(path) else Path(path).suffix.lower() == ".json"
     data = (json_value if is_json else toml_value)(text, name)
     if not isinstance(data, dict):
@@ -59,7 +67,7 @@ def override(data: Mapping[str, Any], settings: Sequence[str]) -> dict[str, Any]
     for setting in settings:
         dotted, equals, value = setting.partition("=")
         names = [name.strip() for name in dotted.split(".")]
-        if not equals or not all(names) or len(names) > DEEPEST:
+        if not equals or not all(names) or len(names) > MAX_TABLE_DEPTH:
             raise ArgumentError("overrides", entry=value_text(setting), reason="must look like dotted.key=value")
         result = _with(result, names, _value(value.strip()), setting)
     return result

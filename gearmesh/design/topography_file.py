@@ -17,14 +17,14 @@ from gearmesh.design.modifications import MAX_AMOUNT_MM
 from gearmesh.design.shown import value_text
 from gearmesh.errors import FileError
 from gearmesh.files.csv_table import cell_number, csv_rows, csv_text
-from gearmesh.files.reading import MIB, file_text
+from gearmesh.files.reading import BYTES_PER_MIB, file_text
 
 #: columns of the position on the profile, by roll length or by diameter
 PROFILE_COLUMNS = ("roll_length_mm", "diameter_mm")
 #: columns of the position on the face and of the amount
 OTHER_COLUMNS = ["z_mm", "amount_um"]
 #: largest file: some 300,000 amounts
-MAX_FILE_BYTES = 16 * MIB
+MAX_FILE_BYTES = 16 * BYTES_PER_MIB
 
 
 @dataclass(frozen=True)

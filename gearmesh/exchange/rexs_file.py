@@ -13,14 +13,14 @@ from gearmesh.exchange.json_form import json_of, model_of_json
 from gearmesh.exchange.model import VERSIONS, RexsModel
 from gearmesh.exchange.versions import bring_up_to_date
 from gearmesh.exchange.xml_form import model_of_xml, xml_of
-from gearmesh.files.reading import MIB, file_bytes, size_text
+from gearmesh.files.reading import BYTES_PER_MIB, file_bytes, size_text
 
 XML, JSON, ZIP = ".rexs", ".rexsj", ".rexsz"
 SUFFIXES = (XML, JSON, ZIP)
 #: second suffix of a name that ends with two, as gears.rexs.xml
 SECOND = {".xml": XML, ".json": JSON, ".zip": ZIP}
 #: bytes of the largest file, zipped or not
-LARGEST = 32 * MIB
+LARGEST = 32 * BYTES_PER_MIB
 WANTED = "REXS file"
 
 

@@ -1,1 +1,1 @@
-"""Files that people hand in, read within limits, and tables of text: what is wrong with them is one line."""
+"""Files from users, read within limits, and tables of text; an error is one line."""

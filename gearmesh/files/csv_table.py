@@ -1,8 +1,8 @@
-"""Tables as CSV: all that are written go through here, and what is written is read back as it was.
+"""Tables as CSV: all tables are written here, and reading restores every cell.
 
-A spreadsheet takes a cell that begins with = + - or @ for a formula and runs it. A text that does gets an apostrophe before it, by
-which spreadsheets know texts; numbers stay numbers. So that reading finds the text again, one that begins so behind apostrophes of
-its own gets one more.
+A spreadsheet takes a cell that begins with = + - or @ for a formula and runs it. Such a text gets an apostrophe in
+front, the mark that spreadsheets use for texts; numbers stay numbers. A text that begins with apostrophes before such a
+sign gets one more, so that reading finds the text again.
 """
 
 from __future__ import annotations
@@ -19,14 +19,17 @@ from gearmesh.errors import FileError
 from gearmesh.numerals import is_number, parse_number, with_point
 
 #: characters of a refused cell that messages show
-SHOWN = 40
+MAX_CELL_CHARACTERS = 40
 
-#: what makes a spreadsheet run a cell: also behind the blanks that it leaves out, and in the wide forms of East Asian keyboards
-_RUN = re.compile(r"'*[\s\0]*[=+\-@\uff1d\uff0b\uff0d\uff20]|'*[\t\r\n\0]")
+#: beginning of a cell that a spreadsheet runs: also behind blanks that it ignores, and in wide forms of East Asian
+#: keyboards
+_FORMULA_START = re.compile(r"'*[\s\0]*[=+\-@\uff1d\uff0b\uff0d\uff20]|'*[\t\r\n\0]")
 
 
 def csv_text(head: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
-    """Rows of values under a head; empty where there is nothing or what is no number, numbers to the last digit."""
+    """Return rows of values under a head; None and numbers that are not finite are empty cells, numbers have all
+    digits.
+    """
     lines = _Lines()
     # with this terminator cells that hold either of its characters are quoted
     writer = csv.writer(lines, lineterminator="\r\n")
@@ -36,7 +39,7 @@ def csv_text(head: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
 
 
 def cell_number(path: object, line: int, column: str, cell: str) -> float:
-    """The finite number in a cell. Raises FileError naming file, line, column and cell."""
+    """Return the finite number in a cell. Raises FileError naming file, line, column and cell."""
     value = parse_number(cell)
     if value is None:
         raise refused_cell(path, line, column, cell, "a finite number")
@@ -44,20 +47,22 @@ def cell_number(path: object, line: int, column: str, cell: str) -> float:
 
 
 def refused_cell(path: object, line: int, column: str, cell: str, must_be: str) -> FileError:
-    """The refusal of a cell; `must_be`: what may be there."""
-    shown = json.dumps(cell if len(cell) <= SHOWN else f"{cell[:SHOWN]}...")
+    """Return the refusal of a cell; `must_be`: allowed content."""
+    shown = json.dumps(cell if len(cell) <= MAX_CELL_CHARACTERS else f"{cell[:MAX_CELL_CHARACTERS]}...")
     return FileError(str(path), reason=f"line {line}: {column} = {shown}: must be {must_be}", remedy=with_point(cell))
 
 
 class _Lines(list[str]):
-    """Lines as they are written, ended as text files are."""
+    """Written lines, ended as in text files."""
 
     def write(self, line: str) -> None:
         self.append(line.removesuffix("\r\n") + "\n")
 
 
 def csv_rows(text: str, path: object) -> Iterator[tuple[int, list[str]]]:
-    """Lines that are not empty, by the number of their last line, as texts. Raises FileError naming file and line."""
+    """Yield the texts of each line that is not empty, with the number of the line's last row. Raises FileError naming
+    file and line.
+    """
     reader = csv.reader(io.StringIO(text, newline=""))
     while True:
         try:
@@ -71,12 +76,14 @@ def csv_rows(text: str, path: object) -> Iterator[tuple[int, list[str]]]:
 
 
 def _write_cell(value: Any) -> Any:
+    """Return a value as a cell; texts that a spreadsheet would run get an apostrophe."""
     if value is None or (isinstance(value, float) and not math.isfinite(value)):
         return ""
-    if isinstance(value, str) and _RUN.match(value) and not is_number(value):
+    if isinstance(value, str) and _FORMULA_START.match(value) and not is_number(value):
         return f"'{value}"
     return value
 
 
 def _read(cell: str) -> str:
-    return cell[1:] if cell.startswith("'") and _RUN.match(cell) and not is_number(cell[1:]) else cell
+    """Return the text of a cell, without that apostrophe."""
+    return cell[1:] if cell.startswith("'") and _FORMULA_START.match(cell) and not is_number(cell[1:]) else cell

@@ -1,7 +1,7 @@
-"""Files that people hand in: regular files alone, of a limited size, decoded and parsed, and what is wrong with them in one line.
+"""Files from users: only regular files, of a limited size, decoded and parsed; an error is one line.
 
-A fifo, a device or a socket is refused before it is opened for reading, so that nothing waits for it or grows with it. The size is
-limited by what is read, not by what the system says of the file, which may grow meanwhile.
+A fifo, a device or a socket is refused before it is opened for reading, so that the program neither waits for it nor
+grows with it. The limit counts the bytes that are read, because the size that the system states may change.
 """
 
 from __future__ import annotations
@@ -21,20 +21,23 @@ from gearmesh.files.toml_hints import toml_refusal
 
 PathLike = str | os.PathLike[str]
 
-MIB = 1 << 20
-#: what standard input is called where files are
-INPUT = "standard input (-)"
+#: bytes in a mebibyte
+BYTES_PER_MIB = 1 << 20
+#: name of standard input in messages about files
+STANDARD_INPUT = "standard input (-)"
 #: characters of a key or a value that messages show
-SHOWN = 40
-#: levels of tables in tables; a key of n dots takes the TOML parser n^2 steps
-DEEPEST = 64
+MAX_VALUE_CHARACTERS = 40
+#: levels of nested tables; a key of n dots takes the TOML parser n^2 steps
+MAX_TABLE_DEPTH = 64
 
 # a bare or quoted part of a dotted key, and the dot after it; possessive, so that it takes one pass
-_DEEP_KEY = re.compile(r"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+)""" + f"{{{DEEPEST}}}")
+_DEEP_KEY = re.compile(
+    r"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+)""" + f"{{{MAX_TABLE_DEPTH}}}"
+)
 
 
 def file_bytes(path: PathLike, most: int, wanted: str = "file", error: type[GearmeshError] = FileError) -> bytes:
-    """All of a regular file of up to `most` bytes; `wanted`: what it is, as "design file".
+    """Return the content of a regular file of up to `most` bytes; `wanted`: name of the kind of file, as "design file".
 
     Raises `error` in one line that begins with the path.
     """
@@ -52,7 +55,7 @@ def file_bytes(path: PathLike, most: int, wanted: str = "file", error: type[Gear
 
 
 def refuse_missing(path: PathLike) -> None:
-    """Raise FileError, as reading it would, where a path leads to nothing."""
+    """Raise the FileError of reading if a path leads to nothing."""
     try:
         os.stat(path)
     except (OSError, ValueError) as failure:
@@ -60,34 +63,36 @@ def refuse_missing(path: PathLike) -> None:
 
 
 def _unreadable(path: PathLike, failure: Exception, error: type[GearmeshError]) -> GearmeshError:
+    """Return the error for a file that cannot be read."""
     return error(path, reason=f"cannot be read: {getattr(failure, 'strerror', None) or failure}")
 
 
 def file_text(path: PathLike, most: int, wanted: str = "file", error: type[GearmeshError] = FileError) -> str:
-    """The same as text of UTF-8, with or without a byte order mark."""
+    """Return the content of a file as UTF-8 text, with or without a byte order mark."""
     return _utf8_text(file_bytes(path, most, wanted, error), path, error)
 
 
 def input_text(most: int, wanted: str = "file", error: type[GearmeshError] = FileError) -> str:
-    """All that standard input has, text of UTF-8, at most so many bytes; it is read once, and remembered.
+    """Return the UTF-8 text on standard input, at most `most` bytes; it is read once and kept.
 
-    Raises `error` in one line that begins with INPUT.
+    Raises `error` in one line that begins with STANDARD_INPUT.
     """
     content = _input_bytes(sys.stdin, most)
     if content is None:
-        raise error(INPUT, reason="is closed")
+        raise error(STANDARD_INPUT, reason="is closed")
     if len(content) > most:
-        raise error(INPUT, reason=f"is larger than {size_text(most)}, the limit for a {wanted}")
-    return _utf8_text(content, INPUT, error)
+        raise error(STANDARD_INPUT, reason=f"is larger than {size_text(most)}, the limit for a {wanted}")
+    return _utf8_text(content, STANDARD_INPUT, error)
 
 
 @lru_cache(maxsize=1)
 def _input_bytes(stream: TextIO | None, most: int) -> bytes | None:
-    """What a stream has, up to one byte more than allowed; None of one that is closed."""
+    """Read a stream, up to one byte more than allowed; None if it is closed."""
     return None if stream is None or stream.closed else stream.buffer.read(most + 1)
 
 
 def _utf8_text(content: bytes, path: PathLike, error: type[GearmeshError]) -> str:
+    """Decode UTF-8; an error names the byte."""
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as failure:
@@ -95,12 +100,12 @@ def _utf8_text(content: bytes, path: PathLike, error: type[GearmeshError]) -> st
 
 
 def read_toml(path: PathLike, most: int, wanted: str = "file", error: type[GearmeshError] = FileError) -> Any:
-    """The table in a TOML file."""
+    """Return the table in a TOML file."""
     return toml_value(file_text(path, most, wanted, error), path, error)
 
 
 def toml_value(text: str, path: PathLike, error: type[GearmeshError] = FileError) -> Any:
-    """The table in a TOML text, which came from a file."""
+    """Return the table in a TOML text from a file."""
     try:
         if _DEEP_KEY.search(text):
             raise RecursionError
@@ -113,20 +118,23 @@ def toml_value(text: str, path: PathLike, error: type[GearmeshError] = FileError
 
 
 def read_json(path: PathLike, most: int, wanted: str = "file", error: type[GearmeshError] = FileError) -> Any:
-    """The value in a JSON file."""
+    """Return the value in a JSON file."""
     return json_value(file_text(path, most, wanted, error), path, error)
 
 
 def json_value(text: str, path: PathLike, error: type[GearmeshError] = FileError) -> Any:
-    """The value in a JSON text, which came from a file; a key that an object gives twice is refused."""
+    """Return the value in a JSON text from a file; a key that occurs twice in an object is refused."""
 
     def table(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        """Return an object as a dict; refuse a key that occurs twice."""
         made = dict(pairs)
         if len(made) < len(pairs):
             names = [name for name, _ in pairs]
             twice = next(name for name in names if names.count(name) > 1)
-            values = " and ".join(json.dumps(value)[:SHOWN] for name, value in pairs if name == twice)
-            raise error(path, reason=f"key {json.dumps(twice)[:SHOWN]} is given twice in one object: {values}")
+            values = " and ".join(json.dumps(value)[:MAX_VALUE_CHARACTERS] for name, value in pairs if name == twice)
+            raise error(
+                path, reason=f"key {json.dumps(twice)[:MAX_VALUE_CHARACTERS]} is given twice in one object: {values}"
+            )
         return made
 
     try:
@@ -141,7 +149,7 @@ def json_value(text: str, path: PathLike, error: type[GearmeshError] = FileError
 
 
 def is_file(path: PathLike) -> bool:
-    """Whether there is a regular file."""
+    """True if the path is a regular file."""
     try:
         return Path(path).is_file()
     except ValueError:
@@ -149,11 +157,12 @@ def is_file(path: PathLike) -> bool:
 
 
 def size_text(size: int) -> str:
-    """A size in words."""
-    return f"{size // MIB} MiB" if size >= MIB else f"{size} bytes"
+    """Return a size in words."""
+    return f"{size // BYTES_PER_MIB} MiB" if size >= BYTES_PER_MIB else f"{size} bytes"
 
 
 def _refuse_special(mode: int, path: PathLike, wanted: str, error: type[GearmeshError]) -> None:
+    """Refuse a folder and every file that is not regular."""
     if stat.S_ISDIR(mode):
         raise error(path, reason=f"is a folder, not a {wanted}")
     if not stat.S_ISREG(mode):

@@ -1,16 +1,16 @@
-"""XML that people hand in, without what makes a small file large: document types, and elements nested without end."""
+"""XML from users, without document types and unlimited nesting, which make a small file large in memory."""
 
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from typing import Any
 
-#: levels of elements in elements
-DEEPEST = 32
+#: levels of nested elements
+MAX_ELEMENT_DEPTH = 32
 
 
 class _Builder(ET.TreeBuilder):
-    """Refuses document types, with their entities, and deep nesting."""
+    """Tree builder that refuses document types, with their entities, and deep nesting."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -21,7 +21,7 @@ class _Builder(ET.TreeBuilder):
 
     def start(self, tag: Any, attrs: Any) -> Any:
         self.depth += 1
-        if self.depth > DEEPEST:
+        if self.depth > MAX_ELEMENT_DEPTH:
             raise ValueError("nested too deeply")
         return super().start(tag, attrs)
 
@@ -31,8 +31,9 @@ class _Builder(ET.TreeBuilder):
 
 
 def xml_root(content: bytes) -> ET.Element:
-    """The root element of an XML text.
+    """Return the root element of an XML text.
 
-    Raises ParseError for what is no XML, and ValueError or LookupError for a document type, deep nesting and an unknown encoding.
+    Raises ParseError for a text that is not XML. Raises ValueError or LookupError for a document type, deep nesting or
+    an unknown encoding.
     """
     return ET.fromstring(content, ET.XMLParser(target=_Builder()))

@@ -13,7 +13,7 @@ import numpy as np
 
 from gearmesh.errors import FileError
 from gearmesh.files.csv_table import cell_number, csv_rows, refused_cell
-from gearmesh.files.reading import MIB, file_text
+from gearmesh.files.reading import BYTES_PER_MIB, file_text
 from gearmesh.metrology.pitch import MeasuredPitch, PitchDeviations
 from gearmesh.teeth.region import Side
 
@@ -25,7 +25,7 @@ UM, MOST = 1e-3, 1000.0
 
 def read_pitch(path: Path, teeth: int) -> MeasuredPitch:
     """What a file has of the teeth of a gear. Raises FileError naming file, line and what is wanted."""
-    lines = csv_rows(file_text(path, MIB, "pitch deviations"), path)
+    lines = csv_rows(file_text(path, BYTES_PER_MIB, "pitch deviations"), path)
     head = [name.strip() for name in next(lines, (1, []))[1]]
     columns = head[1:]
     if head[:1] != [TOOTH] or not columns or not {*columns} <= {*UM_OF, RUNOUT} or len({*columns}) < len(columns):

@@ -25,7 +25,7 @@ from gearmesh.design.dotted import with_keys
 from gearmesh.design.files import with_version
 from gearmesh.drawing.drawing import WorkshopDrawing, drawing_of
 from gearmesh.errors import NoSolutionError, OutputArgumentError, OutputError
-from gearmesh.files.reading import MIB, file_bytes, read_json
+from gearmesh.files.reading import BYTES_PER_MIB, file_bytes, read_json
 from gearmesh.io.atomic import scratch_folder, whole_text
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.study.summary import StudySummary
@@ -58,7 +58,7 @@ QUALITY = 80
 LIBRARIES = ("numpy", "scipy", "manifold3d", "matplotlib", "pyvista", "vtk")
 SUFFIX = ".html"
 #: largest file of a study that is shown, bytes
-LARGEST = 64 * MIB
+LARGEST = 64 * BYTES_PER_MIB
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ from gearmesh.answers.sheet import DesignSheet, sheet_of
 from gearmesh.answers.tables import Listing, figures
 from gearmesh.errors import NoSolutionError, OutputError
 from gearmesh.figures import Content
-from gearmesh.files.reading import MIB, is_file, read_json
+from gearmesh.files.reading import BYTES_PER_MIB, is_file, read_json
 from gearmesh.io.atomic import files_together, whole_text
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.progress import Progress
@@ -60,7 +60,7 @@ RUN_FILE = re.compile(
     re.ASCII,
 )
 #: largest manifest that is read, bytes
-LARGEST = MIB
+LARGEST = BYTES_PER_MIB
 
 
 @dataclass(frozen=True, repr=False)

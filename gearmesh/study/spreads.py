@@ -11,11 +11,11 @@ import numpy as np
 
 from gearmesh.design.shown import shown_key, value_text
 from gearmesh.errors import ArgumentError, DesignError
-from gearmesh.files.reading import MIB, read_toml
+from gearmesh.files.reading import BYTES_PER_MIB, read_toml
 from gearmesh.kernel.numeric.algebra import Array
 
 #: largest file of tolerances, bytes
-LARGEST = MIB
+LARGEST = BYTES_PER_MIB
 #: distribution -> what it is given by, in the order of a text
 PARAMETERS = {
     "normal": ("mean", "sigma"),

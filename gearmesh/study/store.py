@@ -19,11 +19,11 @@ from pathlib import Path
 from typing import Any
 
 from gearmesh.errors import OutputError
-from gearmesh.files.reading import MIB, file_text, is_file, size_text
+from gearmesh.files.reading import BYTES_PER_MIB, file_text, is_file, size_text
 
 PLAN, ROWS = "plan.json", "rows.jsonl"
 #: most bytes of a chunk, and of a plan beyond one's own; the file of chunks may be as large as it likes
-LINE = 16 * MIB
+LINE = 16 * BYTES_PER_MIB
 #: whole numbers that files of figures take
 WHOLE = 2**63
 

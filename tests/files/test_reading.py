@@ -16,7 +16,7 @@ from oracles.places import SAMPLES
 from gearmesh.design import files
 from gearmesh.design.topography_file import read_topography
 from gearmesh.errors import DesignError, GearmeshError, OutputError
-from gearmesh.files.reading import MIB, file_text
+from gearmesh.files.reading import BYTES_PER_MIB, file_text
 from gearmesh.io import read as read_mesh
 from gearmesh.study.plan import KeyReader
 from gearmesh.study.spreads import read_spreads
@@ -91,7 +91,7 @@ def test_a_file_is_read_up_to_its_limit(tmp_path: Path) -> None:
     with pytest.raises(DesignError, match="is larger than 19 bytes, the limit for a file"):
         file_text(path, 19)
     with pytest.raises(OutputError, match="cannot be read"):
-        file_text("a\0b", MIB, error=OutputError)
+        file_text("a\0b", BYTES_PER_MIB, error=OutputError)
 
 
 @pytest.mark.parametrize(

@@ -21,14 +21,14 @@ import numpy as np
 from gearmesh.design.shown import value_text
 from gearmesh.errors import FileError
 from gearmesh.files.csv_table import csv_rows, csv_text, refused_cell
-from gearmesh.files.reading import MIB, file_text
+from gearmesh.files.reading import BYTES_PER_MIB, file_text
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.metrology.flanks.measuring_grid import MeasuringGrid
 from gearmesh.numerals import parse_number, parse_numbers
 from gearmesh.teeth.region import Side
 
 #: largest file, bytes: some 10^6 points
-LARGEST = 128 * MIB
+LARGEST = 128 * BYTES_PER_MIB
 PLACES, POINTS, NORMALS = ("s", "t"), ("x_mm", "y_mm", "z_mm"), ("nx", "ny", "nz")
 LINES = ("row", "column")
 #: columns of deviations, and mm in their unit
