@@ -19,7 +19,7 @@ import gearmesh as gm
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import unit
 from gearmesh.view.render import render
-from gearmesh.view.scene import BRASS, STEEL, Camera, Scene, SceneBody
+from gearmesh.view.scene import BRASS_PAINT, STEEL_PAINT, Camera, Scene, SceneBody
 
 DESIGN = Path(__file__).parent / "spiral_bevel_basic.toml"
 #: spark gap and how far the electrode is lifted, mm
@@ -39,8 +39,8 @@ def main() -> None:
     along = np.cross(round_axis, out)
     focus = middle + 0.45 * LIFT * out
     bodies = (
-        SceneBody(gear.mesh, Rigid.identity(), STEEL),
-        SceneBody(electrode.mesh, Rigid(np.eye(3), LIFT * out), BRASS),
+        SceneBody(gear.mesh, Rigid.identity(), STEEL_PAINT),
+        SceneBody(electrode.mesh, Rigid(np.eye(3), LIFT * out), BRASS_PAINT),
     )
     position = focus + 400.0 * unit(0.75 * out + 0.95 * along + 0.45 * round_axis)
     camera = Camera(position, focus, out, height=62.0)

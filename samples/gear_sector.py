@@ -21,7 +21,7 @@ import gearmesh as gm
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import unit
 from gearmesh.view.render import render
-from gearmesh.view.scene import BRASS, STEEL, Camera, Scene, SceneBody
+from gearmesh.view.scene import BRASS_PAINT, STEEL_PAINT, Camera, Scene, SceneBody
 
 DESIGN = Path(__file__).parent / "double_helical.toml"
 #: of 57; and how far the sector is drawn out, mm
@@ -39,8 +39,8 @@ def main() -> None:
 
     middle = sector.mesh.vertices.mean(axis=0)
     out = unit(middle * [1.0, 1.0, 0.0])
-    bodies = [SceneBody(sector.mesh, Rigid.about_z(2.0 * np.pi * k / count), STEEL) for k in range(1, count)]
-    bodies.append(SceneBody(sector.mesh, Rigid(np.eye(3), OUT * out), BRASS))
+    bodies = [SceneBody(sector.mesh, Rigid.about_z(2.0 * np.pi * k / count), STEEL_PAINT) for k in range(1, count)]
+    bodies.append(SceneBody(sector.mesh, Rigid(np.eye(3), OUT * out), BRASS_PAINT))
     focus, beside = np.array([0.0, 0.0, middle[2]]) + 0.25 * OUT * out, np.cross([0.0, 0.0, 1.0], out)
     position = focus + 900.0 * unit(0.35 * out - 0.75 * beside + np.array([0.0, 0.0, 0.75]))
     camera = Camera(position, focus, np.array([0.0, 0.0, 1.0]), height=290.0)

@@ -18,7 +18,7 @@ import numpy as np
 
 import gearmesh as gm
 from gearmesh.view.diagrams.plots import save_figure
-from gearmesh.view.palette import CURVES, INK
+from gearmesh.view.palette import CURVE_COLOURS, INK_COLOUR
 
 SAMPLES = Path(__file__).parent
 #: positions in a pitch
@@ -84,13 +84,13 @@ def main() -> None:
         torque, error = (np.array([row[key] for row in rows]) for key in ("torque", "peak_to_peak_arcsec"))
         best = int(error.argmin())
         print(f"least at {torque[best]:g} Nm: {error[best]:.2f} arcsec, of {error[0]:.2f} at {torque[0]:g} Nm\n")
-        for colour, each in zip(CURVES, (0, best, len(torque) - 1), strict=False):
+        for colour, each in zip(CURVE_COLOURS, (0, best, len(torque) - 1), strict=False):
             label = f"{torque[each]:g} Nm: {error[each]:.1f} arcsec"
             axes[0, k].plot(phase, te[each], color=colour, marker="o", ms=4, label=label)
             axes[1, k].plot(torque[each], error[each], color=colour, marker="o", ms=9)
         axes[0, k].set(title=pair.name, xlabel="phase of a pitch", ylabel="transmission error (arcsec)")
         axes[0, k].legend()
-        axes[1, k].plot(torque, error, color=INK, marker=".", zorder=0)
+        axes[1, k].plot(torque, error, color=INK_COLOUR, marker=".", zorder=0)
         axes[1, k].set(xlabel="torque on the pinion (Nm)", ylabel="peak to peak (arcsec)", ylim=(0.0, None))
         for each in axes[:, k]:
             each.grid(alpha=0.3)

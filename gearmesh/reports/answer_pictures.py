@@ -37,7 +37,7 @@ def picture_of_answer(
     if isinstance(answer, ToolPathAnswer):
         if view != TOOL_PATH:
             raise ArgumentError("view", view, must_be=f"{TOOL_PATH}, for a tool path")
-        return Picture(path_scene(answer, size or pictures.SIZE, note))
+        return Picture(path_scene(answer, size or pictures.PICTURE_SIZE, note))
     if view != STRESS:
         raise ArgumentError("view", view, must_be=f"{STRESS}, for a solved finite-element model")
     return solution_picture(answer)

@@ -18,7 +18,15 @@ from gearmesh.systems.system import ToolPart
 from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.region import Side
 from gearmesh.view import pictures
-from gearmesh.view.picture import FIGURES, LARGEST, SMALLEST, VIEWS, Animation, Diagram, Picture
+from gearmesh.view.picture import (
+    FIGURE_VIEWS,
+    MAX_SIDE_PIXELS,
+    MIN_SIDE_PIXELS,
+    PICTURE_VIEWS,
+    Animation,
+    Diagram,
+    Picture,
+)
 
 if TYPE_CHECKING:
     from gearmesh.answers.contact.rolling import RollingContact
@@ -42,13 +50,15 @@ def picture(
     note: str,
 ) -> Picture | Diagram:
     """The picture that `Gears.picture` promises of gears alone."""
-    if view not in VIEWS:
-        raise ArgumentError("view", view, must_be=f"one of {', '.join(VIEWS)}")
+    if view not in PICTURE_VIEWS:
+        raise ArgumentError("view", view, must_be=f"one of {', '.join(PICTURE_VIEWS)}")
     if size is not None:
         refuse_size(size)
     if view in ALONE and not gears.pairs:
         _refuse_position(view, phi1)
-        return _picture_alone(gears, view, member, size or pictures.SIZE, gears.title + (f", {note}" if note else ""))
+        return _picture_alone(
+            gears, view, member, size or pictures.PICTURE_SIZE, gears.title + (f", {note}" if note else "")
+        )
     if not gears.pairs:
         lacking = gears.train.lacking
         raise ArgumentError(
@@ -65,14 +75,14 @@ def picture(
     if view in ("tool", "contact_lines"):
         _refuse_position(view, phi1)
         own, side = mesh.members[name], mesh.flanks[mesh.index(name)]
-        return _tool_picture(gears, view, own, side, worm, size or pictures.SIZE, title)
+        return _tool_picture(gears, view, own, side, worm, size or pictures.PICTURE_SIZE, title)
     contact = gears.contact(phi1, cycle=view in ("te", "backlash"), turns=view == "turns", pair=pair)
     path = contact.path
     if not path.touching.any():
         raise NoSolutionError(reason="no contact at any position shown", remedy="choose another phi1")
-    if view in FIGURES:
+    if view in FIGURE_VIEWS:
         return _figure(view, contact, None if member is None else (name,), title, size, dpi)
-    size = size or pictures.SIZE
+    size = size or pictures.PICTURE_SIZE
     # of positions that are asked for nothing but these is shown
     whole = contact.whole if phi1 is None and view in ("contact", "pattern", "gap") else None
     if view == "contact":
@@ -102,20 +112,20 @@ def animation(
 ) -> Animation:
     """The section through a mesh, rolling through one pitch, as `Gears.animation` says."""
     from gearmesh.answers.contact.rolling import rolling_contact
-    from gearmesh.view.mesh_section import FRAMES
+    from gearmesh.view.mesh_section import FRAMES_PER_PITCH
 
     refuse_size(size)
     mesh = gears.train.pair(pair)
     path = gears.contact(phi1, cycle=False, pair=pair).path
     title = gears.title + (f", {note}" if note else "")
-    rolling = rolling_contact(mesh, path, np.arange(FRAMES) / FRAMES)
+    rolling = rolling_contact(mesh, path, np.arange(FRAMES_PER_PITCH) / FRAMES_PER_PITCH)
     return Animation(tuple(_section(gears, mesh, rolling, size, title).scenes()))
 
 
 def refuse_size(size: tuple[int, int]) -> None:
     """Raise ArgumentError for a size (pixels) that no picture has."""
-    if not all(SMALLEST <= side <= LARGEST for side in size):
-        must_be = f"width and height in pixels, each from {SMALLEST} to {LARGEST}"
+    if not all(MIN_SIDE_PIXELS <= side <= MAX_SIDE_PIXELS for side in size):
+        must_be = f"width and height in pixels, each from {MIN_SIDE_PIXELS} to {MAX_SIDE_PIXELS}"
         raise ArgumentError("size", list(size), must_be=must_be)
 
 
@@ -163,7 +173,7 @@ def _tool_picture(
     if tool.as_part:
         worm = worm or gears.part(WORM)
         assert worm.own_to_tool is not None
-        part = gear_solid(worm.member, pictures.WHOLE).move(worm.own_to_tool)
+        part = gear_solid(worm.member, pictures.WHOLE_TOLERANCE_MM).move(worm.own_to_tool)
     return Picture(pictures.tool_picture(member, side, tool, part, size, title))
 
 

@@ -1,16 +1,16 @@
-"""Words in pictures and figures: titles broken into lines that fit."""
+"""Titles of pictures and figures, broken into lines that fit."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import Any
 
-#: part of a figure's width that a title takes at most
-WIDEST = 0.96
+#: largest share of a figure's width that a title takes
+MAX_TITLE_WIDTH_SHARE = 0.96
 
 
 def break_lines(title: str, fits: Callable[[str], bool]) -> str:
-    """A title with line breaks between words where a line does not fit."""
+    """Return a title with line breaks between words; `fits` tells whether a line is narrow enough."""
     lines = []
     for line in title.split("\n"):
         words = line.split(" ")
@@ -22,13 +22,13 @@ def break_lines(title: str, fits: Callable[[str], bool]) -> str:
 
 
 def fit_title(title: str, figure: Any, size: float) -> str:
-    """A title in letters of a `size` (points) in lines that are not wider than their figure."""
+    """Return a title in lines that are not wider than their figure; `size` of the letters in points."""
 
     def fits(text: str) -> bool:
-        """Whether a text is narrow enough as the figure itself letters it."""
+        """Measure a text with the figure's own letters; True if it is narrow enough."""
         drawn = figure.text(0.5, 0.5, text, fontsize=size)
         width = drawn.get_window_extent().width
         drawn.remove()
-        return bool(width <= WIDEST * figure.bbox.width)
+        return bool(width <= MAX_TITLE_WIDTH_SHARE * figure.bbox.width)
 
     return break_lines(title, fits)

@@ -1,8 +1,9 @@
-"""The section through a mesh: both gears cut open across the teeth, where they touch, at one position or rolling through a pitch.
+"""Section through a mesh: both gears cut open across their teeth at the contact, at one position or over one pitch.
 
-The section is at right angles to the pinion's lengths (axis, cone distance) through the contact in the middle of its path; that of
-a worm goes through its own axis, across the wheel's: the axial section of one and the middle section of the other. All tooth pairs
-in mesh have a dot where they touch; contact outside of the section is seen in the direction of its lengths, and paler.
+The section is perpendicular to the lengths of the pinion (axis, cone distance). It passes through the contact in the
+middle of the path. A worm is cut in its axial section, through its axis and perpendicular to the wheel's axis; this is
+the middle section of the wheel. Every tooth pair in mesh has a dot at its contact. Contact outside of the section is
+projected onto it along the lengths and drawn paler.
 """
 
 from __future__ import annotations
@@ -22,42 +23,51 @@ from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.flank_frame import FlankFrame
 from gearmesh.teeth.gear_train import GearPair
 from gearmesh.view.render import render
-from gearmesh.view.scene import BLUE_STEEL, BRASS, Camera, Dots, Scene, SceneBody
+from gearmesh.view.scene import BLUE_STEEL_PAINT, BRASS_PAINT, Camera, Dots, Scene, SceneBody
 
-#: heights of a tooth that the picture is high, and parts of a pixel by which facets may be off
-SEEN, PIXEL = 4.2, 0.08
-#: pictures to a pitch, and how long (ms) each stands
-FRAMES, STANDS = 24, 70
-#: sine of the angle between axes from which on a thread is cut along its own
-CROSSED = 0.7
-#: what of a point leads to the axis
-TO_AXIS = np.array([-1.0, -1.0, 0.0])
+#: height of the picture, in heights of a tooth
+PICTURE_HEIGHT_TOOTH_HEIGHTS = 4.2
+#: distance of facets from the exact surface, pixels
+FACET_TOLERANCE_PIXELS = 0.08
+#: pictures of an animation over one pitch
+FRAMES_PER_PITCH = 24
+#: time for which each picture of an animation is shown
+FRAME_TIME_MS = 70
+#: sine of the angle between axes from which a worm is cut in its axial section
+MIN_CROSSED_SINE = 0.7
+#: factors of a point's coordinates that give the direction to the z axis
+AXIS_DIRECTION_FACTORS = np.array([-1.0, -1.0, 0.0])
 #: colour of contact outside of the section
-BEYOND = "#e39aa6"
-#: colours of the sections
-SECTIONS = ("#c3d6ea", "#ecdcbc")
+OUTSIDE_CONTACT_COLOUR = "#e39aa6"
+#: colours of the cut faces of pinion and gear
+SECTION_COLOURS = ("#c3d6ea", "#ecdcbc")
 
 
 @dataclass(frozen=True)
 class MeshSection:
-    """Where a mesh is cut, and what is drawn of it while it is `rolling`; `camera` looks at the contact along its lengths."""
+    """Section through a pair that rolls: the meshes that are cut, and the camera in front of the cut."""
 
+    #: positions of the pair and its contact at each of them
     rolling: RollingContact
+    #: meshes of pinion and gear, own frames
     meshes: tuple[TriangleMesh, TriangleMesh]
+    #: camera that looks at the contact along the lengths; its front plane is the section
     camera: Camera
+    #: title of the pictures
     title: str
+    #: width and height of the pictures, pixels
     size: tuple[int, int]
 
     @property
     def points(self) -> Array:
-        """Where tooth pairs touch (N, K, 3), fixed frame, NaN where they do not."""
+        """Points of contact (N, K, 3) of K tooth pairs at N positions, fixed frame; NaN without contact."""
         path, engaged = self.rolling.contacts, self.rolling.engaged
         places = np.full((*engaged.shape, 3), np.nan)
         places[engaged] = np.array([self._cut(path, k) for k in range(len(path.rotation))]).reshape(-1, 3)
         return places
 
     def _cut(self, path: ContactPath, k: int) -> Array:
-        """The point of contact of a position, of a contact line where it goes through the section."""
+        """Return the contact points of position k; a contact line is cut by the section, NaN if they do not cross."""
         line = path.lines[k]
         if line is None:
             return np.where(path.touching[k], path.point[k], np.nan)
@@ -71,7 +81,7 @@ class MeshSection:
         return at
 
     def scenes(self) -> list[Scene]:
-        """All positions, one scene each, with dots where teeth touch."""
+        """Return one scene for each position, with dots at the contacts."""
         turns = zip(self.rolling.phi1.tolist(), self.rolling.phi2.tolist(), strict=True)
         return [self._scene(turn, points) for turn, points in zip(turns, self.points, strict=True)]
 
@@ -79,24 +89,33 @@ class MeshSection:
         bodies = tuple(
             SceneBody(mesh, member.mount.at(turn), paint, yields=True, section=section)
             for mesh, member, turn, paint, section in zip(
-                self.meshes, self.rolling.pair.both, turns, (BLUE_STEEL, BRASS), SECTIONS, strict=True
+                self.meshes,
+                self.rolling.pair.both,
+                turns,
+                (BLUE_STEEL_PAINT, BRASS_PAINT),
+                SECTION_COLOURS,
+                strict=True,
             )
         )
-        # on the section, and a little before it
+        # dots are a little in front of the section
         back = self.camera.axes[2]
         beyond = dot(points - self.camera.focus, back)
         lifted = points + (0.01 * self.camera.height - beyond)[..., None] * back
         outside = self._outside(points)
         dots = [Dots(np.where(outside[:, None], np.nan, lifted), "contact")]
         if self._outside(self.points).any():
-            # all pictures of an animation have the same legend
+            # all pictures of an animation need the same legend
             dots.append(
-                Dots(np.where(outside[:, None], lifted, np.nan), "contact before or behind the section", BEYOND)
+                Dots(
+                    np.where(outside[:, None], lifted, np.nan),
+                    "contact before or behind the section",
+                    OUTSIDE_CONTACT_COLOUR,
+                )
             )
         return Scene(bodies, self.camera, dots=tuple(dots), title=self.title, size=self.size)
 
     def _outside(self, points: Array) -> NDArray[np.bool_]:
-        """Which points (..., 3) are no contact of the section, but before or behind it, (...,)."""
+        """True (...,) for contact points (..., 3) that lie before or behind the section."""
         beyond = dot(points - self.camera.focus, self.camera.axes[2])
         return np.asarray(np.abs(beyond) > 0.01 * self.camera.height)
 
@@ -104,14 +123,14 @@ class MeshSection:
 def mesh_section(
     rolling: RollingContact, meshes: dict[str, TriangleMesh], size: tuple[int, int], title: str = ""
 ) -> MeshSection:
-    """The section through the contact from which a pair rolls on."""
+    """Return the section through the contact in the middle of the path, from which the pair rolls on."""
     pair, path, k = rolling.pair, rolling.path, rolling.middle
     height, axial = _picture_height(pair), _axial_section(pair, path.point[k])
     if axial is None:
         to_fixed = pair.pinion.mount.at(path.rotation[k])
         own, blank = path.point1[k], pair.pinion.tooth.blank
         back = unit(to_fixed.vector(blank.axial.gradient(own)))
-        up, focus = to_fixed.vector(unit(TO_AXIS * own)), path.point[k]
+        up, focus = to_fixed.vector(unit(AXIS_DIRECTION_FACTORS * own)), path.point[k]
     else:
         focus, up, back = axial
     camera = Camera(focus + 4.0 * height * back, focus, up, height, front=0.0)
@@ -120,31 +139,34 @@ def mesh_section(
 
 
 def _axial_section(pair: GearPair, contact: Array) -> tuple[Array, Array, Array] | None:
-    """Of a worm on a crossed axis, in its axial section across the wheel's axis: the point (3,) nearest to a contact, the way to
-    the worm's axis, and that along the wheel's; None of other pairs."""
-    first, second = pair.mounts
-    over = cross(first.axis, second.axis)
-    if pair.pinion.tooth.screw is None or float(np.linalg.norm(over)) < CROSSED:
+    """Return the axial section of a worm on a crossed axis; None for every other pair.
+
+    The plane contains the worm's axis and is perpendicular to the wheel's axis. Returned are the point (3,) of it that
+    is nearest to the contact, the direction towards the worm's axis, and the direction along the wheel's axis.
+    """
+    worm, wheel = pair.mounts
+    common = cross(worm.axis, wheel.axis)
+    if pair.pinion.tooth.screw is None or float(np.linalg.norm(common)) < MIN_CROSSED_SINE:
         return None
-    over = unit(over)
-    back = unit(cross(over, first.axis))
-    back = back * np.sign(dot(back, second.axis))
-    up = over * np.sign(dot(first.origin - contact, over))
-    return contact - dot(contact - first.origin, back) * back, up, back
+    common = unit(common)
+    back = unit(cross(common, worm.axis))
+    back = back * np.sign(dot(back, wheel.axis))
+    up = common * np.sign(dot(worm.origin - contact, common))
+    return contact - dot(contact - worm.origin, back) * back, up, back
 
 
 def facet(pair: GearPair, size: tuple[int, int]) -> float:
-    """Distance (mm) of facets from a surface that is not seen in a picture of a `size` in pixels."""
-    return PIXEL * _picture_height(pair) / size[1]
+    """Return the tolerance (mm) of facets that cannot be seen in a picture of a `size` in pixels."""
+    return FACET_TOLERANCE_PIXELS * _picture_height(pair) / size[1]
 
 
 def _picture_height(pair: GearPair) -> float:
-    """Height (mm) of what a picture shows."""
-    return SEEN * float(np.ptp(FlankFrame.of(pair.pinion, pair.flanks[0]).extent[:, 1]))
+    """Height (mm) of the part of the scene in the picture."""
+    return PICTURE_HEIGHT_TOOTH_HEIGHTS * float(np.ptp(FlankFrame.of(pair.pinion, pair.flanks[0]).extent[:, 1]))
 
 
 def write_animation(file: Path, scenes: list[Scene], size: tuple[int, int] | None = None) -> None:
-    """Scenes as a GIF that goes round and round. Raises OutputError for another suffix, and where OpenGL does not work."""
+    """Write scenes as an endless GIF. Raises OutputError for another suffix and if OpenGL does not work."""
     from PIL import Image
 
     if file.suffix.lower() != ".gif":
@@ -154,4 +176,4 @@ def write_animation(file: Path, scenes: list[Scene], size: tuple[int, int] | Non
     palette = images[0].quantize(128)
     first, *others = (image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images)
     with whole_file(file) as unfinished:
-        first.save(unfinished, format="GIF", save_all=True, append_images=others, duration=STANDS, loop=0)
+        first.save(unfinished, format="GIF", save_all=True, append_images=others, duration=FRAME_TIME_MS, loop=0)

@@ -1,8 +1,8 @@
-"""What lies on a tooth in a picture: ellipses, paths, lines, dots, unions and gap maps, put on the exact surface.
+"""Ellipses, paths, contact lines, dots, patterns and gap maps, drawn on the exact surface of a tooth.
 
-It is computed in the tangent plane of the contact, put on the exact surface by the caller's `project`, and lifted along
-the normal by `ToothView.lift`, a small fraction of the picture, so that it is neither buried in the facets of the mesh
-nor seen to float:
+They are computed in the tangent plane of the contact and projected onto the exact surface by the caller's `project`.
+Then they are lifted along the normal by `ToothView.lift`, a small fraction of the picture: enough to lie above the
+facets of the mesh, too little to be seen as a gap:
 
     tangent plane  ----+----        ellipse, semi-axes a and b along `major` and `minor`
                      .. | ..        project: closest point of the trimmed flank, NaN beyond it
@@ -18,21 +18,22 @@ from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, spread, unit
 from gearmesh.kernel.numeric.roots import last_true
-from gearmesh.view.palette import EDGE, LINES, PATH
+from gearmesh.view.palette import EDGE_COLOUR, LINE_COLOUR, PATH_COLOUR
 from gearmesh.view.scene import Curve, Dots, MemberContact, Project, ToothView
 
-#: extent of a path of contact that is seen, in heights at which it is drawn
-SHORTEST = 10.0
-#: cosine of the angle by which a curve turns at most from one point to the next where it has no corner
-CORNER = 0.7
-#: what a way along the normal counts for in an ellipse, as a part of one along the major axis
-OUT_OF_PLANE = 0.25
-#: places on the flank from the middle of an ellipse to its edge: a straight line between two of them is 0.4 pixels below the flank
-#: at most (spiral bevel); discs are drawn at least 1.3 pixels above it
-RINGS = 5
-#: rounds in which the end of a ray on the flank is found, to less than a ten-thousandth of it, and the parts into which
-#: each one divides what is left: quarters, for a projection costs much and a point of it little
-ROUNDS, PARTS = 7, 4
+#: smallest extent of a path of contact that is drawn, in lifts
+MIN_PATH_EXTENT_LIFTS = 10.0
+#: cosine of the largest angle between neighbouring chords of a smooth curve; beyond it is a corner
+MIN_SMOOTH_COSINE = 0.7
+#: weight of a distance along the normal in an ellipse, relative to one along the major axis
+NORMAL_DISTANCE_WEIGHT = 0.25
+#: rings of points from the centre of an ellipse to its edge; chords between them are at most 0.4 pixels below the flank
+#: (spiral bevel), discs are drawn at least 1.3 pixels above it
+RINGS_PER_ELLIPSE = 5
+#: rounds of the search for the end of a ray, to less than a ten-thousandth of its length
+EDGE_SEARCH_ROUNDS = 7
+#: parts into which a round divides the interval; a projection costs much, each of its points little
+EDGE_SEARCH_PARTS = 4
 
 
 def ellipses_on_surface(
@@ -41,11 +42,11 @@ def ellipses_on_surface(
     project: Project,
     lift: float,
     rays: int = 145,
-    rings: int = RINGS,
+    rings: int = RINGS_PER_ELLIPSE,
 ) -> tuple[Array, Array]:
-    """Contact ellipses of the positions `chosen` (E,), laid on the surface and cut off at the flank's edges.
+    """Return contact ellipses of the positions `chosen` (E,), on the surface and cut off at the flank's edges.
 
-    Returns discs (E, rings, rays, 3) and the outlines (E (rays + 1), 3), separated by NaN.
+    Returns discs (E, rings, rays, 3) and outlines (E (rays + 1), 3), separated by NaN.
     """
     turn = np.broadcast_to(np.linspace(0.0, 2.0 * np.pi, rays), (len(chosen), rays))
     which = np.broadcast_to(chosen[:, None], turn.shape)
@@ -64,6 +65,7 @@ def ellipses_on_surface(
     )
     edge = rim.copy()
     edge[outside] = place(out_which, out_turn, reach[outside])
+    # Rings between the centre and the edge of the disc.
     part = np.linspace(0.0, 1.0, rings)[1:-1, None] * reach[:, None, :]
     grown = part.shape
     rings_within = place(np.broadcast_to(which[:, None], grown), np.broadcast_to(turn[:, None], grown), part)
@@ -84,69 +86,74 @@ def ellipses_on_surface(
 
 
 def path_on_surface(view: ToothView, contact: MemberContact, between: int = 8) -> tuple[Curve, ...]:
-    """The path of contact as a curve on the surface, with `between` steps from one position to the next.
+    """Return the path of contact as a curve on the surface, with `between` steps from one position to the next.
 
-    Along contact lines there is none, nor where it is so short that nobody sees it.
+    The tuple is empty for contact along lines, and for a path too short to be seen.
     """
     point, normal = contact.path
     known = np.isfinite(point[:, 0])
-    if not (known[1:] & known[:-1]).any() or np.ptp(point[known], axis=0).max() < SHORTEST * view.lift:
+    if not (known[1:] & known[:-1]).any() or np.ptp(point[known], axis=0).max() < MIN_PATH_EXTENT_LIFTS * view.lift:
         return ()
     point, normal = _refine_curve(point, between), _refine(normal, between)
     on_surface = view.project(point)
     # Edge contact lies on the trimmed edge itself, where `project` may fall to either side: the chord is near enough.
     on_surface = np.where(np.isfinite(on_surface), on_surface, point)
-    return (Curve(on_surface + 2.0 * view.lift * normal, "path of contact", PATH, 3.0),)
+    return (Curve(on_surface + 2.0 * view.lift * normal, "path of contact", PATH_COLOUR, 3.0),)
 
 
 def position_dots(view: ToothView, contact: MemberContact) -> tuple[Dots, ...]:
-    """Marks at the positions of edge contact."""
+    """Return dots at the positions of edge contact."""
     edge = contact.point[contact.edge] + 2.0 * view.lift * contact.normal[contact.edge]
-    return (Dots(edge, "edge contact", EDGE),) if len(edge) else ()
+    return (Dots(edge, "edge contact", EDGE_COLOUR),) if len(edge) else ()
 
 
 def contact_lines(view: ToothView, contact: MemberContact, count: int) -> tuple[Curve, ...]:
-    """Up to `count` contact lines, for pairs that touch along lines."""
+    """Return up to `count` contact lines of a pair that touches along lines."""
     chosen = spread(contact.along_lines, count)
     lifted = [(contact.lines[i], 1.5 * view.lift * contact.normal[i]) for i in chosen]
     return tuple(
-        Curve(line + up, "contact lines" if i == 0 else "", LINES, 3.0)
+        Curve(line + up, "contact lines" if i == 0 else "", LINE_COLOUR, 3.0)
         for i, (line, up) in enumerate(lifted)
         if line is not None
     )
 
 
 def lift_grid(grid: Array, contact: MemberContact, lift: float) -> Array:
-    """Flank points (I, J, 3) moved by `lift` mm along the surface normal, to the side of the contact normals."""
+    """Move flank points (I, J, 3) by `lift` mm along the surface normal, to the side of the contact normals."""
     normal = unit(cross(np.gradient(grid, axis=0), np.gradient(grid, axis=1)))
     side = np.sign(dot(normal, np.nanmean(contact.normal, axis=0)))
     return grid + lift * side[..., None] * normal
 
 
 def area_edges(grid: Array, level: Array) -> Array:
-    """Points (K, 3), cut off by NaN, of the border of a grid (I, J, 3) where `level` (I, J) is at most 1: there an area hides the
-    line between the flank and what is beside it."""
+    """Return the border of a grid (I, J, 3) where `level` (I, J) is at most 1: points (K, 3), lines separated by NaN.
+
+    There an area hides the line between the flank and the neighbouring surface, which is drawn again.
+    """
     rows = [(grid[0], level[0]), (grid[-1], level[-1]), (grid[:, 0], level[:, 0]), (grid[:, -1], level[:, -1])]
-    return np.concatenate([part for points, own in rows for part in (_below(points, own), np.full((1, 3), np.nan))])
+    return np.concatenate(
+        [part for points, part_level in rows for part in (_below(points, part_level), np.full((1, 3), np.nan))]
+    )
 
 
 def _below(points: Array, level: Array) -> Array:
-    """Points (N, 3) of a line where its level (N,) is at most 1, with those where it reaches 1; NaN elsewhere."""
+    """Points (N, 3) of a line where its level (N,) is at most 1, NaN elsewhere; crossings of 1 are interpolated."""
     inside = level <= 1.0
     kept = np.where(inside[:, None], points, np.nan)
     for k in np.flatnonzero(inside[1:] != inside[:-1]):
-        own, other = (k, k + 1) if inside[k] else (k + 1, k)
-        share = (1.0 - level[own]) / (level[other] - level[own])
+        inner, outer = (k, k + 1) if inside[k] else (k + 1, k)
+        share = (1.0 - level[inner]) / (level[outer] - level[inner])
         if np.isfinite(share):
-            kept[other] = points[own] + share * (points[other] - points[own])
+            kept[outer] = points[inner] + share * (points[outer] - points[inner])
     return kept
 
 
 def union_level(contact: MemberContact, grid: Array) -> Array:
-    """Scaled distance (I, J) from points (I, J, 3) to the nearest ellipse centre: at most 1 inside any ellipse.
+    """Return the scaled distance (I, J) from points (I, J, 3) to the nearest ellipse centre: at most 1 inside any
+    ellipse.
 
-    Positions are refined to steps of an eighth of the smallest minor semi-axis, so that the union is the area
-    swept by the moving ellipse and not a row of separate ones. Edge contact, which has no ellipse, adds nothing.
+    Positions are refined to steps of an eighth of the smallest minor semi-axis. The union is then the area swept by the
+    moving ellipse, not a row of separate ellipses. Edge contact has no ellipse and adds nothing.
     """
     chosen = contact.ellipses
     if len(chosen) == 0:
@@ -156,6 +163,7 @@ def union_level(contact: MemberContact, grid: Array) -> Array:
     most = int(np.ceil(8.0 * steps.max(initial=0.0) / contact.semi_minor[chosen].min()))
     between = int(np.clip(most, 1, 64))
     joined = np.flatnonzero(np.diff(chosen) > 1) + 1
+    # Centres and forms of all refined positions; runs without gaps are refined separately.
     centre, form = (
         np.concatenate(parts)
         for parts in zip(*(_between(contact, run, between) for run in np.split(chosen, joined)), strict=True)
@@ -176,9 +184,10 @@ def union_level(contact: MemberContact, grid: Array) -> Array:
 
 
 def _between(contact: MemberContact, run: NDArray[np.int64], between: int) -> tuple[Array, Array]:
-    """Centres (N, 3) and forms (N, 3, 3) of the ellipses of neighbouring positions, with `between` steps from one to the next.
+    """Centres (N, 3) and quadratic forms (N, 3, 3) of ellipses, with `between` steps between neighbouring positions.
 
-    Axes are turned from one to the next: a mean of the forms of two slender ellipses at a small angle would be too short.
+    The axes are rotated from one position to the next: the mean of the forms of two slender ellipses at a small angle
+    would be too short.
     """
     major, normal = contact.major[run], contact.normal[run]
     turned = np.where(dot(major[1:], major[:-1]) < 0.0, -1.0, 1.0)
@@ -188,16 +197,16 @@ def _between(contact: MemberContact, run: NDArray[np.int64], between: int) -> tu
     minor = cross(normal, major) / _refine(contact.semi_minor[run], between)[:, None]
     major = major / _refine(contact.semi_major[run], between)[:, None]
     # beyond the tangent plane too, or else the far side of a thread would lie within
-    away = OUT_OF_PLANE * normal / _refine(contact.semi_major[run], between)[:, None]
+    away = NORMAL_DISTANCE_WEIGHT * normal / _refine(contact.semi_major[run], between)[:, None]
     axes = np.stack((major, minor, away), axis=1)
     form: Array = np.einsum("pki,pkj->pij", axes, axes)
     return _refine_curve(contact.point[run], between), form
 
 
 def closest_gap(grid: Array, patches: Sequence[tuple[Array, Array]]) -> Array:
-    """Smallest gap (I, J) at flank points (I, J, 3) over patches of points (M, N, 3) and gaps (M, N); NaN without.
+    """Smallest gap (I, J) at flank points (I, J, 3) over patches of points (M, N, 3) and gaps (M, N); NaN outside all.
 
-    Gaps are interpolated bilinearly in the mean plane of the flank, over which a flank is a graph.
+    Gaps are interpolated bilinearly in the mean plane of the flank; above this plane the flank is a graph.
     """
     flat = grid.reshape(-1, 3)
     origin = flat.mean(axis=0)
@@ -207,6 +216,7 @@ def closest_gap(grid: Array, patches: Sequence[tuple[Array, Array]]) -> Array:
     for points, gap in patches:
         known = np.isfinite(gap) & np.isfinite(points).all(axis=-1)
         if known.sum() > 3:
+            # Flank points inside the patch's box; their indices in the patch; points outside its range are skipped.
             lattice = (points - origin) @ plane.T
             low, high = lattice[known].min(axis=0), lattice[known].max(axis=0)
             near = np.flatnonzero(((places >= low) & (places <= high)).all(axis=1))
@@ -218,9 +228,9 @@ def closest_gap(grid: Array, patches: Sequence[tuple[Array, Array]]) -> Array:
 
 
 def _index_in(lattice: Array, known: NDArray[np.bool_], places: Array) -> Array:
-    """Fractional indices (K, 2) at which a lattice (M, N, 2) reaches places (K, 2), beyond its range outside of it.
+    """Return the fractional indices (K, 2) of places (K, 2) in a lattice (M, N, 2); outside it they exceed its range.
 
-    Newton on the bilinear lattice; where it is not `known` (M, N), its best affine map takes its place.
+    Newton's method on the bilinear lattice. Unknown nodes, where `known` (M, N) is False, follow the best affine map.
     """
     index = np.stack(np.meshgrid(*map(np.arange, known.shape), indexing="ij"), axis=-1).astype(float)
     affine = np.concatenate((index, np.ones((*known.shape, 1))), axis=-1)
@@ -232,6 +242,7 @@ def _index_in(lattice: Array, known: NDArray[np.bool_], places: Array) -> Array:
     # Worst error in cells after 3 and 10 steps: 4e-4 and 2e-12 on roll-test lattices of a beveloid pair; after 10
     # steps 5e-4 when the lattice is a whole beveloid flank, whose parameter lines crowd at the fillet.
     for _ in range(10):
+        # Newton step with the bilinear values and slopes at the indices, held inside the lattice.
         base = np.clip(indices, 0.0, last)
         x, y, x_i, x_j, y_i, y_j = _bilinear(planes, base).T
         dx, dy = places[:, 0] - x, places[:, 1] - y
@@ -241,7 +252,7 @@ def _index_in(lattice: Array, known: NDArray[np.bool_], places: Array) -> Array:
 
 
 def _bilinear(values: Array, index: Array) -> Array:
-    """Values (K, C) at fractional indices (K, 2) within a lattice (M, N, C); scipy.ndimage takes longer to load than this."""
+    """Values (K, C) at fractional indices (K, 2) of a lattice (M, N, C); scipy.ndimage would take longer to load."""
     first = np.clip(np.floor(index).astype(np.int64), 0, np.maximum(np.array(values.shape[:2]) - 2, 0))
     (i, j), (u, v) = first.T, (index - first).T[..., None]
     i_next, j_next = np.minimum(i + 1, values.shape[0] - 1), np.minimum(j + 1, values.shape[1] - 1)
@@ -252,14 +263,20 @@ def _bilinear(values: Array, index: Array) -> Array:
 
 
 def _last_inside(place: Callable[[Array, NDArray[np.intp]], Array], inside: Array, outside: Array) -> Array:
-    """Parameter (K,) up to which `place` is finite, between one where it is and one where it is not: bisection."""
+    """Return the last parameter (K,) at which `place` is finite, between `inside` and `outside`, by repeated
+    subdivision.
+    """
     return last_true(
-        lambda x, index: np.isfinite(place(x, index)[..., 0]), inside, outside, rounds=ROUNDS, split=PARTS
+        lambda x, index: np.isfinite(place(x, index)[..., 0]),
+        inside,
+        outside,
+        rounds=EDGE_SEARCH_ROUNDS,
+        split=EDGE_SEARCH_PARTS,
     )[0]
 
 
 def _refine(values: Array, between: int) -> Array:
-    """Values (P, ...) with linear interpolation in `between` steps from each to the next."""
+    """Values (P, ...), interpolated linearly with `between` steps from each to the next."""
     fraction = np.arange(between * (len(values) - 1) + 1) / between
     left = np.minimum(fraction.astype(int), max(len(values) - 2, 0))
     weight = (fraction - left).reshape(-1, *[1] * (values.ndim - 1))
@@ -271,10 +288,11 @@ def _refine(values: Array, between: int) -> Array:
 
 
 def _refine_curve(points: Array, between: int) -> Array:
-    """Points (P, 3) with `between` steps from each to the next, on cubics that have the tangent of the parabola through a point and
-    its neighbours; beside corners, ends and NaN on parabolas.
+    """Points (P, 3), interpolated by cubics with `between` steps from each to the next.
 
-    On a circle the chords of 20 deg are 1.5 % of its radius off, these curves 0.04 %.
+    The tangent at a point is the tangent of the parabola through the point and its two neighbours. Beside corners, ends
+    and NaN the curve is a parabola. On a circle with chords of 20 deg the error is 0.04 % of the radius; the chords
+    have 1.5 %.
     """
     straight = _refine(points, between)
     way = np.diff(points, axis=0)
@@ -283,7 +301,7 @@ def _refine_curve(points: Array, between: int) -> Array:
         direction = way / length[:, None]
         mean = length[1:, None] * direction[:-1] + length[:-1, None] * direction[1:]
         mean = mean / (length[1:] + length[:-1])[:, None]
-        smooth = (dot(direction[:-1], direction[1:]) > CORNER)[:, None]
+        smooth = (dot(direction[:-1], direction[1:]) > MIN_SMOOTH_COSINE)[:, None]
     # tangents where an interval begins and ends; on a parabola their mean is the direction of its chord
     begin, end = (np.full(way.shape, np.nan) for _ in range(2))
     begin[1:], end[:-1] = np.where(smooth, mean, np.nan), np.where(smooth, mean, np.nan)
@@ -294,6 +312,6 @@ def _refine_curve(points: Array, between: int) -> Array:
     t = (np.arange(between) / between)[:, None]
     rise, fall = ((length[:, None] * tangent - way)[:, None] for tangent in (begin, end))
     bend = t * (1.0 - t) * ((1.0 - t) * rise - t * fall)
-    # two points in one place have no direction
+    # two equal points have no direction: the chord remains
     straight[: bend.shape[0] * between] += np.where(np.isfinite(bend), bend, 0.0).reshape(-1, 3)
     return straight

@@ -1,7 +1,7 @@
-"""The process that draws the pictures of this one, and whether off-screen OpenGL works in it.
+"""The process that draws pictures, and the test of off-screen OpenGL in it.
 
-It is tried with a black triangle on white: a driver that opens a window but draws nothing fails as well as one that ends the
-process.
+The test draws a black triangle on white. A driver that opens a window but draws nothing fails, and so does a driver
+that ends the process.
 """
 
 from __future__ import annotations
@@ -22,17 +22,20 @@ from typing import IO, Any, cast
 
 from gearmesh.errors import OutputError
 from gearmesh.view.offscreen import drawing_process
-from gearmesh.view.offscreen.drawing_process import PLAIN, Order, Primitive, receive, send
+from gearmesh.view.offscreen.drawing_process import PLAIN_PRIMITIVE, Order, Primitive, receive, send
 
-PACKAGES = "libegl1 libgl1-mesa-dri (or libosmesa6 libx11-6)"
+#: Debian packages of a software OpenGL
+OPENGL_PACKAGES = "libegl1 libgl1-mesa-dri (or libosmesa6 libx11-6)"
 
 # A first rendering with a software driver takes one to three seconds; a busy machine may need many times that.
 _PATIENCE_SECONDS = 120.0
 # how long a process that has nothing to do may take to end
 _END_SECONDS = 2.0
-_PROGRAM = (drawing_process.__file__,)
+#: script that the drawing process runs
+_DRAWING_PROGRAM = (drawing_process.__file__,)
 
-_TRIAL = Order(
+#: test picture: a black triangle on white
+_TRIAL_ORDER = Order(
     size=(64, 64),
     position=[0.0, 0.0, 3.0],
     focus=[0.0, 0.0, 0.0],
@@ -44,7 +47,7 @@ _TRIAL = Order(
     primitives=[
         Primitive(
             {
-                **PLAIN,
+                **PLAIN_PRIMITIVE,
                 "points": array("f", (-1, -1, 0, 1, -1, 0, 0, 1, 0)).tobytes(),
                 "cells": array("q", (0, 1, 2)).tobytes(),
                 "starts": array("q", (0, 3)).tobytes(),
@@ -56,7 +59,7 @@ _TRIAL = Order(
 
 @dataclass(frozen=True)
 class _DrawingProcess:
-    """A process that draws, what it complains of, and the process that started it."""
+    """A drawing process, its error output, and the id of the process that started it."""
 
     child: subprocess.Popen[bytes]
     complaints: IO[bytes]
@@ -64,25 +67,25 @@ class _DrawingProcess:
 
     @classmethod
     def start(cls) -> _DrawingProcess:
-        """A new one. Raises OSError where it cannot start."""
+        """Start a drawing process. Raises OSError if it cannot start."""
         from tempfile import TemporaryFile
 
         complaints, pipe = TemporaryFile(), subprocess.PIPE  # noqa: SIM115
-        child = subprocess.Popen([sys.executable, *_PROGRAM], stdin=pipe, stdout=pipe, stderr=complaints)
+        child = subprocess.Popen([sys.executable, *_DRAWING_PROGRAM], stdin=pipe, stdout=pipe, stderr=complaints)
         return cls(child, complaints, os.getpid())
 
     def ask(self, order: Order | None) -> None:
-        """Send an order, or None to end. Raises OSError where the process has ended."""
+        """Send an order, or None to end the process. Raises OSError if the process has ended."""
         assert self.child.stdin is not None
         send(self.child.stdin, marshal.dumps(cast("Any", order)))
 
     def answer(self) -> bytes:
-        """Pixels of the first order that has none yet. Raises EOFError where the process ends without them."""
+        """Return the pixels of the oldest unanswered order. Raises EOFError if the process ends before."""
         assert self.child.stdout is not None
         return receive(self.child.stdout)
 
     def end(self) -> str:
-        """End it; how it ended, in a few words."""
+        """End the process and return in a few words how it ended."""
         with suppress(OSError):
             self.ask(None)
         try:
@@ -91,7 +94,7 @@ class _DrawingProcess:
             self.child.kill()
             code = self.child.wait()
         for stream in (self.child.stdin, self.child.stdout):
-            # what was not sent in full is not wanted any more
+            # an order that was not sent in full is dropped
             with suppress(OSError):
                 stream.close()  # type: ignore[union-attr]
         with self.complaints:
@@ -109,26 +112,28 @@ _turn = Lock()
 
 
 def missing_opengl_message() -> str | None:
-    """None where a picture can be rendered, else one line saying what failed and which system packages help.
+    """None if pictures can be rendered, otherwise one line with the failure and the system packages that help.
 
-    It is tried once, later calls take its answer.
+    The test runs once; later calls return its result.
     """
     failure = _failure()
     if failure is None:
         return None
-    return f"no pictures: off-screen OpenGL does not work here ({failure}); on Debian: apt-get install {PACKAGES}"
+    return (
+        f"no pictures: off-screen OpenGL does not work here ({failure}); on Debian: apt-get install {OPENGL_PACKAGES}"
+    )
 
 
 def begin_drawing() -> None:
-    """Start the process that draws now, so that it is ready when the first picture is."""
+    """Start the drawing process now, so that it is ready for the first picture."""
     if not _begun and not _failure.cache_info().currsize:
-        # where it does not start the picture says so
+        # if it does not start, the picture reports it
         with suppress(OSError):
             _begin_trial()
 
 
 def draw(order: Order) -> bytes:
-    """The pixels of an order, (H, W, 4), rows from below. Raises OutputError where OpenGL does not work or fails."""
+    """Pixels (H, W, 4) of an order, rows from below. Raises OutputError if OpenGL does not work or fails."""
     missing = missing_opengl_message()
     if missing is not None:
         raise OutputError(reason=missing)
@@ -143,7 +148,7 @@ def draw(order: Order) -> bytes:
             _begun.clear()
             raise OutputError(reason=f"a picture was not drawn: OpenGL {process.end()}") from None
         except BaseException:
-            # its answer would be taken for that of the next order
+            # otherwise its answer would be taken for the next order's
             _begun.clear()
             process.child.kill()
             process.end()
@@ -151,21 +156,21 @@ def draw(order: Order) -> bytes:
 
 
 def _own() -> bool:
-    """Whether a process that draws has been started by this one: a forked process does not use that of its parent."""
+    """True if this process started the drawing process; a forked process does not use its parent's."""
     return bool(_begun) and _begun[0].owner == os.getpid()
 
 
 def _begin_trial() -> None:
-    """Start the process that draws and let it try. Raises OSError where it cannot start."""
+    """Start the drawing process and send it the test picture. Raises OSError if it cannot start."""
     _begun[:] = [_DrawingProcess.start()]
-    # one that has ended by now says so when it is asked for its answer
+    # a process that has ended by now reports it when it is asked for its answer
     with suppress(OSError):
-        _begun[0].ask(_TRIAL)
+        _begun[0].ask(_TRIAL_ORDER)
 
 
 @lru_cache(maxsize=1)
 def _failure() -> str | None:
-    """How the trial failed, in a few words, or None."""
+    """Reason in a few words why the test failed, or None."""
     try:
         if not _own():
             _begin_trial()
@@ -200,7 +205,7 @@ def _failure() -> str | None:
 @atexit.register
 def _end() -> None:
     if _own():
-        # it has nothing to finish
+        # no order is being drawn
         _begun[0].child.kill()
         _begun.pop().end()
 

@@ -1,17 +1,34 @@
-"""Colours that mean the same in every picture and plot, sRGB."""
+"""Colours (sRGB) that mean the same in every picture and plot.
+
+They differ for any colour vision, and in lightness: the contrast of the path is at least 3 : 1 on the compound, and the
+contrast of lines and path on steel.
+"""
 
 from __future__ import annotations
 
-# Told apart with any colour vision, and by lightness: the path is at least 3 : 1 on the compound, lines and path on steel.
-#: marking compound: ellipses and patterns on a tooth, and the paler inside of a pattern beneath ellipses
-COMPOUND, PATTERN = "#8cc0ea", "#d3e5f5"
-#: rims of ellipses; contact lines; the path of contact; contact on an edge
-OUTLINE, LINES, PATH, EDGE = "#0b3c6f", "#0a5a9c", "#a50026", "#e07b00"
+#: marking compound: ellipses and patterns on a tooth
+COMPOUND_COLOUR = "#8cc0ea"
+#: inside of a pattern beneath ellipses, paler than the compound
+PATTERN_COLOUR = "#d3e5f5"
+#: rims of ellipses
+OUTLINE_COLOUR = "#0b3c6f"
+#: contact lines
+LINE_COLOUR = "#0a5a9c"
+#: the path of contact
+PATH_COLOUR = "#a50026"
+#: contact on an edge
+EDGE_COLOUR = "#e07b00"
 #: lines between the surfaces of a body
 REGION_EDGE = "#5b6670"
-#: words and edges; what only accompanies; the ground of a flank in its plane; the grid of a plot
-INK, FAINT, GROUND, GRID_LINES = "#202830", "#9aa4ad", "#eef1f4", "#e6eaee"
+#: words and edges
+INK_COLOUR = "#202830"
+#: accompanying lines and words
+FAINT_COLOUR = "#9aa4ad"
+#: ground of a flank in its plane
+GROUND_COLOUR = "#eef1f4"
+#: grid of a plot
+GRID_LINE_COLOUR = "#e6eaee"
 #: curves of a plot, in their order
-CURVES = ("#2c5fa8", "#c8102e", "#2e8b57", "#b8720a", "#7a4fa3", "#4d5a66")
-#: amounts on flanks, from small to large
+CURVE_COLOURS = ("#2c5fa8", "#c8102e", "#2e8b57", "#b8720a", "#7a4fa3", "#4d5a66")
+#: matplotlib's name of the colours of amounts on flanks, from small to large
 COLOUR_MAP = "viridis_r"

@@ -1,4 +1,4 @@
-"""Pictures: scenes and figures that are drawn when they are saved or shown."""
+"""Pictures and figures that are drawn when they are saved or shown."""
 
 from __future__ import annotations
 
@@ -12,17 +12,20 @@ from gearmesh.errors import OutputError
 from gearmesh.io.atomic import scratch_folder
 from gearmesh.view.scene import Scene
 
-#: pixels of the sides of pictures
-SMALLEST, LARGEST = 16, 16384
-#: what a picture of gears can show, and those views that are figures on paper
-FIGURES = ("flank", "sliding", "zone", "te", "backlash", "turns")
-VIEWS = ("contact", "pattern", "gap", "pair", "section", "tool", "contact_lines", *FIGURES)
+#: smallest side of a picture
+MIN_SIDE_PIXELS = 16
+#: largest side of a picture
+MAX_SIDE_PIXELS = 16384
+#: views of gears that are figures on paper
+FIGURE_VIEWS = ("flank", "sliding", "zone", "te", "backlash", "turns")
+#: views of gears that a picture can show
+PICTURE_VIEWS = ("contact", "pattern", "gap", "pair", "section", "tool", "contact_lines", *FIGURE_VIEWS)
 #: what pictures of loaded contact show; all but the first are figures on paper
 LOADED_VIEWS = ("loaded", "loaded_flank", "loaded_te", "loaded_share", "loaded_stress", "loaded_pair")
 
 
 def saved_bytes(save: Callable[[Path], Path], name: str) -> bytes:
-    """What `save` writes to a file of such a name."""
+    """Return the bytes that `save` writes to a file of this name."""
     with scratch_folder() as folder:
         return save(folder / name).read_bytes()
 

@@ -1,6 +1,6 @@
-"""The pictures and plots of a gear pair: which meshes a picture needs, and how finely; drawing is left to the renderer.
+"""Pictures and plots of a gear pair: the meshes that a picture needs, and their tolerances.
 
-A flank picture meshes the tooth in contact finely and the rest coarsely.
+A flank picture meshes the tooth in contact finely and the rest coarsely. The renderer draws the scenes.
 """
 
 from __future__ import annotations
@@ -35,18 +35,26 @@ if TYPE_CHECKING:
 
 #: width and height of a picture in pixels
 Size = tuple[int, int]
-SIZE = (1600, 1200)
-#: tolerances of the tooth looked at, and of what surrounds it, in pixels of a picture of the tooth
-FINE, COARSE = 0.25, 1.5
-#: tolerance in these pixels up to which a solid that is there is shown: a pixel as it is drawn, before four of them are one
-SHOWN_AT = 0.5
-#: tolerance (mm) of whole members and tools, and points across and along a flank to know where it looks
-WHOLE, TOOL_GRID = 0.05, (3, 3)
+#: width and height of a picture, pixels
+PICTURE_SIZE = (1600, 1200)
+#: tolerance of the tooth in the middle of the picture, in pixels
+FINE_TOLERANCE_PIXELS = 0.25
+#: tolerance of the rest of the gear, in pixels
+COARSE_TOLERANCE_PIXELS = 1.5
+#: largest tolerance of an existing solid that is shown without meshing again; a drawn pixel, four of which make one of
+#: the picture
+REUSED_TOLERANCE_PIXELS = 0.5
+#: tolerance of whole members and tools
+WHOLE_TOLERANCE_MM = 0.05
+#: points across and along a flank, from which its direction is found
+TOOL_GRID = (3, 3)
 #: exact points across and along a flank on which patterns are drawn
 PATTERN_GRID = (81, 161)
-#: least range of ease-offs (um), more than the error of the table, and of velocities (m/s) that is shown
-LEAST_EASE_OFF, LEAST_SPEED = 1.0, 0.01
-#: from mm/rad to m/s at 1000 turns a minute
+#: smallest range of an ease-off scale, larger than the error of the table
+MIN_EASE_OFF_RANGE_UM = 1.0
+#: smallest range of a scale of sliding velocity
+MIN_SPEED_RANGE_M_S = 0.01
+#: factor from mm/rad to m/s at 1000 rpm
 AT_1000_RPM = 1e-3 * 1000.0 * 2.0 * np.pi / 60.0
 
 
@@ -54,14 +62,15 @@ def contact_picture(
     pair: GearPair,
     name: str,
     path: ContactPath,
-    size: Size = SIZE,
+    size: Size = PICTURE_SIZE,
     view: ToothView | None = None,
     title: str = "",
     whole: ContactPath | None = None,
 ) -> Scene:
-    """A member's tooth with the path of contact, of the `whole` engagement if given, and the contact ellipses (or lines) on it.
+    """Scene of a member's tooth with the path of contact and its contact ellipses or contact lines.
 
-    `view`, of `tooth_view`, saves meshing the tooth again, here and in the other pictures of a tooth.
+    `whole` is the path over the whole engagement, if it shall be drawn. `view`, of `tooth_view`, saves meshing the
+    tooth again.
     """
     contact = contact_on(pair.index(name), path, pair.mounts, whole)
     shown = _contact_words(path, len(contact.along_lines))
@@ -70,7 +79,7 @@ def contact_picture(
 
 
 def _contact_words(path: ContactPath, lines: int) -> str:
-    """What a picture shows of contact that is along lines at so many of its positions."""
+    """Name of the contact in a picture's title; `lines` is the number of positions with line contact."""
     return "lines of contact" if 2 * lines > np.count_nonzero(path.touching) else "path of contact"
 
 
@@ -78,14 +87,15 @@ def pattern_picture(
     pair: GearPair,
     name: str,
     path: ContactPath,
-    size: Size = SIZE,
+    size: Size = PICTURE_SIZE,
     view: ToothView | None = None,
     title: str = "",
     whole: ContactPath | None = None,
 ) -> Scene:
-    """A member's tooth with its contact pattern as the union of the ellipses, of the `whole` engagement if given.
+    """Scene of a member's tooth with its contact pattern: the union of the ellipses, of the `whole` engagement if
+    given.
 
-    Raises NoSolutionError where contact is along lines or on edges, which have no ellipses.
+    Raises NoSolutionError for contact along lines or on edges, which has no ellipses.
     """
     contact = contact_on(pair.index(name), path if whole is None else whole, pair.mounts)
     if not contact.ellipses.size:
@@ -106,12 +116,12 @@ def gap_picture(
     name: str,
     path: ContactPath,
     patches: list[tuple[Array, Array]],
-    size: Size = SIZE,
+    size: Size = PICTURE_SIZE,
     view: ToothView | None = None,
     title: str = "",
     whole: ContactPath | None = None,
 ) -> Scene:
-    """A member's tooth with the gaps that the roll test found: `patches` of points in its own frame and gaps, mm."""
+    """Scene of a member's tooth with the gaps of the roll test: `patches` of points, own frame, and gaps, mm."""
     contact = contact_on(pair.index(name), path, pair.mounts, whole)
     view = replace(
         view or tooth_view(pair, name),
@@ -122,9 +132,9 @@ def gap_picture(
 
 
 def pair_picture(
-    pair: GearPair, meshes: dict[str, TriangleMesh], path: ContactPath, size: Size = SIZE, title: str = ""
+    pair: GearPair, meshes: dict[str, TriangleMesh], path: ContactPath, size: Size = PICTURE_SIZE, title: str = ""
 ) -> Scene:
-    """Both members in mesh, at the middle position with contact."""
+    """Scene of both members in mesh, at the middle position with contact."""
     k = _middle(path)
     first, second = (meshes[name] for name in pair.members)
     return pair_scene(
@@ -132,38 +142,41 @@ def pair_picture(
     )
 
 
-def set_picture(gears: GearPair, placed: dict[str, TriangleMesh], size: Size = SIZE, title: str = "") -> Scene:
-    """All members of a gear set of several meshes, of which `gears` is the first, in the fixed frame."""
+def set_picture(gears: GearPair, placed: dict[str, TriangleMesh], size: Size = PICTURE_SIZE, title: str = "") -> Scene:
+    """Scene of all members of a gear set in the fixed frame; `gears` is its first mesh."""
     return set_scene(placed, gears.pinion.mount.axis, _title(title, "gears in mesh"), size)
 
 
-def members_picture(placed: dict[str, TriangleMesh], axis: Array, size: Size = SIZE, title: str = "") -> Scene:
-    """Members that mesh with none, in the fixed frame, seen along an `axis` (3,)."""
+def members_picture(placed: dict[str, TriangleMesh], axis: Array, size: Size = PICTURE_SIZE, title: str = "") -> Scene:
+    """Scene of members that mesh with no other, in the fixed frame, seen along an `axis` (3,)."""
     return set_scene(placed, axis, _title(title, ", ".join(placed)), size)
 
 
 def tool_picture(
-    member: Member, side: Side, tool: ToolInPlace, part: TriangleMesh | None, size: Size = SIZE, title: str = ""
+    member: Member, side: Side, tool: ToolInPlace, part: TriangleMesh | None, size: Size = PICTURE_SIZE, title: str = ""
 ) -> Scene:
-    """A member with the tool that generates a flank of it, or the mesh `part` of that tool, in the tool's frame."""
+    """Scene of a member with the tool that generates one of its flanks.
+
+    `part`, a mesh in the tool's frame, is drawn instead of the tool's working surfaces.
+    """
     from gearmesh.view.tools.tool_scene import tool_scene
 
     s, t = (np.linspace(0.0, 1.0, n) for n in TOOL_GRID)
     plain = replace(member, features=BodyFeatures())
     shown = f"{member.name}, {side} flank, and its {tool.name}"
     grid = member.tooth.flank_grid(side, s, t).points
-    return tool_scene(gear_solid(plain, WHOLE), tool, grid, part, _title(title, shown), size)
+    return tool_scene(gear_solid(plain, WHOLE_TOLERANCE_MM), tool, grid, part, _title(title, shown), size)
 
 
-def tool_contact_picture(member: Member, side: Side, size: Size = SIZE, title: str = "") -> Scene:
-    """The tool that generates a flank of a member and the tooth as it leaves it, with their lines of contact."""
+def tool_contact_picture(member: Member, side: Side, size: Size = PICTURE_SIZE, title: str = "") -> Scene:
+    """Scene of a tool and the tooth that it generates on one side, with their lines of contact."""
     from gearmesh.teeth.generation.contact_lines import tool_contact
     from gearmesh.view.tools.tool_contact import tool_contact_scene
 
     name, tooth = member.name, member.tooth.unmodified_tooth
     contact = tool_contact(tooth, side)
     s, t = (np.linspace(0.0, 1.0, n) for n in TOOL_GRID)
-    fine = FINE * flank_pixel(tooth.flank_grid(side, s, t).points, SIZE)
+    fine = FINE_TOLERANCE_PIXELS * flank_pixel(tooth.flank_grid(side, s, t).points, PICTURE_SIZE)
     mesh = teeth_mesh(tessellate(tooth, fine, lean=False), name, np.array([0]))
     shown = f"{name} and its {contact.name}, {side} flank: lines of contact"
     return tool_contact_scene(contact, mesh, _title(title, shown), size)
@@ -182,10 +195,10 @@ def all_pictures(
     teeth: ToothViews | None = None,
     whole: ContactPath | None = None,
 ) -> dict[str, Scene]:
-    """Scenes by file name: both members with their contact, the pinion's pattern by ellipses and by the roll test, the pair.
+    """Scenes by file name: both members with their contact, the pinion's pattern and roll-test gaps, and the pair.
 
-    Contact along lines or on edges has no ellipses, and no picture of their union; the roll test shows its pattern. `teeth` saves
-    meshing teeth again that other pictures show; `whole` is the contact of the whole engagement.
+    Contact along lines or on edges has no ellipses; its pattern is shown by the roll test alone. `teeth` are views
+    meshed for other pictures; `whole` is the contact of the whole engagement.
     """
     first, teeth = pair.pinion.name, teeth or ToothViews()
     views = {name: teeth.of(pair, name) for name in pair.members}
@@ -204,9 +217,9 @@ def all_pictures(
 
 
 def plots(contact: Contact, te_file: Path, path_file: Path, title: str = "") -> list[list[Panel]]:
-    """TE over the positions with the whole mesh cycle, and the contact on both driving flanks.
+    """Draw the TE with the whole mesh cycle, and the contact on both driving flanks.
 
-    Returns the panels of both sides, to be drawn as they are; none where there is no cycle.
+    Returns the panels of both sides for other figures; an empty list without a cycle.
     """
     from gearmesh.view.diagrams.flank_diagrams import plot_flanks
 
@@ -217,10 +230,10 @@ def plots(contact: Contact, te_file: Path, path_file: Path, title: str = "") -> 
 
 
 def plot_errors(contact: Contact, file: Path, title: str = "") -> None:
-    """TE over the positions with the whole mesh cycle."""
+    """Plot the TE over the positions with the whole mesh cycle."""
     from gearmesh.view.diagrams.plots import plot_transmission_error
 
-    # the cycle of eccentric members is that of members that stay displaced: their path is another
+    # the mesh cycle is computed for members that stay displaced; eccentric members follow another path
     cycle, what = None if contact.pair.eccentric else contact.cycle, "transmission error"
     plot_transmission_error(
         file, contact.path, cycle, f"{title}: {what}" if title else what, contact.pair.output.reading.error
@@ -228,12 +241,12 @@ def plot_errors(contact: Contact, file: Path, title: str = "") -> None:
 
 
 def all_flank_rows(contact: Contact) -> list[list[Panel]]:
-    """The panels of both sides; none where there is no cycle."""
+    """Panels of both sides; an empty list without a cycle."""
     return flank_rows(contact) if contact.engagement is not None else []
 
 
 def driving_flanks(contact: Contact, rows: list[list[Panel]]) -> list[list[Panel]]:
-    """The panels of contact on the driving flanks of both members, those among the `rows` of both sides if there are any."""
+    """Panels of contact on the driving flanks of both members, taken from the `rows` of both sides if there are any."""
     from gearmesh.view.diagrams.flank_diagrams import ContactPanel, beside
 
     gears = contact.pair
@@ -242,7 +255,7 @@ def driving_flanks(contact: Contact, rows: list[list[Panel]]) -> list[list[Panel
 
 
 def _first_side(rows: list[list[Panel]]) -> list[Panel]:
-    """The panels of the driving side in what `flank_rows` gives."""
+    """Panels of the driving side in the rows of `flank_rows`."""
     from gearmesh.view.diagrams.flank_diagrams import is_long
 
     return [row[0] for row in rows] if is_long([rows[0][0].plane]) else rows[0]
@@ -256,9 +269,10 @@ def flank_panel(
     whole: ContactPath | None = None,
     nominal: Array | None = None,
 ) -> ContactPanel:
-    """A member's flank in its plane with the contact of a path, and the pattern of a `whole` engagement, by default of the same.
+    """Panel of a member's flank in its plane: the contact of a path, and its pattern.
 
-    `nominal` (P, 3), own frame, is another path to compare with.
+    `whole` is the path of the whole engagement, which gives the pattern if present. `nominal` (P, 3), own frame, is
+    another path to compare with.
     """
     from gearmesh.view.diagrams.flank_diagrams import contact_panel
     from gearmesh.view.diagrams.flank_plane import FlankPlane
@@ -273,9 +287,10 @@ def flank_panel(
 
 
 def flank_rows(contact: Contact, names: tuple[str, ...] | None = None, sliding: bool = False) -> list[list[Panel]]:
-    """Panels of both sides of a pair: contact on the flanks of members, and the ease-off or, `sliding`, the velocity of the pinion.
+    """Panels of both sides of a pair: contact on the flanks of members, and the pinion's ease-off or sliding velocity.
 
-    Sides of long flanks are beside each other, of short ones above each other. Raises NoSolutionError where neither side meets.
+    The sides of long flanks are beside each other, the sides of short flanks above each other. `sliding` selects the
+    velocity. Raises NoSolutionError if neither side meets.
     """
     from gearmesh.view.diagrams.flank_diagrams import is_long
 
@@ -294,7 +309,7 @@ def flank_rows(contact: Contact, names: tuple[str, ...] | None = None, sliding: 
             )
             for name in names
         ]
-        # a picture of sliding is one of whichever member
+        # the sliding velocity is the same for either member
         if sliding or gears.pinion.name in names:
             panels.append(_field_panel(flanks_of_side, sliding))
         sides.append(panels)
@@ -304,7 +319,7 @@ def flank_rows(contact: Contact, names: tuple[str, ...] | None = None, sliding: 
 
 
 def _field_panel(side: SideContact, sliding: bool) -> FieldPanel:
-    """Ease-off (um) or sliding velocity (m/s at 1000 rpm) over the pinion's flank."""
+    """Panel of the ease-off (um) or the sliding velocity (m/s at 1000 rpm) over the pinion's flank."""
     from gearmesh.view.diagrams.flank_diagrams import FieldPanel
     from gearmesh.view.diagrams.flank_plane import FlankPlane
 
@@ -317,7 +332,7 @@ def _field_panel(side: SideContact, sliding: bool) -> FieldPanel:
             plane,
             places,
             1e3 * ease_off.distance,
-            LEAST_EASE_OFF,
+            MIN_EASE_OFF_RANGE_UM,
             continued=1e3 * ease_off.continued,
             beyond=ease_off.beyond,
             unit="µm",
@@ -329,7 +344,7 @@ def _field_panel(side: SideContact, sliding: bool) -> FieldPanel:
         plane,
         places,
         speed,
-        LEAST_SPEED,
+        MIN_SPEED_RANGE_M_S,
         arrows,
         continued=np.linalg.norm(further, axis=-1),
         beyond=ease_off.beyond,
@@ -339,7 +354,7 @@ def _field_panel(side: SideContact, sliding: bool) -> FieldPanel:
 
 
 def in_mesh(gears: GearPair, meshes: dict[str, TriangleMesh], path: ContactPath) -> dict[str, TriangleMesh]:
-    """The members' meshes in the fixed frame at the middle position with contact."""
+    """Meshes of the members in the fixed frame at the middle position with contact."""
     k = _middle(path)
     turns = path.rotation[k], path.phi2[k]
     return {
@@ -359,45 +374,47 @@ def _side(gears: GearPair, name: str) -> Side:
 
 @dataclass(frozen=True)
 class ToothViews:
-    """Teeth of the members of a gear set to look at, each meshed once, however many pictures and meshes of the set show it.
+    """Views of the members' teeth; each tooth is meshed once, however many pictures and meshes show it.
 
-    `solids`: those of members, by names, that are there already. One that is fine enough for pictures is not meshed again.
+    `solids`: solids of members, by name, that exist already. A solid that is fine enough is not meshed again.
     """
 
     solids: Mapping[str, Solid] = field(default_factory=dict)
     meshes: dict[str, tuple[TriangleMesh, TriangleMesh]] = field(default_factory=dict)
 
     def of(self, gears: GearPair, name: str) -> ToothView:
-        """A member's tooth, finely meshed, in front of the rest of its gear."""
+        """View of a member's tooth, finely meshed, in front of the rest of its gear."""
         body = gears.members[name]
         grid, ends = _pattern_grid(gears, name), end_names(body.tooth.blank.axial)
         if name not in self.meshes:
-            self.meshes[name] = _fine_and_rest(body, self.solids.get(name), flank_pixel(grid, SIZE))
+            self.meshes[name] = _fine_and_rest(body, self.solids.get(name), flank_pixel(grid, PICTURE_SIZE))
         fine, rest = self.meshes[name]
         return ToothView(fine, flank_projection(body, _side(gears, name)), rest, grid, ends=ends)
 
 
 def tooth_view(gears: GearPair, name: str) -> ToothView:
-    """A member's tooth to look at, for one picture."""
+    """View of a member's tooth for one picture."""
     return ToothViews().of(gears, name)
 
 
 def _fine_and_rest(body: Member, solid: Solid | None, pixel: float) -> tuple[TriangleMesh, TriangleMesh]:
-    """The tooth on +x finely meshed, and the gear without it, coarsely: as a `solid` has them, or meshed for a picture whose pixels
-    are so long (mm).
+    """Meshes of the tooth on +x, fine, and of the gear without it, coarse, for pixels of this length (mm).
 
-    Nobody keeps the triangles of a picture: they are not thinned.
+    They are taken from `solid` if it is fine enough. Triangles of a picture are not kept, so they are not thinned.
     """
     if (
         solid is not None
         and solid.member is body
         and len(solid.teeth) == 1
-        and solid.teeth[0].tolerance <= SHOWN_AT * pixel
+        and solid.teeth[0].tolerance <= REUSED_TOLERANCE_PIXELS * pixel
     ):
         (tooth,) = solid.teeth
         fine, rough = tooth, tooth
     else:
-        fine, rough = (tessellate(body.tooth, tolerance, lean=False) for tolerance in (FINE * pixel, COARSE * pixel))
+        fine, rough = (
+            tessellate(body.tooth, tolerance, lean=False)
+            for tolerance in (FINE_TOLERANCE_PIXELS * pixel, COARSE_TOLERANCE_PIXELS * pixel)
+        )
     whole = gear_solid(replace(body, features=BodyFeatures()), rough.tolerance, rough)
     rest = replace(
         whole,

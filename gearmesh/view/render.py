@@ -1,4 +1,4 @@
-"""The one renderer of scenes: VTK draws the bodies in a process of its own, Pillow letters the picture.
+"""The renderer of scenes: VTK draws the bodies in a process of its own, Pillow letters the picture.
 
 The lettering (title, legend, colour bar, scale, axes) is two-dimensional and never covers the middle of the picture.
 """
@@ -13,29 +13,32 @@ import numpy as np
 from gearmesh.errors import OutputError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.progress import tell
-from gearmesh.view.lettering import WIDEST, break_lines
+from gearmesh.view.lettering import MAX_TITLE_WIDTH_SHARE, break_lines
 from gearmesh.view.offscreen.letters import Image, LetteredImage, PixelBox, ticks
 from gearmesh.view.offscreen.shapes import colour_table, drawing_order
 from gearmesh.view.opengl import draw
-from gearmesh.view.palette import CURVES
-from gearmesh.view.scene import BESIDE_BAR, Camera, Scene, ValueMap, beside_bar
+from gearmesh.view.palette import CURVE_COLOURS
+from gearmesh.view.scene import BODIES_WIDTH_SHARE, Camera, Scene, ValueMap, beside_bar
 
-_KINDS = (".png", ".jpg", ".jpeg", ".tif", ".tiff")
+#: suffixes of the files that can be written
+_PICTURE_SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff")
 
 
 def render(scene: Scene, path: Path | str | None = None, size: tuple[int, int] | None = None) -> Image:
-    """The picture of a scene as RGB pixels (H, W, 3), also written to `path` if one is given.
+    """Return the picture of a scene as RGB pixels (H, W, 3), and write it to `path` if given.
 
-    PNG, JPEG or TIFF by the path's suffix; `size` in pixels, width by height, overrides the scene's. Equal scenes
-    give equal pixels. Raises OutputError where OpenGL does not work, because going on would end the process, or where
-    the file cannot be written.
+    The suffix of the path selects PNG, JPEG or TIFF. `size` in pixels, width by height, overrides the scene's. Equal
+    scenes give equal pixels. Raises OutputError if the file cannot be written, and if OpenGL does not work: VTK would
+    end the process.
     """
-    if path is not None and Path(path).suffix.lower() not in _KINDS:
-        raise OutputError("cannot write", path, reason=f"the suffix of a picture must be {', '.join(_KINDS)}")
+    if path is not None and Path(path).suffix.lower() not in _PICTURE_SUFFIXES:
+        raise OutputError(
+            "cannot write", path, reason=f"the suffix of a picture must be {', '.join(_PICTURE_SUFFIXES)}"
+        )
     size = size or scene.size
     heading = _Heading.of(scene, size)
-    # what is higher than the room that scenes leave for it takes its own
-    above = max(0, heading.height - round(_ROOM * size[1]))
+    # a heading higher than the room left by scenes gets additional height
+    above = max(0, heading.height - round(_HEADING_SHARE * size[1]))
     inner = beside_bar(size)[0] if scene.maps else size[0], size[1] - above
     tell(0.2)
     photograph = _photograph(scene, inner)
@@ -55,45 +58,61 @@ def render(scene: Scene, path: Path | str | None = None, size: tuple[int, int] |
 
 
 def _photograph(scene: Scene, size: tuple[int, int]) -> Image:
-    """The three-dimensional part of the picture, (H, W, 3)."""
+    """Return the three-dimensional part of the picture, (H, W, 3)."""
     from PIL import Image as pillow
 
     order = drawing_order(scene, size)
-    # a pixel is the mean, by their distances from its middle, of four by four
-    # what is transparent of none of them is not asked: Pillow has no need to look at it
+    # a pixel is the mean, weighted by distance, of four by four drawn pixels; RGBX tells Pillow to ignore the
+    # transparency
     large = pillow.frombuffer("RGBX", order["size"], draw(order), "raw", "RGBX", 0, -1)
     return np.asarray(large.resize(size, pillow.Resampling.BILINEAR).convert("RGB"))
 
 
 # --- lettering ---
 
-#: part of a picture's height that scenes leave for a heading: a title of one line and a legend of one row
-_ROOM = 0.09
-#: where a heading begins, where the middle of a legend's first row is below a title of one line, and the height of a row
-_FIRST, _LEGEND, _ROW = 0.015, 0.055, 0.031
-#: entries of the legend in a row at most
-_COLUMNS = 4
-#: letters of titles, words, entries of the legend, the colour bar's label, and numbers, points
-_TITLE, _WORD, _ENTRY, _LABEL, _NUMBER = 13.0, 12.0, 10.5, 11.0, 10.0
-#: of an entry of the legend, in heights of its letters: its mark, the gap after it, the gap before the next entry
-_MARK, _GAP, _BETWEEN = 2.0, 0.8, 2.0
-#: nearest that a word may come to the picture's edges, as parts of it
-_MARGIN = (0.035, 0.03)
-#: how far a word stays from what it names and from the edges, as a part of the picture's height
-_CLEAR = 0.009
+#: share of a picture's height that scenes leave for a heading: a title of one line and a legend of one row
+_HEADING_SHARE = 0.09
+#: top of the title, as a share of the picture's height
+_TITLE_TOP = 0.015
+#: middle of the legend's first row below a title of one line, as a share of the picture's height
+_LEGEND_MIDDLE = 0.055
+#: height of a row of the legend, as a share of the picture's height
+_ROW_HEIGHT = 0.031
+#: largest number of entries in a row of the legend
+_MAX_COLUMNS = 4
+#: size of the letters of a title
+_TITLE_POINTS = 13.0
+#: size of the letters of words
+_WORD_POINTS = 12.0
+#: size of the letters of the legend
+_ENTRY_POINTS = 10.5
+#: size of the letters of the colour bar's label
+_LABEL_POINTS = 11.0
+#: size of the letters of numbers
+_NUMBER_POINTS = 10.0
+#: width of an entry's mark, in heights of its letters
+_MARK_WIDTH = 2.0
+#: gap after the mark, in heights of the letters
+_MARK_GAP = 0.8
+#: gap before the next entry, in heights of the letters
+_ENTRY_GAP = 2.0
+#: smallest distance of a word's place from the picture's edges, as shares of its width and height
+_EDGE_MARGINS = (0.035, 0.03)
+#: distance of a word from its point and from the edges, as a share of the picture's height
+_WORD_CLEARANCE = 0.009
 
 
 def _letter(image: Image, scene: Scene, heading: _Heading, inner: tuple[int, int]) -> Image:
-    """The picture with title and legend on top, a colour bar at the side, axes, scale and words; nothing of it is boxed.
+    """Return the picture with title and legend on top, colour bar at the side, axes, scale and words; none has a frame.
 
-    The camera sees what is `inner`, in the lower left.
+    The camera sees the lower left part of the size `inner`.
     """
     sheet = LetteredImage((image.shape[1], image.shape[0]), image)
     if scene.maps:
         _draw_colour_bar(sheet, scene.maps[0])
     heading.draw(sheet)
     for place, text, across in _placed_words(sheet, scene, inner):
-        sheet.text(place, text, _WORD, across=across)
+        sheet.text(place, text, _WORD_POINTS, across=across)
     _draw_axes(sheet, scene.camera)
     if scene.camera.parallel:
         _draw_scale(sheet, scene.camera, inner)
@@ -101,9 +120,9 @@ def _letter(image: Image, scene: Scene, heading: _Heading, inner: tuple[int, int
 
 
 def _placed_words(sheet: LetteredImage, scene: Scene, inner: tuple[int, int]) -> list[tuple[Array, str, float]]:
-    """Places (2,) in pixels, words and the part of its width that each has to the left of its place.
+    """Places (2,) in pixels, words, and the share of each word's width that is left of its place.
 
-    All of a word is beyond its point, or at the edge of the picture where the point is not in it.
+    A word lies wholly beyond its point. If the point is outside of the picture, the word is at the edge, with an arrow.
     """
     size, placed = np.array(sheet.size), []
     above = size[1] - inner[1]
@@ -114,9 +133,9 @@ def _placed_words(sheet: LetteredImage, scene: Scene, inner: tuple[int, int]) ->
         way = at - inside
         way = way / max(float(np.hypot(*way)), 1e-9)
         place = at + 0.028 * size[1] * way
-        top = above + _ROOM * size[1]
-        low = _MARGIN[0] * size[0], top + 0.035 * size[1]
-        kept = np.clip(place, low, (inner[0] - _MARGIN[0] * size[0], (1.0 - _MARGIN[1]) * size[1]))
+        top = above + _HEADING_SHARE * size[1]
+        low = _EDGE_MARGINS[0] * size[0], top + 0.035 * size[1]
+        kept = np.clip(place, low, (inner[0] - _EDGE_MARGINS[0] * size[0], (1.0 - _EDGE_MARGINS[1]) * size[1]))
         if not word.beyond and np.abs((kept - place) / size).max() <= 0.03:
             placed.append((_clear_place(sheet, word.text, at, way, inner[0], top), word.text, 0.5))
         elif at[0] < 0.5 * size[0] if word.beyond else way[0] < 0.0:
@@ -127,86 +146,106 @@ def _placed_words(sheet: LetteredImage, scene: Scene, inner: tuple[int, int]) ->
 
 
 def _clear_place(sheet: LetteredImage, text: str, at: Array, way: Array, right: float, top: float) -> Array:
-    """Middle (2,) of a word, on its `way` (2,) from what it names `at` (2,), whose box covers neither that nor an edge of the
-    picture; the `right` one may be that of a colour bar, the `top` one that of the heading."""
-    box, high = sheet.box(at, text, _WORD), sheet.size[1]
+    """Middle (2,) of a word beyond its point `at` (2,), in the direction `way` (2,).
+
+    Its box covers neither the point nor an edge of the picture. `right` may be the edge of a colour bar, `top` the edge
+    of the heading.
+    """
+    box, high = sheet.box(at, text, _WORD_POINTS), sheet.size[1]
     half = 0.5 * np.array([box.right - box.left, box.bottom - box.top])
-    far = max(float((half / np.maximum(np.abs(way), 1e-9)).min()) + _CLEAR * high, 0.028 * high)
-    first, last = half + np.array([_CLEAR * high, top]), np.array([right, (1.0 - _CLEAR) * high]) - half
+    far = max(float((half / np.maximum(np.abs(way), 1e-9)).min()) + _WORD_CLEARANCE * high, 0.028 * high)
+    first, last = (
+        half + np.array([_WORD_CLEARANCE * high, top]),
+        np.array([right, (1.0 - _WORD_CLEARANCE) * high]) - half,
+    )
     return np.asarray(np.clip(at + far * way, first, np.maximum(last, first)))
 
 
 @dataclass(frozen=True)
 class _Entry:
-    """What a legend says of a colour, and how that is drawn: an area, a line so many points wide, or a dot of so many."""
+    """An entry of the legend: a mark and its text."""
 
+    #: text beside the mark
     text: str
+    #: colour of the mark
     colour: str
+    #: kind of the mark: area, line or dot
     mark: str
+    #: width of a line or diameter of a dot, points
     points: float = 0.0
 
     def width(self, sheet: LetteredImage) -> float:
-        """Pixels that it takes in a row."""
-        return (_MARK + _GAP) * _ENTRY * sheet.point + sheet.width(self.text, _ENTRY)
+        """Width in a row, pixels."""
+        return (_MARK_WIDTH + _MARK_GAP) * _ENTRY_POINTS * sheet.point + sheet.width(self.text, _ENTRY_POINTS)
 
     def draw(self, sheet: LetteredImage, left: float, y: float) -> None:
-        """Draw it from a place on to the right, and so much above as below it."""
-        unit = _ENTRY * sheet.point
-        right = left + _MARK * unit
+        """Draw the entry to the right of `left`, with its middle at the height `y`."""
+        unit = _ENTRY_POINTS * sheet.point
+        right = left + _MARK_WIDTH * unit
         if self.mark == "area":
             sheet.fill(PixelBox(left, y - 0.35 * unit, right, y + 0.35 * unit).corners, self.colour)
         elif self.mark == "line":
             sheet.line((left, y), (right, y), self.points, self.colour, rim=False)
         else:
             sheet.disc(((left + right) / 2, y), self.points, self.colour)
-        sheet.text((right + _GAP * unit, y), self.text, _ENTRY, across=0.0)
+        sheet.text((right + _MARK_GAP * unit, y), self.text, _ENTRY_POINTS, across=0.0)
 
 
 @dataclass(frozen=True)
 class _Heading:
-    """Title and legend of a picture and the `height` in pixels that they take; `first` is the middle of the legend's first row."""
+    """Title and legend of a picture."""
 
+    #: title, with line breaks
     title: str
+    #: entries of the legend, row by row
     rows: tuple[tuple[_Entry, ...], ...]
+    #: middle of the legend's first row, pixels from the top
     first: float
+    #: height of the heading, pixels
     height: int
 
     @classmethod
     def of(cls, scene: Scene, size: tuple[int, int]) -> _Heading:
-        """That of a scene for a picture of a `size`, without any height where there is neither."""
+        """Return the heading of a scene for a picture of a `size`; its height is 0 without title and legend."""
         entries = [_Entry(area.label, area.colour, "area") for area in scene.areas if area.label]
         entries += [_Entry(curve.label, curve.colour, "line", curve.width) for curve in scene.curves if curve.label]
         entries += [_Entry(dots.label, dots.colour, "dot", 6.0) for dots in scene.dots if dots.label]
         if not entries and not scene.title:
             return cls("", (), 0.0, 0)
         sheet, high = LetteredImage(size), size[1]
-        title = break_lines(scene.title, lambda text: sheet.width(text, _TITLE) <= WIDEST * size[0])
-        bottom = _FIRST * high + (sheet.height(title, _TITLE) if title else 0.0)
+        title = break_lines(
+            scene.title, lambda text: sheet.width(text, _TITLE_POINTS) <= MAX_TITLE_WIDTH_SHARE * size[0]
+        )
+        bottom = _TITLE_TOP * high + (sheet.height(title, _TITLE_POINTS) if title else 0.0)
         rows = _rows(sheet, entries)
-        # rows stand one below the other, and all of them below the title
-        first = max(_LEGEND * high, bottom + 0.5 * _ROW * high)
+        # the rows are below the title
+        first = max(_LEGEND_MIDDLE * high, bottom + 0.5 * _ROW_HEIGHT * high)
         if rows:
-            bottom = first + (len(rows) - 1) * _ROW * high + 0.5 * sheet.height("", _ENTRY)
-        return cls(title, rows, first, round(bottom + _CLEAR * high))
+            bottom = first + (len(rows) - 1) * _ROW_HEIGHT * high + 0.5 * sheet.height("", _ENTRY_POINTS)
+        return cls(title, rows, first, round(bottom + _WORD_CLEARANCE * high))
 
     def draw(self, sheet: LetteredImage) -> None:
-        """Draw it in the middle of the picture's width."""
+        """Draw the heading, centred on the picture's width."""
         wide, high = sheet.size
-        sheet.text((0.5 * wide, _FIRST * high), self.title, _TITLE, down=0.0)
-        between = _BETWEEN * _ENTRY * sheet.point
+        sheet.text((0.5 * wide, _TITLE_TOP * high), self.title, _TITLE_POINTS, down=0.0)
+        between = _ENTRY_GAP * _ENTRY_POINTS * sheet.point
         for k, row in enumerate(self.rows):
             left = 0.5 * (wide - sum(entry.width(sheet) for entry in row) - between * (len(row) - 1))
             for entry in row:
-                entry.draw(sheet, left, self.first + k * _ROW * high)
+                entry.draw(sheet, left, self.first + k * _ROW_HEIGHT * high)
                 left += entry.width(sheet) + between
 
 
 def _rows(sheet: LetteredImage, entries: list[_Entry]) -> tuple[tuple[_Entry, ...], ...]:
-    """Entries of a legend in rows that are not wider than the picture."""
+    """Return the entries of a legend in rows that are not wider than the picture."""
     rows: list[list[_Entry]] = []
-    between, left = _BETWEEN * _ENTRY * sheet.point, 0.0
+    between, left = _ENTRY_GAP * _ENTRY_POINTS * sheet.point, 0.0
     for entry in entries:
-        if not rows or len(rows[-1]) == _COLUMNS or left + entry.width(sheet) > WIDEST * sheet.size[0]:
+        if (
+            not rows
+            or len(rows[-1]) == _MAX_COLUMNS
+            or left + entry.width(sheet) > MAX_TITLE_WIDTH_SHARE * sheet.size[0]
+        ):
             rows.append([])
             left = 0.0
         rows[-1].append(entry)
@@ -215,12 +254,12 @@ def _rows(sheet: LetteredImage, entries: list[_Entry]) -> tuple[tuple[_Entry, ..
 
 
 def _draw_axes(sheet: LetteredImage, camera: Camera) -> None:
-    """The frame's x, y and z directions in the lower left corner, nearest last."""
+    """Draw the x, y and z directions of the frame in the lower left corner, the nearest last."""
     high = sheet.size[1]
     centre, length = np.array([0.078, 1.0 - 0.078]) * high, 0.046 * high
     taken: list[Array] = []
     for k in np.argsort(camera.axes[2]):
-        colour = ("#c0392b", CURVES[2], CURVES[0])[k]
+        colour = ("#c0392b", CURVE_COLOURS[2], CURVE_COLOURS[0])[k]
         tip = camera.axes[:2, k] * (1.0, -1.0)
         sheet.line(centre, centre + length * tip, 2.0, colour)
         if np.hypot(*tip) > 0.25:
@@ -228,11 +267,11 @@ def _draw_axes(sheet: LetteredImage, camera: Camera) -> None:
             if any(np.hypot(*(place - other)) < 0.022 * high for other in taken):
                 place = place + np.array([0.022 * high, 0.0])
             taken.append(place)
-            sheet.text(place, "xyz"[k], _NUMBER, colour=colour)
+            sheet.text(place, "xyz"[k], _NUMBER_POINTS, colour=colour)
 
 
 def _draw_scale(sheet: LetteredImage, camera: Camera, inner: tuple[int, int]) -> None:
-    """A bar of a round length, at most a seventh of the picture's width, in the lower right corner of what the camera sees."""
+    """Draw a bar of a round length in the lower right corner of the camera's part, at most a seventh of the width."""
     (wide, high), pixel = sheet.size, camera.height / inner[1]
     power = 10.0 ** np.floor(np.log10(wide * pixel / 7))
     length = max(step * power for step in (1, 2, 5) if step * power <= wide * pixel / 7)
@@ -241,13 +280,13 @@ def _draw_scale(sheet: LetteredImage, camera: Camera, inner: tuple[int, int]) ->
     sheet.line((left, y), (right, y), 1.5)
     for x in (left, right):
         sheet.line((x, y - tick), (x, y + tick), 1.5)
-    sheet.text(((left + right) / 2, y - 0.012 * high), f"{length:g} mm", _NUMBER, down=1.0)
+    sheet.text(((left + right) / 2, y - 0.012 * high), f"{length:g} mm", _NUMBER_POINTS, down=1.0)
 
 
 def _draw_colour_bar(sheet: LetteredImage, value_map: ValueMap) -> None:
-    """Colours from 0, below, to the map's limit, with round values beside them and what they are."""
+    """Draw the colours from 0, at the bottom, to the map's limit, with round values and the label beside them."""
     wide, high = sheet.size
-    box = PixelBox((BESIDE_BAR + 0.02) * wide, 0.2 * high, (BESIDE_BAR + 0.042) * wide, 0.85 * high)
+    box = PixelBox((BODIES_WIDTH_SHARE + 0.02) * wide, 0.2 * high, (BODIES_WIDTH_SHARE + 0.042) * wide, 0.85 * high)
     sheet.paste(colour_table()[::-1, None, :3], box)
     for begin, end in zip(box.corners, np.roll(box.corners, 1, axis=0), strict=True):
         sheet.line(begin, end, 0.8, rim=False)
@@ -256,6 +295,6 @@ def _draw_colour_bar(sheet: LetteredImage, value_map: ValueMap) -> None:
     for value, number in zip(values, numbers, strict=True):
         y = box.bottom - value / value_map.limit * (box.bottom - box.top)
         sheet.line((box.right, y), (box.right + tick, y), 0.8, rim=False)
-        sheet.text((box.right + tick + gap, y), number, _NUMBER, across=0.0)
-    beside = box.right + tick + gap + max(sheet.width(number, _NUMBER) for number in numbers) + gap
-    sheet.text_upwards((beside, (box.top + box.bottom) / 2), value_map.label, _LABEL)
+        sheet.text((box.right + tick + gap, y), number, _NUMBER_POINTS, across=0.0)
+    beside = box.right + tick + gap + max(sheet.width(number, _NUMBER_POINTS) for number in numbers) + gap
+    sheet.text_upwards((beside, (box.top + box.bottom) / 2), value_map.label, _LABEL_POINTS)

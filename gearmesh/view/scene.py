@@ -1,7 +1,7 @@
-"""What is in a picture, as data; `views` composes scenes of gears, `render` turns a scene into pixels.
+"""Contents of a picture as data; `views` composes scenes of gears, `render` turns a scene into pixels.
 
-A flank picture stands in its member's own frame (axis along z), the picture of the pair in the fixed frame.
-Lengths are in mm, angles in rad, colours "#rrggbb". NaN points cut curves, areas and maps off.
+A flank picture is in its member's own frame (axis along z), the picture of a pair in the fixed frame. Lengths are in
+mm, angles in rad, colours "#rrggbb". NaN points interrupt curves, areas and maps.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import HEEL_END, TOE_END
-from gearmesh.view.palette import COMPOUND, OUTLINE, PATH
+from gearmesh.view.palette import COMPOUND_COLOUR, OUTLINE_COLOUR, PATH_COLOUR
 
 Project = Callable[[Array], Array]
 
 
 @dataclass(frozen=True)
 class Paint:
-    """Colour of a body: one for all, and others for regions named in full or by their first word ("flank")."""
+    """Colour of a body, and other colours for regions, named in full or by their first word ("flank")."""
 
     colour: str
     regions: Mapping[str, str] = field(default_factory=dict)
@@ -34,82 +34,109 @@ class Paint:
         return self.regions.get(region, self.regions.get(region.split("_")[0], self.colour))
 
 
-STEEL = Paint("#b3bbc3", {"flank": "#d3d9df", "fillet": "#c2cad2"})
-DULL_STEEL = Paint("#d9dee3", {"flank": "#e4e8ec", "fillet": "#dfe4e8"})
-BLUE_STEEL = Paint("#8ba9c9", {"flank": "#a5c0dc", "fillet": "#98b4d2"})
-BRONZE = Paint("#b98d72", {"flank": "#cda68d", "fillet": "#c39a80"})
-BRASS = Paint("#cdae7a", {"flank": "#dfc595", "fillet": "#d6ba88"})
-TOOL = Paint("#7f93c9", {"flank": "#92a6dc", "fillet": "#d98f5c"})
+#: a tooth that is looked at
+STEEL_PAINT = Paint("#b3bbc3", {"flank": "#d3d9df", "fillet": "#c2cad2"})
+#: the rest of its gear
+DULL_STEEL_PAINT = Paint("#d9dee3", {"flank": "#e4e8ec", "fillet": "#dfe4e8"})
+#: first member
+BLUE_STEEL_PAINT = Paint("#8ba9c9", {"flank": "#a5c0dc", "fillet": "#98b4d2"})
+#: third member
+BRONZE_PAINT = Paint("#b98d72", {"flank": "#cda68d", "fillet": "#c39a80"})
+#: second member
+BRASS_PAINT = Paint("#cdae7a", {"flank": "#dfc595", "fillet": "#d6ba88"})
+#: tools
+TOOL_PAINT = Paint("#7f93c9", {"flank": "#92a6dc", "fillet": "#d98f5c"})
 
 
 @dataclass(frozen=True)
 class SceneBody:
-    """A mesh at its place in the picture; `yields` lets other bodies win where both have nearly the same depth.
+    """A mesh at its position in the scene."""
 
-    `section` is the colour of its inside where it is cut open to be looked at; its edges are not drawn then. Where `opacity` is
-    below 1 what is behind it is seen through it.
-    """
-
+    #: mesh in its own frame, mm
     mesh: TriangleMesh
+    #: motion from its own frame into the frame of the scene
     own_to_scene: Rigid
+    #: colours of its regions
     paint: Paint
+    #: True if other bodies are drawn in front where both have nearly the same depth
     yields: bool = False
+    #: colour of its inside where it is cut open; then its edges are not drawn. None: not a section
     section: str | None = None
+    #: 1 for an opaque body; below 1 the bodies behind it are seen through it
     opacity: float = 1.0
 
 
 @dataclass(frozen=True)
 class Curve:
-    """Polyline through `points` (K, 3), broken at NaN; `width` in pixels."""
+    """A polyline."""
 
+    #: points (K, 3), mm; NaN interrupts the line
     points: Array
+    #: its text in the legend, none if empty
     label: str = ""
-    colour: str = OUTLINE
+    #: its colour
+    colour: str = OUTLINE_COLOUR
+    #: its width in pixels
     width: float = 2.0
 
 
 @dataclass(frozen=True)
 class Dots:
-    """Marks at `points` (K, 3); `size` in pixels."""
+    """Round marks."""
 
+    #: middles (K, 3), mm; NaN is skipped
     points: Array
+    #: their text in the legend, none if empty
     label: str = ""
-    colour: str = PATH
+    #: their colour
+    colour: str = PATH_COLOUR
+    #: their diameter in pixels
     size: float = 12.0
 
 
 @dataclass(frozen=True)
 class PatternArea:
-    """Filled part of a surface patch `points` (M, N, 3): all of it, or where `level` (M, N) is at most 1."""
+    """A filled part of a surface patch."""
 
+    #: points (M, N, 3) of the patch, mm
     points: Array
+    #: level (M, N): the area is where it is at most 1; None: the whole patch
     level: Array | None = None
+    #: its text in the legend, none if empty
     label: str = ""
-    colour: str = COMPOUND
+    #: its colour
+    colour: str = COMPOUND_COLOUR
 
 
 @dataclass(frozen=True)
 class ValueMap:
-    """Surface patches `points` (..., M, N, 3) coloured by `values` (..., M, N) from 0 to `limit`, with NaN or beyond not drawn."""
+    """Surface patches in colours of a scale from 0 to `limit`; NaN and values above the limit are not drawn."""
 
+    #: points (..., M, N, 3) of the patches, mm
     points: Array
+    #: values (..., M, N) at the points, in the label's unit
     values: Array
+    #: value at which the scale ends
     limit: float
+    #: quantity and unit beside the colour bar
     label: str = "gap (µm)"
 
 
 @dataclass(frozen=True)
 class Camera:
-    """A camera at `position` looking at `focus` (3,); `height` mm of the scene at the focus fill the picture.
+    """A camera and the part of the scene that it sees."""
 
-    Of bodies that yield what stands more than `front` mm before the focus is cut away, if that is given.
-    """
-
+    #: position (3,), mm
     position: Array
+    #: point (3,) in the middle of the picture, mm
     focus: Array
+    #: direction (3,) that is upwards in the picture
     up: Array
+    #: height (mm) of the scene at the focus that fills the picture
     height: float
+    #: True for a parallel projection, False for a perspective
     parallel: bool = True
+    #: distance (mm) of the front plane before the focus: bodies that yield are cut away before it. None: no plane
     front: float | None = None
 
     @property
@@ -124,7 +151,7 @@ class Camera:
         return float(np.linalg.norm(self.position - self.focus))
 
     def pixels(self, points: Array, size: tuple[int, int]) -> Array:
-        """Where points (..., 3) appear: pixels from the left, from the top, and depth from the camera in mm."""
+        """Pixels of points (..., 3) from the left and from the top, and depth from the camera in mm, (..., 3)."""
         seen = (points - self.position) @ self.axes.T
         depth = -seen[..., 2]
         scale = size[1] / self.height * (np.ones_like(depth) if self.parallel else self.distance / depth)
@@ -133,65 +160,84 @@ class Camera:
 
 @dataclass(frozen=True)
 class Word:
-    """A word at a point (3,), written beyond it as seen from `inside` (3,); `beyond`: what it names is outside of the picture."""
+    """A word that names a part of the scene."""
 
+    #: the word
     text: str
+    #: point (3,) of the named part, mm
     point: Array
+    #: point (3,), mm: the word is written beyond `point` as seen from here
     inside: Array
+    #: True if the named part is outside of the picture
     beyond: bool = False
 
 
-#: part of a picture's width that its bodies take where a colour bar stands beside them
-BESIDE_BAR = 0.885
+#: share of a picture's width that remains for the bodies beside a colour bar
+BODIES_WIDTH_SHARE = 0.885
 
 
 def beside_bar(size: tuple[int, int]) -> tuple[int, int]:
-    """Width and height, pixels, of what is left of a picture beside a colour bar."""
-    return round(BESIDE_BAR * size[0]), size[1]
+    """Width and height (pixels) that remain of a picture beside a colour bar."""
+    return round(BODIES_WIDTH_SHARE * size[0]), size[1]
 
 
 @dataclass(frozen=True)
 class Scene:
-    """All that a picture shows; `size` in pixels, width by height. With `maps` the camera sees what is beside their colour bar."""
+    """Everything that a picture shows."""
 
+    #: bodies, in the frame of the scene
     bodies: tuple[SceneBody, ...]
+    #: camera; with `maps` it sees the part of the picture beside their colour bar
     camera: Camera
+    #: curves on the bodies
     curves: tuple[Curve, ...] = ()
+    #: dots on the bodies
     dots: tuple[Dots, ...] = ()
+    #: filled areas on the bodies
     areas: tuple[PatternArea, ...] = ()
+    #: coloured maps on the bodies; the first has the colour bar
     maps: tuple[ValueMap, ...] = ()
+    #: words beside the parts that they name
     words: tuple[Word, ...] = ()
+    #: title, above the bodies
     title: str = ""
+    #: width and height of the picture, pixels
     size: tuple[int, int] = (1600, 1200)
 
 
-#: positions are the same that are this part of the engagement from each other
-SAME = 1e-9
+#: share of the engagement below which two positions are the same
+SAME_POSITION_SHARE = 1e-9
 
 
 @dataclass(frozen=True)
 class MemberContact:
-    """The contact of P positions as one member sees it, in its own frame: what a flank picture draws.
+    """The contact of P positions on one member, in its own frame: the content of a flank picture."""
 
-    point, normal (out of the member), major, minor (P, 3); semi_major, semi_minor (P,) in mm, NaN where there is
-    no ellipse; edge (P,) True for edge contact; lines: contact lines (K, 3), one per position or None; curve: points and normals
-    (W, 3) of the path of contact where it is known better than by the positions.
-    """
-
+    #: points of contact (P, 3), mm; NaN without contact
     point: Array
+    #: unit normals (P, 3) out of the member
     normal: Array
+    #: unit vectors (P, 3) along the major axes of the ellipses
     major: Array
+    #: unit vectors (P, 3) along the minor axes
     minor: Array
+    #: major semi-axes (P,), mm; NaN without an ellipse
     semi_major: Array
+    #: minor semi-axes (P,), mm; NaN without an ellipse
     semi_minor: Array
+    #: True (P,) for edge contact
     edge: NDArray[np.bool_]
+    #: contact lines (K, 3), mm, or None, one for each position
     lines: tuple[Array | None, ...] = ()
+    #: points and normals (W, 3) of the path of contact if it is known at more than the P positions
     curve: tuple[Array, Array] | None = None
 
     @property
     def path(self) -> tuple[Array, Array]:
-        """Points and normals (W, 3) of the path of contact; NaN along contact lines: which of their points a solver reports means
-        nothing."""
+        """Points and normals (W, 3) of the path of contact.
+
+        NaN for positions with a contact line: the solver's point on such a line is arbitrary.
+        """
         if self.curve is not None:
             return self.curve
         point = self.point.copy()
@@ -200,7 +246,7 @@ class MemberContact:
 
     @property
     def places(self) -> Array:
-        """Points (K, 3) between which all contact is: of the path and of contact lines, and ends of ellipses."""
+        """Points (K, 3) that enclose all contact: points of the path and of contact lines, and ends of ellipses."""
         chosen = self.ellipses
         reach = self.semi_major[chosen, None] * self.major[chosen]
         lines = [line for line in self.lines if line is not None]
@@ -210,7 +256,7 @@ class MemberContact:
 
     @property
     def middle(self) -> Array:
-        """Point (3,) at the middle one of the positions with contact, of a contact line its middle one."""
+        """Point (3,) of the middle position with contact; the middle of its contact line if it has one."""
         known = np.flatnonzero(np.isfinite(self.point[:, 0]))
         k = int(known[len(known) // 2])
         line = self.lines[k] if self.lines else None
@@ -233,7 +279,10 @@ class MemberContact:
 def contact_on(
     member: int, path: ContactPath, mounts: tuple[Mount, Mount], whole: ContactPath | None = None
 ) -> MemberContact:
-    """The contact path in the own frame of the pinion (0) or the gear (1), its curve with the positions of the `whole` path too."""
+    """Return the contact of a path in the own frame of the pinion (0) or the gear (1).
+
+    Its curve includes the positions of the `whole` path if given.
+    """
     own = _own_contact(member, path, mounts)
     (points, normals), edge, rotation = own.path, own.edge, path.rotation
     if whole is not None:
@@ -244,22 +293,21 @@ def contact_on(
         points, normals = (np.concatenate([part.path[k] for part, _ in both])[kept] for k in (0, 1))
         order = np.argsort(rotation, kind="stable")
         # positions that both have are in one place but for rounding, and what is between them has no direction
-        order = order[np.diff(rotation[order], prepend=-np.inf) > SAME * np.ptp(rotation)]
+        order = order[np.diff(rotation[order], prepend=-np.inf) > SAME_POSITION_SHARE * np.ptp(rotation)]
         points, normals, edge, rotation = points[order], normals[order], edge[order], rotation[order]
     after = jumps(points, edge, rotation) + 1
     return replace(own, curve=(np.insert(points, after, np.nan, axis=0), np.insert(normals, after, np.nan, axis=0)))
 
 
 def jumps(points: Array, edge: NDArray[np.bool_], rotation: Array) -> NDArray[np.intp]:
-    """Indices of the points (P, 3) of a path of contact from which it jumps to the next: where contact on flanks becomes that
-    of an `edge` (P,) elsewhere, or the other way round.
+    """Indices of the points (P, 3) of a path after which it jumps: from flank contact to `edge` contact (P,) or back.
 
-    A path that goes on along an edge which it reaches has a velocity (per `rotation` (P,), rad) there between that before and that
-    after. One that jumps is farther from all of these than they are from rest together.
+    A path that continues along an edge has a velocity (per `rotation` (P,), rad) between the velocities before and
+    after the change. At a jump the velocity is farther from this interval than both velocities together are from zero.
     """
     if len(rotation) < 2:
         return np.zeros(0, dtype=np.intp)
-    turned = np.maximum(np.abs(np.diff(rotation)), SAME * np.ptp(rotation))
+    turned = np.maximum(np.abs(np.diff(rotation)), SAME_POSITION_SHARE * np.ptp(rotation))
     velocity = np.diff(points, axis=0) / turned[:, None]
     changes = edge[1:] != edge[:-1]
     steady = np.where((changes | ~np.isfinite(velocity[:, 0]))[:, None], 0.0, velocity)
@@ -273,6 +321,7 @@ def jumps(points: Array, edge: NDArray[np.bool_], rotation: Array) -> NDArray[np
 
 
 def _own_contact(member: int, path: ContactPath, mounts: tuple[Mount, Mount]) -> MemberContact:
+    """Return the contact of a path in the own frame of a member, without a curve between the positions."""
     pinion = member == 0
     own_to_fixed = mounts[member].at(path.rotation if pinion else path.phi2)
     fixed_to_own = own_to_fixed.inverse
@@ -293,30 +342,33 @@ def _own_contact(member: int, path: ContactPath, mounts: tuple[Mount, Mount]) ->
 
 @dataclass(frozen=True)
 class ToothView:
-    """The tooth of a flank picture, in its member's own frame: only this one is needed at a fine tolerance.
+    """The tooth of a flank picture, in its member's own frame; only this tooth is meshed finely."""
 
-    `fine` is the tooth in contact, `context` a coarse mesh of what surrounds it; `project` takes
-    points (..., 3) near the flank to the closest points of the exact flank, and to NaN beyond its trimmed edges. `grid` (I, J, 3)
-    are points of that flank, from root to tip and between its `ends`; the camera looks at it along its mean normal.
-    """
-
+    #: fine mesh of the tooth in contact
     fine: TriangleMesh
+    #: maps points (..., 3) near the flank to the closest points of the exact flank, NaN beyond its trimmed edges
     project: Project
+    #: coarse mesh of the rest of the gear
     context: TriangleMesh | None = None
+    #: points (I, J, 3) of the exact flank from root to tip and between its `ends`; the camera looks along their mean
+    #: normal
     grid: Array | None = None
+    #: title of the picture
     title: str = ""
+    #: width and height of the picture, pixels
     size: tuple[int, int] = (1600, 1200)
+    #: names of the flank's ends, in the order of the grid's columns
     ends: tuple[str, str] = (TOE_END, HEEL_END)
 
     @property
     def lift(self) -> float:
-        """Height above the surface, mm, at which things are drawn: 0.1 % of the tooth's bounding radius."""
+        """Height (mm) above the surface at which curves and areas are drawn: 0.1 % of the tooth's bounding radius."""
         low, high = self.fine.vertices.min(axis=0), self.fine.vertices.max(axis=0)
         return 1e-3 * float(np.linalg.norm(high - low)) / 2
 
     @property
     def bodies(self) -> tuple[SceneBody, ...]:
-        fine = SceneBody(self.fine, Rigid.identity(), STEEL)
+        fine = SceneBody(self.fine, Rigid.identity(), STEEL_PAINT)
         if self.context is None:
             return (fine,)
-        return (fine, SceneBody(self.context, Rigid.identity(), DULL_STEEL, yields=True))
+        return (fine, SceneBody(self.context, Rigid.identity(), DULL_STEEL_PAINT, yields=True))

@@ -1,4 +1,4 @@
-"""The pictures of a gear pair as scenes: members with their contact, patterns, gap maps, the pair; and the cameras."""
+"""Scenes of a gear pair: members with their contact, patterns, gap maps and the pair in mesh; and their cameras."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ from gearmesh.view.on_tooth import (
     position_dots,
     union_level,
 )
-from gearmesh.view.palette import OUTLINE, REGION_EDGE
+from gearmesh.view.palette import OUTLINE_COLOUR, REGION_EDGE
 from gearmesh.view.scene import (
-    BLUE_STEEL,
-    BRASS,
-    BRONZE,
+    BLUE_STEEL_PAINT,
+    BRASS_PAINT,
+    BRONZE_PAINT,
     Camera,
     Curve,
     MemberContact,
@@ -43,11 +43,11 @@ from gearmesh.view.scene import (
 
 
 def member_scene(view: ToothView, contact: MemberContact, count: int = 9, camera: Camera | None = None) -> Scene:
-    """A tooth with the path of contact and, at up to `count` positions, the contact ellipses or contact lines."""
+    """Scene of a tooth with the path of contact and, at up to `count` positions, contact ellipses or contact lines."""
     chosen = spread(contact.ellipses, count)
     discs, outlines = ellipses_on_surface(contact, chosen, view.project, view.lift)
     areas = tuple(PatternArea(disc, label="contact ellipses" if i == 0 else "") for i, disc in enumerate(discs))
-    curves = (Curve(outlines, colour=OUTLINE, width=1.5),) if len(chosen) else ()
+    curves = (Curve(outlines, colour=OUTLINE_COLOUR, width=1.5),) if len(chosen) else ()
     camera = camera or flank_camera(view, contact)
     return Scene(
         bodies=view.bodies,
@@ -62,9 +62,10 @@ def member_scene(view: ToothView, contact: MemberContact, count: int = 9, camera
 
 
 def pattern_scene(view: ToothView, contact: MemberContact, grid: Array, camera: Camera | None = None) -> Scene:
-    """A tooth with the union of its contact ellipses as one area; `grid` (I, J, 3) are points of its exact flank.
+    """Scene of a tooth with the union of its contact ellipses as one area.
 
-    150 x 300 points draw the ends of slender ellipses smoothly. A pair in line contact shows its lines instead.
+    `grid` (I, J, 3) are points of its exact flank; 150 x 300 points draw the ends of slender ellipses smoothly. A pair
+    in line contact shows its lines instead.
     """
     lifted, level = lift_grid(grid, contact, view.lift), union_level(contact, grid)
     area = PatternArea(lifted, level, "contact pattern: union of the ellipses")
@@ -89,10 +90,10 @@ def gap_scene(
     limit: float,
     camera: Camera | None = None,
 ) -> Scene:
-    """A tooth with the smallest gap of a roll test, up to `limit` mm, in colours.
+    """Scene of a tooth with the smallest gap of a roll test, up to `limit` mm, in colours.
 
-    `grid` (I, J, 3) are points of its exact flank; every patch is one position's points (M, N, 3), own frame, and
-    gaps (M, N) in mm, NaN where there is none. The path of contact is drawn from `contact`, the solver's result.
+    `grid` (I, J, 3) are points of its exact flank. Every patch has the points (M, N, 3), own frame, and gaps (M, N),
+    mm, of one position, NaN without a gap. The path of contact is drawn from `contact`, the solver's result.
     """
     gap, lifted = closest_gap(grid, patches), lift_grid(grid, contact, view.lift)
     value_map = ValueMap(lifted, 1e3 * gap, 1e3 * limit, "smallest gap in the roll test (µm)")
@@ -119,69 +120,88 @@ def pair_scene(
     size: tuple[int, int] = (1600, 1200),
     close_up: tuple[Array, float] | None = None,
 ) -> Scene:
-    """Both members (own frames) in their mounted positions at rotations `phi` = (phi1, phi2), fixed frame.
+    """Scene of both members (own frames), mounted and rotated by `phi` = (phi1, phi2), fixed frame.
 
     `close_up` is a point (3,), fixed frame, and the radius (mm) around it that fills the picture instead of the pair.
     """
     bodies = (
-        SceneBody(pinion, pair.pinion.mount.at(phi[0]), BLUE_STEEL),
-        SceneBody(gear, pair.gear.mount.at(phi[1]), BRASS),
+        SceneBody(pinion, pair.pinion.mount.at(phi[0]), BLUE_STEEL_PAINT),
+        SceneBody(gear, pair.gear.mount.at(phi[1]), BRASS_PAINT),
     )
     first, second = (body.own_to_scene.point(body.mesh.vertices) for body in bodies)
     return Scene(bodies, pair_camera(pair, first, second, size, close_up), title=title, size=size)
 
 
 def set_scene(placed: Mapping[str, TriangleMesh], axis: Array, title: str, size: tuple[int, int]) -> Scene:
-    """Meshes in the fixed frame, each in a colour of its own or that of its name but for a number, seen along their common axis."""
+    """Scene of meshes in the fixed frame, seen along their common axis.
+
+    Members whose names differ only by a number have the same colour.
+    """
     kinds = list(dict.fromkeys(_kind(name) for name in placed))
-    colours = (BLUE_STEEL, BRASS, BRONZE)
+    colours = (BLUE_STEEL_PAINT, BRASS_PAINT, BRONZE_PAINT)
     bodies = tuple(
         SceneBody(mesh, Rigid.identity(), colours[kinds.index(_kind(name)) % len(colours)])
         for name, mesh in placed.items()
     )
-    aside = unit(cross(np.array([0.0, 1.0, 0.0]), axis)) if abs(axis[1]) < ALONG else np.array([1.0, 0.0, 0.0])
+    aside = (
+        unit(cross(np.array([0.0, 1.0, 0.0]), axis)) if abs(axis[1]) < MIN_UPRIGHT_COSINE else np.array([1.0, 0.0, 0.0])
+    )
     up = cross(axis, aside)
-    back = unit(axis + SWUNG * aside + SWUNG * up)
+    back = unit(axis + VIEW_SWING * aside + VIEW_SWING * up)
     points = np.concatenate([mesh.vertices for mesh in placed.values()])
     return Scene(bodies, frame(back, up, points, size), title=title, size=size)
 
 
 def _kind(name: str) -> str:
-    """The name of a member without its number: planets are alike."""
+    """Name of a member without its number: planets look alike."""
     return name.rstrip("0123456789").rstrip("_")
 
 
 # --- cameras ---
 
-#: part of the length of a body along its axis by which it lies on one side of where axes cross
-ASIDE = 0.05
-#: how far aside and up, as parts of the way along the axis, a set of gears is looked at from
-SWUNG = 0.35
-#: cosine from which on an axis is upright
-ALONG = 0.9
+#: offset of a body from the crossing of the axes at which it lies on one side, in lengths of the body along its axis
+MIN_OFFSET_LENGTHS = 0.05
+#: components of the direction of view aside and up, relative to its component along the axis of a gear set
+VIEW_SWING = 0.35
+#: cosine of the angle to y from which an axis is upright
+MIN_UPRIGHT_COSINE = 0.9
 
-#: height of a picture of a flank in heights of the flank: of one that is cut off at least, and at most; by how much a picture is
-#: larger than what it holds; how much larger it may become before a flank is cut off after all
-CUT_OFF, LONGEST, FILLS, SPARED = 2.6, 9.5, 1.2, 1.25
-#: where, as a part of the way to the picture's edge, it is said that a flank goes on, and how far below it in its heights
-AT_EDGE, BELOW_ROOT = 0.94, 0.1
-#: half the width of a word, as a part of the picture's height
-WORD = 0.06
-#: heights of a flank that are seen before its foremost point: the fillet, and not the next tooth
-BEFORE = 0.12
-#: mean of the directions from root to tip below which a flank winds; cosines up to which these look alike, and are in sight
-WINDS, ALIKE, IN_SIGHT = 0.5, 0.85, -0.35
-#: what the normal of a flank that winds counts for in the direction from which it is seen, as a part of its height
-ASLANT = 0.7
-#: what of a point is at right angles to z
-FLAT = np.array([1.0, 1.0, 0.0])
+#: smallest height of a picture in which a long flank is cut off, in heights of the flank
+MIN_CUT_HEIGHT = 2.6
+#: largest height of a picture in which a long flank is cut off, in heights of the flank
+MAX_CUT_HEIGHT = 9.5
+#: size of a picture relative to its content
+FLANK_MARGIN = 1.2
+#: factor by which a picture may grow so that a flank need not be cut off
+MAX_GROWTH = 1.25
+#: position of the name of an end outside of the picture, as a share of the way to the picture's edge
+END_WORD_SHARE = 0.94
+#: distance of this name below the root, in heights of the flank
+END_WORD_DROP = 0.1
+#: half the width of a word, as a share of the picture's height
+WORD_HALF_WIDTH = 0.06
+#: distance of the front plane from the foremost point of the flank, in its heights: the fillet is seen, the next tooth
+#: is not
+FRONT_CLEARANCE = 0.12
+#: length of the mean direction from root to tip below which a flank winds round its axis
+MIN_MEAN_DIRECTION = 0.5
+#: cosine of the angle within which such directions look alike
+MIN_ALIKE_COSINE = 0.85
+#: cosine of the angle within which the flank is in sight
+MIN_VISIBLE_COSINE = -0.35
+#: weight of the flank's normal in the direction of view of a flank that winds, relative to its height
+NORMAL_WEIGHT = 0.7
+#: factors of a point's coordinates that leave its part perpendicular to z
+PLANE_FACTORS = np.array([1.0, 1.0, 0.0])
 
-#: shaft angle (rad) from which on a pair is looked at from the side
-STEEP = np.radians(55.0)
+#: shaft angle from which a pair is looked at from the side
+SIDE_VIEW_ANGLE_RAD = np.radians(55.0)
 
 
 def frame(back: Array, up: Array, points: Array, size: tuple[int, int], margin: float = 1.3) -> Camera:
-    """Parallel camera looking along -`back` with `up` upwards (3,) that just holds `points` (K, 3), by `margin`."""
+    """Return the parallel camera that looks along -`back` with `up` upwards (3,) and holds `points` (K, 3) with a
+    `margin`.
+    """
     centre = (points.min(axis=0) + points.max(axis=0)) / 2
     radius = float(np.sqrt(dot(points - centre, points - centre).max()))
     first = Camera(centre + 4.0 * radius * unit(back), centre, up, 2.0 * radius)
@@ -194,9 +214,11 @@ def frame(back: Array, up: Array, points: Array, size: tuple[int, int], margin: 
 
 
 def flank_camera(view: ToothView, contact: MemberContact) -> Camera:
-    """Look at a flank along its mean outward normal, its tip on top, the flank filling the picture.
+    """Return the camera that looks at a flank along its mean outward normal, with its tip on top; the flank fills the
+    picture.
 
-    The neighbour that would hide it is cut away. A flank much longer than high is cut off beyond all that touches.
+    The neighbouring tooth that would hide the flank is cut away. A flank much longer than high is cut off beyond all
+    contact. Raises NoSolutionError if no position has contact.
     """
     if not np.isfinite(contact.normal).any():
         raise NoSolutionError(
@@ -210,19 +232,23 @@ def flank_camera(view: ToothView, contact: MemberContact) -> Camera:
         own = cross(np.gradient(view.grid, axis=0), np.gradient(view.grid, axis=1))
         mean = unit(own.reshape(-1, 3).sum(axis=0))
         normal = mean * np.sign(dot(mean, normal))
-    land = view.fine.only("land").normals if "land" in view.fine.region_names else grid.mean(axis=0)[None] * FLAT
+    land = (
+        view.fine.only("land").normals if "land" in view.fine.region_names else grid.mean(axis=0)[None] * PLANE_FACTORS
+    )
     up = unit(land.mean(axis=0))
-    whole = frame(normal, up, grid, view.size, margin=FILLS)
+    whole = frame(normal, up, grid, view.size, margin=FLANK_MARGIN)
     right, rise, _ = whole.axes
     height = np.ptp(grid @ rise)
-    front = _front(view, whole) + BEFORE * height
+    # the front plane cuts the next tooth away
+    front = _front(view, whole) + FRONT_CLEARANCE * height
     lengths, touched = (grid - whole.focus) @ right, (contact.places - whole.focus) @ right
     shape = view.size[0] / view.size[1]
-    most = float(np.clip(FILLS * np.ptp(touched) / shape, CUT_OFF * height, LONGEST * height))
-    if whole.height <= SPARED * most:
+    # height of a picture that holds all contact, in the proportions of the picture
+    most = float(np.clip(FLANK_MARGIN * np.ptp(touched) / shape, MIN_CUT_HEIGHT * height, MAX_CUT_HEIGHT * height))
+    if whole.height <= MAX_GROWTH * most:
         return replace(whole, front=front)
-    # along the tooth the contact is in the middle, but no picture shows what is beyond the end
-    half, middle = 0.5 * most * shape / FILLS, 0.5 * float(touched.min() + touched.max())
+    # too long: the contact is in the middle along the tooth, but the picture never reaches beyond an end
+    half, middle = 0.5 * most * shape / FLANK_MARGIN, 0.5 * float(touched.min() + touched.max())
     aside = float(np.clip(middle, lengths.min() + half, lengths.max() - half))
     near = np.abs(lengths - aside) < half
     lifted = (grid - whole.focus)[near] @ rise
@@ -231,33 +257,38 @@ def flank_camera(view: ToothView, contact: MemberContact) -> Camera:
 
 
 def flank_pixel(grid: Array, size: tuple[int, int]) -> float:
-    """Least length (mm) of a pixel in a picture of a `size` in which `flank_camera` looks at a flank with points (I, J, 3)."""
+    """Smallest length (mm) of a pixel if `flank_camera` looks at a flank with points (I, J, 3) in a picture of a
+    `size`.
+    """
     middle = grid[grid.shape[0] // 2]
     length = float(np.linalg.norm(np.diff(middle, axis=0), axis=-1).sum())
     height = float(np.linalg.norm(grid[-1] - grid[0], axis=-1).mean())
     wide, high = size
-    return max(FILLS * height / high, min(FILLS * length / wide, CUT_OFF * height / high))
+    return max(FLANK_MARGIN * height / high, min(FLANK_MARGIN * length / wide, MIN_CUT_HEIGHT * height / high))
 
 
 def _thread_camera(grid: Array, contact: MemberContact, size: tuple[int, int]) -> Camera:
-    """Look at a flank of points (I, J, 3) that winds round its axis: at what touches on the side of the axis where the middle of
-    the contact is, and at as much of the flank as that takes."""
-    turn = _turn_near(grid, contact.middle, IN_SIGHT)
+    """Return the camera that looks at a flank of points (I, J, 3) that winds round its axis.
+
+    It looks from the side on which the middle of the contact lies, and sees the columns of the flank with contact
+    there.
+    """
+    turn = _turn_near(grid, contact.middle, MIN_VISIBLE_COSINE)
     columns = _nearest_columns(grid, contact.places)
     touched = columns[(columns >= turn.start) & (columns < turn.stop)]
     seen = grid[:, touched.min() : touched.max() + 1]
     up = unit(_heights(seen).mean(axis=0))
     across = unit(cross(np.gradient(grid, axis=0), np.gradient(grid, axis=1))[:, turn].reshape(-1, 3).mean(axis=0))
     out = across * np.sign(dot(across, unit(np.nanmean(contact.normal, axis=0))))
-    # across the threads the next one would hide the root, from above the flank would be too steep
-    camera = frame(ASLANT * out + up, up, seen.reshape(-1, 3), size, margin=FILLS)
+    # seen along the normal, the next thread would hide the root; seen from above, the flank would be too steep
+    camera = frame(NORMAL_WEIGHT * out + up, up, seen.reshape(-1, 3), size, margin=FLANK_MARGIN)
     return replace(
-        camera, height=max(camera.height, CUT_OFF * float(np.linalg.norm(seen[-1] - seen[0], axis=-1).mean()))
+        camera, height=max(camera.height, MIN_CUT_HEIGHT * float(np.linalg.norm(seen[-1] - seen[0], axis=-1).mean()))
     )
 
 
 def _nearest_columns(grid: Array, places: Array) -> NDArray[np.int64]:
-    """Columns (K,) of a flank's points (I, J, 3) that places (K, 3) are nearest to."""
+    """Columns (K,) of a flank's points (I, J, 3) that are nearest to places (K, 3)."""
     few = grid[:: max(grid.shape[0] // 4, 1)]
     away = np.linalg.norm(places[:, None, None] - few, axis=-1)
     return np.asarray(away.min(axis=1).argmin(axis=1))
@@ -269,13 +300,15 @@ def _heights(grid: Array) -> Array:
 
 
 def _winds(grid: Array) -> bool:
-    """Whether a flank winds so far round its axis that no direction looks at all of it."""
-    return float(np.linalg.norm(_heights(grid).mean(axis=0))) < WINDS
+    """True if a flank winds so far round its axis that no direction of view shows all of it."""
+    return float(np.linalg.norm(_heights(grid).mean(axis=0))) < MIN_MEAN_DIRECTION
 
 
 def _turn_near(grid: Array, point: Array, least: float) -> slice:
-    """The columns of a flank that winds, of points (I, J, 3), with heights at angles whose cosine with that at the column nearest
-    to a point (3,) is at least `least`."""
+    """Return the columns of a winding flank, of points (I, J, 3), around the column nearest to a point (3,).
+
+    The cosine of the angle between their heights and the height of that column is at least `least`.
+    """
     heights = _heights(grid)
     nearest = int(np.linalg.norm(grid - point, axis=-1).min(axis=0).argmin())
     other = np.flatnonzero(heights @ heights[nearest] < least)
@@ -284,7 +317,10 @@ def _turn_near(grid: Array, point: Array, least: float) -> slice:
 
 
 def _front(view: ToothView, camera: Camera) -> float:
-    """How far (mm) before the focus the flank comes where it comes least: a gear is round, and before it there hide it."""
+    """Distance (mm) of the front plane before the focus: the smallest over the columns of their foremost points.
+
+    A gear is round: teeth before this plane would hide the flank.
+    """
     if view.grid is None:
         return float(((_flank_points(view) - camera.focus) @ camera.axes[2]).max())
     depth = (view.grid - camera.focus) @ camera.axes[2]
@@ -292,12 +328,14 @@ def _front(view: ToothView, camera: Camera) -> float:
 
 
 def edge_words(view: ToothView, camera: Camera, contact: MemberContact) -> tuple[Word, ...]:
-    """Toe, heel, tip and root at the edges of the flank, above and below the middle of what is seen of it, or as near to that as
-    they stand clear of what touches."""
+    """Return the words toe, heel, tip and root at the edges of the flank.
+
+    Tip and root are above and below the middle of the visible part, or at the nearest position clear of the contact.
+    """
     if view.grid is None:
         return ()
     if _winds(view.grid):
-        part = view.grid[:, _turn_near(view.grid, camera.focus, ALIKE)]
+        part = view.grid[:, _turn_near(view.grid, camera.focus, MIN_ALIKE_COSINE)]
         i, j = part.shape[0] // 2, part.shape[1] // 2
         return tuple(Word(word, part[k, j], part[i, j]) for word, k in (("tip", -1), ("root", 0)))
     i = view.grid.shape[0] // 2
@@ -310,8 +348,8 @@ def edge_words(view: ToothView, camera: Camera, contact: MemberContact) -> tuple
 
 
 def _clear_column(edge: Array, middle: int, marks: Array, camera: Camera) -> int:
-    """Of an edge of a flank, points (J, 3), the one nearest to its `middle` one by which no marks (K, 3) are seen."""
-    width = camera.height * WORD
+    """Index of the point of a flank's edge (J, 3) nearest to its `middle` point that is clear of the marks (K, 3)."""
+    width = camera.height * WORD_HALF_WIDTH
     across = camera.axes[:2].T
     places = (edge - camera.focus) @ across
     away = np.abs(places[:, None] - (marks - camera.focus) @ across)
@@ -321,21 +359,24 @@ def _clear_column(edge: Array, middle: int, marks: Array, camera: Camera) -> int
 
 
 def _end_word(view: ToothView, grid: Array, camera: Camera, word: str, end: int) -> Word:
-    """Toe or heel beside the `end` of a flank; where that is outside of the picture, below the root at the picture's edge, clear of
-    what lies on the flank."""
+    """Return the word toe or heel beside an `end` of a flank.
+
+    If the end is outside of the picture, the word is below the root at the picture's edge, clear of the content of the
+    flank.
+    """
     (right, rise, _), i = camera.axes, grid.shape[0] // 2
     half = 0.5 * camera.height * view.size[0] / view.size[1]
     length = float((grid[i, end] - camera.focus) @ right)
     if abs(length) <= half:
         return Word(word, grid[i, end], grid[i, grid.shape[1] // 2])
     root = (grid[0] - camera.focus) @ right
-    j = int(np.abs(root - np.sign(length) * AT_EDGE * half).argmin())
-    below = grid[0, j] - BELOW_ROOT * np.ptp(grid[:, j] @ rise) * rise
+    j = int(np.abs(root - np.sign(length) * END_WORD_SHARE * half).argmin())
+    below = grid[0, j] - END_WORD_DROP * np.ptp(grid[:, j] @ rise) * rise
     return Word(word, below, grid[i, j], beyond=True)
 
 
 def _flank_points(view: ToothView) -> Array:
-    """Points (K, 3) of the flank that is looked at, or of both flanks of its tooth."""
+    """Points (K, 3) of the flank in view, or of both flanks of its tooth if there is no grid."""
     if view.grid is not None:
         return view.grid.reshape(-1, 3)
     flanks = [name for name in view.fine.region_names if name in FLANK_REGIONS.values()]
@@ -343,10 +384,13 @@ def _flank_points(view: ToothView) -> Array:
 
 
 def _towards(axis: Array, points: Array) -> tuple[Array, bool]:
-    """An axis (3,) in the sense in which points (K, 3) lie along it, and whether they tell: their middle is beyond `ASIDE`."""
+    """Return an axis (3,) in the sense in which points (K, 3) lie along it, and True if their offset decides it.
+
+    It decides if their middle is farther from the origin than `MIN_OFFSET_LENGTHS`.
+    """
     along = points @ axis
     middle = 0.5 * float(along.min() + along.max())
-    tells = abs(middle) > ASIDE * float(np.ptp(along))
+    tells = abs(middle) > MIN_OFFSET_LENGTHS * float(np.ptp(along))
     return (-axis if tells and middle < 0.0 else axis), tells
 
 
@@ -357,17 +401,18 @@ def pair_camera(
     size: tuple[int, int],
     close_up: tuple[Array, float] | None = None,
 ) -> Camera:
-    """Look at a pair so that the mesh is seen: the picture holds the vertices `pinion` and `gear` (K, 3), fixed frame.
+    """Return the camera that looks at the mesh of a pair and holds the vertices `pinion` and `gear` (K, 3), fixed
+    frame.
 
-    Axes at a small angle are seen nearly end on, the pinion above or left of the gear; at a large angle the gear lies
-    under the pinion and turns its teeth up. With `close_up` the picture holds the radius around its point instead.
+    Axes at a small angle are seen nearly end on, the pinion above or left of the gear. At a large angle the gear lies
+    under the pinion with its teeth up. With `close_up` the picture holds the radius around its point instead.
     """
     first, second = pair.pinion.mount.axis, pair.gear.mount.axis
     apart = pinion.mean(axis=0) - gear.mean(axis=0)
     points = np.concatenate((pinion, gear))
-    if pair.acute_angle > STEEP:
-        # both axes from where they cross to the bodies; where a body lies on both sides of that, as a worm does, the pinion is in
-        # front: vertices alone would tell rounding
+    if pair.acute_angle > SIDE_VIEW_ANGLE_RAD:
+        # each axis points from the crossing of the axes to its body; a worm lies on both sides of the crossing, its
+        # sense would depend on rounding: then the sense that puts the pinion in front is taken
         first, of_pinion = _towards(first, pinion - pair.gear.mount.origin)
         second, _ = _towards(second, gear - pair.pinion.mount.origin)
         if not of_pinion and cross(first, second) @ apart < 0.0:

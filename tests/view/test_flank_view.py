@@ -13,7 +13,7 @@ import gearmesh as gm
 from gearmesh.kernel.numeric.algebra import unit
 from gearmesh.teeth.region import Side
 from gearmesh.view import palette, pictures
-from gearmesh.view.palette import COMPOUND, PATH
+from gearmesh.view.palette import COMPOUND_COLOUR, PATH_COLOUR
 from gearmesh.view.projection import flank_projection
 
 SAMPLES = Path(__file__).parents[2] / "samples"
@@ -48,8 +48,8 @@ def test_the_flank_fills_the_picture(sample: str) -> None:
 @pytest.mark.parametrize("sample", ["circular_arc", "internal"])
 def test_all_that_touches_is_seen_and_no_word_lies_on_it(sample: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """The path goes from the first touch to the last, whatever positions are asked for, on the flank; of lines there is none."""
-    monkeypatch.setattr(pictures, "FINE", 5.0)
-    monkeypatch.setattr(pictures, "COARSE", 5.0)
+    monkeypatch.setattr(pictures, "FINE_TOLERANCE_PIXELS", 5.0)
+    monkeypatch.setattr(pictures, "COARSE_TOLERANCE_PIXELS", 5.0)
     gears, size = gm.build(gm.load(SAMPLES / f"{sample}.toml")), (800, 600)
     scene = gears.picture("contact", size=size)._scene
     drawn = [(curve.label, curve.points[np.isfinite(curve.points[:, 0])]) for curve in scene.curves]
@@ -72,8 +72,8 @@ def test_all_that_touches_is_seen_and_no_word_lies_on_it(sample: str, monkeypatc
 @pytest.mark.sweep
 def test_a_word_for_an_end_beyond_the_picture_is_below_the_root(monkeypatch: pytest.MonkeyPatch) -> None:
     """Face gears touch in the middle of a long pinion's flank: the words at the picture's edges are clear of the flank."""
-    monkeypatch.setattr(pictures, "FINE", 5.0)
-    monkeypatch.setattr(pictures, "COARSE", 5.0)
+    monkeypatch.setattr(pictures, "FINE_TOLERANCE_PIXELS", 5.0)
+    monkeypatch.setattr(pictures, "COARSE_TOLERANCE_PIXELS", 5.0)
     gears, size = gm.build(gm.load(SAMPLES / "face_gear.toml")), (800, 600)
     scene = gears.picture("contact", size=size)._scene
     grid = gears.members["pinion"].tooth.flank_grid(gears.pairs[0].flanks[0], [0.0], np.linspace(0.0, 1.0, 9)).points
@@ -106,7 +106,7 @@ def test_the_path_stands_out_from_the_ellipses() -> None:
         linear = np.where(part <= 0.04045, part / 12.92, ((part + 0.055) / 1.055) ** 2.4)
         return float(linear @ [0.2126, 0.7152, 0.0722])
 
-    assert (luminance(COMPOUND) + 0.05) / (luminance(PATH) + 0.05) > 3.0
+    assert (luminance(COMPOUND_COLOUR) + 0.05) / (luminance(PATH_COLOUR) + 0.05) > 3.0
 
 
 @pytest.mark.quick

@@ -32,10 +32,10 @@ from gearmesh.view.offscreen import shapes
 from gearmesh.view.offscreen.letters import LetteredImage, ticks
 from gearmesh.view.offscreen.shapes import Viewer, corner_normals, region_edges
 from gearmesh.view.on_tooth import closest_gap, ellipses_on_surface, union_level
-from gearmesh.view.palette import COLOUR_MAP, COMPOUND, LINES, PATH
+from gearmesh.view.palette import COLOUR_MAP, COMPOUND_COLOUR, LINE_COLOUR, PATH_COLOUR
 from gearmesh.view.render import render
 from gearmesh.view.scene import (
-    STEEL,
+    STEEL_PAINT,
     Camera,
     MemberContact,
     Paint,
@@ -312,9 +312,9 @@ def test_line_contact_shows_lines_and_no_path_through_them():
         drawn = {}
         for curve in scene.curves:
             drawn.setdefault(curve.colour, []).append(curve.points[np.isfinite(curve.points[:, 0])])
-        assert len(drawn[LINES]) == 4
-        np.testing.assert_allclose(drawn[LINES][2], lines[2], atol=0.02)
-        (path,) = drawn[PATH]
+        assert len(drawn[LINE_COLOUR]) == 4
+        np.testing.assert_allclose(drawn[LINE_COLOUR][2], lines[2], atol=0.02)
+        (path,) = drawn[PATH_COLOUR]
         assert np.arctan2(path[:, 0] - AXIS[0], path[:, 1] - AXIS[1]).min() > 0.0399
     only_lines = replace(here, semi_major=ends * np.nan, semi_minor=ends * np.nan)
     assert pattern_scene(view(), only_lines, flank_grid()).areas == ()
@@ -348,7 +348,7 @@ def test_words_are_beyond_what_they_name():
     scene = Scene((), camera, words=(Word("axis of a head cutter", end, middle),))
     sheet = LetteredImage(SIZE)
     ((place, text, across),) = lettering._placed_words(sheet, scene, SIZE)
-    box = sheet.box(place, text, lettering._WORD, across)
+    box = sheet.box(place, text, lettering._WORD_POINTS, across)
     assert camera.pixels(end, SIZE)[0] < box.left < box.right < SIZE[0]
 
 
@@ -434,7 +434,7 @@ def program(monkeypatch):
     monkeypatch.setattr(opengl, "_begun", [])
 
     def take(text):
-        monkeypatch.setattr(opengl, "_PROGRAM", ("-c", text))
+        monkeypatch.setattr(opengl, "_DRAWING_PROGRAM", ("-c", text))
         opengl._failure.cache_clear()
 
     yield take
@@ -493,9 +493,9 @@ def test_a_process_that_ends_at_a_picture_is_replaced(program):
     assert opengl.missing_opengl_message() is None
     first = opengl._begun[0]
     with pytest.raises(OutputError, match="a picture was not drawn: OpenGL ended with exit code 0"):
-        opengl.draw(opengl._TRIAL)
+        opengl.draw(opengl._TRIAL_ORDER)
     assert first.child.poll() is not None
-    assert len(opengl.draw(opengl._TRIAL)) == 16384
+    assert len(opengl.draw(opengl._TRIAL_ORDER)) == 16384
 
 
 @pytest.mark.quick
@@ -506,14 +506,14 @@ def test_a_forked_process_has_a_drawing_process_of_its_own(program):
     begun = opengl._begun[0].child.pid
     if (child := os.fork()) == 0:
         try:
-            opengl.draw(opengl._TRIAL)
+            opengl.draw(opengl._TRIAL_ORDER)
             same = opengl._begun[0].child.pid == begun
             opengl._end()
             os._exit(same)
         finally:
             os._exit(2)
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
-    assert len(opengl.draw(opengl._TRIAL)) == 16384
+    assert len(opengl.draw(opengl._TRIAL_ORDER)) == 16384
     opengl._end()
 
 
@@ -556,13 +556,13 @@ def test_ellipse_is_seen_where_it_lies_and_hidden_from_behind(parallel):
     a, b = here.semi_major[0] * here.major[0], here.semi_minor[0] * here.minor[0]
     for axis in (a, b):
         inside = colour_at(image, camera, here.point[0] + 0.85 * out * axis)
-        assert np.abs(inside - rgb(COMPOUND)).max() < 3
+        assert np.abs(inside - rgb(COMPOUND_COLOUR)).max() < 3
         outside = colour_at(image, camera, project(here.point[0] + 1.15 * out * axis))
         assert np.ptp(outside, axis=-1).max() < 30
         assert outside.min() > 90
     behind = replace(camera, position=2 * camera.focus - camera.position)
     image = render(replace(scene, camera=behind))[45:-75]  # without legend and axes
-    assert np.abs(image - rgb(COMPOUND)).max(axis=-1).min() > 30
+    assert np.abs(image - rgb(COMPOUND_COLOUR)).max(axis=-1).min() > 30
 
 
 @pytest.mark.quick
@@ -570,7 +570,7 @@ def test_ellipse_is_seen_where_it_lies_and_hidden_from_behind(parallel):
 @pytest.mark.parametrize("words", [2, 30])
 def test_headings_are_on_white_however_near_the_body_is(words):
     camera = frame(np.eye(3)[2], np.eye(3)[1], bar().vertices, SIZE, 0.1)
-    scene = Scene((SceneBody(bar(), Rigid.identity(), STEEL),), camera, title=words * "reason ", size=SIZE)
+    scene = Scene((SceneBody(bar(), Rigid.identity(), STEEL_PAINT),), camera, title=words * "reason ", size=SIZE)
     image, plain = render(scene), render(replace(scene, title=""))
     white = (image[:, 2] == 255).all(axis=-1)
     heading = int(np.argmin(white))
@@ -587,7 +587,7 @@ def test_headings_are_on_white_however_near_the_body_is(words):
 def test_long_titles_go_on_in_a_second_line():
     """Nothing of one is cut off at the sides, as the reason of an unresolved pressure was."""
     camera = frame(np.eye(3)[2], np.eye(3)[1], bar().vertices, SIZE, 2.0)
-    body = SceneBody(bar(), Rigid.identity(), STEEL)
+    body = SceneBody(bar(), Rigid.identity(), STEEL_PAINT)
     heading = render(Scene((body,), camera, title="contact pressure, unresolved: " + 12 * "reason and ", size=SIZE))[
         :45
     ]
@@ -599,7 +599,7 @@ def test_long_titles_go_on_in_a_second_line():
 @pytest.mark.usefixtures("needs_opengl")
 def test_no_side_of_a_body_is_black_and_nothing_covers_the_silhouette():
     mesh = bar()
-    body = SceneBody(mesh, Rigid(rotation_about("y", 0.3), np.array([5.0, 0.0, 0.0])), STEEL)
+    body = SceneBody(mesh, Rigid(rotation_about("y", 0.3), np.array([5.0, 0.0, 0.0])), STEEL_PAINT)
     points = body.own_to_scene.point(mesh.vertices)
     centre = body.own_to_scene.point(mesh.corners().mean(axis=1))
     facing = body.own_to_scene.vector(mesh.normals)
@@ -621,7 +621,7 @@ def test_equal_scenes_give_equal_pixels_and_the_file_holds_them(tmp_path):
     np.testing.assert_array_equal(np.round(255 * read), first)
     # Between two positions, where no single ellipse reaches, the swept pattern still covers the flank.
     between = contact([1.5]).point
-    assert np.abs(colour_at(first, scene.camera, between + 0.4 * scene.camera.axes[1]) - rgb(COMPOUND)).max() < 3
+    assert np.abs(colour_at(first, scene.camera, between + 0.4 * scene.camera.axes[1]) - rgb(COMPOUND_COLOUR)).max() < 3
     with pytest.raises(OutputError, match=r"must be \.png"):
         render(scene, tmp_path / "pattern.bmp2")
     assert [f.name for f in tmp_path.iterdir()] == ["pattern.png"]
@@ -630,12 +630,12 @@ def test_equal_scenes_give_equal_pixels_and_the_file_holds_them(tmp_path):
 @pytest.mark.usefixtures("needs_opengl")
 def test_lines_along_the_edges_of_strips_are_drawn_whole():
     """Pictures are drawn strip by strip: a line that crosses from one to the next at a small angle is equally wide there."""
-    from gearmesh.view.offscreen.drawing_process import STRIP
+    from gearmesh.view.offscreen.drawing_process import MAX_STRIP_ROWS
 
     across = np.array([[-2.0, -0.02, 0.0], [2.0, 0.02, 0.0]])
     line = shapes._primitive(across, np.array([[0, 1]]), "#000000", width=12.0)
-    order = {**opengl._TRIAL, "size": (2 * STRIP, 2 * STRIP), "primitives": [line]}
-    pixels = np.frombuffer(opengl.draw(order), dtype=np.uint8).reshape(2 * STRIP, 2 * STRIP, 4)
+    order = {**opengl._TRIAL_ORDER, "size": (2 * MAX_STRIP_ROWS, 2 * MAX_STRIP_ROWS), "primitives": [line]}
+    pixels = np.frombuffer(opengl.draw(order), dtype=np.uint8).reshape(2 * MAX_STRIP_ROWS, 2 * MAX_STRIP_ROWS, 4)
     wide = (pixels[..., 0] < 128).sum(axis=0)
     assert wide.max() >= 12
     assert np.ptp(wide) <= 2
@@ -687,7 +687,7 @@ def test_coarse_facets_tear_neither_an_area_nor_a_fine_body(raised):
     inner = flank_grid()[4:-4, 4:-4]
     area = PatternArea(flank_grid())
     image = render(replace(scene, bodies=(red,), areas=(area,), curves=()))
-    assert np.abs(colour_at(image, scene.camera, inner) - rgb(COMPOUND)).max() < 3
+    assert np.abs(colour_at(image, scene.camera, inner) - rgb(COMPOUND_COLOUR)).max() < 3
     image = render(replace(scene, bodies=(replace(red, yields=True), *view().bodies), areas=(), curves=()))
     assert np.ptp(colour_at(image, scene.camera, inner), axis=-1).max() < 30
 

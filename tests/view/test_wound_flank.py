@@ -12,7 +12,7 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.solid import gear_solid
 from gearmesh.systems.designs import load
 from gearmesh.view.on_tooth import union_level
-from gearmesh.view.pictures import SIZE, contact_picture
+from gearmesh.view.pictures import PICTURE_SIZE, contact_picture
 from gearmesh.view.scene import contact_on
 
 
@@ -39,12 +39,12 @@ def test_contact_on_this_side_of_a_worm_is_in_the_picture() -> None:
     near = np.abs(contact.point[:, 2] - contact.middle[2]) < 0.5 * lead
     facing = contact.point[:, :2] @ camera.axes[2, :2] > 0.0
     points = contact.point[np.isfinite(contact.point[:, 0]) & near & facing]
-    x, y, _ = camera.pixels(points, SIZE).T
+    x, y, _ = camera.pixels(points, PICTURE_SIZE).T
     assert len(points) >= 5
-    assert x.min() > 0.03 * SIZE[0]
-    assert x.max() < 0.97 * SIZE[0]
-    assert y.min() > 0.03 * SIZE[1]
-    assert y.max() < 0.97 * SIZE[1]
+    assert x.min() > 0.03 * PICTURE_SIZE[0]
+    assert x.max() < 0.97 * PICTURE_SIZE[0]
+    assert y.min() > 0.03 * PICTURE_SIZE[1]
+    assert y.max() < 0.97 * PICTURE_SIZE[1]
 
 
 def test_grid_of_a_thread_is_as_fine_as_that_of_a_tooth() -> None:

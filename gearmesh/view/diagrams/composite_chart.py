@@ -14,7 +14,7 @@ from gearmesh.answers.inspection.composite import CompositeTest
 from gearmesh.answers.inspection.figures import UM
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.view.diagrams.plots import new_figure, save_figure
-from gearmesh.view.palette import CURVES, FAINT, GRID_LINES, GROUND, INK
+from gearmesh.view.palette import CURVE_COLOURS, FAINT_COLOUR, GRID_LINE_COLOUR, GROUND_COLOUR, INK_COLOUR
 
 #: size (inches) of the figure: its width, and the height of a chart
 WIDTH, HEIGHT = 10.5, 2.9
@@ -46,7 +46,7 @@ def plot_composite(file: Path | str, test: CompositeTest) -> None:
     figure = new_figure((WIDTH, HEIGHT * len(charts) + 0.4))
     for axes, chart in zip(figure.subplots(len(charts), 1, squeeze=False)[:, 0], charts, strict=True):
         _draw(axes, *chart)
-    figure.suptitle(f"{own.pair}: composite deviations", color=INK)
+    figure.suptitle(f"{own.pair}: composite deviations", color=INK_COLOUR)
     save_figure(figure, file)
 
 
@@ -57,13 +57,13 @@ def _draw(axes: Any, phi1: Array, values: Array, per_pitch: int, label: str, tit
     windows = np.ptp(np.lib.stride_tricks.sliding_window_view(ring, per_pitch + 1), axis=1)
     begin, step = int(windows.argmax()), float(turns[1] - turns[0])
     end = turns[begin] + per_pitch * step
-    axes.axvspan(turns[begin], min(end, turns[-1] + step), facecolor=GROUND, edgecolor="none", zorder=0)
+    axes.axvspan(turns[begin], min(end, turns[-1] + step), facecolor=GROUND_COLOUR, edgecolor="none", zorder=0)
     for level in (values.min(), values.max()):
-        axes.axhline(level, color=INK, lw=0.7, ls="--")
-    axes.axhline(0.0, color=FAINT, lw=0.8)
-    axes.plot(turns, values, color=CURVES[0], lw=1.0)
+        axes.axhline(level, color=INK_COLOUR, lw=0.7, ls="--")
+    axes.axhline(0.0, color=FAINT_COLOUR, lw=0.8)
+    axes.plot(turns, values, color=CURVE_COLOURS[0], lw=1.0)
     axes.set(xlabel="turns of the pinion, until the same teeth mesh again", ylabel=label)
-    axes.set_title(title, fontsize=10, color=INK)
+    axes.set_title(title, fontsize=10, color=INK_COLOUR)
     axes.margins(x=0.01)
-    axes.grid(True, color=GRID_LINES, lw=0.8)
+    axes.grid(True, color=GRID_LINE_COLOUR, lw=0.8)
     axes.set_axisbelow(True)

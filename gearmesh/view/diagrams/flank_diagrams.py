@@ -18,7 +18,17 @@ from gearmesh.kernel.numeric.algebra import Array, spread
 from gearmesh.teeth.flank_frame import FlankFrame
 from gearmesh.view.diagrams.flank_plane import FlankPlane
 from gearmesh.view.diagrams.plots import lay_out, new_figure, save_figure, sheet
-from gearmesh.view.palette import COMPOUND, EDGE, FAINT, GROUND, INK, LINES, OUTLINE, PATH, PATTERN
+from gearmesh.view.palette import (
+    COMPOUND_COLOUR,
+    EDGE_COLOUR,
+    FAINT_COLOUR,
+    GROUND_COLOUR,
+    INK_COLOUR,
+    LINE_COLOUR,
+    OUTLINE_COLOUR,
+    PATH_COLOUR,
+    PATTERN_COLOUR,
+)
 from gearmesh.view.scene import MemberContact
 
 #: arrows of a field, up the profile and along the face
@@ -203,7 +213,7 @@ def plot_flanks(
     }
     if handles:
         figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=6, frameon=False, fontsize=9)
-    figure.suptitle(title, color=INK)
+    figure.suptitle(title, color=INK_COLOUR)
     if fields:
         # labels of lines are where there is room for them, which is known when all else has its place
         lay_out(figure)
@@ -257,7 +267,7 @@ def _draw(axes: Any, panel: Panel, window: Window) -> None:
     low, high = plane.frame.outline[:, 0].min(), plane.frame.outline[:, 0].max()
     if left > low or right < high:
         notes.append(f"cut off: flank from {low:.4g} to {high:.4g} mm")
-    axes.set_title(panel.name + (f"  ({', '.join(notes)})" if notes else ""), fontsize=10, color=INK)
+    axes.set_title(panel.name + (f"  ({', '.join(notes)})" if notes else ""), fontsize=10, color=INK_COLOUR)
     axes.set_xlabel(plane.labels[0], fontsize=9)
     axes.set_ylabel(plane.labels[1], fontsize=9)
     axes.tick_params(labelsize=8)
@@ -267,8 +277,8 @@ def _draw(axes: Any, panel: Panel, window: Window) -> None:
 def draw_outline(axes: Any, plane: FlankPlane, window: Window) -> None:
     """A flank's ground and outline, toe at the left and tip on top, in a window of `flank_window`."""
     lengths, heights, magnified = window
-    axes.fill(*plane.frame.outline.T, facecolor=GROUND, edgecolor="none", zorder=0)
-    axes.plot(*plane.frame.outline.T, color=INK, lw=1.3, zorder=6)
+    axes.fill(*plane.frame.outline.T, facecolor=GROUND_COLOUR, edgecolor="none", zorder=0)
+    axes.plot(*plane.frame.outline.T, color=INK_COLOUR, lw=1.3, zorder=6)
     to_left, downwards = plane.frame.inverted
     axes.set_xlim(lengths[::-1] if to_left else lengths)
     axes.set_ylim(heights[::-1] if downwards else heights)
@@ -288,7 +298,15 @@ def name_edges(axes: Any, frame: FlankFrame, seen: tuple[float, float], size: fl
         elif not seen[0] <= place[0] <= seen[1]:
             continue
         axes.annotate(
-            word, place, (dx, dy), textcoords="offset points", ha=across, va=up, fontsize=size, color=INK, zorder=8
+            word,
+            place,
+            (dx, dy),
+            textcoords="offset points",
+            ha=across,
+            va=up,
+            fontsize=size,
+            color=INK_COLOUR,
+            zorder=8,
         )
 
 
@@ -299,20 +317,22 @@ def draw_contact(axes: Any, panel: ContactPanel, small: bool = False) -> None:
 
     if panel.pattern is not None:
         places, level = panel.pattern
-        axes.contourf(places[..., 0], places[..., 1], level, levels=[-1.0, 1.0], colors=[PATTERN], zorder=1)
-        axes.contour(places[..., 0], places[..., 1], level, levels=[1.0], colors=[LINES], linewidths=0.8, zorder=2)
+        axes.contourf(places[..., 0], places[..., 1], level, levels=[-1.0, 1.0], colors=[PATTERN_COLOUR], zorder=1)
+        axes.contour(
+            places[..., 0], places[..., 1], level, levels=[1.0], colors=[LINE_COLOUR], linewidths=0.8, zorder=2
+        )
     if panel.strips:
         quads = np.concatenate(panel.strips)
         axes.add_collection(
-            PolyCollection(list(quads), facecolors=PATTERN, edgecolors=PATTERN, linewidths=0.5, zorder=1),
+            PolyCollection(list(quads), facecolors=PATTERN_COLOUR, edgecolors=PATTERN_COLOUR, linewidths=0.5, zorder=1),
             autolim=False,
         )
     if panel.pattern is not None or panel.strips:
-        axes.fill([], [], facecolor=PATTERN, edgecolor=LINES, lw=0.8, label="contact pattern")
+        axes.fill([], [], facecolor=PATTERN_COLOUR, edgecolor=LINE_COLOUR, lw=0.8, label="contact pattern")
     if len(panel.ellipses):
         axes.add_collection(
             PolyCollection(
-                list(panel.ellipses), facecolors=COMPOUND, edgecolors=OUTLINE, alpha=0.65, linewidths=0.9, zorder=3,
+                list(panel.ellipses), facecolors=COMPOUND_COLOUR, edgecolors=OUTLINE_COLOUR, alpha=0.65, linewidths=0.9, zorder=3,
                 label="contact ellipses",
             ),
             autolim=False,
@@ -320,18 +340,18 @@ def draw_contact(axes: Any, panel: ContactPanel, small: bool = False) -> None:
     if panel.lines:
         shown = spread(np.arange(len(panel.lines)), SHOWN_LINES)
         lines = LineCollection(
-            [panel.lines[k] for k in shown], colors=LINES, linewidths=1.1, zorder=3, label="contact lines"
+            [panel.lines[k] for k in shown], colors=LINE_COLOUR, linewidths=1.1, zorder=3, label="contact lines"
         )
         axes.add_collection(lines, autolim=False)
     if panel.nominal is not None:
-        axes.plot(*panel.nominal.T, color=INK, lw=1.3, ls="--", zorder=4, label="aligned")
+        axes.plot(*panel.nominal.T, color=INK_COLOUR, lw=1.3, ls="--", zorder=4, label="aligned")
     size = float(np.clip(150.0 / max(len(panel.path), 1), 2.0, 3.5))
     around = [withStroke(linewidth=3.2, foreground="white")]
     curve = panel.path if panel.curve is None else panel.curve
     if np.isfinite(curve).any():
-        axes.plot(*curve.T, color=PATH, lw=1.8, zorder=5, label="path of contact", path_effects=around)
+        axes.plot(*curve.T, color=PATH_COLOUR, lw=1.8, zorder=5, label="path of contact", path_effects=around)
         if not small:
-            axes.plot(*panel.path.T, color=PATH, ls="", marker="o", ms=size, zorder=5)
+            axes.plot(*panel.path.T, color=PATH_COLOUR, ls="", marker="o", ms=size, zorder=5)
     if panel.edge.any():
         where = panel.path[panel.edge]
         axes.plot(
@@ -339,8 +359,8 @@ def draw_contact(axes: Any, panel: ContactPanel, small: bool = False) -> None:
             ls="",
             marker="D",
             ms=3.0 if small else size + 1.5,
-            color=EDGE,
-            mec=INK,
+            color=EDGE_COLOUR,
+            mec=INK_COLOUR,
             mew=0.4,
             zorder=7,
             label="edge contact",
@@ -364,14 +384,16 @@ def _draw_field(axes: Any, panel: FieldPanel) -> None:
         levels = [float(levels[0]) - panel.least, float(levels[-1]) + panel.least]
     paint = {"colors": [UNIFORM]} if panel.is_flat else {"cmap": "cividis_r"}
     drawn = axes.contourf(x, y, shown, levels=levels, zorder=1, **paint)
-    rings = axes.contour(x, y, shown, levels=levels, colors=[INK], linewidths=0.6, zorder=2, gid=RINGS)
+    rings = axes.contour(x, y, shown, levels=levels, colors=[INK_COLOUR], linewidths=0.6, zorder=2, gid=RINGS)
     rings.set_paths(_without_specks(rings.get_paths(), panel.places.max(axis=(0, 1)) - panel.places.min(axis=(0, 1))))
     past = None if panel.beyond is None else np.ma.masked_invalid(_past_edges(panel.beyond))
     if past is not None and past.max() > 0.0:
         # cells are cut where the values end; an end that rounding moves moves no pixel
         levels = [0.0, float(past.max())]
-        axes.contourf(x, y, past, levels=levels, colors=[GROUND], antialiased=True, zorder=2.5).set_gid(COVER)
-        axes.fill([], [], facecolor=GROUND, edgecolor=FAINT, lw=0.8, label="not reached by the mating flank")
+        axes.contourf(x, y, past, levels=levels, colors=[GROUND_COLOUR], antialiased=True, zorder=2.5).set_gid(COVER)
+        axes.fill(
+            [], [], facecolor=GROUND_COLOUR, edgecolor=FAINT_COLOUR, lw=0.8, label="not reached by the mating flank"
+        )
     if panel.arrows is not None:
         _draw_arrows(axes, panel, max(high, panel.least))
     if panel.is_flat:
@@ -445,12 +467,12 @@ def _draw_arrows(axes: Any, panel: FieldPanel, greatest: float) -> None:
         return
     # arrows are about their places
     axes.quiver(
-        x[i, j], y[i, j], panel.arrows[i, j, 0], panel.arrows[i, j, 1], color=PATH, zorder=7, width=0.0025,
+        x[i, j], y[i, j], panel.arrows[i, j, 0], panel.arrows[i, j, 1], color=PATH_COLOUR, zorder=7, width=0.0025,
         angles="xy", scale_units="xy", scale=(largest / (2.0 * STAYS * room)).max(), pivot="middle", headlength=3.0,
         headaxislength=3.0, path_effects=[withStroke(linewidth=1.6, foreground="white")],
     )  # fmt: skip
     if panel.sense:
-        axes.plot([], [], ls="", marker=r"$\rightarrow$", ms=12, color=PATH, label=panel.sense)
+        axes.plot([], [], ls="", marker=r"$\rightarrow$", ms=12, color=PATH_COLOUR, label=panel.sense)
 
 
 def _with_corners(panel: FieldPanel) -> FieldPanel:

@@ -23,7 +23,7 @@ from gearmesh.teeth.region import Side
 from gearmesh.view.diagrams.flank_diagrams import draw_outline, flank_window, name_edges
 from gearmesh.view.diagrams.flank_plane import FlankPlane
 from gearmesh.view.diagrams.plots import new_figure, save_figure
-from gearmesh.view.palette import CURVES, EDGE, FAINT, GRID_LINES, GROUND, INK
+from gearmesh.view.palette import CURVE_COLOURS, EDGE_COLOUR, FAINT_COLOUR, GRID_LINE_COLOUR, GROUND_COLOUR, INK_COLOUR
 
 #: size (inches) of the chart, and height of a row of maps, traces, pitch deviations
 WIDTH, MAP_HEIGHT, TRACE_HEIGHT, PITCH_HEIGHT = 12.0, 2.6, 3.4, 2.2
@@ -52,7 +52,7 @@ def plot_inspection(file: Path | str, inspection: Inspection) -> None:
     axes = figure.subplots(len(rows), 2, squeeze=False, gridspec_kw={"height_ratios": [height for _, height in rows]})
     for own, (draw, _) in zip(axes, rows, strict=True):
         draw(own, inspection)
-    figure.suptitle(inspection.headline, color=INK)
+    figure.suptitle(inspection.headline, color=INK_COLOUR)
     save_figure(figure, file)
 
 
@@ -64,7 +64,7 @@ def _draw_profiles(axes: Any, inspection: Inspection) -> None:
         own = inspection.profiles[side]
         _draw_trace(plot, own, (inspection.tolerance("f_Ha"), inspection.tolerance("F_a")), upwards=True)
         plot.set(xlabel="deviation (µm), + is material", ylabel="roll length (mm)")
-        plot.set_title(f"{side} flank: profile    {_values(own, 'a')}", fontsize=10, color=INK)
+        plot.set_title(f"{side} flank: profile    {_values(own, 'a')}", fontsize=10, color=INK_COLOUR)
         first, last = own.trace.range.applies
         for place, word, up in ((first, "root", "bottom"), (last, "tip", "top")):
             plot.annotate(word, (0.01, place), xycoords=("axes fraction", "data"), ha="left", va=up, fontsize=8)
@@ -81,7 +81,7 @@ def _draw_helices(axes: Any, inspection: Inspection) -> None:
         own = inspection.helices[side]
         _draw_trace(plot, own, (inspection.tolerance("f_Hb"), inspection.tolerance("F_b")), upwards=False)
         plot.set(xlabel="z along the face (mm)", ylabel="deviation (µm), + is material")
-        plot.set_title(f"{side} flank: helix    {_values(own, 'b')}", fontsize=10, color=INK)
+        plot.set_title(f"{side} flank: helix    {_values(own, 'b')}", fontsize=10, color=INK_COLOUR)
 
 
 def _values(own: MeasuredTrace, letter: str) -> str:
@@ -99,24 +99,24 @@ def _draw_trace(axes: Any, own: MeasuredTrace, tolerances: tuple[float | None, f
 
     d, trace = UM * own.deviations, own.trace
     ends, line = np.array(trace.range.evaluated), UM * np.array(trace.line)
-    draw(own.positions, d, color=CURVES[0], lw=1.3, label="measured")
-    draw(ends, line, color=CURVES[1], lw=1.3, label="mean line")
+    draw(own.positions, d, color=CURVE_COLOURS[0], lw=1.3, label="measured")
+    draw(ends, line, color=CURVE_COLOURS[1], lw=1.3, label="mean line")
     slope, total = tolerances
     if slope is not None:
         begin, end = trace.range.slope
         steep = slope * (ends - ends[0]) / (end - begin)
         for k, sign in enumerate((1.0, -1.0)):
-            draw(ends, line[0] + sign * steep, color=INK, lw=0.9, ls="--", label="" if k else "slope tolerance")
+            draw(ends, line[0] + sign * steep, color=INK_COLOUR, lw=0.9, ls="--", label="" if k else "slope tolerance")
     if total is not None:
         low, high = sorted(ends)
         inside = d[(own.positions >= low) & (own.positions <= high) & np.isfinite(d)]
         middle = 0.5 * (inside.max() + inside.min())
         for k, sign in enumerate((0.5, -0.5)):
             level = np.full(2, middle + sign * total)
-            draw(ends, level, color=EDGE, lw=1.1, ls=":", label="" if k else "total tolerance")
+            draw(ends, level, color=EDGE_COLOUR, lw=1.1, ls=":", label="" if k else "total tolerance")
     span = axes.axhspan if upwards else axes.axvspan
-    span(*sorted(trace.range.evaluated), facecolor=GROUND, edgecolor="none", zorder=0)
-    (axes.axvline if upwards else axes.axhline)(0.0, color=FAINT, lw=0.9)
+    span(*sorted(trace.range.evaluated), facecolor=GROUND_COLOUR, edgecolor="none", zorder=0)
+    (axes.axvline if upwards else axes.axhline)(0.0, color=FAINT_COLOUR, lw=0.9)
     _finish(axes)
 
 
@@ -135,7 +135,7 @@ def _draw_maps(axes: Any, inspection: Inspection) -> None:
             f"{_arc(order.spiral_angle_error)}, crowning {order.profile_crowning:+.1f} up, {order.length_crowning:+.1f} "
             f"along, twist {order.twist:+.1f} µm"
         )
-        plot.set_title(title, fontsize=9, color=INK)
+        plot.set_title(title, fontsize=9, color=INK_COLOUR)
 
 
 def _arc(arcsec: float) -> str:
@@ -151,12 +151,12 @@ def _draw_map(axes: Any, plane: FlankPlane, own: DeviationMap, most: float) -> N
     levels = MaxNLocator(LEVELS, symmetric=True).tick_values(-most, most)
     x, y = places[..., 0], places[..., 1]
     drawn = axes.contourf(x, y, d, levels=levels, cmap=DIVERGING, zorder=1)
-    axes.contour(x, y, d, levels=levels, colors=[INK], linewidths=0.4, zorder=2)
+    axes.contour(x, y, d, levels=levels, colors=[INK_COLOUR], linewidths=0.4, zorder=2)
     i, j = (np.linspace(0, size - 1, count).round().astype(int) for size, count in zip(d.shape, WRITTEN, strict=True))
     for place, value in zip(places[np.ix_(i, j)].reshape(-1, 2), _flat(d[np.ix_(i, j)]), strict=True):
         if np.isfinite(value):
             axes.annotate(
-                f"{value:+.1f}", place, ha="center", va="center", fontsize=6.5, color=INK, zorder=9,
+                f"{value:+.1f}", place, ha="center", va="center", fontsize=6.5, color=INK_COLOUR, zorder=9,
                 bbox={"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.6},
             )  # fmt: skip
     lengths = plane.frame.extent[:, 0]
@@ -182,22 +182,27 @@ def _draw_pitches(axes: Any, inspection: Inspection) -> None:
             continue
         own = inspection.measured.pitch[side]
         teeth = np.arange(own.index.size)
-        plot.bar(teeth, UM * own.single, color=CURVES[0], width=0.7, label="single pitch f_pi")
+        plot.bar(teeth, UM * own.single, color=CURVE_COLOURS[0], width=0.7, label="single pitch f_pi")
         plot.plot(
-            teeth, UM * (own.index - own.index.mean()), color=CURVES[1], marker=".", lw=1.2, label="index deviation"
+            teeth,
+            UM * (own.index - own.index.mean()),
+            color=CURVE_COLOURS[1],
+            marker=".",
+            lw=1.2,
+            label="index deviation",
         )
-        plot.axhline(0.0, color=FAINT, lw=0.8)
+        plot.axhline(0.0, color=FAINT_COLOUR, lw=0.8)
         plot.set(xlabel="tooth", ylabel="deviation (µm)")
         plot.set_title(
             f"{side} flank: pitch    f_p {UM * own.single_pitch:.1f}  F_p {UM * own.cumulative:.1f} µm",
             fontsize=10,
-            color=INK,
+            color=INK_COLOUR,
         )
         _finish(plot)
 
 
 def _finish(axes: Any) -> None:
-    axes.grid(True, color=GRID_LINES, lw=0.8)
+    axes.grid(True, color=GRID_LINE_COLOUR, lw=0.8)
     axes.set_axisbelow(True)
     axes.legend(fontsize=7, framealpha=0.85, loc="best")
-    axes.tick_params(labelsize=8, colors=INK)
+    axes.tick_params(labelsize=8, colors=INK_COLOUR)

@@ -21,7 +21,7 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.region import Side
 from gearmesh.view.diagrams.modification_diagrams import IN_CLOSED_FORM, TRACE, flank_map
 from gearmesh.view.diagrams.plots import new_figure, save_figure
-from gearmesh.view.palette import CURVES, EDGE, FAINT, GRID_LINES, GROUND, INK
+from gearmesh.view.palette import CURVE_COLOURS, EDGE_COLOUR, FAINT_COLOUR, GRID_LINE_COLOUR, GROUND_COLOUR, INK_COLOUR
 
 #: size (inches) of the figure
 SIZE = (11.0, 7.5)
@@ -50,11 +50,11 @@ def plot_k_chart(file: Path | str, inspection: Inspection) -> None:
         )
         _draw(rows[1, column], own.z, helix, involute.helix_trace.evaluated, inspection.tolerance("F_b"), upwards=False)
         rows[0, column].set(xlabel="deviation (µm), + is material", ylabel="roll length (mm)")
-        rows[0, column].set_title(f"{side} flank: profile, mid face", fontsize=10, color=INK)
+        rows[0, column].set_title(f"{side} flank: profile, mid face", fontsize=10, color=INK_COLOUR)
         rows[1, column].set(xlabel="z along the face (mm)", ylabel="deviation (µm), + is material")
-        rows[1, column].set_title(f"{side} flank: helix, mid height", fontsize=10, color=INK)
+        rows[1, column].set_title(f"{side} flank: helix, mid height", fontsize=10, color=INK_COLOUR)
     asked = "" if inspection.basis is None else f", class {inspection.basis.asked} [{inspection.basis.sizes.standard}]"
-    figure.suptitle(f"{inspection.member.name}: theoretical charts{asked}", color=INK)
+    figure.suptitle(f"{inspection.member.name}: theoretical charts{asked}", color=INK_COLOUR)
     save_figure(figure, file)
 
 
@@ -67,19 +67,19 @@ def _draw(
         axes.plot(*((y, x) if upwards else (x, y)), **style)
 
     low, high = sorted(ends)
-    draw(positions, trace, color=CURVES[0], lw=1.4, label="design")
+    draw(positions, trace, color=CURVE_COLOURS[0], lw=1.4, label="design")
     if total is not None:
         inside = (positions >= low) & (positions <= high)
         for k, sign in enumerate((0.5, -0.5)):
             label = "" if k else f"total tolerance, {total:g} µm"
-            draw(positions[inside], trace[inside] + sign * total, color=EDGE, lw=1.1, ls=":", label=label)
-    (axes.axhspan if upwards else axes.axvspan)(low, high, facecolor=GROUND, edgecolor="none", zorder=0)
-    (axes.axvline if upwards else axes.axhline)(0.0, color=FAINT, lw=0.9)
+            draw(positions[inside], trace[inside] + sign * total, color=EDGE_COLOUR, lw=1.1, ls=":", label=label)
+    (axes.axhspan if upwards else axes.axvspan)(low, high, facecolor=GROUND_COLOUR, edgecolor="none", zorder=0)
+    (axes.axvline if upwards else axes.axhline)(0.0, color=FAINT_COLOUR, lw=0.9)
     # nothing removed must not look like a signal
     room = max(1.5 * float(np.ptp(trace)), 2.0 * (total or 0.0), 10.0)
     middle = 0.5 * float(trace.max() + trace.min())
     (axes.set_xlim if upwards else axes.set_ylim)(middle - room, middle + room)
-    axes.grid(True, color=GRID_LINES, lw=0.8)
+    axes.grid(True, color=GRID_LINE_COLOUR, lw=0.8)
     axes.set_axisbelow(True)
     axes.legend(fontsize=7, framealpha=0.85, loc="best")
-    axes.tick_params(labelsize=8, colors=INK)
+    axes.tick_params(labelsize=8, colors=INK_COLOUR)

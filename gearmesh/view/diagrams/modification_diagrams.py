@@ -17,7 +17,7 @@ from gearmesh.teeth.micro_geometry.plane_flank import PlaneFlank
 from gearmesh.teeth.micro_geometry.screw_involute import ScrewInvolute
 from gearmesh.teeth.region import Side
 from gearmesh.view.diagrams.plots import new_figure, save_figure
-from gearmesh.view.palette import CURVES, FAINT, GRID_LINES, INK
+from gearmesh.view.palette import CURVE_COLOURS, FAINT_COLOUR, GRID_LINE_COLOUR, INK_COLOUR
 
 #: points of a trace, and of a map in each direction
 TRACE, MAP = 401, 161
@@ -95,12 +95,12 @@ def _profile(axes: Any, flank_map: FlankMap, limits: tuple[float, float]) -> Non
             flank_map.removed[:, k],
             flank_map.length,
             style,
-            color=CURVES[0],
+            color=CURVE_COLOURS[0],
             lw=1.6,
             label=f"z = {flank_map.z[k]:.4g} mm",
         )
     for place in flank_map.breaks[0]:
-        axes.axhline(place, color=FAINT, lw=0.8, ls="-.")
+        axes.axhline(place, color=FAINT_COLOUR, lw=0.8, ls="-.")
     axes.set(
         title=f"{flank_map.side} flank: profile", xlabel="removed (µm)", ylabel=f"{flank_map.measure} (mm)", xlim=limits
     )
@@ -111,9 +111,9 @@ def _helix(axes: Any, flank_map: FlankMap, limits: tuple[float, float]) -> None:
     for share, style in zip(PLACES, ("--", "-", ":"), strict=True):
         k = round(share * (flank_map.length.size - 1))
         label = f"{flank_map.measure} {flank_map.length[k]:.4g} mm"
-        axes.plot(flank_map.z, flank_map.removed[k], style, color=CURVES[0], lw=1.6, label=label)
+        axes.plot(flank_map.z, flank_map.removed[k], style, color=CURVE_COLOURS[0], lw=1.6, label=label)
     for place in flank_map.breaks[1]:
-        axes.axvline(place, color=FAINT, lw=0.8, ls="-.")
+        axes.axvline(place, color=FAINT_COLOUR, lw=0.8, ls="-.")
     axes.set(title=f"{flank_map.side} flank: helix", xlabel="z along the face (mm)", ylabel="removed (µm)", ylim=limits)
     _finish(axes)
 
@@ -134,7 +134,7 @@ def _map(axes: Any, flank_map: FlankMap, limits: tuple[float, float]) -> Any:
 
 
 def _finish(axes: Any) -> None:
-    axes.grid(True, color=GRID_LINES, lw=0.8)
+    axes.grid(True, color=GRID_LINE_COLOUR, lw=0.8)
     axes.set_axisbelow(True)
     axes.legend(fontsize="small")
-    axes.tick_params(colors=INK)
+    axes.tick_params(colors=INK_COLOUR)

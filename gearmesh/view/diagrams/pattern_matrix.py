@@ -25,7 +25,7 @@ from gearmesh.view.diagrams.flank_diagrams import (
 )
 from gearmesh.view.diagrams.flank_plane import FlankPlane
 from gearmesh.view.diagrams.plots import new_figure, save_figure
-from gearmesh.view.palette import CURVES, FAINT, GRID_LINES, INK
+from gearmesh.view.palette import CURVE_COLOURS, FAINT_COLOUR, GRID_LINE_COLOUR, INK_COLOUR
 from gearmesh.view.scene import MemberContact
 
 #: inches: width of a cell, height of its transmission error, room of labels
@@ -97,7 +97,7 @@ def plot_matrix(
     errors = _error_limits(known)
     for i in range(down):
         leftmost = next((j for j in range(across) if cells[i][j].panel is not None), 0)
-        grid[2 * (down - 1 - i), 0].set_ylabel(_word(rows[1][i]), rotation=0, ha="right", va="center", color=INK)
+        grid[2 * (down - 1 - i), 0].set_ylabel(_word(rows[1][i]), rotation=0, ha="right", va="center", color=INK_COLOUR)
         for j in range(across):
             above, below = grid[2 * (down - 1 - i) : 2 * (down - i), j]
             _draw_cell(above, below, cells[i][j], window, errors)
@@ -106,7 +106,7 @@ def plot_matrix(
             else:
                 below.tick_params(labelleft=False)
             if i == 0:
-                below.set_xlabel(_word(columns[1][j]), fontsize=10, color=INK)
+                below.set_xlabel(_word(columns[1][j]), fontsize=10, color=INK_COLOUR)
     handles = {
         label: handle for axes in grid.flat for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
     }
@@ -123,9 +123,9 @@ def plot_matrix(
             title_fontproperties={"size": 12},
         )
     else:
-        figure.supxlabel(columns[0], color=INK)
-    figure.supylabel(rows[0], color=INK)
-    figure.suptitle(title + (f" ({magnified:g} times as high)" if magnified > 1.0 else ""), color=INK)
+        figure.supxlabel(columns[0], color=INK_COLOUR)
+    figure.supylabel(rows[0], color=INK_COLOUR)
+    figure.suptitle(title + (f" ({magnified:g} times as high)" if magnified > 1.0 else ""), color=INK_COLOUR)
     save_figure(figure, file)
 
 
@@ -165,10 +165,10 @@ def _draw_cell(above: Any, below: Any, cell: PatternCell, window: Window, errors
     for spine in above.spines.values():
         spine.set_visible(False)
     below.tick_params(labelsize=6, labelbottom=False, bottom=False)
-    below.grid(True, color=GRID_LINES, lw=0.6)
+    below.grid(True, color=GRID_LINE_COLOUR, lw=0.6)
     if cell.panel is None:
         reason = fill(cell.reason, LINE) if len(cell.reason) <= REASON else fill(f"{cell.reason[:REASON]} ...", LINE)
-        above.text(0.5, 0.5, reason, ha="center", va="center", fontsize=7, color=INK, transform=above.transAxes)
+        above.text(0.5, 0.5, reason, ha="center", va="center", fontsize=7, color=INK_COLOUR, transform=above.transAxes)
         below.set(xticks=[], yticks=[])
         for spine in below.spines.values():
             spine.set_visible(False)
@@ -179,19 +179,19 @@ def _draw_cell(above: Any, below: Any, cell: PatternCell, window: Window, errors
     pitch = cell.gears[0, -1] if cell.gears is not None else 0.0
     if cell.pair is not None:
         for k in (-1, 1, 0) if pitch else (0,):
-            colour, label = (FAINT, "neighbouring tooth pairs") if k else (INK, "tooth pair")
+            colour, label = (FAINT_COLOUR, "neighbouring tooth pairs") if k else (INK_COLOUR, "tooth pair")
             below.plot(cell.pair[0] + k * pitch, cell.pair[1], color=colour, lw=0.9, label=label)
     if cell.gears is not None:
         what = ESTIMATE if cell.mesh_te is None else ""
         shown = f"gears, {what}peak to peak at the right" if np.isfinite(cell.gears[1]).any() else ""
         for k in (-1, 0):
-            below.plot(cell.gears[0] + k * pitch, cell.gears[1], color=CURVES[0], lw=2.6, alpha=0.5, label=shown)
+            below.plot(cell.gears[0] + k * pitch, cell.gears[1], color=CURVE_COLOURS[0], lw=2.6, alpha=0.5, label=shown)
         below.set_xlim(-pitch, pitch)
     if np.isfinite(cell.peak_to_peak):
         about = APPROXIMATELY if cell.mesh_te is None else ""
         told = f"{about}{cell.peak_to_peak:.3g}" if cell.peak_to_peak >= NOTHING else f"< {NOTHING:g}"
         below.text(
-            0.98, 0.06, told, ha="right", va="bottom", fontsize=7, color=INK, transform=below.transAxes,
+            0.98, 0.06, told, ha="right", va="bottom", fontsize=7, color=INK_COLOUR, transform=below.transAxes,
             path_effects=[withStroke(linewidth=2.5, foreground="white")],
         )  # fmt: skip
     below.set_ylim(errors)

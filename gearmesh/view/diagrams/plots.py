@@ -22,7 +22,15 @@ from gearmesh.errors import OutputError
 from gearmesh.figures import at_resolution
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.view.lettering import fit_title
-from gearmesh.view.palette import CURVES, EDGE, FAINT, GRID_LINES, INK, LINES, PATH
+from gearmesh.view.palette import (
+    CURVE_COLOURS,
+    EDGE_COLOUR,
+    FAINT_COLOUR,
+    GRID_LINE_COLOUR,
+    INK_COLOUR,
+    LINE_COLOUR,
+    PATH_COLOUR,
+)
 
 _MARKERS = "osD^v*"
 #: least range of transmission errors that is shown
@@ -90,9 +98,9 @@ def plot_transmission_error(
         *axes.get_legend_handles_labels(), fontsize=9, loc="outside lower center", ncols=columns, frameon=False
     )
     for plot in (axes, *others):
-        plot.grid(True, color=GRID_LINES, lw=0.8)
+        plot.grid(True, color=GRID_LINE_COLOUR, lw=0.8)
         plot.set_axisbelow(True)
-    figure.suptitle(title, color=INK)
+    figure.suptitle(title, color=INK_COLOUR)
     save_figure(figure, file)
 
 
@@ -110,9 +118,9 @@ def plot_backlash(
     inches, dots = sheet((8.0, 5.0), size, dpi)
     figure = new_figure(inches, dots)
     axes = figure.subplots()
-    axes.plot(curve.phi1, curve.backlash, color=CURVES[0], lw=1.8, label="backlash")
+    axes.plot(curve.phi1, curve.backlash, color=CURVE_COLOURS[0], lw=1.8, label="backlash")
     for label, value, style in (("greatest", curve.greatest, "--"), ("least", curve.least, ":")):
-        axes.axhline(value, color=INK, lw=1.0, ls=style, label=f"{label} {at_resolution(value, _NO_PLAY):.6g}°")
+        axes.axhline(value, color=INK_COLOUR, lw=1.0, ls=style, label=f"{label} {at_resolution(value, _NO_PLAY):.6g}°")
     low, high = (
         min(curve.least, float(np.nanmin(curve.backlash))),
         max(curve.greatest, float(np.nanmax(curve.backlash))),
@@ -130,10 +138,10 @@ def plot_backlash(
         other.set_ylim(*(radius * end for end in axes.get_ylim()))
         other.set_ylabel("at its pitch circle (mm)")
         other.ticklabel_format(useOffset=False)
-    axes.grid(True, color=GRID_LINES, lw=0.8)
+    axes.grid(True, color=GRID_LINE_COLOUR, lw=0.8)
     axes.set_axisbelow(True)
     figure.legend(*axes.get_legend_handles_labels(), fontsize=9, loc="outside lower center", ncols=3, frameon=False)
-    figure.suptitle(title, color=INK)
+    figure.suptitle(title, color=INK_COLOUR)
     save_figure(figure, file)
 
 
@@ -148,14 +156,14 @@ def _draw_errors(axes: Any, path: ContactPath, cycle: Cycle | None, rad: float, 
         _draw_cycle(axes, cycle, cycle.pair, cycle.gears, rad)
     elif cycle is not None:
         phi1 = np.degrees(cycle.phi1)
-        axes.plot(phi1, cycle.te.T / rad, color=FAINT, lw=1.2)
-        axes.plot([], [], color=FAINT, lw=1.2, label="neighbouring tooth pairs")
-        axes.plot(phi1, cycle.envelope / rad, color=CURVES[0], lw=4.0, alpha=0.45, label="envelope")
+        axes.plot(phi1, cycle.te.T / rad, color=FAINT_COLOUR, lw=1.2)
+        axes.plot([], [], color=FAINT_COLOUR, lw=1.2, label="neighbouring tooth pairs")
+        axes.plot(phi1, cycle.envelope / rad, color=CURVE_COLOURS[0], lw=4.0, alpha=0.45, label="envelope")
     phi1, te = np.degrees(path.phi1), path.te / rad
     if cycle is None or cycle.pair is None:
-        axes.plot(phi1, te, color=INK, lw=1.4, label="tooth pair")
+        axes.plot(phi1, te, color=INK_COLOUR, lw=1.4, label="tooth pair")
     size = float(np.clip(200.0 / len(phi1), 2.0, 4.5))
-    for kind, colour in (("point", PATH), ("line", LINES), ("edge", EDGE)):
+    for kind, colour in (("point", PATH_COLOUR), ("line", LINE_COLOUR), ("edge", EDGE_COLOUR)):
         here = path.kind == kind
         if here.any():
             axes.plot(phi1[here], te[here], ls="", marker="o", ms=size, color=colour, label=f"{kind} contact")
@@ -179,12 +187,21 @@ def _draw_cycle(axes: Any, cycle: Cycle, pair: Array, gears: Array, rad: float) 
     for k in (-1, 0, 1):
         label = {0: {"label": "tooth pair"}, 1: {"label": "neighbouring tooth pairs"}}.get(k, {})
         axes.plot(
-            np.degrees(pair[0] + k * pitch), pair[1] / rad, color=FAINT if k else INK, lw=1.2 if k else 1.4, **label
+            np.degrees(pair[0] + k * pitch),
+            pair[1] / rad,
+            color=FAINT_COLOUR if k else INK_COLOUR,
+            lw=1.2 if k else 1.4,
+            **label,
         )
     turns = np.arange(np.floor(low / pitch), np.ceil(high / pitch))
     phi1 = (gears[0] + pitch * turns[:, None]).ravel()
     axes.plot(
-        np.degrees(phi1), np.tile(gears[1], len(turns)) / rad, color=CURVES[0], lw=4.0, alpha=0.45, label="envelope"
+        np.degrees(phi1),
+        np.tile(gears[1], len(turns)) / rad,
+        color=CURVE_COLOURS[0],
+        lw=4.0,
+        alpha=0.45,
+        label="envelope",
     )
 
     def everywhere(marks: Array) -> Array:
@@ -196,18 +213,25 @@ def _draw_cycle(axes: Any, cycle: Cycle, pair: Array, gears: Array, rad: float) 
     if roots.size:
         te = np.interp(roots % pitch, *gears) / rad
         axes.plot(
-            np.degrees(roots), te, ls="", marker="D", ms=5, mfc="white", mec=CURVES[0], label="change of tooth pairs"
+            np.degrees(roots),
+            te,
+            ls="",
+            marker="D",
+            ms=5,
+            mfc="white",
+            mec=CURVE_COLOURS[0],
+            label="change of tooth pairs",
         )
     for k, place in enumerate(everywhere(np.array([gap.phi1 for gap in cycle.breaks], dtype=float))):
         label = {"label": "jump: edge contact bridges it"} if k == 0 else {}
-        axes.axvline(np.degrees(place), color=EDGE, lw=1.2, ls="--", **label)
+        axes.axvline(np.degrees(place), color=EDGE_COLOUR, lw=1.2, ls="--", **label)
     axes.set_xlim(np.degrees(low), np.degrees(high))
 
 
 def _draw_harmonics(axes: Any, heard: Array, unit: str) -> None:
     """Amplitudes over the number of the harmonic, from those that are not but rounding."""
     order = np.arange(1, len(heard) + 1)
-    axes.bar(order, heard, color=CURVES[0], width=0.7)
+    axes.bar(order, heard, color=CURVE_COLOURS[0], width=0.7)
     for k, value in zip(order, heard, strict=True):
         axes.annotate(
             f"{value:.2g}",
@@ -232,17 +256,21 @@ def plot_cost(file: Path | str, runs: Mapping[str, CostRun], title: str = "Cost 
     figure = new_figure((11.0, 5.0))
     left, right = figure.subplots(1, 2)
     for i, (label, run) in enumerate(runs.items()):
-        style: dict[str, Any] = {"color": CURVES[i % len(CURVES)], "marker": _MARKERS[i % len(_MARKERS)], "ms": 5}
+        style: dict[str, Any] = {
+            "color": CURVE_COLOURS[i % len(CURVE_COLOURS)],
+            "marker": _MARKERS[i % len(_MARKERS)],
+            "ms": 5,
+        }
         left.loglog(run.error_um, run.triangles, label=label, **style)
         right.loglog(run.error_um, run.seconds, label=label, **style)
         if run.bound is not None:
             left.loglog(run.error_um, run.bound, ls="--", color=style["color"], label=f"{label}: fewest possible")
     for axes, quantity in ((left, "triangles"), (right, "time (s)")):
         axes.set(xlabel="achieved error (µm)", ylabel=quantity)
-        axes.grid(True, which="both", color=GRID_LINES, lw=0.6)
+        axes.grid(True, which="both", color=GRID_LINE_COLOUR, lw=0.6)
         axes.invert_xaxis()
         axes.legend(fontsize=9)
-    figure.suptitle(title, color=INK)
+    figure.suptitle(title, color=INK_COLOUR)
     save_figure(figure, file)
 
 
@@ -259,7 +287,7 @@ def plot_curves(
     """
     figure, axes = _figure()
     for i, (label, (x, y)) in enumerate(curves.items()):
-        style = {"color": CURVES[i % len(CURVES)], "marker": _MARKERS[i % len(_MARKERS)]}
+        style = {"color": CURVE_COLOURS[i % len(CURVE_COLOURS)], "marker": _MARKERS[i % len(_MARKERS)]}
         axes.plot(x, np.where(np.isfinite(y), y, np.nan), ms=4, lw=1.6, label=label, **style)
     axes.set(xlabel=labels[0], ylabel=labels[1], title=title)
     if log_y:
@@ -284,7 +312,7 @@ def _figure() -> tuple[Any, Any]:
     """A figure of one plot with a faint grid."""
     figure = new_figure((8.0, 5.0))
     axes = figure.subplots()
-    axes.grid(True, color=GRID_LINES, lw=0.8)
+    axes.grid(True, color=GRID_LINE_COLOUR, lw=0.8)
     axes.set_axisbelow(True)
     return figure, axes
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.view.diagrams.plots import SCREEN_DPI, new_figure, save_figure
-from gearmesh.view.palette import CURVES, INK
+from gearmesh.view.palette import CURVE_COLOURS, INK_COLOUR
 
 #: lines of a response plot that are distinguished by colour
 _LINES = 9
@@ -53,9 +53,9 @@ def plot_responses(
             if lines and (len(shape) == 1 or shape[1 - j] <= _LINES):
                 _draw_lines(own, keys, j, response.values, shape)
             else:
-                own.plot(values, response.values, ls="", marker=".", ms=3, color=CURVES[0], alpha=0.6)
+                own.plot(values, response.values, ls="", marker=".", ms=3, color=CURVE_COLOURS[0], alpha=0.6)
             for limit in response.limits:
-                own.axhline(limit, color=CURVES[1], lw=1.0, ls="--")
+                own.axhline(limit, color=CURVE_COLOURS[1], lw=1.0, ls="--")
             if i == down - 1:
                 own.set_xlabel(key)
             if j == 0:
@@ -65,7 +65,7 @@ def plot_responses(
 
 def _draw_lines(axes: Any, keys: Sequence[tuple[str, Array]], j: int, values: Array, shape: tuple[int, ...]) -> None:
     if len(shape) == 1:
-        axes.plot(keys[0][1], values, color=CURVES[0], marker="o", ms=3)
+        axes.plot(keys[0][1], values, color=CURVE_COLOURS[0], marker="o", ms=3)
         return
     table, x, other = (np.moveaxis(v.reshape(shape), j, 0) for v in (values, keys[j][1], keys[1 - j][1]))
     from matplotlib import colormaps
@@ -121,11 +121,11 @@ def plot_tornado(file: Path | str, bars: Sequence[SwingBars | ShareBars], title:
 def _draw_swings(axes: Any, bars: SwingBars) -> None:
     labels = ("key at its 5th percentile", "at its 95th")
     for label, colour, ends in zip(
-        labels, (CURVES[0], CURVES[3]), zip(*(e[1:] for e in bars.keys), strict=True), strict=True
+        labels, (CURVE_COLOURS[0], CURVE_COLOURS[3]), zip(*(e[1:] for e in bars.keys), strict=True), strict=True
     ):
         at = np.array(ends) - bars.middle
         axes.barh(range(len(bars.keys)), at, left=bars.middle, color=colour, height=0.65, label=label)
-    axes.axvline(bars.middle, color=INK, lw=0.8)
+    axes.axvline(bars.middle, color=INK_COLOUR, lw=0.8)
     axes.set_xlabel(bars.name, fontsize=9)
 
 
@@ -140,13 +140,15 @@ def _draw_shares(axes: Any, bars: ShareBars) -> None:
         return
     first, first_error, total, total_error = np.array([share[1:] for share in bars.keys]).T
     rows = np.arange(len(bars.keys))
-    kinds = [("first order: the key alone", first, first_error, CURVES[0], 0.4, 0.0)]
+    kinds = [("first order: the key alone", first, first_error, CURVE_COLOURS[0], 0.4, 0.0)]
     if np.isfinite(total).all():
         kinds.insert(0, ("total: with interactions", total, total_error, PALE, 0.75, 0.28))
     for label, values, errors, colour, height, shift in kinds:
         axes.barh(rows, np.maximum(values, 0.0), color=colour, height=height, label=label)
         if (errors > 0.0).any():
-            axes.errorbar(np.maximum(values, 0.0), rows + shift, xerr=2.0 * errors, ls="", color=INK, lw=0.9, capsize=2)
+            axes.errorbar(
+                np.maximum(values, 0.0), rows + shift, xerr=2.0 * errors, ls="", color=INK_COLOUR, lw=0.9, capsize=2
+            )
     if bars.remark:
         axes.text(0.98, 0.06, bars.remark, transform=axes.transAxes, ha="right", fontsize=8)
     axes.set_xlim(0.0, max(1.0, 1.05 * float(np.nanmax([first, np.where(np.isfinite(total), total, 0.0)]))))
@@ -163,10 +165,10 @@ def plot_histograms(file: Path | str, figures: Sequence[StudyFigure], percentile
             own.hist(known, bins=min(60, max(8, int(np.sqrt(known.size)))), color=PALE, edgecolor="white", lw=0.4)
             top = own.get_ylim()[1]
             for at, label in percentile_marks(known, percentiles):
-                own.axvline(at, color=INK, lw=0.8, ls=":")
+                own.axvline(at, color=INK_COLOUR, lw=0.8, ls=":")
                 own.text(at, top, label, rotation=90, fontsize=6, ha="right", va="top")
         for limit in own_figure.limits:
-            own.axvline(limit, color=CURVES[1], lw=1.4, ls="--")
+            own.axvline(limit, color=CURVE_COLOURS[1], lw=1.4, ls="--")
         own.set_xlabel(own_figure.name, fontsize=9)
         own.set_ylabel("rows", fontsize=8)
     save_figure(figure, file)

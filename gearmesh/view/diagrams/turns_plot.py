@@ -9,7 +9,7 @@ import numpy as np
 from gearmesh.contact.engagement.turns import FullTurns
 from gearmesh.kernel.numeric.algebra import ARCSEC
 from gearmesh.view.diagrams.plots import LEAST_RANGE, new_figure, save_figure, sheet
-from gearmesh.view.palette import CURVES, FAINT, GRID_LINES, INK
+from gearmesh.view.palette import CURVE_COLOURS, FAINT_COLOUR, GRID_LINE_COLOUR, INK_COLOUR
 
 #: height of the bars' plot over its tallest bar: room for what its legend says
 OVER_BARS = 1.25
@@ -33,7 +33,7 @@ def plot_turns(
     inches, dots = sheet((10.5, 5.0), size, dpi)
     figure = new_figure(inches, dots)
     axes, bars = figure.subplots(1, 2, width_ratios=(3.2, 1.0))
-    axes.plot(turns.phi1 / (2.0 * np.pi), turns.te / rad, color=CURVES[0], lw=0.9)
+    axes.plot(turns.phi1 / (2.0 * np.pi), turns.te / rad, color=CURVE_COLOURS[0], lw=0.9)
     axes.set(xlabel="turns of the pinion, until the same teeth mesh again", ylabel=f"transmission error ({name})")
     axes.margins(x=0.01)
     # rounding is no error
@@ -41,19 +41,21 @@ def plot_turns(
     if high - low < LEAST_RANGE:
         axes.set_ylim(0.5 * (low + high - LEAST_RANGE), 0.5 * (low + high + LEAST_RANGE))
     place, names = np.arange(len(turns.waves)), [_name(wave.member, wave.per_turn) for wave in turns.waves]
-    bars.bar(place, [wave.amplitude / rad for wave in turns.waves], color=CURVES[0], width=0.7, label="exact contact")
+    bars.bar(
+        place, [wave.amplitude / rad for wave in turns.waves], color=CURVE_COLOURS[0], width=0.7, label="exact contact"
+    )
     closed = np.array([wave.closed_amplitude / rad for wave in turns.waves])
     if np.isfinite(closed).any():
-        bars.plot(place, closed, ls="", marker="_", ms=22, mew=2.0, color=INK, label="closed form")
+        bars.plot(place, closed, ls="", marker="_", ms=22, mew=2.0, color=INK_COLOUR, label="closed form")
     bars.set_xticks(place, names, rotation=90, fontsize=9)
     tallest = np.nanmax([wave.amplitude / rad for wave in turns.waves] + [*closed], initial=0.5 * LEAST_RANGE)
     bars.set(ylabel=f"amplitude ({name})", ylim=(0.0, OVER_BARS * tallest))
     bars.legend(fontsize=8, framealpha=0.85)
     for plot in (axes, bars):
-        plot.grid(True, color=GRID_LINES, lw=0.8)
+        plot.grid(True, color=GRID_LINE_COLOUR, lw=0.8)
         plot.set_axisbelow(True)
-    axes.axhline(0.0, color=FAINT, lw=0.8)
-    figure.suptitle(title, color=INK)
+    axes.axhline(0.0, color=FAINT_COLOUR, lw=0.8)
+    figure.suptitle(title, color=INK_COLOUR)
     save_figure(figure, file)
 
 

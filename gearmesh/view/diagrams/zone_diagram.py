@@ -28,7 +28,15 @@ from gearmesh.view.diagrams.flank_diagrams import (
 )
 from gearmesh.view.diagrams.flank_plane import FlankPlane, strips
 from gearmesh.view.diagrams.plots import new_figure, save_figure, sheet
-from gearmesh.view.palette import CURVES, EDGE, GRID_LINES, INK, LINES, PATH, PATTERN
+from gearmesh.view.palette import (
+    CURVE_COLOURS,
+    EDGE_COLOUR,
+    GRID_LINE_COLOUR,
+    INK_COLOUR,
+    LINE_COLOUR,
+    PATH_COLOUR,
+    PATTERN_COLOUR,
+)
 from gearmesh.view.scene import contact_on, jumps
 
 #: heights of a flank beyond it in which a limit line is still shown; margin about the zone in space, as a part of its height
@@ -78,7 +86,7 @@ def plot_zone(
     figure.legend(
         handles.values(), handles.keys(), loc="outside lower center", ncols=columns, frameon=False, fontsize=9
     )
-    figure.suptitle(title, color=INK)
+    figure.suptitle(title, color=INK_COLOUR)
     save_figure(figure, file)
 
 
@@ -120,7 +128,7 @@ def _draw_flank(axes: Any, shown: ZoneOfContact, panel: ContactPanel, window: tu
     (left, right), _, magnified = window
     notes = [f"{magnified:g} times as high"] if magnified > 1.0 else []
     notes += [f"cut off: flank from {low:.4g} to {high:.4g} mm"] if left > low or right < high else []
-    axes.set_title(panel.name + (f"  ({', '.join(notes)})" if notes else ""), fontsize=10, color=INK)
+    axes.set_title(panel.name + (f"  ({', '.join(notes)})" if notes else ""), fontsize=10, color=INK_COLOUR)
     axes.set_xlabel(plane.labels[0], fontsize=9)
     axes.set_ylabel(plane.labels[1], fontsize=9)
     axes.tick_params(labelsize=8)
@@ -156,17 +164,21 @@ def _draw_space(axes: Any, shown: ZoneOfContact, space: _ZoneLines) -> None:
 
     if space.strips:
         quads = list(np.concatenate(space.strips))
-        axes.add_collection(PolyCollection(quads, facecolors=PATTERN, edgecolors=PATTERN, linewidths=0.5, zorder=1))
+        axes.add_collection(
+            PolyCollection(quads, facecolors=PATTERN_COLOUR, edgecolors=PATTERN_COLOUR, linewidths=0.5, zorder=1)
+        )
     if space.lines:
-        axes.add_collection(LineCollection(list(space.lines), colors=LINES, linewidths=1.1, zorder=3))
+        axes.add_collection(LineCollection(list(space.lines), colors=LINE_COLOUR, linewidths=1.1, zorder=3))
     known = np.asarray(np.isfinite(space.path).all(axis=1))
     # between lines there is no path
     if (known[1:] & known[:-1]).any():
-        axes.plot(*space.path.T, color=PATH, lw=1.8, zorder=5, label="path of contact")
+        axes.plot(*space.path.T, color=PATH_COLOUR, lw=1.8, zorder=5, label="path of contact")
         points = shown.now.touching & np.array([line is None for line in shown.now.lines])
         if points.any():
             at = shown.plane.places(shown.now.point[points])
-            axes.plot(*at.T, color=CURVES[1], ls="", marker="o", ms=6.0, zorder=7, label=f"contact at {_at(shown)}")
+            axes.plot(
+                *at.T, color=CURVE_COLOURS[1], ls="", marker="o", ms=6.0, zorder=7, label=f"contact at {_at(shown)}"
+            )
     _mark(axes, space.now, shown)
     for limit, undercut in space.limits:
         _draw_limit(axes, limit, undercut=undercut)
@@ -175,11 +187,11 @@ def _draw_space(axes: Any, shown: ZoneOfContact, space: _ZoneLines) -> None:
     axes.set_ylim(low, high)
     if (right - left) <= LONGEST * (high - low):
         axes.set_aspect("equal", adjustable="box")
-    axes.grid(True, color=GRID_LINES, lw=0.8)
+    axes.grid(True, color=GRID_LINE_COLOUR, lw=0.8)
     axes.set_axisbelow(True)
     count = int(shown.now.touching.sum())
     pairs = f"{count} tooth pair{'' if count == 1 else 's'} in contact"
-    axes.set_title(f"zone of contact, {shown.plane.name}: {pairs}", fontsize=10, color=INK)
+    axes.set_title(f"zone of contact, {shown.plane.name}: {pairs}", fontsize=10, color=INK_COLOUR)
     axes.set_xlabel(shown.plane.labels[0], fontsize=9)
     axes.set_ylabel(shown.plane.labels[1], fontsize=9)
     axes.tick_params(labelsize=8)
@@ -192,9 +204,9 @@ def _at(shown: ZoneOfContact) -> str:
 def _mark(axes: Any, lines: Sequence[Array], shown: ZoneOfContact) -> None:
     label = f"contact lines at {_at(shown)}"
     for k, line in enumerate(lines):
-        axes.plot(*line.T, color=CURVES[1], lw=2.6, zorder=7, **({"label": label} if k == 0 else {}))
+        axes.plot(*line.T, color=CURVE_COLOURS[1], lw=2.6, zorder=7, **({"label": label} if k == 0 else {}))
 
 
 def _draw_limit(axes: Any, places: Array, *, undercut: bool) -> None:
-    colour = INK if undercut else EDGE
+    colour = INK_COLOUR if undercut else EDGE_COLOUR
     axes.plot(*places.T, color=colour, lw=1.6, ls="--", zorder=7, label=LIMITS[undercut], scalex=False, scaley=False)

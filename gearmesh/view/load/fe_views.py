@@ -19,23 +19,24 @@ from gearmesh.mesh.hexahedra.hexes import HexMesh
 from gearmesh.mesh.triangles import TriangleMesh, facet_normals
 from gearmesh.view.picture import Diagram
 from gearmesh.view.render import render
-from gearmesh.view.scene import BLUE_STEEL, BRASS, Scene, SceneBody, ValueMap
+from gearmesh.view.scene import BLUE_STEEL_PAINT, BRASS_PAINT, Scene, SceneBody, ValueMap
 from gearmesh.view.views import frame
 
-#: colours of the stress end at this share of the largest tension in a fillet; at the contact it is far beyond
+#: end of the stress scale, relative to the largest tension in a fillet; at the contact the stress is far larger
 STRESS_SHARE = 1.25
-#: how far, rad, a flank is looked at from above its tooth's tip, so that neighbours do not hide it
-TILT = 0.6
-#: sets of faces that others repeat
-REPEATED = ("bore",)
+#: angle by which a flank is seen from above its tooth's tip, so that the neighbouring teeth do not hide it
+VIEW_TILT_RAD = 0.6
+#: face sets whose faces other sets repeat
+REPEATED_SETS = ("bore",)
 
 
 def pressure_scene(
     model: Model, solution: NodalSolution, at: PlacedPair, size: tuple[int, int] = (1600, 1200), note: str = ""
 ) -> Scene:
-    """The first member with the contact pressure on its flanks, the leading one facing the viewer; model's frame.
+    """Scene of the first member with the contact pressure on its flanks, the leading flank facing the viewer; model's
+    frame.
 
-    Only faces with pressure on a corner are coloured. `note`: what the title shall say of the pressure.
+    Only faces with pressure on a corner are coloured. `note` is added to the title's statement of the pressure.
     """
     mesh, name = model.mesh, next(iter(model.materials))
     flanks = [mesh.face_corners(contact.slave) for contact in model.contacts]
@@ -49,8 +50,13 @@ def pressure_scene(
     outwards = unit(point * [1.0, 1.0, 0.0])
     rise = unit(outwards - dot(outwards, normal) * normal)
     return Scene(
-        bodies=(SceneBody(skin(mesh, name), Rigid.identity(), BLUE_STEEL),),
-        camera=frame(np.cos(TILT) * normal + np.sin(TILT) * rise, outwards, mesh.nodes[np.unique(leading)], size),
+        bodies=(SceneBody(skin(mesh, name), Rigid.identity(), BLUE_STEEL_PAINT),),
+        camera=frame(
+            np.cos(VIEW_TILT_RAD) * normal + np.sin(VIEW_TILT_RAD) * rise,
+            outwards,
+            mesh.nodes[np.unique(leading)],
+            size,
+        ),
         maps=(_patches(mesh, faces[pressed.max(axis=1) > 0.0], solution.pressure, peak, "contact pressure (MPa)"),),
         title=f"{name}: contact pressure, at most {peak:.0f} MPa{note and f' ({note})'}",
         size=size,
@@ -58,14 +64,14 @@ def pressure_scene(
 
 
 def stress_scene(model: Model, solution: NodalSolution, at: PlacedPair, size: tuple[int, int] = (1600, 1200)) -> Scene:
-    """All bodies from above their toe or heel, coloured by the largest principal stress where that is tension."""
+    """Scene of all bodies from above toe or heel, coloured by the largest principal stress where it is tension."""
     mesh = model.mesh
     tension = np.maximum(principal_stresses(solution.stress)[:, 2], 0.0)
     worst = max(float(tension[mesh.face_nodes(name)].max()) for name in mesh.face_sets if "_fillet_" in name)
-    faces = np.concatenate([mesh.face_corners(name) for name in mesh.face_sets if not name.endswith(REPEATED)])
+    faces = np.concatenate([mesh.face_corners(name) for name in mesh.face_sets if not name.endswith(REPEATED_SETS)])
     bodies = [
         SceneBody(skin(mesh, name), Rigid.identity(), paint)
-        for name, paint in zip(model.materials, (BLUE_STEEL, BRASS), strict=False)
+        for name, paint in zip(model.materials, (BLUE_STEEL_PAINT, BRASS_PAINT), strict=False)
     ]
     normal = at.frame.vector(at.path.normal[0])
     outwards = unit(at.frame.point(at.path.point[0]) * [1.0, 1.0, 0.0])
@@ -82,8 +88,8 @@ def stress_scene(model: Model, solution: NodalSolution, at: PlacedPair, size: tu
 
 
 def skin(mesh: HexMesh, member: str) -> TriangleMesh:
-    """The outer faces of one member as triangles, its face sets as regions."""
-    names = [name for name in mesh.face_sets if name.startswith(f"{member}_") and not name.endswith(REPEATED)]
+    """Return the outer faces of one member as triangles, with its face sets as regions."""
+    names = [name for name in mesh.face_sets if name.startswith(f"{member}_") and not name.endswith(REPEATED_SETS)]
     corners = [mesh.face_corners(name) for name in names]
     triangles = np.concatenate(corners)[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3)
     regions = np.repeat(np.arange(len(names), dtype=np.int32), [2 * len(faces) for faces in corners])
@@ -98,13 +104,15 @@ def skin(mesh: HexMesh, member: str) -> TriangleMesh:
 
 
 def _patches(mesh: HexMesh, faces: NDArray[np.int64], values: Array, limit: float, label: str) -> ValueMap:
-    """Values (N,) at the nodes, on faces (K, 4)."""
+    """Return a map of values (N,) at the nodes, on faces (K, 4)."""
     around = faces[:, [[0, 1], [3, 2]]]
     return ValueMap(mesh.nodes[around], values[around], limit, label)
 
 
 def solution_picture(solved: FiniteElementSolution) -> Diagram:
-    """Contact pressure on the pinion and tension in both members, side by side; of one member its tension alone."""
+    """Diagram of the pressure on the pinion and the tension in both members, side by side; a single member has its
+    tension alone.
+    """
     problem = solved.problem
 
     def draw(file: Path) -> None:

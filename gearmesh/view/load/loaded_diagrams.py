@@ -18,7 +18,7 @@ from gearmesh.view.diagrams.flank_diagrams import draw_outline, flank_window, is
 from gearmesh.view.diagrams.flank_plane import FlankPlane
 from gearmesh.view.diagrams.plots import new_figure, save_figure, sheet
 from gearmesh.view.load.footprints import Footprints, largest_pressure, scale_limit
-from gearmesh.view.palette import COLOUR_MAP, CURVES, EDGE, FAINT, GRID_LINES, INK
+from gearmesh.view.palette import COLOUR_MAP, CURVE_COLOURS, EDGE_COLOUR, FAINT_COLOUR, GRID_LINE_COLOUR, INK_COLOUR
 
 #: what colours on flanks tell
 PRESSURE = "largest pressure (MPa)"
@@ -178,12 +178,12 @@ def plot_loaded_flanks(
             _draw_panel(axes, panel, window, scale)
     above = any((panel.pressure > limit).any() for row in rows for panel in row)
     bar = figure.colorbar(scale, ax=grid, extend="max" if above else "neither", shrink=0.9, fraction=0.03, pad=0.01)
-    bar.set_label(PRESSURE, fontsize=9, color=INK)
+    bar.set_label(PRESSURE, fontsize=9, color=INK_COLOUR)
     bar.ax.tick_params(labelsize=8)
     if any(len(panel.edges) for row in rows for panel in row):
         handles, labels = next(legend for axes in grid.flat if (legend := axes.get_legend_handles_labels())[0])
         figure.legend(handles, labels, loc="outside lower center", frameon=False, fontsize=9, markerscale=3.0)
-    figure.suptitle(title, color=INK)
+    figure.suptitle(title, color=INK_COLOUR)
     save_figure(figure, file)
 
 
@@ -202,7 +202,7 @@ def _draw_panel(axes: Any, panel: LoadedPanel, window: Any, scale: Any) -> None:
     drawn.set_clip_path(border)
     if len(panel.edges):
         axes.plot(
-            *panel.edges.T, ls="", marker="o", ms=1.8, mew=0.0, color=EDGE, zorder=7,
+            *panel.edges.T, ls="", marker="o", ms=1.8, mew=0.0, color=EDGE_COLOUR, zorder=7,
             label="edge contact, whose pressure is singular, or contact longer than its grid",
         )  # fmt: skip
     (first, last), _, magnified = window
@@ -210,7 +210,7 @@ def _draw_panel(axes: Any, panel: LoadedPanel, window: Any, scale: Any) -> None:
     notes = [f"{magnified:g} times as high"] if magnified > 1.0 else []
     if first > left or last < right:
         notes.append(f"cut off: flank from {left:.4g} to {right:.4g} mm")
-    axes.set_title(panel.name + (f"  ({', '.join(notes)})" if notes else ""), fontsize=9.5, color=INK)
+    axes.set_title(panel.name + (f"  ({', '.join(notes)})" if notes else ""), fontsize=9.5, color=INK_COLOUR)
     axes.set_xlabel(plane.labels[0], fontsize=9)
     axes.set_ylabel(plane.labels[1], fontsize=9)
     axes.tick_params(labelsize=8)
@@ -236,7 +236,7 @@ def plot_loaded_errors(
     rad, unit = gears.output.reading.error
     word = unit.replace("um", "µm")
     turn = cycle_curves(gears, mesh.phi1)
-    curves = [(mesh.unloaded, INK, "no load"), *_colours(mesh, mesh.te)]
+    curves = [(mesh.unloaded, INK_COLOUR, "no load"), *_colours(mesh, mesh.te)]
     wide = 2 + (len(mesh.torque) >= CURVE_OF)
     figure, places = _figure(wide, size, dpi)
     span = LEAST_ERROR
@@ -252,7 +252,7 @@ def plot_loaded_errors(
         order = np.argsort(mesh.torque)
         peaks = np.ptp(mesh.te, axis=1)[order] / rad
         axes = places[2]
-        axes.plot(np.r_[0.0, 1e-3 * mesh.torque[order]], np.r_[unloaded / rad, peaks], "o-", color=INK)
+        axes.plot(np.r_[0.0, 1e-3 * mesh.torque[order]], np.r_[unloaded / rad, peaks], "o-", color=INK_COLOUR)
         axes.set(xlabel="torque on the pinion (Nm)", ylabel=f"peak to peak ({word})")
         axes.set_ylim(0.0, max(1.1 * float(np.nanmax([*peaks, unloaded / rad])), LEAST_ERROR))
         axes.set_xlim(left=0.0)
@@ -281,7 +281,7 @@ def plot_load_share(
                 marker="o" if few else "", ms=3.0,
             )  # fmt: skip
             low, high = min(low, float(phase[0])), max(high, float(phase[-1]))
-    axes.plot([], [], color=FAINT, lw=0.8, label="neighbouring tooth pairs")
+    axes.plot([], [], color=FAINT_COLOUR, lw=0.8, label="neighbouring tooth pairs")
     room = 0.1 * max(high - low, np.degrees(gears.pitch))
     axes.set_xlim(low - room, high + room)
     axes.set_ylim(0.0, 105.0)
@@ -299,7 +299,7 @@ def plot_root_stress(
         for values, colour, label in _colours(mesh, mesh.bending[..., n]):
             axes.plot(turn.degrees, turn.close(values), color=colour, marker=turn.marker, ms=3, lw=1.6, label=label)
         axes.set(xlabel="pinion rotation φ₁ (deg)", ylabel=BENDING)
-        axes.set_title(f"fillets of the {name}", fontsize=10, color=INK)
+        axes.set_title(f"fillets of the {name}", fontsize=10, color=INK_COLOUR)
     top = 1.08 * float(np.nanmax(mesh.bending))
     for axes in places:
         axes.set_ylim(0.0, top)
@@ -324,11 +324,15 @@ def plot_tooth_pair(
                     x, y, label=label + HALVES[half], color=colour, ls=("-", ":")[half], lw=1.6, marker="o", ms=2.5
                 )
             edge = np.degrees(phase[own[load.edge_contact[own]]])
-            places[0].plot(edge, np.zeros_like(edge), ls="", marker="|", ms=9, mew=1.5, color=EDGE, clip_on=False)
+            places[0].plot(
+                edge, np.zeros_like(edge), ls="", marker="|", ms=9, mew=1.5, color=EDGE_COLOUR, clip_on=False
+            )
     if any(load.edge_contact.any() for load in mesh.loads):
-        places[0].plot([], [], ls="", marker="|", ms=9, mew=1.5, color=EDGE, label="edge contact: no peak is reported")
+        places[0].plot(
+            [], [], ls="", marker="|", ms=9, mew=1.5, color=EDGE_COLOUR, label="edge contact: no peak is reported"
+        )
     for axes, what in zip(places, ("contact", *(f"fillets of the {name}" for name in gears.members)), strict=True):
-        axes.set_title(what, fontsize=10, color=INK)
+        axes.set_title(what, fontsize=10, color=INK_COLOUR)
         axes.set(xlabel="pinion rotation φ₁ of this pair (deg)", ylabel=BENDING)
         axes.set_xlim(axes.dataLim.x0 - room, axes.dataLim.x1 + room)
         axes.set_ylim(bottom=0.0)
@@ -370,7 +374,7 @@ def _with_breaks(phase: Array, values: Array, pitch: float) -> tuple[Array, Arra
 def _colours(mesh: LoadedMesh, values: Array) -> list[tuple[Array, str, str]]:
     """Values (T, ...) of the torques, each with its colour and name."""
     return [
-        (value, CURVES[k % len(CURVES)], newton_metres(torque))
+        (value, CURVE_COLOURS[k % len(CURVE_COLOURS)], newton_metres(torque))
         for k, (value, torque) in enumerate(zip(values, mesh.torque, strict=True))
     ]
 
@@ -384,9 +388,9 @@ def _figure(count: int, size: tuple[int, int] | None, dpi: int) -> tuple[Any, li
 
 def _finish(figure: Any, places: Sequence[Any], title: str, file: Path | str, curves: int) -> None:
     for axes in places:
-        axes.grid(True, color=GRID_LINES, lw=0.8)
+        axes.grid(True, color=GRID_LINE_COLOUR, lw=0.8)
         axes.set_axisbelow(True)
     handles, labels = places[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=min(curves, 8), frameon=False, fontsize=9)
-    figure.suptitle(title, color=INK)
+    figure.suptitle(title, color=INK_COLOUR)
     save_figure(figure, file)

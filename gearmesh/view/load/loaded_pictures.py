@@ -17,7 +17,7 @@ from gearmesh.view.load import loaded_diagrams as diagrams
 from gearmesh.view.load.loaded_diagrams import LoadedPattern, newton_metres
 from gearmesh.view.load.loaded_tooth import loaded_scene
 from gearmesh.view.picture import LOADED_VIEWS, Diagram, Picture
-from gearmesh.view.pictures import SIZE, ToothViews
+from gearmesh.view.pictures import PICTURE_SIZE, ToothViews
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ class LoadedPictures:
     def _tooth(self, name: str, torque: int, size: tuple[int, int] | None, note: str) -> Picture:
         contact = self.contact
         what = f"{name}, largest pressure {_when(contact)}, {newton_metres(float(contact.mesh.torque[torque]))}"
-        view = replace(self.teeth.of(contact.pair, name), title=_title(contact, what, note), size=size or SIZE)
+        view = replace(self.teeth.of(contact.pair, name), title=_title(contact, what, note), size=size or PICTURE_SIZE)
         return Picture(loaded_scene(view, self.pattern, name, torque))
 
     def _figure(self, view: str, member: str | None, size: tuple[int, int] | None, dpi: int, note: str) -> Diagram:

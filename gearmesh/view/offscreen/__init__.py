@@ -1,1 +1,1 @@
-"""What VTK is given to draw, and the process in which it draws."""
+"""Data that VTK draws, and the process in which it draws them."""

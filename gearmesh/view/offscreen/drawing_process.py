@@ -1,9 +1,10 @@
-"""The process that draws: orders on its standard input, pixels on its standard output, until the input ends.
+"""The drawing process: reads orders from standard input and writes pixels to standard output until the input ends.
 
-VTK without a working OpenGL library ends its process with a segmentation fault that no `except` catches, so it has one of its
-own, which starts while gears are being solved. The file is run as a script that loads what VTK needs to render, and nothing else.
+Without a working OpenGL library VTK ends its process with a segmentation fault, which no `except` catches. Therefore
+VTK has a process of its own, which starts while gears are being solved. This file is run as a script. It loads only
+the modules with which VTK renders.
 
-Orders (`Order`, made by `offscreen.shapes`, as `marshal` texts) and answers (RGBA, rows from below) come after their length.
+Orders (`Order`, made by `offscreen.shapes`, as `marshal` data) and answers (RGBA, rows from below) follow their length.
 """
 
 from __future__ import annotations
@@ -15,54 +16,69 @@ from collections.abc import Callable, Iterator
 from math import atan, degrees, radians, tan
 from typing import IO, Any, TypedDict, cast
 
-#: rows of pixels, at most, that are drawn at once, and rows beyond them on either side: lines and dots whose middles are out of
-#: sight are not drawn, however wide they are
-STRIP, BEYOND_STRIP = 400, 32
+#: largest number of rows of pixels that are drawn at once
+MAX_STRIP_ROWS = 400
+#: rows drawn beyond a strip on either side: VTK omits lines and dots whose middles are out of sight, however wide they
+#: are
+STRIP_MARGIN_ROWS = 32
 
 
 class Primitive(TypedDict):
-    """What is drawn in one way; arrays are bytes: float32, indices int64, colours uint8.
+    """Cells that are drawn in one way. Arrays are bytes: float32, indices int64, colours uint8."""
 
-    points (V, 3), cells of so many `corners` (one for dots, two for lines), one after the other, and where they begin (C + 1,),
-    `colours` (V, 3) of points, or one `colour` of three parts of 1. `values` (V,) from 0 to `limit` take the
-    colours of a `table` (256, 4), if there is one; what is beyond `cut` is left out.
-    """
-
+    #: points (V, 3), mm
     points: bytes
+    #: indices of the cells' points, one cell after the other
     cells: bytes
+    #: offsets (C + 1,) of the C cells in `cells`
     starts: bytes
+    #: points of a cell: 1 for dots, 2 for lines
     corners: int
+    #: colours (V, 3) of the points, or None
     colours: bytes | None
+    #: colour of all points otherwise, parts of 1
     colour: tuple[float, float, float]
+    #: values (V,) that take the colours of the table, or None
     values: bytes | None
+    #: value at the end of the table; it begins at 0
     limit: float
+    #: colours (256, 4), or None
     table: bytes | None
+    #: value beyond which cells are cut off, or None
     cut: float | None
+    #: 1 for opaque
     opacity: float
+    #: width of lines and dots, pixels as drawn
     width: float
+    #: side of the triangles that is not drawn: "front", "back" or neither
     culled: str
 
 
 class Order(TypedDict):
-    """A picture: `size` in pixels, and the camera, aimed at the `focus`; lengths in mm.
+    """A picture to draw: its camera and primitives; lengths in mm."""
 
-    The picture is `height` mm high at the focus, or an `angle` of so many deg where it is not `parallel`; `peels` are the layers of
-    translucent bodies that are distinguished.
-    """
-
+    #: width and height, pixels
     size: tuple[int, int]
+    #: position (3,) of the camera
     position: list[float]
+    #: point (3,) at which it looks
     focus: list[float]
+    #: direction (3,) upwards
     up: list[float]
+    #: True for a parallel projection
     parallel: bool
+    #: height of the picture at the focus, if parallel
     height: float
+    #: angle of view, deg, if not parallel
     angle: float
+    #: layers of translucent bodies that are distinguished
     peels: int
+    #: primitives, in the order of drawing
     primitives: list[Primitive]
 
 
-#: nothing, plainly: what most of what is drawn has in common
-PLAIN = Primitive(
+#: values that most primitives share
+PLAIN_PRIMITIVE = Primitive(
     points=b"",
     cells=b"",
     starts=b"",
@@ -80,7 +96,7 @@ PLAIN = Primitive(
 
 
 def receive(stream: IO[bytes]) -> bytes:
-    """What `send` wrote. Raises EOFError where nothing more comes."""
+    """Return the bytes that `send` wrote. Raises EOFError at the end of the stream."""
     length = int.from_bytes(stream.read(8), "little")
     data = stream.read(length)
     if not length or len(data) < length:
@@ -89,22 +105,22 @@ def receive(stream: IO[bytes]) -> bytes:
 
 
 def send(stream: IO[bytes], data: bytes) -> None:
-    """Write bytes, one at least, after how many they are."""
+    """Write the length of `data` and the data, which has one byte at least."""
     stream.write(len(data).to_bytes(8, "little"))
     stream.write(data)
     stream.flush()
 
 
 def main() -> None:
-    """Answer orders."""
+    """Answer orders until the input ends."""
     from signal import SIG_IGN, SIGINT, signal
 
-    # who starts this process ends it
+    # the process that starts this one also ends it
     signal(SIGINT, SIG_IGN)
-    # what libraries print is no answer
+    # output of libraries must not be taken for an answer
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
-    # VTK loads numpy where it is there, which takes as long as VTK's own modules
+    # without this VTK would load numpy, which takes as long as VTK's own modules
     sys.modules["numpy"] = None  # type: ignore[assignment]
     draw = drawer()
     while True:
@@ -122,17 +138,18 @@ def main() -> None:
 
 
 def drawer() -> Callable[[Order], Iterator[memoryview]]:
-    """What draws: the pixels of an order, in parts. All pictures share a window, and so what OpenGL has compiled.
+    """Return the function that draws an order and yields its pixels in parts.
 
-    A picture is drawn strip by strip: OpenGL and VTK hold several copies of all pixels of a window.
+    All pictures share a window, so that OpenGL compiles its shaders once. A picture is drawn strip by strip, because
+    OpenGL and VTK hold several copies of a window's pixels.
     """
     import vtkmodules.vtkRenderingOpenGL2  # noqa: F401
     from vtkmodules.vtkCommonCore import vtkLogger, vtkUnsignedCharArray
     from vtkmodules.vtkRenderingCore import vtkMapper, vtkRenderer, vtkRenderWindow
 
-    # VTK's word on every window system that it tries
+    # suppresses VTK's messages about every window system that it tries
     vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
-    # what is to win is nearer to the viewer; VTK's own offsets in depth would shade what is hidden, too
+    # primitives in front are moved towards the viewer; VTK's own depth offsets would also shade hidden parts
     vtkMapper.SetResolveCoincidentTopologyToOff()
     window = vtkRenderWindow()
     window.SetOffScreenRendering(True)
@@ -150,14 +167,14 @@ def drawer() -> Callable[[Order], Iterator[memoryview]]:
             renderer.AddActor(_actor(primitive))
         renderer.ResetCameraClippingRange()
         width, height = order["size"]
-        strips = -(-height // STRIP)
+        strips = -(-height // MAX_STRIP_ROWS)
         rows, pixels = -(-height // strips), vtkUnsignedCharArray()
-        window.SetSize(width, rows + 2 * BEYOND_STRIP)
+        window.SetSize(width, rows + 2 * STRIP_MARGIN_ROWS)
         window.AddRenderer(renderer)
         for strip in range(strips):
             _aim(renderer, order, rows, strip)
             window.Render()
-            window.GetRGBACharPixelData(0, BEYOND_STRIP, width - 1, BEYOND_STRIP + rows - 1, 0, pixels, 0)
+            window.GetRGBACharPixelData(0, STRIP_MARGIN_ROWS, width - 1, STRIP_MARGIN_ROWS + rows - 1, 0, pixels, 0)
             # the last strip may reach beyond the picture
             yield memoryview(cast("Any", pixels)).cast("B")[: 4 * width * (height - strip * rows)]
         window.RemoveRenderer(renderer)
@@ -166,8 +183,8 @@ def drawer() -> Callable[[Order], Iterator[memoryview]]:
 
 
 def _aim(renderer: Any, order: Order, rows: int, strip: int) -> None:
-    """Set the camera to a strip of so many rows of pixels, the first of which is at the bottom of the picture."""
-    height, seen = order["size"][1], rows + 2 * BEYOND_STRIP
+    """Aim the camera at a strip of `rows` rows of pixels; strip 0 is at the bottom of the picture."""
+    height, seen = order["size"][1], rows + 2 * STRIP_MARGIN_ROWS
     share = seen / height
     camera = renderer.GetActiveCamera()
     camera.SetPosition(order["position"])
@@ -176,7 +193,7 @@ def _aim(renderer: Any, order: Order, rows: int, strip: int) -> None:
     camera.SetParallelProjection(order["parallel"])
     camera.SetParallelScale(share * order["height"] / 2)
     camera.SetViewAngle(degrees(2.0 * atan(share * tan(radians(order["angle"]) / 2.0))))
-    # in halves of the strip from the middle of the picture
+    # in halves of the strip's height, from the middle of the picture
     camera.SetWindowCenter(0.0, (2 * strip * rows + rows - height) / seen)
 
 
@@ -206,7 +223,7 @@ def _poly_data(primitive: Primitive) -> Any:
     from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
 
     def array(kind: Any, data: bytes, components: int, size: int) -> Any:
-        """VTK's array of bytes, which stay those of the order."""
+        """Return VTK's array of bytes, which stay in the order's memory."""
         made = kind()
         made.SetNumberOfComponents(components)
         made.SetVoidArray(data, len(data) // size, 1)
@@ -225,7 +242,7 @@ def _poly_data(primitive: Primitive) -> Any:
 
 
 def _cut(surface: Any, value: float) -> Any:
-    """The part of a surface on which values are at most `value`."""
+    """Return the part of a surface on which values are at most `value`."""
     from vtkmodules.vtkFiltersCore import vtkClipPolyData
 
     clip = vtkClipPolyData()
@@ -237,7 +254,7 @@ def _cut(surface: Any, value: float) -> Any:
 
 
 def _take_colours(mapper: Any, table: bytes, limit: float) -> None:
-    """Let a mapper give values from 0 to a limit the colours of a table (256, 4), in between as the table has them."""
+    """Let a mapper interpolate the colours of a table (256, 4) for values from 0 to a limit."""
     from vtkmodules.vtkCommonCore import vtkLookupTable
 
     colours = vtkLookupTable()

@@ -1,6 +1,6 @@
-"""Letters, lines and boxes upon a picture, in DejaVu Sans by Pillow's FreeType.
+"""Letters, lines and boxes on a picture, in DejaVu Sans by Pillow's FreeType.
 
-Matplotlib would take longer to be loaded than a tooth to be drawn; the font is the one that comes with it.
+Loading Matplotlib would take longer than drawing a tooth. The font comes from Matplotlib's files.
 """
 
 from __future__ import annotations
@@ -16,113 +16,131 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.view.palette import INK
+from gearmesh.view.palette import INK_COLOUR
 
 Image = NDArray[np.uint8]
 
-#: so many points are a picture's height: letters keep their share of it
-POINTS_HIGH = 540.0
-# what reaches farthest above and below a line of letters; lines of a text are so much further apart than these two
-_TALLEST, _SPACING = "lp", 1.2
-# the share of a pixel in a mark is counted on so many places each way
-_PLACES = 8
-_RIM = "#ffffff"
+#: height of every picture in points, so that letters keep their share of it
+PICTURE_HEIGHT_POINTS = 540.0
+#: letters that reach farthest above and below a line
+_TALLEST_LETTERS = "lp"
+#: distance of lines of a text, in heights of the tallest letters
+_LINE_SPACING = 1.2
+#: samples each way from which a mark's share of a pixel is counted
+_SAMPLES_PER_PIXEL = 8
+#: rim around letters and lines
+_RIM_COLOUR = "#ffffff"
 
 
 @dataclass(frozen=True)
 class PixelBox:
-    """Edges of what is drawn, pixels from the left and from the top."""
+    """Edges of a rectangle, pixels."""
 
+    #: left edge, from the left
     left: float
+    #: upper edge, from the top
     top: float
+    #: right edge, from the left
     right: float
+    #: lower edge, from the top
     bottom: float
 
     @property
     def corners(self) -> Array:
-        """Corners (4, 2) one after the other, from the upper left one."""
+        """Corners (4, 2) in order, from the upper left corner."""
         x, y = (self.left, self.right, self.right, self.left), (self.top, self.top, self.bottom, self.bottom)
         return np.stack((x, y), axis=-1)
 
 
 class LetteredImage:
-    """What is lettered: pixels (H, W, 3), or a size (W, H) alone to measure by. Places are pixels from the left and the top."""
+    """A picture to letter: pixels (H, W, 3), or a size (W, H) alone to measure texts. Places are pixels from left and
+    top.
+    """
 
     def __init__(self, size: tuple[int, int], image: Image | None = None) -> None:
         from PIL import Image as pillow
 
-        self.size, self.point = size, size[1] / POINTS_HIGH
+        self.size, self.point = size, size[1] / PICTURE_HEIGHT_POINTS
         self._image = None if image is None else pillow.fromarray(image)
 
     def pixels(self) -> Image:
-        """The picture with all that was drawn, (H, W, 3)."""
+        """Return the picture with everything drawn, (H, W, 3)."""
         return np.array(self._image)
 
     def width(self, text: str, points: float) -> float:
-        """Pixels that the longest line of a text takes in letters of so many points."""
+        """Width (pixels) of the longest line of a text in letters of a size in points."""
         font = self._font(points)
         return max(float(font.getlength(line)) for line in text.split("\n"))
 
     def height(self, text: str, points: float) -> float:
-        """Pixels that the lines of a text take, one below the other."""
+        """Height (pixels) of all lines of a text."""
         above, below = self._reach(points)
-        return (above + below) * (1.0 + _SPACING * text.count("\n"))
+        return (above + below) * (1.0 + _LINE_SPACING * text.count("\n"))
 
     def box(self, at: ArrayLike, text: str, points: float, across: float = 0.5, down: float = 0.5) -> PixelBox:
-        """Where a text is that has so much of its width to the left of a place (2,), and so much of its height above it."""
+        """Box of a text; the shares `across` of its width and `down` of its height lie left of and above the place `at`
+        (2,).
+        """
         (x, y), wide, high = np.asarray(at, dtype=float), self.width(text, points), self.height(text, points)
         left, top = float(x) - across * wide, float(y) - down * high
         return PixelBox(left, top, left + wide, top + high)
 
     def text(
-        self, at: ArrayLike, text: str, points: float, *, across: float = 0.5, down: float = 0.5, colour: str = INK
+        self,
+        at: ArrayLike,
+        text: str,
+        points: float,
+        *,
+        across: float = 0.5,
+        down: float = 0.5,
+        colour: str = INK_COLOUR,
     ) -> None:
-        """Write lines, each in the middle of their `box`, with a white rim by which they are read on any ground."""
+        """Write a text, its lines centred in its `box`, with a white rim that makes it legible on any ground."""
         box = self.box(at, text, points, across, down)
         left, top = floor(box.left), floor(box.top)
         masks, margin = self._masks(text, points, (box.left - left, box.top - top))
-        for ground, mask in zip((_RIM, colour), masks, strict=True):
+        for ground, mask in zip((_RIM_COLOUR, colour), masks, strict=True):
             self._stamp(ground, mask, (left - margin, top - margin))
 
     def text_upwards(self, at: ArrayLike, text: str, points: float) -> None:
-        """Write lines from below to above with a place (2,) at the middle of their left edge."""
+        """Write lines from bottom to top; the place `at` (2,) is the middle of their left edge."""
         from PIL.Image import Transpose
 
         x, y = np.asarray(at, dtype=float)
         masks, margin = self._masks(text, points)
-        for ground, mask in zip((_RIM, INK), masks, strict=True):
+        for ground, mask in zip((_RIM_COLOUR, INK_COLOUR), masks, strict=True):
             corner = round(x) - margin, round(y - 0.5 * self.width(text, points)) - margin
             self._stamp(ground, mask.transpose(Transpose.ROTATE_90), corner)
 
-    def line(self, begin: ArrayLike, end: ArrayLike, points: float, colour: str = INK, rim: bool = True) -> None:
-        """A straight line between two places (2,), so many points wide, if asked for with a white rim along it."""
+    def line(self, begin: ArrayLike, end: ArrayLike, points: float, colour: str = INK_COLOUR, rim: bool = True) -> None:
+        """Draw a straight line between two places (2,), `points` wide, with a white rim unless `rim` is False."""
         begin, end, half = np.asarray(begin, dtype=float), np.asarray(end, dtype=float), 0.5 * points * self.point
         way = end - begin
         aside = np.array([-way[1], way[0]]) / max(float(np.hypot(*way)), 1e-9)
-        for ground, reach in ((_RIM, half + self.point), (colour, half)) if rim else ((colour, half),):
+        for ground, reach in ((_RIM_COLOUR, half + self.point), (colour, half)) if rim else ((colour, half),):
             self.fill((begin + reach * aside, end + reach * aside, end - reach * aside, begin - reach * aside), ground)
 
     def disc(self, middle: ArrayLike, points: float, colour: str) -> None:
-        """A disc of so many points in diameter."""
+        """Draw a disc of `points` in diameter."""
         angle = np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False)
         round_ = 0.5 * points * self.point * np.stack((np.cos(angle), np.sin(angle)), axis=-1)
         self.fill(np.asarray(middle) + round_, colour)
 
     def fill(self, corners: ArrayLike, colour: str) -> None:
-        """A polygon with corners (N, 2), which covers pixels by their share in it."""
+        """Fill a polygon with corners (N, 2); it covers a pixel by its share in it."""
         from PIL import Image as pillow
         from PIL.ImageDraw import Draw
 
         places = np.asarray(corners, dtype=float)
         low, high = np.floor(places.min(axis=0)), np.ceil(places.max(axis=0))
         size = np.maximum(high - low, 1.0).astype(int)
-        mask = pillow.new("L", tuple((_PLACES * size).tolist()))
+        mask = pillow.new("L", tuple((_SAMPLES_PER_PIXEL * size).tolist()))
         # corners of a polygon are middles of places, and these belong to it
-        Draw(mask).polygon([tuple(place) for place in (_PLACES * (places - low) - 0.5).tolist()], fill=255)
+        Draw(mask).polygon([tuple(place) for place in (_SAMPLES_PER_PIXEL * (places - low) - 0.5).tolist()], fill=255)
         self._stamp(colour, mask.resize(tuple(size.tolist()), pillow.Resampling.BOX), (int(low[0]), int(low[1])))
 
     def paste(self, colours: Image, box: PixelBox) -> None:
-        """Colours (H, W, 3) over a box, stretched between whole pixels."""
+        """Paste colours (H, W, 3) into a box, stretched to whole pixels."""
         from PIL import Image as pillow
 
         assert self._image is not None
@@ -131,12 +149,14 @@ class LetteredImage:
         self._image.paste(stretched, (left, top))
 
     def _stamp(self, colour: str, mask: Any, corner: tuple[int, int]) -> None:
-        """Colour what a mask covers whose upper left corner is at a pixel, as far as it is on the picture."""
+        """Colour the pixels that a mask covers, its upper left at `corner`, as far as they are on the picture."""
         assert self._image is not None
         self._image.paste(colour, (*corner, corner[0] + mask.width, corner[1] + mask.height), mask)
 
     def _masks(self, text: str, points: float, at: tuple[float, float] = (0.0, 0.0)) -> tuple[tuple[Any, Any], int]:
-        """What the rim and the letters of a text cover, whose box begins so far within a margin, and the margin, pixels."""
+        """Masks of a text's rim and of its letters, and the margin (pixels) around its box, which begins at `at` within
+        it.
+        """
         from PIL import Image as pillow
         from PIL.ImageDraw import Draw
 
@@ -146,7 +166,7 @@ class LetteredImage:
         covered, letters = pillow.new("L", size), pillow.new("L", size)
         for k, line in enumerate(text.split("\n")):
             x = margin + at[0] + 0.5 * (wide - float(font.getlength(line)))
-            y = margin + at[1] + above + k * _SPACING * (above + below)
+            y = margin + at[1] + above + k * _LINE_SPACING * (above + below)
             for mask, stroke in ((covered, rim), (letters, 0)):
                 Draw(mask).text((x, y), line, 255, font, "ls", stroke_width=stroke)
         return (covered, letters), margin
@@ -155,13 +175,13 @@ class LetteredImage:
         return _font(points * self.point)
 
     def _reach(self, points: float) -> tuple[float, float]:
-        """Heights of letters above and below their line, pixels."""
-        _, top, _, bottom = self._font(points).getbbox(_TALLEST, anchor="ls")
+        """Heights of the tallest letters above and below their line, pixels."""
+        _, top, _, bottom = self._font(points).getbbox(_TALLEST_LETTERS, anchor="ls")
         return -float(top), float(bottom)
 
 
 def ticks(limit: float, most: int = 9) -> tuple[Array, tuple[str, ...]]:
-    """Round values from 0 to a limit, with so many steps between them at most, and how they are written."""
+    """Round values from 0 to a limit, with at most `most` steps between them, and their texts."""
     power = 10.0 ** np.floor(np.log10(limit / most))
     step = next(part * power for part in (1.0, 2.0, 2.5, 5.0, 10.0) if limit <= most * part * power)
     values = step * np.arange(np.floor(limit / step + 1e-9) + 1)
@@ -178,7 +198,7 @@ def _font(pixels: float) -> Any:
 
 @lru_cache(maxsize=1)
 def _font_file() -> Path:
-    """The font that comes with Matplotlib, which is loaded only where its files are not beside it."""
+    """Path of the font in Matplotlib's files; Matplotlib is loaded only if they are not in its folder."""
     spec = find_spec("matplotlib")
     files = Path(spec.origin).parent / "mpl-data" if spec is not None and spec.origin is not None else Path("mpl-data")
     if not files.is_dir():

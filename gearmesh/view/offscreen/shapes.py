@@ -1,7 +1,7 @@
-"""A scene as the surfaces, lines and dots that VTK draws: plain arrays.
+"""A scene as surfaces, lines and dots for VTK: plain arrays.
 
-What lies on a surface is brought nearer to the viewer, along the rays on which it is seen, so that the surface's facets do not
-tear it.
+Curves, areas and maps on a surface are moved towards the viewer along the lines of sight. Otherwise the facets of the
+surface would hide parts of them.
 """
 
 from __future__ import annotations
@@ -16,66 +16,71 @@ from numpy.typing import NDArray
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 from gearmesh.mesh.triangles import TriangleMesh
-from gearmesh.view.offscreen.drawing_process import PLAIN, Order, Primitive
+from gearmesh.view.offscreen.drawing_process import PLAIN_PRIMITIVE, Order, Primitive
 from gearmesh.view.offscreen.front_plane import cut_front
-from gearmesh.view.palette import COLOUR_MAP, INK, REGION_EDGE
+from gearmesh.view.palette import COLOUR_MAP, INK_COLOUR, REGION_EDGE
 from gearmesh.view.scene import Camera, Curve, Dots, PatternArea, Scene, SceneBody, ValueMap
 
-_INSIDE = "#f4f6f8"
-# Normals of one region that differ by more than this from their mean belong to a sharp edge inside the region.
-_SHARP = np.cos(np.radians(35.0))
-# Directions to the lights in camera axes (right, up, towards the viewer) and their strengths: no side stays black.
-_LIGHTS = (
+#: inside of a body that is cut open and has no section colour
+_INSIDE_COLOUR = "#f4f6f8"
+#: cosine of the largest angle between a normal of a region and their mean at a vertex; beyond it is a sharp edge
+_MIN_SMOOTH_COSINE = np.cos(np.radians(35.0))
+#: directions to the lamps in camera axes (right, up, towards the viewer) and their strengths; no side stays black
+_LAMPS = (
     ((-0.6, 0.9, 1.0), 0.36),
     ((1.0, 0.1, 0.3), 0.50),
     ((-1.0, 0.0, 0.3), 0.34),
     ((0.0, 0.0, 1.0), 0.26),
     ((-0.3, -1.0, 0.3), 0.26),
 )
-#: sine by which the triangles beside an edge that stands out fall off from each other at least
-_FLAT = 0.05
-#: a picture is drawn so many times its size each way: widths in its pixels are that much wider
-OVERSAMPLING = 2
-# cosine up to which a triangle is seen edge-on
-_EDGE_ON = 1e-6
-# what recedes faster is seen as a line
-_STEEPEST = 50.0
-#: light that is everywhere, what of a lamp is mirrored, and the power of the cosine by which that falls off
-AMBIENT, SPECULAR, SHININESS = 0.25, 0.12, 20
-#: pixels beyond an edge of the picture from which nothing reaches into it
-BESIDE_EDGE = 8.0
-# Layers of translucent bodies one behind the other: a ring has four.
-_PEELS = 8
+#: smallest sine of the slope between the triangles beside an edge that stands out
+_MIN_FOLD_SINE = 0.05
+#: drawn pixels per pixel of the picture, each way; widths are scaled by it
+OVERSAMPLING_FACTOR = 2
+#: cosine up to which a triangle is seen as a line
+_EDGE_ON_COSINE = 1e-6
+#: slope from which a triangle is seen as a line
+_MAX_SLOPE = 50.0
+#: light from everywhere
+AMBIENT_SHARE = 0.25
+#: share of a lamp's light that is mirrored
+SPECULAR_SHARE = 0.12
+#: power of the cosine by which mirrored light falls off
+SHININESS_EXPONENT = 20
+#: distance beyond an edge of the picture from which nothing reaches into it
+EDGE_MARGIN_PIXELS = 8.0
+#: layers of translucent bodies one behind the other: a ring has four
+_PEEL_LAYERS = 8
 
 
 def drawing_order(scene: Scene, size: tuple[int, int]) -> Order:
-    """What is to be drawn of a scene for a picture of a `size` in pixels."""
+    """Return the order that draws a scene in a picture of a `size` in pixels."""
     scene = _from_camera(scene)
     camera = scene.camera
     viewer = Viewer(camera, camera.height / size[1], size[0] / size[1])
-    primitives = sorted((one for body in scene.bodies for one in _body(body, viewer)), key=_late)
-    primitives += [one for area in scene.areas for one in _area(area, viewer)]
-    primitives += [one for value_map in scene.maps for one in _map(value_map, viewer)]
-    primitives += [one for curve in scene.curves for one in _curve(curve, viewer)]
-    primitives += [one for dots in scene.dots for one in _dots(dots)]
+    primitives = sorted((primitive for body in scene.bodies for primitive in _body(body, viewer)), key=_late)
+    primitives += [primitive for area in scene.areas for primitive in _area(area, viewer)]
+    primitives += [primitive for value_map in scene.maps for primitive in _map(value_map, viewer)]
+    primitives += [primitive for curve in scene.curves for primitive in _curve(curve, viewer)]
+    primitives += [primitive for dots in scene.dots for primitive in _dots(dots)]
     return Order(
-        size=(OVERSAMPLING * size[0], OVERSAMPLING * size[1]),
+        size=(OVERSAMPLING_FACTOR * size[0], OVERSAMPLING_FACTOR * size[1]),
         position=camera.position.tolist(),
         focus=camera.focus.tolist(),
         up=camera.axes[1].tolist(),
         parallel=camera.parallel,
         height=camera.height,
         angle=float(np.degrees(2 * np.arctan2(camera.height / 2, camera.distance))),
-        peels=_PEELS if any(body.opacity < 1.0 for body in scene.bodies) else 0,
+        peels=_PEEL_LAYERS if any(body.opacity < 1.0 for body in scene.bodies) else 0,
         primitives=primitives,
     )
 
 
 def _from_camera(scene: Scene) -> Scene:
-    """The scene in the frame of its camera, from which it looks along -z at the origin.
+    """Return the scene in the frame of its camera, which looks at the origin along -z.
 
-    Triangles go back by different amounts, which changes z alone there: corners that they share stay one point in a parallel
-    picture, to the bit, and no pixel between them is left open.
+    Moving triangles back by different amounts then changes z alone. In a parallel picture their common corners stay at
+    the same x and y to the bit, and no pixel between them stays empty.
     """
     camera = scene.camera
     place = Rigid(camera.axes, -camera.axes @ camera.focus)
@@ -94,14 +99,17 @@ def _from_camera(scene: Scene) -> Scene:
 
 @dataclass(frozen=True)
 class Viewer:
-    """Who looks at a scene, the length of a `pixel` (mm) at the focus, and the picture's width over its height."""
+    """A camera with the length of a `pixel` (mm) at its focus and the picture's `shape`, width over height."""
 
     camera: Camera
     pixel: float
     shape: float = 4.0 / 3.0
 
     def move_back(self, points: Array, pixels: Array | float) -> Array:
-        """Points (..., 3) moved away from the viewer by the length of so many pixels, which does not move them in the picture."""
+        """Move points (..., 3) away from the viewer along the lines of sight, by the length of `pixels` pixels.
+
+        Their places in the picture stay the same.
+        """
         away = pixels * self.pixel
         if self.camera.parallel:
             shifted: Array = points - away * self.camera.axes[2]
@@ -109,51 +117,60 @@ class Viewer:
         return points + away / self.camera.distance * (points - self.camera.position)
 
     def sees(self, corners: Array) -> NDArray[np.bool_]:
-        """Which triangles (T, 3, 3) may be in a parallel picture, (T,): those not wholly beyond one of its edges."""
+        """True (T,) for triangles (T, 3, 3) that may be in the picture: not wholly beyond one of its edges.
+
+        In a perspective all are.
+        """
         if not self.camera.parallel:
             return np.ones(len(corners), dtype=bool)
         across = (corners - self.camera.focus) @ self.camera.axes[:2].T
-        edge = 0.5 * self.camera.height * np.array([self.shape, 1.0]) + BESIDE_EDGE * self.pixel
+        edge = 0.5 * self.camera.height * np.array([self.shape, 1.0]) + EDGE_MARGIN_PIXELS * self.pixel
         inside: NDArray[np.bool_] = ((across.min(axis=1) < edge) & (across.max(axis=1) > -edge)).all(axis=1)
         return inside
 
     def light(self, points: Array, normals: Array, colours: NDArray[np.uint8]) -> NDArray[np.uint8]:
-        """Colours (N, 3) of points (N, 3) with normals (N, 3), of whichever sense, in the light of all lamps.
+        """Colours (N, 3) of points (N, 3) in the light of all lamps; normals (N, 3) may have either sense.
 
-        Between the corners of a triangle colours are linear. Lamps in every pixel take twice as long to draw, and change no colour
-        by more than a few parts of 255.
+        Colours are linear between the corners of a triangle. Computing the light for every pixel would take twice as
+        long and change no colour by more than a few parts of 255.
         """
         right_up_back = normals @ self.camera.axes.T
         facing = right_up_back * np.where(right_up_back[:, 2:] < 0.0, -1.0, 1.0)
         towards = unit((self.camera.position - points) @ self.camera.axes.T)
-        bright, shine = np.full(len(points), AMBIENT), np.zeros(len(points))
-        for direction, strength in _LIGHTS:
+        bright, shine = np.full(len(points), AMBIENT_SHARE), np.zeros(len(points))
+        for direction, strength in _LAMPS:
             lamp = unit(np.array(direction))
             falls = facing @ lamp
             bright += strength * np.maximum(falls, 0.0)
             mirrored = 2.0 * falls * dot(facing, towards) - towards @ lamp
-            shine += np.where(falls > 0.0, strength * np.maximum(mirrored, 0.0) ** SHININESS, 0.0)
-        lit = colours * bright[:, None] + 255.0 * SPECULAR * shine[:, None]
+            shine += np.where(falls > 0.0, strength * np.maximum(mirrored, 0.0) ** SHININESS_EXPONENT, 0.0)
+        lit = colours * bright[:, None] + 255.0 * SPECULAR_SHARE * shine[:, None]
         seen: NDArray[np.uint8] = np.rint(np.minimum(lit, 255.0)).astype(np.uint8)
         return seen
 
     def slopes(self, corners: Array) -> Array:
-        """By how many pixels triangles (T, 3, 3) recede from the viewer over one of the pixels that are drawn, (T,)."""
+        """Pixels (T,) by which triangles (T, 3, 3) recede from the viewer over one drawn pixel."""
         sides = corners[:, 1:] - corners[:, :1]
         across = np.abs(cross(sides[:, 0], sides[:, 1]) @ self.camera.axes.T)
-        steep = across[:, :2].max(axis=1) > _STEEPEST * across[:, 2]
-        return np.where(steep, _STEEPEST, across[:, :2].max(axis=1) / np.where(steep, 1.0, across[:, 2])) / OVERSAMPLING
+        steep = across[:, :2].max(axis=1) > _MAX_SLOPE * across[:, 2]
+        return (
+            np.where(steep, _MAX_SLOPE, across[:, :2].max(axis=1) / np.where(steep, 1.0, across[:, 2]))
+            / OVERSAMPLING_FACTOR
+        )
 
     def faces(self, corners: Array) -> NDArray[np.bool_]:
-        """Which triangles (T, 3, 3) turn their outside to the viewer, (T,)."""
-        return self.facing(corners) > _EDGE_ON
+        """True (T,) for triangles (T, 3, 3) whose outside is seen."""
+        return self.facing(corners) > _EDGE_ON_COSINE
 
     def edge_on(self, corners: Array) -> NDArray[np.bool_]:
-        """Which triangles (T, 3, 3) are seen as lines, (T,)."""
-        return np.abs(self.facing(corners)) <= _EDGE_ON
+        """True (T,) for triangles (T, 3, 3) that are seen as lines."""
+        return np.abs(self.facing(corners)) <= _EDGE_ON_COSINE
 
     def facing(self, corners: Array, normals: Array | None = None) -> Array:
-        """Cosines (T,) of the angles between the outside of triangles (T, 3, 3), or normals (T, 3), and the way to the viewer."""
+        """Cosines (T,) of the angles between the direction to the viewer and the outside of triangles (T, 3, 3).
+
+        `normals` (T, 3) replace the normals of the triangles.
+        """
         outward = normals
         if outward is None:
             outward = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -162,7 +179,7 @@ class Viewer:
         return dot(outward, towards) / np.where(size > 0.0, size, 1.0)
 
     def depth(self, points: Array, pixels: float) -> Array:
-        """Distance (N,), mm, of points (N, 3) that were moved by so many pixels behind the plane before which nothing is shown."""
+        """Distance (N,), mm, behind the front plane, of points (N, 3) that were moved back by `pixels` pixels."""
         assert self.camera.front is not None
         front = self.camera.front - pixels * self.pixel
         behind: Array = front - (points - self.camera.focus) @ self.camera.axes[2]
@@ -172,64 +189,68 @@ class Viewer:
 def corner_normals(mesh: TriangleMesh) -> Array:
     """Normals (T, 3, 3) for smooth shading, at the corners of every triangle.
 
-    The mean, weighted with the corner angles, of the cell normals of the same region around the vertex; a cell that
-    is at a sharp edge inside a region keeps its own. A cell normal that contradicts its facet's orientation
-    would be shaded black, so there the facet's takes its place.
+    They are the mean of the cell normals of the same region around the vertex, weighted with the corner angles. A cell
+    at a sharp edge inside a region keeps its cell normal. A cell normal that contradicts its facet's orientation would
+    be shaded black; the facet's normal replaces it.
     """
     corners = mesh.corners()
     sides = np.roll(corners, -1, axis=1) - corners
     facet = cross(sides[:, 0], sides[:, 1])
-    own = np.where((dot(facet, mesh.normals) > 0.0)[:, None], mesh.normals, facet)
-    length = np.sqrt(dot(own, own))
-    own = own / np.where(length > 0.0, length, 1.0)[:, None]
+    cell = np.where((dot(facet, mesh.normals) > 0.0)[:, None], mesh.normals, facet)
+    length = np.sqrt(dot(cell, cell))
+    cell = cell / np.where(length > 0.0, length, 1.0)[:, None]
     back = np.roll(corners, 1, axis=1) - corners
     angle = np.arctan2(np.linalg.norm(cross(sides, back), axis=-1), dot(sides, back))
     group = mesh.triangles * len(mesh.region_names) + mesh.regions[:, None]
     member = np.unique(group, return_inverse=True)[1].reshape(-1)
-    weighted = (angle[..., None] * own[:, None, :]).reshape(-1, 3)
+    weighted = (angle[..., None] * cell[:, None, :]).reshape(-1, 3)
     total = np.stack([np.bincount(member, weighted[:, k]) for k in range(3)], axis=-1).astype(float)
     size = np.sqrt(dot(total, total))
     mean = (total / np.where(size > 0.0, size, 1.0)[:, None])[member].reshape(-1, 3, 3)
-    repeated = np.broadcast_to(own[:, None, :], mean.shape)
-    return np.where((dot(mean, repeated) > _SHARP)[..., None], mean, repeated)
+    repeated = np.broadcast_to(cell[:, None, :], mean.shape)
+    return np.where((dot(mean, repeated) > _MIN_SMOOTH_COSINE)[..., None], mean, repeated)
 
 
 def region_edges(mesh: TriangleMesh, seen: NDArray[np.bool_] | None = None) -> NDArray[np.int64]:
-    """Edges (E, 2), vertex indices, between two regions, at sharp corners and along open boundaries; if it is given which triangles
-    (T,) are `seen` from outside, those edges only that are."""
+    """Edges (E, 2), vertex indices, between two regions, at sharp corners and along open boundaries.
+
+    If `seen` (T,) is given, it is True for triangles seen from outside, and only visible edges are returned.
+    """
     edges = np.sort(mesh.triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     cell = np.repeat(np.arange(len(mesh.triangles)), 3)
     order = np.lexsort(edges.T)
     edges, cell = edges[order], cell[order]
     first = np.flatnonzero(np.r_[True, (edges[1:] != edges[:-1]).any(axis=1)])
     count = np.diff(np.r_[first, len(edges)])
-    one, two = cell[first], cell[first + count - 1]
-    bent = dot(mesh.normals[one], mesh.normals[two]) < np.cos(np.radians(50.0))
-    marked = (count != 2) | (mesh.regions[one] != mesh.regions[two]) | bent
+    left, right = cell[first], cell[first + count - 1]
+    bent = dot(mesh.normals[left], mesh.normals[right]) < np.cos(np.radians(50.0))
+    marked = (count != 2) | (mesh.regions[left] != mesh.regions[right]) | bent
     if seen is not None:
-        # the space before an edge that stands out is before either triangle, that before a re-entrant one before both
+        # an edge that stands out is seen if either of its triangles is, a re-entrant edge only if both are
         start, end = np.moveaxis(mesh.vertices[edges[first]], 1, 0)
-        along, inward = unit(end - start), mesh.corners()[two].mean(axis=1) - start
+        along, inward = unit(end - start), mesh.corners()[right].mean(axis=1) - start
         inward = inward - dot(inward, along)[:, None] * along
-        reentrant = dot(mesh.normals[one], inward) > -_FLAT * np.sqrt(dot(inward, inward))
-        marked &= np.where(reentrant, seen[one] & seen[two], seen[one] | seen[two])
+        reentrant = dot(mesh.normals[left], inward) > -_MIN_FOLD_SINE * np.sqrt(dot(inward, inward))
+        marked &= np.where(reentrant, seen[left] & seen[right], seen[left] | seen[right])
     shown: NDArray[np.int64] = edges[first[marked]]
     return shown
 
 
 def _late(primitive: Primitive) -> int:
-    """When a part of a body is drawn: its outside hides what is behind, which costs less where it is there already."""
+    """Rank of a primitive in the order of drawing: the outside of a body comes first; drawing hidden parts after it
+    costs less.
+    """
     return 0 if primitive["colours"] is not None else 1 if primitive["corners"] == 3 else 2
 
 
 def _nearest_first(cells: NDArray[np.int64], points: Array) -> NDArray[np.int64]:
-    """Triangles (T, 3) in the order of their depths in the frame of the camera: what is hidden then is not drawn at all."""
+    """Triangles (T, 3) sorted by depth in the frame of the camera, nearest first: hidden pixels are then not drawn."""
     ordered: NDArray[np.int64] = cells[np.argsort(-points[cells, 2].max(axis=1), kind="stable")]
     return ordered
 
 
 def _seen_part(mesh: TriangleMesh, viewer: Viewer) -> TriangleMesh:
-    """The triangles of a mesh that may be in the picture, and those that share a vertex with one, by which it is shaded."""
+    """Return the triangles of a mesh that may be in the picture, and all that share a vertex with them, for shading."""
     seen = viewer.sees(mesh.corners())
     if seen.all():
         return mesh
@@ -240,7 +261,7 @@ def _seen_part(mesh: TriangleMesh, viewer: Viewer) -> TriangleMesh:
 
 
 def _primitive(points: Array, cells: NDArray[np.int64], colour: str, **others: Any) -> Primitive:
-    """Points (V, 3) and cells (C, K) in one colour, unlit, but for what `others` say."""
+    """Return a primitive of points (V, 3) and cells (C, K) in one unlit colour; `others` replace entries."""
     count, corners = cells.shape
     plain = {
         "points": _floats(points),
@@ -249,7 +270,7 @@ def _primitive(points: Array, cells: NDArray[np.int64], colour: str, **others: A
         "corners": corners,
         "colour": _share(colour),
     }
-    return cast("Primitive", {**PLAIN, **plain, **others})
+    return cast("Primitive", {**PLAIN_PRIMITIVE, **plain, **others})
 
 
 # --- bodies ---
@@ -258,18 +279,20 @@ def _primitive(points: Array, cells: NDArray[np.int64], colour: str, **others: A
 def _inside(
     mesh: TriangleMesh, corners: Array, cells: NDArray[np.int64], colour: str, behind: float, viewer: Viewer
 ) -> Iterator[Primitive]:
-    """The inside of a solid that is cut open, as flat as a section, `behind` by so many pixels: drawn before the lines on it."""
+    """Yield the inside of a solid that is cut open, unlit like a section, `behind` pixels back; it is drawn before the
+    lines on it.
+    """
     pixels = behind - 2.0
     points = viewer.move_back(corners.reshape(-1, 3), pixels)
     points, cells, _ = cut_front(points, _nearest_first(cells, points), viewer.depth(points, pixels))
     yield _primitive(points, cells, colour)
-    # a face that is seen as a line has the material behind it on one side alone: lines farther away would stand beside it
+    # a face seen as a line has material behind it on one side only; lines farther away would be seen beside it
     ends = mesh.triangles[viewer.edge_on(corners)]
     if len(ends):
         sides = np.unique(np.sort(ends[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0)
         lines = viewer.move_back(mesh.vertices, behind)
         lines, sides, _ = cut_front(lines, sides, viewer.depth(lines, behind))
-        yield _primitive(lines, sides, colour, width=1.0 * OVERSAMPLING)
+        yield _primitive(lines, sides, colour, width=1.0 * OVERSAMPLING_FACTOR)
 
 
 def _body(body: SceneBody, viewer: Viewer) -> Iterator[Primitive]:
@@ -283,11 +306,12 @@ def _body(body: SceneBody, viewer: Viewer) -> Iterator[Primitive]:
     opened = body.yields and viewer.camera.front is not None
     outer = cells
     if opened:
-        # exact normals have a word in it: facets seen nearly edge-on turn to and fro along a horizon, and would be a row of specks
+        # both the facet and its exact normal must face the viewer: facets seen nearly edge-on change sides along a
+        # horizon and would be drawn as a row of specks
         turned = viewer.faces(corners) & (viewer.facing(corners, mesh.normals) > 0.0)
         outer = cells[turned]
-        yield from _inside(mesh, corners, cells[~turned], body.section or _INSIDE, behind, viewer)
-    # sections have no lines that triangles must stay behind, and those that do would reach before the plane of the section
+        yield from _inside(mesh, corners, cells[~turned], body.section or _INSIDE_COLOUR, behind, viewer)
+    # a section has no lines that triangles must stay behind; moving it back by its slopes would pass its plane
     back = behind if body.section is not None else behind + viewer.slopes(corners)[:, None, None]
     points = viewer.move_back(corners, back).reshape(-1, 3)
     lit: NDArray[np.uint8] | None = viewer.light(
@@ -305,19 +329,21 @@ def _body(body: SceneBody, viewer: Viewer) -> Iterator[Primitive]:
         lines = viewer.move_back(mesh.vertices, pixels)
         if opened:
             lines, edges, _ = cut_front(lines, edges, viewer.depth(lines, pixels))
-        yield _primitive(lines, edges, REGION_EDGE, width=1.0 * OVERSAMPLING)
+        yield _primitive(lines, edges, REGION_EDGE, width=1.0 * OVERSAMPLING_FACTOR)
 
 
 # --- what lies on them ---
 
 
 def _is_finite(points: Array) -> NDArray[np.bool_]:
-    """Which of the points (..., 3) are no NaN, (...,)."""
+    """True (...,) for points (..., 3) without NaN."""
     return np.asarray(np.isfinite(points).all(axis=-1))
 
 
 def _patch(points: Array, values: Array) -> tuple[Array, NDArray[np.int64], Array]:
-    """Points, quadrilaterals and values of a patch (..., M, N, 3) with `values` (..., M, N), without cells that have a NaN."""
+    """Points, quadrilaterals and values of a patch (..., M, N, 3) with `values` (..., M, N), without cells that have a
+    NaN.
+    """
     shape = points.shape[:-1]
     index = np.arange(int(np.prod(shape))).reshape(shape)
     quads = np.stack(
@@ -341,11 +367,11 @@ def _map(value_map: ValueMap, viewer: Viewer) -> Iterator[Primitive]:
     if len(cells):
         # Unlit, so that a colour on the tooth is exactly the colour in the bar.
         points, limit, table = viewer.move_back(points, -0.5), value_map.limit, colour_table().tobytes()
-        yield _primitive(points, cells, INK, values=_floats(values), limit=limit, table=table, cut=limit)
+        yield _primitive(points, cells, INK_COLOUR, values=_floats(values), limit=limit, table=table, cut=limit)
 
 
 def colour_table() -> NDArray[np.uint8]:
-    """Colours (256, 4) of amounts on flanks, from none to the largest."""
+    """Colours (256, 4) of amounts on flanks, from zero to the largest."""
     from matplotlib import colormaps
 
     table: NDArray[np.uint8] = (colormaps[COLOUR_MAP](np.linspace(0.0, 1.0, 256)) * 255.0).round().astype(np.uint8)
@@ -357,7 +383,7 @@ def _curve(curve: Curve, viewer: Viewer) -> Iterator[Primitive]:
     start = np.flatnonzero(known[:-1] & known[1:])
     if len(start):
         place = np.cumsum(known)[start] - 1
-        segments, width = np.stack((place, place + 1), axis=-1), curve.width * OVERSAMPLING
+        segments, width = np.stack((place, place + 1), axis=-1), curve.width * OVERSAMPLING_FACTOR
         yield _primitive(viewer.move_back(curve.points[known], -1.0), segments, curve.colour, width=width)
 
 
@@ -365,7 +391,7 @@ def _dots(dots: Dots) -> Iterator[Primitive]:
     points = dots.points[_is_finite(dots.points)]
     if len(points):
         # A dot is drawn as a ball: its front half stands out by itself.
-        yield _primitive(points, np.arange(len(points))[:, None], dots.colour, width=dots.size * OVERSAMPLING)
+        yield _primitive(points, np.arange(len(points))[:, None], dots.colour, width=dots.size * OVERSAMPLING_FACTOR)
 
 
 def _floats(values: Array) -> bytes:

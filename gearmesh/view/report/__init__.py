@@ -1,5 +1,5 @@
-"""The report page: one HTML file with everything about a design, which needs no network.
+"""The report page: one HTML file with everything about a design; it needs no network.
 
-`stage` makes the data of the three-dimensional view, `page` the file of texts, tables, figures and the scripts beside it; three.js
-is built by scripts/build_three.py.
+`stage` makes the data of the three-dimensional view. `page` makes the file from texts, tables, figures and the scripts
+in this folder. scripts/build_three.py builds three.js.
 """

@@ -1,4 +1,4 @@
-"""The card on the first screen of the report page: what the gears do at a glance, in words, rounded, with units."""
+"""The card on the first screen of the report page: the main figures of the gears in words, rounded, with units."""
 
 from __future__ import annotations
 
@@ -10,20 +10,25 @@ import numpy as np
 from gearmesh.answers.contact.contact import Contact
 from gearmesh.answers.load.loaded import LoadedContact
 
-#: below it a transmission error is read as none: the last digit that tables of it have, in arcsec or um
-LEAST_ERROR = 1e-3
-#: mm: below it a length is read as 0, above the second it is in mm, not um
-LEAST_LENGTH, IN_MM = 1e-4, 0.1
-MINUS, DEGREE = "\u2212", "\u00b0"
-#: between a number and its unit, which stay together
-BLANK = "\u00a0"
-#: a length that is none
-NOTHING = f"0{BLANK}\u00b5m"
+#: transmission error below which the card says so instead of a number: the last digit of tables, arcsec or um
+MIN_SHOWN_ERROR = 1e-3
+#: length below which the card shows 0
+MIN_SHOWN_LENGTH_MM = 1e-4
+#: length from which the unit is mm, not um
+MIN_LENGTH_IN_MM = 0.1
+#: sign of negative numbers
+MINUS_SIGN = "\u2212"
+#: unit of angles
+DEGREE_SIGN = "\u00b0"
+#: between a number and its unit, which stay on one line
+NO_BREAK_SPACE = "\u00a0"
+#: text of a length of 0
+ZERO_LENGTH = f"0{NO_BREAK_SPACE}\u00b5m"
 
 
 @dataclass(frozen=True)
 class CardFigure:
-    """A figure in words: what it is, its value with its unit, and what is to be known of it."""
+    """A figure in words: its label, its value with unit, and a note."""
 
     label: str
     value: str
@@ -40,7 +45,7 @@ class MeshCard:
 
 @dataclass(frozen=True)
 class Card:
-    """The card of a page: the figures of its meshes, and the warning that matters most with the number of all of them."""
+    """The card of a page: the figures of its meshes, the most important warning, and the number of all warnings."""
 
     meshes: tuple[MeshCard, ...] = ()
     worst: str | None = None
@@ -48,7 +53,7 @@ class Card:
 
 
 def mesh_card(contact: Contact, loaded: LoadedContact | None = None) -> MeshCard:
-    """The figures of a pair with solved contact, and of its contact under torque where there is one."""
+    """Return the figures of a pair with solved contact, and of its contact under torque if there is one."""
     figures = (*_cycle(contact), *_fit(contact), *_pressure(contact, loaded))
     return MeshCard(contact.pair.name, figures)
 
@@ -70,7 +75,7 @@ def _cycle(contact: Contact) -> Iterator[CardFigure]:
 
 
 def _pairs(ratio: float) -> str:
-    """How many tooth pairs are in contact."""
+    """Text of the number of tooth pairs in contact."""
     least, most = int(np.floor(ratio + 1e-9)), int(np.ceil(ratio - 1e-9))
     if least < 1:
         return "below 1: edge contact between two tooth pairs"
@@ -85,8 +90,8 @@ def _fit(contact: Contact) -> Iterator[CardFigure]:
         yield CardFigure("Normal backlash", "not known", "the driving or the coast flanks do not touch")
     else:
         backlash, least = span(*fit.normal_backlash), length(fit.normal_backlash[0])
-        note = "negative: the gears are jammed" if least.startswith(MINUS) else _turn(contact, fit.backlash[0])
-        yield CardFigure("Normal backlash", backlash, "" if least == NOTHING else note)
+        note = "negative: the gears are jammed" if least.startswith(MINUS_SIGN) else _turn(contact, fit.backlash[0])
+        yield CardFigure("Normal backlash", backlash, "" if least == ZERO_LENGTH else note)
     if fit is None:
         return
     distances = ["not known" if tip is None else length(tip.distance) for tip in fit.clearances]
@@ -94,18 +99,18 @@ def _fit(contact: Contact) -> Iterator[CardFigure]:
     named = [f"{name} {distance}" for name, distance in zip(contact.pair.members, distances, strict=True)]
     note = "tips of both members" if alike else ""
     deepest = length(max((clash.depth for clash in fit.interference), default=0.0))
-    note = note if deepest == NOTHING else f"a tip is {deepest} in a fillet"
+    note = note if deepest == ZERO_LENGTH else f"a tip is {deepest} in a fillet"
     yield CardFigure("Tip clearance", distances[0] if alike else ", ".join(named), note)
 
 
-#: units that are signs behind a number
-SIGNS = {"deg": "°"}
+#: signs that replace units behind a number
+UNIT_SIGNS = {"deg": "°"}
 
 
 def _turn(contact: Contact, angle: float) -> str:
-    """The least backlash (rad) as rotation or travel of the gear."""
+    """Text of the smallest backlash (rad), as rotation or travel of the gear."""
     rad, unit = contact.pair.output.reading.motion
-    return f"at least {number(angle / rad)}{SIGNS.get(unit, f' {unit}')} of the {contact.pair.gear.name}"
+    return f"at least {number(angle / rad)}{UNIT_SIGNS.get(unit, f' {unit}')} of the {contact.pair.gear.name}"
 
 
 def _pressure(contact: Contact, loaded: LoadedContact | None) -> Iterator[CardFigure]:
@@ -118,36 +123,42 @@ def _pressure(contact: Contact, loaded: LoadedContact | None) -> Iterator[CardFi
             yield CardFigure(label, "edge contact", f"{at}: the peak pressure is singular and is not reported")
         else:
             also = ", without the singular peak of edge contact" if singular else ""
-            yield CardFigure(label, f"{number(highest.max_pressure)}{BLANK}MPa", at + also)
+            yield CardFigure(label, f"{number(highest.max_pressure)}{NO_BREAK_SPACE}MPa", at + also)
     elif (hertz := contact.hertz) is not None and np.isfinite(hertz.peak_pressure).any():
         yield CardFigure(
-            label, f"{number(np.nanmax(hertz.peak_pressure))}{BLANK}MPa", f"Hertz, at {number(hertz.torque)} Nm"
+            label,
+            f"{number(np.nanmax(hertz.peak_pressure))}{NO_BREAK_SPACE}MPa",
+            f"Hertz, at {number(hertz.torque)} Nm",
         )
 
 
 def number(value: float) -> str:
-    """Three significant digits, all digits before the point, no exponent, with a minus sign."""
+    """Text of a number: three significant digits, all digits before the point, no exponent, a true minus sign."""
     size = abs(float(value))
     digits = 0 if size >= 100.0 else int(2 - np.floor(np.log10(size))) if size > 0.0 else 0
     text = f"{size:.{max(digits, 0)}f}"
     text = text.rstrip("0").rstrip(".") if "." in text else text
-    return (MINUS if value < 0.0 and float(text) else "") + text
+    return (MINUS_SIGN if value < 0.0 and float(text) else "") + text
 
 
 def error(size: float, unit: str) -> str:
-    """A transmission error, which below the last digit of tables is none."""
-    return f"below {LEAST_ERROR:g}{BLANK}{unit}" if size < LEAST_ERROR else f"{number(size)}{BLANK}{unit}"
+    """Text of a transmission error; below the last digit of tables only this limit."""
+    return (
+        f"below {MIN_SHOWN_ERROR:g}{NO_BREAK_SPACE}{unit}"
+        if size < MIN_SHOWN_ERROR
+        else f"{number(size)}{NO_BREAK_SPACE}{unit}"
+    )
 
 
 def length(value: float, of: float | None = None) -> str:
-    """A length (mm) in mm or um, as `of` is, by default itself."""
-    value = value if abs(value) >= LEAST_LENGTH else 0.0
-    in_mm = abs(value if of is None else of) >= IN_MM
-    return f"{number(value)}{BLANK}mm" if in_mm else f"{number(1e3 * value)}{BLANK}\u00b5m"
+    """Text of a length (mm) in mm or um; the length `of`, by default the same, selects the unit."""
+    value = value if abs(value) >= MIN_SHOWN_LENGTH_MM else 0.0
+    in_mm = abs(value if of is None else of) >= MIN_LENGTH_IN_MM
+    return f"{number(value)}{NO_BREAK_SPACE}mm" if in_mm else f"{number(1e3 * value)}{NO_BREAK_SPACE}\u00b5m"
 
 
 def span(low: float, high: float) -> str:
-    """Two lengths (mm) in one unit, or one where they read alike."""
+    """Text of two lengths (mm) in one unit, or of one length if both have the same text."""
     of = max(abs(low), abs(high))
     first, last = length(low, of), length(high, of)
-    return first if first == last else f"{first.split(BLANK)[0]} to {last}"
+    return first if first == last else f"{first.split(NO_BREAK_SPACE)[0]} to {last}"

@@ -1,4 +1,4 @@
-"""Meshes as a browser draws them: vertices split where the surface has an edge, arrays as base64 text."""
+"""Meshes for a browser: vertices are split at the edges of the surface, arrays are base64 text."""
 
 from __future__ import annotations
 
@@ -11,20 +11,27 @@ from numpy.typing import ArrayLike
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.view.offscreen.shapes import corner_normals, region_edges
 
-#: parts of a gear that have shades of their own, by the first word of their regions' names; all others have the one after
-SHADES = ("flank", "fillet")
+#: first words of region names with shades of their own; all other regions have the next shade
+SHADED_REGIONS = ("flank", "fillet")
 
 
 def pack(values: ArrayLike, kind: str = "<f4") -> str:
-    """An array as the base64 text of its little-endian numbers."""
+    """Return an array as the base64 text of its little-endian numbers."""
     return base64.b64encode(np.ascontiguousarray(values, dtype=np.dtype(kind)).tobytes()).decode("ascii")
 
 
 def packed_mesh(mesh: TriangleMesh) -> dict[str, Any]:
-    """Positions (V, 3), mm, normals (V, 3) in 1/127, shades (V,); corners (T, 3), edges (E, 2): of 2 bytes each, or `wide` of 4."""
+    """Return a mesh as packed arrays.
+
+    Positions (V, 3), mm; normals (V, 3) in 1/127; shades (V,); corners (T, 3) and edges (E, 2), 2 bytes each, or 4
+    bytes if `wide`.
+    """
     normals = np.rint(127.0 * corner_normals(mesh)).astype(np.int64).reshape(-1, 3)
     words = [name.split("_")[0] for name in mesh.region_names]
-    shades = np.array([SHADES.index(word) if word in SHADES else len(SHADES) for word in words], dtype=np.int64)
+    shades = np.array(
+        [SHADED_REGIONS.index(word) if word in SHADED_REGIONS else len(SHADED_REGIONS) for word in words],
+        dtype=np.int64,
+    )
     corners = np.column_stack((mesh.triangles.ravel(), np.repeat(shades[mesh.regions], 3), normals))
     vertices, index = np.unique(corners, axis=0, return_inverse=True)
     wide = len(vertices) > np.iinfo(np.uint16).max

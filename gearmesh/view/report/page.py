@@ -1,6 +1,6 @@
-"""The report page as one HTML text: everything that it shows is in it, and it asks for nothing else.
+"""The report page as one HTML text: it contains everything that it shows and loads nothing.
 
-Text from designs is escaped wherever it goes: in HTML, and in the JSON of the view, which must not end its script element.
+Text from designs is escaped everywhere: in HTML, and in the JSON of the view, which must not end its script element.
 """
 
 from __future__ import annotations
@@ -38,9 +38,9 @@ def page(
     pictures: Sequence[tuple[str, bytes]],
     sections: Sequence[PageSection],
 ) -> str:
-    """The page: title and a line under it, the card, the view, all warnings, then the sections.
+    """Return the page: title and a line under it, the card, the view, all warnings, then the sections.
 
-    `pictures`: captions and JPEG files, of which the first takes the view's place where that cannot be drawn.
+    `pictures` are captions and JPEG files; the first replaces the view if a browser cannot draw it.
     """
     parts = {
         "TITLE": html.escape(title),
@@ -63,31 +63,33 @@ def page(
 
 
 def script_json(document: Mapping[str, Any]) -> str:
-    """JSON that can stand in a script element: no character of it can begin a tag or a comment."""
+    """Return JSON for a script element: none of its characters can begin a tag or a comment."""
     text = json.dumps(document, separators=(",", ":"), allow_nan=False)
     return text.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")
 
 
 def picture(caption: str, jpeg: bytes, identity: str = "") -> str:
-    """A picture with its caption."""
+    """Return the HTML of a JPEG picture with its caption."""
     source = base64.b64encode(jpeg).decode("ascii")
     return _figure(f'<img src="data:image/jpeg;base64,{source}" alt="{html.escape(caption)}">', caption, identity)
 
 
 def drawing(caption: str, file: bytes) -> str:
-    """An SVG drawing, or a PNG picture, with its caption, as a picture of its own, so that its names and styles stay in it."""
+    """Return the HTML of an SVG drawing or a PNG picture with its caption, as a separate image: ids and styles stay
+    inside.
+    """
     kind = "png" if file.startswith(b"\x89PNG") else "svg+xml"
     source = base64.b64encode(file).decode("ascii")
     return _figure(f'<img src="data:image/{kind};base64,{source}" alt="{html.escape(caption)}">', caption)
 
 
 def listing(text: str, button: str) -> str:
-    """Text as it is, with a button that copies it."""
+    """Return the HTML of a text, unchanged, with a button that copies it."""
     return f'<button type="button" class="copy">{html.escape(button)}</button>\n<pre tabindex="0">{html.escape(text)}</pre>'
 
 
 def three_version() -> str:
-    """Version of the three.js in the page, of which its script's first line speaks."""
+    """Version of the three.js in the page, from the first line of its script."""
     return _file("three.min.js").split(",", 1)[0].rpartition(" ")[2]
 
 

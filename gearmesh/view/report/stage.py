@@ -1,7 +1,7 @@
-"""What the three-dimensional view of the report page shows, as data: members, how they move, and the contact of their pairs.
+"""Data of the three-dimensional view of the report page: members, their motions, and the contact of their pairs.
 
-A member is one tooth, drawn as often as there are teeth, and what is under them. In JSON arrays are base64 text of float32 (see
-`packing`), NaN where there is nothing; lengths are in mm, angles in rad, amounts in um.
+A member has one tooth, drawn as often as there are teeth, and the body under them. In JSON arrays are base64 text of
+float32 (see `packing`), NaN for missing values. Lengths are in mm, angles in rad, amounts in um.
 """
 
 from __future__ import annotations
@@ -24,25 +24,29 @@ from gearmesh.view.load.footprints import Footprints
 from gearmesh.view.load.loaded_diagrams import FAINTEST, PRESSURE, LoadedPattern, cycle_curves
 from gearmesh.view.on_tooth import closest_gap, lift_grid, union_level
 from gearmesh.view.report.packing import pack, packed_mesh
-from gearmesh.view.scene import BLUE_STEEL, BRASS, BRONZE, Camera, MemberContact, contact_on, jumps
+from gearmesh.view.scene import BLUE_STEEL_PAINT, BRASS_PAINT, BRONZE_PAINT, Camera, MemberContact, contact_on, jumps
 
-#: um at which a scale ends at least: ten times what the amounts are accurate to
-LEAST = 1.0
+#: smallest end of a scale: ten times the accuracy of the amounts
+MIN_SCALE_UM = 1.0
 #: points of a contact line
-ALONG_LINE = 9
+POINTS_PER_LINE = 9
 #: points along a band of pressure
-BAND = 25
-#: colours of the gap end at this multiple of the compound's thickness, which the pattern's edge has
-GAPS = 10.0
-#: height of what is drawn on a flank, as a part of the flank's size
-LIFT = 1e-3
-PAINTS = (BLUE_STEEL, BRASS, BRONZE)
+POINTS_PER_BAND = 25
+#: end of the scale of gaps, in thicknesses of the compound; the pattern ends at 1
+GAP_SCALE_THICKNESSES = 10.0
+#: height above a flank at which points and colours are drawn, relative to its size
+LIFT_SHARE = 1e-3
+#: colours of members, by their shape
+MEMBER_PAINTS = (BLUE_STEEL_PAINT, BRASS_PAINT, BRONZE_PAINT)
 
 
 @dataclass(frozen=True)
 class StagedPair:
-    """A pair of members that the view can roll: its contact, the gaps that a roll test found (points in the members' own frames),
-    by members, where there was one, and what is pressed under torques."""
+    """A pair of members that the view can roll.
+
+    It has the pair's contact, the gaps of a roll test by member (points in the members' own frames) if there was one,
+    and its pressures under torque.
+    """
 
     contact: StagedContact
     patches: Mapping[str, list[tuple[Array, Array]]]
@@ -55,22 +59,26 @@ class StagedPair:
 
 @dataclass(frozen=True)
 class StagedMember:
-    """A member as it is drawn: the mesh of the whole, of its first tooth, and of what is not repeated with the teeth."""
+    """A member for the view."""
 
+    #: the member
     member: Member
+    #: mesh of the whole member, own frame
     whole: TriangleMesh
+    #: mesh of its first tooth
     tooth: TriangleMesh
+    #: mesh of everything that is not repeated with the teeth
     rest: TriangleMesh
 
     @staticmethod
     def of(member: Member, tolerance: float) -> StagedMember:
-        """Meshed within `tolerance`, mm."""
+        """Mesh a member within `tolerance`, mm."""
         tooth = tessellate(member.tooth, tolerance)
         return StagedMember.of_mesh(member, gear_solid(member, tolerance, tooth), tooth)
 
     @staticmethod
     def of_mesh(member: Member, whole: TriangleMesh, tooth: ToothMesh) -> StagedMember:
-        """The member of a mesh that is there already, and the mesh of the `tooth` that it repeats."""
+        """Return the member from its mesh `whole` and the mesh of the `tooth` that is repeated in it."""
         plain = whole
         if member.features.is_cut:
             plain = gear_solid(replace(member, features=member.features.uncut), tooth.tolerance, tooth)
@@ -85,7 +93,7 @@ class StagedMember:
 def stage(
     train: GearTrain, members: Sequence[StagedMember], pairs: Sequence[StagedPair], camera: Camera
 ) -> dict[str, Any]:
-    """The data of the view; members that look alike share their meshes."""
+    """Return the data of the view; members that look alike share their meshes."""
     shapes: list[dict[str, Any]] = []
     shown = []
     for staged in members:
@@ -116,14 +124,14 @@ def _part(mesh: TriangleMesh, chosen: Any) -> TriangleMesh:
 def _member(member: Member, shape: int, reach: float) -> dict[str, Any]:
     joint, mount = member.tooth.joint, member.mount
     places = joint.places(member.tooth.teeth)
-    paint = PAINTS[shape % len(PAINTS)]
+    paint = MEMBER_PAINTS[shape % len(MEMBER_PAINTS)]
     return {
         "name": member.name,
         "shape": shape,
         "teeth": member.tooth.teeth,
         "reach": reach,
         "pitch": member.tooth.pitch_angle,
-        # from the tooth that is drawn
+        # relative to the tooth that is drawn
         "places": (places - places[0]).tolist(),
         "colours": [paint.of("flank"), paint.of("fillet"), paint.of("body")],
         "rotation": mount.base.rotation.tolist(),
@@ -161,7 +169,7 @@ def _pair(train: GearTrain, staged: StagedPair, names: list[str]) -> dict[str, A
 
 
 def _load_data(pattern: LoadedPattern, rad: float) -> dict[str, Any]:
-    """What the pair does under its torques: figures over a pitch, and bands of pressure by phases, fixed frame; see `bands`."""
+    """Return figures over a pitch and bands of pressure by phases, for every torque, fixed frame; see `bands`."""
     mesh, loads = pattern.mesh, []
     curves = cycle_curves(pattern.gears, mesh.phi1)
     for k, halves in enumerate(pattern.prints):
@@ -185,12 +193,14 @@ def _load_data(pattern: LoadedPattern, rad: float) -> dict[str, Any]:
 
 
 def _to_shown(train: GearTrain, pair: GearPair, name: str) -> Rigid:
-    """A member's own frame as a pair counts it, in that of the member as it is drawn: in sets they are whole pitches apart."""
+    """Return the motion from a member's own frame in a pair to the frame in which it is drawn; in sets they differ by
+    whole pitches.
+    """
     return train.members[name].mount.base.inverse @ pair.members[name].mount.base
 
 
 def _flank(staged: StagedPair, name: str, to_shown: Rigid) -> dict[str, Any]:
-    """A member's working flank: a grid of exact points, a little above it, with what can be shown on them, and the ellipses."""
+    """Return a member's working flank: a grid of exact points, slightly lifted, coloured fields and ellipses."""
     pair = staged.pair
     index = pair.index(name)
     contact = contact_on(index, staged.contact.path, pair.mounts)
@@ -202,10 +212,10 @@ def _flank(staged: StagedPair, name: str, to_shown: Rigid) -> dict[str, Any]:
     return {
         "shape": list(grid.points.shape[:2]),
         "size": size,
-        "points": pack(to_shown.point(lift_grid(grid.points, contact, LIFT * size))),
+        "points": pack(to_shown.point(lift_grid(grid.points, contact, LIFT_SHARE * size))),
         "contact": pack(to_shown.point(contact.point)),
         "normal": pack(to_shown.vector(contact.normal)),
-        # semi-axes of the ellipse over their squares: inside it the squares of the products with them add up to 1 at most
+        # unit axis over semi-axis: inside the ellipse the squares of the products with both add up to at most 1
         "major": pack(to_shown.vector(major)),
         "minor": pack(to_shown.vector(minor)),
         "fields": _fields(staged, name, contact, grid.points),
@@ -213,7 +223,7 @@ def _flank(staged: StagedPair, name: str, to_shown: Rigid) -> dict[str, Any]:
 
 
 def _fields(staged: StagedPair, name: str, contact: MemberContact, points: Array) -> list[dict[str, Any]]:
-    """What colours a flank can have: values (I, J) with their unit, and the limit where the scale ends."""
+    """Return the fields that can colour a flank: values (I, J) with their unit, and the end of the scale."""
     pair, fields = staged.pair, []
 
     def add(key: str, label: str, values: Array, limit: float) -> None:
@@ -238,16 +248,18 @@ def _fields(staged: StagedPair, name: str, contact: MemberContact, points: Array
         add("ease_off", "ease-off (\u00b5m)", amount, _most(amount))
     gap = np.maximum(1e3 * gaps.at_phi1, 0.0)
     label = f"gap at \u03c6\u2081 = {np.degrees(gaps.phi1):.3g}\u00b0 (\u00b5m)"
-    add("gap", label, gap, min(_most(gap), GAPS * 1e3 * pair.delta))
+    add("gap", label, gap, min(_most(gap), GAP_SCALE_THICKNESSES * 1e3 * pair.delta))
     return fields
 
 
 def _bands(prints: Footprints, image: Rigid) -> dict[str, Any]:
-    """The phases at which a tooth pair is loaded: its part of the torque, and its band of pressure, seen in an `image`."""
+    """Return the phases with load of a tooth pair: its share of the torque, and its band of pressure, mapped by an
+    `image`.
+    """
     pressed = np.flatnonzero(prints.share > 0.0)
     last = pressed[-1] + 1
     shown = slice(pressed[0], last)
-    bands = prints.bands(BAND)[shown]
+    bands = prints.bands(POINTS_PER_BAND)[shown]
     bands[..., :3] = image.point(bands[..., :3])
     return {
         "phase": pack(prints.phase[shown]),
@@ -259,7 +271,7 @@ def _bands(prints: Footprints, image: Rigid) -> dict[str, Any]:
 
 
 def _pressures(pattern: LoadedPattern, name: str, points: Array) -> dict[str, Any]:
-    """The largest pressure that points (I, J, 3) of a flank see, for every torque."""
+    """Return the largest pressure at points (I, J, 3) of a flank, for every torque."""
     by_torque = []
     for panel, *_ in pattern.panels[name]:
         values = panel.at(panel.plane.frame.places(points))
@@ -276,13 +288,13 @@ def _pressures(pattern: LoadedPattern, name: str, points: Array) -> dict[str, An
 
 
 def _most(values: Array) -> float:
-    """The greatest value, or what makes it no signal where all is rounding."""
-    return max(float(np.nanmax(values, initial=0.0)), LEAST)
+    """Largest value, but at least `MIN_SCALE_UM`, so that rounding is not shown as a signal."""
+    return max(float(np.nanmax(values, initial=0.0)), MIN_SCALE_UM)
 
 
 def _evenly(line: Array | None) -> Array:
-    """Points (ALONG_LINE, 3) of a contact line; NaN where there is none."""
+    """Points (POINTS_PER_LINE, 3) of a contact line; NaN if there is none."""
     if line is None:
-        return np.full((ALONG_LINE, 3), np.nan)
-    place = np.linspace(0.0, len(line) - 1.0, ALONG_LINE)
+        return np.full((POINTS_PER_LINE, 3), np.nan)
+    place = np.linspace(0.0, len(line) - 1.0, POINTS_PER_LINE)
     return np.stack([np.interp(place, np.arange(len(line)), line[:, k]) for k in range(3)], axis=-1)

@@ -1,1 +1,1 @@
-"""Pictures of tools in place: what generates a flank, and cutters on their passes."""
+"""Pictures of tools in place: tools that generate a flank, and cutters on their passes."""

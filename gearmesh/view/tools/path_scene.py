@@ -1,4 +1,4 @@
-"""The picture of a tool path: the passes of a space on the gear, and the ball-end cutter on one of them."""
+"""Picture of a tool path: the passes of a space on the gear, and the ball-end cutter on one of them."""
 
 from __future__ import annotations
 
@@ -14,39 +14,48 @@ from gearmesh.mesh.solid import gear_solid
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.blank.features import BodyFeatures
 from gearmesh.tools.drawing import ToolSheet
-from gearmesh.view.palette import LINES, PATH
-from gearmesh.view.scene import STEEL, TOOL, Curve, Scene, SceneBody
+from gearmesh.view.palette import LINE_COLOUR, PATH_COLOUR
+from gearmesh.view.scene import STEEL_PAINT, TOOL_PAINT, Curve, Scene, SceneBody
 from gearmesh.view.tools.tool_scene import sheet_mesh
 from gearmesh.view.views import frame
 
-#: tolerance (mm) of the gear, and by how much the picture is larger than the space with its passes
-GEAR, MARGIN = 0.02, 1.35
-#: direction that it is taken from: parts out of the space, along it, and across it towards the wall that is seen worse
-FROM = (1.0, 0.45, -0.4)
-#: points round the cutter and up its ball; how much of its shank is shown, in depths of the space; how much of what is
-#: behind it hides
-AROUND, UP, SHOWN, OPAQUE = 48, 17, 2.5, 0.85
-#: height of lines over the surface, as a share of the depth
-LIFT = 2e-3
+#: tolerance of the gear
+GEAR_TOLERANCE_MM = 0.02
+#: size of the picture relative to the space with its passes
+PASSES_MARGIN = 1.35
+#: components of the direction of view: out of the space, along it, and across it towards the hidden wall
+VIEW_COMPONENTS = (1.0, 0.45, -0.4)
+#: points round the cutter
+CUTTER_POINTS_AROUND = 48
+#: points from the pole of its ball to the equator
+CUTTER_POINTS_UP = 17
+#: visible length of the shank, in depths of the space
+SHANK_DEPTHS = 2.5
+#: opacity of the cutter
+CUTTER_OPACITY = 0.85
+#: height of lines above the surface, relative to the depth of the space
+LIFT_DEPTH_SHARE = 2e-3
 
 
 def path_scene(answer: ToolPathAnswer, size: tuple[int, int] = (1600, 1200), title: str = "") -> Scene:
-    """The gear with all passes of the space before the tooth on +x, and the cutter half way along one over a flank."""
+    """Scene of the gear with all passes of the space before the tooth on +x, and the cutter half way along a flank
+    pass.
+    """
     path, passes = answer._path, answer._path.passes
     member = replace(path.space.member, features=BodyFeatures())
-    gear = SceneBody(gear_solid(member, GEAR), Rigid.identity(), STEEL)
+    gear = SceneBody(gear_solid(member, GEAR_TOLERANCE_MM), Rigid.identity(), STEEL_PAINT)
     station = passes.contacts.shape[1] // 2
     shown = int(np.flatnonzero(passes.side == passes.side.max())[-1]) * 3 // 4
     axis, centre = path.axes.vectors[shown, station], passes.centres[shown, station]
-    cutter = cutter_mesh(path.ball.radius, min(path.ball.length, SHOWN * path.space.depth))
-    body = SceneBody(cutter, Rigid(_frame(axis), centre), TOOL, opacity=OPAQUE)
-    lifted = passes.contacts + LIFT * path.space.depth * passes.normals
+    cutter = cutter_mesh(path.ball.radius, min(path.ball.length, SHANK_DEPTHS * path.space.depth))
+    body = SceneBody(cutter, Rigid(_frame(axis), centre), TOOL_PAINT, opacity=CUTTER_OPACITY)
+    lifted = passes.contacts + LIFT_DEPTH_SHARE * path.space.depth * passes.normals
     flank = np.array([path.space.walls[k].region.is_flank for k in passes.wall])
     curves = [
         Curve(_in_one(lifted[which]), label, colour, 1.6)
         for which, label, colour in (
-            (flank, "passes of the flanks", LINES),
-            (~flank, "passes of fillets and root", PATH),
+            (flank, "passes of the flanks", LINE_COLOUR),
+            (~flank, "passes of fillets and root", PATH_COLOUR),
         )
         if which.any()
     ]
@@ -54,12 +63,12 @@ def path_scene(answer: ToolPathAnswer, size: tuple[int, int] = (1600, 1200), tit
     back = unit(
         sum(
             share * of[0]
-            for share, of in zip(FROM, (directions.opening, directions.feed, directions.across), strict=True)
+            for share, of in zip(VIEW_COMPONENTS, (directions.opening, directions.feed, directions.across), strict=True)
         )
     )
     return Scene(
         (gear, body),
-        frame(back, directions.across[0], lifted.reshape(-1, 3), size, MARGIN),
+        frame(back, directions.across[0], lifted.reshape(-1, 3), size, PASSES_MARGIN),
         tuple(curves),
         title=f"{title}: {answer.headline}" if title else answer.headline,
         size=size,
@@ -67,9 +76,9 @@ def path_scene(answer: ToolPathAnswer, size: tuple[int, int] = (1600, 1200), tit
 
 
 def cutter_mesh(radius: float, length: float) -> TriangleMesh:
-    """Ball and shank of a cutter, mm; the ball's centre at 0, the shank along +z."""
-    turn = np.linspace(0.0, 2.0 * np.pi, AROUND + 1)
-    below = np.linspace(-0.5 * np.pi, 0.0, UP)
+    """Mesh of a cutter's ball and shank, mm; the ball's centre is at 0, the shank along +z."""
+    turn = np.linspace(0.0, 2.0 * np.pi, CUTTER_POINTS_AROUND + 1)
+    below = np.linspace(-0.5 * np.pi, 0.0, CUTTER_POINTS_UP)
 
     def sheet(region: str, rho: Array, z: Array, out: Callable[[Array], Array]) -> ToolSheet:
         points = np.stack(
@@ -92,5 +101,5 @@ def _frame(axis: Array) -> Array:
 
 
 def _in_one(lines: Array) -> Array:
-    """Lines (P, N, 3) as one polyline (K, 3), broken between them."""
+    """Join lines (P, N, 3) to one polyline (K, 3), interrupted between them."""
     return np.concatenate([np.concatenate((line, np.full((1, 3), np.nan))) for line in lines])

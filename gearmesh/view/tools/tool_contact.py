@@ -1,6 +1,7 @@
-"""The picture of a tool and of the tooth that it generates, with the lines along which they touch [CR3553 1.5; LF04 Fig. 18.4.3].
+"""Picture of a tool and of the tooth that it generates, with their lines of contact [CR3553 1.5; LF04 Fig. 18.4.3].
 
-Both surfaces are opened like a book, about the tooth's root, which the tool's tip generates: toe and heel are on the same side.
+Both surfaces are opened like a book, about the tooth's root, which the tool's tip generates. Toe and heel stay on the
+same side.
 
       ___________ tip
      |_tooth_____|       seen from the tool
@@ -18,44 +19,48 @@ from gearmesh.kernel.numeric.algebra import Array, cross, unit
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.generation.contact_lines import ContactLine, ToolContact
 from gearmesh.tools.drawing import ToolSheet
-from gearmesh.view.palette import CURVES, INK
-from gearmesh.view.scene import STEEL, TOOL, Curve, Scene, SceneBody, Word
+from gearmesh.view.palette import CURVE_COLOURS, INK_COLOUR
+from gearmesh.view.scene import STEEL_PAINT, TOOL_PAINT, Curve, Scene, SceneBody, Word
 from gearmesh.view.tools.tool_scene import sheet_mesh
 from gearmesh.view.views import frame
 
-#: by how much a picture is larger than what it holds, how far tool and tooth are apart, in the height of what generates the flank,
-#: and how far above them lines are drawn, in its size
-MARGIN, APART, LIFT = 1.3, 0.45, 1e-3
+#: size of the picture relative to its content
+CONTACT_MARGIN = 1.3
+#: distance between tool and tooth, in heights of the generating surface
+GAP_HEIGHTS = 0.45
+#: height of lines above the generating surface, relative to its size
+LIFT_SIZE_SHARE = 1e-3
 
 
 def tool_contact_scene(
     tool: ToolContact, tooth: TriangleMesh, title: str = "", size: tuple[int, int] = (1600, 1200)
 ) -> Scene:
-    """The side of the tool that generates the flank, and above it the mesh of that `tooth`, own frame; in the tool's frame."""
+    """Scene of the tool's generating side, and above it the mesh of that `tooth`, own frame; in the tool's frame."""
     mesh, active = sheet_mesh(tool.sheets, tool.name), tool.active
-    lift = LIFT * float(np.linalg.norm(np.ptp(active.points.reshape(-1, 3), axis=0)))
+    lift = LIFT_SIZE_SHARE * float(np.linalg.norm(np.ptp(active.points.reshape(-1, 3), axis=0)))
     seen = _axes(active, -1.0)
     placed = _open(tool, seen, tooth)
     # what generates the flank; along a thread no more than the line itself
     rim = _rim(active.points - lift * active.normals)
-    curves = [Curve(rim, colour=INK, width=2.0)] if tool.rolls else []
-    for colour, line in zip(CURVES, tool.lines, strict=False):
+    curves = [Curve(rim, colour=INK_COLOUR, width=2.0)] if tool.rolls else []
+    for colour, line in zip(CURVE_COLOURS, tool.lines, strict=False):
         points, normals = line.on_tooth
         curves.append(Curve(line.points - lift * line.normals, _caption(tool, line), colour, 4.0))
         curves.append(Curve(placed.point(points + lift * normals), colour=colour, width=4.0))
     shown = placed.point(tooth.vertices)
-    camera = frame(seen[2], seen[1], np.concatenate((_near(tool).reshape(-1, 3), shown)), size, MARGIN)
+    camera = frame(seen[2], seen[1], np.concatenate((_near(tool).reshape(-1, 3), shown)), size, CONTACT_MARGIN)
     grid = placed.point(tool.flank.points)
     i, j = (n // 2 for n in grid.shape[:2])
     words = tuple(Word(word, grid[i, k], grid[i, j]) for word, k in zip(tool.ends, (0, -1), strict=True))
-    bodies = (SceneBody(mesh, Rigid.identity(), TOOL), SceneBody(tooth, placed, STEEL))
+    bodies = (SceneBody(mesh, Rigid.identity(), TOOL_PAINT), SceneBody(tooth, placed, STEEL_PAINT))
     return Scene(bodies, camera, tuple(curves), words=words, title=title, size=size)
 
 
 def _axes(sheet: ToolSheet, sense: float) -> Array:
-    """Rows: to the right, up and towards who sees a grid, from root to tip and from toe to heel, along `sense` times its normals.
+    """Rows (3, 3): directions to the right, up and towards the viewer of a grid from root to tip and from toe to heel.
 
-    The tool, seen against its normals, has its tip at the tooth's root.
+    The viewer is on the side of `sense` times the normals. The tool, seen against its normals, has its tip at the
+    tooth's root.
     """
     i, j = (n // 2 for n in sheet.points.shape[:2])
     back, rise = sense * sheet.normals[i, j], sense * (sheet.points[-1, j] - sheet.points[0, j])
@@ -65,17 +70,19 @@ def _axes(sheet: ToolSheet, sense: float) -> Array:
 
 
 def _open(tool: ToolContact, seen: Array, tooth: TriangleMesh) -> Rigid:
-    """The tooth's own frame over the tool's: above the tool as it is `seen` (3, 3), its flank towards who sees it."""
+    """Motion from the tooth's own frame to the tool's: the tooth is above the tool as `seen` (3, 3), its flank to the
+    viewer.
+    """
     turn = seen.T @ _axes(tool.flank, 1.0)
     active, flank = tool.active.points.reshape(-1, 3) @ seen.T, tool.flank.points.reshape(-1, 3) @ turn.T @ seen.T
     shift = 0.5 * (active.max(axis=0) + active.min(axis=0) - flank.max(axis=0) - flank.min(axis=0))
-    above = (_near(tool).reshape(-1, 3) @ seen.T)[:, 1].max() + APART * float(np.ptp(active[:, 1]))
+    above = (_near(tool).reshape(-1, 3) @ seen.T)[:, 1].max() + GAP_HEIGHTS * float(np.ptp(active[:, 1]))
     shift[1] = above - (tooth.vertices @ turn.T @ seen.T)[:, 1].min()
     return Rigid(turn, shift @ seen)
 
 
 def _near(tool: ToolContact) -> Array:
-    """Points (K, 3) of the tool that are shown for sure."""
+    """Points (K, 3) of the tool that the picture must hold."""
     if not tool.rolls:
         return tool.active.points.reshape(-1, 3)
     return np.concatenate([sheet.points.reshape(-1, 3) for sheet in tool.sheets])
@@ -88,5 +95,5 @@ def _caption(tool: ToolContact, line: ContactLine) -> str:
 
 
 def _rim(grid: Array) -> Array:
-    """The outer points (K, 3) of a grid (I, J, 3), once round."""
+    """Points (K, 3) round the edge of a grid (I, J, 3)."""
     return np.concatenate((grid[0], grid[1:, -1], grid[-1, -2::-1], grid[-2::-1, 0]))
