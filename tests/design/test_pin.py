@@ -243,8 +243,8 @@ OTHER_RULES: dict[str, tuple[str, Any, dict[str, Any]]] = {
     "gap": ("gearmesh.systems.cylindrical.double_helical.BELOW", 0.9, MORE["halves"]),
     "web": ("gearmesh.systems.common.bodies.body.RIM_DEPTHS", 1.5, MORE["shafts"]),
     "holes": ("gearmesh.systems.common.bodies.features.HOLE_ROOM", 0.4, MORE["shafts"]),
-    "chamfer": ("gearmesh.systems.cylindrical.cutting.hobbed.CHAMFER", 50.0, MORE["shafts"]),
-    "cutter": ("gearmesh.systems.cylindrical.cutting.cutter_choice.CUTTER", 0.5, MORE["inch"]),
+    "chamfer": ("gearmesh.systems.cylindrical.cutting.hobbed.DEFAULT_CHAMFER_ANGLE_DEG", 50.0, MORE["shafts"]),
+    "cutter": ("gearmesh.systems.cylindrical.cutting.cutter_choice.CUTTER_TEETH_SHARE", 0.5, MORE["inch"]),
     "rim": ("gearmesh.systems.cylindrical.cutting.shaped.RIM", 4.0, MORE["inch"]),
     "profile": (
         "gearmesh.systems.cylindrical.design.PROFILES",

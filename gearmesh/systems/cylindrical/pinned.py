@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from gearmesh.systems.cylindrical.cutting.cutter import cutter_of
-from gearmesh.systems.cylindrical.cutting.hobbed import CHAMFER
+from gearmesh.systems.cylindrical.cutting.hobbed import DEFAULT_CHAMFER_ANGLE_DEG
 from gearmesh.systems.cylindrical.double_helical import half_of
 from gearmesh.systems.cylindrical.geometry.nominal import MEMBER_NAMES
 from gearmesh.systems.cylindrical.geometry.proportions import proportions
@@ -42,5 +42,5 @@ def member_values(gear: GearProportions, called: str, member: Member) -> Values:
     if spec.hob is not None and spec.hob.protuberance and spec.hob.protuberance_angle is None:
         values["hob.protuberance_angle"] = math.degrees(0.5 * gear.own.alpha)
     if spec.hob is not None and spec.hob.chamfer_diameter is not None and spec.hob.chamfer_angle is None:
-        values["hob.chamfer_angle"] = CHAMFER
+        values["hob.chamfer_angle"] = DEFAULT_CHAMFER_ANGLE_DEG
     return {f"{called}.{key}": value for key, value in values.items()}

@@ -1,1 +1,1 @@
-"""Tools of cylindrical gears and what they generate: hobs, shaper cutters."""
+"""Tools of cylindrical gears and the surfaces that they generate: hobs, shaper cutters, form tools."""

@@ -9,7 +9,7 @@ from dataclasses import replace
 from gearmesh.design.keys import given_or
 from gearmesh.errors import DesignError
 from gearmesh.systems.cylindrical.cutting.cutter_choice import (
-    INSIDE,
+    TIP_MARGIN_MODULES,
     CutterChoice,
     generating,
     sharp_tool,
@@ -24,9 +24,9 @@ from gearmesh.tools.shaper import Shaper
 
 
 def cutter_of(gear: ToothedGear) -> Toothing:
-    """The teeth of the cutter that shapes a gear: those given, or about two fifths of the gear's.
+    """Return the teeth of the cutter that shapes a gear: the given cutter, or the standard one.
 
-    Of an internal gear whose tips that cutter would leave without involute: the fewest that do not.
+    If the standard cutter would leave no involute at the tips of an internal gear, the fewest teeth that do are taken.
     """
     cutter = _cutter(gear)
     if gear.spec.shaper is not None or not gear.spec.internal:
@@ -36,7 +36,7 @@ def cutter_of(gear: ToothedGear) -> Toothing:
 
 
 def _cutter(gear: ToothedGear) -> Toothing:
-    """The cutter that is given, or the standard one."""
+    """Return the given cutter, or the standard cutter."""
     own, given = gear.own, gear.spec.shaper
     return Toothing(
         teeth=standard_teeth(own) if given is None else given.teeth,
@@ -48,31 +48,39 @@ def _cutter(gear: ToothedGear) -> Toothing:
 
 
 def cut_addendum(gear: ToothedGear, height: float) -> float:
-    """The addendum that is not given: the `height` that its mating gear leaves room for, or, of an internal gear, what there is a
-    cutter for, or, of a formed one, there is involute."""
+    """Return the default addendum of a gear.
+
+    `height`: the addendum for which the mating gear leaves room. The addendum of an internal gear is limited by the
+    cutters that can exist; for a formed gear it is limited by the base circle.
+    """
     spec, own = gear.spec, gear.own
     if not own.internal or spec.tip_diameter is not None:
         return height
     tip = tip_radius(spec, own, height, 0.0)
     if spec.formed:
-        least = tip if tip > own.base_radius else own.base_radius + INSIDE * own.module
+        least = tip if tip > own.base_radius else own.base_radius + TIP_MARGIN_MODULES * own.module
     else:
         least = CutterChoice(own, root_radius(gear), _cutter(gear)).default_tip(tip, given=spec.shaper is not None)
     return float(height - (least - tip) / own.module)
 
 
 def root_radius(gear: ToothedGear) -> float:
-    """Root radius of a gear: from its root diameter, its cutter's addendum or its dedendum, which the profile says by default; as
-    the tool leaves it that is fed for the allowance of the thickness, where it is."""
+    """Return the root radius of a gear, from its root diameter, its cutter's addendum or its dedendum.
+
+    The default dedendum is that of the profile. If the tool is fed for the allowance of the thickness, the root radius
+    includes this feed.
+    """
     spec = gear.spec
     by_cutter = spec.root_diameter is None and spec.shaper is not None and spec.shaper.addendum is not None
-    # a cutter's own addendum reaches as deep as it is fed
+    # a given addendum of the cutter already includes the feed
     return _root_at_shift(gear) + (_fed(gear) if spec.allowance_by == "feed" and not by_cutter else 0.0)
 
 
 def _fed(gear: ToothedGear) -> float:
-    """By how much the root radius moves as the tool is fed for the allowance of the thickness: the difference of the cutter's
-    distances, or of a rack's, sense (x_E - x) m_n."""
+    """Return the change of the root radius when the tool is fed for the allowance of the thickness.
+
+    For a cutter it is the difference of the centre distances, for a rack sense (x_E - x) m_n.
+    """
     own = gear.own
     if not gear.spec.shaped:
         return own.sense * (own.generating_shift - own.shift) * own.module
@@ -81,7 +89,7 @@ def _fed(gear: ToothedGear) -> float:
 
 
 def _root_at_shift(gear: ToothedGear) -> float:
-    """The root radius of the profile shift."""
+    """Return the root radius that belongs to the profile shift."""
     spec, own = gear.spec, gear.own
     if spec.root_diameter is not None:
         return float(0.5 * spec.root_diameter)
@@ -93,9 +101,9 @@ def _root_at_shift(gear: ToothedGear) -> float:
 
 
 def sharp_shaper(gear: ToothedGear) -> Shaper:
-    """The cutter of a shaped gear, or the form tool of a formed one, in the transverse section, without rounding.
+    """Return the cutter of a shaped gear, or the form tool of a formed gear, without rounding.
 
-    Raises DesignError for one that cannot cut these teeth.
+    The tool is given in the transverse section. Raises DesignError if it cannot cut these teeth.
     """
     name, own = gear.name, gear.own
     if gear.spec.formed:
@@ -103,8 +111,8 @@ def sharp_shaper(gear: ToothedGear) -> Shaper:
     cutter = cutter_of(gear)
     if own.internal and cutter.teeth >= own.teeth:
         raise DesignError(f"{name}.shaper.teeth", cutter.teeth, must_be=f"fewer than the internal gear's, {own.teeth}")
-    apart = generating(cutter, own).distance
-    if math.isnan(apart):
+    distance = generating(cutter, own).distance
+    if math.isnan(distance):
         raise DesignError(
             f"{name}.profile_shift",
             own.shift,
@@ -115,7 +123,10 @@ def sharp_shaper(gear: ToothedGear) -> Shaper:
 
 
 def trimming_warnings(gears: Iterable[ToothedGear]) -> tuple[str, ...]:
-    """A line for an internal gear whose tips its cutter trims as it is fed in radially, with the cutters that do not."""
+    """Return a warning for each internal gear whose tips its cutter trims when it is fed in radially.
+
+    The warning lists cutters that do not trim the tips.
+    """
     warnings = []
     for gear in gears:
         if not gear.own.internal or gear.spec.formed:
@@ -131,7 +142,7 @@ def trimming_warnings(gears: Iterable[ToothedGear]) -> tuple[str, ...]:
 
 
 def other_cutters(gears: Iterable[ToothedGear]) -> tuple[str, ...]:
-    """A line for an internal gear whose cutter is not given and not the standard one."""
+    """Return a warning for each internal gear whose default cutter is not the standard one."""
     warnings = []
     for gear in gears:
         spec, own, standard = gear.spec, gear.own, standard_teeth(gear.own)

@@ -1,8 +1,8 @@
-"""Which shaper cutters leave an internal gear its tips: with few teeth they generate no involute up to there, with many they trim.
+"""Choice of the shaper cutter of an internal gear: few teeth leave no involute at the tips, many teeth trim them.
 
-A cutter's involute begins at its base circle, so that what it generates of the gear's flank ends at a radius that falls as the
-cutter has more teeth; fed in radially it cuts tips off below a radius that grows with them (see `interference`). A tip radius
-between both is what a cutter can do.
+The involute of a cutter begins at its base circle. The involute of the gear's flank therefore ends at a radius, which
+falls as the cutter has more teeth. A cutter that is fed in radially cuts off tips below another radius, which grows
+with its teeth (see `interference`). A tip radius not below either of them can be cut.
 """
 
 from __future__ import annotations
@@ -19,33 +19,37 @@ from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair, Toothin
 from gearmesh.systems.cylindrical.geometry.interference import least_that, reserves
 from gearmesh.tools.shaper import Shaper
 
-#: teeth of a cutter that is not given: part of the member's, and between which numbers
-CUTTER, FEWEST, MOST = 0.4, 12, 50
-#: fewest teeth that any cutter has
-LEAST = 6
-#: how far, in modules, a default tip stays from where a cutter's involute begins, or where it trims
-INSIDE = 0.02
+#: teeth of a default cutter, as part of the member's
+CUTTER_TEETH_SHARE = 0.4
+#: fewest teeth of a default cutter
+MIN_DEFAULT_TEETH = 12
+#: most teeth of a default cutter
+MAX_DEFAULT_TEETH = 50
+#: fewest teeth of any cutter
+MIN_CUTTER_TEETH = 6
+#: margin between a default tip and the radius at which a cutter's involute ends, or at which it trims
+TIP_MARGIN_MODULES = 0.02
 
 
 def standard_teeth(own: Toothing) -> int:
-    """Teeth of the cutter of a member where nothing speaks against them."""
-    return min(max(FEWEST, round(CUTTER * own.teeth)), MOST, own.teeth - 1)
+    """Return the number of teeth of a member's standard cutter."""
+    return min(max(MIN_DEFAULT_TEETH, round(CUTTER_TEETH_SHARE * own.teeth)), MAX_DEFAULT_TEETH, own.teeth - 1)
 
 
 def generating(cutter: Toothing, own: Toothing) -> InvolutePair:
-    """Cutter and member as they stand when the last cut is made: without backlash."""
+    """Return cutter and member at the position of the last cut: without backlash."""
     signed = own.signed_teeth + cutter.teeth
     thicknesses = (own.thickness + cutter.thickness) / own.module
-    # the sum of shifts that belongs to these thicknesses
+    # sum of the profile shifts that leads to these thicknesses
     shifts = (thicknesses - math.pi) / (2.0 * math.tan(own.alpha))
-    even = replace(cutter, shift=shifts, allowance=0.0), replace(own, shift=0.0, allowance=0.0)
-    return InvolutePair(cutter, own, distance_of(*even) if signed else math.nan)
+    nominal = replace(cutter, shift=shifts, allowance=0.0), replace(own, shift=0.0, allowance=0.0)
+    return InvolutePair(cutter, own, distance_of(*nominal) if signed else math.nan)
 
 
 def sharp_tool(cutting: InvolutePair, root: float) -> Shaper:
-    """The cutter of a last cut to a root radius, without rounding, as a tool in the transverse section.
+    """Return the cutter of a last cut to a root radius as a tool in the transverse section, without rounding.
 
-    Raises DesignError for one that cannot exist.
+    Raises DesignError if it cannot exist.
     """
     cutter, own = cutting.pinion, cutting.gear
     return Shaper(
@@ -59,7 +63,7 @@ def sharp_tool(cutting: InvolutePair, root: float) -> Shaper:
 
 @dataclass(frozen=True)
 class CutterChoice:
-    """An internal gear, its root radius, and a cutter, which may have other tooth numbers."""
+    """An internal gear, its root radius, and a cutter whose tooth number is varied."""
 
     own: Toothing
     root: float
@@ -69,7 +73,7 @@ class CutterChoice:
         return generating(replace(self.cutter, teeth=teeth), self.own)
 
     def involute_from(self, teeth: int) -> float:
-        """Least radius at which a cutter generates involute; infinite of one that cannot exist."""
+        """Return the least radius at which a cutter generates involute; infinite if the cutter cannot exist."""
         cutting = self.cutting(teeth)
         try:
             sharp_tool(cutting, self.root)
@@ -78,51 +82,55 @@ class CutterChoice:
         return math.hypot(self.own.base_radius, cutting.generator)
 
     def clears(self, teeth: int, tip: float) -> bool:
-        """Whether a cutter that is fed in radially leaves tips of a radius as they are."""
+        """True if a cutter that is fed in radially does not trim tips at a radius."""
         cutting = self.cutting(teeth)
         if self.root <= cutting.distance:
-            # a cutter whose tips do not reach beyond its own axis
+            # the cutter's tips do not reach beyond its own axis
             return False
         return reserves(cutting, (self.root - cutting.distance, tip)).trimming >= 0.0
 
     def untrimmed_from(self, teeth: int) -> float:
-        """Least tip radius that a cutter fed in radially leaves as it is."""
+        """Return the least tip radius that a cutter fed in radially does not trim."""
         return least_that(lambda tip: self.clears(teeth, tip), self.own.base_radius, self.root)
 
     @property
     def numbers(self) -> range:
-        return range(LEAST, self.own.teeth)
+        return range(MIN_CUTTER_TEETH, self.own.teeth)
 
     def generating_from(self, tip: float) -> int:
-        """Fewest teeth that generate involute up to a tip radius, the gear's own number where none do."""
+        """Return the fewest teeth that generate involute up to a tip radius; the gear's own number if none do."""
         return self._first(lambda teeth: self.involute_from(teeth) <= tip)
 
     def clearing_up_to(self, tip: float) -> int:
-        """Most teeth that do not trim tips of a radius."""
+        """Return the most teeth that do not trim tips at a radius."""
         return self._first(lambda teeth: not self.clears(teeth, tip)) - 1
 
     def _first(self, holds: Callable[[int], bool]) -> int:
-        """The first number that holds, as all that follow do."""
-        return LEAST + bisect_left(self.numbers, True, key=holds)
+        """Return the first tooth number that `holds`; all larger numbers hold, too."""
+        return MIN_CUTTER_TEETH + bisect_left(self.numbers, True, key=holds)
 
     @property
     def deepest(self) -> tuple[int, float]:
-        """The cutter that does both for the least tip radius, and that radius."""
+        """Cutter with the least tip radius that it neither trims nor leaves without involute, and this radius."""
+        # one radius falls with the teeth, the other grows: the least maximum is beside their crossing
         crossing = self._first(lambda teeth: self.untrimmed_from(teeth) >= self.involute_from(teeth))
-        both = [teeth for teeth in (crossing - 1, crossing) if teeth in self.numbers] or [self.numbers[-1]]
-        radii = {teeth: max(self.untrimmed_from(teeth), self.involute_from(teeth)) for teeth in both}
+        neighbours = [teeth for teeth in (crossing - 1, crossing) if teeth in self.numbers] or [self.numbers[-1]]
+        radii = {teeth: max(self.untrimmed_from(teeth), self.involute_from(teeth)) for teeth in neighbours}
         best = min(radii, key=lambda teeth: radii[teeth])
         return best, radii[best]
 
     def default_teeth(self, tip: float) -> int:
-        """The standard cutter's, or, where it leaves no involute up to a tip radius, the fewest that do."""
+        """Return the teeth of the default cutter.
+
+        It is the standard cutter, or the cutter with the fewest teeth that generate involute up to a tip radius.
+        """
         standard = standard_teeth(self.own)
         if self.involute_from(standard) <= tip:
             return standard
         return min(max(standard, self.generating_from(tip)), self.own.teeth - 1)
 
     def default_tip(self, tip: float, *, given: bool) -> float:
-        """A tip radius, or what there is a cutter for; only the one there is, if it is `given`."""
+        """Return a tip radius, limited by the cutters that exist; only by the cutter itself if it is `given`."""
         teeth = self.cutter.teeth if given else standard_teeth(self.own)
         least = self.involute_from(teeth)
         if least <= tip:
@@ -131,11 +139,11 @@ class CutterChoice:
             if self.generating_from(tip) <= self.clearing_up_to(tip):
                 return tip
             least = self.deepest[1]
-        # without any cutter that can exist the shaper's own refusal says why
-        return tip if math.isinf(least) else max(tip, least + INSIDE * self.own.module)
+        # if no cutter can exist, the refusal of the shaper gives the reason
+        return tip if math.isinf(least) else max(tip, least + TIP_MARGIN_MODULES * self.own.module)
 
     def possible(self, name: str, tip: float) -> str:
-        """Which tooth numbers leave tips of a radius, in words, and which tips there is a cutter for where none do."""
+        """Return the tooth numbers, as text, that leave tips at a radius, or else the tips that can be cut."""
         low, high = self.generating_from(tip), self.clearing_up_to(tip)
         if low <= high:
             return f"allowed are {low} teeth" if low == high else f"allowed are {low} to {high} teeth"

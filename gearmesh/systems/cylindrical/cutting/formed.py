@@ -1,16 +1,17 @@
-r"""Internal gears that are not generated: broached, wire cut, moulded.
+r"""Internal gears that are not generated but broached, wire cut or moulded.
 
-The tool has the profile of the spaces, and that is the profile of the gear's external counterpart: as many teeth, involutes of the
-same base circle, roundings of the tips that touch involute and top circle; in the transverse section:
+The tool has the profile of the spaces. This is the profile of the gear's external counterpart: as many teeth, involutes
+of the same base circle, and roundings of the tips that touch involute and top circle. In the transverse section:
 
         |    space     |
-         \  = tooth   /   involute, on the base circle inwards of which no flank can be
+         \  = tooth   /   involute, outside the base circle, inside of which no flank can be
           \  of the  /
-           (  tool  )     arc of the radius that is given: the root fillet
+           (  tool  )     arc of the given radius: the root fillet
             `------'      root circle
 
-It is a `Shaper` that stands where it is; a helical gear is its section, twisted along the axis. Broached internal teeth have
-such fillets on their drawings, too [DIN 5480, ANSI B92.1]; without generating there are neither undercut nor trimmed tips.
+The tool is a `Shaper` that does not roll; a helical gear is its section, twisted along the axis. Drawings of broached
+internal teeth have such fillets, too [DIN 5480, ANSI B92.1]. Without generating there are neither undercut nor trimmed
+tips.
 """
 
 from __future__ import annotations
@@ -39,16 +40,16 @@ if TYPE_CHECKING:
 
 
 def counterpart(own: Toothing) -> Toothing:
-    """The external teeth that fill the spaces of internal ones."""
+    """Return the external teeth that fill the spaces of internal teeth."""
     shift = -own.shift - 0.5 * own.allowance / (own.module * math.tan(own.alpha))
     return replace(own, internal=False, shift=shift, allowance=0.0)
 
 
 def form_tool(name: str, spec: CylindricalMember, own: Toothing, root: float) -> Shaper:
-    """The tool of an internal gear of a root radius in the transverse section, without rounding.
+    """Return the tool of an internal gear with a root radius, in the transverse section and without rounding.
 
-    Raises DesignError naming key, value and limit: teeth that leave no spaces, a root inside the base circle, spaces that are
-    pointed above it.
+    Raises DesignError naming key, value and limit: teeth that leave no spaces, a root inside the base circle, or spaces
+    that are pointed above it.
     """
     _check_spaces(name, spec, own)
     _check_root(name, spec, own, root)
@@ -63,7 +64,10 @@ def form_tool(name: str, spec: CylindricalMember, own: Toothing, root: float) ->
 
 
 def with_rounding(name: str, radius: float, own: Toothing, sharp: Shaper) -> Shaper:
-    """The tool with roundings of a radius (normal modules). Raises DesignError for more than the spaces have room for."""
+    """Return the tool with roundings of a radius (normal modules).
+
+    Raises DesignError if the spaces have no room for them.
+    """
     largest = sharp.largest_tip_radius
     if radius * own.module > largest:
         raise DesignError(
@@ -76,6 +80,7 @@ def with_rounding(name: str, radius: float, own: Toothing, sharp: Shaper) -> Sha
 
 
 def _check_spaces(name: str, spec: CylindricalMember, own: Toothing) -> None:
+    """Refuse teeth so thick that they leave no spaces."""
     over = own.thickness - math.pi * own.module
     if over < 0.0:
         return
@@ -91,6 +96,7 @@ def _check_spaces(name: str, spec: CylindricalMember, own: Toothing) -> None:
 
 
 def _check_root(name: str, spec: CylindricalMember, own: Toothing, root: float) -> None:
+    """Refuse a root inside the base circle, or beyond the point where the spaces are pointed."""
     half_pitch = math.pi / own.teeth
 
     def open_at(radius: float) -> bool:
@@ -123,9 +129,11 @@ class Forming(FixedCut):
     tip: float
 
     def section(self, profile: Profile, which: Side, twist: float = 0.0) -> PlacedSurface:
-        """What a profile of the tool leaves on one side of the tooth in the transverse section; with its `twist` (rad/mm) on
-        helical teeth."""
-        # the tool's space, towards -x of its axis, is where the member's tooth is: on +x
+        """Return the surface that a profile of the tool leaves on one side of the tooth.
+
+        `twist`: twist (rad/mm) of the tool for helical teeth; 0 gives the transverse section of spur teeth.
+        """
+        # the tool's space is towards -x of its axis, the member's tooth on +x
         place = Rigid.about_z(math.pi) @ Rigid(np.eye(3), np.array([-self.shaper.pitch_radius, 0.0, 0.0]))
         return PlacedSurface(self.tool(profile, -which.sign, twist), place)
 

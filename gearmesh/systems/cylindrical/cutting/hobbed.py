@@ -1,17 +1,17 @@
-"""What a hob with protuberance or chamfer generates, and the finishing tool after it: fillet, flank, tip [ISO 6336-3, ISO 53].
+"""Teeth cut by a hob with protuberance or chamfer and by a finishing tool: fillet, flank, tip [ISO 6336-3, ISO 53].
 
 In the normal section, x out of the blank, the hob on the left and the blank's tooth on the right:
 
-        x ^   hob     /q/   blank's tooth    q: stock, from the hob's flank to the finished one
+        x ^   hob     /q/   blank's tooth    q: stock, from the hob's flank to the finished flank
           |          / /
           |         | /     line of the pressure angle alpha_prP0, from the hob's flank to the rounding
           |         |/
-          |         (|      rounding: at most pr_P0 beyond the hob's flank, pr_P0 - q beyond the finished one
+          |         (|      rounding: at most pr_P0 beyond the hob's flank, pr_P0 - q beyond the finished flank
         __|________/        tip plane
 
-What hob and finishing tool generate are curves in one transverse section, the same in all of them. Each part of a tool's profile
-generates one as far as it is sound; where the tools' profiles have a corner that is hollow, and where one tool cuts what the other
-one left, the curves cross, and the tooth ends at their true intersection.
+Hob and finishing tool generate curves in one transverse section, the same in all of them. Each part of a tool's profile
+generates a curve as far as it is sound. Curves cross where a tool's profile has a hollow corner, and where one tool
+cuts the surface that the other left. The tooth ends at their exact intersection.
 """
 
 from __future__ import annotations
@@ -41,17 +41,17 @@ from gearmesh.tools.rack import Arc, ProfilePieces, RackLine, RackSurface, Rolle
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import CylindricalMember, Hob
 
-#: samples of a curve between which crossings are looked for
-SAMPLES = 400
-#: pressure angle (deg) of a hob's root that is not given
-CHAMFER = 45.0
-#: part of the module that is nothing
-NOTHING = 1e-9
+#: samples of a curve between which crossings are searched
+CURVE_SAMPLES = 400
+#: default pressure angle of a hob's root that cuts chamfers
+DEFAULT_CHAMFER_ANGLE_DEG = 45.0
+#: smaller lengths are rounding
+ROUNDING_MODULES = 1e-9
 
 
 @dataclass(frozen=True)
 class ToothCut:
-    """A part of a tool's profile that generates a sound curve; its parameters towards the root and towards the tip."""
+    """A part of a tool's profile that generates a sound curve, with its parameters towards root and tip."""
 
     profile: Profile
     root: float
@@ -59,30 +59,34 @@ class ToothCut:
 
 
 def flank_line(own: Toothing, outwards: float = 0.0) -> RackLine:
-    """The rack's flank that generates a member's, or a line `outwards` of it (mm, normal to it)."""
+    """Return the rack's flank that generates a member's flank, or a line `outwards` of it (mm, along its normal)."""
     half = 0.25 * math.pi * own.module + 0.5 * own.allowance
     return RackLine(own.alpha, own.module, half + outwards / math.cos(own.alpha), own.shift * own.module)
 
 
 def hobbed_racks(name: str, spec: CylindricalMember, own: Toothing, heights: Heights) -> tuple[RackTooth, RackTooth]:
-    """Both sides of the space of the hob, or of hob and finishing tool, that generate a member.
+    """Return both sides of the space of the hob, or of hob and finishing tool, that generate a member.
 
-    Raises DesignError naming key, value and limit: no room for the rounding, protuberance longer than the flank or no flank left.
+    Raises DesignError naming key, value and limit: no room for the rounding, a protuberance longer than the flank, or
+    no flank left.
     """
     hob = spec.hob
-    left, depth = (0.0, 0.0) if hob is None else (hob.remaining_stock, hob.relief)
-    cutting, final = flank_line(own, left - depth), flank_line(own, left)
+    remaining_stock, relief = (0.0, 0.0) if hob is None else (hob.remaining_stock, hob.relief)
+    # the tip rounding touches the line `cutting`, which projects beyond the final flank by the relief
+    cutting, final = flank_line(own, remaining_stock - relief), flank_line(own, remaining_stock)
     racks = round_tips(name, spec, own.module, (cutting, cutting), heights)
     if hob is None:
         return racks
     made = racks[0]
     hobbing = _Hobbing(
-        name, hob, replace(own, allowance=own.allowance + 2.0 * left / math.cos(own.alpha)), heights, made
+        name, hob, replace(own, allowance=own.allowance + 2.0 * remaining_stock / math.cos(own.alpha)), heights, made
     )
-    if abs(depth) >= NOTHING * own.module:
+    if abs(relief) >= ROUNDING_MODULES * own.module:
         hob_flank = flank_line(own, hob.stock)
-        parts = hobbing.hob_parts(hob_flank) if depth < 0.0 else hobbing.tip_parts(hob_flank)
-        *fillet, flank = hobbing.relieve(parts, final) if depth > 0.0 else hobbing.notch(parts, final)
+        parts = hobbing.hob_parts(hob_flank) if relief < 0.0 else hobbing.tip_parts(hob_flank)
+        # curves of the hob, cut where the final flank begins
+        *fillet, flank = hobbing.relieve(parts, final) if relief > 0.0 else hobbing.notch(parts, final)
+        # parameters of the fillet's pieces grow with their lengths, in modules, towards the tip
         knots = ROOT - np.cumsum([0.0, *(hobbing.length(part) / own.module for part in fillet)])
         pieces = ProfilePieces(
             tuple(part.profile for part in fillet),
@@ -97,16 +101,24 @@ def hobbed_racks(name: str, spec: CylindricalMember, own: Toothing, heights: Hei
 
 @dataclass(frozen=True)
 class _Hobbing:
-    """A hob over a member: `rack` is that of its tip, with the line that its rounding touches where it projects most."""
+    """A hob over a member."""
 
+    #: name of the member
     name: str
+    #: the hob's keys
     hob: Hob
+    #: teeth as cut, including the remaining stock
     own: Toothing
+    #: heights of tip and root over the reference cylinder, mm
     heights: Heights
+    #: rack of the hob's tip, with the line that its rounding touches where it projects most
     rack: RackTooth
 
     def tip_parts(self, flank: RackLine) -> list[ToothCut]:
-        """The tip rounding and the line from the protuberance to the hob's `flank`, as far as their curves bound the tooth."""
+        """Return the tip rounding and the line from it to the hob's `flank`, as far as they bound the tooth.
+
+        The line is that of the protuberance.
+        """
         hob, own, arc = self.hob, self.own, self.rack.rounding
         rounding = ToothCut(RolledArc(arc), ROOT, RolledArc.parameter(own.alpha))
         if not hob.protuberance:
@@ -120,9 +132,10 @@ class _Hobbing:
                 allowed=f"less than the pressure angle, {math.degrees(own.alpha):g} deg",
             )
         if hob.protuberance <= -arc.radius * (1.0 - math.cos(own.alpha - angle)):
-            # so little that the rounding itself meets the hob's flank
+            # the protuberance is so small that the rounding itself meets the hob's flank
             ends = own.alpha - math.acos(1.0 + hob.protuberance / arc.radius)
             return [replace(rounding, tip=RolledArc.parameter(ends))]
+        # the line is tangent to the rounding and ends where it meets the hob's flank
         (x, y), _, _, _ = arc.section(np.array(angle))
         ramp = RackLine(angle, 0.0, -float(y), float(x))
         away = np.array([x, y]) - flank.section(np.array(flank.at_height(float(x))))[0]
@@ -138,7 +151,7 @@ class _Hobbing:
                 allowed="less, or a smaller protuberance_angle",
             )
         rounding = replace(rounding, tip=RolledArc.parameter(angle))
-        # below this its curve is inside out, and what it generates has been cut off by the rounding
+        # below this height the line's curve is inside out, and the rounding has cut it off
         begins = (self._singular_height(ramp) - float(x)) / math.cos(angle)
         if begins <= 0.0:
             return [rounding, ToothCut(ramp, 0.0, length)]
@@ -147,7 +160,7 @@ class _Hobbing:
         return self._cross([rounding], [ToothCut(ramp, begins, length)]) or [rounding]
 
     def hob_parts(self, flank: RackLine) -> list[ToothCut]:
-        """The parts that bound the tooth as the hob, whose `flank` it is, leaves it."""
+        """Return the parts that bound the tooth as cut by the hob with this `flank`."""
         whole = self._sound(flank)
         parts = self.tip_parts(flank)
         touch = self.rack.form_point[0]
@@ -156,14 +169,15 @@ class _Hobbing:
         return self._cross(parts, [whole]) or self._none_left()
 
     def relieve(self, parts: list[ToothCut], flank: RackLine) -> list[ToothCut]:
-        """The `parts` of the hob and the `flank` that they undercut."""
+        """Return the `parts` of the hob and the finished `flank` that they undercut."""
         return self._cross(parts, [self._sound(flank)]) or self._none_left()
 
     def notch(self, parts: list[ToothCut], flank: RackLine) -> list[ToothCut]:
-        """The `parts` of the hob and those of a finishing tool with a sharp tip, its `flank` last."""
+        """Return the `parts` of the hob and the parts of a finishing tool with a sharp tip, its `flank` last."""
         own, diameter = self.own, self.hob.finishing_diameter
         assert diameter is not None
         key = f"{self.name}.hob.finishing_diameter"
+        # the flank can end anywhere between its lowest sound point and the tip
         lowest = max(own.base_radius, self._radius(own.alpha, max(self._singular_height(flank), self.heights.root)))
         highest = own.radius + self.heights.tip
         if not lowest < 0.5 * diameter < highest:
@@ -176,7 +190,7 @@ class _Hobbing:
         height = self._height(own.alpha, 0.5 * diameter)
         edge = flank.at_height(height)
         (x, y), _, _, _ = flank.section(np.array(edge))
-        # the tip plane is a line whose normal is x, from the middle of the tool's tooth on
+        # the tip plane is a line with the normal x, from the middle of the tool's tooth
         plane = ToothCut(RackLine(0.5 * math.pi, 0.0, 0.0, float(x)), -0.5 * math.pi * own.module, float(y))
         tip = ToothCut(RolledArc(Arc((float(x), float(y)), 0.0)), ROOT, RolledArc.parameter(own.alpha))
         crossed = self._cross(parts, [plane, tip, replace(self._sound(flank), root=edge)])
@@ -185,11 +199,14 @@ class _Hobbing:
         return crossed
 
     def chamfer(self, flank: RackLine, begins: float) -> RackTipCorner:
-        """The line that cuts a chamfer from a diameter of the `flank` on, which has its form point at `begins`."""
+        """Return the line that cuts a chamfer from a diameter of the `flank` on.
+
+        `begins`: the flank's parameter at its form point.
+        """
         hob, own, diameter = self.hob, self.own, self.hob.chamfer_diameter
         assert diameter is not None
         radius, tip = 0.5 * diameter, own.radius + self.heights.tip
-        angle = math.radians(CHAMFER if hob.chamfer_angle is None else hob.chamfer_angle)
+        angle = math.radians(DEFAULT_CHAMFER_ANGLE_DEG if hob.chamfer_angle is None else hob.chamfer_angle)
         if angle <= own.alpha:
             raise DesignError(
                 f"{self.name}.hob.chamfer_angle",
@@ -206,7 +223,7 @@ class _Hobbing:
                 unit="mm",
                 allowed=f"between the root form diameter, {at_least(2.0 * lowest)}, and the tip, {at_most(2.0 * tip)} mm",
             )
-        # the line's curve passes through the flank's point of that radius
+        # the curve of the line passes through the flank's point at this radius
         height = self._height(angle, radius)
         aside = -height / math.tan(self._transverse(angle))
         turn = own.half_angle(radius) + math.atan2(aside, own.radius + height)
@@ -223,6 +240,7 @@ class _Hobbing:
         return RackTipCorner(line, (flank.at_height(self._height(own.alpha, radius)), 0.0), end)
 
     def _none_left(self) -> list[ToothCut]:
+        """Refuse a protuberance that leaves no flank below the tip."""
         raise VagueError(
             f"{self.name}.hob.protuberance",
             self.hob.protuberance,
@@ -232,67 +250,83 @@ class _Hobbing:
         )
 
     def _sound(self, flank: RackLine) -> ToothCut:
-        """The part of a flank whose curve is sound and ends at the blank's tip."""
+        """Return the part of a flank whose curve is sound and ends at the blank's tip."""
         lowest = max(self._singular_height(flank), self.heights.root)
         return ToothCut(flank, flank.at_height(lowest), flank.at_height(self._tip_height(flank)))
 
     def _transverse(self, angle: float) -> float:
+        """Return the transverse angle (rad) that belongs to a normal angle."""
         return math.atan(math.tan(angle) / math.cos(self.own.beta))
 
     def _singular_height(self, line: RackLine) -> float:
-        """Height x of a line's point that generates the foot of its involute; what is below is inside out."""
+        """Return the height x of the line's point that generates the foot of its involute.
+
+        Below this point the generated curve is inside out.
+        """
         return -self.own.radius * math.sin(self._transverse(line.alpha)) ** 2
 
     def _height(self, angle: float, radius: float) -> float:
-        """Height x of the point of a line with a pressure angle that generates the radius: on the line of action."""
+        """Return the height x of the line's point that generates a radius.
+
+        `angle`: pressure angle of the line. The point is on the line of action.
+        """
         slope = self._transverse(angle)
         foot = self.own.radius * math.cos(slope)
         return (math.sqrt(radius**2 - foot**2) - self.own.radius * math.sin(slope)) * math.sin(slope)
 
     def _radius(self, angle: float, height: float) -> float:
-        """The other way round."""
+        """Return the radius that a line of a pressure angle generates at height x; the inverse of `_height`."""
         slope = self._transverse(angle)
         length = self.own.radius * math.sin(slope) + height / math.sin(slope)
         return math.hypot(self.own.radius * math.cos(slope), length)
 
     def _tip_height(self, flank: RackLine) -> float:
+        """Return the height x of the flank's point that generates the tip."""
         return self._height(flank.alpha, self.own.radius + self.heights.tip)
 
     # ------------------------------------------------------------ curves
 
     def _cross(self, lower: Sequence[ToothCut], upper: Sequence[ToothCut]) -> list[ToothCut] | None:
-        """Two chains of parts, each from root to tip, cut where their curves cross next to the upper one's tip; None if nowhere."""
+        """Return two chains of parts joined where they cross next to the upper chain's tip; None if they do not.
+
+        Both chains go from root to tip.
+        """
         for k, above in reversed(list(enumerate(upper))):
-            met = [
+            crossings = [
                 (crossing, n) for n, below in enumerate(lower) if (crossing := self._meeting(above, below)) is not None
             ]
-            if met:
-                (p, q), n = min(met, key=lambda crossing_and_part: abs(crossing_and_part[0][0] - above.tip))
+            if crossings:
+                (p, q), n = min(crossings, key=lambda crossing_and_part: abs(crossing_and_part[0][0] - above.tip))
                 return [*lower[:n], replace(lower[n], tip=q), replace(above, root=p), *upper[k + 1 :]]
         return None
 
     def _meeting(self, above: ToothCut, below: ToothCut) -> tuple[float, float] | None:
-        """Parameters where the curves of two parts cross, the crossing next to the tip of `above`; None where there is none."""
-        (p, v, one), (q, w, other) = self._section_curve(above), self._section_curve(below)
-        at = first_crossing(one, other)
-        if at is None:
+        """Return the parameters at which the curves of two parts cross; None if they do not.
+
+        Of several crossings it is the crossing next to the tip of `above`.
+        """
+        (p, v, curve_above), (q, w, curve_below) = self._section_curve(above), self._section_curve(below)
+        crossing = first_crossing(curve_above, curve_below)
+        if crossing is None:
             return None
-        number = np.arange(SAMPLES)
-        start = np.array([[np.interp(at[k], number, x) for k, x in ((0, p), (0, v), (1, q), (1, w))]])
+        # start at the crossing of the polylines; Newton's method finds the crossing of the curves
+        number = np.arange(CURVE_SAMPLES)
+        start = np.array([[np.interp(crossing[k], number, x) for k, x in ((0, p), (0, v), (1, q), (1, w))]])
         solution = intersection((self._surface(above), self._surface(below)), start, np.zeros(1), PlaneLevel(0.0))
         if not solution.converged[0]:
             return None
         return float(solution.values[0, 0]), float(solution.values[0, 2])
 
     def length(self, part: ToothCut) -> float:
-        """Length (mm) of what a part generates."""
+        """Return the length (mm) of the curve that a part generates."""
         return float(np.hypot(*np.diff(self._section_curve(part)[2], axis=0).T).sum())
 
     def _section_curve(self, part: ToothCut) -> tuple[Array, Array, Array]:
-        """Both parameters (N,) and the points (N, 2) of a part's curve in the transverse section, from its tip on."""
-        p = np.linspace(part.tip, part.root, SAMPLES)
+        """Return both parameters (N,) and the points (N, 2), from its tip, of a part's transverse curve."""
+        p = np.linspace(part.tip, part.root, CURVE_SAMPLES)
         v, jet = along(self._surface(part), p, np.zeros_like(p), PlaneLevel(0.0))
         return p, v, jet.r[:, :2]
 
     def _surface(self, part: ToothCut) -> Envelope:
+        """Return the surface that a part generates."""
         return Envelope(RackSurface(part.profile, self.own.beta, 0.0), RackRoll(self.own.radius))

@@ -1,4 +1,4 @@
-"""A tool with the profile of a shaper cutter over a member, as it is when the last cut is made: what it leaves, in closed form."""
+"""A tool with the profile of a shaper cutter over a member at the last cut, in closed form."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from gearmesh.tools.shaper import Shaper
 
 @dataclass(frozen=True)
 class LastCut:
-    """The tool in the transverse section, the teeth that it is to leave, and their root radius (mm)."""
+    """A tool in the transverse section, the teeth that it cuts, and their root radius (mm)."""
 
     shaper: Shaper
     own: Toothing
@@ -27,28 +27,30 @@ class LastCut:
 
     @property
     def distance(self) -> float:
-        """Between the axes of tool and member, mm."""
+        """Distance (mm) of the axes of tool and member."""
         return self.root + self.own.sense * self.shaper.top_radius
 
     @property
     def generator(self) -> float:
-        """Length of the line of action between the base circles, mm."""
+        """Length (mm) of the line of action between the base circles."""
         between = self.own.base_radius + self.own.sense * self.shaper.base_radius
         return math.sqrt(self.distance**2 - between**2)
 
     @property
     def form_roll_length(self) -> float:
-        """Roll length (mm) of the member's root form point, which the end of the tool's involute leaves."""
+        """Roll length (mm) of the member's root form point, which the end of the tool's involute cuts."""
         return float(self.generator - self.own.sense * self.shaper.form_point[0] * self.shaper.base_radius)
 
     @property
     def tool_twist(self) -> float:
-        """Twist (rad/mm) of the helical tool of a helical member: both turn with the stroke as they do with each other."""
+        """Twist (rad/mm) of the helical tool of a helical member: both rotate with the stroke as they roll."""
         return -self.own.sense * self.own.twist * self.own.teeth / self.shaper.teeth
 
     def tool(self, profile: Profile, side: int, twist: float) -> Surface:
-        """What a profile is of the tool on one side of it, in its frame (see `tools.shaper`): its section, with a `twist`
-        (rad/mm) about its axis."""
+        """Return the surface of one side of the tool for a profile, in the tool's frame (see `tools.shaper`).
+
+        `twist`: twist (rad/mm) of the section about the tool's axis.
+        """
         section = RackSurface(profile, 0.0, 0.0, side)
         if twist == 0.0:
             return section
@@ -56,13 +58,15 @@ class LastCut:
         return PlacedSurface(Twisted(PlacedSurface(section, to_axis), twist), to_axis.inverse)
 
     def theta(self, radius: float) -> float:
-        """Parameter theta_s (rad) of the tool's involute that leaves a radius (mm) of the member."""
+        """Return the parameter theta_s (rad) of the tool's involute that cuts a radius (mm) of the member."""
         length = self.own.roll_length(radius) - self.generator
         return -self.own.sense * length / self.shaper.base_radius
 
     def largest_rounding(self, reached: float, most: float) -> float:
-        """The largest rounding (mm) of the tool, up to `most`, that leaves involute from the roll length `reached` on; `most` where
-        none does."""
+        """Return the largest rounding (mm) of the tool that leaves involute from the roll length `reached` on.
+
+        The rounding is at most `most`; it is `most` if no rounding leaves involute.
+        """
 
         def leaves(radius: float) -> bool:
             rounded = replace(self, shaper=replace(self.shaper, tip_radius=radius))
@@ -73,7 +77,7 @@ class LastCut:
 
 @dataclass(frozen=True)
 class FixedCut(LastCut):
-    """A tool that fills the member's spaces: as many teeth on the same axis, the same base circle."""
+    """A tool that fills the member's spaces: as many teeth on the same axis, with the same base circle."""
 
     @property
     def distance(self) -> float:

@@ -1,8 +1,8 @@
-"""Members that a shaper cutter generates: internal gears, and external ones that a hob cannot reach.
+"""Members that a shaper cutter generates: internal gears, and external gears that a hob cannot reach.
 
-In the transverse section the cutter's involute generates the flank, its tip rounding the fillet and its top the root; a helical
-member is that section, twisted (see `kernel.twisted`). The cutter is at the distance at which it leaves teeth of the thickness
-that is asked for.
+In the transverse section the cutter's involute generates the flank, its tip rounding the fillet and its top the root. A
+helical member is this section, twisted (see `kernel.twisted`). The cutter is at the distance at which it cuts teeth of
+the required thickness.
 """
 
 from __future__ import annotations
@@ -47,19 +47,19 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Shaping(LastCut):
-    """A cutter over a member: beside that radius of the tip (mm) and the cutter's teeth."""
+    """A cutter over a member, with the tip radius (mm) of the member and the teeth of the cutter."""
 
     tip: float
     cutter: Toothing
 
     @property
     def choice(self) -> CutterChoice:
-        """The cutter among those of other tooth numbers."""
+        """Choice among cutters with other tooth numbers."""
         return CutterChoice(self.own, self.root, self.cutter)
 
     @property
     def motion(self) -> Chain:
-        """The cutter's frame (see `tools.shaper`) to that of the member's transverse section."""
+        """Motion from the cutter's frame (see `tools.shaper`) to the frame of the member's transverse section."""
         sense = self.own.sense
         return Chain(
             (
@@ -71,9 +71,11 @@ class Shaping(LastCut):
         )
 
     def section(self, profile: Profile, which: Side, twist: float = 0.0) -> Envelope:
-        """What a profile of the cutter generates on one side of the tooth in the transverse section, as that of spur teeth; with
-        the `twist` (rad/mm) of the tool on helical teeth."""
-        # turned by 180 deg the cutter's right side is the left one of an internal tooth
+        """Return the surface that a profile of the cutter generates on one side of the tooth.
+
+        `twist`: twist (rad/mm) of the tool for helical teeth; 0 gives the transverse section of spur teeth.
+        """
+        # turned by 180 deg, the cutter's right side generates the left flank of an internal tooth
         return Envelope(self.tool(profile, self.own.sense * which.sign, twist), self.motion, branch=1)
 
     @property
@@ -81,7 +83,7 @@ class Shaping(LastCut):
         return self.shaper.description
 
     def refuse_tip(self, name: str, spec: CylindricalMember, tip_key: str) -> None:
-        """Refuse a tip of an internal gear beyond what the cutter's involute generates."""
+        """Refuse a tip of an internal gear beyond the involute that the cutter generates."""
         own, teeth = self.own, self.shaper.teeth
         if not own.internal or self.tip >= (least := math.hypot(own.base_radius, self.generator)):
             return
@@ -104,9 +106,9 @@ class Shaping(LastCut):
 
 
 def cut_of(gear: GearProportions) -> Shaping | Forming:
-    """The cutter over a shaped gear, or the form tool in a formed one, as the gear is built.
+    """Return the cutter over a shaped gear, or the form tool in a formed gear, at the last cut.
 
-    Raises DesignError for one that cannot cut these teeth.
+    Raises DesignError if the tool cannot cut these teeth.
     """
     spec, own, sharp = gear.spec, gear.own, sharp_shaper(gear)
     if spec.formed:
@@ -119,10 +121,13 @@ def cut_of(gear: GearProportions) -> Shaping | Forming:
 def shaped_member(
     name: str, spec: CylindricalMember, cut: Shaping | Forming, tip_key: str, theta: str, along: str
 ) -> Member:
-    """A member from its part `spec` of a design (in mm), proved to have closed, unpointed teeth from toe to heel.
+    """Return a member of a part `spec` of a design (in mm), proved to have closed, unpointed teeth from toe to heel.
 
-    `theta`, `along`: names of its source parameters. Raises DesignError naming key, value and limit: a tip that the cutter's
-    involute does not generate, a bore not below the root, a pointed tooth.
+    - tip_key: the key that gives the tip, named in refusals.
+    - theta, along: names of the member's source parameters.
+
+    Raises DesignError naming key, value and limit: a tip that the cutter's involute does not generate, a bore not below
+    the root, or a pointed tooth.
     """
     own = cut.own
     cut.refuse_tip(name, spec, tip_key)
@@ -170,8 +175,9 @@ def _check_flank(name: str, spec: CylindricalMember, cut: Shaping | Forming) -> 
 
 
 def _side(cut: Shaping | Forming, which: Side) -> ToothSide:
+    """Return one side of the tooth: flank and fillet, twisted on helical teeth."""
     shaper, twist = cut.shaper, cut.own.twist
-    # a helical cutter turns as it strokes: what it leaves is that of a spur one, twisted
+    # a helical cutter rotates with its stroke, so that its surfaces are those of a spur cutter, twisted
     profiles = shaper.involute, shaper.rounding
     flank, fillet = (cut.section(profile, which) for profile in profiles)
     tool_twist = 0.0 if twist == 0.0 else cut.tool_twist
@@ -188,13 +194,14 @@ def _side(cut: Shaping | Forming, which: Side) -> ToothSide:
 
 
 def _blank(name: str, spec: CylindricalMember, cut: Shaping | Forming) -> Blank:
+    """Return the blank: a disc with a bore, or the rim of an internal gear."""
     half = 0.5 * spec.face_width
     if not cut.own.internal:
         bore = bore_radius(name, spec.stated_bore, cut.root, "the root diameter")
         body = disc_body(name, spec, bore, cut.root, cut.tip - cut.root)
         return Blank(PlaneLevel(0.0), (-half, half), ConeLevel.of(cut.tip), ConeLevel.of(cut.root), body)
     rim = RIM * cut.own.module if spec.rim is None else spec.rim
-    # towards -z the directions along the chain and to the heel turn out of the material, as on an external gear towards +z
+    # the direction is -z, so that the frame along the chain points out of the material as on an external gear with +z
     return Blank(
         axial=PlaneLevel(0.0, -1.0),
         extent=(-half, half),

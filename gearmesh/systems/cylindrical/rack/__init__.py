@@ -1,2 +1,1 @@
-"""A pinion and a rack of finite length: their keys, what their mesh says of both, the rack as a member, their data
-sheet; and a rack alone."""
+"""A pinion and a rack of finite length, and a rack alone: keys, mesh, the rack as a member, data sheet."""

@@ -1,7 +1,8 @@
-"""A pinion and a rack in mesh, of a design.
+"""A pinion and a rack in mesh.
 
-Fixed frame: the pinion's own, its axis z, the middle of both faces at z = 0; the rack's teeth point to the axis from x > 0, the bar
-lies along y. phi1 turns the pinion clockwise about +z; the rack then slides towards -y.
+The fixed frame is the pinion's own: its axis is z, and the middle of both faces is at z = 0. The rack's teeth point
+from x > 0 to the axis, and the bar lies along y. phi1 turns the pinion clockwise about +z; the rack then slides towards
+-y.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from gearmesh.kernel.numeric.algebra import rotation_about
 from gearmesh.systems.common.defaults import unusual_defaults
 from gearmesh.systems.cylindrical.build import THICKER, member_of
 from gearmesh.systems.cylindrical.design import PROFILES
-from gearmesh.systems.cylindrical.rack.design import PINION, RACK
+from gearmesh.systems.cylindrical.rack.design import PINION_NAME, RACK_NAME
 from gearmesh.systems.cylindrical.rack.member import rack_member, rack_mount, rack_pair
 from gearmesh.systems.cylindrical.rack.proportions import RackPairProportions, rack_proportions
 from gearmesh.teeth.gear_train import GearTrain
@@ -26,18 +27,18 @@ from gearmesh.teeth.region import Side
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.rack.design import RackDesign
 
-#: part of a standard rounding by which a default may differ and is not told of
-TOLD = 0.02
+#: relative difference between a default and the standard rounding from which on a warning is given
+MIN_WARNED_CHANGE = 0.02
 
 
 def build(design: RackDesign) -> GearTrain:
-    """Pinion and rack of a design (in mm).
+    """Return pinion and rack of a design (in mm).
 
     Raises DesignError naming key, value and limit: teeth, cutters or bars that cannot exist.
     """
     geometry = rack_proportions(design)
-    pinion = member_of(geometry.pair, PINION, geometry.of_pair)
-    rack = rack_member(RACK, geometry.mesh.rack, geometry.mesh.pinion, design.rack)
+    pinion = member_of(geometry.pair, PINION_NAME, geometry.of_pair)
+    rack = rack_member(RACK_NAME, geometry.mesh.rack, geometry.mesh.pinion, design.rack)
     flank = Side(design.contact.flank)
     mount = rack_mount(geometry.mesh.pinion, geometry.mesh.distance, flank, _errors(design))
     pair = rack_pair(
@@ -50,29 +51,32 @@ def build(design: RackDesign) -> GearTrain:
 
 
 def _errors(design: RackDesign) -> Rigid:
-    """The rack and its guide moved in the fixed frame, and then tilted."""
+    """Return the displacement of rack and guide in the fixed frame: a translation after a tilt."""
     errors = design.assembly
     tilt = rotation_about("x", -np.radians(errors.gamma_h)) @ rotation_about("y", np.radians(errors.gamma_v))
     return Rigid(tilt, np.array([errors.dx, 0.0, errors.dz]))
 
 
 def _warnings(design: RackDesign, geometry: RackPairProportions) -> tuple[str, ...]:
-    """Warnings about a design: adapted defaults, teeth thicker than nominal."""
+    """Return the warnings of a design: adapted defaults, teeth thicker than nominal."""
     why = "the tool's tooth has no room for it, or the mating tip needs the flank"
     standard = PROFILES[design.profile][2]
-    values = {f"{name}.tool_tip_radius": getattr(design, name).tool_tip_radius for name in (PINION, RACK)}
-    far = {key: (standard, why) for key, value in values.items() if abs(value - standard) > TOLD * standard}
-    return (*unusual_defaults(design, far), *_thickness_warnings(geometry))
+    values = {f"{name}.tool_tip_radius": getattr(design, name).tool_tip_radius for name in (PINION_NAME, RACK_NAME)}
+    unusual = {
+        key: (standard, why) for key, value in values.items() if abs(value - standard) > MIN_WARNED_CHANGE * standard
+    }
+    return (*unusual_defaults(design, unusual), *_thickness_warnings(geometry))
 
 
 def _thickness_warnings(geometry: RackPairProportions) -> tuple[str, ...]:
-    """A warning of teeth that the given backlash makes thicker than nominal."""
-    nominal, more = geometry.nominal, geometry.mesh.pinion.allowance
-    if more <= THICKER * nominal.pinion.module or more != geometry.mesh.rack.allowance:
+    """Return the warning of teeth that the given backlash makes thicker than nominal."""
+    nominal, allowance = geometry.nominal, geometry.mesh.pinion.allowance
+    if allowance <= THICKER * nominal.pinion.module or allowance != geometry.mesh.rack.allowance:
         return ()
-    tight = nominal.mounting_distance - nominal.radial_backlash
+    tight_distance = nominal.mounting_distance - nominal.radial_backlash
     shift = nominal.pinion.shift + nominal.radial_backlash / nominal.pinion.module
     return (
-        f"teeth are {more:.4g} mm thicker than nominal, for the given backlash: with this profile shift the mounting distance "
-        f"without backlash is {tight:.7g} mm; for {nominal.mounting_distance:.7g} mm the profile shift must be {shift:.4g}",
+        f"teeth are {allowance:.4g} mm thicker than nominal, for the given backlash: with this profile shift "
+        f"the mounting distance without backlash is {tight_distance:.7g} mm; "
+        f"for {nominal.mounting_distance:.7g} mm the profile shift must be {shift:.4g}",
     )

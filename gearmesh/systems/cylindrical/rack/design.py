@@ -24,10 +24,12 @@ from gearmesh.systems.cylindrical.allowance_keys import ThicknessAllowance, Thic
 from gearmesh.systems.cylindrical.design import AccuracyClass, CylindricalMember, ToothingKeys
 from gearmesh.systems.kinds import KINDS
 
-#: Members as a design names them.
-PINION, RACK = "pinion", "rack"
-#: part of a pitch by which a bar may be too short for its teeth and is not: rounding
-ROUNDED = 1e-9
+#: name of the pinion's table in a design
+PINION_NAME = "pinion"
+#: name of the rack's table in a design
+RACK_NAME = "rack"
+#: part of a pitch by which a bar may be too short for its teeth: rounding
+LENGTH_ROUNDING = 1e-9
 
 
 class BoltRow(Table):
@@ -130,7 +132,7 @@ class RackTable(BrokenEdges, BarKeys):
 
     @property
     def thickness_key(self) -> str | None:
-        """The key that says the thickness, None where none does."""
+        """Key that gives the thickness; None if no key does."""
         return None if self.thickness_allowance is None else "thickness_allowance"
 
 
@@ -154,10 +156,10 @@ class RackAssembly(PinionRunout):
 
 
 class RackKeys(ToothingKeys):
-    """What the designs of racks have, with and without a pinion."""
+    """Keys of the designs of racks, with and without a pinion."""
 
     own_kind: ClassVar[str] = "rack"
-    toothed: ClassVar[tuple[str, ...]] = (PINION, RACK)
+    toothed: ClassVar[tuple[str, ...]] = (PINION_NAME, RACK_NAME)
 
     pinion: CylindricalMember | None = None
     rack: RackTable
@@ -167,7 +169,7 @@ class RackKeys(ToothingKeys):
     def _long_enough(self) -> Self:
         if self.rack.length is not None:
             teeth = self.rack.teeth or 1
-            if self.rack.length < teeth * self.pitch * (1.0 - ROUNDED):
+            if self.rack.length < teeth * self.pitch * (1.0 - LENGTH_ROUNDING):
                 raise conflict(
                     "rack.length",
                     self.rack.length,
@@ -187,19 +189,19 @@ class RackKeys(ToothingKeys):
 
     @property
     def rack_teeth(self) -> int:
-        """Teeth of the rack: those given, or as many as its length has room for."""
+        """Number of teeth of the rack: given, or as many as its length has room for."""
         if self.rack.teeth is not None:
             return self.rack.teeth
         assert self.rack.length is not None
-        return math.floor(self.rack.length / self.pitch * (1.0 + ROUNDED))
+        return math.floor(self.rack.length / self.pitch * (1.0 + LENGTH_ROUNDING))
 
     @property
     def overhang(self) -> float:
-        """How far the bar goes on beyond the last pitch, at either end, in the design's units."""
+        """Length of the bar beyond the last pitch, at either end, in the design's units."""
         if self.rack.length is None:
             return 0.0
         beyond = 0.5 * (self.rack.length - self.rack_teeth * self.pitch)
-        return beyond if beyond > ROUNDED * self.pitch else 0.0
+        return beyond if beyond > LENGTH_ROUNDING * self.pitch else 0.0
 
 
 class RackDesign(RackKeys):
@@ -229,15 +231,15 @@ class RackDesign(RackKeys):
 
 
 def is_single_rack(keys: Mapping[str, Any]) -> bool:
-    """Whether the keys of a design of kind rack have no table of a pinion."""
-    return RACK in keys and PINION not in keys
+    """True if the keys of a design of kind rack have no table of a pinion."""
+    return RACK_NAME in keys and PINION_NAME not in keys
 
 
 class SingleRackDesign(RackKeys):
     """A rack of finite length without a pinion."""
 
     absent: ClassVar[Mapping[str, str]] = dict.fromkeys(
-        (PINION, "accuracy_class", "assembly", "contact", "backlash", "circumferential_backlash"),
+        (PINION_NAME, "accuracy_class", "assembly", "contact", "backlash", "circumferential_backlash"),
         "needs a pinion: give both tables, [pinion] and [rack]",
     )
     example: ClassVar[Mapping[str, Any]] = {"module": 2, "rack": {"teeth": 40, "face_width": 20}}

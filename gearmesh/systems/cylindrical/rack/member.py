@@ -1,12 +1,14 @@
 """A rack as a member, and its mounting to its pinion [ISO 21771, ISO 53].
 
-A rack is what rolls on its pinion as the basic rack does: flanks are planes, root fillets cylinders along the tooth traces, lands
-planes. Its own frame: x out of the bar, x = 0 the reference plane, on which tooth and space are equally wide but for allowances; y
-along the bar; z across it, the middle of the face at z = 0, where one tooth is centred on y = 0. Lengths in mm, angles in rad.
+The rack rolls on its pinion as the basic rack does. Its flanks are planes, its root fillets cylinders along the tooth
+traces, and its lands planes. In its own frame x points out of the bar; x = 0 is the reference plane, on which tooth and
+space are equally wide except for allowances. y is along the bar. z is across the bar, with the middle of the face at z
+= 0, where one tooth is centred on y = 0. Lengths are in mm, angles in rad.
 
-Fixed frame: the pinion's, as in `build`; the rack's reference plane is at x = `distance`, its teeth point to the pinion's axis. The
-rack's coordinate phi2 (rad) is its displacement over the radius of the pinion's reference cylinder, which rolls on it without slip
-whatever profile shift and distance; the displacement grows towards -y of the fixed frame.
+The fixed frame is the pinion's, as in `build`. The rack's reference plane is at x = `distance`, and its teeth point to
+the pinion's axis. The rack's coordinate phi2 (rad) is its displacement over the radius of the pinion's reference
+cylinder. This cylinder rolls on the rack without slip for any profile shift and distance. The displacement grows
+towards -y of the fixed frame.
 """
 
 from __future__ import annotations
@@ -48,27 +50,37 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class RackProportions:
-    """Teeth of a rack: their number; face width and height of the bar, from its back to the tips; addendum, dedendum and radius of
-    the root fillets in normal modules; allowance of the normal tooth thickness; how far the bar goes on beyond the last pitch at
-    either end. Lengths in the unit of the pinion's."""
+    """Teeth of a rack; lengths are in the unit of the pinion's lengths."""
 
+    #: number of teeth
     teeth: int
+    #: face width
     face_width: float
+    #: height of the bar from its back to the tips
     height: float
+    #: addendum, normal modules
     addendum: float = 1.0
+    #: dedendum, normal modules
     dedendum: float = 1.25
+    #: radius of the root fillets, normal modules
     tool_tip_radius: float = 0.38
+    #: allowance of the normal tooth thickness
     allowance: float = 0.0
+    #: length of the bar beyond the last pitch, at either end
     overhang: float = 0.0
 
 
 @dataclass(frozen=True)
 class RackMesh:
-    """A pinion and a rack in closed form; `tip`: the pinion's tip radius, `distance`: from its axis to the reference plane."""
+    """A pinion and a rack in closed form."""
 
+    #: teeth of the pinion
     pinion: Toothing
+    #: teeth of the rack
     rack: RackProportions
+    #: tip radius of the pinion; NaN while it is not known
     tip: float
+    #: distance of the pinion's axis from the reference plane
     distance: float
 
     @property
@@ -78,7 +90,7 @@ class RackMesh:
 
     @property
     def travel(self) -> float:
-        """Way of the rack in a turn of the pinion."""
+        """Travel of the rack per turn of the pinion."""
         return self.pinion.teeth * self.pitch
 
     @property
@@ -88,7 +100,7 @@ class RackMesh:
 
     @property
     def above(self) -> float:
-        """How far the reference plane is from the reference cylinder."""
+        """Distance of the reference plane from the pinion's reference cylinder."""
         return self.distance - self.pinion.radius
 
     @property
@@ -98,12 +110,12 @@ class RackMesh:
 
     @property
     def mounting_distance(self) -> float:
-        """Of the pinion's axis from the back of the bar."""
+        """Distance of the pinion's axis from the back of the bar."""
         return self.distance + self.pitch_height
 
     @property
     def working_angle(self) -> float:
-        """Transverse working pressure angle: that of the basic rack, whatever the distance."""
+        """Transverse working pressure angle: the basic rack's, at any distance."""
         return self.pinion.alpha_t
 
     @property
@@ -118,7 +130,7 @@ class RackMesh:
 
     @property
     def circumferential_backlash(self) -> float:
-        """Transverse play along the rack, j_wt: what pinion and rack leave of the pitch on the reference cylinder."""
+        """Transverse backlash j_wt along the rack: part of the pitch that the teeth leave free."""
         own = self.pinion
         rack = self.rack_thickness / math.cos(own.beta) - 2.0 * self.above * math.tan(own.alpha_t)
         return self.pitch - own.thickness / math.cos(own.beta) - rack
@@ -130,7 +142,7 @@ class RackMesh:
 
     @property
     def radial_backlash(self) -> float:
-        """By how much nearer the rack may come until there is no play, j_r."""
+        """Radial backlash j_r: change of the distance that eliminates it."""
         return 0.5 * self.circumferential_backlash / math.tan(self.working_angle)
 
     @property
@@ -139,18 +151,18 @@ class RackMesh:
         return self.pinion.base_radius * math.tan(self.pinion.alpha_t)
 
     def roll_length_at(self, height: float) -> float:
-        """Roll length of the pinion where the rack is met `height` over its reference plane."""
+        """Return the roll length of the pinion at contact with the rack at a `height` over its reference plane."""
         return self.generator - (height - self.above) / math.sin(self.pinion.alpha_t)
 
     def rack_height(self, length: float) -> float:
-        """Height over the rack's reference plane where it is met by the pinion's roll length."""
+        """Return the height over the rack's reference plane at contact at the pinion's roll length."""
         return self.above - (length - self.generator) * math.sin(self.pinion.alpha_t)
 
     def sliding(self, length: float) -> tuple[float, float]:
-        """Specific sliding of pinion and rack where the pinion has a roll length: 1 - (speed of the mating gear along the flank)
-        / (own).
+        """Return the specific sliding of pinion and rack at a roll length of the pinion.
 
-        -inf where the pinion's flank is at rest, at its base circle.
+        zeta = 1 - (speed of the mating gear along the flank) / (speed of the member itself). It is -inf where the
+        pinion's flank is at rest, at its base circle.
         """
         return (1.0 - self.generator / length if length > 0.0 else -math.inf), 1.0 - length / self.generator
 
@@ -158,7 +170,7 @@ class RackMesh:
     def transverse_contact_ratio(self) -> float:
         """Path of contact from the rack's tip plane to the pinion's tip, over the base pitch.
 
-        Of pinions whose involute goes on to where the rack's tips meet it.
+        It holds for pinions whose involute extends to where it meets the rack's tips.
         """
         own = self.pinion
         begins = self.roll_length_at(self.rack.addendum * own.module)
@@ -170,15 +182,17 @@ class RackMesh:
 
     @property
     def root_clearance(self) -> float:
-        """Of the pinion's tips over the rack's root, mm."""
+        """Clearance (mm) of the pinion's tips over the rack's root."""
         return self.distance + self.rack.dedendum * self.pinion.module - self.tip
 
 
 def rack_member(name: str, spec: RackProportions, pinion: Toothing, table: RackTable | None = None) -> Member:
-    """A rack (in mm) that meshes with a pinion, without its mounting; its helix has the other hand. `table` is its part of the
-    design, which says what edges are broken and what flanks modified.
+    """Return a rack (in mm) that meshes with a pinion, without its mounting; its helix has the other hand.
 
-    Raises DesignError naming key, value and limit: no room for the fillet, no tooth, no bar, a tip edge larger than the tooth.
+    `table`: its part of the design, which gives broken edges and modifications of flanks.
+
+    Raises DesignError naming key, value and limit: no room for the fillet, no tooth, no bar, or a tip edge larger than
+    the tooth.
     """
     m, helix = pinion.module, -pinion.beta
     heights = Heights(spec.addendum * m, -spec.dedendum * m)
@@ -228,14 +242,17 @@ def rack_member(name: str, spec: RackProportions, pinion: Toothing, table: RackT
 
 
 def _bolt_row(member: Member, bolts: BoltRow) -> HoleRow:
-    """The bolt holes of a bar. Raises DesignError naming key, value and limit where they do not stay in it."""
+    """Return the bolt holes of a bar.
+
+    Raises DesignError naming key, value and limit if the holes do not stay in the bar.
+    """
     key, tooth = f"{member.name}.bolts", member.tooth
     root, back = float(tooth.blank.root.at(0.0)), tooth.blank.body.profile[0][0]
-    # the ends go along the tooth traces, so that holes are nearest to one of them on one of the faces
+    # the ends of the bar run along the tooth traces: on helical teeth the nearest point of an end is on a face
     places, middle = tooth.joint.places(tooth.teeth), tooth.root_middle(np.array(tooth.blank.extent))
-    ways = tooth.joint.to(np.array([places[0], places[-1] + 1]) * tooth.pitch_angle).translation[:, 1:2]
-    ends = middle + ways + member.overhang * np.array([[-1.0], [1.0]])
-    first, last = float(ends[0].max()), float(ends[1].min())
+    displacements = tooth.joint.to(np.array([places[0], places[-1] + 1]) * tooth.pitch_angle).translation[:, 1:2]
+    ends = middle + displacements + member.overhang * np.array([[-1.0], [1.0]])
+    start, end = float(ends[0].max()), float(ends[1].min())
     pitch = float(ends[1, 0] - ends[0, 0]) / bolts.count if bolts.pitch is None else bolts.pitch
     height = 0.5 * (root - back) if bolts.height is None else bolts.height
     row = HoleRow(bolts.count, bolts.diameter, pitch, back + height, float(ends.mean()), bolts.depth)
@@ -247,15 +264,16 @@ def _bolt_row(member: Member, bolts: BoltRow) -> HoleRow:
             reason="the holes overlap",
             allowed=f"more than {at_least(bolts.diameter)} mm",
         )
+    # the holes must leave a rim below the roots, and stay above the back
     low, high = row.reach
     least = LEAST_RIM * float(tooth.blank.tip.at(0.0) - root)
     if high > root - least:
-        left = max(root - high, 0.0)
+        remaining_rim = max(root - high, 0.0)
         raise DesignError(
             f"{key}.{'diameter' if bolts.height is None else 'height'}",
             bolts.diameter if bolts.height is None else height,
             unit="mm",
-            reason=f"leaves {f'a rim of {left:.3g} mm' if left else 'no rim'} at the roots",
+            reason=f"leaves {f'a rim of {remaining_rim:.3g} mm' if remaining_rim else 'no rim'} at the roots",
             allowed=f"at least {at_least(least)} mm of rim, {LEAST_RIM:g} whole depths",
         )
     if not low > back:
@@ -266,8 +284,9 @@ def _bolt_row(member: Member, bolts: BoltRow) -> HoleRow:
             reason="the holes break out of the back",
             allowed=f"more than {at_least(0.5 * bolts.diameter)} mm",
         )
+    # the outermost holes must stay between the ends of the bar
     reach = np.abs(row.centres[[0, -1], 1] - row.middle).max() + 0.5 * bolts.diameter
-    room = min(row.middle - first, last - row.middle)
+    room = min(row.middle - start, end - row.middle)
     if not reach < room:
         most = (2.0 * room - bolts.diameter) / max(bolts.count - 1, 1)
         stated = "pitch" if bolts.pitch is not None else "count"
@@ -289,7 +308,7 @@ def _bolt_row(member: Member, bolts: BoltRow) -> HoleRow:
 
 
 def _side(rack: RackTooth, helix: float, side: int) -> ToothSide:
-    """A side of the rack: the profile itself, swept along the tooth trace."""
+    """Return one side of the rack: the profile itself, swept along the tooth trace."""
     flank, fillet = (RackSurface(profile, helix, 0.0, side) for profile in (rack.flank, rack.rounding))
     tool = ToolDescription(
         "planing tool",
@@ -302,9 +321,11 @@ def _side(rack: RackTooth, helix: float, side: int) -> ToothSide:
 
 
 def rack_mount(pinion: Toothing, distance: float, flank: Side, errors: Rigid | None = None) -> Mount:
-    """Mounting of a rack: at phi2 = 0 with a space before the pinion's tooth that is on +x at phi1 = 0, whose `flank` drives.
+    """Return the mounting of a rack.
 
-    `errors`: by which rack and guide are moved from there, about the middle of the reference plane before the pinion.
+    At phi2 = 0 a space faces the pinion's tooth that is on +x at phi1 = 0 and whose `flank` drives.
+
+    `errors`: displacement of rack and guide, about the middle of the reference plane in front of the pinion.
     """
     joint = Prismatic(pinion.radius, 2.0 * math.pi / pinion.teeth)
     middle = np.array([distance, 0.0, 0.0])
@@ -314,5 +335,5 @@ def rack_mount(pinion: Toothing, distance: float, flank: Side, errors: Rigid | N
 
 
 def rack_pair(pinion: Member, rack: Member, flank: Side, delta: float) -> GearPair:
-    """Both mounted members, the pinion driving with a flank."""
+    """Return both mounted members; the pinion drives with a flank."""
     return GearPair(pinion, rack, (flank, flank), drive=flank.sign, ratio=1.0, delta=delta)

@@ -1,11 +1,11 @@
-"""What pinions and racks leave to their build."""
+"""Values that designs of pinion and rack leave to their build."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from gearmesh.systems.cylindrical.pinned import member_values
-from gearmesh.systems.cylindrical.rack.design import PINION, RACK
+from gearmesh.systems.cylindrical.rack.design import PINION_NAME, RACK_NAME
 from gearmesh.systems.cylindrical.rack.proportions import rack_proportions
 
 if TYPE_CHECKING:
@@ -15,11 +15,11 @@ if TYPE_CHECKING:
 
 
 def rack_values(design: RackDesign, train: GearTrain) -> Values:
-    """Of a complete design in mm and the gear set built of it."""
+    """Return the values for a complete design in mm and the gear set built from it."""
     geometry = rack_proportions(design)
     return {
         "assembly.mounting_distance": geometry.mesh.mounting_distance,
-        f"{RACK}.teeth": design.rack_teeth,
-        f"{RACK}.length": design.rack_teeth * design.pitch + 2.0 * design.overhang,
-        **member_values(geometry.of_pair.gear("pinion"), PINION, train.members[PINION]),
+        f"{RACK_NAME}.teeth": design.rack_teeth,
+        f"{RACK_NAME}.length": design.rack_teeth * design.pitch + 2.0 * design.overhang,
+        **member_values(geometry.of_pair.gear("pinion"), PINION_NAME, train.members[PINION_NAME]),
     }

@@ -1,7 +1,7 @@
-"""What the mesh of a pinion and a rack says of both, and every default that follows from it [ISO 21771].
+"""Proportions of a pinion and a rack, and every default that follows from their mesh [ISO 21771].
 
-Everything is in the design's own unit of length, so that it can be reported under the design's keys. The pinion is that of a
-cylindrical pair whose other gear has no part in it.
+Everything is in the design's own unit of length, so that it can be reported under the design's keys. The pinion is the
+pinion of a cylindrical pair whose other gear has no influence.
 """
 
 from __future__ import annotations
@@ -27,29 +27,33 @@ from gearmesh.systems.cylindrical.geometry.proportions import (
     still_open,
 )
 from gearmesh.systems.cylindrical.parts import completed_pair, nest, shared_keys
-from gearmesh.systems.cylindrical.rack.design import PINION, RACK
+from gearmesh.systems.cylindrical.rack.design import PINION_NAME, RACK_NAME
 from gearmesh.systems.cylindrical.rack.member import RackMesh, RackProportions
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.rack.design import RackDesign, RackKeys
 
-#: bar under the root that is not given, in normal modules
-BAR = 3.0
-#: largest profile shift either way
-LARGEST = 5.0
-#: what is less, in modules, is rounding
-NOTHING = 1e-12
-#: flank (modules) that default roundings leave beyond what the mating gear's tips need
-BEYOND = 0.002
+#: default height of the bar under the root, in normal modules
+BAR_MODULES = 3.0
+#: largest profile shift of either sign
+MAX_PROFILE_SHIFT = 5.0
+#: smaller lengths are rounding
+ROUNDING_MODULES = 1e-12
+#: length of flank that default roundings leave beyond the mating tip
+FLANK_MARGIN_MODULES = 0.002
 
 
 @dataclass(frozen=True)
 class RackPairProportions:
-    """The mesh of pinion and rack with their allowances, and nominal; the pair whose `pinion` it is, and what its mesh says."""
+    """Proportions of pinion and rack."""
 
+    #: mesh with the allowances of the tooth thickness
     mesh: RackMesh
+    #: mesh of nominal teeth
     nominal: RackMesh
+    #: cylindrical pair whose pinion is the rack's pinion
     pair: CylindricalDesign
+    #: proportions of this pair
     of_pair: PairProportions
 
     @property
@@ -59,7 +63,10 @@ class RackPairProportions:
 
 
 def rack_proportions(design: RackDesign) -> RackPairProportions:
-    """Teeth, distance, tips and roots of a complete design. Raises DesignError for teeth that cannot exist."""
+    """Return teeth, distance, tips and roots of a complete design.
+
+    Raises DesignError for teeth that cannot exist.
+    """
     nominal = _nominal(design)
     mesh = _with_allowances(design, nominal)
     _check(design, mesh)
@@ -70,58 +77,68 @@ def rack_proportions(design: RackDesign) -> RackPairProportions:
 
 
 def derived_values(design: RackDesign) -> dict[str, float]:
-    """What the mesh says of keys that the file leaves out, by dotted key, in the design's units.
+    """Return the values of keys left out in the file that follow from the mesh, by dotted key.
 
-    Raises DesignError for a mounting distance that no profile shift belongs to.
+    Values are in the design's units. Raises DesignError for a mounting distance to which no profile shift belongs.
     """
     rounding = PROFILES[design.profile][2]
+    # addendum and height of the bar, then the profile shift, which the mounting distance requires
     defaults = bar_defaults(design)
     made = design.fill(defaults)
-    defaults |= still_open(made, {f"{PINION}.profile_shift": _shift(made)})
+    defaults |= still_open(made, {f"{PINION_NAME}.profile_shift": _shift(made)})
     made = design.fill(defaults)
     nominal = _nominal(made)
+    # shorten the pinion's tip by the difference between profile shift and distance
     own = nominal.pinion
     nearer = nominal.above / own.module - own.shift
-    defaults |= still_open(made, {f"{PINION}.tip_alteration": nearer if nearer < -NOTHING else 0.0})
+    defaults |= still_open(made, {f"{PINION_NAME}.tip_alteration": nearer if nearer < -ROUNDING_MODULES else 0.0})
     made = design.fill(defaults)
     mesh = _with_allowances(made, nominal)
     _check(made, mesh)
     pair = _pair(made, mesh.pinion)
     of_pair = proportions(pair)
     mesh = replace(mesh, tip=of_pair.tips[0])
+    # roundings leave the flanks straight as far as the mating tips reach
     values = {
-        f"{RACK}.tool_tip_radius": _clear(
+        f"{RACK_NAME}.tool_tip_radius": _clear(
             bar_rounding(made, mesh),
             mesh.rack.dedendum,
             -mesh.rack_height(own.roll_length(mesh.tip)) / own.module,
             own.alpha,
         ),
-        f"{PINION}.addendum": pair.pinion.addendum,
+        f"{PINION_NAME}.addendum": pair.pinion.addendum,
         "backlash": mesh.normal_backlash,
     }
     if design.pinion.shaped:
-        values[f"{PINION}.tool_tip_radius"] = _shaper_rounding(pair, mesh, rounding)
+        values[f"{PINION_NAME}.tool_tip_radius"] = _shaper_rounding(pair, mesh, rounding)
     elif design.pinion.hob is None:
-        values[f"{PINION}.tool_tip_radius"] = _clear(
+        values[f"{PINION_NAME}.tool_tip_radius"] = _clear(
             pair.pinion.tool_tip_radius,
             (own.radius - of_pair.roots[0]) / own.module,
             mesh.rack.addendum - mesh.above / own.module,
             own.alpha,
         )
     else:
-        values[f"{PINION}.tool_tip_radius"] = pair.pinion.tool_tip_radius
+        values[f"{PINION_NAME}.tool_tip_radius"] = pair.pinion.tool_tip_radius
     return defaults | still_open(made, values)
 
 
 def _clear(standard: float, depth: float, needed: float, alpha: float) -> float:
-    """A rounding of a rack's tip so `depth` below its pitch plane, at most the `standard`, that leaves its flank straight down to
-    what is `needed`; the standard where none does. All in modules."""
-    most = (depth - needed - BEYOND) / (1.0 - math.sin(alpha))
+    """Return a rounding of a rack's tip that leaves its flank straight down to a depth.
+
+    - standard: largest rounding, returned if no rounding leaves enough flank.
+    - depth: depth of the rack's tip below its pitch plane.
+    - needed: depth to which the flank must be straight.
+    - alpha: pressure angle, rad.
+
+    Lengths are in modules.
+    """
+    most = (depth - needed - FLANK_MARGIN_MODULES) / (1.0 - math.sin(alpha))
     return standard if most < 0.0 else min(standard, most)
 
 
 def _nominal(design: RackDesign) -> RackMesh:
-    """The mesh without allowances; its pinion's tip is not known yet."""
+    """Return the mesh without allowances; the tip of its pinion is not known yet."""
     own = teeth_of(design, design.pinion)
     mesh = RackMesh(own, bar_of(design), math.nan, own.radius + own.shift * own.module)
     mounted = design.assembly.mounting_distance
@@ -129,7 +146,7 @@ def _nominal(design: RackDesign) -> RackMesh:
 
 
 def bar_of(design: RackKeys) -> RackProportions:
-    """The rack of a design, nominal."""
+    """Return the nominal rack of a design."""
     spec = design.rack
     return RackProportions(
         teeth=design.rack_teeth,
@@ -143,28 +160,33 @@ def bar_of(design: RackKeys) -> RackProportions:
 
 
 def bar_defaults(design: RackKeys) -> dict[str, float]:
-    """Addendum and height of the rack that the file leaves out, by dotted key."""
+    """Return addendum and height of the rack that the file leaves out, by dotted key."""
     addendum, _, _ = PROFILES[design.profile]
     depth = given_or(design.rack.addendum, addendum) + design.rack.dedendum
-    return still_open(design, {f"{RACK}.addendum": addendum, f"{RACK}.height": (depth + BAR) * design.given_module})
+    return still_open(
+        design, {f"{RACK_NAME}.addendum": addendum, f"{RACK_NAME}.height": (depth + BAR_MODULES) * design.given_module}
+    )
 
 
 def bar_rounding(design: RackKeys, mesh: RackMesh) -> float:
-    """The profile's radius of the rack's root fillets, in modules, or what its spaces have room for."""
+    """Return the profile's radius of the rack's root fillets, in modules, limited by the room in its spaces."""
     own = mesh.pinion
     alpha, width = math.degrees(own.alpha), 0.5 * math.pi - mesh.rack.allowance / own.module
     return straight_rounding(width, mesh.rack.dedendum, (alpha, alpha), PROFILES[design.profile][2])
 
 
 def _shift(design: RackDesign) -> float:
-    """The pinion's profile shift with which nominal teeth have no backlash at the mounting distance; 0 where none is given."""
+    """Return the pinion's profile shift at which nominal teeth have no backlash at the mounting distance.
+
+    The shift is 0 if no mounting distance is given.
+    """
     mounted = design.assembly.mounting_distance
     if mounted is None:
         return 0.0
     own, height = teeth_of(design, design.pinion), design.rack.height - design.rack.addendum * design.given_module
     shift = (mounted - height - own.radius) / own.module
-    if abs(shift) > LARGEST:
-        least, most = (own.radius + height + sign * LARGEST * own.module for sign in (-1.0, 1.0))
+    if abs(shift) > MAX_PROFILE_SHIFT:
+        least, most = (own.radius + height + sign * MAX_PROFILE_SHIFT * own.module for sign in (-1.0, 1.0))
         raise DesignError(
             "assembly.mounting_distance",
             mounted,
@@ -176,18 +198,20 @@ def _shift(design: RackDesign) -> float:
 
 
 def _with_allowances(design: RackDesign, nominal: RackMesh) -> RackMesh:
-    """Both members with the allowances of their thickness: as given, or what the backlash that is wanted asks for."""
+    """Return the mesh with the allowances of the tooth thickness, given or required by the wanted backlash."""
     wanted = wanted_backlash(design, nominal)
     if wanted is None:
-        first, second = (made_allowance(name, getattr(design, name), nominal.pinion) for name in (PINION, RACK))
+        of_pinion, of_rack = (
+            made_allowance(name, getattr(design, name), nominal.pinion) for name in (PINION_NAME, RACK_NAME)
+        )
     else:
-        # sum of the A_sn = (j_bn of the nominal teeth - j_bn) / cos(alpha_n)
-        first = second = 0.5 * (nominal.normal_backlash - wanted) / math.cos(nominal.pinion.alpha)
-    return with_allowances(nominal, first, second)
+        # sum of both A_sn = (j_bn of the nominal teeth - j_bn) / cos(alpha_n), shared equally
+        of_pinion = of_rack = 0.5 * (nominal.normal_backlash - wanted) / math.cos(nominal.pinion.alpha)
+    return with_allowances(nominal, of_pinion, of_rack)
 
 
 def with_allowances(nominal: RackMesh, of_pinion: float, of_rack: float) -> RackMesh:
-    """The mesh with allowances of the normal thickness of both."""
+    """Return the mesh with allowances of the normal thickness of pinion and rack."""
     return replace(
         nominal,
         pinion=replace(nominal.pinion, allowance=of_pinion),
@@ -197,7 +221,7 @@ def with_allowances(nominal: RackMesh, of_pinion: float, of_rack: float) -> Rack
 
 def _check(design: RackDesign, mesh: RackMesh) -> None:
     """Refuse thicknesses that leave no tooth of either member, and a pointed rack."""
-    for name, thickness in ((PINION, mesh.pinion.thickness), (RACK, mesh.rack_thickness)):
+    for name, thickness in ((PINION_NAME, mesh.pinion.thickness), (RACK_NAME, mesh.rack_thickness)):
         if thickness <= 0.0:
             refuse_thin(design, name, mesh, thickness)
     check_land(mesh)
@@ -208,7 +232,7 @@ def check_land(mesh: RackMesh) -> None:
     if mesh.rack_land <= 0.0:
         most = 0.5 * mesh.rack_thickness / math.tan(mesh.pinion.alpha) / mesh.pinion.module
         raise DesignError(
-            f"{RACK}.addendum",
+            f"{RACK_NAME}.addendum",
             mesh.rack.addendum,
             reason="the rack's teeth are pointed",
             allowed=f"less than {at_most(most)}",
@@ -216,14 +240,17 @@ def check_land(mesh: RackMesh) -> None:
 
 
 def _pair(design: RackDesign, own: Toothing) -> CylindricalDesign:
-    """A pair with the pinion as it is made, with all figures that a mating gear would need; the other gear is a substitute."""
-    table: dict[str, Any] = nest(dict(design.own()), {PINION: "pinion"})["pinion"]
+    """Return a pair with the pinion as it is made; its other gear is a substitute.
+
+    The pinion's table has all values that would depend on a mating gear.
+    """
+    table: dict[str, Any] = nest(dict(design.own()), {PINION_NAME: "pinion"})["pinion"]
     table |= {
         "profile_shift": own.shift,
         "thickness_allowance": {"upper": own.allowance, "lower": own.allowance},
     }
     for key in {"span", "balls", "pins"} & table.keys():
-        # what its limits say is in the allowance
+        # the allowance already contains the limits
         table[key] = {name: value for name, value in table[key].items() if name not in ("upper", "lower")}
     if design.pinion.tip_diameter is None:
         table["tip_alteration"] = design.pinion.tip_alteration
@@ -235,10 +262,12 @@ def _pair(design: RackDesign, own: Toothing) -> CylindricalDesign:
 
 
 def _shaper_rounding(pair: CylindricalDesign, mesh: RackMesh, standard: float) -> float:
-    """The tip rounding of a shaped pinion's cutter: the profile's, or what it has room for and leaves the involute that the rack's
-    tips need."""
+    """Return the tip rounding of a shaped pinion's cutter.
+
+    It is the profile's rounding, limited by the room on the cutter and by the involute that the rack's tips need.
+    """
     own, of_pair = mesh.pinion, proportions(pair)
     sharp = sharp_shaper(of_pair.gear("pinion"))
     most = min(standard * own.module, TIP_ROUNDING_SHARE * sharp.largest_tip_radius)
-    reached = mesh.roll_length_at((mesh.rack.addendum + BEYOND) * own.module)
+    reached = mesh.roll_length_at((mesh.rack.addendum + FLANK_MARGIN_MODULES) * own.module)
     return LastCut(sharp, own, of_pair.roots[0]).largest_rounding(reached, most) / own.module

@@ -1,7 +1,8 @@
-"""The data sheet of a pinion and a rack: symbols, words, units and values of ISO 21771-1, as on that of a cylindrical pair.
+"""The data sheet of a pinion and a rack: symbols, words, units and values of ISO 21771-1, as for a cylindrical pair.
 
-Lengths in mm, angles in deg. Where flanks begin and end is read off the teeth as they are built; all else is closed form, but for
-the pinion's root and masses. Heights of the rack are over its reference plane. Assembly errors are neglected.
+Lengths are in mm, angles in deg. Start and end of flanks are taken from the teeth as built. All else is closed form,
+except the pinion's root and the masses. Heights of the rack are over its reference plane. Assembly errors are
+neglected.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.systems.cylindrical.geometry.line_of_action import LineOfAction, SetBackFillet, set_back_fillet
 from gearmesh.systems.cylindrical.geometry.measures import STANDARD_DIAMETERS_MM
 from gearmesh.systems.cylindrical.geometry.proportions import GearProportions, tool_rounding
-from gearmesh.systems.cylindrical.rack.design import PINION, RACK
+from gearmesh.systems.cylindrical.rack.design import PINION_NAME, RACK_NAME
 from gearmesh.systems.cylindrical.rack.member import RackMesh
 from gearmesh.systems.cylindrical.rack.proportions import RackPairProportions, rack_proportions, with_allowances
 from gearmesh.systems.cylindrical.sheet import SheetPair, member_tables
@@ -37,13 +38,16 @@ if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.rack.design import RackDesign, RackKeys
 
 
-#: what stands for a pin where none can be
+#: value of a pin where no pin fits
 NO_PIN = Missing("no standard pin touches the flanks, stands out of the space and clears its ground")
 
 
 @dataclass(frozen=True)
 class RackAction(LineOfAction):
-    """The line of action of a pinion and a rack, whose usable flank is given by the roll lengths at which the pinion meets it."""
+    """The line of action of a pinion and a rack.
+
+    The usable flank of the rack is given by the roll lengths at which the pinion meets it.
+    """
 
     def pinion_length(self, length: float) -> float:
         return length
@@ -63,7 +67,7 @@ class RackAction(LineOfAction):
 
 @dataclass(frozen=True)
 class RackSheetPair(SheetPair):
-    """The pair whose pinion meshes with a rack, and that mesh; figures of the other gear have no meaning."""
+    """The pair whose pinion meshes with a rack, and this mesh; figures of the other gear have no meaning."""
 
     rack_mesh: RackMesh
     rack: Member
@@ -76,7 +80,7 @@ class RackSheetPair(SheetPair):
         return RackAction(self.mesh, ((root, tip), (low, high)))
 
     def fed_rounding(self, k: int, gear: GearProportions) -> float:
-        # that of the tool as it is leaves the flank that the rack's tips need
+        # the tool's own rounding leaves the flank that the rack's tips need
         return min(gear.spec.tool_tip_radius, tool_rounding(gear))
 
     @property
@@ -85,40 +89,40 @@ class RackSheetPair(SheetPair):
 
 
 def rack_flank(rack: Member) -> tuple[float, float]:
-    """Heights over the reference plane between which a rack has flank, mm."""
+    """Return the heights (mm) over the reference plane between which a rack has flank."""
     tooth = rack.tooth
     low, high = tooth.grid(Region.FLANK_RIGHT, np.array([0.0, 1.0]), tooth.sections([0.5])).points[:, 0, 0]
     return float(low), float(high)
 
 
 def rack_reserves(design: RackDesign, train: GearTrain) -> tuple[Reserve, ...]:
-    """What pinion and rack have left until their teeth interfere."""
+    """Return the reserves of pinion and rack against interference of their teeth."""
     own = complete_design(design).in_mm()
-    return _sheet_pair(own, rack_proportions(own), train).interference_reserves(0, (PINION, RACK))
+    return _sheet_pair(own, rack_proportions(own), train).interference_reserves(0, (PINION_NAME, RACK_NAME))
 
 
 def _sheet_pair(own: RackDesign, geometry: RackPairProportions, train: GearTrain) -> RackSheetPair:
-    """The pair of a complete design in mm and the gear set built of it."""
-    pinion, rack = train.members[PINION], train.members[RACK]
-    # the pair has what shapes the pinion's teeth alone
+    """Return the pair of a complete design in mm and the gear set built from it."""
+    pinion, rack = train.members[PINION_NAME], train.members[RACK_NAME]
+    # the pair has only the keys that shape the pinion's teeth
     pair = geometry.pair.model_copy(update={"accuracy_class": own.accuracy_class, "material": own.material})
     stated = own.pinion, None
     return RackSheetPair(pair, geometry.of_pair, (pinion, pinion), geometry.mesh, rack, stated=stated)
 
 
 def rack_sheet(design: RackDesign, train: GearTrain) -> Sheet:
-    """The sheet of a design of pinion and rack and the gear set built of it."""
+    """Return the sheet of a design of pinion and rack and the gear set built from it."""
     own = complete_design(design).in_mm()
     geometry = rack_proportions(own)
-    # how axes lie says nothing of a rack
+    # the table of axes has no meaning for a rack
     derived, plain, _ = plain_sheet(own, train).tables
-    rack, sheet = train.members[RACK], _sheet_pair(own, geometry, train)
+    rack, sheet = train.members[RACK_NAME], _sheet_pair(own, geometry, train)
     members, measures, *others = (_first_column(of_both) for of_both in member_tables(sheet))
     of_mesh = tables_by_title(
         {
             "Pair": (("",), lambda: _mesh_rows(sheet)),
-            "Contact from A to E": ((PINION, RACK), lambda: _contact_rows(sheet)),
-            "Rack": ((RACK,), lambda: rack_rows(own, geometry.mesh, rack, geometry.root)),
+            "Contact from A to E": ((PINION_NAME, RACK_NAME), lambda: _contact_rows(sheet)),
+            "Rack": ((RACK_NAME,), lambda: rack_rows(own, geometry.mesh, rack, geometry.root)),
         }
     )
     return Sheet(
@@ -134,17 +138,17 @@ def rack_sheet(design: RackDesign, train: GearTrain) -> Sheet:
             plain,
         ),
         {},
-        warnings=sheet.fillet_interference((PINION, RACK)),
+        warnings=sheet.fillet_interference((PINION_NAME, RACK_NAME)),
     )
 
 
 def _first_column(of: SheetTable) -> SheetTable:
-    """The column of the pinion."""
+    """Return the column of the pinion."""
     return replace(column_of(of, 0), title=f"Pinion: {of.title}")
 
 
 def _with_clearance(members: SheetTable, clearance: float) -> SheetTable:
-    """The table of the pinion with its clearance to the rack's root."""
+    """Return the pinion's table with its clearance to the rack's root."""
     rows = [
         (*row[:2], clearance) if symbol == "c" else row
         for symbol, row in zip(members.symbols, members.rows, strict=True)
@@ -153,6 +157,7 @@ def _with_clearance(members: SheetTable, clearance: float) -> SheetTable:
 
 
 def _mesh_rows(pair: RackSheetPair) -> list[Row]:
+    """Return the rows of the mesh."""
     mesh, own = pair.rack_mesh, pair.rack_mesh.pinion
     ratio, overlap = pair.line.contact_ratio, _overlap_ratio(pair)
     values = (
@@ -177,20 +182,26 @@ def _mesh_rows(pair: RackSheetPair) -> list[Row]:
 
 
 def _overlap_ratio(pair: RackSheetPair) -> float:
-    """Of the common face width."""
+    """Return the overlap ratio of the common face width."""
     own, width = pair.rack_mesh.pinion, min(pair.specs[0].face_width, pair.rack_mesh.rack.face_width)
     return width * abs(math.sin(own.beta)) / (math.pi * own.module)
 
 
 def _full_way(mesh: RackMesh, ratio: float) -> float:
-    """From where the first tooth could begin to be followed by another that ceases, to the same of the last."""
+    """Return the travel over which all tooth pairs can be in contact.
+
+    It lasts from where the first tooth pair could replace a preceding one to the same point of the last pair.
+    """
     return max(0.0, mesh.rack.teeth + 1.0 - ratio) * mesh.pitch
 
 
 def _backlash(design: RackDesign, geometry: RackPairProportions) -> tuple[tuple[str, ...], list[Row]]:
-    """Of nominal teeth, of the teeth as made, and of the ends of the thickness allowances where these are given."""
+    """Return columns and rows of the backlash.
+
+    Columns: nominal teeth, teeth as made, and the ends of the thickness allowances, if there are any.
+    """
     meshes = {"theoretical": geometry.nominal, "working": geometry.mesh}
-    given = [allowances_of(name, getattr(design, name), geometry.nominal.pinion) for name in (PINION, RACK)]
+    given = [allowances_of(name, getattr(design, name), geometry.nominal.pinion) for name in (PINION_NAME, RACK_NAME)]
     if any(allowance is not None and allowance.lower != allowance.upper for allowance in given):
         made = geometry.mesh.pinion.allowance, geometry.mesh.rack.allowance
         for column, end in (("least", "upper"), ("largest", "lower")):
@@ -211,6 +222,7 @@ def _backlash(design: RackDesign, geometry: RackPairProportions) -> tuple[tuple[
 
 
 def _contact_rows(pair: RackSheetPair) -> list[Row]:
+    """Return the rows of the points A to E."""
     mesh = pair.rack_mesh
     base = mesh.pinion.base_radius
     rows: list[Row] = []
@@ -225,7 +237,10 @@ def _contact_rows(pair: RackSheetPair) -> list[Row]:
 
 
 def rack_rows(design: RackKeys, mesh: RackMesh, member: Member, root: float | None = None) -> list[Row]:
-    """The rack of a design; with the clearance to its pinion's `root` radius, where it has one."""
+    """Return the rows of the rack of a design.
+
+    `root`: root radius of its pinion, for the clearance; None for a rack alone.
+    """
     rack, m = mesh.rack, mesh.pinion.module
     low, high = rack_flank(member)
     pin = pin_diameter(mesh, (low, high))
@@ -267,12 +282,13 @@ def rack_rows(design: RackKeys, mesh: RackMesh, member: Member, root: float | No
 
 
 def _clearance(mesh: RackMesh, root: float) -> tuple[str, str, str, float]:
+    """Return the row of the clearance between the rack's tip and the pinion's root."""
     own = mesh.distance - mesh.rack.addendum * mesh.pinion.module - root
     return "c", "clearance of its tip and the pinion's root", "mm", own
 
 
 def _thickness_allowances(given: ThicknessAllowance | None) -> list[tuple[str, str, str, float]]:
-    """Rows of the ends of a rack's thickness allowance, none where it has none."""
+    """Return the rows of the ends of a rack's thickness allowance; none if it has no allowance."""
     if given is None:
         return []
     return [
@@ -283,18 +299,21 @@ def _thickness_allowances(given: ThicknessAllowance | None) -> list[tuple[str, s
 
 
 def pin_height(mesh: RackMesh, diameter: float) -> float:
-    """Height over the reference plane of the centre of a pin that touches both flanks of a space."""
+    """Return the height over the reference plane of the centre of a pin that touches both flanks of a space."""
     alpha, space = mesh.pinion.alpha, math.pi * mesh.pinion.module - mesh.rack_thickness
     return 0.5 * (diameter / math.cos(alpha) - space) / math.tan(alpha)
 
 
 def over_pin(mesh: RackMesh, diameter: float) -> float:
-    """Dimension from the back of the bar over a pin in a space."""
+    """Return the dimension from the back of the bar over a pin in a space."""
     return mesh.pitch_height + pin_height(mesh, diameter) + 0.5 * diameter
 
 
 def pin_diameter(mesh: RackMesh, flank: tuple[float, float]) -> float | None:
-    """The standard pin that touches the flanks nearest to the reference plane and stands out of the space; None if none does."""
+    """Return the standard pin that touches the flanks nearest to the reference plane; None if none fits.
+
+    The pin stands out of the space and clears its ground. `flank`: heights of the flank's ends.
+    """
 
     def touches(diameter: float) -> float:
         return pin_height(mesh, diameter) - 0.5 * diameter * math.sin(mesh.pinion.alpha)

@@ -1,7 +1,7 @@
-"""A rack without a pinion: defaults by the basic rack alone, the member, and its data sheet.
+"""A rack without a pinion: defaults of the basic rack, the member, and its data sheet.
 
-Its own frame is that of the rack of a pair (`member`). Its coordinate counts as that of the rack on a gear of as many teeth as it
-has; such a gear has no other influence.
+Its own frame is that of a rack in a pair (`member`). Its coordinate counts as if the rack meshed with a gear of equal
+tooth number. This gear has no other influence.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from gearmesh.systems.cylindrical.geometry.allowances import made_allowance
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.systems.cylindrical.geometry.nominal import refuse_thin_allowance
 from gearmesh.systems.cylindrical.geometry.proportions import still_open
-from gearmesh.systems.cylindrical.rack.design import PINION, RACK
+from gearmesh.systems.cylindrical.rack.design import PINION_NAME, RACK_NAME
 from gearmesh.systems.cylindrical.rack.member import RackMesh, rack_member
 from gearmesh.systems.cylindrical.rack.proportions import bar_defaults, bar_of, bar_rounding, check_land
 from gearmesh.systems.cylindrical.rack.sheet import rack_rows
@@ -32,8 +32,8 @@ if TYPE_CHECKING:
 
 
 def proportions(design: SingleRackDesign) -> RackMesh:
-    """The rack in closed form, on a gear of as many teeth, which touches its reference plane."""
-    # the traces have the other hand than such a gear
+    """Return the rack in closed form, on a gear of equal tooth number that touches its reference plane."""
+    # the rack's traces have the hand opposite to the gear's
     hand = -1.0 if design.hand == "right" else 1.0
     own = Toothing(
         teeth=design.rack_teeth,
@@ -41,43 +41,49 @@ def proportions(design: SingleRackDesign) -> RackMesh:
         alpha=math.radians(design.normal_angle),
         beta=hand * math.radians(design.helix_angle),
     )
-    bar = replace(bar_of(design), allowance=made_allowance(RACK, design.rack, own))
+    bar = replace(bar_of(design), allowance=made_allowance(RACK_NAME, design.rack, own))
     return RackMesh(own, bar, math.nan, own.radius)
 
 
 def derived_values(design: SingleRackDesign) -> dict[str, float]:
-    """What the basic rack says of keys that the file leaves out, by dotted key, in the design's units."""
+    """Return the values of keys left out in the file that follow from the basic rack, by dotted key.
+
+    Values are in the design's units.
+    """
     defaults = bar_defaults(design)
     made = design.fill(defaults)
-    return defaults | still_open(made, {f"{RACK}.tool_tip_radius": bar_rounding(made, proportions(made))})
+    return defaults | still_open(made, {f"{RACK_NAME}.tool_tip_radius": bar_rounding(made, proportions(made))})
 
 
 def build(design: SingleRackDesign) -> GearTrain:
-    """The rack of a design (in mm), which meshes with no pinion. Raises DesignError for teeth or bars that cannot exist."""
+    """Return the rack of a design (in mm), which meshes with no pinion.
+
+    Raises DesignError for teeth or bars that cannot exist.
+    """
     mesh = proportions(design)
     if mesh.rack_thickness <= 0.0:
-        refuse_thin_allowance(RACK, design.rack, mesh.rack_thickness)
+        refuse_thin_allowance(RACK_NAME, design.rack, mesh.rack_thickness)
     check_land(mesh)
     room = PROFILES[design.profile][2], "the tool's tooth has no room for it"
-    warnings = unusual_defaults(design, {f"{RACK}.tool_tip_radius": room})
-    bar = rack_member(RACK, mesh.rack, mesh.pinion, design.rack)
-    # it slides, and its teeth follow each other along it
+    warnings = unusual_defaults(design, {f"{RACK_NAME}.tool_tip_radius": room})
+    bar = rack_member(RACK_NAME, mesh.rack, mesh.pinion, design.rack)
+    # the rack slides, and its teeth are repeated along it
     member = replace(bar, mount=Mount(bar.mount.base, joint=bar.tooth.joint))
-    return GearTrain(design.kind, (), tuple(warnings), unpaired=(member,), lacking=PINION)
+    return GearTrain(design.kind, (), tuple(warnings), unpaired=(member,), lacking=PINION_NAME)
 
 
 def sheet(design: SingleRackDesign, train: GearTrain) -> Sheet:
-    """The sheet of a design and the rack built of it."""
+    """Return the sheet of a design and the rack built from it."""
     own = complete_design(design).in_mm()
     derived, plain, *others = plain_sheet(own, train).tables
-    rows = tables_by_title({"Rack": ((RACK,), lambda: rack_rows(own, proportions(own), train.members[RACK]))})
-    # there are no axes that could lie to each other
+    rows = tables_by_title({"Rack": ((RACK_NAME,), lambda: rack_rows(own, proportions(own), train.members[RACK_NAME]))})
+    # the table of axes is left out: there is no pair
     return Sheet((derived, *rows, plain, *others[1:]), {})
 
 
 def pinned_values(design: SingleRackDesign, train: GearTrain) -> Values:
-    """What the rack leaves to its build: its number of teeth and its length."""
+    """Return the values that the rack leaves to its build: its number of teeth and its length."""
     return {
-        f"{RACK}.teeth": design.rack_teeth,
-        f"{RACK}.length": design.rack_teeth * design.pitch + 2.0 * design.overhang,
+        f"{RACK_NAME}.teeth": design.rack_teeth,
+        f"{RACK_NAME}.length": design.rack_teeth * design.pitch + 2.0 * design.overhang,
     }
