@@ -15,13 +15,13 @@ from gearmesh.arguments import checks_arguments
 from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, figure
 from gearmesh.lengths import Length, in_mm
-from gearmesh.systems.cylindrical.planetary.motion import DRIVER
+from gearmesh.systems.cylindrical.planetary.motion import DRIVING_MEMBER
 from gearmesh.systems.cylindrical.planetary.sizing import SetCandidate, SetSearch, WantedSet, search_sets
 
 #: what each wish may be: lowest, highest value
 SET_RANGES = {**RANGES, "outside_diameter": (1.0, 1e5), "planets": (1, 24)}
 #: members that may be fixed
-FIXED = tuple(DRIVER)
+FIXED = tuple(DRIVING_MEMBER)
 
 
 @dataclass(frozen=True)

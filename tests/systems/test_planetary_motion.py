@@ -47,9 +47,9 @@ def test_speeds_roll_without_slip(fixed: str) -> None:
     assert middle - turns.planet * planet / 2.0 == pytest.approx(turns.sun * radius[0], abs=1e-12)
     assert middle + turns.planet * planet / 2.0 == pytest.approx(turns.ring * radius[1], abs=1e-12)
     assert getattr(turns, fixed) == 0.0
-    assert getattr(turns, motion.DRIVER[fixed]) == 1.0
+    assert getattr(turns, motion.DRIVING_MEMBER[fixed]) == 1.0
     # the textbook's ratios of this set: 5, -4, 1.25
-    driven = getattr(turns, motion.DRIVEN[fixed])
+    driven = getattr(turns, motion.DRIVEN_MEMBER[fixed])
     assert 1.0 / driven == pytest.approx({"ring": 5.0, "carrier": -4.0, "sun": 1.25}[fixed], abs=1e-12)
     assert motion.ratio(sun, ring, fixed) == pytest.approx(1.0 / driven, abs=1e-12)
 

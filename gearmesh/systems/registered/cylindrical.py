@@ -12,7 +12,7 @@ from gearmesh.systems.cylindrical.build import DISPLACEMENTS, build
 from gearmesh.systems.cylindrical.design import CylindricalDesign
 from gearmesh.systems.cylindrical.geometry.proportions import derived_values
 from gearmesh.systems.cylindrical.single.design import is_single
-from gearmesh.systems.cylindrical.single.drawn import DRAWN
+from gearmesh.systems.cylindrical.single.drawn import DRAWN_ROWS
 from gearmesh.systems.registered.single_gear import SINGLE_GEAR
 from gearmesh.systems.system import Reserve, Sheet, SheetTable, System
 
@@ -78,7 +78,7 @@ SYSTEMS = (
         forces=_forces,
         displacements=DISPLACEMENTS,
         pinned=_values,
-        drawn=DRAWN,
+        drawn=DRAWN_ROWS,
         inspection=_inspection,
         rexs=StageForm(("cylindrical_stage",), _read, _write),
         single=SINGLE_GEAR,

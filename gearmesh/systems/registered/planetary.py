@@ -7,7 +7,7 @@ from gearmesh.systems.cylindrical.planetary.force_tables import set_forces
 from gearmesh.systems.cylindrical.planetary.pinned import planetary_values
 from gearmesh.systems.cylindrical.planetary.sheet import planetary_reserves, planetary_sheet
 from gearmesh.systems.cylindrical.rexs.planets import PLANETARY
-from gearmesh.systems.cylindrical.single.drawn import DRAWN
+from gearmesh.systems.cylindrical.single.drawn import DRAWN_ROWS
 from gearmesh.systems.system import System
 
 SYSTEMS = (
@@ -20,7 +20,7 @@ SYSTEMS = (
         reserves=planetary_reserves,
         forces=set_forces,
         pinned=planetary_values,
-        drawn=DRAWN,
+        drawn=DRAWN_ROWS,
         inspection=planetary_inspection,
         rexs=PLANETARY,
     ),

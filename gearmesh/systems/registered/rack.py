@@ -8,7 +8,7 @@ from gearmesh.systems.cylindrical.rack.force_tables import rack_forces
 from gearmesh.systems.cylindrical.rack.pinned import rack_values
 from gearmesh.systems.cylindrical.rack.proportions import derived_values
 from gearmesh.systems.cylindrical.rack.sheet import rack_reserves, rack_sheet
-from gearmesh.systems.cylindrical.single.drawn import DRAWN
+from gearmesh.systems.cylindrical.single.drawn import DRAWN_ROWS
 from gearmesh.systems.system import System
 
 SYSTEMS = (
@@ -21,7 +21,7 @@ SYSTEMS = (
         reserves=rack_reserves,
         forces=rack_forces,
         pinned=rack_values,
-        drawn=DRAWN,
+        drawn=DRAWN_ROWS,
         single=System(
             "rack",
             SingleRackDesign,
@@ -29,7 +29,7 @@ SYSTEMS = (
             derive=single.derived_values,
             sheet=single.sheet,
             pinned=single.pinned_values,
-            drawn=DRAWN,
+            drawn=DRAWN_ROWS,
         ),
         is_single=is_single_rack,
     ),

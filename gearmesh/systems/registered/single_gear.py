@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from gearmesh.systems.cylindrical.single.design import SingleGearDesign
-from gearmesh.systems.cylindrical.single.drawn import DRAWN
+from gearmesh.systems.cylindrical.single.drawn import DRAWN_ROWS
 from gearmesh.systems.system import Sheet, System
 
 if TYPE_CHECKING:
@@ -51,6 +51,6 @@ SINGLE_GEAR = System(
     derive=_derive,
     sheet=_sheet,
     pinned=_values,
-    drawn=DRAWN,
+    drawn=DRAWN_ROWS,
     inspection=_inspection,
 )

@@ -1,1 +1,1 @@
-"""What measured cylindrical gears are evaluated by."""
+"""Figures by which measured cylindrical gears are evaluated."""

@@ -1,6 +1,7 @@
-"""What cylindrical gears are inspected by [ISO 1328-1:2013].
+"""Figures by which cylindrical gears are inspected [ISO 1328-1:2013].
 
-The profile control diameter is the active root diameter d_Nf of a gear with a mating gear, else the root form diameter d_Ff.
+The profile control diameter is the active root diameter d_Nf of a gear with a mating gear, else the root form diameter
+d_Ff.
 """
 
 from __future__ import annotations
@@ -25,21 +26,21 @@ if TYPE_CHECKING:
 
 
 def pair_inspection(design: CylindricalDesign, train: GearTrain, name: str) -> InspectionBasis:
-    """Of the "pinion" or the "gear" of a design and the gear set built of it."""
+    """Return the inspection basis of the "pinion" or the "gear" of a design and the gear set built from it."""
     half = half_of(complete_design(design).in_mm())
     gears = SheetPair(half, proportions(half), tuple(train.members[own] for own in MEMBER_NAMES))
     return inspection_of(gears, MEMBER_NAMES.index(name))
 
 
 def single_inspection(design: SingleGearDesign, train: GearTrain, name: str) -> InspectionBasis:
-    """Of a gear without a mating gear."""
+    """Return the inspection basis of a gear without a mating gear."""
     own = complete_design(design).in_mm()
     gears = SheetGears(first_halves(own), GearsProportions((single_proportions(own),)), (train.members[name],))
     return inspection_of(gears, 0)
 
 
 def inspection_of(gears: SheetGears, number: int) -> InspectionBasis:
-    """Of the gear of a number of those of a sheet."""
+    """Return the inspection basis of a gear by its `number` in a sheet."""
     own, width = gears.teeth[number], gears.specs[number].face_width
     root_form, tip_form = gears.flanks[number]
     mesh = gears.meshing

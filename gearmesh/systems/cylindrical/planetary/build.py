@@ -1,7 +1,8 @@
-"""Planetary gear sets: two cylindrical meshes that share the planet, and the arrangement of planets around the sun [ISO 21771].
+"""Planetary gear sets: two cylindrical meshes that share the planet, and planets around the sun [ISO 21771].
 
-Fixed frame: the carrier's, z along the common axis, planet 1 on +x unless the design says otherwise. In it sun, planets and ring
-turn about fixed axes; phi1 of a mesh counts the sun clockwise about +z, or the planet counterclockwise.
+The fixed frame is the carrier's: z is along the common axis, and planet 1 is on +x unless the design says otherwise. In
+this frame sun, planets and ring turn about fixed axes. phi1 of a mesh counts the sun clockwise about +z, or the planet
+counterclockwise.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from gearmesh.systems.cylindrical.geometry import proportions as closed
 from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair
 from gearmesh.systems.cylindrical.geometry.nominal import MEMBER_NAMES, wanted_backlash
 from gearmesh.systems.cylindrical.parts import completed_pair, is_given, nest, shared_keys
-from gearmesh.systems.cylindrical.planetary.design import PLANET, RING, SUN
+from gearmesh.systems.cylindrical.planetary.design import PLANET_NAME, RING_NAME, SUN_NAME
 from gearmesh.teeth.gear_train import GearPair, GearTrain
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
@@ -31,20 +32,20 @@ from gearmesh.teeth.region import Side
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.planetary.design import PlanetaryDesign
 
-#: how far (teeth) a planet may stand from where it can be assembled
-ASSEMBLED = 1e-6
+#: largest distance, in teeth, of a planet from a position at which it can be assembled
+ASSEMBLY_TOLERANCE_TEETH = 1e-6
 
 
 class InnerMesh(CylindricalDesign):
-    """Sun and planet as the pair that they are."""
+    """Sun and planet as a cylindrical pair."""
 
-    other_names: ClassVar[Mapping[str, str]] = {"pinion": SUN, "gear": PLANET}
+    other_names: ClassVar[Mapping[str, str]] = {"pinion": SUN_NAME, "gear": PLANET_NAME}
 
 
 class OuterMesh(CylindricalDesign):
-    """Planet and ring as the pair that they are."""
+    """Planet and ring as a cylindrical pair."""
 
-    other_names: ClassVar[Mapping[str, str]] = {"pinion": PLANET, "gear": RING}
+    other_names: ClassVar[Mapping[str, str]] = {"pinion": PLANET_NAME, "gear": RING_NAME}
 
 
 @dataclass(frozen=True)
@@ -56,45 +57,50 @@ class Meshes:
 
 
 def meshes(design: PlanetaryDesign) -> Meshes:
-    """Both meshes, complete. Raises DesignError, with the names of the set, for a mesh that cannot exist."""
+    """Return both meshes as complete designs.
+
+    Raises DesignError, with the names of the set, for a mesh that cannot exist.
+    """
     own, shared = dict(design.own()), shared_keys(design)
     distance, allowance = design.assembly.center_distance, design.assembly.center_distance_allowance
     tolerated = {} if allowance is None else {"center_distance_allowance": allowance}
+    # sun and planet as a pair, with the centre distance and the backlash of the set
     inner = {
         **shared,
         "hand": design.hand,
-        **nest(own, {SUN: "pinion", PLANET: "gear"}),
+        **nest(own, {SUN_NAME: "pinion", PLANET_NAME: "gear"}),
         "assembly": tolerated if distance is None else {"center_distance": distance, **tolerated},
         **{key: getattr(design, key) for key in ("backlash", "circumferential_backlash") if is_given(design, key)},
     }
-    first = completed_pair(InnerMesh, inner)
-    geometry = closed.proportions(first)
-    planet = first.gear.plain()
+    inner_pair = completed_pair(InnerMesh, inner)
+    geometry = closed.proportions(inner_pair)
+    planet = inner_pair.gear.plain()
     middle = geometry.mesh.gear.allowance
-    # as thick as in its mesh with the sun; the ring takes what of the backlash it leaves
-    if first.gear.thickness_key is None:
+    # the planet is as thick as in its mesh with the sun; the ring gets the rest of the wanted backlash
+    if inner_pair.gear.thickness_key is None:
         planet["thickness_allowance"] = {"upper": middle, "lower": middle}
     outer = {
         **shared,
         "hand": "left" if design.hand == "right" else "right",
         "pinion": planet,
-        **nest(own, {RING: "gear"}),
+        **nest(own, {RING_NAME: "gear"}),
         "assembly": {"center_distance": geometry.mesh.distance, **tolerated},
     }
     outer["gear"].setdefault("internal", True)
     _check_ring(design, geometry.mesh)
-    second = completed_pair(OuterMesh, outer)
-    ring = closed.proportions(second)
+    outer_pair = completed_pair(OuterMesh, outer)
+    ring = closed.proportions(outer_pair)
+    # the thickness of the ring gives its mesh the same normal backlash
     wanted = wanted_backlash(design, ring.nominal)
     if wanted is not None:
         rest = (ring.mesh.normal_backlash - wanted) / math.cos(ring.mesh.pinion.alpha)
         outer["gear"] = {**outer["gear"], "thickness_allowance": {"upper": rest, "lower": rest}}
-        second = completed_pair(OuterMesh, outer)
-    return Meshes(first, second)
+        outer_pair = completed_pair(OuterMesh, outer)
+    return Meshes(inner_pair, outer_pair)
 
 
 def _check_ring(design: PlanetaryDesign, mesh: InvolutePair) -> None:
-    """Refuse a ring that is too large for its planets to reach it at the centre distance of sun and planet."""
+    """Refuse a ring so large that its planets cannot reach it at the centre distance of sun and planet."""
     of_teeth = 2.0 * mesh.distance / (mesh.gear.transverse_module * math.cos(mesh.gear.alpha_t))
     most = math.ceil(design.planet.teeth + of_teeth) - 1
     if design.ring.teeth > most:
@@ -108,9 +114,12 @@ def _check_ring(design: PlanetaryDesign, mesh: InvolutePair) -> None:
 
 
 def derived_values(design: PlanetaryDesign) -> dict[str, float]:
-    """What the meshes say of keys that the file leaves out, by dotted key, in the design's units."""
+    """Return the values of keys left out in the file that follow from the meshes, by dotted key.
+
+    Values are in the design's units.
+    """
     both = meshes(design)
-    tables = {SUN: both.inner.pinion, PLANET: both.inner.gear, RING: both.outer.gear}
+    tables = {SUN_NAME: both.inner.pinion, PLANET_NAME: both.inner.gear, RING_NAME: both.outer.gear}
     values = {
         f"{name}.{key}": value
         for name, member in tables.items()
@@ -122,9 +131,10 @@ def derived_values(design: PlanetaryDesign) -> dict[str, float]:
 
 
 def build(design: PlanetaryDesign) -> GearTrain:
-    """The set of a planetary design (in mm): sun, planets and ring, in mesh with each other.
+    """Return the set of a planetary design (in mm): sun, planets and ring in mesh.
 
-    Raises DesignError naming key, value and limit: teeth that cannot exist, planets that cannot be assembled or collide.
+    Raises DesignError naming key, value and limit: teeth that cannot exist, planets that cannot be assembled or
+    collide.
     """
     both = meshes(design)
     halves = half_of(both.inner), half_of(both.outer)
@@ -132,7 +142,7 @@ def build(design: PlanetaryDesign) -> GearTrain:
     _check_assembly(design, inner.mesh.distance, inner.tips[1])
     sun, planet = (whole_member(both.inner, which, inner) for which in MEMBER_NAMES)
     ring = whole_member(both.outer, "gear", outer)
-    # halves of other widths have their middles elsewhere
+    # on double helical gears, halves of different widths have different middles
     of_planet = halves[0].assembly.dz
     of_ring = of_planet + halves[1].assembly.dz
     flank = Side(design.contact.flank)
@@ -140,7 +150,7 @@ def build(design: PlanetaryDesign) -> GearTrain:
     made: list[GearPair] = []
     for k, angle in enumerate(angles):
         place = Rigid.about_z(angle) @ Rigid(np.eye(3), np.array([inner.mesh.distance, 0.0, of_planet]))
-        own = replace(planet, name=f"{PLANET}_{k + 1}", mount=Mount(place), idler=True)
+        own = replace(planet, name=f"{PLANET_NAME}_{k + 1}", mount=Mount(place), idler=True)
         made.append(
             GearPair(
                 pinion=replace(sun, mount=Mount(_facing(angle, design.sun.teeth), sign=-1.0)),
@@ -169,17 +179,20 @@ def build(design: PlanetaryDesign) -> GearTrain:
 
 
 def _facing(angle: float, teeth: int, along: float = 0.0) -> Rigid:
-    """A central gear `along` the axis (mm), turned by whole pitches, so that its first tooth stands nearest to an angle (rad)."""
+    """Return the position of a central gear `along` the axis (mm), turned by whole pitches.
+
+    Its first tooth is then nearest to an angle (rad).
+    """
     pitch = 2.0 * math.pi / teeth
     return Rigid(np.eye(3), np.array([0.0, 0.0, along])) @ Rigid.about_z(round(angle / pitch) * pitch)
 
 
 def _check_assembly(design: PlanetaryDesign, distance: float, tip: float) -> None:
-    """Refuse planets that the teeth of sun and ring do not let in, and planets that touch each other."""
+    """Refuse planets that cannot be assembled with sun and ring, and planets that touch each other."""
     total = design.sun.teeth + design.ring.teeth
     for angle in design.angles:
         teeth = total * (angle - design.angles[0]) / 360.0
-        if abs(teeth - round(teeth)) > ASSEMBLED:
+        if abs(teeth - round(teeth)) > ASSEMBLY_TOLERANCE_TEETH:
             if design.assembly.planet_angles is None:
                 raise DesignError(
                     "planets",
@@ -194,6 +207,7 @@ def _check_assembly(design: PlanetaryDesign, distance: float, tip: float) -> Non
                 allowed=f"a whole step of {360.0 / total:.6g} deg from the first, the nearest is "
                 f"{design.angles[0] + 360.0 * round(teeth) / total:.10g}",
             )
+    # distance of neighbouring axes is the chord of their angle; tips must leave a gap
     order = sorted(angle % 360.0 for angle in design.angles)
     for k in range(len(order) if len(order) > 1 else 0):
         step = (order[(k + 1) % len(order)] - order[k]) % 360.0
@@ -211,7 +225,7 @@ def _check_assembly(design: PlanetaryDesign, distance: float, tip: float) -> Non
 
 
 def _snap_notes(design: PlanetaryDesign) -> Iterator[str]:
-    """A note on angles of planets that are given with few decimals."""
+    """Yield a note on angles of planets that are moved to positions of assembly."""
     if design.assembly.planet_angles is None:
         return
     moved = [(given, taken) for given, taken in design.angles_taken if given != taken]
@@ -221,5 +235,6 @@ def _snap_notes(design: PlanetaryDesign) -> Iterator[str]:
 
 
 def _divisors(total: int) -> str:
+    """Return the numbers of planets, as text, that share a number of teeth evenly."""
     divisors = [str(n) for n in range(2, 13) if total % n == 0]
     return ", ".join(divisors) if divisors else "no equal"

@@ -17,10 +17,16 @@ from gearmesh.systems.cylindrical.allowance_keys import CenterDistanceAllowance
 from gearmesh.systems.cylindrical.design import CylindricalMember, HalvesKeys
 from gearmesh.systems.kinds import KINDS
 
-#: deg within which an angle of a planet is taken for where it can be assembled, and differences that are nothing but rounding
-SNAP, ROUNDED = 1e-3, 1e-9
-#: Members as a design names them.
-SUN, PLANET, RING = "sun", "planet", "ring"
+#: difference below which the angle of a planet is moved to the angle at which it can be assembled
+SNAP_ANGLE_DEG = 1e-3
+#: difference of angles that is rounding
+ANGLE_ROUNDING_DEG = 1e-9
+#: name of the sun's table in a design
+SUN_NAME = "sun"
+#: name of the planet's table in a design
+PLANET_NAME = "planet"
+#: name of the ring's table in a design
+RING_NAME = "ring"
 
 
 class RingMember(CylindricalMember):
@@ -63,7 +69,7 @@ class PlanetaryDesign(HalvesKeys):
     """A planetary gear set on coaxial sun and ring."""
 
     own_kind: ClassVar[str] = "planetary"
-    toothed: ClassVar[tuple[str, ...]] = (SUN, PLANET, RING)
+    toothed: ClassVar[tuple[str, ...]] = (SUN_NAME, PLANET_NAME, RING_NAME)
     example: ClassVar[Mapping[str, Any]] = {
         "module": 2,
         "sun": {"teeth": 18, "face_width": 20},
@@ -88,7 +94,7 @@ class PlanetaryDesign(HalvesKeys):
     @model_validator(mode="after")
     def _sound_set(self) -> Self:
         self.with_allowances()
-        for name in (SUN, PLANET):
+        for name in (SUN_NAME, PLANET_NAME):
             if getattr(self, name).internal:
                 raise conflict(f"{name}.internal", True, reason="only the ring of a planetary set is internal")
         if not self.ring.internal:
@@ -96,7 +102,7 @@ class PlanetaryDesign(HalvesKeys):
         least = self.planet.teeth + 1
         if self.ring.teeth < least:
             raise conflict("ring.teeth", self.ring.teeth, must_be=f"at least {least}, more than the planet has")
-        for name in (SUN, PLANET, RING):
+        for name in (SUN_NAME, PLANET_NAME, RING_NAME):
             if (mount := getattr(self, name).mount) is not None:
                 mount.refuse_stiffness(
                     f"{name}.mount",
@@ -121,20 +127,26 @@ class PlanetaryDesign(HalvesKeys):
 
     @property
     def angles(self) -> list[float]:
-        """Angles of the planets about the sun, deg; given ones within SNAP of where a planet can be assembled are moved there."""
+        """Angles of the planets about the sun, deg.
+
+        Given angles within SNAP_ANGLE_DEG of an angle at which a planet can be assembled are moved there.
+        """
         if self.assembly.planet_angles is not None:
             return [taken for _, taken in self.angles_taken]
         return [360.0 * k / self.planets for k in range(self.planets)]
 
     @property
     def angles_taken(self) -> list[tuple[float, float]]:
-        """Angles (deg) of the planets as they are given and as they are taken: whole steps of the teeth of sun and ring from the
-        first, as far as they are within SNAP of them."""
+        """Given and used angle (deg) of each planet.
+
+        Angles within SNAP_ANGLE_DEG of a whole number of steps from the first planet are moved there. A step is a turn
+        over the teeth of sun and ring together.
+        """
         given = self._angles_given
         step = 360.0 / (self.sun.teeth + self.ring.teeth)
         places = [given[0] + step * round((angle - given[0]) / step) for angle in given]
         return [
-            (angle, place if ROUNDED < abs(angle - place) <= SNAP else angle)
+            (angle, place if ANGLE_ROUNDING_DEG < abs(angle - place) <= SNAP_ANGLE_DEG else angle)
             for angle, place in zip(given, places, strict=True)
         ]
 

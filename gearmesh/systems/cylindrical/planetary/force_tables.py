@@ -1,4 +1,4 @@
-"""Tables of the forces that a torque puts on a planetary set, equally shared by its planets, with powers and speeds."""
+"""Tables of the forces on a planetary set for a torque, shared equally by its planets, with powers and speeds."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from gearmesh.systems.cylindrical.force_tables import force_rows
 from gearmesh.systems.cylindrical.geometry.forces import mesh_forces
 from gearmesh.systems.cylindrical.geometry.proportions import proportions
 from gearmesh.systems.cylindrical.planetary.build import meshes
-from gearmesh.systems.cylindrical.planetary.design import PLANET, RING, SUN
-from gearmesh.systems.cylindrical.planetary.motion import DRIVER, speeds
+from gearmesh.systems.cylindrical.planetary.design import PLANET_NAME, RING_NAME, SUN_NAME
+from gearmesh.systems.cylindrical.planetary.motion import DRIVING_MEMBER, speeds
 from gearmesh.systems.system import SheetTable, complete_design
 from gearmesh.teeth.region import Side
 
@@ -20,13 +20,15 @@ if TYPE_CHECKING:
 
 
 def set_forces(design: PlanetaryDesign, torque: float, speed: float | None) -> tuple[SheetTable, ...]:
-    """Torques on sun, carrier and ring, and forces on one planet, for a torque (Nm) on the member that drives, which turns at a
-    speed (1/min)."""
+    """Return tables of the torques on sun, carrier and ring, and of the forces on a planet.
+
+    `torque` (Nm) is on the member that drives, which turns at a speed (1/min).
+    """
     own = complete_design(design).in_mm()
     both, count = meshes(own), len(own.angles)
     teeth = own.sun.teeth, own.planet.teeth, own.ring.teeth
-    driver = DRIVER[own.fixed]
-    on_sun = torque if driver == SUN else torque * teeth[0] / teeth[2]
+    driver = DRIVING_MEMBER[own.fixed]
+    on_sun = torque if driver == SUN_NAME else torque * teeth[0] / teeth[2]
     on_ring = on_sun * teeth[2] / teeth[0]
     torques = on_sun, -on_sun - on_ring, on_ring
     turns = speeds(*teeth, own.fixed)
@@ -48,8 +50,16 @@ def set_forces(design: PlanetaryDesign, torque: float, speed: float | None) -> t
     ]
     of_one = f"one of {count} planets that share the load equally"
     return (
-        table(f"Torques on the set for {torque:g} Nm on the {driver}", (SUN, "carrier", RING), rows),
-        table(f"Forces of sun and {PLANET}, {of_one}", (SUN, PLANET), force_rows(with_sun, (1, 1), halves=halves)),
-        table(f"Forces of {PLANET} and ring, {of_one}", (PLANET, RING), force_rows(with_ring, (1, -1), halves=halves)),
-        table("Load of its mesh forces on the planet's bearing", (PLANET,), pin),
+        table(f"Torques on the set for {torque:g} Nm on the {driver}", (SUN_NAME, "carrier", RING_NAME), rows),
+        table(
+            f"Forces of sun and {PLANET_NAME}, {of_one}",
+            (SUN_NAME, PLANET_NAME),
+            force_rows(with_sun, (1, 1), halves=halves),
+        ),
+        table(
+            f"Forces of {PLANET_NAME} and ring, {of_one}",
+            (PLANET_NAME, RING_NAME),
+            force_rows(with_ring, (1, -1), halves=halves),
+        ),
+        table("Load of its mesh forces on the planet's bearing", (PLANET_NAME,), pin),
     )

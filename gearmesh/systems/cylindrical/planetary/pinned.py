@@ -1,4 +1,4 @@
-"""What planetary sets leave to their build."""
+"""Values that planetary sets leave to their build."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from gearmesh.systems.cylindrical.geometry.proportions import proportions
 from gearmesh.systems.cylindrical.pinned import member_values
 from gearmesh.systems.cylindrical.planetary.build import meshes
-from gearmesh.systems.cylindrical.planetary.design import PLANET, RING, SUN
+from gearmesh.systems.cylindrical.planetary.design import PLANET_NAME, RING_NAME, SUN_NAME
 
 if TYPE_CHECKING:
     from gearmesh.systems.common.pinned import Values
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def planetary_values(design: PlanetaryDesign, train: GearTrain) -> Values:
-    """Of a complete design in mm and the gear set built of it."""
+    """Return the values for a complete design in mm and the gear set built from it."""
     both = meshes(design)
     inner, outer = proportions(both.inner), proportions(both.outer)
     values: Values = {
@@ -25,9 +25,9 @@ def planetary_values(design: PlanetaryDesign, train: GearTrain) -> Values:
         "assembly.planet_angles": ", ".join(repr(angle) for angle in design.angles),
     }
     for gear, name, member in (
-        (inner.gear("pinion"), SUN, SUN),
-        (inner.gear("gear"), PLANET, f"{PLANET}_1"),
-        (outer.gear("gear"), RING, RING),
+        (inner.gear("pinion"), SUN_NAME, SUN_NAME),
+        (inner.gear("gear"), PLANET_NAME, f"{PLANET_NAME}_1"),
+        (outer.gear("gear"), RING_NAME, RING_NAME),
     ):
         values |= member_values(gear, name, train.members[member])
     return values

@@ -1,4 +1,4 @@
-"""The data sheet of a planetary set: the set as a whole, and its meshes, sun with planet and planet with ring [ISO 21771-1]."""
+"""The data sheet of a planetary set: the whole set, sun with planet, and planet with ring [ISO 21771-1]."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from gearmesh.systems.common.symbol_table import Row, table, tables_of
 from gearmesh.systems.cylindrical.double_helical import half_of
 from gearmesh.systems.cylindrical.geometry.proportions import proportions
 from gearmesh.systems.cylindrical.planetary.build import meshes
-from gearmesh.systems.cylindrical.planetary.design import PLANET, RING, SUN
+from gearmesh.systems.cylindrical.planetary.design import PLANET_NAME, RING_NAME, SUN_NAME
 from gearmesh.systems.cylindrical.planetary.motion import (
-    DRIVEN,
-    DRIVER,
+    DRIVEN_MEMBER,
+    DRIVING_MEMBER,
     pairs_in_contact,
     phase_of_ring,
     phases,
@@ -32,48 +32,60 @@ if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.planetary.design import PlanetaryDesign
 
 
-#: members of both meshes, as tables call them
-MESHES = (SUN, PLANET), (PLANET, RING)
+#: members of both meshes, as named in tables
+MESH_MEMBERS = (SUN_NAME, PLANET_NAME), (PLANET_NAME, RING_NAME)
 
 
 def planetary_sheet(design: PlanetaryDesign, train: GearTrain) -> Sheet:
-    """The sheet of a planetary design and the gear set built of it; what that of any system has is part of it."""
+    """Return the sheet of a planetary design and the gear set built from it.
+
+    It contains the tables that every system has.
+    """
     own = complete_design(design).in_mm()
     derived, *plain = plain_sheet(own, train).tables
     tables: list[SheetTable] = []
     pairs = _sheet_pairs(own, train)
-    for pair, names in zip(pairs, MESHES, strict=True):
+    for pair, names in zip(pairs, MESH_MEMBERS, strict=True):
         for pair_table in pair_tables(pair, names):
             tables.append(replace(pair_table, title=f"{names[0].capitalize()} and {names[1]}: {pair_table.title}"))
-    warnings = [line for pair, names in zip(pairs, MESHES, strict=True) for line in pair.fillet_interference(names)]
+    warnings = [
+        line for pair, names in zip(pairs, MESH_MEMBERS, strict=True) for line in pair.fillet_interference(names)
+    ]
     members = _sheet_members(train)
-    of_set = tables_of(("Set", lambda: _set_tables(own, members[PLANET], *pairs)))
+    of_set = tables_of(("Set", lambda: _set_tables(own, members[PLANET_NAME], *pairs)))
     return Sheet(
         (derived, *of_set, *half_tables(own, tuple(members.values())), *tables, *plain), {}, warnings=tuple(warnings)
     )
 
 
 def planetary_reserves(design: PlanetaryDesign, train: GearTrain) -> tuple[Reserve, ...]:
-    """What all meshes have left until their teeth interfere, those of the sun first; the planets are alike."""
+    """Return the reserves of all meshes against interference, the sun's meshes first.
+
+    All planets have the same reserves.
+    """
     pairs, planets = _sheet_pairs(complete_design(design).in_mm(), train), len(train.pairs) // 2
     return tuple(
         reserve
         for number in range(len(train.pairs))
-        for reserve in pairs[number // planets].interference_reserves(number, MESHES[number // planets])
+        for reserve in pairs[number // planets].interference_reserves(number, MESH_MEMBERS[number // planets])
     )
 
 
 def _sheet_members(train: GearTrain) -> dict[str, Member]:
-    """Sun, first planet and ring of a gear set."""
-    return {SUN: train.members[SUN], PLANET: train.members[f"{PLANET}_1"], RING: train.members[RING]}
+    """Return sun, first planet and ring of a gear set."""
+    return {
+        SUN_NAME: train.members[SUN_NAME],
+        PLANET_NAME: train.members[f"{PLANET_NAME}_1"],
+        RING_NAME: train.members[RING_NAME],
+    }
 
 
 def _sheet_pairs(own: PlanetaryDesign, train: GearTrain) -> tuple[SheetPair, SheetPair]:
-    """Both meshes of a complete design in mm and the gear set built of it."""
+    """Return both meshes of a complete design in mm and the gear set built from it."""
     both_meshes, members = meshes(own), _sheet_members(train)
     pairs = []
-    for mesh, names in zip((both_meshes.inner, both_meshes.outer), MESHES, strict=True):
-        # the meshes have what shapes their teeth alone
+    for mesh, names in zip((both_meshes.inner, both_meshes.outer), MESH_MEMBERS, strict=True):
+        # the designs of the meshes have only the keys that shape their teeth
         whole = half_of(mesh).model_copy(update={"accuracy_class": own.accuracy_class, "material": own.material})
         both = members[names[0]], members[names[1]]
         stated = tuple(getattr(own, name) for name in names)
@@ -83,17 +95,18 @@ def _sheet_pairs(own: PlanetaryDesign, train: GearTrain) -> tuple[SheetPair, She
 
 
 def _set_tables(design: PlanetaryDesign, planet: Member, inner: SheetPair, outer: SheetPair) -> list[SheetTable]:
+    """Return the tables of the whole set and of its planets."""
     teeth = design.sun.teeth, design.planet.teeth, design.ring.teeth
     ratios = inner.contact_ratio, outer.contact_ratio
     sense = Side(design.contact.flank).sign
     ahead = phases(teeth[0], design.angles, sense)
-    # first halves end together towards the gap: what touches before that plane is all of the faces, or nothing
+    # first halves end together at the gap: either all of both faces touches before this plane, or nothing
     share = float(inner.mesh.pinion.beta * sense > 0.0) if design.double_helical else 0.5
-    behind = phase_of_ring(inner.line, outer.line, (inner.overlap_ratio, outer.overlap_ratio), share)
-    of_ring = [(phase + behind) % 1.0 for phase in ahead]
-    apart = _apart(design, inner.mesh.distance, planet)
+    ring_phase = phase_of_ring(inner.line, outer.line, (inner.overlap_ratio, outer.overlap_ratio), share)
+    of_ring = [(phase + ring_phase) % 1.0 for phase in ahead]
+    tip_gaps = _apart(design, inner.mesh.distance, planet)
     count = len(ahead)
-    least = [
+    contact_counts = [
         pairs_in_contact([ratios[0]] * count, ahead),
         pairs_in_contact([ratios[1]] * count, of_ring),
         pairs_in_contact([*[ratios[0]] * count, *[ratios[1]] * count], [*ahead, *of_ring]),
@@ -107,14 +120,16 @@ def _set_tables(design: PlanetaryDesign, planet: Member, inner: SheetPair, outer
             (_planet_share(design),),
         ),
         ("tau_a", "step of the angles at which planets can be assembled", "deg", (360.0 / (teeth[0] + teeth[2]),)),
-        ("c_p", "clearance of the tips of neighbouring planets, least", "mm", (min(apart, default=None),)),
-        ("phi_r", "phase of the mesh with the ring against that with the sun", "p", (behind,)),
+        ("c_p", "clearance of the tips of neighbouring planets, least", "mm", (min(tip_gaps, default=None),)),
+        ("phi_r", "phase of the mesh with the ring against that with the sun", "p", (ring_phase,)),
         ("eps_s", "total contact ratio of sun and planet", "-", (ratios[0],)),
         ("eps_r", "total contact ratio of planet and ring", "-", (ratios[1],)),
         ("eps_s_sum", "sum over the planets, with the sun", "-", (count * ratios[0],)),
         ("eps_r_sum", "sum over the planets, with the ring", "-", (count * ratios[1],)),
     ]
-    for symbol, words, (low, high) in zip(("n_s", "n_r", "n"), ("the sun", "the ring", "both"), least, strict=True):
+    for symbol, words, (low, high) in zip(
+        ("n_s", "n_r", "n"), ("the sun", "the ring", "both"), contact_counts, strict=True
+    ):
         rows += [
             (f"{symbol}_min", f"least tooth pairs in contact with {words}", "-", (low,)),
             (f"{symbol}_max", f"most tooth pairs in contact with {words}", "-", (high,)),
@@ -123,16 +138,16 @@ def _set_tables(design: PlanetaryDesign, planet: Member, inner: SheetPair, outer
         ("psi", "angle about the sun", "deg", tuple(design.angles)),
         ("phi_s", "phase of the mesh with the sun against that of planet_1", "p", tuple(ahead)),
         ("phi_r", "phase of the mesh with the ring against planet_1 with the sun", "p", tuple(of_ring)),
-        ("c_p", "clearance of the tips to the next planet", "mm", tuple(apart) or (None,)),
+        ("c_p", "clearance of the tips to the next planet", "mm", tuple(tip_gaps) or (None,)),
     ]
-    names = tuple(f"{PLANET}_{k + 1}" for k in range(count))
+    names = tuple(f"{PLANET_NAME}_{k + 1}" for k in range(count))
     return [table("Set", ("",), rows), table("Planets", names, planets)]
 
 
 def _motion_rows(design: PlanetaryDesign, teeth: tuple[int, int, int]) -> list[Row]:
-    """Speeds with the fixed member, per turn of the driving one, and the ratios with each member fixed."""
+    """Return the rows of speeds per turn of the driving member, and of the ratios for each fixed member."""
     turns = speeds(*teeth, design.fixed)
-    driver = DRIVER[design.fixed]
+    driver = DRIVING_MEMBER[design.fixed]
     rows: list[Row] = [("fixed", "fixed member", "", (design.fixed,))]
     rows += [
         ("w_s", f"turns of the sun per turn of the {driver}", "-", (turns.sun,)),
@@ -141,23 +156,24 @@ def _motion_rows(design: PlanetaryDesign, teeth: tuple[int, int, int]) -> list[R
         ("w_c", "turns of the carrier", "-", (turns.carrier,)),
         ("w_r", "turns of the ring", "-", (turns.ring,)),
     ]
-    for fixed, driving in DRIVER.items():
-        words = f"ratio, {fixed} fixed: speed of the {driving} over the {DRIVEN[fixed]}'s"
+    for fixed, driving in DRIVING_MEMBER.items():
+        words = f"ratio, {fixed} fixed: speed of the {driving} over the {DRIVEN_MEMBER[fixed]}'s"
         rows.append((f"i_{fixed}", words, "-", (ratio(teeth[0], teeth[2], fixed),)))
     return rows
 
 
 def _planet_share(design: PlanetaryDesign) -> float:
+    """Return the teeth of sun and ring per planet."""
     return (design.sun.teeth + design.ring.teeth) / len(design.angles)
 
 
 def _apart(design: PlanetaryDesign, distance: float, planet: Member) -> list[float]:
-    """How far (mm) the tips of every planet, as built, stay from those of the next one; empty of a single planet."""
+    """Return the gaps (mm) between the tips of every planet, as built, and the next planet; empty for a single planet."""
     land = planet.tooth.grid(Region.LAND, np.array([0.0, 1.0]), planet.tooth.sections([0.0, 0.5, 1.0])).points
     tip = float(np.hypot(land[..., 0], land[..., 1]).max())
     angles = [angle % 360.0 for angle in design.angles]
     if len(angles) < 2:
         return []
-    # to the next one around, in whichever order they are listed
+    # angle to the next planet around, in any order of the list
     steps = [min((other - angle) % 360.0 for other in angles if other != angle) for angle in angles]
     return [2.0 * distance * math.sin(math.radians(min(step, 360.0 - step)) / 2.0) - 2.0 * tip for step in steps]

@@ -16,7 +16,7 @@ from gearmesh.exchange.stage_form import StageForm
 from gearmesh.exchange.stage_writer import StageWriter
 from gearmesh.systems.cylindrical.geometry.proportions import proportions
 from gearmesh.systems.cylindrical.planetary.build import meshes
-from gearmesh.systems.cylindrical.planetary.design import PLANET, RING, SUN
+from gearmesh.systems.cylindrical.planetary.design import PLANET_NAME, RING_NAME, SUN_NAME
 from gearmesh.systems.cylindrical.rexs.gears import EXTERNAL, INTERNAL, SAME, GearReader, write_gear
 from gearmesh.systems.cylindrical.rexs.pair import (
     GIVEN,
@@ -81,8 +81,8 @@ def read_set(file: StageReader) -> dict[str, Any]:
 
 def _read_planet(file: StageReader, one: PlanetMeshes, own: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
     """What the gears of the meshes of a planet have in common, and the keys of sun, planet and ring."""
-    sun, planet = GearReader(one.inner, one.sun, SUN), GearReader(one.inner, one.planet, PLANET)
-    ring = GearReader(one.outer, one.ring, RING)
+    sun, planet = GearReader(one.inner, one.sun, SUN_NAME), GearReader(one.inner, one.planet, PLANET_NAME)
+    ring = GearReader(one.outer, one.ring, RING_NAME)
     common = read_toothing(one.inner, (sun, planet))
     read_toothing(one.outer, (planet, ring))
     count_shift(file, (planet, ring), common, one.outer.size(one.outer.stage, "center_distance"))
@@ -104,7 +104,7 @@ def _see_that_it_is_alike(
     before, after = ({**common, **members} for common, members in (known, keys))
     for key in (*before, *after):
         if not _alike(before.get(key), after.get(key)):
-            name = key.removeprefix(f"{PLANET}.")
+            name = key.removeprefix(f"{PLANET_NAME}.")
             reason = f"all planets must be alike: {first.planet.in_full} has {name} = {before.get(key)}"
             raise FileError(
                 file.path,
@@ -254,9 +254,9 @@ def write_set(file: StageWriter, design: PlanetaryDesign, known: Component | Non
         )
     first.ring.type = INTERNAL
     members = (
-        (first.sun, inner.gears[0], SUN),
-        (first.planet, inner.gears[1], PLANET),
-        (first.ring, outer.gears[1], RING),
+        (first.sun, inner.gears[0], SUN_NAME),
+        (first.planet, inner.gears[1], PLANET_NAME),
+        (first.ring, outer.gears[1], RING_NAME),
     )
     for gear, of_gear, name in members:
         write_gear(file, gear, of_gear, name)
@@ -275,14 +275,14 @@ def write_set(file: StageWriter, design: PlanetaryDesign, known: Component | Non
 
 def _new_set(file: StageWriter, stage: Component, design: PlanetaryDesign, distance: float) -> None:
     """Gears, meshes and shafts of a new set: a shaft, a gear and two meshes for each planet."""
-    sun, ring = file.new(EXTERNAL, SUN), file.new(INTERNAL, RING)
+    sun, ring = file.new(EXTERNAL, SUN_NAME), file.new(INTERNAL, RING_NAME)
     for gear in (sun, ring):
         put_position(file, gear, sun, [0.0, 0.0, 0.0])
         shaft = file.new("shaft", gear.name)
         file.relate("assembly", {"assembly": shaft, "part": gear})
         file.relate("central_shaft", {"planetary_stage": stage, "shaft": shaft})
     for number, angle in enumerate(map(math.radians, design.angles), start=1):
-        planet, shaft = file.new(EXTERNAL, f"{PLANET} {number}"), file.new("shaft", f"{PLANET} {number}")
+        planet, shaft = file.new(EXTERNAL, f"{PLANET_NAME} {number}"), file.new("shaft", f"{PLANET_NAME} {number}")
         put_position(file, planet, sun, [0.0, distance * math.cos(angle), distance * math.sin(angle)])
         file.relate("assembly", {"assembly": shaft, "part": planet})
         file.relate("planet_shaft", {"planetary_stage": stage, "shaft": shaft})

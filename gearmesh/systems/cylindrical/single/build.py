@@ -1,6 +1,7 @@
-"""One cylindrical gear without a mating gear: its proportions by the basic rack alone, and the member built of it [ISO 21771].
+"""One cylindrical gear without a mating gear [ISO 21771].
 
-Fixed frame: the gear's own, its axis z, the middle of the face at z = 0, a tooth (of an internal gear as of an external one) on +x.
+The fixed frame is the gear's own: its axis is z, the middle of the face is at z = 0, and a tooth is on +x, for external
+and internal gears alike.
 """
 
 from __future__ import annotations
@@ -28,19 +29,19 @@ from gearmesh.teeth.gear_train import GearTrain
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.single.design import SingleGearDesign
 
-#: what a finite-element model of a double helical gear is of
-HALF = "double helical: finite elements are for one half, and the other half is its mirror image"
+#: note that the finite-element model of a double helical gear has one half
+HALF_NOTE = "double helical: finite elements are for one half, and the other half is its mirror image"
 
 
 def single_gear(design: SingleGearDesign) -> ToothedGear:
-    """The teeth of the gear, with the allowance that is made."""
+    """Return the teeth of the gear, with the allowance as made."""
     name, spec = design.member_name, design.spec
     own = teeth_of(design, spec, allowance=made_allowance(name, spec, teeth_of(design, spec)))
     return ToothedGear(name, name, spec, own, design.profile)
 
 
 def derived_values(design: SingleGearDesign) -> dict[str, float]:
-    """What the basic rack says of keys that the file leaves out, by dotted key, in the design's units.
+    """Return the values that the basic rack gives to keys left out in the file, by dotted key, in the design's units.
 
     Raises DesignError for cutters that cannot exist.
     """
@@ -53,12 +54,12 @@ def derived_values(design: SingleGearDesign) -> dict[str, float]:
 
 
 def proportions(design: SingleGearDesign) -> GearProportions:
-    """Teeth, tip and root of a complete design; of a double helical gear those of its first half."""
+    """Return teeth, tip and root of a complete design; for a double helical gear of its first half."""
     return gear_proportions(single_gear(first_halves(design)))
 
 
 def build(design: SingleGearDesign) -> GearTrain:
-    """The gear of a design (in mm), which meshes with none.
+    """Return the gear of a design (in mm), which meshes with no other gear.
 
     Raises DesignError naming key, value and limit: teeth or cutters that cannot exist.
     """
@@ -86,9 +87,9 @@ def _refuse_thin(gear: GearProportions) -> None:
 
 
 def _warnings(design: SingleGearDesign, gear: GearProportions) -> tuple[str, ...]:
-    """Warnings about a design: adapted defaults, cutters."""
+    """Return the warnings of a design: adapted defaults, cutters."""
     standard = standard_rounding(gear)
     if gear.own.internal and gear.spec.tip_diameter is None:
         standard[f"{gear.name}.addendum"] = (PROFILES[design.profile][0], own_end(gear.spec))
-    said = (HALF,) if design.double_helical else ()
-    return (*unusual_defaults(design, standard), *other_cutters((gear,)), *trimming_warnings((gear,)), *said)
+    notes = (HALF_NOTE,) if design.double_helical else ()
+    return (*unusual_defaults(design, standard), *other_cutters((gear,)), *trimming_warnings((gear,)), *notes)

@@ -12,15 +12,15 @@ from gearmesh.design.keys import Key, conflict
 from gearmesh.design.measured import PairMeasured
 from gearmesh.systems.cylindrical.design import CylindricalMember, HalvesKeys
 
-#: tables of a pair, one of which is the gear
-MEMBERS = ("pinion", "gear")
-#: why a key has no meaning
-ALONE = "needs a mating gear: give both tables, [pinion] and [gear]"
+#: tables of a pair; a single gear has one of them
+MEMBER_TABLES = ("pinion", "gear")
+#: reason why a key needs a mating gear
+ALONE_REASON = "needs a mating gear: give both tables, [pinion] and [gear]"
 
 
 def is_single(keys: Mapping[str, Any]) -> bool:
-    """Whether the keys of a design of kind cylindrical have the table of one gear alone."""
-    return sum(name in keys for name in MEMBERS) == 1
+    """True if the keys of a design of kind cylindrical have the table of only one gear."""
+    return sum(name in keys for name in MEMBER_TABLES) == 1
 
 
 class SingleGearDesign(HalvesKeys):
@@ -28,7 +28,7 @@ class SingleGearDesign(HalvesKeys):
 
     own_kind: ClassVar[str] = "cylindrical"
     absent: ClassVar[Mapping[str, str]] = dict.fromkeys(
-        ("assembly", "contact", "backlash", "circumferential_backlash", "shift_sharing"), ALONE
+        ("assembly", "contact", "backlash", "circumferential_backlash", "shift_sharing"), ALONE_REASON
     )
     example: ClassVar[Mapping[str, Any]] = {"module": 1, "gear": {"teeth": 30, "face_width": 10}}
     about: ClassVar[str] = "one spur or helical gear, external or internal, without a mating gear [ISO 21771]"
@@ -47,12 +47,12 @@ class SingleGearDesign(HalvesKeys):
 
     @property
     def member_name(self) -> str:
-        """What the gear is called: as its table."""
+        """Name of the gear: the name of its table."""
         return next(iter(self.specs))
 
     @property
     def spec(self) -> CylindricalMember:
-        """Its table."""
+        """Table of the gear."""
         spec: CylindricalMember = self.specs[self.member_name]
         return spec
 

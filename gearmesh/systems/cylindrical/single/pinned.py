@@ -1,4 +1,4 @@
-"""What a gear without a mating gear leaves to its build."""
+"""Values that a gear without a mating gear leaves to its build."""
 
 from __future__ import annotations
 
@@ -14,6 +14,6 @@ if TYPE_CHECKING:
 
 
 def single_values(design: SingleGearDesign, train: GearTrain) -> Values:
-    """Of a complete design in mm and the gear built of it."""
+    """Return the values for a complete design in mm and the gear built from it."""
     name = design.member_name
     return {"arrangement": design.arrangement, **member_values(proportions(design), name, train.members[name])}

@@ -1,4 +1,4 @@
-"""The data sheet of one gear without a mating gear: what that of a pair says of a member and no mating gear has a part in."""
+"""The data sheet of one gear without a mating gear: the rows of a pair's sheet that do not depend on the mesh."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ if TYPE_CHECKING:
 
 
 def single_sheet(design: SingleGearDesign, train: GearTrain) -> Sheet:
-    """The sheet of a design and the gear built of it."""
+    """Return the sheet of a design and the gear built from it."""
     own = complete_design(design).in_mm()
     members = tuple(train.members.values())
     gears = SheetGears(first_halves(own), GearsProportions((proportions(own),)), members)
-    # there are no axes that could lie to each other
+    # the table of axes is left out: there is no pair
     derived, plain, _ = plain_sheet(own, train).tables
     rows = tables_by_title({"Gear": (("",), lambda: _toothing_rows(gears.teeth[0]))})
     names = tuple(train.members)
@@ -32,6 +32,7 @@ def single_sheet(design: SingleGearDesign, train: GearTrain) -> Sheet:
 
 
 def _toothing_rows(own: Toothing) -> list[Row]:
+    """Return the rows of the basic rack and the helix."""
     values = (
         ("m_n", "normal module", "mm", own.module),
         ("m_t", "transverse module", "mm", own.transverse_module),
