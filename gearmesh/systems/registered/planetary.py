@@ -6,7 +6,7 @@ from gearmesh.systems.cylindrical.planetary.design import PlanetaryDesign
 from gearmesh.systems.cylindrical.planetary.force_tables import set_forces
 from gearmesh.systems.cylindrical.planetary.pinned import planetary_values
 from gearmesh.systems.cylindrical.planetary.sheet import planetary_reserves, planetary_sheet
-from gearmesh.systems.cylindrical.rexs.planets import PLANETARY
+from gearmesh.systems.cylindrical.rexs.planets import PLANETARY_FORM
 from gearmesh.systems.cylindrical.single.drawn import DRAWN_ROWS
 from gearmesh.systems.system import System
 
@@ -22,6 +22,6 @@ SYSTEMS = (
         pinned=planetary_values,
         drawn=DRAWN_ROWS,
         inspection=planetary_inspection,
-        rexs=PLANETARY,
+        rexs=PLANETARY_FORM,
     ),
 )

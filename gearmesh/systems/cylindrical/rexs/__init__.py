@@ -1,1 +1,1 @@
-"""Cylindrical stages of REXS models as pairs and planetary sets, and back."""
+"""Cylindrical stages of REXS models read as pairs and planetary sets, and written."""

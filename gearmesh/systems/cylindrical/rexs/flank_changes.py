@@ -1,4 +1,4 @@
-"""Modifications of flanks in REXS models: components to which flanks refer, one of each kind, amounts in mm."""
+"""Modifications of flanks in REXS models: flanks refer to one component for each kind; amounts are in mm."""
 
 from __future__ import annotations
 
@@ -11,28 +11,40 @@ from gearmesh.exchange.model import Component
 from gearmesh.exchange.stage import StageReader
 from gearmesh.exchange.stage_writer import StageWriter
 
-#: tables of a design, and the flanks that they are for
-TABLES = {"modifications": ("left", "right"), "modifications_right": ("right",), "modifications_left": ("left",)}
-#: at which end of the face, along u, the datum face lies: at the toe if negative, as without this attribute
-ORIENTATION = "datum_face_orientation"
+#: tables of a design, and the flanks to which they apply
+FLANKS_BY_TABLE = {
+    "modifications": ("left", "right"),
+    "modifications_right": ("right",),
+    "modifications_left": ("left",),
+}
+#: attribute for the end of the face, along u, with the datum face: the toe if negative or absent
+FACE_ORIENTATION = "datum_face_orientation"
+#: tables that are exchanged if the datum face is at the heel
 OTHER_END = {"end_relief_toe": "end_relief_heel", "end_relief_heel": "end_relief_toe"}
-SHAPES = ("linear", "parabolic", "circular")
+#: shapes of a relief
+RELIEF_SHAPES = ("linear", "parabolic", "circular")
 
 
 @dataclass(frozen=True)
 class FlankChange:
-    """A kind of modification: component and table of a design, attributes of the table's keys; `equal`: attributes that have the
-    amount too; `shape`: attribute with the shape, and the one that it must be where the design has no choice."""
+    """A kind of modification in a model and in a design."""
 
+    #: type of the component
     type: str
+    #: table of a design
     table: str
+    #: attributes by key of the table; "" if the table is a single value
     keys: Mapping[str, str]
+    #: attributes that repeat the amount
     equal: tuple[str, ...] = ()
+    #: attribute with the shape; "" if there is none
     shape: str = ""
+    #: the only shape that a design has; "" if it has a choice
     only: str = ""
 
 
-CHANGES = (
+#: kinds of modifications
+FLANK_CHANGES = (
     FlankChange(
         "profile_crowning",
         "profile_crowning",
@@ -70,7 +82,8 @@ CHANGES = (
         for end, face in (("toe", "datum_face"), ("heel", "non_datum_face"))
     ),
 )
-TYPES = tuple(change.type for change in CHANGES)
+#: types of their components
+CHANGE_TYPES = tuple(change.type for change in FLANK_CHANGES)
 
 
 def read_changes(
@@ -79,19 +92,20 @@ def read_changes(
     flanks: Mapping[str, Component],
     start_of: Callable[[str, float], float | None],
 ) -> dict[str, Any]:
-    """Keys of the modifications of both flanks: those that both have, then those of one.
+    """Return the keys of the modifications: those common to both flanks, then those of one flank.
 
-    `start_of` gives the diameter at which a relief of tip or root of some length begins. What a design cannot have is left unused.
+    `start_of` returns the diameter at which a relief of tip or root of a given length begins. Modifications that a
+    design cannot have are not used.
     """
-    at_heel = file.text(gear, ORIENTATION) == "positive"
+    at_heel = file.text(gear, FACE_ORIENTATION) == "positive"
     sides = {
-        side: [one for change in CHANGES for one in _read(file, flank, change, start_of, at_heel)]
+        side: [one for change in FLANK_CHANGES for one in _read(file, flank, change, start_of, at_heel)]
         for side, flank in flanks.items()
     }
-    both = [one for one in sides.get("left", []) if one in sides.get("right", [])]
+    common = [one for one in sides.get("left", []) if one in sides.get("right", [])]
     keys: dict[str, Any] = {}
-    for table, names in TABLES.items():
-        seen = both if len(names) == 2 else [one for one in sides.get(names[0], []) if one not in both]
+    for table, names in FLANKS_BY_TABLE.items():
+        seen = common if len(names) == 2 else [one for one in sides.get(names[0], []) if one not in common]
         for change, values in seen:
             if any(f"{table}.{change}{key}" in keys for key in values):
                 file.notes.append(f"{file.stage}: two modifications {change} of one flank: the first counts")
@@ -107,51 +121,52 @@ def _read(
     start_of: Callable[[str, float], float | None],
     at_heel: bool,
 ) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Yield table and keys of the modifications of one kind on a flank."""
     table = OTHER_END.get(change.table, change.table) if at_heel else change.table
-    for one in file.references(flank, change.type):
+    for component in file.references(flank, change.type):
         values: dict[str, Any] = {}
         for key, attribute in change.keys.items():
-            values[f".{key}" if key else ""] = file.number(one, attribute)
+            values[f".{key}" if key else ""] = file.number(component, attribute)
         if ".start_diameter" in values and values[".start_diameter"] is None:
-            length = file.number(one, f"{change.type}_datum_length")
+            length = file.number(component, f"{change.type}_datum_length")
             values[".start_diameter"] = None if length is None else start_of(change.type, length)
         amount = next(iter(values.values()))
-        others = [file.number(one, id) for id in change.equal]
-        shape = file.text(one, change.shape) if change.shape else None
+        others = [file.number(component, id) for id in change.equal]
+        shape = file.text(component, change.shape) if change.shape else None
         whole = None not in values.values() and all(other is None or math.isclose(other, amount) for other in others)
-        allowed = (change.only,) if change.only else SHAPES
+        allowed = (change.only,) if change.only else RELIEF_SHAPES
         if amount == 0.0:
             continue
         if at_heel and change.table == "helix_slope":
             whole = False
         if not whole or (shape is not None and shape not in allowed):
-            file.notes.append(f"{one}: not used: a design has no such {change.table}")
-            file.used -= {(one.id, id) for id in one.attributes}
+            file.notes.append(f"{component}: not used: a design has no such {change.table}")
+            file.used -= {(component.id, id) for id in component.attributes}
         else:
-            file.text(one, "is_additive_modification")
+            file.text(component, "is_additive_modification")
             if change.shape and not change.only and shape is not None:
                 values[".shape"] = shape
             yield table, values
 
 
 def write_changes(file: StageWriter, gear: Component, name: str, flanks: Mapping[str, Component]) -> None:
-    """Modifications of the member `name`, as far as the format has them; the datum face is the toe."""
-    file.put(gear, ORIENTATION, "negative")
+    """Write the modifications of the member `name`, as far as the format has them; the datum face is the toe."""
+    file.put(gear, FACE_ORIENTATION, "negative")
     for flank in flanks.values():
-        file.forget(flank, TYPES)
-    for table, sides in TABLES.items():
-        for change in CHANGES:
+        file.forget(flank, CHANGE_TYPES)
+    for table, sides in FLANKS_BY_TABLE.items():
+        for change in FLANK_CHANGES:
             stem = f"{name}.{table}.{change.table}"
             wanted = {key: f"{stem}.{key}" if key else stem for key in change.keys}
             if any(file.keys.get(key) is None for key in wanted.values()) or file.keys.get(f"{stem}.start_roll_length"):
                 continue
-            one = file.new(change.type)
+            component = file.new(change.type)
             for key, attribute in change.keys.items():
                 value = file.take(wanted[key])
                 for id in (attribute, *(change.equal if key in ("", "amount") else ())):
-                    file.put(one, id, value)
+                    file.put(component, id, value)
             if change.shape:
-                file.put(one, change.shape, file.take(f"{stem}.shape") or change.only or SHAPES[0])
+                file.put(component, change.shape, file.take(f"{stem}.shape") or change.only or RELIEF_SHAPES[0])
             for side in sides:
                 if side in flanks:
-                    file.relate("reference", {"origin": flanks[side], "referenced": one})
+                    file.relate("reference", {"origin": flanks[side], "referenced": component})

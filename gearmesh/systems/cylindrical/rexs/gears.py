@@ -15,25 +15,35 @@ from gearmesh.systems.cylindrical.rexs.flank_changes import read_changes, write_
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.geometry.proportions import GearProportions
 
-EXTERNAL, INTERNAL = "cylindrical_gear", "ring_gear"
-FLANK, SETTINGS = "cylindrical_gear_flank", "cylindrical_gear_manufacturing_settings"
-HOB, CUTTER = "rack_shaped_tool", "cutter_wheel_tool"
-SERIES = "tooth_thickness_deviation_tolerance_series_din_3967_1978"
-#: tip rounding of a tool, in modules and in mm
+#: component of an external gear
+EXTERNAL_GEAR = "cylindrical_gear"
+#: component of an internal gear
+INTERNAL_GEAR = "ring_gear"
+#: component of a flank
+FLANK_TYPE = "cylindrical_gear_flank"
+#: component of the settings of a manufacturing step
+SETTINGS_TYPE = "cylindrical_gear_manufacturing_settings"
+#: component of a hob
+HOB_TYPE = "rack_shaped_tool"
+#: component of a shaper cutter
+CUTTER_TYPE = "cutter_wheel_tool"
+#: attribute of the tolerance series
+SERIES_ATTRIBUTE = "tooth_thickness_deviation_tolerance_series_din_3967_1978"
+#: attributes of a tool's tip rounding, in modules and in mm
 TIP_RADIUS = "tip_radius_factor", "tip_radius"
-#: figures of two gears or flanks that are the same but for rounding
-SAME = 1e-9
-#: digits after the point of differences of two diameters, mm
-DIGITS = 9
+#: difference of figures of two gears or flanks that is rounding
+FIGURE_ROUNDING = 1e-9
+#: decimals of differences of two diameters, mm
+DIAMETER_DECIMALS = 9
 
 
 class GearReader:
-    """The gear of a file that is the member `name` of a design."""
+    """The gear of a file that becomes the member `name` of a design."""
 
     def __init__(self, file: StageReader, gear: Component, name: str) -> None:
         self.file, self.gear, self.name = file, gear, name
         self.teeth = file.required_count(gear, "number_of_teeth", f"{name}.teeth")
-        self.internal = gear.type == INTERNAL or file.is_negative(gear, "number_of_teeth")
+        self.internal = gear.type == INTERNAL_GEAR or file.is_negative(gear, "number_of_teeth")
         self.flanks = file.flanks(gear)
         self.alpha, self.transverse = self._pressure_angles()
         self.beta = self._helix_angle()
@@ -41,13 +51,13 @@ class GearReader:
         self.shift_sense = 1
 
     def _pressure_angles(self) -> tuple[float | None, float | None]:
-        """Normal and transverse pressure angle, deg, as the flanks have them."""
+        """Return normal and transverse pressure angle of the flanks, deg."""
         return tuple(  # type: ignore[return-value]
             self.flank_figure((id, 1.0)) for id in ("normal_pressure_angle", "pressure_angle_in_the_transverse_section")
         )
 
     def _helix_angle(self) -> float:
-        """Helix angle at the reference diameter, deg."""
+        """Return the helix angle at the reference diameter, deg."""
         beta = self.file.number(self.gear, "helix_angle_reference_diameter", "helix_angle", zero=True)
         base = self.file.number(self.gear, "helix_angle_base_circle", zero=True)
         if beta is None and base and self.alpha is not None:
@@ -59,14 +69,14 @@ class GearReader:
         return beta or 0.0
 
     def pressure_angle(self) -> float | None:
-        """Normal pressure angle, deg."""
+        """Return the normal pressure angle, deg."""
         if self.alpha is None and self.transverse is not None:
             tangent = math.tan(math.radians(self.transverse)) * math.cos(math.radians(self.beta))
             return math.degrees(math.atan(tangent))
         return self.alpha
 
     def module(self) -> float:
-        """Normal module, mm."""
+        """Return the normal module, mm."""
         number, gear, beta = self.file.number, self.gear, math.radians(self.beta)
         normal, transverse = number(gear, "normal_module", "module"), number(gear, "transverse_module")
         pitch, axial = number(gear, "normal_circular_pitch"), number(gear, "axial_module")
@@ -81,12 +91,15 @@ class GearReader:
         return self.file.required_number(gear, "normal_module")
 
     def flank_figure(self, *ids: tuple[str, float], key: str = "") -> float | None:
-        """The first of some attributes (id, what it is multiplied by) that a flank has; both flanks must have the same."""
+        """Return the first attribute that a flank has, times its scale; both flanks must agree.
+
+        `ids`: pairs of attribute and scale.
+        """
         for id, scale in ids:
             values = [(flank, self.file.number(flank, id, key)) for flank in self.flanks.values()]
             known = [(flank, value * scale) for flank, value in values if value is not None]
             for flank, value in known[1:]:
-                if abs(value - known[0][1]) > SAME:
+                if abs(value - known[0][1]) > FIGURE_ROUNDING:
                     reason = f"the other flank, {known[0][0].in_full}, has {known[0][1]:g}; flanks must be alike"
                     raise self.file.refusal(flank, id, reason, value)
             if known:
@@ -94,7 +107,7 @@ class GearReader:
         return None
 
     def keys(self, module: float, alpha: float, beta: float) -> dict[str, Any]:
-        """Keys of the gear in a design of that module (mm), normal pressure angle and helix angle (deg)."""
+        """Return the keys of the gear in a design with this module (mm), normal pressure angle and helix angle (deg)."""
         file, gear = self.file, self.gear
         keys: dict[str, Any] = {"teeth": self.teeth, "internal": self.internal}
         keys["face_width"] = self._face_width()
@@ -112,13 +125,13 @@ class GearReader:
         return {key: value for key, value in keys.items() if value is not None}
 
     def shift(self, module: float) -> float | None:
-        """Profile shift, in modules; that of a ring as ISO 21771 has it, positive towards its tip."""
+        """Return the profile shift, in modules, positive towards the tip of a ring as in ISO 21771."""
         own = ("addendum_modification_coefficient", 1.0), ("addendum_modification", 1.0 / module)
         shift = self.flank_figure(*own, key=f"{self.name}.profile_shift")
         return None if shift is None else self.shift_sense * shift
 
     def _face_width(self) -> float:
-        """That of the gear, else what the gears of the stage have in common."""
+        """Return the face width of the gear, or else the common face width of the stage."""
         width = self.file.number(self.gear, "face_width", f"{self.name}.face_width")
         common = self.file.number(self.file.stage, "common_face_width")
         if width is None and common is None:
@@ -128,18 +141,21 @@ class GearReader:
         return width or common or 0.0
 
     def _reference(self, module: float, beta: float) -> float:
+        """Return the reference diameter, mm."""
         return self.teeth * module / math.cos(math.radians(beta))
 
     def _base(self, module: float, alpha: float, beta: float) -> float:
+        """Return the base diameter, mm."""
         transverse = math.atan(math.tan(math.radians(alpha)) / math.cos(math.radians(beta)))
         return self._reference(module, beta) * math.cos(transverse)
 
     def _beyond(self, diameter: float, module: float, beta: float, shift: float) -> float:
-        """How far a diameter lies towards the tip of the shifted pitch plane, in modules."""
+        """Return the distance (modules) of a diameter from the shifted pitch plane, positive towards the tip."""
         sense = -1.0 if self.internal else 1.0
         return sense * (diameter - self._reference(module, beta)) / (2.0 * module) - shift
 
     def _tip(self, module: float, beta: float, shift: float) -> dict[str, Any]:
+        """Return the keys of the tip: its diameter and tolerance, or the addendum."""
         diameter = self.file.size(self.gear, "tip_diameter", f"{self.name}.tip_diameter")
         if diameter and self._beyond(diameter, module, beta, shift) > 0.0:
             return {"tip_diameter": diameter, **self._tip_tolerance(diameter)}
@@ -151,14 +167,15 @@ class GearReader:
         return {"addendum": length / module if height is None and length is not None else height}
 
     def _tip_tolerance(self, diameter: float) -> dict[str, Any]:
-        """Deviations of the tip diameter, from its limits."""
+        """Return the deviations of the tip diameter, from its limits."""
         largest, smallest = (self.file.size(self.gear, f"{end}_tip_diameter") for end in ("maximum", "minimum"))
         if largest is None or smallest is None:
             return {}
         ends = {"upper": largest - diameter, "lower": smallest - diameter}
-        return {f"tip_diameter_tolerance.{end}": round(value, DIGITS) for end, value in ends.items()}
+        return {f"tip_diameter_tolerance.{end}": round(value, DIAMETER_DECIMALS) for end, value in ends.items()}
 
     def _root(self, module: float, beta: float, shift: float) -> float | None:
+        """Return the root diameter, mm; None if it cannot be used."""
         diameter = self.file.size(self.gear, "root_diameter", f"{self.name}.root_diameter")
         if diameter and self._beyond(diameter, module, beta, shift) < 0.0:
             return diameter
@@ -168,15 +185,15 @@ class GearReader:
         return None
 
     def _tool(self, module: float, alpha: float, beta: float) -> dict[str, Any]:
-        """Of the first step that generates teeth; both flanks have the same."""
+        """Return the keys of the first step that generates teeth; both flanks have the same step."""
         steps = [step for flank in self.flanks.values() for step in self.file.steps(flank)]
-        generating = [step for step in steps if step[0].type in (HOB, CUTTER)]
+        generating = [step for step in steps if step[0].type in (HOB_TYPE, CUTTER_TYPE)]
         if self.internal:
-            generating.sort(key=lambda step: step[0].type != CUTTER)
+            generating.sort(key=lambda step: step[0].type != CUTTER_TYPE)
         for tool, _ in generating:
             if not self._fits(tool, module, alpha):
                 return {}
-            if tool.type == CUTTER:
+            if tool.type == CUTTER_TYPE:
                 return self._cutter(tool, module, beta)
             return self._hob(tool, [own for other, own in generating if other is tool and own is not None], module)
         kept = f"{steps[0][0].in_full} generates no root" if steps else "no tool in the file"
@@ -184,10 +201,10 @@ class GearReader:
         return {}
 
     def _fits(self, tool: Component, module: float, alpha: float) -> bool:
-        """True where a tool has the gear's module and pressure angle, which a design takes as the tool's."""
+        """True if a tool has the gear's module and pressure angle, which a design assumes."""
         for id, wanted in (("normal_module", module), ("normal_pressure_angle", alpha)):
             own = self.file.number(tool, id)
-            if own is not None and abs(own - wanted) > SAME:
+            if own is not None and abs(own - wanted) > FIGURE_ROUNDING:
                 reason = f"{id} = {own:g} is not the gear's, {wanted:g}"
                 self.file.notes.append(
                     f"{self.gear}: {tool.in_full} is not used: {reason}: root and fillet are those of profile A"
@@ -197,13 +214,14 @@ class GearReader:
         return True
 
     def _relative(self, tool: Component, factor: str, length: str, module: float, key: str = "") -> float | None:
-        """A length in modules; a rounding may be 0."""
+        """Return a length in modules; only a tip rounding may be 0."""
         rounding = factor == "tip_radius_factor"
         relative = self.file.number(tool, factor, key, zero=rounding)
         absolute = self.file.number(tool, length, key)
         return absolute / module if relative is None and absolute is not None else relative
 
     def _hob(self, tool: Component, settings: list[Component], module: float) -> dict[str, Any]:
+        """Return the keys of a hob."""
         file, name = self.file, self.name
         height = "addendum_coefficient_reference_profile", "addendum_reference_profile"
         keys: dict[str, Any] = {
@@ -220,13 +238,14 @@ class GearReader:
             keys["hob.protuberance"] = protuberance * module
             keys["hob.protuberance_angle"] = file.number(tool, "protuberance_angle", f"{name}.hob.protuberance_angle")
         stocks = [file.number(one, "machining_allowance", f"{name}.hob.stock") or 0.0 for one in settings]
-        if stocks and max(stocks) - min(stocks) > SAME:
+        if stocks and max(stocks) - min(stocks) > FIGURE_ROUNDING:
             reason = f"the step of the other flank has {stocks[0]:g}; both must leave the same"
             raise file.refusal(settings[-1], "machining_allowance", reason, stocks[-1])
         keys["hob.stock"] = max(stocks, default=0.0) or None
         return keys
 
     def _cutter(self, tool: Component, module: float, beta: float) -> dict[str, Any]:
+        """Return the keys of a shaper cutter."""
         file, name = self.file, self.name
         teeth = file.required_count(tool, "number_of_teeth", f"{name}.shaper.teeth")
         shift = self._relative(tool, "addendum_modification_coefficient", "addendum_modification", module) or 0.0
@@ -244,24 +263,25 @@ class GearReader:
         }
 
     def _thickness(self, module: float, alpha: float, beta: float, shift: float | None) -> dict[str, Any]:
+        """Return the keys of the thickness allowance: a series, its ends, or the generated profile shift."""
         number, gear, allowance = self.file.number, self.gear, f"{self.name}.thickness_allowance"
         ends = ("upper", "lower")
         normal = [number(gear, f"chordal_tooth_thickness_{end}_deviation", f"{allowance}.{end}") for end in ends]
-        series = self.file.text(gear, SERIES, f"{allowance}.series")
+        series = self.file.text(gear, SERIES_ATTRIBUTE, f"{allowance}.series")
         given = {f"thickness_allowance.{end}": value for end, value in zip(ends, normal, strict=True)}
         if series is not None and (None in normal or _is_series(normal, series, self._reference(module, beta))):
             return {"thickness_allowance.series": series}
         if None not in normal:
             if series is not None:
                 self.file.notes.append(
-                    f"{self.gear}: {SERIES} = {series} is not used: the deviations in the file are others"
+                    f"{self.gear}: {SERIES_ATTRIBUTE} = {series} is not used: the deviations in the file are others"
                 )
-                self.file.used.discard((self.gear.id, SERIES))
+                self.file.used.discard((self.gear.id, SERIES_ATTRIBUTE))
             return given
         settings = [one for flank in self.flanks.values() for _, one in self.file.steps(flank) if one is not None]
         for one in [*settings, *self.flanks.values()]:
             generated = number(one, "generated_addendum_modification_coefficient")
-            if generated is not None and shift is not None and abs(generated - shift) > SAME:
+            if generated is not None and shift is not None and abs(generated - shift) > FIGURE_ROUNDING:
                 thinner = 2.0 * (generated - shift) * module * math.tan(math.radians(alpha))
                 made = {f"thickness_allowance.{end}": thinner for end in ends}
                 return {**made, "allowance_by": "feed"}
@@ -269,16 +289,17 @@ class GearReader:
 
 
 def _is_series(ends: list[float | None], series: str, diameter: float) -> bool:
-    """True where both ends of an allowance are those of a series [DIN 3967]."""
+    """True if both ends of an allowance belong to a series [DIN 3967]."""
     if diameter > din3967.DIAMETERS[-1]:
         return False
     return all(
-        abs((one or 0.0) - own) < SAME for one, own in zip(ends, din3967.allowances(series, diameter), strict=True)
+        abs((one or 0.0) - own) < FIGURE_ROUNDING
+        for one, own in zip(ends, din3967.allowances(series, diameter), strict=True)
     )
 
 
 def _start(end: str, length: float, tip: float | None, base: float) -> float | None:
-    """Diameter at which a tip relief of so long a part of the roll length begins."""
+    """Return the diameter at which a tip relief of a `length` along the path of contact begins."""
     if end != "tip_relief" or tip is None or tip <= base:
         return None
     roll = math.sqrt(tip**2 - base**2) - 2.0 * length
@@ -286,7 +307,7 @@ def _start(end: str, length: float, tip: float | None, base: float) -> float | N
 
 
 def write_gear(file: StageWriter, gear: Component, of: GearProportions, name: str) -> None:
-    """A gear of a complete design in mm: figures that are derived too, for programs that need them."""
+    """Write a gear of a complete design in mm, including derived figures that other programs need."""
     own, keys = of.own, file.keys
     module, alpha = own.module, keys.get("pressure_angle", math.degrees(own.alpha))
     file.put(gear, "number_of_teeth", own.teeth)
@@ -303,7 +324,7 @@ def write_gear(file: StageWriter, gear: Component, of: GearProportions, name: st
     for key in ("teeth", "internal", "addendum", "tip_alteration", "tip_diameter", "root_diameter"):
         file.take(f"{name}.{key}")
     _write_thickness(file, gear, of, name)
-    flanks = file.flanks(gear, FLANK)
+    flanks = file.flanks(gear, FLANK_TYPE)
     chamfer = file.take(f"{name}.tip_chamfer")
     for flank in flanks.values():
         file.put(flank, "normal_pressure_angle", alpha)
@@ -317,7 +338,7 @@ def write_gear(file: StageWriter, gear: Component, of: GearProportions, name: st
 
 
 def _write_tip_limits(file: StageWriter, gear: Component, tip: float, name: str) -> None:
-    """Largest and smallest tip diameter; the class of a tolerance stays a key of this program."""
+    """Write the largest and the smallest tip diameter; the tolerance class remains a key of this program."""
     stem = f"{name}.tip_diameter_tolerance"
     ends: Any = file.take(f"{stem}.upper"), file.take(f"{stem}.lower")
     if (grade := file.keys.get(f"{stem}.grade")) is not None and tip <= iso286.SIZES[-1]:
@@ -327,12 +348,12 @@ def _write_tip_limits(file: StageWriter, gear: Component, tip: float, name: str)
 
 
 def _write_thickness(file: StageWriter, gear: Component, of: GearProportions, name: str) -> None:
-    """Allowances of the thickness: those given, or the one that the backlash makes."""
+    """Write the allowances of the thickness: given, or as the backlash requires."""
     given = [file.keys.get(f"{name}.thickness_allowance.{end}") for end in ("upper", "lower")]
     if any(key.startswith(tuple(f"{name}.{by}." for by in ("span", "balls", "pins"))) for key in file.keys):
         return
     series = f"{name}.thickness_allowance.series"
-    if file.put(gear, SERIES, file.keys.get(series)):
+    if file.put(gear, SERIES_ATTRIBUTE, file.keys.get(series)):
         file.take(series)
     if None not in given:
         for end in ("upper", "lower"):
@@ -343,7 +364,8 @@ def _write_thickness(file: StageWriter, gear: Component, of: GearProportions, na
 
 
 def _write_tool(file: StageWriter, flanks: dict[str, Component], of: GearProportions, name: str) -> None:
-    type, shared = CUTTER if of.spec.shaped else HOB, None
+    """Write the tool and the settings of the step that generates the teeth."""
+    type, shared = CUTTER_TYPE if of.spec.shaped else HOB_TYPE, None
     module, alpha = of.own.module, file.keys.get("pressure_angle", math.degrees(of.own.alpha))
     taken: dict[str, Any] = {}
 
@@ -354,16 +376,16 @@ def _write_tool(file: StageWriter, flanks: dict[str, Component], of: GearProport
 
     fixed_root = f"{name}.root_diameter" in file.keys
     for flank in flanks.values():
-        tool, settings = file.step(flank, type, SETTINGS, shared)
+        tool, settings = file.step(flank, type, SETTINGS_TYPE, shared)
         shared = tool
         for id in OF_SETTINGS:
-            # an earlier version had them there
+            # an earlier version wrote these attributes to the flank
             flank.attributes.pop(id, None)
         file.put(tool, "normal_module", module)
         file.put(tool, "normal_pressure_angle", alpha)
         rounded = file.put(tool, "tip_radius_factor", once("tool_tip_radius"))
         file.put(tool, "tip_radius", None if rounded else once("tool_tip_radius"))
-        if type == CUTTER:
+        if type == CUTTER_TYPE:
             file.put(tool, "number_of_teeth", once("shaper.teeth"))
             file.put(tool, "addendum_modification_coefficient", once("shaper.profile_shift"))
             height = once("shaper.addendum")

@@ -1,4 +1,4 @@
-"""Cylindrical stages of REXS models as pairs, and back."""
+"""Cylindrical stages of REXS models read as pairs, and written."""
 
 from __future__ import annotations
 
@@ -14,53 +14,68 @@ from gearmesh.systems.cylindrical.allowance_keys import CENTER_GRADES
 from gearmesh.systems.cylindrical.double_helical import half_of
 from gearmesh.systems.cylindrical.geometry.nominal import MEMBER_NAMES
 from gearmesh.systems.cylindrical.geometry.proportions import proportions
-from gearmesh.systems.cylindrical.rexs.gears import DIGITS, EXTERNAL, INTERNAL, SAME, GearReader, write_gear
+from gearmesh.systems.cylindrical.rexs.gears import (
+    DIAMETER_DECIMALS,
+    EXTERNAL_GEAR,
+    FIGURE_ROUNDING,
+    INTERNAL_GEAR,
+    GearReader,
+    write_gear,
+)
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import CylindricalDesign
 
-STAGE = "cylindrical_stage"
+#: component of a cylindrical stage
+STAGE_TYPE = "cylindrical_stage"
+#: attribute of the tolerance class of the centre distance
 TOLERANCE_FIELD = "center_distance_tolerance_field_din_3964_1980"
-#: amounts of the deviations, in mum: their ranges begin above 0
+#: attributes of the amounts of the deviations, um: their ranges begin above 0
 DISTANCE_ENDS = "upper_center_distance_allowance", "lower_center_distance_allowance"
-#: mum in a mm
-MUM = 1e3
+#: micrometres in a millimetre
+MICROMETRES_PER_MM = 1e3
+#: keys of the limits of the tip diameter
 TIP_LIMITS = "tip_diameter_tolerance.upper", "tip_diameter_tolerance.lower"
 #: versions in which the range of helix angles begins at 0
 UNSIGNED_HELIX = VERSIONS[:3]
 #: largest difference, in modules, between the shifts of a file and those of its centre distance without backlash
 SHIFT_FITS = 0.02
-#: keys of module and pressure angle, and all that other attributes give
-SIZES = ("module", "diametral_pitch", "transverse_module", "transverse_diametral_pitch")
-ANGLES = ("pressure_angle", "transverse_pressure_angle")
-GIVEN = (*SIZES, *ANGLES, "kind", "units", "helix_angle", "hand", "backlash", "circumferential_backlash")
+#: keys of the size of teeth
+SIZE_KEYS = ("module", "diametral_pitch", "transverse_module", "transverse_diametral_pitch")
+#: keys of the pressure angle
+ANGLE_KEYS = ("pressure_angle", "transverse_pressure_angle")
+#: keys that attributes of the file represent
+WRITTEN_KEYS = (*SIZE_KEYS, *ANGLE_KEYS, "kind", "units", "helix_angle", "hand", "backlash", "circumferential_backlash")
 
 
 def read_toothing(file: StageReader, gears: tuple[GearReader, ...]) -> dict[str, Any]:
-    """Keys of what the gears of one mesh have in common: module, pressure angle, helix angle, hand."""
-    first, modules = gears[0], [one.module() for one in gears]
-    for one, module in zip(gears, modules, strict=True):
-        if abs(module - modules[0]) > SAME:
+    """Return the keys that the gears of one mesh share: module, pressure angle, helix angle, hand."""
+    first, modules = gears[0], [gear.module() for gear in gears]
+    for gear, module in zip(gears, modules, strict=True):
+        if abs(module - modules[0]) > FIGURE_ROUNDING:
             reason = f"must be {modules[0]:g} mm, as the mating gear, {first.gear.in_full}, has it"
-            raise file.refusal(one.gear, "normal_module", reason, module)
-        sense = 1.0 if one is first or one.internal or first.internal else -1.0
-        if abs(one.beta - sense * first.beta) > SAME:
-            _refuse_helix(file, one, sense * first.beta, first)
-    angles = [(one, angle) for one in gears if (angle := one.pressure_angle()) is not None]
+            raise file.refusal(gear.gear, "normal_module", reason, module)
+        sense = 1.0 if gear is first or gear.internal or first.internal else -1.0
+        if abs(gear.beta - sense * first.beta) > FIGURE_ROUNDING:
+            _refuse_helix(file, gear, sense * first.beta, first)
+    angles = [(gear, angle) for gear in gears if (angle := gear.pressure_angle()) is not None]
     if not angles:
         raise file.refusal(first.gear, "normal_pressure_angle", "missing (on the flanks of the gear)")
-    for one, angle in angles[1:]:
-        if abs(angle - angles[0][1]) > SAME:
+    for gear, angle in angles[1:]:
+        if abs(angle - angles[0][1]) > FIGURE_ROUNDING:
             reason = f"must be {angles[0][1]:g} deg, as the mating gear, {angles[0][0].gear.in_full}, has it"
-            flank = next(iter(one.flanks.values()), one.gear)
+            flank = next(iter(gear.flanks.values()), gear.gear)
             raise file.refusal(flank, "normal_pressure_angle", reason, angle)
     hand = "left" if first.beta < 0.0 else "right"
     return {"module": modules[0], "pressure_angle": angles[0][1], "helix_angle": abs(first.beta), "hand": hand}
 
 
 def _refuse_helix(file: StageReader, one: GearReader, wanted: float, first: GearReader) -> None:
-    """Refuse a helix angle that is not the mating gear's, unless the file is of a version whose angles have no sign."""
-    if abs(abs(one.beta) - abs(wanted)) < SAME and file.model.version in UNSIGNED_HELIX:
+    """Refuse a helix angle that does not match the mating gear's.
+
+    Files of versions whose helix angles have no sign are only noted.
+    """
+    if abs(abs(one.beta) - abs(wanted)) < FIGURE_ROUNDING and file.model.version in UNSIGNED_HELIX:
         hand = "left" if first.beta < 0.0 else "right"
         file.notes.append(
             f"{file.stage}: helix angles of version {file.model.version} have no sign: the hand of {first.gear} is taken as {hand}"
@@ -71,7 +86,7 @@ def _refuse_helix(file: StageReader, one: GearReader, wanted: float, first: Gear
 
 
 def read_pair(file: StageReader) -> dict[str, Any]:
-    """Keys of the design of a stage."""
+    """Return the keys of the design of a stage."""
     own = file.own_keys(file.stage)
     pinion, gear = file.gears()
     gears = GearReader(file, pinion, MEMBER_NAMES[0]), GearReader(file, gear, MEMBER_NAMES[1])
@@ -85,12 +100,12 @@ def read_pair(file: StageReader) -> dict[str, Any]:
     keys["assembly.center_distance"] = distance
     keys |= read_allowance(file, distance)
     aside = file.apart(pinion, gear)
-    keys["assembly.dz"] = aside if aside is not None and abs(aside) > SAME else None
+    keys["assembly.dz"] = aside if aside is not None and abs(aside) > FIGURE_ROUNDING else None
     return {key: value for key, value in keys.items() if value is not None}
 
 
 def member_keys(one: GearReader, common: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
-    """Dotted keys of a member, but those that keys of this program say otherwise."""
+    """Return the dotted keys of a member, except those that keys of this program replace."""
     made = one.keys(common["module"], common["pressure_angle"], common["helix_angle"])
     keys = {f"{one.name}.{key}": value for key, value in made.items()}
     said = {"dedendum": ("root_diameter",), "tip_diameter_tolerance.grade": TIP_LIMITS}
@@ -103,9 +118,9 @@ def member_keys(one: GearReader, common: Mapping[str, Any], own: Mapping[str, An
 def count_shift(
     file: StageReader, gears: tuple[GearReader, GearReader], common: Mapping[str, Any], a: float | None
 ) -> None:
-    """Find the sense in which a file counts the profile shift of a ring, by the centre distance `a` (mm).
+    """Determine the sense in which a file counts the profile shift of a ring, by the centre distance `a` (mm).
 
-    ISO 21771 counts it towards the tip, some programs away from the axis; the centre distance fits one of both.
+    ISO 21771 counts it towards the tip, some programs away from the axis. The centre distance agrees with one of them.
     """
     ring = next((one for one in gears if one.internal), None)
     shifts = [one.shift(common["module"]) for one in gears]
@@ -124,7 +139,10 @@ def count_shift(
 
 
 def _sum_of_shifts(gears: tuple[GearReader, GearReader], common: Mapping[str, Any], a: float) -> float | None:
-    """x1 + x2 of an internal pair without backlash at a centre distance, x of the ring towards its tip [ISO 21771]."""
+    """Return x1 + x2 of an internal pair without backlash at a centre distance [ISO 21771].
+
+    The ring's shift is positive towards its tip.
+    """
     teeth = abs(gears[0].teeth - gears[1].teeth)
     alpha, beta = (math.radians(common[key]) for key in ("pressure_angle", "helix_angle"))
     transverse = math.atan(math.tan(alpha) / math.cos(beta))
@@ -137,7 +155,7 @@ def _sum_of_shifts(gears: tuple[GearReader, GearReader], common: Mapping[str, An
 
 
 def read_allowance(file: StageReader, distance: float | None) -> dict[str, Any]:
-    """The tolerance class of the centre distance: that of the file, or the one that has the file's deviations [DIN 3964]."""
+    """Return the tolerance class of the centre distance, given or found by its deviations [DIN 3964]."""
     key = "assembly.center_distance_allowance"
     grade = file.text(file.stage, TOLERANCE_FIELD, key)
     upper, lower = (file.size(file.stage, id, key) for id in DISTANCE_ENDS)
@@ -145,9 +163,15 @@ def read_allowance(file: StageReader, distance: float | None) -> dict[str, Any]:
         return {key: f"js{grade}"}
     if distance is None or upper is None or lower is None:
         return {}
-    for one in CENTER_GRADES:
-        if max(abs(end - MUM * iso286.deviations(f"js{one}", distance).upper) for end in (upper, lower)) < SAME:
-            return {key: f"js{one}"}
+    for grade_number in CENTER_GRADES:
+        if (
+            max(
+                abs(end - MICROMETRES_PER_MM * iso286.deviations(f"js{grade_number}", distance).upper)
+                for end in (upper, lower)
+            )
+            < FIGURE_ROUNDING
+        ):
+            return {key: f"js{grade_number}"}
     file.notes.append(
         f"{file.stage}: {DISTANCE_ENDS[0]}, {DISTANCE_ENDS[1]} are not used: {upper:g} and {lower:g} mum are no class of DIN 3964"
     )
@@ -156,20 +180,20 @@ def read_allowance(file: StageReader, distance: float | None) -> dict[str, Any]:
 
 
 def write_allowance(file: StageWriter, stage: Component, distance: float) -> None:
-    """The tolerance class of the centre distance and its deviations, of which the format has the amounts."""
+    """Write the tolerance class of the centre distance, and the amounts of its deviations."""
     given = file.keys.get("assembly.center_distance_allowance")
     if file.put(stage, TOLERANCE_FIELD, None if given is None else given.removeprefix("js").strip()):
         file.take("assembly.center_distance_allowance")
     ends = None if given is None or distance > iso286.SIZES[-1] else iso286.deviations(given, distance)
     for id, end in zip(DISTANCE_ENDS, (None, None) if ends is None else (ends.upper, ends.lower), strict=True):
-        file.put(stage, id, None if end is None else round(MUM * abs(end), DIGITS))
+        file.put(stage, id, None if end is None else round(MICROMETRES_PER_MM * abs(end), DIAMETER_DECIMALS))
 
 
 def write_pair(file: StageWriter, design: CylindricalDesign, known: Component | None) -> Component:
-    """A complete design in mm, all of it stated."""
+    """Write a complete design in mm, with all its keys."""
     pair = proportions(half_of(design))
-    stage = file.stage(STAGE, known, design.name or "")
-    types = [INTERNAL if gear.own.internal else EXTERNAL for gear in pair.gears]
+    stage = file.stage(STAGE_TYPE, known, design.name or "")
+    types = [INTERNAL_GEAR if gear.own.internal else EXTERNAL_GEAR for gear in pair.gears]
     gears = file.gears(stage, (types[0], types[1]), MEMBER_NAMES)
     file.put(stage, "center_distance", pair.mesh.distance)
     file.take("assembly.center_distance")
@@ -177,13 +201,16 @@ def write_pair(file: StageWriter, design: CylindricalDesign, known: Component | 
     for gear, of, name in zip(gears, pair.gears, MEMBER_NAMES, strict=True):
         write_gear(file, gear, of, name)
     place(file, gears, file.take("assembly.dz") or 0.0, pair.mesh.distance)
-    for key in GIVEN:
+    for key in WRITTEN_KEYS:
         file.take(key)
     return stage
 
 
 def place(file: StageWriter, gears: tuple[Component, Component], aside: float, distance: float) -> None:
-    """Both gears in one frame, u along the first's axis, the second `aside` (mm); those that have a place keep their axes."""
+    """Write positions of both gears in one frame, u along the first gear's axis; the second is `aside` (mm).
+
+    Gears that have a position already keep their axes.
+    """
     frame = next((one for one in file.model.components if one.type == "gear_unit"), gears[0])
     for gear, support in zip(gears, ([0.0, 0.0, 0.0], [aside, distance, 0.0]), strict=True):
         if POSITION[1] not in gear.attributes:
@@ -191,7 +218,7 @@ def place(file: StageWriter, gears: tuple[Component, Component], aside: float, d
 
 
 def put_position(file: StageWriter, gear: Component, frame: Component, support: list[float]) -> None:
-    """The position of a gear in a frame, its axes along those of the frame."""
+    """Write the position of a gear in a frame, with the frame's axes."""
     file.put(gear, POSITION[0], frame.id)
     for id, value in zip(POSITION[1:], (support, [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]), strict=True):
         file.put(gear, id, value)

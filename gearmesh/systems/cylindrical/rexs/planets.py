@@ -1,6 +1,7 @@
-"""Planetary stages of REXS models as planetary sets, and back.
+"""Planetary stages of REXS models read as planetary sets, and written.
 
-A file has one mesh of the sun and one of the ring for each planet, or, where all planets are alike, for one of them.
+A file has one mesh of the sun and one mesh of the ring for each planet, or only for one planet if all planets are
+alike.
 """
 
 from __future__ import annotations
@@ -17,9 +18,16 @@ from gearmesh.exchange.stage_writer import StageWriter
 from gearmesh.systems.cylindrical.geometry.proportions import proportions
 from gearmesh.systems.cylindrical.planetary.build import meshes
 from gearmesh.systems.cylindrical.planetary.design import PLANET_NAME, RING_NAME, SUN_NAME
-from gearmesh.systems.cylindrical.rexs.gears import EXTERNAL, INTERNAL, SAME, GearReader, write_gear
+from gearmesh.systems.cylindrical.rexs.gears import (
+    EXTERNAL_GEAR,
+    FIGURE_ROUNDING,
+    INTERNAL_GEAR,
+    GearReader,
+    write_gear,
+)
+from gearmesh.systems.cylindrical.rexs.pair import STAGE_TYPE as MESH
 from gearmesh.systems.cylindrical.rexs.pair import (
-    GIVEN,
+    WRITTEN_KEYS,
     count_shift,
     member_keys,
     put_position,
@@ -27,31 +35,36 @@ from gearmesh.systems.cylindrical.rexs.pair import (
     read_toothing,
     write_allowance,
 )
-from gearmesh.systems.cylindrical.rexs.pair import STAGE as MESH
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.planetary.design import PlanetaryDesign
 
-STAGE = "planetary_stage"
-#: largest difference of centre distances of one set, mm
-SAME_DISTANCE = 1e-6
-#: largest difference of the angles of planets from even spacing, deg
-SAME_ANGLE = 1e-6
+#: component of a planetary stage
+PLANETARY_STAGE = "planetary_stage"
+#: largest difference of the centre distances of one set
+MAX_DISTANCE_DIFFERENCE_MM = 1e-6
+#: largest difference of the angles of planets from equal spacing
+MAX_ANGLE_DIFFERENCE_DEG = 1e-6
 
 
 @dataclass(frozen=True)
 class PlanetMeshes:
-    """A planet with its meshes; the other gears are the sun and the ring."""
+    """A planet with its meshes."""
 
+    #: gear of the planet
     planet: Component
+    #: mesh with the sun
     inner: StageReader
+    #: mesh with the ring
     outer: StageReader
+    #: gear of the sun
     sun: Component
+    #: gear of the ring
     ring: Component
 
 
 def read_set(file: StageReader) -> dict[str, Any]:
-    """Keys of the design of a planetary stage."""
+    """Return the keys of the design of a planetary stage."""
     own = file.own_keys(file.stage)
     planets = _planets(file)
     first = planets[0]
@@ -59,7 +72,7 @@ def read_set(file: StageReader) -> dict[str, Any]:
     told = len(file.notes)
     for other in planets[1:]:
         _see_that_it_is_alike(file, first, (common, members), other, _read_planet(file, other, own))
-    # what is noted of the first planet holds for all
+    # notes on the first planet hold for all planets
     del file.notes[told:]
     keys: dict[str, Any] = {
         "kind": "planetary",
@@ -80,7 +93,7 @@ def read_set(file: StageReader) -> dict[str, Any]:
 
 
 def _read_planet(file: StageReader, one: PlanetMeshes, own: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """What the gears of the meshes of a planet have in common, and the keys of sun, planet and ring."""
+    """Return the shared keys of the meshes of a planet, and the keys of sun, planet and ring."""
     sun, planet = GearReader(one.inner, one.sun, SUN_NAME), GearReader(one.inner, one.planet, PLANET_NAME)
     ring = GearReader(one.outer, one.ring, RING_NAME)
     common = read_toothing(one.inner, (sun, planet))
@@ -100,7 +113,7 @@ def _see_that_it_is_alike(
     other: PlanetMeshes,
     keys: tuple[dict[str, Any], dict[str, Any]],
 ) -> None:
-    """Refuse a planet that is not as the first one."""
+    """Refuse a planet that differs from the first planet."""
     before, after = ({**common, **members} for common, members in (known, keys))
     for key in (*before, *after):
         if not _alike(before.get(key), after.get(key)):
@@ -113,18 +126,20 @@ def _see_that_it_is_alike(
 
 
 def _alike(one: Any, other: Any) -> bool:
+    """True if two values are equal up to rounding."""
     if isinstance(one, float) and isinstance(other, float):
-        return math.isclose(one, other, rel_tol=SAME, abs_tol=SAME)
+        return math.isclose(one, other, rel_tol=FIGURE_ROUNDING, abs_tol=FIGURE_ROUNDING)
     return bool(one == other)
 
 
 def _center_distance(file: StageReader, planets: list[PlanetMeshes]) -> float | None:
+    """Return the centre distance (mm), which all meshes must share; None if the file has none."""
     known: tuple[Component, float] | None = None
     for mesh in (mesh for one in planets for mesh in (one.inner, one.outer)):
         value = mesh.size(mesh.stage, "center_distance", "assembly.center_distance")
         if value is None:
             continue
-        if known is not None and abs(value - known[1]) > SAME_DISTANCE:
+        if known is not None and abs(value - known[1]) > MAX_DISTANCE_DIFFERENCE_MM:
             reason = f"must be {known[1]:g} mm, as {known[0].in_full} of the same set has it"
             raise file.refusal(mesh.stage, "center_distance", reason, value)
         known = known or (mesh.stage, value)
@@ -132,7 +147,7 @@ def _center_distance(file: StageReader, planets: list[PlanetMeshes]) -> float | 
 
 
 def _count_planets(file: StageReader, planets: list[PlanetMeshes], own: dict[str, Any]) -> dict[str, Any]:
-    """Number of planets and, where they are not evenly spaced, their angles."""
+    """Return the keys of the number of planets and, if they are not equally spaced, of their angles."""
     shafts = len(list(file.model.relations_of("planet_shaft", "planetary_stage", file.stage.id)))
     meshing = len(planets)
     if meshing > 1:
@@ -143,7 +158,7 @@ def _count_planets(file: StageReader, planets: list[PlanetMeshes], own: dict[str
         if angles is None or own.get("assembly.planet_angles"):
             return {"planets": meshing}
         even = [360.0 * k / meshing for k in range(meshing)]
-        if all(abs(angle - wanted) < SAME_ANGLE for angle, wanted in zip(angles, even, strict=True)):
+        if all(abs(angle - wanted) < MAX_ANGLE_DIFFERENCE_DEG for angle, wanted in zip(angles, even, strict=True)):
             return {"planets": meshing}
         return {"planets": meshing, "assembly.planet_angles": ", ".join(f"{angle:.9g}" for angle in angles)}
     if not shafts and "planets" not in own:
@@ -152,7 +167,10 @@ def _count_planets(file: StageReader, planets: list[PlanetMeshes], own: dict[str
 
 
 def _angles(planets: list[PlanetMeshes]) -> list[float] | None:
-    """Angles of the planets about the sun's axis from the first, rising, deg; None where the file does not place them."""
+    """Return the angles (deg) of the planets about the sun's axis from the first planet, in rising order.
+
+    None if the file does not give the positions of the planets.
+    """
     reader, sun = planets[0].inner, planets[0].sun
     gears = [sun, *(one.planet for one in planets)]
     places = [reader.numbers(one, POSITION[1]) for one in gears]
@@ -163,6 +181,7 @@ def _angles(planets: list[PlanetMeshes]) -> list[float] | None:
     if any(place is None or len(place) != 3 for place in places):
         return None
     points = [place or [] for place in places]
+    # angles are measured in the plane across the sun's axis, from the first planet
     arms = [[b - a for a, b in zip(points[0], point, strict=True)] for point in points[1:]]
     along = [one / math.hypot(*axis) for one in axis]
     across = _cross(along, arms[0])
@@ -170,7 +189,7 @@ def _angles(planets: list[PlanetMeshes]) -> list[float] | None:
     if not any(across):
         return None
     turned = [math.degrees(math.atan2(_dot(arm, across), _dot(arm, ahead))) % 360.0 for arm in arms]
-    return sorted(0.0 if 360.0 - one < SAME_ANGLE else one for one in turned)
+    return sorted(0.0 if 360.0 - one < MAX_ANGLE_DIFFERENCE_DEG else one for one in turned)
 
 
 def _dot(one: list[float], other: list[float]) -> float:
@@ -183,7 +202,7 @@ def _cross(one: list[float], other: list[float]) -> list[float]:
 
 
 def _planets(file: StageReader) -> list[PlanetMeshes]:
-    """The planets of a set: each gear that a mesh without a ring gear and one with it share."""
+    """Return the planets of a set: each gear that a mesh without a ring gear and a mesh with one share."""
     parts = file.parts(file.stage, MESH) or _stages_of_shafts(file)
     inner: list[tuple[StageReader, tuple[Component, Component]]] = []
     outer: list[tuple[StageReader, Component, Component]] = []
@@ -215,11 +234,12 @@ def _planets(file: StageReader) -> list[PlanetMeshes]:
 
 
 def _is_ring(file: StageReader, gear: Component) -> bool:
-    return gear.type == INTERNAL or file.is_negative(gear, "number_of_teeth")
+    """True if a gear is internal."""
+    return gear.type == INTERNAL_GEAR or file.is_negative(gear, "number_of_teeth")
 
 
 def _stages_of_shafts(file: StageReader) -> list[Component]:
-    """Cylindrical stages with a gear on a planet shaft, of a set without parts."""
+    """Return the cylindrical stages with a gear on a planet shaft, for a set without parts."""
     relations = file.model.relations_of("planet_shaft", "planetary_stage", file.stage.id)
     shafts = {one.in_role("shaft") for one in relations}
     on_shafts = {
@@ -236,10 +256,10 @@ def _stages_of_shafts(file: StageReader) -> list[Component]:
 
 
 def write_set(file: StageWriter, design: PlanetaryDesign, known: Component | None) -> Component:
-    """A complete design in mm, all of it stated."""
+    """Write a complete design in mm, with all its keys."""
     both = meshes(design)
     inner, outer = proportions(both.inner), proportions(both.outer)
-    stage = file.stage(STAGE, known, design.name or "")
+    stage = file.stage(PLANETARY_STAGE, known, design.name or "")
     if known is None:
         _new_set(file, stage, design, inner.mesh.distance)
     reader = StageReader(design.rexs.file if design.rexs is not None else "", file.model, stage)
@@ -252,7 +272,7 @@ def write_set(file: StageWriter, design: PlanetaryDesign, known: Component | Non
             design.planets,
             must_be=f"{counted}, as in the REXS file; or leave out the table rexs for a new model",
         )
-    first.ring.type = INTERNAL
+    first.ring.type = INTERNAL_GEAR
     members = (
         (first.sun, inner.gears[0], SUN_NAME),
         (first.planet, inner.gears[1], PLANET_NAME),
@@ -268,21 +288,21 @@ def write_set(file: StageWriter, design: PlanetaryDesign, known: Component | Non
         if allowance is not None:
             file.keys["assembly.center_distance_allowance"] = allowance
         write_allowance(file, mesh, inner.mesh.distance)
-    for key in ("assembly.center_distance", "planets", *GIVEN):
+    for key in ("assembly.center_distance", "planets", *WRITTEN_KEYS):
         file.take(key)
     return stage
 
 
 def _new_set(file: StageWriter, stage: Component, design: PlanetaryDesign, distance: float) -> None:
-    """Gears, meshes and shafts of a new set: a shaft, a gear and two meshes for each planet."""
-    sun, ring = file.new(EXTERNAL, SUN_NAME), file.new(INTERNAL, RING_NAME)
+    """Write gears, meshes and shafts of a new set: a shaft, a gear and two meshes for each planet."""
+    sun, ring = file.new(EXTERNAL_GEAR, SUN_NAME), file.new(INTERNAL_GEAR, RING_NAME)
     for gear in (sun, ring):
         put_position(file, gear, sun, [0.0, 0.0, 0.0])
         shaft = file.new("shaft", gear.name)
         file.relate("assembly", {"assembly": shaft, "part": gear})
         file.relate("central_shaft", {"planetary_stage": stage, "shaft": shaft})
     for number, angle in enumerate(map(math.radians, design.angles), start=1):
-        planet, shaft = file.new(EXTERNAL, f"{PLANET_NAME} {number}"), file.new("shaft", f"{PLANET_NAME} {number}")
+        planet, shaft = file.new(EXTERNAL_GEAR, f"{PLANET_NAME} {number}"), file.new("shaft", f"{PLANET_NAME} {number}")
         put_position(file, planet, sun, [0.0, distance * math.cos(angle), distance * math.sin(angle)])
         file.relate("assembly", {"assembly": shaft, "part": planet})
         file.relate("planet_shaft", {"planetary_stage": stage, "shaft": shaft})
@@ -293,7 +313,7 @@ def _new_set(file: StageWriter, stage: Component, design: PlanetaryDesign, dista
 
 
 def _copy_gear(file: StageWriter, origin: Component, gear: Component) -> None:
-    """Give a planet the toothing, tool, modifications and material of the first one; it keeps its place."""
+    """Give a planet the toothing, tool, modifications and material of the first planet; it keeps its position."""
     _copy_attributes(origin, gear, (*POSITION, "u_coordinate_on_shaft"))
     flanks = [file.flanks(one, "cylindrical_gear_flank") for one in (origin, gear)]
     for one, other in [(origin, gear), *((flanks[0][side], flanks[1][side]) for side in ("left", "right"))]:
@@ -318,9 +338,10 @@ def _copy_gear(file: StageWriter, origin: Component, gear: Component) -> None:
 
 
 def _copy_attributes(origin: Component, other: Component, kept: tuple[str, ...]) -> None:
-    """Give a component the attributes of another one, but those that it keeps."""
+    """Give a component the attributes of another component, except the `kept` ones."""
     own = {id: one for id, one in other.attributes.items() if id in kept}
     other.attributes = {**{id: one for id, one in origin.attributes.items() if id not in kept}, **own}
 
 
-PLANETARY = StageForm((STAGE,), read_set, write_set)
+#: reading and writing of planetary stages
+PLANETARY_FORM = StageForm((PLANETARY_STAGE,), read_set, write_set)
