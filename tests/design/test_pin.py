@@ -240,14 +240,14 @@ def test_pinned_pinions_of_one_cutter_are_the_same_and_keep_their_index(
 #: constants of the rules by which something is chosen, and what they are in another version; designs that they change
 OTHER_RULES: dict[str, tuple[str, Any, dict[str, Any]]] = {
     "bore": ("gearmesh.systems.common.bodies.body.DEFAULT_BORE", 0.3, MORE["halves"]),
-    "gap": ("gearmesh.systems.cylindrical.double_helical.BELOW", 0.9, MORE["halves"]),
+    "gap": ("gearmesh.systems.cylindrical.double_helical.GAP_DEPTH_MODULES", 0.9, MORE["halves"]),
     "web": ("gearmesh.systems.common.bodies.body.RIM_DEPTHS", 1.5, MORE["shafts"]),
     "holes": ("gearmesh.systems.common.bodies.features.HOLE_ROOM", 0.4, MORE["shafts"]),
     "chamfer": ("gearmesh.systems.cylindrical.cutting.hobbed.DEFAULT_CHAMFER_ANGLE_DEG", 50.0, MORE["shafts"]),
     "cutter": ("gearmesh.systems.cylindrical.cutting.cutter_choice.CUTTER_TEETH_SHARE", 0.5, MORE["inch"]),
-    "rim": ("gearmesh.systems.cylindrical.cutting.shaped.RIM", 4.0, MORE["inch"]),
+    "rim": ("gearmesh.systems.cylindrical.cutting.shaped.DEFAULT_RIM_MODULES", 4.0, MORE["inch"]),
     "profile": (
-        "gearmesh.systems.cylindrical.design.PROFILES",
+        "gearmesh.systems.cylindrical.design.BASIC_RACKS",
         {"A": (1.0, 1.3, 0.3), "B": (1.0, 1.25, 0.3), "C": (1.0, 1.25, 0.25), "D": (1.0, 1.4, 0.39)},
         MORE["halves"],
     ),

@@ -1,4 +1,4 @@
-"""Keys of a cylindrical design that an order names: tooth thickness, tip diameter and centre distance with their tolerances."""
+"""Keys of tooth thickness, tip diameter and centre distance with their tolerances."""
 
 from __future__ import annotations
 
@@ -10,12 +10,16 @@ from pydantic import model_validator
 from gearmesh.design.keys import DERIVED_VALUE, Key, Table, conflict
 from gearmesh.systems.common.standards import din3967, iso286
 
-#: letters and grades of tip diameters
-TIP_LETTERS, TIP_GRADES = ("h", "js", "H", "JS"), range(5, 13)
-#: letters and grades of centre distances [DIN 3964]
-CENTER_LETTERS, CENTER_GRADES = ("js",), range(5, 12)
-#: part of a value that is rounding
-ROUNDED = 1e-9
+#: letters of tolerance classes of tip diameters
+TIP_LETTERS = ("h", "js", "H", "JS")
+#: grades of tolerance classes of tip diameters
+TIP_GRADES = range(5, 13)
+#: letters of tolerance classes of centre distances [DIN 3964]
+CENTER_LETTERS = ("js",)
+#: grades of tolerance classes of centre distances [DIN 3964]
+CENTER_GRADES = range(5, 12)
+#: difference of allowances that is rounding
+ALLOWANCE_ROUNDING_MM = 1e-9
 
 
 class ThicknessAllowance(Table):
@@ -65,7 +69,7 @@ class ThicknessAllowance(Table):
         return self
 
     def by_series(self, diameter: float) -> dict[str, float]:
-        """Both ends of the allowance as the series says, DIN 3967.
+        """Return both ends of the allowance by its series, DIN 3967.
 
         Parameters
         ----------
@@ -88,7 +92,7 @@ class ThicknessAllowance(Table):
         return dict(zip(("upper", "lower"), din3967.allowances(self.series, diameter), strict=True))
 
     def check_series(self, table: str, diameter: float, mm_per_unit: float) -> None:
-        """See that the reference diameter is one of the standard's, and that ends beside the series are its own.
+        """Refuse a reference diameter outside the standard's range, and ends that differ from the series.
 
         Parameters
         ----------
@@ -118,7 +122,7 @@ class ThicknessAllowance(Table):
             )
         for key, value in self.by_series(diameter).items():
             own = getattr(self, key)
-            if not math.isnan(own) and abs(own * mm_per_unit - value) > ROUNDED:
+            if not math.isnan(own) and abs(own * mm_per_unit - value) > ALLOWANCE_ROUNDING_MM:
                 raise conflict(f"{table}.{key}", own, reason=f"cannot be given together with series = {self.series}")
 
     @property
@@ -176,7 +180,7 @@ class DiameterTolerance(Table):
         return self
 
     def deviations(self, diameter: float) -> iso286.Deviations | None:
-        """Both deviations of a diameter, of a table in mm.
+        """Return both deviations of a diameter, for a table in mm.
 
         Parameters
         ----------
@@ -202,7 +206,7 @@ class DiameterTolerance(Table):
 
 
 class CenterDistanceAllowance(Table):
-    """What the assembly of members on parallel axes has."""
+    """Assembly of members on parallel axes."""
 
     center_distance_allowance: Annotated[
         str | None,
@@ -221,7 +225,7 @@ class CenterDistanceAllowance(Table):
         return self
 
     def center_distance_deviations(self, distance: float) -> iso286.Deviations | None:
-        """Both deviations of a centre distance.
+        """Return both deviations of a centre distance.
 
         Parameters
         ----------

@@ -1,9 +1,8 @@
-"""Cylindrical gears [ISO 21771]: external members by a rack or a shaper cutter, internal ones by a shaper cutter
-or a form tool.
+"""Cylindrical gears [ISO 21771]: members cut by a rack, a shaper cutter or, if internal, a form tool.
 
-Fixed frame: the pinion's own, its axis z, the middle of both faces at z = 0; the gear's axis is at x = a, or at x = -a where one of
-the two is internal and the pinion the smaller one. phi1 turns the pinion clockwise about +z; at phi1 = 0 one of its teeth, or of
-its spaces if it is internal, is on the line between the axes.
+The fixed frame is the pinion's own: its axis is z, and the middle of both faces is at z = 0. The gear's axis is at x =
+a, or at x = -a if the gear is internal. phi1 turns the pinion clockwise about +z. At phi1 = 0 a tooth of the pinion, or
+a space if it is internal, is on the line between the axes.
 """
 
 from __future__ import annotations
@@ -27,8 +26,8 @@ from gearmesh.systems.common.tooth_edges import with_end_chamfers
 from gearmesh.systems.cylindrical.cutting.cutter import other_cutters, trimming_warnings
 from gearmesh.systems.cylindrical.cutting.hobbed import hobbed_racks
 from gearmesh.systems.cylindrical.cutting.shaped import cut_of, shaped_member
-from gearmesh.systems.cylindrical.design import PROFILES
-from gearmesh.systems.cylindrical.double_helical import HALF, double_helical_member, half_of
+from gearmesh.systems.cylindrical.design import BASIC_RACKS
+from gearmesh.systems.cylindrical.double_helical import HALF_NOTE, double_helical_member, half_of
 from gearmesh.systems.cylindrical.geometry.geometry import distance_of, sum_of_shifts
 from gearmesh.systems.cylindrical.geometry.interference import interference_warnings
 from gearmesh.systems.cylindrical.geometry.nominal import MEMBER_NAMES, ToothedGear, refuse_thin
@@ -44,11 +43,11 @@ if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember
 
 #: allowance of the tooth thickness (modules) from which on a warning says that teeth are thicker
-THICKER = 0.01
+MIN_WARNED_ALLOWANCE = 0.01
 
 
 def build(design: CylindricalDesign) -> GearTrain:
-    """The pair of a cylindrical design (in mm).
+    """Return the pair of a cylindrical design (in mm).
 
     Raises DesignError naming key, value and limit: no working pressure angle, teeth or cutters that cannot exist.
     """
@@ -57,30 +56,33 @@ def build(design: CylindricalDesign) -> GearTrain:
     members = [whole_member(whole, name, geometry) for name in MEMBER_NAMES]
     flank = Side(design.contact.flank)
     inside = design.pinion.internal or design.gear.internal
-    first, second = _mounts(design, geometry)
+    pinion_mount, gear_mount = _mounts(design, geometry)
     pair = GearPair(
-        pinion=replace(members[0], mount=first),
-        gear=replace(members[1], mount=second),
+        pinion=replace(members[0], mount=pinion_mount),
+        gear=replace(members[1], mount=gear_mount),
         flanks=(flank, flank.other if inside else flank),
         drive=flank.sign,
         ratio=design.pinion.teeth / design.gear.teeth,
         delta=design.contact.delta,
     )
-    said = (HALF,) if whole.double_helical else ()
-    return GearTrain(design.kind, (pair,), (*warnings_of(design, geometry), *said))
+    notes = (HALF_NOTE,) if whole.double_helical else ()
+    return GearTrain(design.kind, (pair,), (*warnings_of(design, geometry), *notes))
 
 
 def whole_member(design: CylindricalDesign, name: str, geometry: PairProportions) -> Member:
-    """A member of a pair (in mm), of a double helical one both halves, without its mounting; `geometry`: that of `half_of` it.
+    """Return a member of a pair (in mm) without its mounting; a double helical member has both halves.
 
-    Raises DesignError as `member_of`.
+    `geometry`: proportions of `half_of` the design. Raises DesignError as `member_of` does.
     """
     half = member_of(design, name, geometry)
     return double_helical_member(design, half, geometry.gear(name)) if design.double_helical else half
 
 
 def member_of(design: CylindricalDesign, name: str, geometry: PairProportions) -> Member:
-    """A member of a pair (in mm), without its mounting. Raises DesignError for teeth or cutters that cannot exist."""
+    """Return a member of a pair (in mm) without its mounting.
+
+    Raises DesignError for teeth or cutters that cannot exist.
+    """
     gear = geometry.gear(name)
     if gear.own.thickness <= 0.0:
         refuse_thin(design, name, geometry.mesh, gear.own.thickness)
@@ -88,14 +90,17 @@ def member_of(design: CylindricalDesign, name: str, geometry: PairProportions) -
 
 
 def gear_member(gear: GearProportions) -> Member:
-    """A gear (in mm) as a member, without its mounting. Raises DesignError for teeth or cutters that cannot exist, and for spans
-    and balls that do not touch them."""
+    """Return a gear (in mm) as a member without its mounting.
+
+    Raises DesignError for teeth or cutters that cannot exist, and for spans and balls that do not touch them.
+    """
     made = _toothed_member(gear)
     check_measures(gear, made)
     return with_end_chamfers(made, gear.spec)
 
 
 def _toothed_member(gear: GearProportions) -> Member:
+    """Return a gear as a member, before its measures are checked and its ends chamfered."""
     name, spec, own, tip, root = gear.name, gear.spec, gear.own, gear.tip, gear.root
     letter = "F" if gear.table == "pinion" else "G"
     tip_key = "tip_diameter" if spec.tip_diameter is not None else "addendum"
@@ -122,7 +127,10 @@ def _toothed_member(gear: GearProportions) -> Member:
 
 
 def _mounts(design: CylindricalDesign, geometry: PairProportions) -> tuple[Mount, Mount]:
-    """Positions of both: errors move the gear in its own frame, parallel to the fixed one, and then tilt its axis."""
+    """Return the positions of both members.
+
+    Errors move the gear in its own frame, parallel to the fixed frame, and then tilt its axis.
+    """
     errors = design.assembly
     away = -1.0 if design.gear.internal else 1.0
     inside = design.pinion.internal or design.gear.internal
@@ -133,23 +141,25 @@ def _mounts(design: CylindricalDesign, geometry: PairProportions) -> tuple[Mount
 
 
 def _displaced_bases(design: CylindricalDesign, train: GearTrain, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
+    """Return the positions of both members with assembly errors."""
     pinion, gear = (mount.base for mount in train.pairs[0].mounts)
     moved = gear.translation + shifts(errors["dx"], errors["dy"], errors["dz"])
     return pinion, Rigid(tilts(errors["gamma_h"], errors["gamma_v"]) @ gear.rotation, moved)
 
 
-DISPLACEMENTS = Displacements(("dx", "dy", "dz", "gamma_h", "gamma_v"), _displaced_bases)
+#: keys of the assembly errors, and the positions of the members with them
+ASSEMBLY_DISPLACEMENTS = Displacements(("dx", "dy", "dz", "gamma_h", "gamma_v"), _displaced_bases)
 
 
 def warnings_of(design: CylindricalDesign, geometry: PairProportions) -> tuple[str, ...]:
-    """Warnings about a design: adapted defaults, interference of an internal gear."""
+    """Return the warnings of a design: adapted defaults, interference of an internal gear, cutters."""
     standard = {key: value for gear in geometry.gears for key, value in standard_rounding(gear).items()}
     for name in ("pinion", "gear"):
         spec = getattr(design, name)
         if spec.internal and spec.tip_diameter is None:
             shortened = spec.addendum < addendum(design, name, geometry.nominal)
             why = own_end(spec) if shortened else "the mating gear's involute ends there"
-            standard[f"{name}.addendum"] = (PROFILES[design.profile][0], why)
+            standard[f"{name}.addendum"] = (BASIC_RACKS[design.profile][0], why)
     return (
         *unusual_defaults(design, standard),
         *_thickness_warnings(geometry),
@@ -162,24 +172,24 @@ def warnings_of(design: CylindricalDesign, geometry: PairProportions) -> tuple[s
 
 
 def own_end(spec: CylindricalMember) -> str:
-    """Why the default tip of an internal gear stays where it does, whatever gear it meshes with."""
+    """Return the reason why the default tip of an internal gear does not depend on its mating gear."""
     return "its involute ends on the base circle" if spec.formed else "its cutter generates involute up to there"
 
 
 def standard_rounding(gear: ToothedGear) -> dict[str, tuple[float, str]]:
-    """The rounding of the profile, and why a default may be another, by the key of a gear's."""
-    return {f"{gear.table}.tool_tip_radius": (PROFILES[gear.profile][2], "the tool's tooth has no room for it")}
+    """Return the rounding of the profile, and the reason for another default, by its key."""
+    return {f"{gear.table}.tool_tip_radius": (BASIC_RACKS[gear.profile][2], "the tool's tooth has no room for it")}
 
 
 def _thickness_warnings(geometry: PairProportions) -> tuple[str, ...]:
-    """A warning of teeth that the given backlash makes thicker than their profile shifts do."""
-    nominal, more = geometry.nominal, geometry.mesh.pinion.allowance
-    if more <= THICKER * nominal.pinion.module or more != geometry.mesh.gear.allowance:
+    """Return the warning of teeth that the given backlash makes thicker than their profile shifts do."""
+    nominal, allowance = geometry.nominal, geometry.mesh.pinion.allowance
+    if allowance <= MIN_WARNED_ALLOWANCE * nominal.pinion.module or allowance != geometry.mesh.gear.allowance:
         return ()
-    own = distance_of(nominal.pinion, nominal.gear)
-    wanted = sum_of_shifts(nominal.pinion, nominal.gear, nominal.distance)
+    tight_distance = distance_of(nominal.pinion, nominal.gear)
+    needed_shifts = sum_of_shifts(nominal.pinion, nominal.gear, nominal.distance)
     return (
-        f"teeth are {more:.4g} mm thicker than by their profile shifts, for the given backlash: with these shifts the centre "
-        f"distance without backlash is {own:.7g} mm; for {nominal.distance:g} mm the sum of the profile shifts must "
-        f"be {wanted:.4g}",
+        f"teeth are {allowance:.4g} mm thicker than by their profile shifts, for the given backlash: with these shifts "
+        f"the centre distance without backlash is {tight_distance:.7g} mm; "
+        f"for {nominal.distance:g} mm the sum of the profile shifts must be {needed_shifts:.4g}",
     )

@@ -1,7 +1,7 @@
-"""Double helical gears: two halves of opposite hands on one body, mirror images of each other, with or without a gap between them.
+"""Double helical gears: two halves of opposite hands on one body, mirror images, with or without a gap between them.
 
-All meshing is that of one half, the one with the pinion's `hand`: its middle is at z = 0 of every member's own frame, the plane of
-symmetry beyond it at z > 0. Face widths are those of both halves and the gap together: b = 2 b_B + gap [ISO 21771].
+Meshing is computed for one half, the half with the pinion's `hand`. Its middle is at z = 0 of every member's own frame;
+the plane of symmetry is at z > 0. Face widths include both halves and the gap: b = 2 b_B + gap [ISO 21771].
 """
 
 from __future__ import annotations
@@ -23,29 +23,34 @@ from gearmesh.teeth.region import Region
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember, HalvesKeys
 
-D = TypeVar("D", bound="HalvesKeys")
+DesignT = TypeVar("D", bound="HalvesKeys")
 
-#: how far (normal modules) the gap is turned down below the root, and which part of the rim it may take, by default
-BELOW, SHARE = 0.25, 0.5
-#: what all figures are of
-HALF = (
+#: default depth of the gap below the root, normal modules
+GAP_DEPTH_MODULES = 0.25
+#: largest part of the rim that the default gap takes
+MAX_GAP_SHARE = 0.5
+#: note that all figures are for one half
+HALF_NOTE = (
     "double helical: contact, contact ratios, finite elements and their torques are for one half, and the other half is its "
     "mirror image; torques of loaded contact are for both halves"
 )
 
 
 def half_of(design: CylindricalDesign) -> CylindricalDesign:
-    """The first halves of a double helical design (in mm) as a helical pair of their own; any other design as it is."""
+    """Return the first halves of a double helical design (in mm) as a helical pair; any other design is unchanged."""
     if not design.double_helical:
         return design
     halves = first_halves(design)
-    # the planes of symmetry lie in each other, so that halves of other widths have their middles elsewhere
+    # the planes of symmetry coincide, so that halves of different widths have different middles
     aside = 0.5 * (halves.pinion.face_width - halves.gear.face_width)
     return halves.model_copy(update={"assembly": design.assembly.model_copy(update={"dz": aside})})
 
 
-def first_halves(design: D) -> D:
-    """A design (in mm) of which every double helical member is its first half, with a plain body; any other design as it is."""
+def first_halves(design: DesignT) -> DesignT:
+    """Return a design (in mm) with the first half of every double helical member, with a plain body.
+
+    Any other design is unchanged.
+    """
     if not design.double_helical:
         return design
     bare = dict.fromkeys((*BODY_TABLES, "gap_diameter"))
@@ -57,12 +62,15 @@ def first_halves(design: D) -> D:
 
 
 def half_width(design: HalvesKeys, spec: CylindricalMember) -> float:
-    """Face width b_B of one half of a member."""
+    """Return the face width b_B of one half of a member."""
     return 0.5 * (spec.face_width - design.gap)
 
 
 def double_helical_member(design: HalvesKeys, half: Member, gear: GearProportions) -> Member:
-    """A member of a double helical design (in mm) of its first half, the `gear`: both halves, the gap, the features of the body.
+    """Return a double helical member (in mm) with both halves, the gap and the features of the body.
+
+    - half: the member's first half.
+    - gear: proportions of this half.
 
     Raises DesignError naming key, value and limit.
     """
@@ -93,7 +101,7 @@ def double_helical_member(design: HalvesKeys, half: Member, gear: GearProportion
 
 
 def _sharp_inside(half: Member, end: int) -> Member:
-    """A half without a chamfer at the end 0 (toe) or 1 (heel), where it meets the other one."""
+    """Return a half without a chamfer at the end 0 (toe) or 1 (heel) where it meets the other half."""
     blank = half.tooth.blank
     if blank.ends[end] is None:
         return half
@@ -102,7 +110,7 @@ def _sharp_inside(half: Member, end: int) -> Member:
 
 
 def _groove(design: HalvesKeys, gear: GearProportions, floor: float) -> float | None:
-    """Radius of the gap, between the root and the `floor` of the rim that it is turned into; None without a gap."""
+    """Return the radius of the gap, between the root and the `floor` of the rim; None without a gap."""
     name, root = gear.name, gear.root
     spec: CylindricalMember = design.specs[gear.table]
     if design.gap == 0.0:
@@ -110,7 +118,7 @@ def _groove(design: HalvesKeys, gear: GearProportions, floor: float) -> float | 
     depth = abs(root - floor)
     sense = 1.0 if floor > root else -1.0
     if spec.gap_diameter is None:
-        return root + sense * min(BELOW * gear.own.module, SHARE * depth)
+        return root + sense * min(GAP_DEPTH_MODULES * gear.own.module, MAX_GAP_SHARE * depth)
     radius = 0.5 * spec.gap_diameter
     if not 0.0 < sense * (radius - root) < depth:
         low, high = sorted((root, floor))

@@ -1,4 +1,4 @@
-"""Tables of the forces that a torque puts on cylindrical gears, with powers and speeds [ISO 21771]; friction is neglected."""
+"""Tables of the forces on cylindrical gears for a torque, with powers and speeds [ISO 21771]; without friction."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def pair_forces(design: CylindricalDesign, torque: float, speed: float | None) -> tuple[SheetTable, ...]:
-    """Forces on pinion and gear for a torque (Nm) on the pinion, which turns at a speed (1/min)."""
+    """Return the forces on pinion and gear for a torque (Nm) on the pinion, which turns at a speed (1/min)."""
     own = complete_design(design).in_mm()
     mesh = proportions(half_of(own)).mesh
     flank = Side(own.contact.flank)
@@ -33,7 +33,7 @@ def pair_forces(design: CylindricalDesign, torque: float, speed: float | None) -
 
 
 def speed_row(radius: float, speed: float, columns: int) -> Row:
-    """The row of the speed (m/s) of a pitch circle of a `radius` (mm) at a rotational speed (1/min)."""
+    """Return the row of the speed (m/s) of a pitch circle of a `radius` (mm) at a rotational speed (1/min)."""
     return (
         "v_w",
         "circumferential speed of the working pitch circles",
@@ -43,7 +43,11 @@ def speed_row(radius: float, speed: float, columns: int) -> Row:
 
 
 def force_rows(forces: MeshForces, senses: tuple[int, int], *, halves: bool = False) -> list[Row]:
-    """Forces on both members of a mesh, `senses` -1 of an internal one; of two `halves` whose axial forces cancel each other."""
+    """Return the rows of the forces on both members of a mesh.
+
+    - senses: -1 for an internal member, else +1.
+    - halves: True for double helical gears, whose axial forces cancel each other.
+    """
     axial: Values = forces.axial, -forces.axial
     none: Values = 0.0, 0.0
     rows: list[Row] = [

@@ -1,4 +1,4 @@
-"""Keys of how the tooth thickness is measured: span, balls, pins; with limits they say the thickness, and whether it is fed for."""
+"""Keys of measures of the tooth thickness: span, balls, pins. With limits they define the thickness."""
 
 from __future__ import annotations
 

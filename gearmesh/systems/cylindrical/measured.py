@@ -1,4 +1,4 @@
-"""Spans, balls and pins that a design asks for: whether they touch the flanks of the teeth as they are built, and what would."""
+"""Check of the spans, balls and pins that a design asks for: they must touch the flanks of the teeth as built."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def flank_radii(member: Member) -> Flank:
-    """Radii where the usable flank begins and ends, d_Ff and d_Fa over 2, in the middle of the face."""
+    """Return the radii d_Ff / 2 and d_Fa / 2 at which the usable flank begins and ends, in the middle of the face."""
     tooth = member.tooth
     points = tooth.grid(Region.FLANK_RIGHT, np.array([0.0, 1.0]), tooth.sections([0.5])).points[:, 0]
     root, tip = np.hypot(points[:, 0], points[:, 1])
@@ -26,7 +26,7 @@ def flank_radii(member: Member) -> Flank:
 
 
 def check_measures(gear: GearProportions, member: Member) -> None:
-    """Refuse the span or the ball of a gear (in mm) that does not touch the involute of its member."""
+    """Refuse a span or a ball of a gear (in mm) that does not touch the involute of its member."""
     spec = gear.spec
     if spec.span is None and spec.balls is None and spec.pins is None:
         return
@@ -39,6 +39,7 @@ def check_measures(gear: GearProportions, member: Member) -> None:
 
 
 def _check_span(gear: GearProportions, flank: Flank) -> None:
+    """Refuse a span that does not touch the flanks."""
     assert gear.spec.span is not None
     if not measures.has_span(gear.own):
         raise DesignError(
@@ -59,6 +60,7 @@ def _check_span(gear: GearProportions, flank: Flank) -> None:
 
 
 def _check_ball(key: str, gear: GearProportions, flank: Flank, given: float) -> None:
+    """Refuse a ball or pin that does not touch the flanks or does not stand out of the space."""
     circles = gear.tip, gear.root
     if measures.ball_fits(gear.own, given, flank, circles):
         return

@@ -1,4 +1,4 @@
-"""What a mesh is worth without regard to strength: contact ratios, sliding, tips, reserves, and its faults [ISO 21771]."""
+"""Merits of a mesh without regard to strength: contact ratios, sliding, tips, reserves, and its faults [ISO 21771]."""
 
 from __future__ import annotations
 
@@ -16,37 +16,44 @@ from gearmesh.systems.cylindrical.geometry.proportions import GearProportions, P
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import CylindricalDesign
 
-#: what a sound mesh has at least: contact ratio, tip thickness in modules
-LEAST_RATIO, LEAST_TIP = 1.1, 0.2
-#: the fault of tips that meet outside the path of contact
-INTERFERENCE = "interference"
-#: mm that are nothing but rounding
-ROUNDING = 1e-9
+#: least transverse contact ratio of a sound mesh
+MIN_CONTACT_RATIO = 1.1
+#: least tip thickness of a sound mesh, modules
+MIN_TIP_MODULES = 0.2
+#: fault of tips that meet outside the path of contact
+INTERFERENCE_FAULT = "interference"
+#: difference of lengths that is rounding
+LENGTH_ROUNDING_MM = 1e-9
 
 
 @dataclass(frozen=True)
 class MeshMerit:
-    """Tooth numbers, helix angle (deg) and shifts of a mesh, and what it is worth.
+    """Merits of a mesh. The contact ratio is not reduced by undercut."""
 
-    `sliding`: specific sliding of the pinion at A and of the gear at E; `tips`: normal tip thicknesses in modules; `undercut`,
-    `interference`: roll lengths left, the less of both members, mm; `faults`: what is wrong with it, in words. What undercut takes
-    of the contact ratio is not taken off.
-    """
-
+    #: teeth of pinion and gear
     teeth: tuple[int, int]
+    #: helix angle, deg
     helix_angle: float
+    #: profile shifts of pinion and gear, modules
     shifts: tuple[float, float]
+    #: transverse contact ratio
     eps_alpha: float
+    #: overlap ratio
     eps_beta: float
+    #: specific sliding of the pinion at A and of the gear at E
     sliding: tuple[float, float]
+    #: normal tip thicknesses, modules
     tips: tuple[float, float]
+    #: least reserve of both members against undercut, roll length, mm
     undercut: float
+    #: least reserve of both members against interference, roll length, mm
     interference: float
+    #: faults, as text
     faults: tuple[str, ...]
 
 
 def mesh_merit(design: CylindricalDesign) -> MeshMerit:
-    """What the mesh of a complete design is worth. Raises DesignError for teeth that cannot exist."""
+    """Return the merits of the mesh of a complete design. Raises DesignError for teeth that cannot exist."""
     geometry = proportions(design)
     mesh, both = geometry.mesh, (geometry.mesh.pinion, geometry.mesh.gear)
     line = LineOfAction(mesh, (_flank(geometry.gears[0]), _flank(geometry.gears[1])))
@@ -63,10 +70,10 @@ def mesh_merit(design: CylindricalDesign) -> MeshMerit:
     interference = min(line.interference_reserve(toothing) for toothing in both)
     passing = reserves(mesh, geometry.tips).trochoid if design.gear.internal else math.inf
     faults = {
-        "undercut": undercut < -ROUNDING,
-        INTERFERENCE: min(interference, passing) < -ROUNDING,
-        f"tip below {LEAST_TIP:g} modules": min(first, second) < LEAST_TIP,
-        f"contact ratio below {LEAST_RATIO:g}": eps_alpha < LEAST_RATIO,
+        "undercut": undercut < -LENGTH_ROUNDING_MM,
+        INTERFERENCE_FAULT: min(interference, passing) < -LENGTH_ROUNDING_MM,
+        f"tip below {MIN_TIP_MODULES:g} modules": min(first, second) < MIN_TIP_MODULES,
+        f"contact ratio below {MIN_CONTACT_RATIO:g}": eps_alpha < MIN_CONTACT_RATIO,
     }
     return MeshMerit(
         teeth=(both[0].teeth, both[1].teeth),
@@ -83,14 +90,17 @@ def mesh_merit(design: CylindricalDesign) -> MeshMerit:
 
 
 def tip_thicknesses(geometry: PairProportions) -> tuple[float, float]:
-    """Normal thicknesses of both tips in modules."""
-    both = geometry.mesh.pinion, geometry.mesh.gear
-    first, second = (
-        thickness_at(toothing, tip) / toothing.module for toothing, tip in zip(both, geometry.tips, strict=True)
+    """Return the normal thicknesses of both tips in modules."""
+    members = geometry.mesh.pinion, geometry.mesh.gear
+    pinion_tip, gear_tip = (
+        thickness_at(toothing, tip) / toothing.module for toothing, tip in zip(members, geometry.tips, strict=True)
     )
-    return first, second
+    return pinion_tip, gear_tip
 
 
 def _flank(gear: GearProportions) -> tuple[float, float]:
-    """Roll lengths of a member's flank at root and tip, as its tool leaves it; from the base circle where that undercuts it."""
+    """Return the roll lengths of a member's flank at root and tip, as cut by its tool.
+
+    An undercut flank begins at the base circle.
+    """
     return max(0.0, form_roll_length(gear)), gear.own.roll_length(gear.tip)

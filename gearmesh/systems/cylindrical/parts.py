@@ -1,4 +1,4 @@
-"""Cylindrical pairs as parts of other designs: their keys out of that design's."""
+"""Cylindrical pairs as parts of other designs, with the keys that they take from the whole design."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 
 Pair = TypeVar("Pair", bound=CylindricalDesign)
 
-#: keys of the whole that its pairs take over
-SHARED = (
+#: keys of the whole design that its pairs take over
+SHARED_KEYS = (
     "units",
     "module",
     "diametral_pitch",
@@ -31,17 +31,17 @@ SHARED = (
 
 
 def shared_keys(design: ToothingKeys) -> dict[str, Any]:
-    """What a design says of the keys that its pairs take over."""
-    return {key: getattr(design, key) for key in SHARED if is_given(design, key)}
+    """Return the given keys of a design that its pairs take over."""
+    return {key: getattr(design, key) for key in SHARED_KEYS if is_given(design, key)}
 
 
 def is_given(design: ToothingKeys, key: str) -> bool:
-    """Whether a design sets a key."""
+    """True if a design sets a key."""
     return design.sets(key) and getattr(design, key) is not None
 
 
 def nest(own: Mapping[str, Any], names: Mapping[str, str]) -> dict[str, dict[str, Any]]:
-    """The keys that are set of some members, as tables under other names."""
+    """Return the given keys of some members as tables under other names."""
     tables: dict[str, dict[str, Any]] = {name: {} for name in names.values()}
     for dotted, value in own.items():
         *path, last = dotted.split(".")
@@ -54,6 +54,9 @@ def nest(own: Mapping[str, Any], names: Mapping[str, str]) -> dict[str, dict[str
 
 
 def completed_pair(kind: type[Pair], keys: Mapping[str, Any]) -> Pair:
-    """The design of a pair with everything filled in that its mesh says. Raises DesignError for one that cannot exist."""
+    """Return the design of a pair with all values that follow from its mesh.
+
+    Raises DesignError if the pair cannot exist.
+    """
     design = kind(**keys)
     return design if design.complete else design.fill(closed.derived_values(design))

@@ -1,4 +1,4 @@
-"""What cylindrical pairs leave to their build: cutters, rims, gaps, angles of hobs, and how far apart the axes are."""
+"""Values that cylindrical pairs leave to their build: cutters, rims, gaps, angles of hobs, centre distance."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def pair_values(design: CylindricalDesign, train: GearTrain) -> Values:
-    """Of a complete design in mm and the gear set built of it."""
+    """Return the values for a complete design in mm and the gear set built from it."""
     own = half_of(design)
     pair = proportions(own)
     values: Values = {"arrangement": design.arrangement, "assembly.center_distance": pair.mesh.distance}
@@ -29,8 +29,10 @@ def pair_values(design: CylindricalDesign, train: GearTrain) -> Values:
 
 
 def member_values(gear: GearProportions, called: str, member: Member) -> Values:
-    """Of one gear, by what the design calls it: the gap's diameter, the cutter's teeth and the rim of an internal gear, and the
-    hob's angles."""
+    """Return the values of one gear, under the name `called` of its table.
+
+    They are the diameter of the gap, the cutter's teeth and shift, the rim of an internal gear, and the hob's angles.
+    """
     spec, values = gear.spec, dict[str, float]()
     if member.gaps:
         values["gap_diameter"] = member.gaps[0].diameter

@@ -1,8 +1,9 @@
 """The data sheet of a cylindrical pair: symbols, words, units and values of ISO 21771-1, for both members.
 
-Lengths in mm, angles in deg, all of them positive but the number of teeth, which is negative of an internal member. Where flanks
-begin and end is read off the teeth as they are built, undercut and broken edges included; all else is closed form (see `geometry`,
-`measures`, `line_of_action`), but for the root (`root`) and masses (`mass`). Assembly errors are neglected.
+Lengths are in mm, angles in deg. All are positive except the number of teeth, which is negative for an internal member.
+Start and end of flanks are taken from the teeth as built, including undercut and broken edges. All else is closed form
+(see `geometry`, `measures`, `line_of_action`), except the root (`root`) and the masses (`mass`). Assembly errors are
+neglected.
 """
 
 from __future__ import annotations
@@ -63,14 +64,14 @@ from gearmesh.teeth.gear_train import GearTrain, Member
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember, HalvesKeys
 
-#: reasons of values that teeth do not have
-UNDERCUT = "the tool undercuts the flank"
+#: reasons of missing values
+UNDERCUT_REASON = "the tool undercuts the flank"
 NO_SPAN = "no number of teeth has a span that touches the flank within the face width"
-HOLLOW = "flat anvils cannot touch the hollow flanks of a helical internal gear; measure between balls, M_dK"
+HOLLOW_FLANKS = "flat anvils cannot touch the hollow flanks of a helical internal gear; measure between balls, M_dK"
 PIN_ENDS = "a straight pin touches a helical internal space at its ends; measure between balls, M_dK"
 NEVER_NEAR = "the tips never come near each other"
 LARGER_THAN_HOLE = "the pinion is larger than the hole of the ring and goes in from its end alone"
-NARROW = "the face is narrower than {:.4g} mm, the distance along the axis of the points that it touches"
+NARROW_FACE = "the face is narrower than {:.4g} mm, the distance along the axis of the points that it touches"
 NARROW_FOR_PINS = (
     "the face is narrower than {:.4g} mm, over which pins of an odd number of teeth slide to stand opposite"
 )
@@ -80,7 +81,10 @@ OFF_FLANK = "its ends are not on the flank"
 
 
 def data_sheet(design: CylindricalDesign, train: GearTrain) -> Sheet:
-    """The sheet of a cylindrical design and the gear set built of it; what that of any system has is part of it."""
+    """Return the sheet of a cylindrical design and the gear set built from it.
+
+    It contains the tables that every system has.
+    """
     own = complete_design(design).in_mm()
     derived, *plain = plain_sheet(own, train).tables
     pair = _sheet_pair(own, train)
@@ -89,18 +93,18 @@ def data_sheet(design: CylindricalDesign, train: GearTrain) -> Sheet:
 
 
 def pair_reserves(design: CylindricalDesign, train: GearTrain) -> tuple[Reserve, ...]:
-    """What a pair has left until its teeth interfere."""
+    """Return the reserves of a pair against interference of its teeth."""
     return _sheet_pair(complete_design(design).in_mm(), train).interference_reserves(0, MEMBER_NAMES)
 
 
 def _sheet_pair(own: CylindricalDesign, train: GearTrain) -> SheetPair:
-    """The pair of a complete design in mm and the gear set built of it."""
+    """Return the pair of a complete design in mm and the gear set built from it."""
     half = half_of(own)
     return SheetPair(half, proportions(half), tuple(train.members[name] for name in MEMBER_NAMES))
 
 
 def half_tables(design: HalvesKeys, members: tuple[Member, ...]) -> list[SheetTable]:
-    """The table of what is on both halves together; none of gears that have but one."""
+    """Return the table of both halves together; empty for gears that are not double helical."""
     if not design.double_helical:
         return []
     specs = tuple(design.specs.values())
@@ -115,7 +119,7 @@ def half_tables(design: HalvesKeys, members: tuple[Member, ...]) -> list[SheetTa
 
 
 def pair_tables(pair: SheetPair, names: tuple[str, str] = MEMBER_NAMES) -> tuple[SheetTable, ...]:
-    """The tables of a pair, its pinion and gear called by `names`."""
+    """Return the tables of a pair; `names` are the names of its pinion and gear."""
     own, thickness, *others = member_tables(pair, names)
     of_mesh = tables_by_title(
         {
@@ -128,8 +132,11 @@ def pair_tables(pair: SheetPair, names: tuple[str, str] = MEMBER_NAMES) -> tuple
 
 
 def member_tables(pair: SheetGears, names: tuple[str, ...] = MEMBER_NAMES) -> tuple[SheetTable, ...]:
-    """The tables with one column per member: members, measures, root, reserves, bodies, tolerances; of gears that do not mesh
-    without what their mesh says of them."""
+    """Return the tables with one column per member.
+
+    They are members, measures, root, reserves, bodies and tolerances. Rows that depend on a mesh are left out for gears
+    that do not mesh.
+    """
     return tables_by_title(
         {
             "Members": (names, lambda: _member_rows(pair)),
@@ -145,62 +152,68 @@ def member_tables(pair: SheetGears, names: tuple[str, ...] = MEMBER_NAMES) -> tu
 
 @dataclass(frozen=True)
 class SheetGears:
-    """A complete design in mm, its gears in closed form and as they are built: one alone, or the pinion and the gear of a mesh.
+    """A complete design in mm, its gears in closed form and as built: one gear, or pinion and gear of a mesh."""
 
-    `stated`: what the order says of the members' thicknesses, where those of the design only say what is made of it.
-    """
-
+    #: the design
     design: HalvesKeys
+    #: proportions of the gears
     geometry: GearsProportions
+    #: gears as built
     members: tuple[Member, ...]
+    #: tables that give the thicknesses of the members, if the design only repeats their results
     stated: tuple[CylindricalMember | None, ...] | None = field(default=None, kw_only=True)
 
     @property
     def teeth(self) -> tuple[Toothing, ...]:
+        """Teeth of all gears."""
         return tuple(gear.own for gear in self.geometry.gears)
 
     @property
     def specs(self) -> tuple[CylindricalMember, ...]:
+        """Tables of all gears."""
         return tuple(gear.spec for gear in self.geometry.gears)
 
     @cached_property
     def flanks(self) -> tuple[Flank, ...]:
-        """Radii of all where the usable flank begins and ends, d_Ff and d_Fa over 2, in the middle of the face."""
+        """Radii d_Ff / 2 and d_Fa / 2 at which the usable flanks begin and end, in the middle of the face."""
         return tuple(flank_radii(member) for member in self.members)
 
     def of_all(self, value: Callable[[int], float | int | str | Missing | None]) -> Values:
-        """A value of all members, by their number, as far as each can be had."""
+        """Return a value of all members, by their number; a refused value is missing."""
         return values_of(range(len(self.members)), value)
 
     def fed_rounding(self, k: int, gear: GearProportions) -> float:
-        """Tip rounding (modules) of the tool of a `gear`, member k, that is fed for its allowance, where the order gives none."""
+        """Return the default tip rounding (modules) of the tool of member k, fed for its allowance.
+
+        `gear`: the member as this tool cuts it.
+        """
         return tool_rounding(gear)
 
     @property
     def stated_specs(self) -> tuple[CylindricalMember | None, ...]:
-        """What says the thicknesses of all members, None of one that is no part of the order."""
+        """Tables that give the thicknesses of all members; None for a member that is not part of the order."""
         return self.specs if self.stated is None else self.stated
 
     @cached_property
     def allowances(self) -> tuple[Allowances | None, ...]:
-        """Thickness allowances of all members, None of one that has none of its own."""
+        """Thickness allowances of all members; None for a member without its own allowance."""
         own = zip(self.geometry.gears, self.stated_specs, strict=True)
         return tuple(None if spec is None else allowances_of(gear.name, spec, gear.own) for gear, spec in own)
 
     @property
     def ranged(self) -> bool:
-        """Whether a member has a thickness allowance with two ends."""
+        """True if a member has a thickness allowance with two ends."""
         return any(given is not None and given.upper != given.lower for given in self.allowances)
 
     @property
     def meshing(self) -> SheetPair | None:
-        """The pair, where the gears mesh."""
+        """The pair, if the gears mesh."""
         return None
 
 
 @dataclass(frozen=True)
 class SheetPair(SheetGears):
-    """A complete design in mm, its geometry and its members as they are built, pinion and gear."""
+    """A complete design in mm, its proportions and its members as built, pinion and gear."""
 
     design: CylindricalDesign
     geometry: PairProportions
@@ -222,16 +235,23 @@ class SheetPair(SheetGears):
         return LineOfAction(self.mesh, (first, second))
 
     def fillet_interference(self, names: tuple[str, str]) -> tuple[str, ...]:
-        """A warning for each of pinion and gear, called by `names`, below whose flank the mating gear's tip reaches."""
+        """Return a warning for each member below whose flank the mating gear's tip reaches.
+
+        `names`: names of pinion and gear.
+        """
         return self.line.fillet_interference(names, self.set_back_fillets)
 
     @property
     def set_back_fillets(self) -> list[SetBackFillet | None]:
-        """Reasons why fillets lie behind the involutes of their flanks, None of those that do not."""
+        """Reasons why fillets lie behind the involutes of their flanks; None for other fillets."""
         return [set_back_fillet(gear) for gear in self.geometry.gears]
 
     def interference_reserves(self, number: int, names: tuple[str, str]) -> tuple[Reserve, ...]:
-        """What the pair, of a `number` in its gear set, has left until its teeth interfere; `names`: those of pinion and gear."""
+        """Return the reserves of the pair against interference of its teeth.
+
+        - number: number of the pair in its gear set.
+        - names: names of pinion and gear.
+        """
         reserves_of_pair = [
             Reserve(number, f"interference_{name}", value, "mm")
             for name, value in zip(names, self.line.fillet_reserves(self.set_back_fillets), strict=True)
@@ -249,12 +269,12 @@ class SheetPair(SheetGears):
 
     @property
     def distance_deviations(self) -> Deviations | None:
-        """Allowances of the centre distance, mm; None where it has none."""
+        """Allowances of the centre distance, mm; None if there are none."""
         return self.design.assembly.center_distance_deviations(self.mesh.distance)
 
     @property
     def overlap(self) -> float:
-        """Common face width."""
+        """Common face width, mm."""
         first, second = (0.5 * spec.face_width for spec in self.specs)
         aside = self.design.assembly.dz
         return max(0.0, min(first, aside + second) - max(-first, aside - second))
@@ -279,6 +299,7 @@ def _degrees(value: float) -> float:
 
 
 def _mesh_rows(pair: SheetPair) -> list[Row]:
+    """Return the rows of the mesh."""
     mesh, pinion, line = pair.mesh, pair.mesh.pinion, pair.line
     values = (
         ("u", "gear ratio z2 / z1", "-", mesh.gear.teeth / pinion.teeth),
@@ -302,7 +323,7 @@ def _mesh_rows(pair: SheetPair) -> list[Row]:
 
 
 def _distance_allowances(pair: SheetPair) -> list[tuple[str, str, str, float]]:
-    """Rows of the allowances of the centre distance, none where it has none."""
+    """Return the rows of the allowances of the centre distance; empty if there are none."""
     given = pair.distance_deviations
     if given is None:
         return []
@@ -313,8 +334,11 @@ def _distance_allowances(pair: SheetPair) -> list[tuple[str, str, str, float]]:
 
 
 def _backlash(pair: SheetPair) -> tuple[tuple[str, ...], list[Row]]:
-    """Of nominal teeth, of the teeth as made, and of the ends of the allowances of thickness and centre distance where there are
-    any."""
+    """Return columns and rows of the backlash.
+
+    Columns: nominal teeth, teeth as made, and the ends of the allowances of thickness and centre distance, if there are
+    any.
+    """
     meshes = {"theoretical": pair.geometry.nominal, "working": pair.mesh}
     if pair.ranged or pair.distance_deviations is not None:
         meshes |= {"least": _at_end(pair, "upper"), "largest": _at_end(pair, "lower")}
@@ -330,25 +354,28 @@ def _backlash(pair: SheetPair) -> tuple[tuple[str, ...], list[Row]]:
 
 
 def _radial_backlash(mesh: InvolutePair) -> float:
+    """Return the change of the centre distance that eliminates the backlash, mm."""
     away = mesh.distance - tight_distance(mesh)
     return -away if mesh.pinion.internal or mesh.gear.internal else away
 
 
 def _at_end(pair: SheetPair, end: str) -> InvolutePair:
-    """The mesh with thicknesses at one end, "upper" or "lower", of the allowances that are given, and at the centre distance that
-    adds to what they do to the backlash."""
-    first, second = (_at_allowance(pair, k, end) for k in (0, 1))
+    """Return the mesh at one end, "upper" or "lower", of the thickness allowances.
+
+    The centre distance is at the end that changes the backlash in the same sense.
+    """
+    pinion, gear = (_at_allowance(pair, k, end) for k in (0, 1))
     given = pair.distance_deviations
-    apart = 0.0
+    deviation = 0.0
     if given is not None:
-        # members inside each other come nearer as they go apart
-        nearer = (end == "upper") != (first.internal or second.internal)
-        apart = given.lower if nearer else given.upper
-    return replace(pair.mesh, pinion=first, gear=second, distance=pair.mesh.distance + apart)
+        # in an internal pair a larger centre distance reduces the backlash
+        nearer = (end == "upper") != (pinion.internal or gear.internal)
+        deviation = given.lower if nearer else given.upper
+    return replace(pair.mesh, pinion=pinion, gear=gear, distance=pair.mesh.distance + deviation)
 
 
 def _at_allowance(pair: SheetGears, k: int, end: str) -> Toothing:
-    """A member's teeth at one end of its allowances, as they are made where it has none."""
+    """Return a member's teeth at one end of its allowance; as made if it has none."""
     given = pair.allowances[k]
     return pair.teeth[k] if given is None else replace(pair.teeth[k], allowance=getattr(given, end))
 
@@ -357,6 +384,7 @@ def _at_allowance(pair: SheetGears, k: int, end: str) -> Toothing:
 
 
 def _member_rows(pair: SheetGears) -> list[Row]:
+    """Return the rows of the members."""
     teeth, specs, geometry = pair.teeth, pair.specs, pair.geometry
     hands = ("left", "spur", "right")
 
@@ -402,7 +430,7 @@ def _member_rows(pair: SheetGears) -> list[Row]:
 
 
 def _tip_tolerances(pair: SheetGears) -> list[Row]:
-    """Deviations of the tip diameters, none where no member has any."""
+    """Return the rows of the deviations of the tip diameters; empty if no member has any."""
     given = [
         None if spec.tip_diameter_tolerance is None else spec.tip_diameter_tolerance.deviations(2.0 * tip)
         for spec, tip in zip(pair.specs, pair.geometry.tips, strict=True)
@@ -416,7 +444,7 @@ def _tip_tolerances(pair: SheetGears) -> list[Row]:
 
 
 def _thickness_allowances(pair: SheetGears) -> list[Row]:
-    """The ends of the thickness allowances and what is between them, none where no member has any."""
+    """Return the rows of the thickness allowances and their tolerances; empty if no member has any."""
     given = pair.allowances
     if not any(given):
         return []
@@ -433,28 +461,32 @@ def _thickness_allowances(pair: SheetGears) -> list[Row]:
 def _meshing_row(
     pair: SheetGears, symbol: str, words: str, value: Callable[[SheetPair, int], float | Missing]
 ) -> list[Row]:
-    """A row (mm) of what the mesh says of its members; none of gears that do not mesh."""
+    """Return a row (mm) of values that depend on the mesh; empty for gears that do not mesh."""
     both = pair.meshing
     return [] if both is None else [(symbol, words, "mm", both.of_all(lambda k: value(both, k)))]
 
 
 def _active_radius(pair: SheetPair, k: int, end: int) -> float:
-    """Radius where the active flank begins (0) or ends (1)."""
+    """Return the radius at which the active flank begins (`end` 0) or ends (1)."""
     return math.hypot(pair.teeth[k].base_radius, pair.line.active(pair.teeth[k])[end])
 
 
 def _width(pair: SheetGears) -> tuple[str, str]:
+    """Return symbol and words of the face width."""
     return pair.members[0].rows.face_width
 
 
 def _alteration(pair: SheetGears, k: int) -> float | None:
-    """The tip alteration, where no tip diameter takes its place."""
+    """Return the tip alteration; None if a tip diameter is given instead."""
     return None if pair.specs[k].tip_diameter is not None else pair.specs[k].tip_alteration
 
 
 def _cut_rows(pair: SheetGears) -> list[Row]:
-    """Generating profile shifts, and the roots and root form diameters that a tool leaves which is fed for the allowance of the
-    thickness: of the teeth as made and at the ends of the allowances."""
+    """Return the rows of teeth whose tool is fed for the allowance of the thickness.
+
+    They are generating profile shifts, root diameters and root form diameters, for the teeth as made and at the ends of
+    the allowances.
+    """
     rows: list[Row] = []
     for end, teeth in _states(pair, ends=True).items():
         cut = [attempt(partial(_fed, pair, k, own)) for k, own in enumerate(teeth)]
@@ -473,10 +505,10 @@ def _cut_rows(pair: SheetGears) -> list[Row]:
 
 
 def _fed(pair: SheetGears, k: int, own: Toothing) -> GearProportions | None:
-    """A member with other teeth, its tool fed for their allowance; None of one that is formed.
+    """Return a member with other teeth, its tool fed for their allowance; None for a formed member.
 
-    The tool is the one that the same order with allowance_by = "feed" has: a rounding that the order does not give is that of
-    its own, narrower tooth.
+    The tool is the tool of the same order with allowance_by = "feed". A rounding that the order does not give follows
+    from the tool's own, narrower tooth.
     """
     gear, stated = pair.geometry.gears[k], pair.stated_specs[k]
     if gear.spec.formed:
@@ -489,16 +521,16 @@ def _fed(pair: SheetGears, k: int, own: Toothing) -> GearProportions | None:
 
 
 def _form_diameter(gear: GearProportions) -> float | Missing:
-    """Root form diameter in closed form; missing where the tool undercuts the flank."""
+    """Return the root form diameter in closed form; missing if the tool undercuts the flank."""
     length = form_roll_length(gear)
-    return Missing(UNDERCUT) if length < 0.0 else 2.0 * math.hypot(gear.own.base_radius, length)
+    return Missing(UNDERCUT_REASON) if length < 0.0 else 2.0 * math.hypot(gear.own.base_radius, length)
 
 
 # ---------------------------------------------------------------- measures
 
 
 def _measures(pair: SheetGears) -> list[Row]:
-    """Span, balls and chords, of the teeth as made and at the ends of the allowances where these are given."""
+    """Return the rows of span, balls and chords, for the teeth as made and at the ends of the allowances."""
     every = range(len(pair.teeth))
     counts = pair.of_all(lambda k: _span_teeth(pair, k))
     sizes = [attempt(partial(_ball_diameter, pair, k)) for k in every]
@@ -546,7 +578,7 @@ def _measures(pair: SheetGears) -> list[Row]:
 
 
 def _anvil_row(pair: SheetGears, counts: Values) -> list[Row]:
-    """The row of the anvils that an internal span needs; none of gears without such a span."""
+    """Return the row of the anvils that an internal span needs; empty for gears without such a span."""
     spans = [
         count if isinstance(count, int) and teeth.internal else None
         for count, teeth in zip(counts, pair.teeth, strict=True)
@@ -558,18 +590,21 @@ def _anvil_row(pair: SheetGears, counts: Values) -> list[Row]:
 
 
 def _span_teeth(pair: SheetGears, k: int) -> int | Missing:
-    """Teeth of a member's span: its own number, or the one that touches nearest to the V cylinder; missing where nothing does."""
+    """Return the teeth of a member's span; missing if no span touches the flanks.
+
+    They are given, or the number that touches nearest to the V cylinder.
+    """
     spec = pair.specs[k]
     if spec.span is not None:
         return spec.span.teeth
     if not measures.has_span(pair.teeth[k]):
-        return Missing(HOLLOW)
+        return Missing(HOLLOW_FLANKS)
     count = measures.span_teeth(pair.teeth[k], pair.flanks[k], spec.face_width)
     return Missing(NO_SPAN) if count is None else count
 
 
 def _ball_diameter(pair: SheetGears, k: int) -> float | Missing:
-    """Diameter of a member's balls or pins: its own, or the one that is proposed; missing where none can be."""
+    """Return the diameter of a member's balls or pins, given or proposed; missing if none fits."""
     teeth, spec = pair.teeth[k], pair.specs[k]
     given = spec.balls or spec.pins
     circles = pair.geometry.tips[k], pair.geometry.roots[k]
@@ -577,11 +612,14 @@ def _ball_diameter(pair: SheetGears, k: int) -> float | Missing:
     if size is None:
         return Missing(NO_BALL)
     least = measures.ball_width(teeth, size)
-    return Missing(NARROW.format(least)) if spec.face_width <= least else size
+    return Missing(NARROW_FACE.format(least)) if spec.face_width <= least else size
 
 
 def _pin_diameter(pair: SheetGears, k: int, size: float | Missing) -> float | Missing:
-    """Diameter of a member's pins, which is that of its balls; missing where straight pins cannot stand opposite each other."""
+    """Return the diameter of a member's pins, equal to its balls'.
+
+    It is missing if straight pins cannot be opposite each other.
+    """
     teeth = pair.teeth[k]
     if isinstance(size, Missing):
         return size
@@ -592,7 +630,7 @@ def _pin_diameter(pair: SheetGears, k: int, size: float | Missing) -> float | Mi
 
 
 def _states(pair: SheetGears, *, ends: bool) -> dict[str, tuple[Toothing, ...]]:
-    """The teeth as made and, with `ends`, at those of the allowances where there are two, by what words say of them."""
+    """Return the teeth as made and, with `ends`, at both ends of the allowances, by the suffix of the words."""
     states = {"": pair.teeth}
     if ends and pair.ranged:
         states |= {
@@ -602,11 +640,12 @@ def _states(pair: SheetGears, *, ends: bool) -> dict[str, tuple[Toothing, ...]]:
 
 
 def _suffix(words: str) -> str:
-    """The end of the symbol of a row, by the end of its words."""
+    """Return the suffix of a row's symbol for the suffix of its words."""
     return words.replace(", ", "_")
 
 
 def _chord_rows(pair: SheetGears) -> list[Row]:
+    """Return the rows of the constant chord and the normal chord."""
     rows: list[Row] = []
     for symbol, words, chord, radius in (
         ("c", "constant chord", measures.constant_chord, _foot_radius),
@@ -627,7 +666,7 @@ def _on_flank(
     chord: Callable[[Toothing, float], tuple[float, float]],
     radius: Callable[[Toothing], float],
 ) -> tuple[float, float] | Missing:
-    """A chord of a member's teeth and its height; missing where its ends are not on the flank."""
+    """Return a chord of a member's teeth and its height; missing if the ends of the chord are not on the flank."""
     low, high = sorted(pair.flanks[k])
     return chord(teeth, pair.geometry.tips[k]) if low < radius(teeth) < high else Missing(OFF_FLANK)
 
@@ -637,7 +676,7 @@ def _reference_radius(teeth: Toothing) -> float:
 
 
 def _foot_radius(teeth: Toothing) -> float:
-    """Radius of the ends of the constant chord."""
+    """Return the radius of the ends of the constant chord."""
     chord, height = measures.constant_chord(teeth, teeth.radius)
     return math.hypot(teeth.radius_at(-height), 0.5 * chord * math.cos(teeth.beta))
 
@@ -646,6 +685,7 @@ def _foot_radius(teeth: Toothing) -> float:
 
 
 def _contact_rows(pair: SheetPair) -> list[Row]:
+    """Return the rows of the points A to E."""
     pinion, bases = pair.mesh.pinion, [teeth.base_radius for teeth in pair.teeth]
     rows: list[Row] = []
     for point, length in pair.line.points.items():
@@ -665,6 +705,7 @@ def _contact_rows(pair: SheetPair) -> list[Row]:
 
 
 def _root_rows(pair: SheetGears) -> list[Row]:
+    """Return the rows of the critical section of the root."""
     sections = [
         attempt(partial(critical_section, member.tooth, teeth))
         for member, teeth in zip(pair.members, pair.teeth, strict=True)
@@ -687,18 +728,19 @@ def _root_rows(pair: SheetGears) -> list[Row]:
 
 
 def _lever(pair: SheetPair, k: int, section: CriticalSection | Missing) -> float | Missing:
-    """Lever of a force on a member over its critical section."""
+    """Return the lever of a force on a member over its critical section."""
     if isinstance(section, Missing):
         return section
     return _or_missing(lever(pair.teeth[k], pair.line, section), NO_TANGENT)
 
 
 def _or_missing(value: float, reason: str) -> float | Missing:
-    """A value, missing where it is not a number."""
+    """Return a value; missing if it is not a number."""
     return Missing(reason) if math.isnan(value) else value
 
 
 def _reserves(pair: SheetGears) -> list[Row]:
+    """Return the rows of the reserves against undercut and interference."""
     return [
         (
             "undercut",
@@ -717,8 +759,11 @@ def _reserves(pair: SheetGears) -> list[Row]:
 
 
 def _internal_reserves(pair: SheetPair) -> list[Row]:
-    """Of an internal gear: angles by which its tips clear the mating gear's outside the path of contact, and during radial
-    assembly."""
+    """Return the rows of the reserves of an internal gear.
+
+    They are the angles by which its tips clear the mating gear's tips outside the path of contact, and during radial
+    assembly.
+    """
     if not any(teeth.internal for teeth in pair.teeth):
         return []
     turns = reserves(pair.mesh, pair.geometry.tips)
@@ -736,6 +781,7 @@ def _internal_reserves(pair: SheetPair) -> list[Row]:
 
 
 def _bodies(pair: SheetGears) -> list[Row]:
+    """Return the rows of density, volume, mass and inertia."""
     density = STEEL_DENSITY_KG_PER_M3 if pair.design.material.density is None else pair.design.material.density
     bulks = [attempt(partial(member_moments, member)) for member in pair.members]
     return [
@@ -747,7 +793,7 @@ def _bodies(pair: SheetGears) -> list[Row]:
 
 
 def _tolerances(pair: SheetGears) -> list[Row]:
-    """None of them beyond the range of the standard."""
+    """Return the rows of the flank tolerances; values outside the range of the standard are left out."""
     limits = [
         tolerance_sizes(teeth, spec.face_width).tolerances(pair.design.accuracy_class) or {}
         for teeth, spec in zip(pair.teeth, pair.specs, strict=True)

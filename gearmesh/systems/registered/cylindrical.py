@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from gearmesh.exchange.stage_form import StageForm
-from gearmesh.systems.cylindrical.build import DISPLACEMENTS, build
+from gearmesh.systems.cylindrical.build import ASSEMBLY_DISPLACEMENTS, build
 from gearmesh.systems.cylindrical.design import CylindricalDesign
 from gearmesh.systems.cylindrical.geometry.proportions import derived_values
 from gearmesh.systems.cylindrical.single.design import is_single
@@ -76,7 +76,7 @@ SYSTEMS = (
         sheet=_sheet,
         reserves=_reserves,
         forces=_forces,
-        displacements=DISPLACEMENTS,
+        displacements=ASSEMBLY_DISPLACEMENTS,
         pinned=_values,
         drawn=DRAWN_ROWS,
         inspection=_inspection,

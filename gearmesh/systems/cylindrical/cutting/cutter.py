@@ -16,7 +16,7 @@ from gearmesh.systems.cylindrical.cutting.cutter_choice import (
     standard_teeth,
 )
 from gearmesh.systems.cylindrical.cutting.formed import form_tool
-from gearmesh.systems.cylindrical.design import PROFILES
+from gearmesh.systems.cylindrical.design import BASIC_RACKS
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.systems.cylindrical.geometry.nominal import ToothedGear
 from gearmesh.systems.cylindrical.geometry.shifts import tip_radius
@@ -97,7 +97,7 @@ def _root_at_shift(gear: ToothedGear) -> float:
         cutter = cutter_of(gear)
         top = cutter.radius + (spec.shaper.addendum + cutter.shift) * own.module
         return float(generating(cutter, own).distance - own.sense * top)
-    return own.radius_at((own.shift - given_or(spec.dedendum, PROFILES[gear.profile][1])) * own.module)
+    return own.radius_at((own.shift - given_or(spec.dedendum, BASIC_RACKS[gear.profile][1])) * own.module)
 
 
 def sharp_shaper(gear: ToothedGear) -> Shaper:

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 from gearmesh.errors import DesignError
 from gearmesh.systems.common.bounds import at_least
-from gearmesh.systems.cylindrical.design import FORMED
+from gearmesh.systems.cylindrical.design import FORMED_MANUFACTURE
 from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair, Toothing, distance_of
 from gearmesh.systems.cylindrical.geometry.interference import least_that, reserves
 from gearmesh.tools.shaper import Shaper
@@ -153,5 +153,5 @@ class CutterChoice:
         if low >= self.own.teeth:
             few = f"no cutter generates involute up to the tip diameter of {2.0 * tip:.7g} mm"
         if tip >= self.own.base_radius:
-            other += f', or {name}.manufacture = "{FORMED}", which needs no cutter'
+            other += f', or {name}.manufacture = "{FORMED_MANUFACTURE}", which needs no cutter'
         return f"{few}, more than {high} trim the tips; allowed is {other}"

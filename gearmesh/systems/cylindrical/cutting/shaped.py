@@ -29,7 +29,7 @@ from gearmesh.systems.cylindrical.cutting.cutter import cutter_of, sharp_shaper
 from gearmesh.systems.cylindrical.cutting.cutter_choice import CutterChoice
 from gearmesh.systems.cylindrical.cutting.formed import Forming, with_rounding
 from gearmesh.systems.cylindrical.cutting.last_cut import LastCut
-from gearmesh.systems.cylindrical.design import RIM
+from gearmesh.systems.cylindrical.design import DEFAULT_RIM_MODULES
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.body import Body
@@ -200,7 +200,7 @@ def _blank(name: str, spec: CylindricalMember, cut: Shaping | Forming) -> Blank:
         bore = bore_radius(name, spec.stated_bore, cut.root, "the root diameter")
         body = disc_body(name, spec, bore, cut.root, cut.tip - cut.root)
         return Blank(PlaneLevel(0.0), (-half, half), ConeLevel.of(cut.tip), ConeLevel.of(cut.root), body)
-    rim = RIM * cut.own.module if spec.rim is None else spec.rim
+    rim = DEFAULT_RIM_MODULES * cut.own.module if spec.rim is None else spec.rim
     # the direction is -z, so that the frame along the chain points out of the material as on an external gear with +z
     return Blank(
         axial=PlaneLevel(0.0, -1.0),

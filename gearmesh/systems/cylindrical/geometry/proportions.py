@@ -14,7 +14,7 @@ from gearmesh.errors import VagueError
 from gearmesh.systems.common.defaults import straight_rounding
 from gearmesh.systems.cylindrical.cutting.cutter import cut_addendum, root_radius, sharp_shaper
 from gearmesh.systems.cylindrical.cutting.last_cut import FixedCut, LastCut
-from gearmesh.systems.cylindrical.design import PROFILES
+from gearmesh.systems.cylindrical.design import BASIC_RACKS
 from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair, Toothing
 from gearmesh.systems.cylindrical.geometry.nominal import (
     MEMBER_NAMES,
@@ -199,7 +199,7 @@ def rounding_in_mesh(gear: ToothedGear, mesh: InvolutePair, mating: Toothing, ti
 def tool_rounding(gear: ToothedGear) -> float:
     """Return the profile's tip rounding, in modules, limited by the room on the tool's tooth."""
     spec, own = gear.spec, gear.own
-    _, dedendum, standard = PROFILES[gear.profile]
+    _, dedendum, standard = BASIC_RACKS[gear.profile]
     if not spec.hobbed:
         return min(standard, TIP_ROUNDING_SHARE * sharp_shaper(gear).largest_tip_radius / own.module)
     m, alpha = own.module, math.degrees(own.alpha)

@@ -11,7 +11,7 @@ import numpy as np
 from gearmesh.design.keys import given_or
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.roots import bracketed_root
-from gearmesh.systems.cylindrical.design import PROFILES
+from gearmesh.systems.cylindrical.design import BASIC_RACKS
 from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair, Toothing, specific_sliding, sum_of_shifts
 from gearmesh.systems.cylindrical.geometry.nominal import MEMBER_NAMES, nominal_mesh, toothing
 
@@ -110,13 +110,13 @@ def addendum(design: CylindricalDesign, name: str, mesh: InvolutePair) -> float:
     It is the profile's addendum. For an internal gear it is limited by the start of the mating gear's involute, above
     the form point of its tool.
     """
-    standard = PROFILES[design.profile][0]
+    standard = BASIC_RACKS[design.profile][0]
     own = getattr(mesh, name)
     if not own.internal:
         return standard
     other = "gear" if name == "pinion" else "pinion"
     mating, spec = getattr(mesh, other), getattr(design, other)
-    _, dedendum, rounding = PROFILES[design.profile]
+    _, dedendum, rounding = BASIC_RACKS[design.profile]
     m = mating.module
     form_point = mating.rack_form_roll_length((given_or(spec.dedendum, dedendum) - mating.shift) * m, rounding * m)
     tip = math.hypot(own.base_radius, max(0.0, form_point) + mesh.generator)

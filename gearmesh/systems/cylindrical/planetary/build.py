@@ -19,7 +19,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.cylindrical.build import warnings_of, whole_member
 from gearmesh.systems.cylindrical.design import CylindricalDesign
-from gearmesh.systems.cylindrical.double_helical import HALF, half_of
+from gearmesh.systems.cylindrical.double_helical import HALF_NOTE, half_of
 from gearmesh.systems.cylindrical.geometry import proportions as closed
 from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair
 from gearmesh.systems.cylindrical.geometry.nominal import MEMBER_NAMES, wanted_backlash
@@ -174,7 +174,7 @@ def build(design: PlanetaryDesign) -> GearTrain:
         )
     warnings = dict.fromkeys([*warnings_of(halves[0], inner), *warnings_of(halves[1], outer), *_snap_notes(design)])
     if design.double_helical:
-        warnings[HALF] = None
+        warnings[HALF_NOTE] = None
     return GearTrain(design.kind, tuple(made), tuple(warnings), (*[0] * len(angles), *[len(angles)] * len(angles)))
 
 

@@ -168,7 +168,7 @@ def _planet_share(design: PlanetaryDesign) -> float:
 
 
 def _apart(design: PlanetaryDesign, distance: float, planet: Member) -> list[float]:
-    """Return the gaps (mm) between the tips of every planet, as built, and the next planet; empty for a single planet."""
+    """Return the gaps (mm) between the tips of every planet, as built, and the next; empty for a single planet."""
     land = planet.tooth.grid(Region.LAND, np.array([0.0, 1.0]), planet.tooth.sections([0.0, 0.5, 1.0])).points
     tip = float(np.hypot(land[..., 0], land[..., 1]).max())
     angles = [angle % 360.0 for angle in design.angles]

@@ -4,9 +4,9 @@ For every module and helix angle all tooth numbers of sun and ring within the to
 must have the outside diameter with a sensible rim, or sun and planet about the centre distance. The planet fills the
 space between them, except for a few teeth.
 
-If the centre distance is open, three values are tried: the shifts of sun and planet add up to 0, the shifts of planet
-and ring do, and the middle between these distances. Sun and planet share their shifts as a pair does; the ring gets the
-rest.
+If the centre distance is open, three values are tried. At the first the shifts of sun and planet add up to 0, at the
+second the shifts of planet and ring do. The third is their mean. Sun and planet share their shifts as a pair does; the
+ring gets the rest.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ from typing import Any
 from gearmesh.errors import DesignError
 from gearmesh.progress import in_turn
 from gearmesh.systems.cylindrical.cutting.cutter import trimming_warnings
-from gearmesh.systems.cylindrical.design import PROFILES, RIM
+from gearmesh.systems.cylindrical.design import BASIC_RACKS, DEFAULT_RIM_MODULES
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing, sum_of_shifts
 from gearmesh.systems.cylindrical.geometry.proportions import PairProportions, proportions
-from gearmesh.systems.cylindrical.merit import ROUNDING, MeshMerit, mesh_merit
+from gearmesh.systems.cylindrical.merit import LENGTH_ROUNDING_MM, MeshMerit, mesh_merit
 from gearmesh.systems.cylindrical.planetary import motion
 from gearmesh.systems.cylindrical.planetary.build import meshes
 from gearmesh.systems.cylindrical.planetary.design import PLANET_NAME, RING_NAME, SUN_NAME, PlanetaryDesign
-from gearmesh.systems.cylindrical.sizing import DECIMALS, FEWEST, WIDTH, share_shifts
+from gearmesh.systems.cylindrical.sizing import DEFAULT_WIDTH_MODULES, MIN_PINION_TEETH, SHIFT_DECIMALS, share_shifts
 
 #: standard modules: series I of ISO 54, and DIN 780 below 1 mm
 STANDARD_MODULES_MM = (
@@ -36,7 +36,7 @@ STANDARD_MODULES_MM = (
 #: most teeth of a ring whose module is searched
 MAX_RING_TEETH = 120
 #: least (the default of a design) and largest rim of the ring
-RIM_RANGE_MODULES = (RIM, 8.0)
+RIM_RANGE_MODULES = (DEFAULT_RIM_MODULES, 8.0)
 #: least and largest number of teeth by which the planet does not fill the space between sun and ring
 MISSING_TEETH_RANGE = (-2, 4)
 #: largest sum, of either sign, of the profile shifts of planet and ring
@@ -50,7 +50,7 @@ MIN_CLEARANCE_MODULES = 0.1
 #: reason for the rejection of a set whose planets cannot be equally spaced
 UNEQUAL_SPACING = "planets cannot be equally spaced"
 #: dedendum of the basic rack, modules
-RACK_DEDENDUM = PROFILES["A"][1]
+RACK_DEDENDUM = BASIC_RACKS["A"][1]
 #: decimals (mm) of the rim
 RIM_DECIMALS = 6
 #: name of the mesh of sun and planet in faults
@@ -198,7 +198,7 @@ def search_sets(wanted: WantedSet) -> SetSearch:
                 candidates,
                 key=lambda candidate: (
                     len(candidate.faults),
-                    abs(candidate.ratio / wanted.ratio - 1.0) > ROUNDING,
+                    abs(candidate.ratio / wanted.ratio - 1.0) > LENGTH_ROUNDING_MM,
                     -candidate.trial.module,
                     -candidate.sliding,
                     candidate.trial.teeth,
@@ -243,16 +243,19 @@ def _ring_teeth(wanted: WantedSet, module: float, transverse: float) -> range:
         ]
         ends = [sums[0] / (1.0 + 1.0 / least), sums[1] / (1.0 + 1.0 / most)]
     top = math.floor(max(ends)) if wanted.module is not None else min(math.floor(max(ends)), MAX_RING_TEETH)
-    return range(max(3 * FEWEST, math.ceil(min(ends))), top + 1)
+    return range(max(3 * MIN_PINION_TEETH, math.ceil(min(ends))), top + 1)
 
 
 def _with_ring(wanted: WantedSet, module: float, helix: float, ring: int) -> Iterator[SetTrial]:
     """Yield the trials with a ring: all teeth of the sun within the ratio, of the planet, and centre distances."""
     least, most = wanted.ring_per_sun
-    for sun in range(max(FEWEST, math.ceil(ring / most - ROUNDING)), math.floor(ring / least + ROUNDING) + 1):
+    for sun in range(
+        max(MIN_PINION_TEETH, math.ceil(ring / most - LENGTH_ROUNDING_MM)),
+        math.floor(ring / least + LENGTH_ROUNDING_MM) + 1,
+    ):
         for less in range(MISSING_TEETH_RANGE[0], MISSING_TEETH_RANGE[1] + 1):
             planet, odd = divmod(ring - sun - less, 2)
-            if odd or planet < FEWEST:
+            if odd or planet < MIN_PINION_TEETH:
                 continue
             teeth = sun, planet, ring
             for distance in _distances(wanted, module, helix, teeth):
@@ -268,7 +271,7 @@ def _distances(wanted: WantedSet, module: float, helix: float, teeth: tuple[int,
         return [wanted.center_distance]
     sun, planet, ring = teeth
     of_sun, of_ring = (0.5 * total * module / math.cos(math.radians(helix)) for total in (sun + planet, ring - planet))
-    return sorted({round(distance, DECIMALS) for distance in (of_sun, 0.5 * (of_sun + of_ring), of_ring)})
+    return sorted({round(distance, SHIFT_DECIMALS) for distance in (of_sun, 0.5 * (of_sun + of_ring), of_ring)})
 
 
 def _judge(wanted: WantedSet, trial: SetTrial) -> SetCandidate:
@@ -318,7 +321,7 @@ def _sums_of_shifts(wanted: WantedSet, trial: SetTrial) -> tuple[float, float]:
     totals = sum_of_shifts(sun, planet, trial.distance), sum_of_shifts(planet, ring, trial.distance)
     limits = wanted.shifts, (-MAX_RING_SHIFT_SUM, MAX_RING_SHIFT_SUM)
     for name, total, (low, high) in zip((INNER_MESH, OUTER_MESH), totals, limits, strict=True):
-        if not low - ROUNDING <= total <= high + ROUNDING:
+        if not low - LENGTH_ROUNDING_MM <= total <= high + LENGTH_ROUNDING_MM:
             said = "no working pressure angle" if math.isnan(total) else f"they add up to {total:.4g}"
             raise _Rejection(f"profile shifts of {name} outside {low:g} to {high:g}", said)
     return totals
@@ -337,7 +340,7 @@ def _angles(wanted: WantedSet, trial: SetTrial) -> list[float]:
 
 def _pair_keys(wanted: WantedSet, trial: SetTrial) -> dict[str, Any]:
     """Return sun and planet as a pair whose shifts are still to be shared."""
-    width = WIDTH * trial.module if wanted.face_width is None else wanted.face_width
+    width = DEFAULT_WIDTH_MODULES * trial.module if wanted.face_width is None else wanted.face_width
     first, second = ({"teeth": teeth, "face_width": width} for teeth in trial.teeth[:2])
     return {
         "kind": "cylindrical",
@@ -392,10 +395,10 @@ def _outside(wanted: WantedSet, trial: SetTrial, shift: float) -> _Outside:
     ring = Toothing(trial.teeth[2], module, math.radians(wanted.pressure_angle), beta, internal=True)
     root = ring.radius_at((shift - RACK_DEDENDUM) * module)
     if wanted.outside_diameter is None:
-        return _Outside(2.0 * (root + RIM * module), None)
+        return _Outside(2.0 * (root + DEFAULT_RIM_MODULES * module), None)
     rim = 0.5 * wanted.outside_diameter - root
     for share, side, word in zip(RIM_RANGE_MODULES, (-1.0, 1.0), ("thinner", "thicker"), strict=True):
-        if side * (rim - share * module) > ROUNDING:
+        if side * (rim - share * module) > LENGTH_ROUNDING_MM:
             raise _Rejection(f"rim {word} than {share:g} modules", f"{rim:.4g} mm")
     rim = round(rim, RIM_DECIMALS)
     return _Outside(2.0 * (root + rim), rim)

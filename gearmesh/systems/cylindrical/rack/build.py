@@ -15,8 +15,8 @@ import numpy as np
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import rotation_about
 from gearmesh.systems.common.defaults import unusual_defaults
-from gearmesh.systems.cylindrical.build import THICKER, member_of
-from gearmesh.systems.cylindrical.design import PROFILES
+from gearmesh.systems.cylindrical.build import MIN_WARNED_ALLOWANCE, member_of
+from gearmesh.systems.cylindrical.design import BASIC_RACKS
 from gearmesh.systems.cylindrical.rack.design import PINION_NAME, RACK_NAME
 from gearmesh.systems.cylindrical.rack.member import rack_member, rack_mount, rack_pair
 from gearmesh.systems.cylindrical.rack.proportions import RackPairProportions, rack_proportions
@@ -60,7 +60,7 @@ def _errors(design: RackDesign) -> Rigid:
 def _warnings(design: RackDesign, geometry: RackPairProportions) -> tuple[str, ...]:
     """Return the warnings of a design: adapted defaults, teeth thicker than nominal."""
     why = "the tool's tooth has no room for it, or the mating tip needs the flank"
-    standard = PROFILES[design.profile][2]
+    standard = BASIC_RACKS[design.profile][2]
     values = {f"{name}.tool_tip_radius": getattr(design, name).tool_tip_radius for name in (PINION_NAME, RACK_NAME)}
     unusual = {
         key: (standard, why) for key, value in values.items() if abs(value - standard) > MIN_WARNED_CHANGE * standard
@@ -71,7 +71,7 @@ def _warnings(design: RackDesign, geometry: RackPairProportions) -> tuple[str, .
 def _thickness_warnings(geometry: RackPairProportions) -> tuple[str, ...]:
     """Return the warning of teeth that the given backlash makes thicker than nominal."""
     nominal, allowance = geometry.nominal, geometry.mesh.pinion.allowance
-    if allowance <= THICKER * nominal.pinion.module or allowance != geometry.mesh.rack.allowance:
+    if allowance <= MIN_WARNED_ALLOWANCE * nominal.pinion.module or allowance != geometry.mesh.rack.allowance:
         return ()
     tight_distance = nominal.mounting_distance - nominal.radial_backlash
     shift = nominal.pinion.shift + nominal.radial_backlash / nominal.pinion.module

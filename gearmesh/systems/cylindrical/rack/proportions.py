@@ -16,7 +16,7 @@ from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.defaults import straight_rounding
 from gearmesh.systems.cylindrical.cutting.cutter import sharp_shaper
 from gearmesh.systems.cylindrical.cutting.last_cut import LastCut
-from gearmesh.systems.cylindrical.design import PROFILES, CylindricalDesign
+from gearmesh.systems.cylindrical.design import BASIC_RACKS, CylindricalDesign
 from gearmesh.systems.cylindrical.geometry.allowances import made_allowance
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.systems.cylindrical.geometry.nominal import refuse_thin, teeth_of, wanted_backlash
@@ -81,7 +81,7 @@ def derived_values(design: RackDesign) -> dict[str, float]:
 
     Values are in the design's units. Raises DesignError for a mounting distance to which no profile shift belongs.
     """
-    rounding = PROFILES[design.profile][2]
+    rounding = BASIC_RACKS[design.profile][2]
     # addendum and height of the bar, then the profile shift, which the mounting distance requires
     defaults = bar_defaults(design)
     made = design.fill(defaults)
@@ -161,7 +161,7 @@ def bar_of(design: RackKeys) -> RackProportions:
 
 def bar_defaults(design: RackKeys) -> dict[str, float]:
     """Return addendum and height of the rack that the file leaves out, by dotted key."""
-    addendum, _, _ = PROFILES[design.profile]
+    addendum, _, _ = BASIC_RACKS[design.profile]
     depth = given_or(design.rack.addendum, addendum) + design.rack.dedendum
     return still_open(
         design, {f"{RACK_NAME}.addendum": addendum, f"{RACK_NAME}.height": (depth + BAR_MODULES) * design.given_module}
@@ -172,7 +172,7 @@ def bar_rounding(design: RackKeys, mesh: RackMesh) -> float:
     """Return the profile's radius of the rack's root fillets, in modules, limited by the room in its spaces."""
     own = mesh.pinion
     alpha, width = math.degrees(own.alpha), 0.5 * math.pi - mesh.rack.allowance / own.module
-    return straight_rounding(width, mesh.rack.dedendum, (alpha, alpha), PROFILES[design.profile][2])
+    return straight_rounding(width, mesh.rack.dedendum, (alpha, alpha), BASIC_RACKS[design.profile][2])
 
 
 def _shift(design: RackDesign) -> float:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from gearmesh.systems.common.defaults import unusual_defaults
 from gearmesh.systems.common.plain_sheet import plain_sheet
 from gearmesh.systems.common.symbol_table import tables_by_title
-from gearmesh.systems.cylindrical.design import PROFILES
+from gearmesh.systems.cylindrical.design import BASIC_RACKS
 from gearmesh.systems.cylindrical.geometry.allowances import made_allowance
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.systems.cylindrical.geometry.nominal import refuse_thin_allowance
@@ -64,7 +64,7 @@ def build(design: SingleRackDesign) -> GearTrain:
     if mesh.rack_thickness <= 0.0:
         refuse_thin_allowance(RACK_NAME, design.rack, mesh.rack_thickness)
     check_land(mesh)
-    room = PROFILES[design.profile][2], "the tool's tooth has no room for it"
+    room = BASIC_RACKS[design.profile][2], "the tool's tooth has no room for it"
     warnings = unusual_defaults(design, {f"{RACK_NAME}.tool_tip_radius": room})
     bar = rack_member(RACK_NAME, mesh.rack, mesh.pinion, design.rack)
     # the rack slides, and its teeth are repeated along it

@@ -107,7 +107,10 @@ class GearReader:
         return None
 
     def keys(self, module: float, alpha: float, beta: float) -> dict[str, Any]:
-        """Return the keys of the gear in a design with this module (mm), normal pressure angle and helix angle (deg)."""
+        """Return the keys of the gear in a design with this module (mm) and these normal angles (deg).
+
+        `alpha`, `beta`: normal pressure angle and helix angle.
+        """
         file, gear = self.file, self.gear
         keys: dict[str, Any] = {"teeth": self.teeth, "internal": self.internal}
         keys["face_width"] = self._face_width()

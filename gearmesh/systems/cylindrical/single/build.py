@@ -1,6 +1,6 @@
 """One cylindrical gear without a mating gear [ISO 21771].
 
-The fixed frame is the gear's own: its axis is z, the middle of the face is at z = 0, and a tooth is on +x, for external
+The fixed frame is the gear's own. Its axis is z, and the middle of the face is at z = 0. A tooth is on +x, for external
 and internal gears alike.
 """
 
@@ -14,7 +14,7 @@ from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.common.defaults import unusual_defaults
 from gearmesh.systems.cylindrical.build import gear_member, own_end, standard_rounding
 from gearmesh.systems.cylindrical.cutting.cutter import cut_addendum, other_cutters, trimming_warnings
-from gearmesh.systems.cylindrical.design import PROFILES
+from gearmesh.systems.cylindrical.design import BASIC_RACKS
 from gearmesh.systems.cylindrical.double_helical import double_helical_member, first_halves
 from gearmesh.systems.cylindrical.geometry.allowances import made_allowance
 from gearmesh.systems.cylindrical.geometry.nominal import ToothedGear, refuse_thin_allowance, teeth_of
@@ -48,7 +48,7 @@ def derived_values(design: SingleGearDesign) -> dict[str, float]:
     name = design.member_name
     defaults = still_open(design, {f"{name}.profile_shift": 0.0, f"{name}.tip_alteration": 0.0})
     gear = single_gear(design.fill(defaults))
-    defaults |= still_open(design, {f"{name}.addendum": cut_addendum(gear, PROFILES[design.profile][0])})
+    defaults |= still_open(design, {f"{name}.addendum": cut_addendum(gear, BASIC_RACKS[design.profile][0])})
     rounding = tool_rounding(single_gear(design.fill(defaults)))
     return defaults | still_open(design, {f"{name}.tool_tip_radius": rounding})
 
@@ -90,6 +90,6 @@ def _warnings(design: SingleGearDesign, gear: GearProportions) -> tuple[str, ...
     """Return the warnings of a design: adapted defaults, cutters."""
     standard = standard_rounding(gear)
     if gear.own.internal and gear.spec.tip_diameter is None:
-        standard[f"{gear.name}.addendum"] = (PROFILES[design.profile][0], own_end(gear.spec))
+        standard[f"{gear.name}.addendum"] = (BASIC_RACKS[design.profile][0], own_end(gear.spec))
     notes = (HALF_NOTE,) if design.double_helical else ()
     return (*unusual_defaults(design, standard), *other_cutters((gear,)), *trimming_warnings((gear,)), *notes)
