@@ -15,8 +15,16 @@ from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.figures import RESOLUTION, Content, Figures, at_resolution, figure
 from gearmesh.systems import system as systems
-from gearmesh.systems.common.plain_sheet import MASS, MID_FACE, TOOLS, mass_table, member_table, plain_sheet, tool_table
-from gearmesh.systems.common.symbol_table import FIRST, column_of, tables_of
+from gearmesh.systems.common.plain_sheet import (
+    MASS_TITLE,
+    MID_FACE_TITLE,
+    TOOLS_TITLE,
+    mass_table,
+    member_table,
+    plain_sheet,
+    tool_table,
+)
+from gearmesh.systems.common.symbol_table import FIRST_VALUE_COLUMN, column_of, tables_of
 from gearmesh.systems.system import MissingValue, Setting, SheetTable
 
 #: what counts as 0 in a row without unit
@@ -217,7 +225,9 @@ def sheet_of(gears: GearSet, torque: float | None = None, speed: float | None = 
     sheet = (known.sheet or plain_sheet)(gears.design, gears.train)
     # planets, which are numbered, are made alike
     members = {gears.design.table_named(name): member for name, member in gears.train.members.items()}
-    common = tables_of((TOOLS, lambda: tool_table(members)), (MASS, lambda: mass_table(gears.design, members)))
+    common = tables_of(
+        (TOOLS_TITLE, lambda: tool_table(members)), (MASS_TITLE, lambda: mass_table(gears.design, members))
+    )
     tables = (*sheet.tables, *common)
     if speed is not None and torque is None:
         raise ArgumentError("speed", speed, reason="needs a torque")
@@ -241,11 +251,11 @@ def member_sheet_of(gears: GearSet, name: str) -> DesignSheet:
     of_member = _columns_of(gears, name) if own is None else own(gears.design, name)
     own_members = {name: part.member}
     common = tables_of(
-        (MID_FACE, lambda: member_table(part.member)),
-        (TOOLS, lambda: tool_table(own_members)),
-        (MASS, lambda: mass_table(gears.design, own_members)),
+        (MID_FACE_TITLE, lambda: member_table(part.member)),
+        (TOOLS_TITLE, lambda: tool_table(own_members)),
+        (MASS_TITLE, lambda: mass_table(gears.design, own_members)),
     )
-    tables = (*(table for table in of_member if table.title != MID_FACE), *common)
+    tables = (*(table for table in of_member if table.title != MID_FACE_TITLE), *common)
     left_out = f"{name}: one member alone: its sheet has no axes, ratio, backlash, contact ratios or forces"
     return DesignSheet(gears.design, tables, {}, (*gears.warnings, *part.warnings, left_out))
 
@@ -270,7 +280,7 @@ def _own_column(table: SheetTable, column: int, name: str) -> SheetTable:
     own = column_of(table, column)
     reasons = {value.symbol for value in own.missing}
     symbols = own.symbols or ("",) * len(own.rows)
-    kept = [k for k, row in enumerate(own.rows) if row[FIRST] is not None or symbols[k] in reasons]
+    kept = [k for k, row in enumerate(own.rows) if row[FIRST_VALUE_COLUMN] is not None or symbols[k] in reasons]
     rows = tuple(own.rows[k] for k in kept)
     missing = tuple(replace(value, column=name) for value in own.missing)
     return SheetTable(own.title, (name,), rows, tuple(symbols[k] for k in kept) if own.symbols else (), missing)

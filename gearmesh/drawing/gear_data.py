@@ -16,7 +16,7 @@ from gearmesh.design.core import STEEL_DENSITY_KG_PER_M3, Design
 from gearmesh.design.keys import Key, Table
 from gearmesh.drawing.facts import DataRow, Facts, number
 from gearmesh.systems import system as systems
-from gearmesh.systems.common.plain_sheet import MASS
+from gearmesh.systems.common.plain_sheet import MASS_TITLE
 from gearmesh.systems.system import DrawnRows, SheetTable
 from gearmesh.teeth.blank.body import end_names
 from gearmesh.teeth.blank.end_edge import SHARP_ENDS
@@ -180,7 +180,7 @@ def _everything(tables: Iterable[SheetTable], name: str) -> list[DataRow]:
     """Return all rows about a member, and about its pairs in tables with a column for the member."""
     return [
         _row(*cell)
-        for cell in _cells([table for table in tables if table.columns != ("",) and table.title != MASS], name)
+        for cell in _cells([table for table in tables if table.columns != ("",) and table.title != MASS_TITLE], name)
         if cell[1] != "volume"
     ]
 

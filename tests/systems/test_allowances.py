@@ -40,9 +40,11 @@ def test_tables_of_din_3967_have_its_example_its_ends_and_its_preferred_steps() 
     assert [din3967.allowances(f"h{n}", d)[1] for n, d in ((21, 5.0), (30, 9000.0))] == pytest.approx([-0.003, -2.4])
     # from series to series by the factor 1.6, rounded to preferred numbers
     for lower, higher in zip(range(21, 30), range(22, 31), strict=True):
-        ratios = [b / a for a, b in zip(din3967.TOLERANCES[lower], din3967.TOLERANCES[higher], strict=True)]
+        ratios = [
+            b / a for a, b in zip(din3967.TOLERANCE_SERIES_UM[lower], din3967.TOLERANCE_SERIES_UM[higher], strict=True)
+        ]
         assert all(1.19 < ratio < 1.70 for ratio in ratios), (lower, ratios)
-    for row in zip(*din3967.ALLOWANCES.values(), strict=True):
+    for row in zip(*din3967.UPPER_ALLOWANCES_UM.values(), strict=True):
         assert list(row) == sorted(row)
 
 
@@ -51,10 +53,10 @@ def test_standard_tolerances_follow_the_formula_of_iso_286() -> None:
     """i = 0.45 D^(1/3) + 0.001 D (um, mm) of a range, times 7, 10 ... 160, before the standard rounds."""
     factors = {5: 7, 6: 10, 7: 16, 8: 25, 9: 40, 10: 64, 11: 100, 12: 160}
     for grade, factor in factors.items():
-        for k, (low, high) in enumerate(zip(iso286.SIZES, iso286.SIZES[1:], strict=False), 1):
+        for k, (low, high) in enumerate(zip(iso286.SIZE_LIMITS_MM, iso286.SIZE_LIMITS_MM[1:], strict=False), 1):
             middle = math.sqrt(low * high)
             unit = 0.45 * middle ** (1 / 3) + 0.001 * middle if high <= 500 else 0.004 * middle + 2.1
-            assert iso286.STANDARD_TOLERANCES[grade][k] == pytest.approx(factor * unit, rel=0.08, abs=1.0)
+            assert iso286.STANDARD_TOLERANCES_UM[grade][k] == pytest.approx(factor * unit, rel=0.08, abs=1.0)
     assert iso286.deviations("js7", 51.5) == iso286.Deviations(0.015, -0.015)
     assert iso286.deviations("h8", 40.0) == iso286.Deviations(0.0, -0.039)
     assert iso286.deviations("H8", 40.0) == iso286.Deviations(0.039, 0.0)

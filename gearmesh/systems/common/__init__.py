@@ -1,1 +1,1 @@
-"""What gear systems share."""
+"""Parts that several gear systems share."""

@@ -9,9 +9,10 @@ from gearmesh.systems.common.bounds import at_most
 
 
 def thin(half: float, backlash: float, share: float, alpha: float, whose: str = "") -> float:
-    """Half a rack tooth's or space's width (mm) less the share of the normal `backlash` (mm) by which this flank is set back.
+    """Return half a width (mm) of a rack's tooth or space, reduced by a share of the normal `backlash` (mm).
 
-    `alpha`: pressure angle, rad. Raises DesignError, naming the limit, where nothing is left.
+    This flank is set back by the share. `alpha`: pressure angle, rad. Raises DesignError, naming the limit, if nothing
+    is left.
     """
     left = half - share * backlash / np.cos(alpha)
     if left <= 0.0:

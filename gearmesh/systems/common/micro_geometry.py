@@ -1,4 +1,4 @@
-"""From what a design says of a member's flanks to teeth that have it."""
+"""Modifications of a member's flanks: from the tables of a design to modified teeth."""
 
 from __future__ import annotations
 
@@ -28,40 +28,41 @@ from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide
 
-#: points, across and along a flank, at which that is proved
-SAMPLES = 33
+#: points, across and along a flank, at which the slope of a modification is checked
+PROOF_SAMPLES = 33
 
 #: a key, its amount in mm, or its text, and the field that it asks for, which is proportional to an amount
 Asked = tuple[str, float | str, FlankField]
 
 
 def with_modifications(member: Member, spec: Modified, *, internal: bool = False) -> Member:
-    """The member with the flanks that its part `spec` of a design (in mm) asks for; itself, if that is none.
+    """Return the member with the flanks that its part `spec` of a design (in mm) asks for.
 
-    Raises DesignError naming key, value and what is allowed, and where flanks are no screw involutes.
+    A member without modifications is returned unchanged. Raises DesignError naming key, value and what is allowed, and
+    for flanks that are no screw involutes.
     """
     tooth, own = member.tooth, f"{member.name}.modifications"
     tables = {
         Side.RIGHT: {own: spec.modifications, f"{own}_right": spec.modifications_right},
         Side.LEFT: {own: spec.modifications, f"{own}_left": spec.modifications_left},
     }
-    if not any(table is not None for both in tables.values() for table in both.values()):
+    if not any(table is not None for side_tables in tables.values() for table in side_tables.values()):
         return member
     flanks = {side: true_flank(tooth, side, internal=internal) for side in tables}
-    right, left = (_side(tooth, side, both, flanks[side]) for side, both in tables.items())
-    first, second = flanks[Side.RIGHT].parameters
+    right, left = (_side(tooth, side, side_tables, flanks[side]) for side, side_tables in tables.items())
+    first_parameter, second_parameter = flanks[Side.RIGHT].parameters
     return replace(
         member,
         tooth=replace(tooth, right=right, left=left),
-        source_parameters=lambda p, v: {first: p, second: v},
+        source_parameters=lambda p, v: {first_parameter: p, second_parameter: v},
         tool_parameters=member.source_parameters,
     )
 
 
 def with_true_involutes(member: Member, *, internal: bool = False) -> Member:
-    """The member with its flanks as the screw involutes that they are, in closed form: a third of the time of a tool's envelope.
+    """Return the member with its flanks as screw involutes in closed form.
 
-    Raises DesignError where flanks are none.
+    They take a third of the time of a tool's envelope. Raises DesignError if the flanks are no screw involutes.
     """
     tooth = member.tooth
     right, left = (
@@ -77,6 +78,7 @@ def with_true_involutes(member: Member, *, internal: bool = False) -> Member:
 
 
 def _side(tooth: Tooth, which: Side, tables: dict[str, Modifications | None], true: TrueFlank) -> ToothSide:
+    """Return one side of the tooth with the modifications that its tables ask for."""
     asked = [entry for name, table in tables.items() if table is not None for entry in _fields(name, table, true)]
     for key, value, field in asked:
         _prove(key, value, field, true.extent)
@@ -85,7 +87,7 @@ def _side(tooth: Tooth, which: Side, tables: dict[str, Modifications | None], tr
 
 
 def _fields(name: str, table: Modifications, true: TrueFlank) -> Iterator[Asked]:
-    """What a table, called `name`, asks for."""
+    """Yield the modifications that a table, called `name`, asks for."""
     e = true.extent
     for key, make in (
         ("profile_crowning", fields.profile_crowning),
@@ -118,6 +120,7 @@ def _fields(name: str, table: Modifications, true: TrueFlank) -> Iterator[Asked]
 
 
 def _profile_relief(key: str, table: ProfileRelief, true: TrueFlank, end: ProfileEnd) -> Asked:
+    """Return the relief of tip or root, from its start to the end of the flank."""
     e = true.extent
     low, high = sorted((e.root, e.tip))
     name, given = table.start
@@ -139,12 +142,14 @@ def _profile_relief(key: str, table: ProfileRelief, true: TrueFlank, end: Profil
 
 
 def _end_relief(key: str, table: EndRelief, e: Extent, end: FaceEnd) -> Asked:
+    """Return the relief of an end of the face."""
     _check_length(key, table.length, e)
     field = fields.end_relief(table.amount, table.length, e, end, _shape(table.shape))
     return f"{key}.amount", float(table.amount), field
 
 
 def _triangular(key: str, table: TriangularRelief, true: TrueFlank, end: ProfileEnd) -> Asked:
+    """Return the triangular relief of a corner between an end of the face and tip or root."""
     _check_length(key, table.length, true.extent)
     if abs(true.lean) < 1e-9:
         raise DesignError(key, reason="contact lines of spur gears have no such corner; allowed on helical teeth only")
@@ -153,16 +158,19 @@ def _triangular(key: str, table: TriangularRelief, true: TrueFlank, end: Profile
 
 
 def _check_length(key: str, length: float, e: Extent) -> None:
+    """Refuse a length not below the face width."""
     width = abs(e.heel - e.toe)
     if length >= width:
         raise DesignError(f"{key}.length", length, unit="mm", allowed=f"less than the face width, {width:g} mm")
 
 
 def _shape(name: str) -> fields.Shape:
+    """Return the shape of this name."""
     return next(shape for shape in fields.RELIEF_SHAPES if shape == name)
 
 
 def _topography(key: str, grid: TopographyGrid, true: TrueFlank) -> FlankField:
+    """Return the modification of a topography file."""
     name = "diameter" if grid.diameters else "roll_length"
     place = true.places.get(name)
     if place is None:
@@ -178,8 +186,8 @@ def _topography(key: str, grid: TopographyGrid, true: TrueFlank) -> FlankField:
 
 
 def _prove(key: str, value: float | str, field: FlankField, e: Extent) -> None:
-    """Refuse a field too steep to be micro-geometry: the flank would bend back."""
-    length, z = np.meshgrid(np.linspace(e.root, e.tip, SAMPLES), np.linspace(e.toe, e.heel, SAMPLES))
+    """Refuse a modification so steep that the flank would bend back."""
+    length, z = np.meshgrid(np.linspace(e.root, e.tip, PROOF_SAMPLES), np.linspace(e.toe, e.heel, PROOF_SAMPLES))
     jet = field.jet(length, z)
     steepest = float(max(np.abs(jet.a_l).max(), np.abs(jet.a_z).max()))
     if steepest <= MAX_AMOUNT_SLOPE:

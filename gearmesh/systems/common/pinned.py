@@ -1,11 +1,11 @@
-"""Values of keys that a design does not set and that its build chose, read off what was built: what pins a design."""
+"""Values that a design leaves to its build, taken from the built members: they pin the design."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
 from gearmesh.design.core import STEEL_DENSITY_KG_PER_M3, BrokenEdges, MemberBody
-from gearmesh.systems.common.tooth_edges import ANGLE, end_widths
+from gearmesh.systems.common.tooth_edges import DEFAULT_END_CHAMFER_ANGLE_DEG, end_widths
 from gearmesh.teeth.region import Region
 
 if TYPE_CHECKING:
@@ -17,13 +17,13 @@ Values = dict[str, Any]
 
 
 def body_values(design: Design, train: GearTrain) -> Values:
-    """Bores, keyways, webs and holes of the members as they are built, and the density, of a complete design in mm."""
+    """Return density, bores, keyways, webs and holes of the members as built, for a complete design in mm."""
     values_given: Values = {"material.density": design.material.density or STEEL_DENSITY_KG_PER_M3}
     for name, member in train.members.items():
         table = name.rstrip("0123456789").removesuffix("_")
         spec = getattr(design, table)
         if isinstance(spec, BrokenEdges) and any(end_widths(spec)):
-            values_given[f"{table}.end_chamfer_angle"] = spec.end_chamfer_angle or ANGLE
+            values_given[f"{table}.end_chamfer_angle"] = spec.end_chamfer_angle or DEFAULT_END_CHAMFER_ANGLE_DEG
         if isinstance(spec, MemberBody):
             values_given |= {f"{table}.{key}": value for key, value in _of_body(spec, member).items()}
             pair = next((pair for pair in train.pairs if name in pair.members), None)
@@ -32,7 +32,7 @@ def body_values(design: Design, train: GearTrain) -> Values:
 
 
 def _of_mount(mount: MemberMount, table: str, pair: GearPair | None, name: str) -> Values:
-    """How a member is held: where its body is, and, in a pair, the position of its elastic mount."""
+    """Return the values of a member's mount: the place of its body and, in a pair, of its elastic mount."""
     values: Values = {f"{table}.mount.held": mount.held}
     if pair is not None and mount.stiffness is not None and mount.z is None:
         values[f"{table}.mount.z"] = pair.middle(pair.members[name])
@@ -40,6 +40,7 @@ def _of_mount(mount: MemberMount, table: str, pair: GearPair | None, name: str) 
 
 
 def _of_body(spec: MemberBody, member: Member) -> Values:
+    """Return the values of a member's body."""
     body, values = member.plain_body, Values()
     if Region.BORE in body.bands:
         values["bore"] = 2.0 * body.bore_radius

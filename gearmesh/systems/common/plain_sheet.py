@@ -1,4 +1,4 @@
-"""The sheet of any gear system: keys that were derived, what the middle of the face says of the members, how their axes lie."""
+"""Tables of the sheet of any gear system: derived keys, members at mid face, tools, axes."""
 
 from __future__ import annotations
 
@@ -17,37 +17,45 @@ from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
 from gearmesh.teeth.region import Region, Side
 from gearmesh.tools.description import ToolDescription
 
-#: titles of the tables of masses, of sections in the middle of the face, of tools, of axes
-MASS, MID_FACE, TOOLS, AXES = "Mass and inertia", "Members at mid face", "Tools", "Axes"
+#: title of the table of masses
+MASS_TITLE = "Mass and inertia"
+#: title of the table of the sections at mid face
+MID_FACE_TITLE = "Members at mid face"
+#: title of the table of tools
+TOOLS_TITLE = "Tools"
+#: title of the table of axes
+AXES_TITLE = "Axes"
 
 
 def plain_sheet(design: Design, train: GearTrain) -> Sheet:
-    """What the geometry of any gear system says: keys that were derived, diameters of the members, axes of the pairs."""
+    """Return the tables of any gear system: derived keys, diameters of the members, axes of the pairs."""
     derived = tuple((key, "", value) for key, value in design.in_mm().derived_keys())
     return Sheet((SheetTable("Derived keys (lengths in mm)", ("",), derived), *_common_tables(train)), {})
 
 
 def _common_tables(train: GearTrain) -> tuple[SheetTable, ...]:
-    """The sections of all members, and how the axes of all pairs lie."""
+    """Return the tables of the sections of all members and of the axes of all pairs."""
     pairs = tuple(f"{p.pinion.name} and {p.gear.name}" for p in train.pairs)
     return tables_of(
         (
-            MID_FACE,
+            MID_FACE_TITLE,
             lambda: SheetTable(
-                MID_FACE, tuple(train.members), _beside([_at_mid_face(member) for member in train.members.values()])
+                MID_FACE_TITLE,
+                tuple(train.members),
+                _beside([_at_mid_face(member) for member in train.members.values()]),
             ),
         ),
-        (AXES, lambda: SheetTable(AXES, pairs, _beside([_axes(pair) for pair in train.pairs]))),
+        (AXES_TITLE, lambda: SheetTable(AXES_TITLE, pairs, _beside([_axes(pair) for pair in train.pairs]))),
     )
 
 
 def member_table(member: Member) -> SheetTable:
-    """What the middle of the face says of one member."""
-    return SheetTable(MID_FACE, (member.name,), _beside([_at_mid_face(member)]))
+    """Return the table of the section of one member at mid face."""
+    return SheetTable(MID_FACE_TITLE, (member.name,), _beside([_at_mid_face(member)]))
 
 
 def mass_table(design: Design, members: Mapping[str, Member]) -> SheetTable:
-    """Mass, centre of gravity and inertia of members, in their own frames."""
+    """Return the table of mass, centre of gravity and inertia of members, in their own frames."""
     given = design.material.density
     density = STEEL_DENSITY_KG_PER_M3 if given is None else given
     moments = [member_moments(member) for member in members.values()]
@@ -68,18 +76,18 @@ def mass_table(design: Design, members: Mapping[str, Member]) -> SheetTable:
             for k, axis in enumerate("xyz")
         ),
     ]
-    return table(MASS, tuple(members), rows)
+    return table(MASS_TITLE, tuple(members), rows)
 
 
 def tool_table(members: Mapping[str, Member]) -> SheetTable:
-    """What makes the flanks of members, one column for both flanks of one where their tools are alike."""
+    """Return the table of the tools of members, with one column for both flanks if their tools are equal."""
     columns: dict[str, ToolDescription] = {}
     for name, member in members.items():
         right, left = (member.one_tooth.side(side).tool for side in Side)
-        alike = (right.name, right.dimensions) == (left.name, left.dimensions)
+        equal = (right.name, right.dimensions) == (left.name, left.dimensions)
         columns |= (
             {name: right}
-            if alike
+            if equal
             else {f"{name}, {side}": tool for side, tool in zip(Side, (right, left), strict=True)}
         )
     tools = [*columns.values()]
@@ -87,17 +95,17 @@ def tool_table(members: Mapping[str, Member]) -> SheetTable:
     for symbol, words, unit in dict.fromkeys((d.symbol, d.name, d.unit) for tool in tools for d in tool.dimensions):
         of = [{d.name: d.value for d in tool.dimensions if d.symbol == symbol} for tool in tools]
         rows.append((symbol, words, unit or "-", tuple(values.get(words) for values in of)))
-    return table(TOOLS, tuple(columns), rows)
+    return table(TOOLS_TITLE, tuple(columns), rows)
 
 
 def _beside(parts: Sequence[Mapping[tuple[str, str], float | None]]) -> tuple[tuple[Any, ...], ...]:
-    """Rows of item, unit and the value of every part, None where a part has no such item."""
+    """Return rows of item, unit and the value of every part; None if a part has no such item."""
     items = dict.fromkeys(item for part in parts for item in part)
     return tuple((item, unit, *(part.get((item, unit)) for part in parts)) for item, unit in items)
 
 
 def _at_mid_face(member: Member) -> dict[tuple[str, str], float | None]:
-    """What the section in the middle of the face says of a member; None of the diameters of what slides."""
+    """Return the figures of a member's section at mid face; diameters are None for a member that slides."""
     tooth = member.one_tooth
     section = tooth.sections([0.5])
     ends = np.array([0.0, 1.0])
@@ -111,7 +119,7 @@ def _at_mid_face(member: Member) -> dict[tuple[str, str], float | None]:
         ("flank begins at diameter, right", "flank begins at z, right", at[Region.FLANK_RIGHT][:1]),
         ("flank begins at diameter, left", "flank begins at z, left", at[Region.FLANK_LEFT][1:]),
     )
-    # a face gear's section is a cylinder: all of it has one diameter
+    # the section of a face gear is on a cylinder and has one diameter
     on_cylinder = station_normal(tooth.blank.axial)[1] == 0.0
     diameters = {
         (words, "mm"): None if on_cylinder else tooth.joint.diameter(float(tooth.joint.radius(points).mean()))
@@ -141,12 +149,16 @@ def _rho(points: Array) -> Array:
 
 
 def _axes(pair: GearPair) -> dict[tuple[str, str], float]:
-    """How the axes of a pair lie."""
-    first, second = pair.mounts
-    apart, across = second.origin - first.origin, np.cross(first.axis, second.axis)
-    length = np.linalg.norm(across)
+    """Return ratio, shaft angle and distance of a pair's axes."""
+    pinion, gear = pair.mounts
+    offset, perpendicular = gear.origin - pinion.origin, np.cross(pinion.axis, gear.axis)
+    length = np.linalg.norm(perpendicular)
     parallel = bool(length < 1e-12)
-    distance = np.linalg.norm(apart - (apart @ first.axis) * first.axis) if parallel else abs(apart @ across) / length
+    distance = (
+        np.linalg.norm(offset - (offset @ pinion.axis) * pinion.axis)
+        if parallel
+        else abs(offset @ perpendicular) / length
+    )
     return {
         ("ratio", "-"): 1.0 / pair.ratio,
         ("shaft angle", "deg"): float(np.degrees(pair.shaft_angle)),

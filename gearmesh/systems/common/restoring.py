@@ -11,16 +11,19 @@ from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array
 
-#: error that counts as none, and the step of difference quotients, as part of values above 1
-RESTORED, STEP = 1e-10, 1e-5
+#: largest remaining error
+MAX_RESTORED_ERROR = 1e-10
+#: step of difference quotients, relative to values above 1
+DIFFERENCE_STEP = 1e-5
 
 
 def restoring(
     errors: Callable[[dict[str, float]], Array], values: Mapping[str, float], free: Sequence[str]
 ) -> dict[str, float]:
-    """Values by key of which those of the keys `free` make as many `errors` (of the values; dimensionless or rad) vanish.
+    """Return the values by key with which the `errors` vanish; only the values of the keys `free` are changed.
 
-    Newton with difference quotients from `values`: the contact itself is solved exactly at every trial. Raises NoSolutionError.
+    There are as many errors (dimensionless or rad) as free keys. Newton's method starts from `values` and uses
+    difference quotients. The contact itself is solved exactly at every trial. Raises NoSolutionError.
     """
     if not free:
         return dict(values)
@@ -31,11 +34,11 @@ def restoring(
     def residual(x: Array, _: NDArray[np.intp]) -> tuple[Array, Array]:
         at = x[0]
         f = errors(with_free(at))
-        steps = np.diag(STEP * np.maximum(1.0, np.abs(at)))
+        steps = np.diag(DIFFERENCE_STEP * np.maximum(1.0, np.abs(at)))
         columns = [(errors(with_free(at + step)) - f) / step.sum() for step in steps]
         return f[None], np.stack(columns, axis=-1)[None]
 
-    solution = newton.solve(residual, np.array([[values[key] for key in free]]), tolerance=RESTORED)
+    solution = newton.solve(residual, np.array([[values[key] for key in free]]), tolerance=MAX_RESTORED_ERROR)
     if not solution.converged[0]:
         raise NoSolutionError(
             reason=f"no value of {' and '.join(free)} restores the contact", remedy="reduce the assembly errors"

@@ -9,7 +9,7 @@ from gearmesh.systems.common.symbol_table import Row
 
 
 def running_rows(torques: Sequence[float], speeds: Sequence[float] | None) -> list[Row]:
-    """Torques (Nm), speeds (1/min) and what they make of power; torques alone where there are no `speeds`."""
+    """Return the rows of torques (Nm), speeds (1/min) and powers; only torques if there are no `speeds`."""
     rows: list[Row] = [("T", "torque", "Nm", tuple(torques))]
     if speeds is None:
         return rows

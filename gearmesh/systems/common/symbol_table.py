@@ -1,6 +1,6 @@
-"""Rows of symbol, words, unit and values as tables of a sheet; what cannot be had is a dash with its reason.
+"""Rows of symbol, words, unit and values as tables of a sheet; a missing value is a dash with its reason.
 
-No refusal of one value, row or table brings down the sheet: values go through `attempt`, tables through `tables_of`.
+A refused value, row or table does not prevent the sheet: values go through `attempt`, tables through `tables_of`.
 """
 
 from __future__ import annotations
@@ -14,17 +14,17 @@ from typing import TypeAlias, TypeVar
 from gearmesh.errors import GearmeshError
 from gearmesh.systems.system import MissingValue, SheetTable
 
-T = TypeVar("T")
+ValueT = TypeVar("T")
 
-#: where the values of a row of a table begin, after item and unit
-FIRST = 2
-#: decimals of every value: what is less is rounding
-DECIMALS = 9
+#: position of the first value in a row of a table, after item and unit
+FIRST_VALUE_COLUMN = 2
+#: decimals of every value: smaller parts are rounding
+VALUE_DECIMALS = 9
 
 
 @dataclass(frozen=True)
 class Missing:
-    """A value that a row cannot have, and the `reason`."""
+    """A value that a row does not have, and the `reason`."""
 
     reason: str
 
@@ -37,29 +37,32 @@ Row: TypeAlias = "tuple[str, str, str, Values]"
 Part: TypeAlias = "tuple[str, Callable[[], SheetTable | Iterable[SheetTable]]]"
 
 
-def attempt(value: Callable[[], T]) -> T | Missing:
-    """A value, or why it cannot be had: the reason of its refusal."""
+def attempt(value: Callable[[], ValueT]) -> ValueT | Missing:
+    """Return a value, or the reason why it is refused."""
     try:
         return value()
     except GearmeshError as refusal:
         return Missing(refusal.reason or str(refusal))
 
 
-def values_of(given: Iterable[T | Missing | None], value: Callable[[T], float | int | str | Missing | None]) -> Values:
-    """A value of every item given; what is missing stays so, and None is none."""
+def values_of(
+    given: Iterable[ValueT | Missing | None], value: Callable[[ValueT], float | int | str | Missing | None]
+) -> Values:
+    """Return a value for every given item; missing items stay missing, and None stays None."""
     return tuple(_of(item, value) for item in given)
 
 
 def _of(
-    item: T | Missing | None, value: Callable[[T], float | int | str | Missing | None]
+    item: ValueT | Missing | None, value: Callable[[ValueT], float | int | str | Missing | None]
 ) -> float | int | str | Missing | None:
+    """Return the value of an item, or the item itself if it is missing or None."""
     if item is None or isinstance(item, Missing):
         return item
     return attempt(lambda: value(item))
 
 
 def table(title: str, columns: tuple[str, ...], rows: Iterable[Row]) -> SheetTable:
-    """A table of rows of symbol, words, unit and values."""
+    """Return a table from rows of symbol, words, unit and values."""
     rows = tuple(rows)
     return SheetTable(
         title,
@@ -76,12 +79,12 @@ def table(title: str, columns: tuple[str, ...], rows: Iterable[Row]) -> SheetTab
 
 
 def column_of(of: SheetTable, column: int) -> SheetTable:
-    """A table with one of its columns alone, by number; an empty table stays."""
+    """Return a table with only one of its columns, by number; an empty table is unchanged."""
     if not of.columns:
         return of
     name = of.columns[column]
-    rows = tuple((*row[:FIRST], row[FIRST + column]) for row in of.rows)
-    # columns of one name are of one member
+    rows = tuple((*row[:FIRST_VALUE_COLUMN], row[FIRST_VALUE_COLUMN + column]) for row in of.rows)
+    # columns of the same name belong to one member
     return replace(of, columns=(name,), rows=rows, missing=tuple(_once(m for m in of.missing if m.column == name)))
 
 
@@ -90,12 +93,15 @@ def _once(missing: Iterable[MissingValue]) -> Iterable[MissingValue]:
 
 
 def tables_of(*parts: Part) -> tuple[SheetTable, ...]:
-    """The tables of a sheet, part by part; in place of a part that cannot be had an empty table of its title, with the reason."""
+    """Return the tables of a sheet, part by part.
+
+    A refused part is replaced by an empty table of its title, with the reason.
+    """
     return tuple(table_of_part for part in parts for table_of_part in _part_tables(*part))
 
 
 def tables_by_title(parts: Mapping[str, tuple[tuple[str, ...], Callable[[], Iterable[Row]]]]) -> tuple[SheetTable, ...]:
-    """Tables by title, columns and the call that makes their rows, each as far as it can be had."""
+    """Return tables by title, columns and the call that makes their rows, each as far as it is not refused."""
     return tables_of(*((title, partial(_table_of, title, *part)) for title, part in parts.items()))
 
 
@@ -104,6 +110,7 @@ def _table_of(title: str, columns: tuple[str, ...], rows: Callable[[], Iterable[
 
 
 def _part_tables(title: str, make: Callable[[], SheetTable | Iterable[SheetTable]]) -> Iterator[SheetTable]:
+    """Yield the tables of a part, or an empty table with the reason of its refusal."""
     made = attempt(lambda: _table_list(make()))
     yield from (
         [SheetTable(title, (), (), (), (MissingValue("", "", made.reason),))] if isinstance(made, Missing) else made
@@ -115,9 +122,9 @@ def _table_list(made: SheetTable | Iterable[SheetTable]) -> list[SheetTable]:
 
 
 def _clean(value: float | int | str | Missing | None) -> float | int | str | None:
-    """A value without what is nothing but rounding; None for what is missing or not a number."""
+    """Return a value without rounding errors; None if it is missing or not a number."""
     if isinstance(value, Missing):
         return None
     if not isinstance(value, float):
         return value
-    return round(value, DECIMALS) + 0.0 if math.isfinite(value) else None
+    return round(value, VALUE_DECIMALS) + 0.0 if math.isfinite(value) else None

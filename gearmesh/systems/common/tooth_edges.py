@@ -1,4 +1,4 @@
-"""Broken edges that parts of designs ask for, and the refusal of those for which a tooth has no room."""
+"""Broken edges of teeth, and the refusal of edges for which a tooth has no room."""
 
 from __future__ import annotations
 
@@ -26,25 +26,25 @@ from gearmesh.teeth.tooth import Tooth
 if TYPE_CHECKING:
     from gearmesh.design.core import BrokenEdges
 
-#: angle (deg) of the chamfers of end faces to these, where it is not given
-ANGLE = 45.0
+#: default angle of the chamfers to the end faces
+DEFAULT_END_CHAMFER_ANGLE_DEG = 45.0
 #: halvings to the largest share that fits, of which messages show six digits
-HALVINGS = 24
-#: proofs at most of a tip edge of the largest size that fits at the stations that were looked at
-MOST_PROOFS = 3
+BISECTION_STEPS = 24
+#: largest number of proofs of a tip edge of the largest size that fits at the known stations
+MAX_EDGE_PROOFS = 3
 
 
 def tip_edge(spec: BrokenEdges, joint: Joint = REVOLUTE_JOINT) -> TipEdge | None:
-    """The broken tip edge that a part of a design asks for."""
+    """Return the broken tip edge that a part of a design asks for; None if it asks for none."""
     if spec.tip_chamfer:
         return TipEdge(spec.tip_chamfer, joint=joint)
     return TipEdge(spec.tip_rounding, rounded=True, joint=joint) if spec.tip_rounding else None
 
 
 def with_tip_edge(name: str, tooth: Tooth, spec: BrokenEdges) -> Tooth:
-    """The proved tooth of a member with the tip edge that its part `spec` of a design asks for.
+    """Return the proved tooth of a member with the tip edge that its part `spec` of a design asks for.
 
-    Raises DesignError naming the key, its value and the largest that fits.
+    Raises DesignError naming the key, its value and the largest value that fits.
     """
     edge = tip_edge(spec, tooth.joint)
     if edge is None:
@@ -59,28 +59,30 @@ def with_tip_edge(name: str, tooth: Tooth, spec: BrokenEdges) -> Tooth:
 
 
 def end_widths(spec: BrokenEdges) -> tuple[float | None, float | None]:
-    """Widths of the chamfers at toe and heel that a part of a design asks for, None where there is none."""
+    """Return the widths of the chamfers at toe and heel; None without a chamfer."""
     toe, heel = (spec.end_chamfer if own is None else own for own in (spec.end_chamfer_toe, spec.end_chamfer_heel))
     return toe, heel
 
 
 def _end_radii(spec: BrokenEdges) -> tuple[float | None, float | None]:
-    """Radii of the roundings at toe and heel, None where there is none."""
+    """Return the radii of the roundings at toe and heel; None without a rounding."""
     toe, heel = (spec.end_rounding if own is None else own for own in (spec.end_rounding_toe, spec.end_rounding_heel))
     return toe, heel
 
 
 def with_end_chamfers(member: Member, spec: BrokenEdges) -> Member:
-    """A member with the chamfers or roundings of its end faces that its part `spec` of a design asks for (in mm). It is the last
-    step: modifications are of the whole face.
+    """Return a member with the chamfers or roundings of its end faces that its part `spec` (in mm) asks for.
 
-    Raises DesignError naming the key, its value and the largest that fits.
+    This is the last step, since modifications are defined on the whole face. Raises DesignError naming the key, its
+    value and the largest value that fits.
     """
     order = [(TOE_END, HEEL_END).index(name) for name in end_names(member.tooth.blank.axial)]
     widths, radii = ([both[end] for end in order] for both in (end_widths(spec), _end_radii(spec)))
     if not any((*widths, *radii)):
         return member
-    slope = np.tan(np.radians(ANGLE if spec.end_chamfer_angle is None else spec.end_chamfer_angle))
+    slope = np.tan(
+        np.radians(DEFAULT_END_CHAMFER_ANGLE_DEG if spec.end_chamfer_angle is None else spec.end_chamfer_angle)
+    )
 
     sharp = member.tooth.sharp_ends
 
@@ -96,14 +98,14 @@ def with_end_chamfers(member: Member, spec: BrokenEdges) -> Member:
         return first, last
 
     def fits_ends(*shares: float) -> bool:
-        """By samples of the sharp outline: they are the same for every share."""
+        """True if chamfers of these shares fit the sharp outline, which is the same for every share."""
         blank = sharp.blank.with_ends(chamfers((shares[0], shares[1])))
         return goes(lambda: _prove_ends(member, blank, lambda end, ch: sharp.sharp_outlines[end].inside(ch.width)))
 
     made = replace(member.tooth, blank=sharp.blank.with_ends(chamfers((1.0, 1.0))))
     if goes(lambda: _prove_ends(member, made.blank, lambda end, _: _outline_of(made, end))):
         return replace(member, tooth=made)
-    # toe first, whichever end of the teeth it is
+    # the end at fault, toe first, is the one whose edge does not fit even alone
     ends = [order.index(end) for end in (0, 1)]
     keys = dict(zip(ends, _end_keys(spec), strict=True))
     at_fault = next(
@@ -122,7 +124,7 @@ def with_end_chamfers(member: Member, spec: BrokenEdges) -> Member:
 
 
 def _end_keys(spec: BrokenEdges) -> tuple[str, str]:
-    """The keys that broken edges at toe and heel go by, empty where an end is sharp."""
+    """Return the keys that give the broken edges at toe and heel; empty where an end is sharp."""
     toe, heel = (
         next(
             (
@@ -139,15 +141,16 @@ def _end_keys(spec: BrokenEdges) -> tuple[str, str]:
 
 
 def _asks(spec: BrokenEdges, key: str, end: str) -> bool:
-    """Whether a key gives the broken edge of an end: one of both ends does where the end has none of its own."""
+    """True if a key gives the broken edge of an end; a key for both ends does so unless the end has its own."""
     own = f"{key}_{end}"
     return bool(getattr(spec, key)) and getattr(spec, own, None) is None
 
 
 def _prove_ends(member: Member, blank: Blank, outline: Callable[[int, EndChamfer], Array]) -> None:
-    """Raise TrimError where the chamfers of a member's blank have no room: in the face, on teeth or body, or beside holes.
+    """Raise TrimError if the chamfers of a member's blank have no room in the face, on teeth or body, or beside holes.
 
-    `outline` gives points (N, 3) of an end face's outline with its chamfer, and raises where the teeth have no room for it.
+    `outline` returns points (N, 3) of an end face's outline with its chamfer. It raises TrimError if the teeth have no
+    room for it.
     """
     toe, heel = blank.extent
     if (heel - toe) * np.subtract(*blank.faces[::-1]) <= 0.0:
@@ -170,14 +173,14 @@ def _prove_ends(member: Member, blank: Blank, outline: Callable[[int, EndChamfer
 
 
 def _outline_of(tooth: Tooth, end: int) -> Array:
-    """Points (N, 3) of the outline of an end face with a chamfer."""
+    """Return points (N, 3) of the outline of an end face with a chamfer."""
     strip = tooth.end_strips[end]
     assert strip is not None
     return strip.outline
 
 
 def edge_refusal(name: str, tooth: Tooth, failure: TrimError) -> DesignError | None:
-    """The refusal of a broken tip edge that is too large, None where that is not what made the trimming fail."""
+    """Return the refusal of a broken tip edge that is too large; None if trimming failed for another reason."""
     edge = tooth.tip_edge
     if edge is None or failure.what not in ("edge", "pointed") or not fits(replace(tooth, tip_edge=None), 1.0):
         return None
@@ -189,14 +192,15 @@ def edge_refusal(name: str, tooth: Tooth, failure: TrimError) -> DesignError | N
     def trims(most: float, at: Array, share: float) -> bool:
         return goes(lambda: tooth_of_share(share * most).sections(at))
 
+    # the largest size at some stations is proved over the whole face; the station of a failure is added
     stations, limit = np.union1d(stations_on(1.0), failure.station), 1.0
-    for _ in range(MOST_PROOFS):
+    for _ in range(MAX_EDGE_PROOFS):
         limit *= largest(partial(trims, limit, stations))
         try:
             tooth_of_share(limit).prove()
             break
         except TrimError as further:
-            # between the stations so far there is less room
+            # there is less room between the stations so far
             stations = np.union1d(stations, further.station)
     larger, most = "larger than the tooth's tip allows", f"at most {at_most(limit * size)} mm"
     return DesignError(f"{name}.{key}", size, unit="mm", reason=larger, allowed=most)
@@ -213,7 +217,7 @@ def stations_on(share: float) -> Array:
 
 
 def goes(trim: Callable[[], object]) -> bool:
-    """True if a tooth can be trimmed so."""
+    """True if `trim` does not fail."""
     try:
         trim()
     except TrimError:
@@ -222,7 +226,9 @@ def goes(trim: Callable[[], object]) -> bool:
 
 
 def largest(fits_share: Callable[[float], bool]) -> float:
-    """Largest share in [0, 1] that fits (0 where none does)."""
+    """Return the largest share in [0, 1] that fits (0 if none does)."""
     ends = np.zeros(1), np.ones(1)
-    most, _ = last_true(lambda shares, _: np.array([fits_share(float(s)) for s in shares]), *ends, rounds=HALVINGS)
+    most, _ = last_true(
+        lambda shares, _: np.array([fits_share(float(s)) for s in shares]), *ends, rounds=BISECTION_STEPS
+    )
     return float(most[0])

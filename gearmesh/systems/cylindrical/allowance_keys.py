@@ -113,11 +113,12 @@ class ThicknessAllowance(Table):
         >>> design = gm.load("samples/helical.toml", ["pinion.thickness_allowance=cd25"])
         >>> design.pinion.thickness_allowance.check_series("pinion.thickness_allowance", 124.2, 1.0)
         """
-        if diameter > din3967.DIAMETERS[-1]:
+        if diameter > din3967.DIAMETER_LIMITS_MM[-1]:
             raise conflict(
                 f"{table}.series",
                 self.series,
-                reason=f"DIN 3967 ends at a reference diameter of {din3967.DIAMETERS[-1]} mm, this one is {diameter:.7g} mm",
+                reason=f"DIN 3967 ends at a reference diameter of {din3967.DIAMETER_LIMITS_MM[-1]} mm, "
+                f"this one is {diameter:.7g} mm",
                 allowed="upper and lower instead",
             )
         for key, value in self.by_series(diameter).items():
@@ -199,7 +200,7 @@ class DiameterTolerance(Table):
         -0.039
         """
         if self.grade is not None:
-            return None if diameter > iso286.SIZES[-1] else iso286.deviations(self.grade, diameter)
+            return None if diameter > iso286.SIZE_LIMITS_MM[-1] else iso286.deviations(self.grade, diameter)
         assert self.upper is not None
         assert self.lower is not None
         return iso286.Deviations(self.upper, self.lower)
@@ -244,4 +245,4 @@ class CenterDistanceAllowance(Table):
         0.0175
         """
         given = self.center_distance_allowance
-        return None if given is None or distance > iso286.SIZES[-1] else iso286.deviations(given, distance)
+        return None if given is None or distance > iso286.SIZE_LIMITS_MM[-1] else iso286.deviations(given, distance)

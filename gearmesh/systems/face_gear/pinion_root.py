@@ -19,7 +19,7 @@ import numpy as np
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.common.axes import gear_base
-from gearmesh.systems.common.defaults import ROOM, straight_rounding, unusual_defaults
+from gearmesh.systems.common.defaults import ROOM_SHARE, straight_rounding, unusual_defaults
 from gearmesh.systems.face_gear.limits import ShapedGear
 
 if TYPE_CHECKING:
@@ -83,7 +83,7 @@ def clear_root(design: FaceGearDesign, shaped: ShapedGear, radii: tuple[float, f
     if np.isnan(radius):
         radius = straight_rounding(*_rack(design, depth), STANDARD_TIP_RADIUS_MODULES)
         if not clears(depth, radius):
-            radius = ROOM * _last(lambda at: clears(depth, at), 0.0, radius)
+            radius = ROOM_SHARE * _last(lambda at: clears(depth, at), 0.0, radius)
     return PinionRoot(float(depth), float(radius))
 
 
@@ -177,7 +177,7 @@ def _deepest(design: FaceGearDesign, radius: float) -> float:
     """Return the depth (modules) at which the rack's tip has room for a rounding."""
     width, _, (angle, _) = _rack(design, 0.0)
     alpha = np.radians(angle)
-    return float((0.5 * width - radius / ROOM * np.tan(0.25 * np.pi - 0.5 * alpha)) / np.tan(alpha))
+    return float((0.5 * width - radius / ROOM_SHARE * np.tan(0.25 * np.pi - 0.5 * alpha)) / np.tan(alpha))
 
 
 def _last(holds: Callable[[float], bool], good: float, bad: float) -> float:

@@ -28,7 +28,7 @@ from gearmesh.systems.common.backlash import thin
 from gearmesh.systems.common.bodies.tip_surface import with_tip_surface
 from gearmesh.systems.common.defaults import unusual_defaults
 from gearmesh.systems.common.micro_geometry import with_modifications
-from gearmesh.systems.common.racks.rack_member import ROOT, Roll, ToothMaking, member
+from gearmesh.systems.common.racks.rack_member import ROOT_PARAMETER, Roll, ToothMaking, member
 from gearmesh.systems.common.racks.rack_tooth import Heights, RackTooth, round_tips
 from gearmesh.systems.common.tooth_edges import with_end_chamfers
 from gearmesh.systems.parabolic_helical.worm_thread import grinding_worm, touching_range
@@ -158,7 +158,7 @@ def _bottom(design: ParabolicHelicalDesign, roll: Roll, racks: tuple[RackTooth, 
     right, left = (
         RackSurface(rack.rounding, roll.helix, roll.cone, side) for rack, side in zip(racks, (1, -1), strict=True)
     )
-    return Bottom(*disk.rim((right, left), ROOT, design.pinion.plunge_coefficient, vertex))
+    return Bottom(*disk.rim((right, left), ROOT_PARAMETER, design.pinion.plunge_coefficient, vertex))
 
 
 def _grind(design: ParabolicHelicalDesign, tool: Worm) -> Callable[[RackSurface], FeedEnvelope]:

@@ -16,7 +16,7 @@ from gearmesh.design.core import FlankContact, MemberTable, PairDesign, TurnedTi
 from gearmesh.design.keys import DERIVED_VALUE, Key, Table, conflict, given_or
 from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PairRunout
-from gearmesh.systems.common.defaults import ROOM, deepest
+from gearmesh.systems.common.defaults import ROOM_SHARE, deepest
 from gearmesh.systems.common.worm_keys import WormTool
 from gearmesh.systems.kinds import KINDS
 
@@ -357,7 +357,7 @@ class ParabolicHelicalDesign(PairDesign):
         flanks, m = self.rack_flanks(name), self.given_module
 
         def fits(depth: float) -> bool:
-            return has_room(flanks, depth * m, LEAST_RADIUS / ROOM * m)
+            return has_room(flanks, depth * m, LEAST_RADIUS / ROOM_SHARE * m)
 
         depth = member.dedendum
         if math.isnan(depth):
@@ -365,7 +365,7 @@ class ParabolicHelicalDesign(PairDesign):
         there = rounding_room(flanks, depth * m, TIP_RADIUS * m) / m
         return {
             f"{name}.dedendum": depth,
-            f"{name}.tool_tip_radius": TIP_RADIUS if there >= TIP_RADIUS else ROOM * there,
+            f"{name}.tool_tip_radius": TIP_RADIUS if there >= TIP_RADIUS else ROOM_SHARE * there,
         }
 
     def standards(self) -> dict[str, tuple[float, str]]:

@@ -31,7 +31,7 @@ from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.kernel.surface.levels import ConeLevel, PlaneLevel
 from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.systems.common.bodies.body import bore_radius
-from gearmesh.systems.common.racks.rack_member import ROOT
+from gearmesh.systems.common.racks.rack_member import ROOT_PARAMETER
 from gearmesh.systems.common.racks.rack_tooth import RackTooth
 from gearmesh.systems.system import ToolPart
 from gearmesh.teeth.blank.blank import Blank
@@ -164,13 +164,13 @@ def _side(worm: Worm, rack: RackTooth, clearance: float, side: int) -> ToothSide
     cutter = thread_rack(worm, rack.flank, side)
     tip_corner = None
     if rack.rounding.radius != 0.0:
-        tip_corner = TipCorner(thread_surface(worm, rack.rounding, side), rack.form_point, ROOT)
+        tip_corner = TipCorner(thread_surface(worm, rack.rounding, side), rack.form_point, ROOT_PARAMETER)
     thread, root = (thread_surface(worm, profile, side) for profile in (rack.flank, fillet))
     return ToothSide(
         thread,
         root,
         form_point=(rack.tip, angle),
-        root=ROOT,
+        root=ROOT_PARAMETER,
         tip=rack.form_point[0],
         tip_corner=tip_corner,
         tool=cutter.cutter(Opposite(fillet, 0.5 * np.pi * worm.module), radius, worm.radius),
@@ -224,7 +224,7 @@ def _singular(worm: Worm, racks: tuple[RackTooth, RackTooth]) -> Array:
     for rack in racks:
         for profile, span in (
             (rack.flank, (rack.form_point[0], rack.tip)),
-            (rack.rounding, (*rack.form_point[1:], ROOT)),
+            (rack.rounding, (*rack.form_point[1:], ROOT_PARAMETER)),
         ):
             points = limiting_line(thread_surface(worm, profile, 1), span, np.zeros(1)).on_surface
             radii.append(np.hypot(points[:, 0], points[:, 1]))

@@ -1,1 +1,1 @@
-"""Bodies of members: bore, keyway, hub, web and holes; tips that are turned."""
+"""Bodies of members: bore, keyway, hub, web, holes, and turned tips."""

@@ -1,4 +1,4 @@
-"""Bodies of members: disc and web, each checked against the room that there is; their features: `features`."""
+"""Bodies of members: disc and web, each checked against the available room. Their features are in `features`."""
 
 from __future__ import annotations
 
@@ -13,22 +13,25 @@ from gearmesh.teeth.blank.body import Body, Disc
 if TYPE_CHECKING:
     from gearmesh.design.core import GearBody, MemberTable, Web
 
-#: a bore that is not given is this part of what it may not reach
+#: default bore, as part of the size that it must not reach
 DEFAULT_BORE = 0.4
-#: thickness of a rim that is not given, in whole depths of the teeth: thinner ones weaken them (ISO 6336-3, rim thickness factor)
+#: default thickness of a rim, whole depths; thinner rims weaken the teeth (ISO 6336-3, rim thickness factor)
 RIM_DEPTHS = 1.2
-#: diameter of a web's hub that is not given, in bores, or in diameters of the rim where there is no bore
-HUB_BORES, HUB_RIMS = 1.6, 0.4
-#: least rim over what is cut into a body, in whole depths (thinner ones are to be avoided: ISO 6336-3, rim thickness factor)
+#: default diameter of a web's hub, in bores
+HUB_BORES = 1.6
+#: default diameter of a web's hub without a bore, in diameters of the rim
+HUB_RIMS = 0.4
+#: least rim over cut-outs of a body, whole depths (ISO 6336-3, rim thickness factor)
 LEAST_RIM = 0.5
-#: least wall between openings, or between them and bore, keyway or hub, in whole depths: thinner ones are lost in tolerances
+#: least wall beside openings, whole depths: thinner walls are lost in tolerances
 LEAST_WALL = 0.02
 
 
 def bore_radius(name: str, diameter: float | None, limit: float, what: str, smallest: float | None = None) -> float:
-    """Radius (mm) of the bore of a member, of which the design gives the `diameter` (mm) or nothing.
+    """Return the radius (mm) of a member's bore; `diameter` (mm) is the given value or None.
 
-    It must be below `limit` (mm), half of `what`; the default goes by `smallest`, or the limit. Raises DesignError.
+    The radius must be below `limit` (mm), half of `what`. The default is a part of `smallest`, or of the limit. Raises
+    DesignError.
     """
     radius = DEFAULT_BORE * (limit if smallest is None else smallest) if diameter is None else 0.5 * diameter
     if not radius < limit:
@@ -43,10 +46,13 @@ def bore_radius(name: str, diameter: float | None, limit: float, what: str, smal
 
 
 def disc_body(name: str, spec: MemberTable, bore: float, root: float, depth: float) -> Body:
-    """The body of a member between plane end faces, middle at z = 0: a disc with its bore, and a web where `spec` has one.
+    """Return the body of a member between plane end faces, its middle at z = 0: a disc with a bore and maybe a web.
 
-    `bore`, `root`: radius of the bore and smallest radius of the root, `depth`: of the teeth, mm. Raises DesignError naming
-    key, value and limit.
+    - bore: radius of the bore, mm.
+    - root: smallest radius of the root, mm.
+    - depth: whole depth of the teeth, mm.
+
+    Raises DesignError naming key, value and limit.
     """
     half, web = 0.5 * spec.face_width, spec.web
     if web is None:
@@ -57,16 +63,16 @@ def disc_body(name: str, spec: MemberTable, bore: float, root: float, depth: flo
 
 
 def recessed_body(name: str, spec: GearBody, web: Web | None, disk: Body, root: ConeLevel, depth: float) -> Body:
-    """A disk under teeth on a cone with a recess in its heel where there is to be a web, which goes on to the toe's face.
+    """Return a disk under teeth on a cone; a web is made by a recess in its heel and extends to the toe's face.
 
-    `root`: cone of the roots, `depth`: of the teeth, mm. Raises DesignError naming key, value and limit.
+    `root`: cone of the roots; `depth`: whole depth of the teeth, mm. Raises DesignError naming key, value and limit.
     """
     if web is None:
         return disk
     toe, heel = disk.profile[disk.bore_band][1], disk.profile[disk.bore_band + 1][1]
     _check_thickness(name, web, heel - toe, "the body")
     level, steep = toe + web.thickness, math.hypot(1.0, root.slope)
-    # the recess is nearest to the roots at its bottom
+    # the bottom of the recess is nearest to the roots
     rims = (
         min(float(root.at(level)) - depths * depth * steep, disk.profile[-1][0]) for depths in (RIM_DEPTHS, LEAST_RIM)
     )
@@ -77,7 +83,7 @@ def recessed_body(name: str, spec: GearBody, web: Web | None, disk: Body, root: 
 
 
 def _check_thickness(name: str, web: Web, room: float, what: str) -> None:
-    """Refuse a web as thick as what it is in (mm)."""
+    """Refuse a web as thick as the part that it is in (mm)."""
     if web.thickness >= room:
         raise DesignError(
             f"{name}.web.thickness", web.thickness, unit="mm", allowed=f"less than {what}, {at_most(room)} mm"
@@ -87,7 +93,10 @@ def _check_thickness(name: str, web: Web, room: float, what: str) -> None:
 def _web_radii(
     name: str, spec: GearBody, web: Web, limits: tuple[float, float, float], most: str = "the smallest root diameter"
 ) -> tuple[float, float]:
-    """Radii (mm) of a web's hub and rim; `limits`: radii of the bore, of a rim that is not given, what it may not reach, `most`."""
+    """Return the radii (mm) of a web's hub and rim.
+
+    `limits`: radii of the bore, of the default rim, and of `most`, which the rim must not reach.
+    """
     bore, default, root = limits
     rim = 2.0 * default if web.rim_diameter is None else web.rim_diameter
     hub = spec.hub.diameter if spec.hub else HUB_BORES * 2.0 * bore if bore > 0.0 else HUB_RIMS * rim

@@ -1,5 +1,7 @@
-"""Features of bodies as designs ask for them, each checked against the room that the body has: keyway, hubs, shafts, steps of the
-bore, holes, bolt holes, spokes."""
+"""Features of bodies, each checked against the available room.
+
+They are keyway, hubs, shafts, steps of the bore, holes, bolt holes and spokes.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,7 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.polylines import contains
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.systems.common.bodies.body import LEAST_RIM, LEAST_WALL, RIM_DEPTHS
-from gearmesh.systems.common.bodies.parallel_keys import LARGEST, SMALLEST, keyway_in_hub
+from gearmesh.systems.common.bodies.parallel_keys import MAX_BORE_MM, MIN_BORE_MM, keyway_in_hub
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.tooth_edges import largest
 from gearmesh.teeth.blank.body import Body, Disc, TurnedStep
@@ -31,36 +33,44 @@ from gearmesh.teeth.tooth import Tooth
 if TYPE_CHECKING:
     from gearmesh.design.core import BoltHoles, BoreSteps, Holes, Hub, Keyway, MemberBody, ShaftSteps, SpokeTable
 
-#: diameter of holes that are not given, as parts of the room and of the distance from one to the next
-HOLE_ROOM, HOLE_PITCH = 0.5, 0.6
-#: distance of the openings between spokes from the bounds of the room, and radius of their corners, where they are not given, as
-#: parts of the room and of their height
-SPOKE_MARGIN, SPOKE_CORNER = 0.1, 0.1
-#: points along the root line, and along each curve of an outline, where features are measured
-ALONG, ROUND = 33, 32
-#: share of a size by which lines are kept off the faces that they end on
-WALL = 1e-6
+#: default diameter of holes, as part of the room
+HOLE_ROOM = 0.5
+#: largest default diameter of holes, as part of their pitch
+HOLE_PITCH = 0.6
+#: default distance of the openings between spokes from the bounds of the room, as part of the room
+SPOKE_MARGIN = 0.1
+#: default radius of their corners, as part of their height
+SPOKE_CORNER = 0.1
+#: points along the root line and other lines on which features are measured
+LINE_POINTS = 33
+#: points along each curve of an outline
+CURVE_POINTS = 32
+#: part of a size by which lines are kept off the faces that they end on
+FACE_MARGIN = 1e-6
 
 
 @dataclass(frozen=True)
 class UnderTeeth:
-    """What is under the teeth of a member, or round those of an internal gear; lengths in mm.
+    """The part of a member under its teeth, or around the teeth of an internal gear; lengths in mm."""
 
-    `body`: with its web; `smallest`: its smallest radius under the teeth, of an internal gear its largest; `heel`: its radius on
-    the heel's face; `module`: what messages count rims by; `halves`: the rows of its teeth.
-    """
-
+    #: name of the member
     name: str
+    #: its tooth
     tooth: Tooth
+    #: its body, with the web
     body: Body
+    #: smallest radius of the body under the teeth; the largest for an internal gear
     smallest: float
+    #: radius of the body on the heel's face
     heel: float
+    #: module in which messages count rims
     module: float
+    #: rows of teeth
     halves: tuple[HalfGear, ...] = (HalfGear(),)
 
     @property
     def ends(self) -> tuple[float, float]:
-        """Radii of the end faces that hubs and shafts stand on at toe and heel."""
+        """Radii of the end faces for hubs and shafts at toe and heel."""
         web, bands = self.body.web, self.body.bands
         if web is None:
             return self.smallest, self.heel
@@ -68,7 +78,7 @@ class UnderTeeth:
 
     @property
     def flat(self) -> bool:
-        """Whether the teeth end on planes."""
+        """True if the teeth end on planes."""
         return station_normal(self.tooth.blank.axial)[0] == 0.0
 
     @cached_property
@@ -80,36 +90,42 @@ class UnderTeeth:
     @cached_property
     def depth(self) -> float:
         """Whole depth of the teeth at mid face, mm."""
-        tip, root = (self._line(region, self.halves[0])[ALONG // 2] for region in (Region.LAND, Region.ROOT))
+        tip, root = (self._line(region, self.halves[0])[LINE_POINTS // 2] for region in (Region.LAND, Region.ROOT))
         return float(np.linalg.norm(tip - root))
 
     @property
     def least_rim(self) -> float:
-        """Least rim over what is cut into the body, mm."""
+        """Least rim over cut-outs of the body, mm."""
         return LEAST_RIM * self.depth
 
     @property
     def wall(self) -> float:
-        """Least wall between openings and what is beside them, mm."""
+        """Least wall beside openings, mm."""
         return LEAST_WALL * self.depth
 
     def _line(self, region: Region, half: HalfGear) -> Array:
-        points = self.tooth.grid(region, np.array([0.5]), self.tooth.sections(np.linspace(0.0, 1.0, ALONG))).points[0]
+        """Return the line (N, 2), (rho, z), of a region in the middle of a tooth."""
+        points = self.tooth.grid(
+            region, np.array([0.5]), self.tooth.sections(np.linspace(0.0, 1.0, LINE_POINTS))
+        ).points[0]
         points = half.points(points)
         return np.stack((np.hypot(points[:, 0], points[:, 1]), points[:, 2]), axis=-1)
 
     def is_inside(self, body: Body, points: Array) -> bool:
-        """Whether points (N, 2), (rho, z), are all inside a body under the roots."""
+        """True if all points (N, 2), (rho, z), are inside a body under the roots."""
         return bool(contains(np.concatenate((body.profile, self.root)), points).all())
 
     def leaves(self, rim: float, radius: float, ends: tuple[float, float]) -> bool:
-        """Whether a feature that reaches up to a radius between two z leaves a rim, mm; of an internal gear, down to it."""
+        """True if a feature up to a radius (internal gear: down to it) between two z leaves a rim, mm."""
         points, root = _line((radius, ends[0]), (radius, ends[1])), self.root[np.argsort(self.root[:, 1])]
         over = np.interp(points[:, 1], root[:, 1], root[:, 0]) - points[:, 0]
         return bool((self.body.rise * over > 0.0).all() and _distances(points, self.root).min() >= rim)
 
     def farthest(self, rim: float, ends: tuple[float, float]) -> float:
-        """The radius (mm) up to which features between two z leave a rim, mm; of an internal gear, down to which."""
+        """Return the radius (mm) up to which features between two z leave a rim, mm.
+
+        For an internal gear features may extend down to this radius.
+        """
         start, end = (
             (self.body.profile[0][0], self.root[:, 0].min()) if self.body.around else (0.0, self.root[:, 0].max())
         )
@@ -118,8 +134,10 @@ class UnderTeeth:
         )
 
     def rim_fault(self, points: Array) -> str:
-        """What is wrong with a feature whose outline in the axial plane has points (N, 2), (rho, z): too thin a rim between it and
-        the roots. Empty where nothing is."""
+        """Return the fault of a feature that leaves too thin a rim to the roots; empty if there is none.
+
+        `points`: outline (N, 2), (rho, z), of the feature in the axial plane.
+        """
         left = float(_distances(points, self.root).min()) if self.is_inside(self.body.without_web, points) else 0.0
         if left >= self.least_rim:
             return ""
@@ -128,7 +146,7 @@ class UnderTeeth:
 
     @property
     def rim_words(self) -> str:
-        """The least rim, in words that go on after what leaves it."""
+        """Text about the least rim, to be appended to a bound."""
         modules = f"{self.least_rim / self.module:.3g} modules"
         return f"which leaves at least {at_least(self.least_rim)} mm of rim, {modules} or {LEAST_RIM:g} whole depths"
 
@@ -140,8 +158,12 @@ class UnderTeeth:
         ends: tuple[float, float],
         bound: Callable[[float], str],
     ) -> None:
-        """Refuse a feature that leaves less than the least rim between some radii and the roots, from one z to another, mm; `bound`
-        says of the farthest radius that a feature may have what the key may be."""
+        """Refuse a feature that leaves less than the least rim to the roots.
+
+        - radii: radii of the feature, mm.
+        - ends: z between which it extends, mm.
+        - bound: text of the key's bound for the farthest radius of a feature.
+        """
         fault = self.rim_fault(np.concatenate([_line((rho, ends[0]), (rho, ends[1])) for rho in radii]))
         if fault:
             allowed = f"{bound(self.farthest(self.least_rim, ends))}, {self.rim_words}"
@@ -149,7 +171,7 @@ class UnderTeeth:
 
 
 def body_features(spec: MemberBody, under: UnderTeeth) -> BodyFeatures:
-    """Features of the part `spec` of a design (in mm). Raises DesignError naming key, value and limit."""
+    """Return the features of the part `spec` of a design (in mm). Raises DesignError naming key, value and limit."""
     name, body, web = under.name, under.body, under.body.web
     keyway = _keyway(spec, under)
     bore = body.bore_radius
@@ -180,7 +202,7 @@ def body_features(spec: MemberBody, under: UnderTeeth) -> BodyFeatures:
 
 
 def ring_features(spec: MemberTable, under: UnderTeeth) -> BodyFeatures:
-    """Features of the rim of an internal gear, as `body_features`."""
+    """Return the features of the rim of an internal gear; see `body_features`."""
     outside = under.body.profile[0][0]
     sides = [
         _steps(under, key, steps, Region.RIM)
@@ -201,6 +223,7 @@ def ring_features(spec: MemberTable, under: UnderTeeth) -> BodyFeatures:
 
 
 def _check_ring_step(under: UnderTeeth, key: str, step: TurnedStep) -> None:
+    """Refuse a step of a ring's outside that leaves too thin a rim."""
     ends = under.body.ends
     under.check_rim(
         f"{key}.diameters", 2.0 * step.radius, (step.radius,), ends, lambda r: f"at least {at_least(2.0 * r)} mm"
@@ -208,6 +231,7 @@ def _check_ring_step(under: UnderTeeth, key: str, step: TurnedStep) -> None:
 
 
 def _keyway(spec: MemberBody, under: UnderTeeth) -> Slot | None:
+    """Return the keyway; None if the design has none."""
     name, body, web = under.name, under.body, under.body.web
     if spec.keyway is None:
         return None
@@ -219,7 +243,7 @@ def _keyway(spec: MemberBody, under: UnderTeeth) -> Slot | None:
             unit="mm",
             allowed=f"less than the bore, {at_most(2.0 * body.bore_radius)} mm",
         )
-    # to where its corners are
+    # the depth is limited at the corners of the keyway
     room = (under.smallest if web is None else web.inner) - under.wall
     limit = math.sqrt(max(room**2 - 0.25 * keyway.width**2, 0.0)) - body.bore_radius
     if keyway.depth >= limit:
@@ -233,14 +257,14 @@ def _keyway(spec: MemberBody, under: UnderTeeth) -> Slot | None:
 
 
 def _within(web: Disc | None) -> str:
-    """What a hub or keyway has to stay within."""
+    """Return the name of the part that bounds a hub or keyway."""
     return "root" if web is None else "hub of the web"
 
 
 def _boss(
     name: str, key: str, spec: Hub | None, bounds: tuple[float, float], web: Disc | None, inner: str
 ) -> Boss | None:
-    """A hub between two radii (mm), that of what is `inner`, bore or keyway, and that of its end face."""
+    """Return a hub between two radii (mm): of the bore or keyway, called `inner`, and of its end face."""
     if spec is None:
         return None
     low, high = 2.0 * bounds[0], 2.0 * bounds[1]
@@ -257,8 +281,10 @@ def _boss(
 def _shaft(
     name: str, key: str, spec: ShaftSteps | None, bounds: tuple[float, float | None], inner: str
 ) -> tuple[TurnedStep, ...]:
-    """Steps of a shaft; `bounds`: radius of what is `inner`, bore or keyway, and of the end face that it is on, None of one on a
-    hub, mm."""
+    """Return the steps of a shaft.
+
+    `bounds`: radius (mm) of the bore or keyway, called `inner`, and of the end face; None for a shaft on a hub.
+    """
     if spec is None:
         return ()
     ends = spec.end_diameters or spec.diameters
@@ -286,7 +312,7 @@ def _shaft(
 
 
 def _steps(under: UnderTeeth, key: str, spec: BoreSteps | None, region: Region) -> tuple[TurnedStep, ...]:
-    """Steps of a bore, or of the outside of a ring."""
+    """Return the steps of a bore, or of the outside of a ring."""
     if spec is None:
         return ()
     for one, other in pairwise(spec.diameters):
@@ -299,7 +325,7 @@ def _steps(under: UnderTeeth, key: str, spec: BoreSteps | None, region: Region) 
 
 
 def _bore_steps(spec: MemberBody, under: UnderTeeth, features: BodyFeatures) -> list[tuple[TurnedStep, ...]]:
-    """Steps of the bore at toe and heel, of a body with hubs and shafts."""
+    """Return the steps of the bore at toe and heel, for a body with hubs and shafts."""
     name, turned, bore = under.name, features.turn(under.body), under.body.bore_radius
     least = bore if features.keyway is None else features.keyway.reach(bore)
     made = []
@@ -335,8 +361,8 @@ def _bore_steps(spec: MemberBody, under: UnderTeeth, features: BodyFeatures) -> 
 
 
 def _bore_step_fault(under: UnderTeeth, turned: Body, radius: float, ends: tuple[float, float]) -> str:
-    """What is wrong with a step of the bore from one z to another; empty where nothing is."""
-    line = _line((radius * (1.0 + WALL), ends[0]), (radius * (1.0 + WALL), ends[1]))
+    """Return the fault of a step of the bore from one z to another; empty if there is none."""
+    line = _line((radius * (1.0 + FACE_MARGIN), ends[0]), (radius * (1.0 + FACE_MARGIN), ends[1]))
     if not under.is_inside(turned, line):
         return "breaks through the outside of the body"
     return under.rim_fault(line) if float(_distances(line, under.root).min()) < under.least_rim else ""
@@ -345,8 +371,10 @@ def _bore_step_fault(under: UnderTeeth, turned: Body, radius: float, ends: tuple
 def _widest_bore_step(
     under: UnderTeeth, turned: Body, bounds: tuple[float, float], ends: tuple[float, float]
 ) -> float | None:
-    """The largest radius of a step of the bore from one z to another that nothing is wrong with, between two, mm; None where there
-    is none."""
+    """Return the largest radius (mm) of a step of the bore without a fault; None if there is none.
+
+    `bounds`: radii between which it is searched; `ends`: z of the step's ends.
+    """
     low, high = bounds
     share = largest(lambda share: not _bore_step_fault(under, turned, low + share * (high - low), ends))
     return low + share * (high - low) if share > 0.0 else None
@@ -374,8 +402,11 @@ def _check_lengths(spec: MemberBody, under: UnderTeeth, body: Body) -> None:
 def _with_openings(
     spec: MemberBody, under: UnderTeeth, features: BodyFeatures, room: tuple[float, float], least: float
 ) -> BodyFeatures:
-    """Features with holes, bolt holes and spokes, which are between two radii (mm) where the design does not say where, and never
-    below the `least`, that of bore and keyway."""
+    """Return the features with holes, bolt holes and spokes.
+
+    - room: radii (mm) between which openings are placed by default.
+    - least: radius (mm) of bore and keyway, which openings must not reach.
+    """
     name, holes = under.name, getattr(spec, "holes", None)
     made: list[tuple[str, float, Pattern]] = []
     if holes is not None:
@@ -389,7 +420,7 @@ def _with_openings(
         made.append((*_stated_size(spec.spokes, "spokes", ("outer_diameter", "inner_diameter", "width")), spokes))
     body = features.turn(under.body)
     for key, value, pattern in made:
-        # what plane end faces have always been allowed stays so
+        # on plane end faces a thinner rim beside holes has always been allowed
         rim = under.wall if pattern is features.holes and under.flat else under.least_rim
         ends = _within_body(_levels(key, value, pattern, body, under, rim), under)
         if ends is not None and rim == under.least_rim:
@@ -407,13 +438,16 @@ def _with_openings(
 
 
 def _within_body(ends: tuple[float, float], under: UnderTeeth) -> tuple[float, float] | None:
-    """What of an opening between two z is under the teeth: above its own faces a body has hubs and shafts, which have no roots."""
+    """Return the part of an opening between two z that is under the teeth.
+
+    Hubs and shafts beyond the end faces have no roots.
+    """
     low, high = max(ends[0], under.body.ends[0]), min(ends[1], under.body.ends[1])
     return (low, high) if low < high else None
 
 
 def _up_to(key: str, pattern: Pattern, under: UnderTeeth, radius: float) -> str:
-    """What a key of openings may be, for them to go no farther than to a radius (mm)."""
+    """Return the bound, as text, of a key of openings that must not extend beyond a radius (mm)."""
     (inner, outer), around = pattern.reach, under.body.around
     named = key.rpartition(".")[2]
     if named == "circle":
@@ -430,13 +464,16 @@ def _up_to(key: str, pattern: Pattern, under: UnderTeeth, radius: float) -> str:
 
 
 def _stated_size(spec: Table, table: str, keys: tuple[str, ...]) -> tuple[str, float]:
-    """The first of some keys of a table that is given, its place in the member's table before it, and its value."""
+    """Return the first given key of a table, with the table's name before it, and its value."""
     return next((f"{table}.{key}", getattr(spec, key)) for key in keys if getattr(spec, key) is not None)
 
 
 def _levels(key: str, value: float, pattern: Pattern, body: Body, under: UnderTeeth, rim: float) -> tuple[float, float]:
-    """Between which z openings go through the body. Raises DesignError where they do not begin and end on plane faces, walls
-    beside them included; `rim`: what they have to leave under the roots, mm."""
+    """Return the z between which openings go through the body.
+
+    Raises DesignError if they, including the walls beside them, do not begin and end on plane faces. `rim`: rim that
+    they must leave under the roots, mm.
+    """
     inner, outer = pattern.reach
     try:
         return body.levels((max(inner - under.wall, 0.0), outer + under.wall), under.flat, pattern.depth)
@@ -458,7 +495,7 @@ def _levels(key: str, value: float, pattern: Pattern, body: Body, under: UnderTe
 
 
 def _goes_deeper(pattern: Pattern, body: Body, flat_ends: bool) -> bool:
-    """Whether blind holes are where there is room for holes through the body."""
+    """True if blind holes are too deep where holes through the body would fit."""
     try:
         body.levels(pattern.reach, flat_ends)
     except ValueError:
@@ -467,14 +504,14 @@ def _goes_deeper(pattern: Pattern, body: Body, flat_ends: bool) -> bool:
 
 
 def _rooms(body: Body, under: UnderTeeth, depth: float | None, rim: float) -> list[tuple[float, float]]:
-    """Radii (mm) between which openings are on plane faces, less walls and the `rim` under the roots."""
+    """Return the ranges of radii (mm) of openings on plane faces, without the walls and the `rim` under the roots."""
     bounds = {face_bound for face in body.plane_faces(under.flat) for face_bound in (face.inner, face.outer)}
-    # blind holes in the heel do not reach the toe's face
+    # blind holes in the heel do not reach the toe's face, so that only the radius at the heel limits them
     limit = under.smallest if depth is None or body.around else max(under.smallest, under.heel)
     places = sorted({bound for bound in bounds if 0.0 <= bound < np.inf} | {limit})
     rooms: list[tuple[float, float]] = []
     for one, other in pairwise(places):
-        # beyond the roots there are only the teeth
+        # only the teeth are beyond the roots
         if one >= limit if body.around else other <= limit:
             on_one_face = (rooms[-1][0], other) if rooms and rooms[-1][1] == one else (one, other)
             if _levels_of(body, on_one_face, under, depth) is not None:
@@ -495,7 +532,7 @@ def _rooms(body: Body, under: UnderTeeth, depth: float | None, rim: float) -> li
 def _levels_of(
     body: Body, reach: tuple[float, float], under: UnderTeeth, depth: float | None
 ) -> tuple[float, float] | None:
-    """Between which z of what is under the teeth openings between two radii go, None where they are not on plane faces."""
+    """Return the z between which openings go through the part under the teeth; None if they are not on plane faces."""
     try:
         return _within_body(body.levels(reach, under.flat, depth), under)
     except ValueError:
@@ -503,7 +540,7 @@ def _levels_of(
 
 
 def _bolts(name: str, spec: BoltHoles, room: tuple[float, float]) -> Drilling:
-    """Bolt holes, in the middle of the room between two radii (mm) where their circle is not given."""
+    """Return the bolt holes, by default in the middle of the room between two radii (mm)."""
     circle = sum(room) if spec.circle is None else spec.circle
     apart = math.sin(math.pi / spec.count)
     if spec.diameter >= circle:
@@ -523,13 +560,15 @@ def _bolts(name: str, spec: BoltHoles, room: tuple[float, float]) -> Drilling:
 
 
 def _spokes(spec: SpokeTable, under: UnderTeeth, room: tuple[float, float], least: float) -> Spokes:
-    """Spokes, their openings a little within the room between two radii (mm) where they are not given; without a web under a rim as
-    thick as that of one. Given ones may go through hubs too, down to the `least` radius: which plane faces they are on is asked
+    """Return the spokes.
+
+    By default their openings are slightly within the room between two radii (mm). Without a web they leave a rim as
+    thick as a web's rim. Given openings may go through hubs, too, down to the `least` radius; plane faces are checked
     later.
     """
     name, web = under.name, under.body.web
     limit = under.farthest(under.least_rim, under.body.ends if web is None else (web.low, web.high))
-    # plane faces end with the body's at cones and cylinders
+    # the openings stay inside the smallest radius under the teeth
     limit = min(limit, under.smallest - under.wall)
     if web is None:
         room = room[0], room[1] - RIM_DEPTHS / LEAST_RIM * under.least_rim
@@ -575,24 +614,24 @@ def _spokes(spec: SpokeTable, under: UnderTeeth, room: tuple[float, float], leas
 
 
 def _overlap(one: Pattern, other: Pattern) -> bool:
-    """Whether openings of two patterns meet."""
+    """True if openings of two patterns meet."""
     drawn = [[_points(outline) for outline in pattern.outlines] for pattern in (one, other)]
     return any(bool(contains(a, b).any() or contains(b, a).any()) for a in drawn[0] for b in drawn[1])
 
 
 def _points(outline: ClosedLine) -> Array:
-    """Points (N, 2) along a closed line."""
-    return np.concatenate([curve.at(np.arange(ROUND) / ROUND) for curve in outline])
+    """Return points (N, 2) along a closed line."""
+    return np.concatenate([curve.at(np.arange(CURVE_POINTS) / CURVE_POINTS) for curve in outline])
 
 
 def _line(one: tuple[float, float], other: tuple[float, float]) -> Array:
-    """Points (ALONG, 2) from one to the other, but for the very ends, which may lie on faces."""
-    s = np.clip(np.linspace(0.0, 1.0, ALONG), WALL, 1.0 - WALL)[:, None]
+    """Return points (LINE_POINTS, 2) between two points, except for the very ends, which may lie on faces."""
+    s = np.clip(np.linspace(0.0, 1.0, LINE_POINTS), FACE_MARGIN, 1.0 - FACE_MARGIN)[:, None]
     return np.asarray((1.0 - s) * np.array(one) + s * np.array(other))
 
 
 def _distances(points: Array, line: Array) -> Array:
-    """Distances (N,) of points (N, 2) from a line of straight pieces through (M, 2)."""
+    """Return the distances (N,) of points (N, 2) from a line of straight pieces through (M, 2)."""
     start, way = line[:-1], np.diff(line, axis=0)
     length = np.maximum((way**2).sum(axis=-1), np.finfo(float).tiny)
     along = np.clip(((points[:, None] - start) * way).sum(axis=-1) / length, 0.0, 1.0)
@@ -600,7 +639,10 @@ def _distances(points: Array, line: Array) -> Array:
 
 
 def holes_in(name: str, spec: Holes, inner: float, outer: float, wall: float = 0.0) -> Drilling:
-    """Holes where a body has room between two radii, less walls (mm). Raises DesignError naming key, value and limit."""
+    """Return holes in the room between two radii, without the walls (mm).
+
+    Raises DesignError naming key, value and limit.
+    """
     room, apart = outer - inner - 2.0 * wall, math.sin(math.pi / spec.count)
     circle = inner + outer if spec.circle is None else spec.circle
     diameter = spec.diameter
@@ -608,7 +650,7 @@ def holes_in(name: str, spec: Holes, inner: float, outer: float, wall: float = 0
         widest = 2.0 * min(0.5 * circle - inner, outer - 0.5 * circle)
         diameter = min(HOLE_ROOM * widest, HOLE_PITCH * circle * apart if spec.count > 1 else math.inf)
     if spec.diameter is not None and not diameter < room:
-        # where their circle leaves room at all, as much as it does
+        # the room on their own circle, if it leaves any
         here = 2.0 * min(0.5 * circle - inner - wall, outer - wall - 0.5 * circle)
         room = min(room, here) if here > 0.0 else room
         raise DesignError(
@@ -634,7 +676,7 @@ def holes_in(name: str, spec: Holes, inner: float, outer: float, wall: float = 0
 
 
 def _slot(name: str, spec: Keyway, bore: float) -> Slot:
-    """The keyway in a bore of some diameter (mm)."""
+    """Return the keyway in a bore of a diameter (mm)."""
     if bore == 0.0:
         raise DesignError(f"{name}.bore", 0, unit="mm", reason="a keyway needs a bore", allowed="more than 0 mm")
     if spec.width is not None and spec.depth is not None:
@@ -645,6 +687,6 @@ def _slot(name: str, spec: Keyway, bore: float) -> Slot:
             f"{name}.keyway.standard",
             spec.standard,
             reason=f"has no keyway for a bore of {bore:.6g} mm",
-            allowed=f"a {name}.bore from {SMALLEST:g} to {LARGEST:g} mm, or {name}.keyway.width and depth",
+            allowed=f"a {name}.bore from {MIN_BORE_MM:g} to {MAX_BORE_MM:g} mm, or {name}.keyway.width and depth",
         )
     return Slot(*standard)

@@ -1,14 +1,14 @@
-"""Parallel keys by DIN 6885-1, the high form: which keyway a bore has.
+"""Keyways for parallel keys of DIN 6885-1, the high form, by the bore.
 
-The figures are those that makers' catalogues print of the standard: Ganter (technical information, "DIN 6885 keyway, key details")
-up to 44 mm and Siemens Flender (MD 31.1, 2016, p. 7/3) from 38 to 230 mm, which agree where both have a row. Above 230 mm no two
-sources were at hand.
+The values are those of makers' catalogues: Ganter (technical information, "DIN 6885 keyway, key details") up to 44 mm,
+and Siemens Flender (MD 31.1, 2016, p. 7/3) from 38 to 230 mm. Both agree in their common rows. No two sources were at
+hand above 230 mm.
 """
 
 from __future__ import annotations
 
-#: a bore of this diameter (mm) and less, width b of the keyway, and its depth t2 in the hub beyond the bore's surface, mm
-_KEYWAYS = (
+#: largest bore of each range, width b of the keyway, and its depth t2 in the hub beyond the bore's surface
+_KEYWAYS_MM = (
     (8.0, 2.0, 1.0),
     (10.0, 3.0, 1.4),
     (12.0, 4.0, 1.8),
@@ -30,12 +30,14 @@ _KEYWAYS = (
     (200.0, 45.0, 10.4),
     (230.0, 50.0, 11.4),
 )
-#: diameters (mm) of the smallest and the largest bore that has one
-SMALLEST, LARGEST = 6.0, _KEYWAYS[-1][0]
+#: smallest bore with a keyway
+MIN_BORE_MM = 6.0
+#: largest bore with a keyway
+MAX_BORE_MM = _KEYWAYS_MM[-1][0]
 
 
 def keyway_in_hub(bore: float) -> tuple[float, float] | None:
-    """Width b and depth t2 (mm) of the keyway in a bore of some diameter (mm); None where the table has none."""
-    if not SMALLEST <= bore <= LARGEST:
+    """Return width b and depth t2 (mm) of the keyway in a bore of a diameter (mm); None outside the table."""
+    if not MIN_BORE_MM <= bore <= MAX_BORE_MM:
         return None
-    return next((width, depth) for most, width, depth in _KEYWAYS if bore <= most)
+    return next((width, depth) for most, width, depth in _KEYWAYS_MM if bore <= most)

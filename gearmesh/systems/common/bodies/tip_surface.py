@@ -1,9 +1,9 @@
-r"""Tips that are turned to another surface of revolution than the tooth's own: cones and throats.
+r"""Tips that are turned to a surface of revolution other than the tooth's own: cones and throats.
 
     tip_cone_angle            rho = d_a / 2 + z tan(angle)
-    tip_throat_radius R       an arc in the axial plane, d_a / 2 at mid face, R + d_a / 2 its centre: higher at both ends
+    tip_throat_radius R       arc in the axial plane through d_a / 2 at mid face, centre at R + d_a / 2: higher at both ends
 
-z = 0 is at mid face; on internal gears, whose tips grow towards the axis, the arc's centre is at d_a / 2 - R.
+z = 0 is at mid face. The tips of internal gears extend towards the axis; the centre of the arc is then at d_a / 2 - R.
 """
 
 from __future__ import annotations
@@ -26,10 +26,10 @@ if TYPE_CHECKING:
 
 
 def with_tip_surface(member: Member, spec: TurnedTip, tip: float | None = None) -> Member:
-    """A member with the tip surface that its part `spec` of a design asks for; `tip`: its tip radius at mid face (mm), where it is
-    known.
+    """Return a member with the tip surface that its part `spec` of a design asks for.
 
-    Raises DesignError naming the key, its value and the limit, where the teeth have no such tip.
+    `tip`: its tip radius at mid face (mm), if known. Raises DesignError naming the key, its value and the limit if the
+    teeth have no such tip.
     """
     own = member.tooth.blank.tip
     tip = float(own.at(0.0)) if tip is None else tip
@@ -41,11 +41,12 @@ def with_tip_surface(member: Member, spec: TurnedTip, tip: float | None = None) 
 
 
 def _slope(level: LandLevel) -> float:
-    """By how much the radius of a cone or cylinder grows along z."""
+    """Return the slope of the radius of a cone or cylinder along z."""
     return float(level.at(1.0) - level.at(0.0))
 
 
 def _conical_tooth(member: Member, angle: float, tip: float) -> Tooth:
+    """Return the tooth with a conical tip."""
     inwards = member.tooth.blank.body.around
     own = float(np.degrees(np.arctan(_slope(member.tooth.blank.tip))))
 
@@ -65,6 +66,7 @@ def _conical_tooth(member: Member, angle: float, tip: float) -> Tooth:
 
 
 def _throated_tooth(member: Member, radius: float, tip: float) -> Tooth:
+    """Return the tooth with a throated tip."""
     blank = member.tooth.blank
     half, height = 0.5 * abs(blank.extent[1] - blank.extent[0]), -tip if blank.body.around else tip
 
@@ -80,9 +82,11 @@ def _throated_tooth(member: Member, radius: float, tip: float) -> Tooth:
 
 
 def _with_tip(tooth: Tooth, level: LandLevel) -> Tooth:
+    """Return the tooth with another tip surface."""
     return replace(tooth, blank=replace(tooth.blank, tip=level))
 
 
 def _refusal(member: Member, key: str, value: float, unit: str, allowed: str) -> DesignError:
+    """Return the refusal of a tip surface."""
     reason = "the teeth have no such tip from end to end"
     return DesignError(f"{member.name}.{key}", value, unit=unit, reason=reason, allowed=allowed)

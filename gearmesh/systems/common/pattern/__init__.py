@@ -1,1 +1,1 @@
-"""Where displaced members touch: mountings that bring the contact to a place of the gear's flank."""
+"""Contact of displaced members: mountings that bring it to a place on the gear's flank."""

@@ -1,4 +1,4 @@
-"""Places on a gear's flank to which its contact is brought: at shares of the face, in the middle of the working depth."""
+"""Places on a gear's flank for its contact: at shares of the face, in the middle of the working depth."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Side
 
-#: distance (mm) from what is looked for that counts as none
-REACHED = 1e-10
+#: distance from the wanted place that is rounding
+MAX_DISTANCE_MM = 1e-10
 
 
 @dataclass(frozen=True)
 class HalfwayLevel:
-    """g: the mean of two levels, 0 half way between them."""
+    """Mean g of two levels, 0 half way between them."""
 
     first: Level
     second: Level
@@ -36,7 +36,10 @@ class HalfwayLevel:
 
 
 def on_flank(surface: Surface, start: Array, levels: tuple[Level, Level], wanted: Array) -> tuple[Array, Jet]:
-    """Parameters (N, 2) near `start` (N, 2) at which two levels have the values `wanted` (N, 2), and the jet; NaN where none."""
+    """Return parameters (N, 2) at which two levels have the values `wanted` (N, 2), and the jet there.
+
+    The search starts from `start` (N, 2); NaN where it finds none.
+    """
 
     def apart(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
         jet = surface.jet(x[:, 0], x[:, 1])
@@ -45,14 +48,17 @@ def on_flank(surface: Surface, start: Array, levels: tuple[Level, Level], wanted
         return values, np.moveaxis(np.array(rows), -1, 0)
 
     with np.errstate(all="ignore"):
-        solution = newton.solve(apart, start, tolerance=REACHED)
+        solution = newton.solve(apart, start, tolerance=MAX_DISTANCE_MM)
     x = np.where(solution.converged[:, None], solution.values, np.nan)
     return x, surface.jet(x[:, 0], x[:, 1])
 
 
 def gear_targets(gear: Member, which: Side, clearance: float, shares: Array) -> Array:
-    """Parameters (N, 2) of the gear's flank at `shares` (N,) of the face from the toe, in the middle of the working depth: between
-    its tip and the mating gear's."""
+    """Return parameters (N, 2) of the gear's flank at `shares` (N,) of the face from the toe.
+
+    The points are in the middle of the working depth, between the gear's tip and the mating gear's tip. `clearance`:
+    clearance of the mating tip over the gear's root, mm.
+    """
     tooth = gear.tooth
     toe, heel = tooth.blank.extent
     start = tooth.flank_grid(which, [0.5], shares).parameters[0]

@@ -1,1 +1,1 @@
-"""Rack cutters: their tooth space, and members that they generate."""
+"""Rack cutters: their tooth space, and the members that they generate."""

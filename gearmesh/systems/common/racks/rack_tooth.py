@@ -1,4 +1,4 @@
-"""The space of a rack cutter in the normal section: flanks, tip roundings, and what joins them."""
+"""The space of a rack cutter in the normal section: flanks, tip roundings, and their points of tangency."""
 
 from __future__ import annotations
 
@@ -16,15 +16,16 @@ from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.tools.profile import Profile
 from gearmesh.tools.rack import Arc, Parabola, ProfilePieces, RackLine
 
-#: distance (modules) from the tip plane of a rounding that touches it, before the last Newton step
-TOUCHING = 1e-12
+#: distance of a touching rounding from the tip plane, before the last Newton step
+TANGENCY_TOLERANCE_MODULES = 1e-12
 
 
 @dataclass(frozen=True)
 class RackTipCorner:
-    """What a cutter has at its root to cut the edge between flank and land.
+    """Profile at a cutter's root that cuts the edge between flank and land.
 
-    `form_point` (p, q): parameters of the flank and of this where what they generate meets; `end`: its own at the blank's tip.
+    - form_point (p, q): parameters of the flank and of this profile at the point where their surfaces meet.
+    - end: parameter of this profile at the blank's tip.
     """
 
     profile: Profile
@@ -34,32 +35,33 @@ class RackTipCorner:
 
 @dataclass(frozen=True)
 class RackTooth:
-    """The right side of a rack cutter's space: flank and tip rounding in the normal section, and what joins them.
+    """The right side of a rack cutter's space: flank and tip rounding in the normal section."""
 
-    `form_point` (p, q): parameters of flank and rounding where they pass into each other; `tip`: flank parameter near the
-    blank's tip; `tip_height`, `root_height`: x of the blank's tip and of the cutter's tip plane, mm.
-
-    `pieces`: what generates the fillet, where that is more than the rounding; what it and the flank generate then meets in an edge
-    at the form point, and is not smooth over the knots. `tip_corner`: what cuts the tooth's tip, if anything does.
-    """
-
+    #: profile of the flank
     flank: Profile
+    #: tip rounding
     rounding: Arc
+    #: parameters (p, q) of flank and rounding at their point of tangency
     form_point: tuple[float, float]
+    #: flank parameter near the blank's tip
     tip: float
+    #: x of the blank's tip, mm
     tip_height: float
+    #: x of the cutter's tip plane, mm
     root_height: float
+    #: profiles of the fillet if it is more than the rounding; it meets the flank in an edge and has edges at knots
     pieces: ProfilePieces | None = None
+    #: profile that cuts the tooth's tip, if any
     tip_corner: RackTipCorner | None = None
 
     @property
     def root_profile(self) -> Profile:
-        """What generates the fillet."""
+        """Profile that generates the fillet."""
         return self.rounding if self.pieces is None else self.pieces
 
 
 class CutterTip(Protocol):
-    """What a design says of the cutter's tip, in normal modules."""
+    """Tip of the cutter, in normal modules, as a design gives it."""
 
     @property
     def dedendum(self) -> float: ...
@@ -69,7 +71,7 @@ class CutterTip(Protocol):
 
 @dataclass(frozen=True)
 class Heights:
-    """x of the blank's tip and of the cutter's tip plane, mm, in the normal section."""
+    """Heights x of the blank's tip and of the cutter's tip plane, mm, in the normal section."""
 
     tip: float
     root: float
@@ -78,10 +80,11 @@ class Heights:
 def round_tips(
     name: str, spec: CutterTip, module: float, flanks: tuple[RackLine | Parabola, RackLine | Parabola], heights: Heights
 ) -> tuple[RackTooth, RackTooth]:
-    """Both sides, (right, left), of a space whose cutter has its tip rounded by `spec.tool_tip_radius` normal modules.
+    """Return both sides, (right, left), of a space whose cutter has a rounded tip.
 
-    Raises DesignError naming key, value and limit, with `name` before it: cutter's tooth pointed or too narrow for the
-    rounding, no flank left, profile that bends back before tip or root.
+    The radius is `spec.tool_tip_radius` normal modules. Raises DesignError naming key, value and limit, with `name`
+    before it. Reasons are a cutter's tooth that is pointed or too narrow for the rounding, no flank left, and a profile
+    that bends back before tip or root.
     """
     _check_bend(name, flanks, heights)
     if not tip_land(flanks, np.zeros(1), heights.root, module)[0] >= 0.0:
@@ -120,9 +123,9 @@ def _check_bend(name: str, flanks: tuple[RackLine | Parabola, RackLine | Parabol
 def tip_land(
     flanks: tuple[RackLine | Parabola, RackLine | Parabola], radius: Array, root: float, module: float
 ) -> Array:
-    """Land (M,), mm, of a cutter's tip at the height `root` between roundings of `radius` (M,), mm.
+    """Return the land (M,), mm, of a cutter's tip at the height `root` between roundings of `radius` (M,), mm.
 
-    < 0 where they overlap, NaN where one touches its flank nowhere.
+    It is negative where the roundings overlap, and NaN where a rounding does not touch its flank.
     """
     right, left = (_touch(flank, radius, root, module)[1][:, 1] for flank in flanks)
     return np.pi * module + right + left
@@ -131,7 +134,10 @@ def tip_land(
 def largest_rounding(
     flanks: tuple[RackLine | Parabola, RackLine | Parabola], root: float, module: float, most: float
 ) -> float:
-    """Largest rounding (mm) of a cutter's tip at the height `root`, up to `most`; 0 where the tip is pointed without one."""
+    """Return the largest rounding (mm) of a cutter's tip at the height `root`, up to `most`.
+
+    It is 0 if the tip is pointed without a rounding.
+    """
     ends = np.zeros(1), np.array([most])
     if tip_land(flanks, ends[1], root, module)[0] >= 0.0:
         return most
@@ -142,13 +148,14 @@ def largest_rounding(
 def _side(
     name: str, spec: CutterTip, flank: RackLine | Parabola, radius: float, heights: Heights, module: float
 ) -> RackTooth:
+    """Return one side of the space."""
     (touch,), (centre,), (angle,) = _touch(flank, np.array([radius]), heights.root, module)
     if flank.section(np.array(touch))[0][0] >= heights.tip:
         raise VagueError(
             f"{name}.tool_tip_radius", spec.tool_tip_radius, reason="leaves no flank below the tip", allowed="less"
         )
     if flank.coefficient != 0.0 and flank.section(np.array(flank.at_height(heights.tip)))[2][0] <= 0.0:
-        # its normals there pass the pitch point at no rotation; below the pitch plane undercut may cut that off
+        # such normals never pass through the pitch point; below the pitch plane undercut may remove these points
         raise VagueError(
             f"{name}.parabola",
             abs(flank.coefficient),
@@ -163,9 +170,9 @@ def _side(
 
 
 def _touch(flank: RackLine | Parabola, radius: Array, root: float, module: float) -> tuple[Array, Array, Array]:
-    """Flank parameters (M,) where circles of `radius` (M,) standing on the tip plane touch, centres (M, 2), normals' angles.
+    """Return flank parameters (M,), centres (M, 2) and angles (M,) of the normals of touching circles.
 
-    NaN where there is no such circle.
+    The circles of `radius` (M,) touch the tip plane and the flank. NaN where there is no such circle.
     """
 
     def residual(p: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
@@ -176,7 +183,7 @@ def _touch(flank: RackLine | Parabola, radius: Array, root: float, module: float
         ]
 
     start = np.full((radius.size, 1), flank.at_height(root))
-    solution = newton.solve(residual, start, tolerance=TOUCHING * module)
+    solution = newton.solve(residual, start, tolerance=TANGENCY_TOLERANCE_MODULES * module)
     p = np.where(solution.converged, solution.values[:, 0], np.nan)
     point, _, normal, _ = flank.section(p)
     return p, point + radius[:, None] * normal, np.arctan2(normal[:, 0], -normal[:, 1])

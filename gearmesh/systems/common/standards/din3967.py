@@ -1,7 +1,7 @@
-"""Tooth thickness allowances of DIN 3967:1978, tables 1 and 2: upper allowance A_sne by a letter, tolerance T_sn by a series.
+"""Tooth thickness allowances of DIN 3967:1978, tables 1 and 2: upper allowances by letter, tolerances by series.
 
-Both follow from the reference diameter. The tables were compared with a published program, which agrees in all values, and with the
-worked example of the standard (27 cd, 100 mm: -70 and -170 um); the standard itself was not at hand.
+Both depend on the reference diameter. The tables agree in all values with a published program, and with the worked
+example of the standard (27 cd, 100 mm: -70 and -170 um). The standard itself was not at hand.
 """
 
 from __future__ import annotations
@@ -11,10 +11,10 @@ from bisect import bisect_left
 
 from gearmesh.errors import nearest
 
-#: largest reference diameters, mm, of the ranges: each is above the one before it and up to its own
-DIAMETERS = (10, 50, 125, 280, 560, 1000, 1600, 2500, 4000, 6300, 10000)
-#: upper allowances A_sne, um, by letter
-ALLOWANCES = {
+#: largest reference diameter of each range, which begins above the limit before it
+DIAMETER_LIMITS_MM = (10, 50, 125, 280, 560, 1000, 1600, 2500, 4000, 6300, 10000)
+#: upper allowances A_sne by letter
+UPPER_ALLOWANCES_UM = {
     "a": (-100, -135, -180, -250, -330, -450, -600, -820, -1100, -1500, -2000),
     "ab": (-85, -110, -150, -200, -280, -370, -500, -680, -920, -1250, -1650),
     "b": (-70, -95, -125, -170, -230, -310, -420, -560, -760, -1020, -1350),
@@ -27,8 +27,8 @@ ALLOWANCES = {
     "g": (-5, -7, -9, -12, -17, -22, -30, -41, -56, -75, -100),
     "h": (0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0),
 }
-#: tolerances T_sn, um, by series
-TOLERANCES = {
+#: tolerances T_sn by series
+TOLERANCE_SERIES_UM = {
     21: (3, 5, 6, 8, 10, 12, 16, 20, 25, 30, 40),
     22: (5, 8, 10, 12, 16, 20, 25, 30, 40, 50, 60),
     23: (8, 12, 16, 20, 25, 30, 40, 50, 60, 80, 100),
@@ -40,36 +40,38 @@ TOLERANCES = {
     29: (130, 200, 250, 300, 400, 500, 600, 800, 1000, 1300, 1600),
     30: (200, 300, 400, 500, 600, 800, 1000, 1300, 1600, 2000, 2400),
 }
-#: mm in a um
-UM = 1e-3
+#: millimetres in a micrometre
+MM_PER_UM = 1e-3
 
 
 def _parts(text: str) -> tuple[str, str] | None:
-    """Letter and series of a text as "cd25", or "25 cd" as on drawings; None of any other."""
+    """Return letter and series of a text such as "cd25", or "25 cd" as on drawings; None for other texts."""
     match = re.fullmatch(r"\s*(?:([A-Za-z]+)\s*(\d+)|(\d+)\s*([A-Za-z]+))\s*", text, re.ASCII)
     return None if match is None else (match[1] or match[4], match[2] or match[3])
 
 
 def refusal(text: str) -> str:
-    """What a letter and a series must be, with the nearest, where a text is not both; "" where it is."""
-    letters, series = ", ".join(ALLOWANCES), f"{min(TOLERANCES)} to {max(TOLERANCES)}"
+    """Return the allowed letters and series, with the nearest, if a text has other ones; "" if it is allowed."""
+    letters, series = ", ".join(UPPER_ALLOWANCES_UM), f"{min(TOLERANCE_SERIES_UM)} to {max(TOLERANCE_SERIES_UM)}"
     allowed = f'a letter ({letters}) and a tolerance series ({series}), as "cd25"'
     parts = _parts(text)
     if parts is None:
         return allowed
     letter, number = parts
-    near_letter = letter if letter in ALLOWANCES else nearest(letter.lower(), ALLOWANCES)
-    near_number = min(max(int(number), min(TOLERANCES)), max(TOLERANCES))
-    if letter in ALLOWANCES and int(number) == near_number:
+    near_letter = letter if letter in UPPER_ALLOWANCES_UM else nearest(letter.lower(), UPPER_ALLOWANCES_UM)
+    near_number = min(max(int(number), min(TOLERANCE_SERIES_UM)), max(TOLERANCE_SERIES_UM))
+    if letter in UPPER_ALLOWANCES_UM and int(number) == near_number:
         return ""
     return allowed if near_letter is None else f'{allowed}; the nearest is "{near_letter}{near_number}"'
 
 
 def allowances(text: str, diameter: float) -> tuple[float, float]:
-    """Upper and lower allowance A_sne and A_sni = A_sne - T_sn, mm, of a text that `refusal` leaves, at a reference diameter
-    (mm) up to the last of DIAMETERS."""
+    """Return upper and lower allowance A_sne and A_sni = A_sne - T_sn, mm, of an allowed text.
+
+    `diameter`: reference diameter (mm), up to the last of DIAMETER_LIMITS_MM.
+    """
     parts = _parts(text)
     assert parts is not None
-    row = bisect_left(DIAMETERS, diameter * (1.0 - 1e-12))
-    upper = ALLOWANCES[parts[0]][row]
-    return UM * upper, UM * (upper - TOLERANCES[int(parts[1])][row])
+    row = bisect_left(DIAMETER_LIMITS_MM, diameter * (1.0 - 1e-12))
+    upper = UPPER_ALLOWANCES_UM[parts[0]][row]
+    return MM_PER_UM * upper, MM_PER_UM * (upper - TOLERANCE_SERIES_UM[int(parts[1])][row])

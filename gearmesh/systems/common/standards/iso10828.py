@@ -1,4 +1,4 @@
-"""Flank forms of worms, and their lead angle by the normal module. ISO 10828:2015."""
+"""Flank forms of worms, and the lead angle for a normal module [ISO 10828:2015]."""
 
 from __future__ import annotations
 
@@ -17,6 +17,9 @@ class ThreadForm(StrEnum):
 
 
 def lead_angle(normal_module: float, threads: int, diameter: float) -> float:
-    """Lead angle (rad) of threads of a normal module on a reference cylinder, of one unit: sin(gamma) = m_n z / d; a right angle
-    where the cylinder is too small for them."""
+    """Return the lead angle (rad) of threads of a normal module on a reference cylinder.
+
+    sin(gamma) = m_n z / d, with both lengths in one unit. The angle is a right angle if the cylinder is too small for
+    the threads.
+    """
     return math.asin(min(1.0, normal_module * threads / diameter))

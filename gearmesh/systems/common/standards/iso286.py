@@ -1,4 +1,4 @@
-"""Standard tolerances and deviations of ISO 286-1:2010: grades IT5 to IT12 of sizes up to 3150 mm, positions h and js."""
+"""Standard tolerances and deviations of ISO 286-1:2010: IT5 to IT12 of sizes up to 3150 mm, positions h and js."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 from gearmesh.errors import nearest
 
-#: largest sizes, mm, of the ranges: each is above the one before it and up to its own
-SIZES = (3, 6, 10, 18, 30, 50, 80, 120, 180, 250, 315, 400, 500, 630, 800, 1000, 1250, 1600, 2000, 2500, 3150)
-#: standard tolerances, um, by grade
-STANDARD_TOLERANCES = {
+#: largest size of each range, which begins above the limit before it
+SIZE_LIMITS_MM = (3, 6, 10, 18, 30, 50, 80, 120, 180, 250, 315, 400, 500, 630, 800, 1000, 1250, 1600, 2000, 2500, 3150)
+#: standard tolerances by grade
+STANDARD_TOLERANCES_UM = {
     5: (4, 5, 6, 8, 9, 11, 13, 15, 18, 20, 23, 25, 27, 32, 36, 40, 47, 55, 65, 78, 96),
     6: (6, 8, 9, 11, 13, 16, 19, 22, 25, 29, 32, 36, 40, 44, 50, 56, 66, 78, 92, 110, 135),
     7: (10, 12, 15, 18, 21, 25, 30, 35, 40, 46, 52, 57, 63, 70, 80, 90, 105, 125, 150, 175, 210),
@@ -21,8 +21,8 @@ STANDARD_TOLERANCES = {
     11: (60, 75, 90, 110, 130, 160, 190, 220, 250, 290, 320, 360, 400, 440, 500, 560, 660, 780, 920, 1100, 1350),
     12: (100, 120, 150, 180, 210, 250, 300, 350, 400, 460, 520, 570, 630, 700, 800, 900, 1050, 1250, 1500, 1750, 2100),
 }
-#: mm in a um
-UM = 1e-3
+#: millimetres in a micrometre
+MM_PER_UM = 1e-3
 
 
 @dataclass(frozen=True)
@@ -34,18 +34,18 @@ class Deviations:
 
 
 def standard_tolerance(grade: int, size: float) -> float:
-    """Standard tolerance, mm, of a size (mm) up to the last of SIZES."""
-    return UM * STANDARD_TOLERANCES[grade][bisect_left(SIZES, size)]
+    """Return the standard tolerance, mm, of a size (mm) up to the last of SIZE_LIMITS_MM."""
+    return MM_PER_UM * STANDARD_TOLERANCES_UM[grade][bisect_left(SIZE_LIMITS_MM, size)]
 
 
 def refusal(text: str, letters: tuple[str, ...], grades: range) -> str:
-    """What a tolerance class as "js7" must be where it is none of those letters and grades, in words; "" where it is one."""
+    """Return the allowed tolerance classes as text if a class such as "js7" is not allowed; "" if it is."""
     match = re.fullmatch(r"([A-Za-z]+) ?(\d+)", text, re.ASCII)
     if match is not None and match[1] in letters and int(match[2]) in grades:
         return ""
     classes = [f"{letter}{grade}" for letter in letters for grade in grades]
     if match is not None and match[1] in letters:
-        # of a class that has a letter the number is wrong
+        # the letter is allowed, so that the grade is wrong
         near: str | None = f"{match[1]}{min(max(int(match[2]), grades[0]), grades[-1])}"
     else:
         near = nearest(text, classes)
@@ -55,8 +55,11 @@ def refusal(text: str, letters: tuple[str, ...], grades: range) -> str:
 
 
 def deviations(text: str, size: float) -> Deviations:
-    """Deviations of a size (mm) by its tolerance class: h (shafts) and H (holes) from the size into the material, js and JS to
-    either side of it."""
+    """Return the deviations of a size (mm) by its tolerance class.
+
+    The deviations of h (shafts) and H (holes) are from the size into the material; those of js and JS are on both sides
+    of it.
+    """
     letter, grade = text.rstrip("0123456789 "), int(re.sub(r"\D", "", text))
     whole = standard_tolerance(grade, size)
     if letter.lower() == "js":

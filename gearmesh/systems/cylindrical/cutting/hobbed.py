@@ -31,7 +31,7 @@ from gearmesh.kernel.numeric.polylines import first_crossing
 from gearmesh.kernel.surface.levels import PlaneLevel
 from gearmesh.kernel.surface.stations import along
 from gearmesh.systems.common.bounds import at_least, at_most
-from gearmesh.systems.common.racks.rack_member import ROOT
+from gearmesh.systems.common.racks.rack_member import ROOT_PARAMETER
 from gearmesh.systems.common.racks.rack_tooth import Heights, RackTipCorner, RackTooth, round_tips
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.teeth.undercut import intersection
@@ -87,7 +87,7 @@ def hobbed_racks(name: str, spec: CylindricalMember, own: Toothing, heights: Hei
         # curves of the hob, cut where the final flank begins
         *fillet, flank = hobbing.relieve(parts, final) if relief > 0.0 else hobbing.notch(parts, final)
         # parameters of the fillet's pieces grow with their lengths, in modules, towards the tip
-        knots = ROOT - np.cumsum([0.0, *(hobbing.length(part) / own.module for part in fillet)])
+        knots = ROOT_PARAMETER - np.cumsum([0.0, *(hobbing.length(part) / own.module for part in fillet)])
         pieces = ProfilePieces(
             tuple(part.profile for part in fillet),
             tuple(float(knot) for knot in knots),
@@ -120,7 +120,7 @@ class _Hobbing:
         The line is that of the protuberance.
         """
         hob, own, arc = self.hob, self.own, self.rack.rounding
-        rounding = ToothCut(RolledArc(arc), ROOT, RolledArc.parameter(own.alpha))
+        rounding = ToothCut(RolledArc(arc), ROOT_PARAMETER, RolledArc.parameter(own.alpha))
         if not hob.protuberance:
             return [rounding]
         angle = 0.5 * own.alpha if hob.protuberance_angle is None else math.radians(hob.protuberance_angle)
@@ -192,7 +192,7 @@ class _Hobbing:
         (x, y), _, _, _ = flank.section(np.array(edge))
         # the tip plane is a line with the normal x, from the middle of the tool's tooth
         plane = ToothCut(RackLine(0.5 * math.pi, 0.0, 0.0, float(x)), -0.5 * math.pi * own.module, float(y))
-        tip = ToothCut(RolledArc(Arc((float(x), float(y)), 0.0)), ROOT, RolledArc.parameter(own.alpha))
+        tip = ToothCut(RolledArc(Arc((float(x), float(y)), 0.0)), ROOT_PARAMETER, RolledArc.parameter(own.alpha))
         crossed = self._cross(parts, [plane, tip, replace(self._sound(flank), root=edge)])
         if crossed is None:
             raise VagueError(key, diameter, unit="mm", reason="the finishing tool's tip cuts the root", allowed="more")

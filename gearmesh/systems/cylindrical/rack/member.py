@@ -29,7 +29,7 @@ from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.systems.common.bodies.body import LEAST_RIM
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.micro_geometry import with_modifications
-from gearmesh.systems.common.racks.rack_member import ROOT
+from gearmesh.systems.common.racks.rack_member import ROOT_PARAMETER
 from gearmesh.systems.common.racks.rack_tooth import Heights, RackTooth, round_tips
 from gearmesh.systems.common.tooth_edges import edge_refusal, tip_edge, with_end_chamfers
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
@@ -317,7 +317,7 @@ def _side(rack: RackTooth, helix: float, side: int) -> ToothSide:
         tip_radius=abs(rack.rounding.radius),
         zero=HeightZero.PITCH_PLANE,
     )
-    return ToothSide(flank, fillet, rack.form_point, root=ROOT, tip=rack.tip, tool=tool)
+    return ToothSide(flank, fillet, rack.form_point, root=ROOT_PARAMETER, tip=rack.tip, tool=tool)
 
 
 def rack_mount(pinion: Toothing, distance: float, flank: Side, errors: Rigid | None = None) -> Mount:

@@ -293,7 +293,7 @@ class GearReader:
 
 def _is_series(ends: list[float | None], series: str, diameter: float) -> bool:
     """True if both ends of an allowance belong to a series [DIN 3967]."""
-    if diameter > din3967.DIAMETERS[-1]:
+    if diameter > din3967.DIAMETER_LIMITS_MM[-1]:
         return False
     return all(
         abs((one or 0.0) - own) < FIGURE_ROUNDING
@@ -344,7 +344,7 @@ def _write_tip_limits(file: StageWriter, gear: Component, tip: float, name: str)
     """Write the largest and the smallest tip diameter; the tolerance class remains a key of this program."""
     stem = f"{name}.tip_diameter_tolerance"
     ends: Any = file.take(f"{stem}.upper"), file.take(f"{stem}.lower")
-    if (grade := file.keys.get(f"{stem}.grade")) is not None and tip <= iso286.SIZES[-1]:
+    if (grade := file.keys.get(f"{stem}.grade")) is not None and tip <= iso286.SIZE_LIMITS_MM[-1]:
         ends = iso286.deviations(grade, tip)
     for id, end in zip(("maximum_tip_diameter", "minimum_tip_diameter"), ends, strict=True):
         file.put(gear, id, None if end is None else tip + end)

@@ -184,7 +184,7 @@ def write_allowance(file: StageWriter, stage: Component, distance: float) -> Non
     given = file.keys.get("assembly.center_distance_allowance")
     if file.put(stage, TOLERANCE_FIELD, None if given is None else given.removeprefix("js").strip()):
         file.take("assembly.center_distance_allowance")
-    ends = None if given is None or distance > iso286.SIZES[-1] else iso286.deviations(given, distance)
+    ends = None if given is None or distance > iso286.SIZE_LIMITS_MM[-1] else iso286.deviations(given, distance)
     for id, end in zip(DISTANCE_ENDS, (None, None) if ends is None else (ends.upper, ends.lower), strict=True):
         file.put(stage, id, None if end is None else round(MICROMETRES_PER_MM * abs(end), DIAMETER_DECIMALS))
 
