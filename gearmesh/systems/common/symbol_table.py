@@ -14,7 +14,7 @@ from typing import TypeAlias, TypeVar
 from gearmesh.errors import GearmeshError
 from gearmesh.systems.system import MissingValue, SheetTable
 
-ValueT = TypeVar("T")
+ValueT = TypeVar("ValueT")
 
 #: position of the first value in a row of a table, after item and unit
 FIRST_VALUE_COLUMN = 2

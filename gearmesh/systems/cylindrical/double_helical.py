@@ -23,7 +23,7 @@ from gearmesh.teeth.region import Region
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember, HalvesKeys
 
-DesignT = TypeVar("D", bound="HalvesKeys")
+DesignT = TypeVar("DesignT", bound="HalvesKeys")
 
 #: default depth of the gap below the root, normal modules
 GAP_DEPTH_MODULES = 0.25
