@@ -329,7 +329,11 @@ def test_every_class_has_a_name_of_its_own() -> None:
         ("gearmesh/novelty/new.py", "import numpy", "'novelty' is not in MAY_IMPORT"),
         ("gearmesh/systems/beveloid/build.py", "from gearmesh.systems.face_gear.build import x", "no other one"),
         ("gearmesh/systems/beveloid/build.py", "from gearmesh.systems.common.racks.rack_member import x", None),
-        ("gearmesh/systems/beveloid/build.py", "from gearmesh.systems.registered.rack import SYSTEMS", "no other one"),
+        (
+            "gearmesh/systems/beveloid/build.py",
+            "from gearmesh.systems.registered.rack import GEAR_SYSTEMS",
+            "no other one",
+        ),
         ("gearmesh/systems/registered/rack.py", "from gearmesh.systems.cylindrical.rack.build import build", None),
         ("gearmesh/kernel/surface/levels.py", "from scipy.interpolate import PPoly", "inside the function"),
     ],

@@ -304,7 +304,7 @@ def system(kind: Any) -> System[Any]:
     'HypoidDesign'
     """
     if isinstance(kind, str) and kind not in _REGISTERED and kind in KINDS:
-        for registered in import_module(f"gearmesh.systems.registered.{KINDS[kind].registered}").SYSTEMS:
+        for registered in import_module(f"gearmesh.systems.registered.{KINDS[kind].registered}").GEAR_SYSTEMS:
             _REGISTERED.setdefault(registered.kind, registered)
     if isinstance(kind, str) and (kind in _REGISTERED or _registered_from_outside(kind)):
         return _REGISTERED[kind]

@@ -1,7 +1,7 @@
 """Beveloid (conical involute) gears on intersected, crossed and parallel axes [LT02]; cone angle 0: involute gears.
 
-Frames: S_1 = S_f of the pinion with the pitch point Q = (r1, 0, 0); the common imaginary rack has its normal
-X_T = (cos d1, 0, -sin d1), Y_T = y_f and Z_T = (sin d1, 0, cos d1). phi1 turns the pinion clockwise about +z.
+The frame S_1 = S_f is the pinion's, with the pitch point Q = (r1, 0, 0). The common imaginary rack has its normal X_T =
+(cos d1, 0, -sin d1), Y_T = y_f and Z_T = (sin d1, 0, cos d1). phi1 turns the pinion clockwise about +z.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import MAX_SINE_OF_PARALLEL, Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross, rotation_about
 from gearmesh.kernel.numeric.roots import bracketed_root
-from gearmesh.systems.beveloid.design import TIP_RADIUS
+from gearmesh.systems.beveloid.design import STANDARD_TIP_RADIUS
 from gearmesh.systems.common.axes import shifts, tilts
 from gearmesh.systems.common.backlash import thin
 from gearmesh.systems.common.bodies.tip_surface import with_tip_surface
@@ -36,15 +36,15 @@ from gearmesh.tools.rack import RackLine
 if TYPE_CHECKING:
     from gearmesh.systems.beveloid.design import BeveloidDesign, BeveloidMember
 
-#: largest working pressure angle (rad) that is looked for
-STEEPEST = 1.5
+#: largest working pressure angle (rad) that is searched
+MAX_WORKING_ANGLE = 1.5
 
 
 def build(design: BeveloidDesign) -> GearTrain:
-    """The pair of a beveloid design (in mm).
+    """Return the pair of a beveloid design (in mm).
 
-    Raises DesignError for teeth that cannot exist (see `rack_member.member`), and for a centre distance given on
-    axes that are not parallel or too small to have a working pressure angle.
+    Raises DesignError for teeth that cannot exist (see `rack_member.member`). It is also raised for a centre distance
+    on axes that are not parallel, or too small to have a working pressure angle.
     """
     module, alpha = design.given_module, np.radians(design.pressure_angle)
     members, rolls = [], []
@@ -53,7 +53,7 @@ def build(design: BeveloidDesign) -> GearTrain:
         roll = Roll(0.5 * spec.teeth * module / np.cos(helix), helix, cone)
         racks = _rack(name, spec, module, alpha, design.backlash, roll)
         tip_key = "tip_diameter" if spec.tip_diameter is not None else "addendum"
-        # a gear that is turned over counts u along its own axis turned over [LT02 Table 4]
+        # u of a gear that is turned over is counted along its reversed axis [LT02 Table 4]
         along = -1.0 if name == "gear" and design.assembly.turned_over else 1.0
         made = member(name, spec, racks, roll, _source_parameters(letter, along), tip_key)
         made = with_modifications(with_tip_surface(made, spec), spec)
@@ -72,8 +72,11 @@ def build(design: BeveloidDesign) -> GearTrain:
 
 
 def _warnings(design: BeveloidDesign) -> tuple[str, ...]:
+    """Return the warnings about adapted defaults."""
     why = "the rack's tooth has no room for it"
-    return unusual_defaults(design, {f"{name}.tool_tip_radius": (TIP_RADIUS, why) for name in ("pinion", "gear")})
+    return unusual_defaults(
+        design, {f"{name}.tool_tip_radius": (STANDARD_TIP_RADIUS, why) for name in ("pinion", "gear")}
+    )
 
 
 def _source_parameters(letter: str, along: float) -> SourceParameters:
@@ -86,7 +89,10 @@ def _source_parameters(letter: str, along: float) -> SourceParameters:
 def _rack(
     name: str, spec: BeveloidMember, module: float, alpha: float, backlash: float, roll: Roll
 ) -> tuple[RackTooth, RackTooth]:
-    """Standard rack, shifted by x m_n; each of the pair's four flanks is set back by a quarter of the normal backlash."""
+    """Return both sides of the standard rack's space, shifted by x m_n.
+
+    Each of the pair's four flanks is set back by a quarter of the normal backlash.
+    """
     shift = spec.profile_shift * module
     half_thickness = thin(0.25 * np.pi * module, backlash, 0.25, alpha)
     tip_height = shift + spec.addendum * module
@@ -113,11 +119,15 @@ def _rack(
 
 
 def _gear_mount(design: BeveloidDesign, pinion: Roll, gear: Roll, alpha: float) -> Mount:
-    """Position of the gear. Helix angles that add up to more than 90 deg do not turn it over: its axis only passes 90 deg."""
+    """Return the position of the gear.
+
+    Helix angles that add up to more than 90 deg do not turn the gear over: its axis only passes 90 deg.
+    """
     errors = design.assembly
     angle = pinion.helix + gear.helix + (np.pi if errors.turned_over else 0.0)
     d1, d2 = pinion.cone, gear.cone
     x_t, y_t, z_t = np.array([np.cos(d1), 0, -np.sin(d1)]), np.array([0.0, 1, 0]), np.array([np.sin(d1), 0, np.cos(d1)])
+    # the gear's rack is the common rack seen from the other side, turned about its normal by the helix angles
     x_rack = -x_t
     z_rack = np.cos(angle) * z_t + np.sin(angle) * y_t
     y_rack = cross(z_rack, x_rack)
@@ -125,6 +135,7 @@ def _gear_mount(design: BeveloidDesign, pinion: Roll, gear: Roll, alpha: float) 
         (np.cos(d2) * x_rack + np.sin(d2) * z_rack, y_rack, np.cos(d2) * z_rack - np.sin(d2) * x_rack), axis=-1
     )
     shift = (design.pinion.profile_shift + design.gear.profile_shift) * design.given_module
+    # the pitch planes of shifted racks are apart by the profile shifts
     origin = np.array([pinion.radius, 0.0, 0.0]) - gear.radius * axes[:, 0] + shift * x_t
     parallel = math.hypot(axes[0, 2], axes[1, 2]) < MAX_SINE_OF_PARALLEL
     if errors.center_distance is not None and not parallel:
@@ -133,7 +144,7 @@ def _gear_mount(design: BeveloidDesign, pinion: Roll, gear: Roll, alpha: float) 
         )
     if parallel:
         origin = _parallel_origin(design, pinion, gear, alpha, origin)
-    # [LT02 Fig. 5] errors in S_g: the gear's frame turned by 180 deg about its axis; a gear that is turned over is so in S_g
+    # [LT02 Fig. 5] errors are given in S_g, the gear's frame turned by 180 deg about its axis, and turned over as the gear
     to_fixed = Rigid(axes, origin) @ Rigid.about_z(np.pi)
     over = Rigid(rotation_about("x", np.pi if errors.turned_over else 0.0), np.zeros(3))
     offset = Rigid(np.eye(3), np.array([errors.dx, errors.dy, errors.dz]))
@@ -143,29 +154,42 @@ def _gear_mount(design: BeveloidDesign, pinion: Roll, gear: Roll, alpha: float) 
 
 
 def _displaced_bases(design: BeveloidDesign, train: GearTrain, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
+    """Return the positions of both members with assembly errors."""
     pinion, gear = (mount.base for mount in train.pairs[0].mounts)
     over = Rigid(rotation_about("x", np.pi if design.assembly.turned_over else 0.0), np.zeros(3))
     offset = Rigid(tilts(errors["gamma_h"], errors["gamma_v"]), shifts(errors["dx"], errors["dy"], errors["dz"]))
     return pinion, gear @ over @ offset @ over
 
 
-DISPLACEMENTS: Displacements[BeveloidDesign] = Displacements(("dx", "dy", "dz", "gamma_h", "gamma_v"), _displaced_bases)
+#: keys of the assembly errors, and the positions of the members with them
+ASSEMBLY_DISPLACEMENTS: Displacements[BeveloidDesign] = Displacements(
+    ("dx", "dy", "dz", "gamma_h", "gamma_v"), _displaced_bases
+)
 
 
 def _no_working_angle(
     design: BeveloidDesign, reason: str, *, least: float | None = None, most: float | None = None
 ) -> DesignError:
-    """The refusal of the profile shift that is set first; the sum of both has to be more than `least` or less than `most`."""
+    """Return the refusal of the profile shift that is set first.
+
+    The sum of both shifts must be more than `least` or less than `most`.
+    """
     shifts = [("pinion", design.pinion.profile_shift), ("gear", design.gear.profile_shift)]
-    (first, own), (second, other) = shifts if "profile_shift" in design.pinion.model_fields_set else shifts[::-1]
-    beside = f"with {second}.profile_shift = {other:g}"
-    allowed = "" if least is None else f"more than {at_least(least - other)}"
-    allowed = allowed if most is None else f"less than {at_most(most - other)}"
-    return DesignError(f"{first}.profile_shift", own, reason=f"{beside} {reason}", allowed=allowed)
+    (named, shift), (other_member, other_shift) = (
+        shifts if "profile_shift" in design.pinion.model_fields_set else shifts[::-1]
+    )
+    reason_begin = f"with {other_member}.profile_shift = {other_shift:g}"
+    allowed = "" if least is None else f"more than {at_least(least - other_shift)}"
+    allowed = allowed if most is None else f"less than {at_most(most - other_shift)}"
+    return DesignError(f"{named}.profile_shift", shift, reason=f"{reason_begin} {reason}", allowed=allowed)
 
 
 def _parallel_origin(design: BeveloidDesign, pinion: Roll, gear: Roll, alpha: float, origin: Array) -> Array:
-    """Gear axis at the centre distance asked for, or (cylindrical gears) at the one without backlash [ISO 21771]."""
+    """Return the origin of the gear on parallel axes.
+
+    The axes are at the given centre distance. Cylindrical gears without one are at the distance without backlash [ISO
+    21771].
+    """
     given = design.assembly.center_distance
     if given is None and (pinion.cone or gear.cone):
         return origin
@@ -173,17 +197,19 @@ def _parallel_origin(design: BeveloidDesign, pinion: Roll, gear: Roll, alpha: fl
     transverse = np.arctan(np.tan(alpha) / np.cos(pinion.helix))
     if given is None:
         shifts = design.pinion.profile_shift + design.gear.profile_shift
+        # inv(alpha_wt) for nominal teeth without backlash; the root below MAX_WORKING_ANGLE is the working pressure
+        # angle
         involute = (
             np.tan(transverse) - transverse + 2 * shifts * np.tan(alpha) / (design.pinion.teeth + design.gear.teeth)
         )
         least = -0.5 * (np.tan(transverse) - transverse) * (design.pinion.teeth + design.gear.teeth) / np.tan(alpha)
         if involute <= 0.0:
             raise _no_working_angle(design, "there is no working pressure angle", least=least)
-        working = bracketed_root(lambda a, _: np.tan(a) - a - involute, np.zeros(1), np.array([STEEPEST]))
+        working = bracketed_root(lambda a, _: np.tan(a) - a - involute, np.zeros(1), np.array([MAX_WORKING_ANGLE]))
         if not working.converged[0]:
-            steepest = np.tan(STEEPEST) - STEEPEST - np.tan(transverse) + transverse
+            steepest = np.tan(MAX_WORKING_ANGLE) - MAX_WORKING_ANGLE - np.tan(transverse) + transverse
             most = 0.5 * steepest * (design.pinion.teeth + design.gear.teeth) / np.tan(alpha)
-            above = f"the working pressure angle would be above {np.degrees(STEEPEST):.4g} deg"
+            above = f"the working pressure angle would be above {np.degrees(MAX_WORKING_ANGLE):.4g} deg"
             raise _no_working_angle(design, above, most=most)
         given = reference * np.cos(transverse) / np.cos(float(working.values[0]))
     elif given <= reference * np.cos(transverse) and not (pinion.cone or gear.cone):
@@ -198,9 +224,11 @@ def _parallel_origin(design: BeveloidDesign, pinion: Roll, gear: Roll, alpha: fl
 
 
 def pinned_values(design: BeveloidDesign, train: GearTrain) -> dict[str, float]:
-    """The distance of parallel axes of a complete design in mm, which its build derives where it is left out."""
-    without = design.assembly.model_copy(update=dict.fromkeys(DISPLACEMENTS.keys, 0.0))
-    first, second = (mount.base for mount in build(design.model_copy(update={"assembly": without})).pairs[0].mounts)
-    if math.hypot(second.rotation[0, 2], second.rotation[1, 2]) >= MAX_SINE_OF_PARALLEL:
+    """Return the distance of parallel axes of a complete design in mm, which its build derives by default."""
+    no_errors = design.assembly.model_copy(update=dict.fromkeys(ASSEMBLY_DISPLACEMENTS.keys, 0.0))
+    pinion_base, gear_base = (
+        mount.base for mount in build(design.model_copy(update={"assembly": no_errors})).pairs[0].mounts
+    )
+    if math.hypot(gear_base.rotation[0, 2], gear_base.rotation[1, 2]) >= MAX_SINE_OF_PARALLEL:
         return {}
-    return {"assembly.center_distance": float(second.translation[0] - first.translation[0])}
+    return {"assembly.center_distance": float(gear_base.translation[0] - pinion_base.translation[0])}

@@ -18,10 +18,10 @@ from gearmesh.design.runout import PairRunout
 from gearmesh.systems.common.defaults import straight_rounding
 from gearmesh.systems.kinds import KINDS
 
-#: Angles (deg) closer than this to parallel axes are parallel.
-ALIGNED = 1e-9
-#: Rounding of the rack's tip that is not given, in normal modules, where there is room for it [ISO 53].
-TIP_RADIUS = 0.38
+#: angles (deg) closer than this to parallel axes are parallel
+PARALLEL_TOLERANCE_DEG = 1e-9
+#: default rounding of the rack's tip, in normal modules, if there is room for it [ISO 53]
+STANDARD_TIP_RADIUS = 0.38
 
 
 class BeveloidMember(TurnedTip, MemberTable, Modified):
@@ -87,8 +87,8 @@ class BeveloidMember(TurnedTip, MemberTable, Modified):
         return self
 
 
-#: says what sets the shaft angle where it is given
-SHAFT_ANGLE = (
+#: text about the keys that determine the shaft angle
+SHAFT_ANGLE_NOTE = (
     "the cone and helix angles of the members give it: without cones it is pinion.helix_angle + gear.helix_angle, without helices "
     "pinion.cone_angle + gear.cone_angle; the data sheet (gearmesh describe DESIGN) has it"
 )
@@ -97,7 +97,7 @@ SHAFT_ANGLE = (
 class BeveloidAssembly(PairRunout):
     """Position of the gear against its nominal one: assembly errors."""
 
-    absent: ClassVar[Mapping[str, str]] = {"shaft_angle": SHAFT_ANGLE}
+    absent: ClassVar[Mapping[str, str]] = {"shaft_angle": SHAFT_ANGLE_NOTE}
 
     dx: Annotated[float, Key("length", "offset of the gear along x_g", source="[LT02] 5")] = 0.0
     dy: Annotated[float, Key("length", "offset of the gear along y_g", source="[LT02] 5")] = 0.0
@@ -129,7 +129,7 @@ class BeveloidDesign(PairDesign):
     about: ClassVar[str] = KINDS["beveloid"].about
     called: ClassVar[str] = "Beveloid gears"
     absent: ClassVar[Mapping[str, str]] = {
-        "shaft_angle": SHAFT_ANGLE,
+        "shaft_angle": SHAFT_ANGLE_NOTE,
     }
 
     pressure_angle: Annotated[
@@ -141,7 +141,7 @@ class BeveloidDesign(PairDesign):
     contact: FlankContact = FlankContact()
 
     def derived_values(self) -> dict[str, float]:
-        """Tip roundings of the racks that the file leaves out; see the key's default.
+        """Return the tip roundings of the racks that the file leaves out; see the key's default.
 
         Returns
         -------
@@ -159,6 +159,7 @@ class BeveloidDesign(PairDesign):
         }
 
     def _rounding(self, member: BeveloidMember) -> float:
+        """Return the default tip rounding of a member's rack, normal modules."""
         m, alpha = self.given_module, math.radians(self.pressure_angle)
         depth = member.dedendum
         if member.root_diameter is not None:
@@ -167,14 +168,14 @@ class BeveloidDesign(PairDesign):
             depth = member.profile_shift + below / m
         # each flank of the pair is set back by a quarter of the backlash
         width = 0.5 * math.pi + 0.5 * self.backlash / m / math.cos(alpha)
-        return straight_rounding(width, depth, (self.pressure_angle, self.pressure_angle), TIP_RADIUS)
+        return straight_rounding(width, depth, (self.pressure_angle, self.pressure_angle), STANDARD_TIP_RADIUS)
 
     @property
     def parallel(self) -> bool:
-        """Whether the nominal axes are parallel [LT02 3]: opposite helices, and cone angles that cancel."""
+        """True if the nominal axes are parallel [LT02 3]: opposite helices, and cone angles that cancel."""
         cones = self.pinion.cone_angle + (-1 if self.assembly.turned_over else 1) * self.gear.cone_angle
         helices = self.pinion.helix_angle + self.gear.helix_angle
-        return math.hypot(cones, helices) < ALIGNED
+        return math.hypot(cones, helices) < PARALLEL_TOLERANCE_DEG
 
     @model_validator(mode="after")
     def _center_distance_of_parallel_axes(self) -> Self:

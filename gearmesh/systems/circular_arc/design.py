@@ -18,12 +18,12 @@ from gearmesh.systems.kinds import KINDS
 if TYPE_CHECKING:
     from gearmesh.systems.circular_arc.fillets import ArcRack
 
-#: Fillet arcs of the racks that are not given, in modules, where they fit.
-FILLETS = {"pinion": 0.4, "gear": 0.3}
+#: standard fillet radii of the members, in modules
+STANDARD_FILLETS = {"pinion": 0.4, "gear": 0.3}
 
 
 class CircularArcMember(TurnedTip, MemberTable):
-    """What pinion and gear have alike."""
+    """Keys that pinion and gear have in common."""
 
     lead_angle: Annotated[
         float, Key("angle", "lead angle; the pinion is right-handed, the gear left-handed", low=30, high=89.9)
@@ -162,7 +162,7 @@ class CircularArcDesign(PairDesign):
     contact: CircularArcContact = CircularArcContact()
 
     def derived_values(self) -> dict[str, float]:
-        """Rack and pitch radii that the file leaves out; see the keys' defaults.
+        """Return the rack and pitch radii that the file leaves out; see the keys' defaults.
 
         Returns
         -------
@@ -194,7 +194,7 @@ class CircularArcDesign(PairDesign):
         return {**derived, **self._fillets(derived)}
 
     def arc_rack(self, name: str) -> ArcRack:
-        """The rack of a member.
+        """Return the rack of a member.
 
         Parameters
         ----------
@@ -236,12 +236,12 @@ class CircularArcDesign(PairDesign):
                     for key in ("profile_radius", "a", "b", "pitch_radius")
                 }
             )
-            for name in FILLETS
+            for name in STANDARD_FILLETS
         }
         whole = self.model_copy(update=members)
         return {
             f"{name}.fillet_radius": whole.arc_rack(name).fillet_or_next(standard, self.given_module)
-            for name, standard in FILLETS.items()
+            for name, standard in STANDARD_FILLETS.items()
         }
 
     def _pitch_radius(self, member: CircularArcMember) -> float:

@@ -1,11 +1,13 @@
-"""Which fillet arcs the racks of circular-arc gears have room for [LT85 Figs. 4, 5].
+"""Room for the fillet arcs of the racks of circular-arc gears [LT85 Figs. 4, 5].
 
-The arc about (-b, a) of the radius rho and the fillet arc touch where the fillet touches the cutter's tip plane, `root` under
-the pitch plane. On rack F (convex teeth) they touch from outside, on rack P (concave ones) from inside:
+The arc about (-b, a) with radius rho and the fillet arc touch. The fillet arc also touches the cutter's tip plane,
+`root` under the pitch plane. On rack F (convex teeth) the arcs touch from outside, on rack P (concave teeth) from
+inside:
 
     F: sin(theta) = (f + b - root) / (rho + f),    P: sin(theta) = (b + root - f) / (rho - f)
 
-There must be such a theta, the flank must begin before it ends at the tip, and the roundings of a cutter's tooth must not overlap.
+Such a theta must exist, the flank must begin before it ends at the tip, and the roundings of a cutter's tooth must not
+overlap.
 """
 
 from __future__ import annotations
@@ -18,25 +20,31 @@ from numpy.typing import NDArray
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import last_true
 
-#: radii that are tried, in modules, and the part of what there is room for by which a default stays inside
-TRIED, INSIDE = np.linspace(0.0, 2.0, 401), 0.05
+#: radii that are tried, in modules
+TRIED_RADII = np.linspace(0.0, 2.0, 401)
+#: part of the available room by which a default stays inside it
+ROOM_MARGIN = 0.05
 
 
 @dataclass(frozen=True)
 class ArcRack:
-    """The space of rack F (`convex`) or P: lengths in mm, or in the design's unit.
+    """The space of a rack; lengths in mm, or in the design's unit."""
 
-    `half_pitch` in the normal section; `thinning`: what the backlash takes off; `tip`, `root`: heights of the blank's tip above
-    and of the cutter's tip plane below the pitch plane.
-    """
-
+    #: True for rack F, False for rack P
     convex: bool
+    #: radius of the arc
     rho: float
+    #: distance of the arc's centre along the pitch plane
     a: float
+    #: distance of the arc's centre from the pitch plane
     b: float
+    #: height of the blank's tip above the pitch plane
     tip: float
+    #: depth of the cutter's tip plane below the pitch plane
     root: float
+    #: half a pitch in the normal section
     half_pitch: float
+    #: distance by which the backlash sets the flank back
     thinning: float = 0.0
 
     @property
@@ -45,7 +53,7 @@ class ArcRack:
         return (self.tip + self.b) / self.rho if self.convex else (self.b - self.tip) / self.rho
 
     def sine(self, fillet: Array) -> Array:
-        """Where arc and fillet touch.
+        """Return sin(theta) of the point at which arc and fillet touch.
 
         Parameters
         ----------
@@ -71,7 +79,7 @@ class ArcRack:
         return sine
 
     def centre(self, fillet: Array) -> tuple[Array, Array]:
-        """Centre of the fillet arc.
+        """Return the centre of the fillet arc.
 
         Parameters
         ----------
@@ -98,7 +106,7 @@ class ArcRack:
         return self.b - (self.rho - fillet) * sine, y
 
     def fits(self, fillet: Array) -> NDArray[np.bool_]:
-        """Whether there is room for fillets.
+        """Return True where there is room for fillets.
 
         Parameters
         ----------
@@ -121,7 +129,7 @@ class ArcRack:
         return has_room
 
     def room(self, module: float) -> tuple[float, float] | None:
-        """Smallest and largest fillet that there is room for.
+        """Return the smallest and the largest fillet that fits.
 
         Parameters
         ----------
@@ -139,17 +147,17 @@ class ArcRack:
         >>> [round(end, 2) for end in rack.room(0.5)]
         [0.16, 0.83]
         """
-        fits = np.flatnonzero(self.fits(TRIED * module))
+        fits = np.flatnonzero(self.fits(TRIED_RADII * module))
         if not fits.size:
             return None
-        last = TRIED.size - 1
-        inside = TRIED[[fits[0], fits[-1]]]
-        beside = TRIED[[max(fits[0] - 1, 0), min(fits[-1] + 1, last)]]
+        last = TRIED_RADII.size - 1
+        inside = TRIED_RADII[[fits[0], fits[-1]]]
+        beside = TRIED_RADII[[max(fits[0] - 1, 0), min(fits[-1] + 1, last)]]
         ends, _ = last_true(lambda f, _: self.fits(f * module), inside, beside)
         return float(ends[0]), float(ends[1])
 
     def fillet_or_next(self, standard: float, module: float) -> float:
-        """The standard fillet, or the nearest one for which there is room.
+        """Return the standard fillet, or the nearest fillet that fits.
 
         Parameters
         ----------
@@ -173,4 +181,4 @@ class ArcRack:
         if room is None or self.fits(np.array(standard * module)):
             return standard
         low, high = room
-        return low + INSIDE * (high - low) if standard < low else high - INSIDE * (high - low)
+        return low + ROOM_MARGIN * (high - low) if standard < low else high - ROOM_MARGIN * (high - low)

@@ -1,4 +1,4 @@
-"""The sheet of a circular-arc pair: theta of its point of contact in closed form and exactly, and how it may be moved [LT85]."""
+"""The sheet of a circular-arc pair: theta of its point of contact, in closed form and exactly [LT85]."""
 
 from __future__ import annotations
 
@@ -17,18 +17,21 @@ if TYPE_CHECKING:
     from gearmesh.teeth.gear_train import GearTrain
 
 #: title of the table
-CONTACT = "Point of contact [LT85]"
+CONTACT_TITLE = "Point of contact [LT85]"
 
 
 def contact_sheet(design: CircularArcDesign, train: GearTrain) -> Sheet:
-    """The sheet of a design and the gear set built of it; what that of any system has is part of it."""
+    """Return the sheet of a design and the gear set built from it.
+
+    It contains the tables that every system has.
+    """
     own = complete_design(design).in_mm()
     derived, *plain = plain_sheet(own, train).tables
-    return Sheet((derived, *tables_of((CONTACT, lambda: _contact_table(own, train))), *plain), {})
+    return Sheet((derived, *tables_of((CONTACT_TITLE, lambda: _contact_table(own, train))), *plain), {})
 
 
 def _contact_table(design: CircularArcDesign, train: GearTrain) -> SheetTable:
-    """theta by the formulas and on the exact contact at phi1 = 0, None where there is none; lengths in mm."""
+    """Return theta by the formulas and on the exact contact at phi1 = 0; None if there is none. Lengths are in mm."""
     change, delta = design.assembly.dC, setting_change(design)
     racks, moved = contact_angle(design), contact_angle(design, change)
     path = analyse(train.pairs[0], np.zeros(1))
@@ -48,7 +51,7 @@ def _contact_table(design: CircularArcDesign, train: GearTrain) -> SheetTable:
         ("h1 N2/(h2 N1)", "1 where the ratio is uniform (3)", "-", float(h1 / h2 / train.pairs[0].ratio)),
     )
     return SheetTable(
-        CONTACT,
+        CONTACT_TITLE,
         ("",),
         tuple((item, unit, value) for _, item, unit, value in rows),
         tuple(symbol for symbol, *_ in rows),
@@ -56,4 +59,5 @@ def _contact_table(design: CircularArcDesign, train: GearTrain) -> SheetTable:
 
 
 def _degrees(angle: float) -> float | None:
+    """Return an angle in deg; None if it is NaN."""
     return None if np.isnan(angle) else float(np.degrees(angle))

@@ -1,12 +1,13 @@
-"""Double-crowned helical gears on parallel axes [LF04 17]: Novikov-Wildhaber gears of the new version, modified involute gears.
+"""Double-crowned helical gears on parallel axes [LF04 17]: Novikov-Wildhaber gears and modified involute gears.
 
 Parabolic rack cutters touch at the pitch plane. In the space of the pinion's cutter both flanks lose material away from
-it by a_c d^2; the gear's gain a_t d^2 (Novikov, internal tangency) or lose it (modified involute, external tangency), d
-along the tangent. Worm or disk then grind the pinion and crown it along its teeth.
+it by a_c d^2, with d along the tangent. The gear's flanks gain a_t d^2 (Novikov gears of the new version, internal
+tangency) or lose it (modified involute gears, external tangency). A worm or disk then grinds the pinion and crowns it
+along its teeth.
 
-Frames: S_1 = S_f of the pinion, the gear's axis at x = E and its own x axis turned over; phi1 turns the pinion clockwise
-about +z, phi2 the gear counterclockwise. The driving side is the right flank of both. At phi1 = 0 the touching flanks meet
-the pitch point at mid face, where rack, pinion and gear touch.
+The frame S_1 = S_f is the pinion's. The gear's axis is at x = E, and its own x axis is turned over. phi1 turns the
+pinion clockwise about +z, phi2 the gear counterclockwise. The driving side is the right flank of both members. At phi1
+= 0 the touching flanks meet the pitch point at mid face, where rack, pinion and gear touch.
 """
 
 from __future__ import annotations
@@ -44,15 +45,15 @@ from gearmesh.tools.worm import Worm
 if TYPE_CHECKING:
     from gearmesh.systems.parabolic_helical.design import ParabolicHelicalDesign, ParabolicMember
 
-#: feed either way of mid face, over the face width, in which the ground tooth is prepared
-BEYOND = 0.6
+#: feed on either side of mid face, over the face width, for which the ground tooth is prepared
+FEED_SHARE = 0.6
 
 
 def build(design: ParabolicHelicalDesign) -> GearTrain:
-    """The pair of a `novikov` or `modified_involute` design (in mm).
+    """Return the pair of a `novikov` or `modified_involute` design (in mm).
 
-    Raises DesignError for racks and teeth that cannot exist (see `rack_tooth.round_tips`, `rack_member.member`) and for
-    tools that cannot grind the pinion.
+    Raises DesignError for racks and teeth that cannot exist (see `rack_tooth.round_tips`, `rack_member.member`), and
+    for tools that cannot grind the pinion.
     """
     rolls, racks = _rolls(design), _racks(design)
     grinding = {"pinion": _crowning(design, rolls["pinion"]), "gear": None}
@@ -108,12 +109,15 @@ def _rolls(design: ParabolicHelicalDesign) -> dict[str, Roll]:
 
 
 def _hand(design: ParabolicHelicalDesign) -> float:
-    """+1 for a right-hand pinion (and spur gears), -1 for a left-hand one."""
+    """Return +1 for a right-hand pinion (and spur gears), -1 for a left-hand pinion."""
     return 1.0 if design.helix_angle >= 0.0 else -1.0
 
 
 def _racks(design: ParabolicHelicalDesign) -> dict[str, tuple[RackTooth, RackTooth]]:
-    """Right and left side of both cutters' spaces; each of the pair's four flanks is set back by a quarter of the backlash."""
+    """Return right and left side of both cutters' spaces.
+
+    Each of the pair's four flanks is set back by a quarter of the backlash.
+    """
     module, racks = design.given_module, {}
     for name, spec in _specs(design).items():
         for angle in (design.pressure_angle, design.coast_pressure_angle):
@@ -124,9 +128,9 @@ def _racks(design: ParabolicHelicalDesign) -> dict[str, tuple[RackTooth, RackToo
 
 
 def _crowning(design: ParabolicHelicalDesign, roll: Roll) -> ToothMaking | None:
-    """What makes the pinion's teeth of a cutter's surface; None: the cutter itself."""
+    """Return the tool that makes the pinion's teeth from a cutter's surface; None for the cutter itself."""
     pinion, module = design.pinion, _module(design, roll)
-    feed = BEYOND * pinion.face_width
+    feed = FEED_SHARE * pinion.face_width
     if pinion.crowning == "none":
         return None
     if pinion.crowning == "disk":
@@ -141,7 +145,7 @@ def _crowning(design: ParabolicHelicalDesign, roll: Roll) -> ToothMaking | None:
 
 
 def _disk(design: ParabolicHelicalDesign, roll: Roll) -> tuple[Disk, float]:
-    """The disk that grinds the pinion, and the feed at which it does not plunge."""
+    """Return the disk that grinds the pinion, and the feed at which it does not plunge."""
     disk = Disk(design.disk.pitch_radius, design.pinion.teeth, _module(design, roll), roll.helix)
     vertex = design.disk.vertex
     if vertex is None:
@@ -151,7 +155,7 @@ def _disk(design: ParabolicHelicalDesign, roll: Roll) -> tuple[Disk, float]:
 
 
 def _bottom(design: ParabolicHelicalDesign, roll: Roll, racks: tuple[RackTooth, RackTooth]) -> Bottom | None:
-    """The root that a disk's rim leaves: it lies askew in the space, so that a plunge is not the same across it."""
+    """Return the root that a disk's rim grinds; it is askew in the space, so that a plunge varies across it."""
     if design.pinion.crowning != "disk":
         return None
     disk, vertex = _disk(design, roll)
@@ -162,24 +166,24 @@ def _bottom(design: ParabolicHelicalDesign, roll: Roll, racks: tuple[RackTooth, 
 
 
 def _grind(design: ParabolicHelicalDesign, tool: Worm) -> Callable[[RackSurface], FeedEnvelope]:
-    """The tooth that the worm grinds, of a cutter surface: crowned if the pinion is so by a worm."""
+    """Return the function from a cutter surface to the tooth that the worm grinds, crowned if the worm crowns it."""
     pinion = design.pinion
     plunge = pinion.plunge_coefficient if pinion.crowning == "worm_plunge" else 0.0
     modified_roll = pinion.roll_coefficient if pinion.crowning == "worm_roll" else 0.0
-    # the turn that takes material off the right flank leaves more on the left one
+    # the rotation that removes material from the right flank leaves more on the left flank
     return lambda rack: tool.tooth(rack, plunge, rack.side * modified_roll)
 
 
 def _module(design: ParabolicHelicalDesign, roll: Roll) -> float:
-    """Normal module (mm) that belongs to the pinion's pitch radius, also if the lead angle is changed."""
+    """Return the normal module (mm) that belongs to the pinion's pitch radius, also if the lead angle is changed."""
     return float(2.0 * roll.radius * np.cos(roll.helix) / design.pinion.teeth)
 
 
 def worm_part(design: ParabolicHelicalDesign) -> ToolPart:
-    """The worm of the table `worm` (in mm) as a part: what it must be to grind the pinion from end to end.
+    """Return the worm of the table `worm` (in mm) as a part, long enough to grind the pinion from end to end.
 
-    A pinion that is crowned otherwise, or not at all, is one that the worm would grind without crowning. Raises DesignError
-    as `worm_thread.worm_member`.
+    If the pinion is crowned by another tool, or not at all, the worm grinds it without crowning. Raises DesignError as
+    `worm_thread.worm_member` does.
     """
     pinion, roll, racks = design.pinion, _rolls(design)["pinion"], _racks(design)["pinion"]
     tool = worm(design, _module(design, roll), roll.helix)
@@ -189,7 +193,10 @@ def worm_part(design: ParabolicHelicalDesign) -> ToolPart:
 
 
 def pinned_values(design: ParabolicHelicalDesign, train: GearTrain) -> dict[str, float]:
-    """Position of the disk of a complete design in mm; length and bore of the worm, where there can be one as a part."""
+    """Return the position of the disk, and length and bore of the worm if it can be a part.
+
+    They are given for a complete design in mm.
+    """
     values = {}
     if design.pinion.crowning == "disk":
         values["disk.vertex"] = float(_disk(design, _rolls(design)["pinion"])[1])
@@ -203,19 +210,20 @@ def pinned_values(design: ParabolicHelicalDesign, train: GearTrain) -> dict[str,
 
 
 def worm(design: ParabolicHelicalDesign, module: float, helix: float) -> Worm:
-    """The worm that grinds the pinion."""
+    """Return the worm that grinds the pinion."""
     hand = 1 if design.worm.right_hand else -1
     return Worm(design.worm.pitch_radius, design.worm.threads, design.pinion.teeth, module, helix, hand)
 
 
 def _mounts(design: ParabolicHelicalDesign, rolls: dict[str, Roll]) -> dict[str, Mount]:
-    """[LF04 17.8]: dE moves the axes apart, d_gamma turns the gear's axis about the line of centres.
+    """Return the positions of both members [LF04 17.8].
 
-    It is counted so that d_gamma + d_lambda1 = 0 restores the contact, for right-hand and left-hand pinions.
+    dE moves the axes apart, d_gamma turns the gear's axis about the line of centres. Its sense is such that d_gamma +
+    d_lambda1 = 0 restores the contact, for right-hand and left-hand pinions.
     """
     tilt = rotation_about("x", -_hand(design) * np.radians(design.assembly.d_gamma)) @ rotation_about("z", np.pi)
     pinion, gear = rolls["pinion"].radius, rolls["gear"].radius
-    # half of the pinion's tooth on the pitch cylinder; the flank that touches is as far off the middle of the tooth
+    # half of the pinion's tooth on the pitch cylinder: the distance of the touching flank from the middle of the tooth
     half = 0.5 * np.pi * design.given_module / (1.0 + design.rack_parameter) / np.cos(np.radians(design.helix_angle))
     aside = float(half if design.contact.flank == "right" else -half)
     return {
@@ -230,19 +238,25 @@ def _mounts(design: ParabolicHelicalDesign, rolls: dict[str, Roll]) -> dict[str,
 def _displaced_bases(
     design: ParabolicHelicalDesign, train: GearTrain, errors: Mapping[str, Array]
 ) -> tuple[Rigid, Rigid]:
+    """Return the positions of both members with assembly errors."""
     pinion, gear = (mount.base for mount in train.pairs[0].mounts)
     tilt = rotation_about("x", -_hand(design) * np.radians(errors["d_gamma"]))
     return pinion, Rigid(tilt @ gear.rotation, gear.translation + shifts(errors["dE"], 0.0, 0.0))
 
 
-DISPLACEMENTS: Displacements[ParabolicHelicalDesign] = Displacements(("dE", "d_gamma"), _displaced_bases)
+#: keys of the assembly errors, and the positions of the members with them
+ASSEMBLY_DISPLACEMENTS: Displacements[ParabolicHelicalDesign] = Displacements(("dE", "d_gamma"), _displaced_bases)
 
 
 def _source_parameters(grinding: ToothMaking | None) -> SourceParameters:
-    """u_c along the rack's profile with theta_c along its teeth [LF04 17.9], or with the feed s_w of worm and disk (17.7.8)."""
-    second = "theta_c" if grinding is None else "s_w"
+    """Return the function for the source parameters.
+
+    They are u_c along the rack's profile and theta_c along its teeth [LF04 17.9], or the feed s_w of worm and disk
+    (17.7.8).
+    """
+    along = "theta_c" if grinding is None else "s_w"
 
     def source_parameters(p: Array, v: Array) -> dict[str, Array]:
-        return {"u_c": p, second: v}
+        return {"u_c": p, along: v}
 
     return source_parameters

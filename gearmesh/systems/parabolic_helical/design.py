@@ -23,24 +23,35 @@ from gearmesh.systems.kinds import KINDS
 if TYPE_CHECKING:
     from gearmesh.systems.parabolic_helical.racks import Flanks
 
-#: Pitch radius of a worm or disk that is not given, in normal modules.
+#: default pitch radius of a worm or disk, in normal modules
 TOOL_RADIUS = 20.0
-#: Depth and tip rounding of a rack that are not given, in normal modules, where there is room for them.
-DEDENDUM, TIP_RADIUS = 1.25, 0.3
-#: Height of a tip that is not given, the least one, and the land that it leaves on the whole face, in normal modules.
-ADDENDUM, LEAST_ADDENDUM, LEAST_LAND = 1.0, 0.3, 0.15
-#: A disk crowns by up to so much more than a worm that plunges alike, and so many modules off mid face.
-MORE, ASIDE = 1.5, 2.0
-#: Rounding that a depth that is not given leaves room for, and how far it stays below the mating gear's tip, in normal modules.
-LEAST_RADIUS, LEAST_CLEARANCE = 0.1, 0.1
+#: default depth of a rack, in normal modules, if there is room for it
+STANDARD_DEDENDUM = 1.25
+#: default tip rounding of a rack, in normal modules, if there is room for it
+STANDARD_TIP_RADIUS = 0.3
+#: default height of a tip, in normal modules
+STANDARD_ADDENDUM = 1.0
+#: least default height of a tip, in normal modules
+MIN_ADDENDUM = 0.3
+#: land, in normal modules, that the default tip leaves on the whole face
+MIN_LAND_MODULES = 0.15
+#: largest ratio of the crowning by a disk to the crowning by a worm of equal plunge
+DISK_CROWNING_RATIO = 1.5
+#: largest offset of a disk's crowning from mid face, normal modules
+DISK_OFFSET_MODULES = 2.0
+#: tip rounding, in normal modules, for which a default depth leaves room
+MIN_TIP_RADIUS = 0.1
+#: clearance, in normal modules, of a default depth below the mating gear's tip
+MIN_CLEARANCE_MODULES = 0.1
 
-PARABOLA = Key(
+#: key of a parabola coefficient
+PARABOLA_KEY = Key(
     "curvature", "parabola coefficient of the rack cutter's profile; 0 = straight", low=0, high=10, source="[LF04] 17.8"
 )
 
 
 class ParabolicMember(TurnedTip, MemberTable):
-    """What pinion and gear have alike."""
+    """Keys that pinion and gear have in common."""
 
     addendum: Annotated[
         float,
@@ -72,7 +83,7 @@ class ParabolicMember(TurnedTip, MemberTable):
             default="0.3, or 90 % of what the rack's tooth has room for",
         ),
     ] = DERIVED_VALUE
-    parabola: Annotated[float, PARABOLA]
+    parabola: Annotated[float, PARABOLA_KEY]
 
 
 class ParabolicPinion(ParabolicMember):
@@ -117,7 +128,7 @@ class NovikovGear(ParabolicMember):
 class ModifiedInvoluteGear(ParabolicMember, Modified):
     """Gear, an involute one unless its profile is crowned as well; involute flanks may be modified."""
 
-    parabola: Annotated[float, PARABOLA] = 0.0
+    parabola: Annotated[float, PARABOLA_KEY] = 0.0
 
     @model_validator(mode="after")
     def _involute(self) -> Self:
@@ -163,8 +174,8 @@ class ParabolicAssembly(PairRunout):
     ] = 0.0
 
 
-#: what new designs of both kinds begin with [LF04 Table 17.8.1]
-EXAMPLE = {
+#: keys of the examples of both kinds
+EXAMPLE_KEYS = {
     "module": 5.08,
     "helix_angle": 20,
     "rack_parameter": 0.7,
@@ -180,7 +191,7 @@ EXAMPLE = {
 
 
 class ParabolicHelicalDesign(PairDesign):
-    """What both kinds have alike."""
+    """Keys that both kinds have in common."""
 
     #: sign of the gear's parabola: what its rack's profile takes off the tooth away from the pitch plane
     gear_parabola_sign: ClassVar[float] = 1.0
@@ -225,7 +236,7 @@ class ParabolicHelicalDesign(PairDesign):
         if self.module is None and self.diametral_pitch is None:
             return self
         m, reach = self.given_module, (0.5 * self.pinion.face_width) ** 2
-        # on the pitch cylinder a turn by an angle is an arc of it
+        # a rotation by an angle is an arc of the pitch cylinder
         limits = {"plunge_coefficient": m / reach, "roll_coefficient": m / reach / self._pitch_radius}
         for key, limit in limits.items():
             value = getattr(self.pinion, key)
@@ -244,7 +255,7 @@ class ParabolicHelicalDesign(PairDesign):
         return 0.5 * self.pinion.teeth * self.given_module / math.cos(math.radians(self.helix_angle))
 
     def derived_values(self) -> dict[str, float]:
-        """Coast side, tools and the modified roll that the file leaves out; see the keys' defaults.
+        """Return coast side, tools and modified roll that the file leaves out; see the keys' defaults.
 
         Returns
         -------
@@ -274,7 +285,7 @@ class ParabolicHelicalDesign(PairDesign):
         }
 
     def rack_space(self, name: str) -> float:
-        """Width of the space of a member's rack at the pitch plane, without backlash.
+        """Return the width of the space of a member's rack at the pitch plane, without backlash.
 
         Parameters
         ----------
@@ -295,7 +306,7 @@ class ParabolicHelicalDesign(PairDesign):
         return pitch / (1.0 + b) if name == "pinion" else pitch * b / (1.0 + b)
 
     def rack_flanks(self, name: str) -> Flanks:
-        """Both flanks of a member's rack; each of the pair's four is set back by a quarter of the backlash.
+        """Return both flanks of a member's rack; each flank of the pair is set back by a quarter of the backlash.
 
         Parameters
         ----------
@@ -325,51 +336,58 @@ class ParabolicHelicalDesign(PairDesign):
         return flanks[0], flanks[1]
 
     def _tip(self, name: str, roll: float) -> float:
-        """Addendum of a member, where it is left out what leaves land at the ends of the face, in normal modules.
+        """Return the addendum of a member, in normal modules; by default it leaves land at the ends of the face.
 
-        `roll`: the modified roll of the pinion's tool, which takes off each flank what a turn by it does.
+        `roll`: the modified roll of the pinion's tool; it removes material from each flank as the corresponding
+        rotation would.
         """
         from gearmesh.systems.parabolic_helical.racks import land
 
         member = self.pinion if name == "pinion" else self.gear
         if not math.isnan(member.addendum):
             return member.addendum
-        m, sunk, turned = self.given_module, 0.0, 0.0
+        m, sunk, rotation = self.given_module, 0.0, 0.0
         if name == "pinion" and self.pinion.crowning in ("worm_plunge", "disk"):
-            share, aside = (MORE, ASIDE * m) if self.pinion.crowning == "disk" else (1.0, 0.0)
-            sunk = share * max(self.pinion.plunge_coefficient, 0.0) * (0.5 * member.face_width + aside) ** 2
+            share, offset = (
+                (DISK_CROWNING_RATIO, DISK_OFFSET_MODULES * m) if self.pinion.crowning == "disk" else (1.0, 0.0)
+            )
+            sunk = share * max(self.pinion.plunge_coefficient, 0.0) * (0.5 * member.face_width + offset) ** 2
         if name == "pinion" and self.pinion.crowning == "worm_roll":
-            turned = max(roll, 0.0) * (0.5 * member.face_width) ** 2
+            rotation = max(roll, 0.0) * (0.5 * member.face_width) ** 2
         helix, flanks = math.radians(self.helix_angle), self.rack_flanks(name)
         radius = 0.5 * member.teeth * m / math.cos(helix)
 
         def fits(tip: float) -> bool:
-            left = land(flanks, (radius, helix), tip * m, sunk) - 2.0 * (radius + tip * m) * turned
-            return left >= LEAST_LAND * m
+            left = land(flanks, (radius, helix), tip * m, sunk) - 2.0 * (radius + tip * m) * rotation
+            return left >= MIN_LAND_MODULES * m
 
-        return deepest(fits, LEAST_ADDENDUM, ADDENDUM)
+        return deepest(fits, MIN_ADDENDUM, STANDARD_ADDENDUM)
 
     def _cutter_tip(self, name: str, member: ParabolicMember, mating_tip: float) -> dict[str, float]:
-        """Depth and tip rounding of a member's rack where they are left out, by its mating gear's addendum; all in normal
-        modules."""
+        """Return default depth and tip rounding of a member's rack, in normal modules.
+
+        `mating_tip`: addendum of the mating gear.
+        """
         from gearmesh.systems.parabolic_helical.racks import has_room, rounding_room
 
         flanks, m = self.rack_flanks(name), self.given_module
 
         def fits(depth: float) -> bool:
-            return has_room(flanks, depth * m, LEAST_RADIUS / ROOM_SHARE * m)
+            return has_room(flanks, depth * m, MIN_TIP_RADIUS / ROOM_SHARE * m)
 
         depth = member.dedendum
         if math.isnan(depth):
-            depth = deepest(fits, mating_tip + LEAST_CLEARANCE, DEDENDUM)
-        there = rounding_room(flanks, depth * m, TIP_RADIUS * m) / m
+            depth = deepest(fits, mating_tip + MIN_CLEARANCE_MODULES, STANDARD_DEDENDUM)
+        available = rounding_room(flanks, depth * m, STANDARD_TIP_RADIUS * m) / m
         return {
             f"{name}.dedendum": depth,
-            f"{name}.tool_tip_radius": TIP_RADIUS if there >= TIP_RADIUS else ROOM_SHARE * there,
+            f"{name}.tool_tip_radius": STANDARD_TIP_RADIUS
+            if available >= STANDARD_TIP_RADIUS
+            else ROOM_SHARE * available,
         }
 
     def standards(self) -> dict[str, tuple[float, str]]:
-        """What the keys that adapt would be, and why they are not.
+        """Return the standard values of the keys that adapt, and the reasons for other values.
 
         Returns
         -------
@@ -383,9 +401,9 @@ class ParabolicHelicalDesign(PairDesign):
         """
         room = "the rack's tooth has no room for it"
         why = {
-            "addendum": (ADDENDUM, "the tooth would be pointed, or nearly so"),
-            "dedendum": (DEDENDUM, room),
-            "tool_tip_radius": (TIP_RADIUS, room),
+            "addendum": (STANDARD_ADDENDUM, "the tooth would be pointed, or nearly so"),
+            "dedendum": (STANDARD_DEDENDUM, room),
+            "tool_tip_radius": (STANDARD_TIP_RADIUS, room),
         }
         return {f"{name}.{key}": standard for name in ("pinion", "gear") for key, standard in why.items()}
 
@@ -395,7 +413,7 @@ class NovikovDesign(ParabolicHelicalDesign):
 
     own_kind: ClassVar[str] = "novikov"
     example: ClassVar[Mapping[str, Any]] = {
-        **EXAMPLE,
+        **EXAMPLE_KEYS,
         "gear": {"teeth": 77, "face_width": 90, "addendum": 0.6, "parabola": 0.0155},
     }
     gear_parabola_sign: ClassVar[float] = -1.0
@@ -420,7 +438,7 @@ class ModifiedInvoluteDesign(ParabolicHelicalDesign):
     """A pair of modified involute helical gears."""
 
     own_kind: ClassVar[str] = "modified_involute"
-    example: ClassVar[Mapping[str, Any]] = {**EXAMPLE, "gear": {"teeth": 77, "face_width": 90, "addendum": 0.6}}
+    example: ClassVar[Mapping[str, Any]] = {**EXAMPLE_KEYS, "gear": {"teeth": 77, "face_width": 90, "addendum": 0.6}}
     about: ClassVar[str] = KINDS["modified_involute"].about
     called: ClassVar[str] = "Modified involute gears"
 

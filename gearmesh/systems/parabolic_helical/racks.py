@@ -1,4 +1,4 @@
-"""Profiles of the parabolic rack cutters, and the room that the tips of their teeth have [LF04 17.7, Table 17.8.1]."""
+"""Profiles of the parabolic rack cutters, and the room on the tips of their teeth [LF04 17.7, Table 17.8.1]."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import numpy as np
 from gearmesh.systems.common.racks.rack_tooth import largest_rounding, tip_land
 from gearmesh.tools.rack import Parabola
 
-#: points of a flank between which the tooth's tip is looked for
+#: points of a flank between which the tooth's tip is searched
 LAND_SAMPLES = 65
 
 #: right and left flank of a cutter's space
@@ -15,24 +15,28 @@ Flanks = tuple[Parabola, Parabola]
 
 
 def rounding_room(flanks: Flanks, depth: float, most: float) -> float:
-    """Largest rounding of a rack's tip at a `depth`, up to `most`; 0 where the tip is pointed or bent back."""
+    """Return the largest rounding of a rack's tip at a `depth`, up to `most`; 0 if the tip is pointed or bent back."""
     if not has_room(flanks, depth, 0.0):
         return 0.0
     return largest_rounding(flanks, -depth, flanks[0].line.a, most)
 
 
 def has_room(flanks: Flanks, depth: float, radius: float) -> bool:
-    """Whether a rack's tip at a `depth` has room for roundings of a `radius`."""
+    """True if a rack's tip at a `depth` has room for roundings of a `radius`."""
     if not np.isfinite([flank.at_height(-depth) for flank in flanks]).all():
         return False
     return bool(tip_land(flanks, np.array([radius]), -depth, flanks[0].line.a)[0] >= 0.0)
 
 
 def land(flanks: Flanks, roll: tuple[float, float], height: float, sunk: float) -> float:
-    """Width across the axis of the land, `height` above the pitch cylinder, of the tooth that a rack leaves; NaN: no such tooth.
+    """Return the width across the axis of the land of the tooth that a rack generates; NaN if there is no such tooth.
 
-    `roll`: pitch radius and helix angle (rad); the rack is `sunk` deeper than it rolls. It touches the tooth where the
-    transverse normal passes through the pitch point: y = x n_y / n_x on the line of action.
+    - roll: pitch radius and helix angle (rad).
+    - height: height of the land above the pitch cylinder.
+    - sunk: depth of the rack's pitch plane below the pitch cylinder.
+
+    The rack touches the tooth where the transverse normal passes through the pitch point: y = x n_y / n_x on the line
+    of action.
     """
     radius, helix = roll
     width = 0.0

@@ -1,8 +1,9 @@
-"""The worm itself, a part that people make: thread flanks, crests that grind fillets, root with clearance [LF04 17.7].
+r"""The grinding worm as a part that people make: thread flanks, crests that grind fillets, root [LF04 17.7].
 
-The rack's surface has the gear on one side and the worm on the other: the worm's thread fills the cutter's tooth. Seen from
-the worm, turned by 180 deg in the normal section about the middle of the cutter's tooth, the cutter is again the space of a
-rack, and the worm the helical gear of `threads` teeth, pitch radius r_w and helix angle 90 deg - lambda that it generates:
+The rack's surface has the gear on one side and the worm on the other: the worm's thread fills the cutter's tooth. Seen
+from the worm, the cutter is turned by 180 deg in the normal section, about the middle of its tooth. It is then again
+the space of a rack. This rack generates the worm as a helical gear of `threads` teeth, pitch radius r_w and helix angle
+90 deg - lambda:
 
           gear's S_n                                     worm's S_n'
     x ^  \\ gear's tip                          x' ^   ____  crest, from the rounding: grinds the gear's fillet
@@ -43,12 +44,14 @@ from gearmesh.tools.profile import Profile
 from gearmesh.tools.rack import Arc, RackSurface
 from gearmesh.tools.worm import Worm
 
-#: clearance of the worm's root from the gear's tips, normal modules, and the share of the space that its fillets may take
-CLEARANCE, FILLETS = 0.25, 0.95
-#: points across each profile and along the gear's face at which the worm's points of contact are looked at
-SAMPLES = (17, 9)
+#: clearance of the worm's root from the gear's tips, normal modules
+CLEARANCE_MODULES = 0.25
+#: part of the space that the worm's fillets may take
+MAX_FILLET_SHARE = 0.95
+#: points across each profile and along the gear's face at which the worm's contact is computed
+CONTACT_SAMPLES = (17, 9)
 #: halvings to the smallest pitch radius whose thread is sound
-HALVINGS = 40
+BISECTION_STEPS = 40
 
 
 @dataclass(frozen=True)
@@ -60,7 +63,7 @@ class Opposite:
 
     def section(self, p: Array) -> tuple[Array, Array, Array, Array]:
         points, tangents, normals, turned = self.profile.section(p)
-        # turned by 180 deg the normal is -n, and the material is on its other side
+        # turned by 180 deg the normal is -n, and n again since the material is on its other side
         return -(points + np.array([0.0, self.half_pitch])), -tangents, normals, turned
 
 
@@ -80,35 +83,41 @@ def grinding_worm(
     length: float | None = None,
     bore: float | None = None,
 ) -> ToolPart:
-    """The worm whose thread touches between the z (mm) of `touching`, see `touching_range`, with its thread centred at z = 0.
+    """Return the worm whose thread touches between the z (mm) of `touching`, see `touching_range`.
 
-    A `length` (mm) that is not given is what grinds the whole tooth and an axial pitch more, in whole mm: at the ends of
-    a thread one flank ends half a pitch before the other. For `bore` and what is raised see `worm_member`.
+    The thread is centred at z = 0. The default `length` (mm) is the length that grinds the whole tooth plus an axial
+    pitch, in whole mm: at the ends of a thread one flank ends half a pitch before the other. For `bore` and errors see
+    `worm_member`.
     """
     needed = 2.0 * max(abs(z) for z in touching)
     pitch = np.pi * worm.module / np.cos(worm.lead_angle)
-    given = float(math.ceil(needed + pitch)) if length is None else length
-    figures = Summary(WormFigures(given, needed, _least_radius(worm, racks)))
-    short = f"worm.length = {given:g} mm: grinding the whole tooth needs {needed:.6g} mm"
-    part = worm_member(worm, racks, given, bore)
-    return ToolPart(part, figures, (short,) if given < needed else (), _own_to_thread(worm))
+    thread_length = float(math.ceil(needed + pitch)) if length is None else length
+    figures = Summary(WormFigures(thread_length, needed, _least_radius(worm, racks)))
+    warning = f"worm.length = {thread_length:g} mm: grinding the whole tooth needs {needed:.6g} mm"
+    part = worm_member(worm, racks, thread_length, bore)
+    return ToolPart(part, figures, (warning,) if thread_length < needed else (), _own_to_thread(worm))
 
 
 def _own_to_thread(worm: Worm) -> Rigid:
-    """The part's frame to that of `Worm.thread`: it is turned end for end, a thread where the other has a space on +x."""
+    """Return the transformation from the part's frame to the frame of `Worm.thread`.
+
+    The frame is turned end for end; a thread of the part is where the other frame has a space on +x.
+    """
     return Rigid(np.diag([1.0, -1.0, -1.0]), np.zeros(3)) @ Rigid.about_z(np.pi / worm.threads)
 
 
 def worm_member(
     worm: Worm, racks: tuple[RackTooth, RackTooth], length: float, bore: float | None = None, name: str = "worm"
 ) -> Member:
-    """The worm as a member of `length` mm between planes across its axis, with a bore of diameter `bore` mm.
+    """Return the worm as a member of `length` mm between planes across its axis, with a bore of diameter `bore` mm.
 
-    `racks`: right and left side of the space of the gear's rack cutter. The frame is the worm's, its thread centred on +x:
-    `worm.thread` of the right rack is the left side of the thread, turned by -pi / threads. Raises DesignError naming key,
-    value and limit: singular points of the thread between root and tip, bore not below the root, thread that cannot be closed.
+    `racks`: right and left side of the space of the gear's rack cutter. The frame is the worm's, its thread centred on
+    +x. `worm.thread` of the right rack is the left side of the thread, turned by -pi / threads.
+
+    Raises DesignError naming key, value and limit: singular points of the thread between root and tip, a bore not below
+    the root, or a thread that cannot be closed.
     """
-    clearance = min(CLEARANCE * worm.module, *(_room(rack) for rack in racks))
+    clearance = min(CLEARANCE_MODULES * worm.module, *(_room(rack) for rack in racks))
     right, left = (_side(worm, rack, clearance, side) for rack, side in zip(racks[::-1], (1, -1), strict=True))
     _refuse_singular(worm, racks)
     root = worm.radius - racks[0].tip_height - clearance
@@ -132,32 +141,37 @@ def touching_range(
     racks: tuple[RackTooth, RackTooth],
     extent: tuple[float, float],
 ) -> tuple[float, float]:
-    """Lowest and highest z (mm), in the worm's frame, of the thread's points that grind a gear of the given face `extent`.
+    """Return lowest and highest z (mm), in the worm's frame, of the thread's points that grind a gear.
 
-    `generate` makes the tooth surface of a rack surface, as `worm.tooth` with its crowning. Looked at are the flanks from the
-    cutter's rounding to the tip: the normal passes through the pitch point, and the steeper one of a rounding meets the
-    rack nearer to it. No worm that ends between the two grinds the whole tooth.
+    `extent`: z of the gear's face; `generate` makes the tooth surface of a rack surface, as `worm.tooth` with its
+    crowning. Only the flanks from the cutter's rounding to the tip count. The normal passes through the pitch point,
+    and the steeper normal of a rounding meets the rack nearer to it. A worm that ends between the two z does not grind
+    the whole tooth.
     """
-    feed = np.linspace(*extent, SAMPLES[1])
+    feed = np.linspace(*extent, CONTACT_SAMPLES[1])
     places = []
     for rack, side in zip(racks, (1, -1), strict=True):
-        p = np.linspace(rack.form_point[0], rack.tip, SAMPLES[0])[:, None]
+        p = np.linspace(rack.form_point[0], rack.tip, CONTACT_SAMPLES[0])[:, None]
         places.append(generate(RackSurface(rack.flank, worm.helix, 0.0, side)).generation(p, feed).tool.r[..., 2])
     return float(np.min(places)), float(np.max(places))
 
 
 def thread_surface(worm: Worm, profile: Profile, side: int) -> Envelope:
-    """Surface of the thread, its normal out of the worm, that a profile of the gear's rack leaves; `side` of the thread."""
+    """Return the thread's surface, its normal out of the worm, for a profile of the gear's rack.
+
+    `side`: side of the thread.
+    """
     return Envelope(thread_rack(worm, profile, side), RackRoll(worm.radius))
 
 
 def thread_rack(worm: Worm, profile: Profile, side: int) -> RackSurface:
-    """The gear's rack cutter, seen from the thread: a rack that generates the thread."""
+    """Return the gear's rack cutter, seen from the thread: a rack that generates the thread."""
     helix = worm.hand * (0.5 * np.pi - worm.lead_angle)
     return RackSurface(Opposite(profile, 0.5 * np.pi * worm.module), helix, 0.0, side)
 
 
 def _side(worm: Worm, rack: RackTooth, clearance: float, side: int) -> ToothSide:
+    """Return one side of the thread."""
     point, angle = _at_tip(rack)
     radius = clearance / (1.0 - np.sin(angle))
     fillet = Arc((float(point[0] - radius * np.sin(angle)), float(point[1] + radius * np.cos(angle))), radius)
@@ -179,19 +193,22 @@ def _side(worm: Worm, rack: RackTooth, clearance: float, side: int) -> ToothSide
 
 
 def _room(rack: RackTooth) -> float:
-    """Clearance (mm) at which the worm's fillet takes `FILLETS` of its half of the cutter's space at the gear's tip."""
+    """Return the clearance (mm) at which the worm's fillet takes MAX_FILLET_SHARE of its half of the space.
+
+    The space is the cutter's at the gear's tip.
+    """
     point, angle = _at_tip(rack)
-    return float(-FILLETS * point[1] / np.cos(angle) * (1.0 - np.sin(angle)))
+    return float(-MAX_FILLET_SHARE * point[1] / np.cos(angle) * (1.0 - np.sin(angle)))
 
 
 def _at_tip(rack: RackTooth) -> tuple[Array, float]:
-    """Point (2,) of the rack's flank at the gear's tip, and the angle of its normal, n = (sin, -cos)."""
+    """Return the point (2,) of the rack's flank at the gear's tip, and the angle of its normal, n = (sin, -cos)."""
     point, _, normal, _ = rack.flank.section(np.array(rack.tip))
     return point, float(np.arctan2(normal[0], -normal[1]))
 
 
 def _refuse_singular(worm: Worm, racks: tuple[RackTooth, RackTooth]) -> None:
-    """Raise DesignError where flank or crest of the thread has singular points: those of a helicoid lie on helices."""
+    """Raise DesignError if flank or crest of the thread has singular points, which lie on helices."""
     radii = _singular(worm, racks)
     if not radii.size:
         return
@@ -205,7 +222,10 @@ def _refuse_singular(worm: Worm, racks: tuple[RackTooth, RackTooth]) -> None:
 
 
 def _least_radius(worm: Worm, racks: tuple[RackTooth, RackTooth]) -> float:
-    """Smallest pitch radius (mm) whose thread has no singular points; at least what leaves a lead angle and a root."""
+    """Return the smallest pitch radius (mm) whose thread has no singular points.
+
+    It is at least the radius that leaves a lead angle and a root.
+    """
     least = max(0.5 * worm.threads * worm.module, racks[0].tip_height)
     low, high = least, max(worm.radius, 2.0 * least)
     while _singular(replace(worm, radius=high), racks).size:
@@ -214,12 +234,12 @@ def _least_radius(worm: Worm, racks: tuple[RackTooth, RackTooth]) -> float:
     def singular(radius: Array, _: NDArray[np.intp]) -> NDArray[np.bool_]:
         return np.array([_singular(replace(worm, radius=float(r)), racks).size > 0 for r in radius])
 
-    _, sound = last_true(singular, np.array([low]), np.array([high]), rounds=HALVINGS)
+    _, sound = last_true(singular, np.array([low]), np.array([high]), rounds=BISECTION_STEPS)
     return float(sound[0])
 
 
 def _singular(worm: Worm, racks: tuple[RackTooth, RackTooth]) -> Array:
-    """Radii (K,) of the helices of singular points on flanks and crests."""
+    """Return the radii (K,) of the helices of singular points on flanks and crests."""
     radii = [np.zeros(0)]
     for rack in racks:
         for profile, span in (

@@ -1,1 +1,1 @@
-"""What each gear system offers, by the name of its folder: loaded with its first design (see `gearmesh.systems.kinds`)."""
+"""Registration of the gear systems, by folder; each is loaded with its first design (see `gearmesh.systems.kinds`)."""

@@ -1,12 +1,12 @@
 """Circular-arc (Wildhaber-Novikov) helical gears [LT85]."""
 
-from gearmesh.systems.circular_arc.build import DISPLACEMENTS, build
+from gearmesh.systems.circular_arc.build import ASSEMBLY_DISPLACEMENTS, build
 from gearmesh.systems.circular_arc.compensation import compensate
 from gearmesh.systems.circular_arc.design import CircularArcDesign
 from gearmesh.systems.circular_arc.sheet import contact_sheet
 from gearmesh.systems.system import System
 
-SYSTEMS = (
+GEAR_SYSTEMS = (
     System(
         "circular_arc",
         CircularArcDesign,
@@ -14,6 +14,6 @@ SYSTEMS = (
         sheet=contact_sheet,
         compensate=compensate,
         refinish=compensate,
-        displacements=DISPLACEMENTS,
+        displacements=ASSEMBLY_DISPLACEMENTS,
     ),
 )

@@ -1,6 +1,7 @@
-"""Spur and helical gears on parallel axes, external and internal, pairs and one alone [ISO 21771].
+"""Spur and helical gears on parallel axes, external and internal, pairs and single gears [ISO 21771].
 
-What few commands ask for is loaded when it is asked for: the first solid of a gear waits for all that is loaded before it.
+Functions that few commands need are loaded on their first call: everything loaded here delays the first solid of a
+gear.
 """
 
 from __future__ import annotations
@@ -67,7 +68,7 @@ def _write(file: StageWriter, design: CylindricalDesign, known: Component | None
     return write_pair(file, design, known)
 
 
-SYSTEMS = (
+GEAR_SYSTEMS = (
     System(
         "cylindrical",
         CylindricalDesign,

@@ -6,7 +6,7 @@ from gearmesh.systems.face_gear.sheet import data_sheet
 from gearmesh.systems.face_gear.worm_thread import pinned_values, worm_part
 from gearmesh.systems.system import System
 
-SYSTEMS = (
+GEAR_SYSTEMS = (
     System(
         "face_gear",
         FaceGearDesign,

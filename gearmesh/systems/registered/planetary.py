@@ -10,7 +10,7 @@ from gearmesh.systems.cylindrical.rexs.planets import PLANETARY_FORM
 from gearmesh.systems.cylindrical.single.drawn import DRAWN_ROWS
 from gearmesh.systems.system import System
 
-SYSTEMS = (
+GEAR_SYSTEMS = (
     System(
         "planetary",
         PlanetaryDesign,

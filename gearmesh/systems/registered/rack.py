@@ -1,5 +1,4 @@
-"""A pinion and a rack of finite length: their keys, what their mesh says of both, the rack as a member, their data
-sheet; and a rack alone."""
+"""A pinion and a rack of finite length, and a rack alone: keys, mesh, the rack as a member, data sheet."""
 
 from gearmesh.systems.cylindrical.rack import single
 from gearmesh.systems.cylindrical.rack.build import build
@@ -11,7 +10,7 @@ from gearmesh.systems.cylindrical.rack.sheet import rack_reserves, rack_sheet
 from gearmesh.systems.cylindrical.single.drawn import DRAWN_ROWS
 from gearmesh.systems.system import System
 
-SYSTEMS = (
+GEAR_SYSTEMS = (
     System(
         "rack",
         RackDesign,

@@ -1,4 +1,4 @@
-"""One cylindrical gear without a mating gear: its keys, the member built of it, its data sheet."""
+"""One cylindrical gear without a mating gear: its keys, the member, its data sheet."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ from gearmesh.systems.spiral_bevel.sheet.sheet import settings_sheet, tooth_forc
 from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import bevel_teeth
 from gearmesh.systems.system import PatternCheck, System
 
-SYSTEMS = (
+GEAR_SYSTEMS = (
     *(
         System(
             kind,

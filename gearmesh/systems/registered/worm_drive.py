@@ -10,7 +10,7 @@ from gearmesh.systems.worm_drive.force_tables import pair_forces
 from gearmesh.systems.worm_drive.rexs import WORM_DRIVE
 from gearmesh.systems.worm_drive.sheet import data_sheet
 
-SYSTEMS = (
+GEAR_SYSTEMS = (
     System(
         "worm_drive",
         WormDriveDesign,
