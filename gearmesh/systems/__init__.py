@@ -1,1 +1,1 @@
-"""Gear systems: a design becomes a gear set of members and the pairs that mesh. One folder per system."""
+"""Gear systems: from a design to a gear set of members and pairs in mesh. There is one folder per system."""

@@ -1,4 +1,4 @@
-"""Designs of any gear system: from a file, from a mapping."""
+"""Designs of any gear system, from a file or a mapping."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from gearmesh.systems.system import complete_design, design_class, kinds, one_of
 
 @checks_arguments_with(path="gm.parse makes a design of a mapping")
 def load(path: str | os.PathLike[str], overrides: Sequence[str] = (), *, complete: bool = True) -> Design:
-    """The design in a TOML or JSON file. Names of other files in it are counted from its own folder.
+    """Return the design in a TOML or JSON file. Names of other files in it are relative to its own folder.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def load(path: str | os.PathLike[str], overrides: Sequence[str] = (), *, complet
 
 @checks_arguments_with(mapping="gm.load reads files")
 def parse(mapping: Mapping[str, Any]) -> Design:
-    """The design in a plain mapping.
+    """Return the design in a plain mapping.
 
     Parameters
     ----------
@@ -80,7 +80,10 @@ def parse(mapping: Mapping[str, Any]) -> Design:
 
 
 def parse_as_stated(mapping: Mapping[str, Any]) -> Design:
-    """As `parse`, without the defaults that only geometry knows: the geometry may be impossible."""
+    """Return the design as `parse` does, without the defaults that only geometry knows.
+
+    The geometry may be impossible.
+    """
     if "kind" not in mapping:
         raise DesignError("kind", reason="missing", must_be=one_of_kinds())
     design: Design = system(mapping["kind"]).of_keys(mapping).design(**mapping)
@@ -89,7 +92,7 @@ def parse_as_stated(mapping: Mapping[str, Any]) -> Design:
 
 @checks_arguments
 def new(kind: str) -> str:
-    """A commented design file of a kind: what it needs with values to begin with, every other key with its default.
+    """Return a commented design file of a kind: required keys with initial values, every other key with its default.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The kinds of designs that come with gearmesh: what each is and where it is found. Nothing of a gear system is loaded here."""
+"""The kinds of designs that come with gearmesh: description and modules of each. No gear system is loaded here."""
 
 from __future__ import annotations
 
@@ -7,15 +7,20 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class OwnKind:
-    """A kind: one line `about` it, its `design` (module below `gearmesh.systems` and class), and the module of
-    `gearmesh.systems.registered` that has all else."""
+    """A kind that comes with gearmesh.
+
+    - about: its description in one line.
+    - design: module below `gearmesh.systems` and class of its designs.
+    - registered: module of `gearmesh.systems.registered` with everything else.
+    """
 
     about: str
     design: tuple[str, str]
     registered: str
 
 
-KINDS = {
+#: the kinds by name
+OWN_KINDS = {
     "cylindrical": OwnKind(
         "spur and helical gears on parallel axes, external and internal, or one gear alone [ISO 21771]",
         ("cylindrical.design", "CylindricalDesign"),
@@ -78,7 +83,7 @@ KINDS = {
     ),
 }
 
-#: words of the field that are given as a kind, without "gear" and the like, and the kind with the keys that make it
+#: terms of the field, without "gear" and the like, and the kind and keys that make such gears
 FIELD_WORDS = {
     "spur": 'kind = "cylindrical"',
     "helical": 'kind = "cylindrical" with helix_angle',
@@ -113,12 +118,12 @@ FIELD_WORDS = {
     "worm wheel": 'kind = "worm_drive"',
     "worm and wheel": 'kind = "worm_drive"',
 }
-#: words that a kind is given with and that say nothing of it
+#: words beside a kind that say nothing about it
 _BESIDE_KIND = ("gears", "gear", "gearing", "pair", "set", "wheels")
 
 
 def kind_of_words(kind: str) -> str:
-    """The kind that makes gears which the field calls so, as "bevel: kind = ..."; empty where the word is not known.
+    """Return the kind for a term of the field, as "bevel: kind = ..."; empty for an unknown term.
 
     Parameters
     ----------
@@ -140,6 +145,6 @@ def kind_of_words(kind: str) -> str:
     name = next((name for name in (whole, bare) if name in FIELD_WORDS), None)
     if name is not None:
         return f"{name}: {FIELD_WORDS[name]}"
-    # a kind of its own, in other words
-    joined = next((known for known in ("_".join(words), bare.replace(" ", "_")) if known in KINDS), None)
+    # the name of a kind in another spelling
+    joined = next((known for known in ("_".join(words), bare.replace(" ", "_")) if known in OWN_KINDS), None)
     return "" if joined is None else f'did you mean "{joined}"?'

@@ -1,4 +1,4 @@
-"""What a gear system is: a design class, and what is made of its designs. Each is registered in one line."""
+"""Gear systems: a design class with the functions for its designs. Each system is registered in one line."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from gearmesh.arguments import checks_arguments
 from gearmesh.design.unusual import unusual_settings
 from gearmesh.errors import ArgumentError, DesignError, FileError, NoSolutionError
 from gearmesh.figures import Summary
-from gearmesh.systems.kinds import KINDS, kind_of_words
+from gearmesh.systems.kinds import OWN_KINDS, kind_of_words
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -25,35 +25,39 @@ if TYPE_CHECKING:
     from gearmesh.teeth.tooth import Tooth
 
 D = TypeVar("D", bound="Design")
-#: what is made for designs of one class is for those of its subclasses, too
+#: contravariant: a function for designs of a class works for its subclasses, too
 ForD = TypeVar("ForD", bound="Design", contravariant=True)
 T = TypeVar("T")
 
-#: pinion rotations (P,), rad -> transmission error (P,), rad, relative to that at 0
+#: pinion rotations (P,), rad -> transmission error (P,), rad, relative to the value at 0
 FirstOrder: TypeAlias = "Callable[[Array], Array]"
 
 
 @dataclass(frozen=True)
 class ToolPart:
-    """A tool as a part that people make, as the worm that grinds a pinion; its own figures, and warnings.
+    """A tool as a part that people make, such as the worm that grinds a pinion."""
 
-    `own_to_tool` takes its own frame to that in which the tool's surface generates teeth, if it is a tool; of the member `ground`;
-    `tooth`: that member's as the tool generates it, None if that is how the member is made.
-    """
-
+    #: the part
     member: Member
+    #: its own figures
     figures: Summary = field(default_factory=Summary)
+    #: warnings about it
     warnings: tuple[str, ...] = ()
+    #: transformation from its frame to the frame in which the tool generates teeth; None if it is no tool
     own_to_tool: Rigid | None = None
+    #: name of the member that the tool generates
     ground: str = "pinion"
+    #: tooth of this member as the tool generates it; None if the member is made this way
     tooth: Tooth | None = None
 
 
 @dataclass(frozen=True)
 class MissingValue:
-    """A value that a table has not: the `symbol` of its row (or item where there are no symbols), its `column`, the `reason`.
+    """A value that a table does not have. Symbol and column are empty if the whole table is missing.
 
-    Both are empty of a table that is missing as a whole.
+    - symbol: symbol of its row, or the item where there are no symbols.
+    - column: name of its column.
+    - reason: why it is missing.
     """
 
     symbol: str
@@ -63,82 +67,100 @@ class MissingValue:
 
 @dataclass(frozen=True)
 class SheetTable:
-    """Rows of (item, unit, one value per column); a value that a column has not is None. `symbols`: one per row, or none at all.
-    `missing`: values that are None for a reason that the reader is to know."""
+    """A table of a sheet."""
 
+    #: its title
     title: str
+    #: names of the columns with values
     columns: tuple[str, ...]
+    #: rows of item, unit and one value per column; None if a column has no such value
     rows: tuple[tuple[Any, ...], ...]
+    #: one symbol per row, or none at all
     symbols: tuple[str, ...] = ()
+    #: values that are None for a reason that the reader should know
     missing: tuple[MissingValue, ...] = ()
 
 
 @dataclass(frozen=True)
 class Sheet:
-    """What is derived from a design: tables to print, and the derived values under the design's keys, in its own units, which take
-    the place of the keys `replaced`; `warnings` beside those of the gear set; `following`: values that follow from the others,
-    and are given too by who wants the same gears whatever defaults become."""
+    """Values derived from a design."""
 
+    #: tables to print
     tables: tuple[SheetTable, ...]
+    #: derived values under the design's keys, in its units
     values: dict[str, float]
+    #: keys whose place the derived values take
     replaced: tuple[str, ...] = ()
+    #: warnings in addition to those of the gear set
     warnings: tuple[str, ...] = ()
+    #: values that follow from others; they are also needed to keep the gears if defaults change
     following: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
 class Reserve:
-    """How far the teeth of a pair are from interference, in closed form: `pair`, its number in the gear set; `name`, the row of the
-    sheet and the member; `value` and its `unit`, negative where teeth interfere."""
+    """Reserve of a pair's teeth against interference, in closed form."""
 
+    #: number of the pair in the gear set
     pair: int
+    #: row of the sheet and the member
     name: str
+    #: the reserve, negative where teeth interfere
     value: float
+    #: its unit
     unit: str
 
 
 @dataclass(frozen=True)
 class Setting:
-    """A key of the design, its value before and after in the design's units, and what the change does."""
+    """A change of a key of the design."""
 
+    #: dotted key
     key: str
+    #: value before the change, in the design's units
     before: float
+    #: value after the change
     after: float
+    #: unit of both values
     unit: str
+    #: effect of the change, as text
     effect: str
 
 
 @dataclass(frozen=True)
 class PatternShift:
-    """Displacements that bring the contact of a `side` (member and flank) to a `place` along the face, or next to it.
+    """Displacements that bring the contact of a flank to a place along the face, or next to it."""
 
-    V of the pinion across both axes, H along its own, J of the gear along its axis (mm), alpha of the shaft angle (deg).
-
-    `asked`, `share`: of the gear's face, from the toe, the place and where the contact is with these displacements: the nearest
-    to which it can be brought.
-    """
-
+    #: member and flank
     side: str
+    #: the place along the face
     place: str
+    #: wanted place, share of the gear's face from the toe
     asked: float
+    #: displacement V of the pinion across both axes, mm
     v: float
+    #: displacement H of the pinion along its axis, mm
     h: float
+    #: displacement J of the gear along its axis, mm
     j: float
+    #: change of the shaft angle, deg
     alpha: float
+    #: place of the contact with these displacements, the nearest that can be reached; share of the face
     share: float
 
     @property
     def reached(self) -> bool:
-        """Whether the contact is where it was asked for."""
+        """True if the contact is at the wanted place."""
         return self.share == self.asked
 
 
 @dataclass(frozen=True)
 class PatternCheck(Generic[D]):
-    """Mountings that bring the contact to places of the gear's face, of a design in mm and its gear set.
+    """Mountings that bring the contact to places of the gear's face.
 
-    `keys`: those of the table assembly that may be moved, by the letters V, H, J and alpha; `usual`: which are moved where nothing
-    is asked for, and as many as always are.
+    - shifts: returns them for a design in mm, its gear set and the letters of the displacements.
+    - keys: keys of the table assembly, by the letters V, H, J and alpha.
+    - usual: letters of the displacements that are used by default; their number is always the same.
     """
 
     shifts: Callable[[D, GearTrain, tuple[str, ...]], list[PatternShift]]
@@ -148,10 +170,12 @@ class PatternCheck(Generic[D]):
 
 @dataclass(frozen=True)
 class Displacements(Generic[ForD]):
-    """Errors of assembly that move the members of a pair and leave their teeth as they are.
+    """Errors of assembly that move the members of a pair and do not change their teeth.
 
-    `keys`: those of the table `assembly`. `bases` gives, for a design in mm in which they are all 0, its gear set and M values
-    (M,) of each of them (mm, deg), the bases of the mounts of pinion and gear: rotations (M, 3, 3), translations (M, 3).
+    - keys: keys of the table `assembly`.
+    - bases: returns the bases of the mounts of pinion and gear. Its arguments are a design in mm in which all errors
+      are 0, its gear set, and values (M,) of each error (mm, deg). It returns rotations (M, 3, 3) and translations (M,
+      3).
     """
 
     keys: tuple[str, ...]
@@ -160,67 +184,81 @@ class Displacements(Generic[ForD]):
 
 @dataclass(frozen=True)
 class DrawnRows:
-    """Which rows of the sheet a workshop drawing of a member has, by their symbols: `own` of its own columns and of those of
-    the pair, `mating` of the mating gears; `tip`: symbol of the tip diameter; `reference`: symbols of the reference or pitch
-    diameter at toe and heel; `tolerances`: those that it has where the design sets the key `accuracy`; `ranges`: names of columns,
-    such as least and largest, the first of which that a table of a pair has are given beside each other; `measured`: title of the
-    table of the sheet whose rows go before rows of the same symbol elsewhere."""
+    """Rows of the sheet that a workshop drawing of a member shows, by their symbols."""
 
+    #: rows with a column of the member, or of the pair
     own: tuple[str, ...]
+    #: rows of the mating gears
     mating: tuple[str, ...] = ()
+    #: symbol of the tip diameter
     tip: str = ""
+    #: symbols of the reference or pitch diameter at toe and heel
     reference: tuple[str, str] | None = None
+    #: rows that are shown if the design sets the key `accuracy`
     tolerances: tuple[str, ...] = ()
+    #: the key of the accuracy class
     accuracy: str = ""
+    #: column names, such as least and largest; the first set that a table of a pair has is shown side by side
     ranges: tuple[tuple[str, ...], ...] = ()
+    #: title of the table whose rows go before rows of the same symbol in other tables
     measured: str = ""
 
 
 @dataclass(frozen=True)
 class System(Generic[D]):
-    """A gear system: `build` makes the gear set of a design in mm, and may be all that there is. `members`, by their names,
-    where they can be made one without the other: each of a design in mm of which `derive` was not asked, with its own warnings.
-    `tried`, if it is faster, fails where `build` does, and at most where that has to search for long, of a design in mm of which
-    `derive` was not asked: it looks for the key that makes it impossible.
+    """A gear system: a kind with its designs and the functions for them. Only `build` is required.
 
-    `derive` gives the values, in the design's units, of keys that are left out and that only geometry knows, by dotted key.
-    `worm` makes the grinding worm of a design in mm; `sheet` derives the sheet of a design and its gear set, `member_sheet` the
-    tables of one of the `members` without the others, `forces` the tables of what a torque (Nm) on the pinion puts on its
-    members, with the powers at a speed (1/min) of it where one is given, `compensate` the settings that compensate its assembly
-    errors, `refinish` the same by settings of the member named, all of designs in their own units; `vh` makes the V-H check of a
-    design in mm and its gear set, `first_order` gives, for a design in mm with errors, its
-    transmission error in closed form; `displacements` moves the members of many assemblies at once. `single` makes designs of the
-    same kind of one member without a mating gear, those whose keys `is_single`.
-    `reserves`: those of a design and its gear set of which the sheet warns, for the check.
-    `drawn`: what of the sheet a workshop drawing has; without it, all that it says of the member; `inspection`: what the member
-    named, of a design and its gear set, is inspected by. `rexs`: how its stages are read from REXS models and written to them.
+    Functions take a complete design in mm unless stated otherwise, with its gear set (`GearTrain`) as second argument
+    where they have one.
     """
 
+    #: name of the kind
     kind: str
+    #: class of its designs
     design: type[D]
+    #: gear set of a design in mm
     build: Callable[[D], GearTrain]
+    #: functions for single members by name, if one can be made without the other; `derive` is not called for the design
     members: Mapping[str, Callable[[D], ToolPart]] = field(default_factory=dict)
+    #: faster than `build` and refused as it is, except where `build` searches long; used to find the key at fault
     tried: Callable[[D], object] | None = None
+    #: values, in the design's units, of keys left out that only geometry knows, by dotted key
     derive: Callable[[D], dict[str, float]] | None = None
+    #: grinding worm of a design in mm
     worm: Callable[[D], ToolPart] | None = None
+    #: sheet of a design, in its own units, and its gear set
     sheet: Callable[[D, GearTrain], Sheet] | None = None
+    #: reserves of which the sheet warns, for the check
     reserves: Callable[[D, GearTrain], tuple[Reserve, ...]] | None = None
+    #: tables of one of the `members` without the others
     member_sheet: Callable[[D, str], tuple[SheetTable, ...]] | None = None
+    #: tables of the forces for a torque (Nm) on the pinion, with powers if its speed (1/min) is given
     forces: Callable[[D, float, float | None], tuple[SheetTable, ...]] | None = None
+    #: settings that compensate the assembly errors of a design in its own units
     compensate: Callable[[D], list[Setting]] | None = None
+    #: settings of the named member that compensate the assembly errors
     refinish: Callable[[D, str], list[Setting]] | None = None
+    #: V-H check of a design in mm and its gear set
     vh: PatternCheck[D] | None = None
+    #: transmission error in closed form for a design in mm with assembly errors
     first_order: Callable[[D], FirstOrder | None] | None = None
+    #: moves the members for many assemblies at once
     displacements: Displacements[D] | None = None
+    #: values by dotted key that the build chose, in mm, for a complete design in mm and its gear set
     pinned: Callable[[D, GearTrain], dict[str, Any]] | None = None
+    #: rows of the sheet on a workshop drawing; by default all rows of the member
     drawn: DrawnRows | None = None
+    #: basis for the inspection of the named member of a design and its gear set
     inspection: Callable[[D, GearTrain, str], InspectionBasis] | None = None
+    #: reading and writing of its stages in REXS models
     rexs: StageForm | None = None
+    #: system for designs of the same kind with one member and no mating gear
     single: System[Any] | None = None
+    #: True for the keys of such a design
     is_single: Callable[[Mapping[str, Any]], bool] | None = None
 
     def of_keys(self, keys: Mapping[str, Any]) -> System[Any]:
-        """The system itself, or that of single members where the keys of a design are those of one.
+        """Return the system itself, or the system of single members for the keys of such a design.
 
         Parameters
         ----------
@@ -240,17 +278,18 @@ class System(Generic[D]):
         return self if self.single is None or self.is_single is None or not self.is_single(keys) else self.single
 
 
-_REGISTERED: dict[str, System[Any]] = {}
+#: gear systems by kind
+_REGISTERED_SYSTEMS: dict[str, System[Any]] = {}
 #: group of the entry points by which other packages add gear systems, each under its kind
-OUTSIDE = "gearmesh.systems"
+ENTRY_POINT_GROUP = "gearmesh.systems"
 
 
 @checks_arguments
 def register(system: System[Any]) -> None:
-    """Make a gear system known under its kind, for `load`, `build` and all that follows.
+    """Register a gear system under its kind, for `load`, `build` and everything else.
 
-    The command line knows those of installed packages that have an entry point of the group `gearmesh.systems`, whose name is the
-    kind and whose object the system.
+    The command line also finds systems of installed packages by their entry points of the group `gearmesh.systems`. The
+    name of an entry point is the kind, and its object is the system.
 
     Parameters
     ----------
@@ -261,11 +300,11 @@ def register(system: System[Any]) -> None:
     --------
     >>> gm.register(gm.system("beveloid"))
     """
-    _REGISTERED[system.kind] = system
+    _REGISTERED_SYSTEMS[system.kind] = system
 
 
 def kinds() -> tuple[str, ...]:
-    """All kinds of designs.
+    """Return all kinds of designs.
 
     Returns
     -------
@@ -277,11 +316,11 @@ def kinds() -> tuple[str, ...]:
     >>> "hypoid" in gm.kinds()
     True
     """
-    return (*KINDS, *(kind for kind in _REGISTERED if kind not in KINDS))
+    return (*OWN_KINDS, *(kind for kind in _REGISTERED_SYSTEMS if kind not in OWN_KINDS))
 
 
 def system(kind: Any) -> System[Any]:
-    """The gear system of a kind.
+    """Return the gear system of a kind.
 
     Parameters
     ----------
@@ -303,11 +342,11 @@ def system(kind: Any) -> System[Any]:
     >>> gm.system("hypoid").design.__name__
     'HypoidDesign'
     """
-    if isinstance(kind, str) and kind not in _REGISTERED and kind in KINDS:
-        for registered in import_module(f"gearmesh.systems.registered.{KINDS[kind].registered}").GEAR_SYSTEMS:
-            _REGISTERED.setdefault(registered.kind, registered)
-    if isinstance(kind, str) and (kind in _REGISTERED or _registered_from_outside(kind)):
-        return _REGISTERED[kind]
+    if isinstance(kind, str) and kind not in _REGISTERED_SYSTEMS and kind in OWN_KINDS:
+        for registered in import_module(f"gearmesh.systems.registered.{OWN_KINDS[kind].registered}").GEAR_SYSTEMS:
+            _REGISTERED_SYSTEMS.setdefault(registered.kind, registered)
+    if isinstance(kind, str) and (kind in _REGISTERED_SYSTEMS or _registered_from_outside(kind)):
+        return _REGISTERED_SYSTEMS[kind]
     from gearmesh.design.shown import value_text
     from gearmesh.errors import nearest
 
@@ -318,69 +357,82 @@ def system(kind: Any) -> System[Any]:
 
 
 def _registered_from_outside(kind: str) -> bool:
-    """Whether an installed package has a gear system of this kind, as an entry point of the group gearmesh.systems; it is then
-    registered. They are asked for kinds that are not known otherwise, alone."""
+    """True if an installed package has a gear system of this kind; it is then registered.
+
+    The system is an entry point of the group gearmesh.systems. Entry points are only searched for unknown kinds.
+    """
     from importlib.metadata import entry_points
 
-    for entry in entry_points(group=OUTSIDE, name=kind):
+    for entry in entry_points(group=ENTRY_POINT_GROUP, name=kind):
         register(entry.load())
-    return kind in _REGISTERED
+    return kind in _REGISTERED_SYSTEMS
 
 
 def about(kind: str) -> str:
-    """One line about a kind. Raises DesignError naming the nearest kind. Nothing of the gear system is loaded for it."""
-    return KINDS[kind].about if kind in KINDS and kind not in _REGISTERED else system(kind).design.about
+    """Return the description of a kind in one line; no gear system is loaded.
+
+    Raises DesignError naming the nearest kind.
+    """
+    return OWN_KINDS[kind].about if kind in OWN_KINDS and kind not in _REGISTERED_SYSTEMS else system(kind).design.about
 
 
 def design_class(kind: str) -> type[Design]:
-    """The class of the designs of a kind. Raises DesignError naming the nearest kind. What is made of them is not loaded for it."""
-    if kind not in KINDS or kind in _REGISTERED:
+    """Return the class of the designs of a kind; its other functions are not loaded.
+
+    Raises DesignError naming the nearest kind.
+    """
+    if kind not in OWN_KINDS or kind in _REGISTERED_SYSTEMS:
         return system(kind).design
-    module, name = KINDS[kind].design
+    module, name = OWN_KINDS[kind].design
     own: type[Design] = getattr(import_module(f"gearmesh.systems.{module}"), name)
     return own
 
 
 def system_of(design: Design) -> System[Any]:
-    """The gear system of a design: that of its kind, or of single members of it."""
+    """Return the gear system of a design: the system of its kind, or of single members of this kind."""
     own = system(design.kind)
     return own.single if own.single is not None and isinstance(design, own.single.design) else own
 
 
 def one_of_kinds() -> str:
-    """What a kind may be, in words."""
+    """Return the allowed kinds as text."""
     return "one of " + ", ".join(f'"{kind}"' for kind in kinds())
 
 
 def complete_design(design: D) -> D:
-    """The design with the defaults that only geometry knows. Raises DesignError for geometry that cannot exist."""
+    """Return the design with the defaults that only geometry knows.
+
+    Raises DesignError for geometry that cannot exist.
+    """
     return _refused_by_name(design, _fill)
 
 
 def _fill(design: D) -> D:
+    """Return the design with its derived values."""
     derive = system_of(design).derive
     if derive is None or design.complete:
         return design
     try:
         return design.fill(derive(design))
     except DesignError:
-        # values are derived in the design's units, refusals are in mm
+        # values are derived in the design's units, but refusals are in mm: derive again in mm
         if design.units != "mm":
             derive(design.in_mm())
         raise
 
 
 def _train(design: Design) -> GearTrain:
+    """Return the gear set of a design, with measured flanks and places and with eccentric members."""
     own = _fill(design).in_mm()
     train: GearTrain = system_of(own).build(own)
-    # what makes measured teeth is loaded for designs that have some
+    # modules for measured teeth are only loaded if the design has some
     if getattr(own, "measured", None) is not None:
         train = _with_measured_places(own, _with_measured_flanks(own, train))
     return _eccentric(own, train)
 
 
 def _with_measured_flanks(design: Design, train: GearTrain) -> GearTrain:
-    """A gear set with the flanks that were measured, as the table `measured` of a design in mm says."""
+    """Return a gear set with the measured flanks of the table `measured` of a design in mm."""
     from gearmesh.metrology.flanks.measured_members import MeasuredMembers
 
     real = MeasuredMembers(design)
@@ -390,7 +442,7 @@ def _with_measured_flanks(design: Design, train: GearTrain) -> GearTrain:
 
 
 def _with_measured_places(design: Design, train: GearTrain) -> GearTrain:
-    """A gear set with its teeth at the places that were measured, as the table `measured` of a design in mm says."""
+    """Return a gear set with its teeth at the measured places of the table `measured` of a design in mm."""
     from gearmesh.metrology.flanks.measured_members import MeasuredPlaces
 
     places, inspection = MeasuredPlaces(design), system_of(design).inspection
@@ -404,7 +456,7 @@ def _with_measured_places(design: Design, train: GearTrain) -> GearTrain:
 
 
 def _eccentric(design: Design, train: GearTrain) -> GearTrain:
-    """A gear set with the teeth of its members off their axes, as the table `assembly` of a design in mm says."""
+    """Return a gear set whose teeth are off the axes as the table `assembly` of a design in mm says."""
     from gearmesh.design.runout import runout
 
     off = {name: runout(design, name) for name in train.members}
@@ -419,12 +471,16 @@ def _eccentric(design: Design, train: GearTrain) -> GearTrain:
 
 
 def _try_build(design: Design) -> object:
+    """Build the gear set of a design, or try it faster if the system can."""
     own = system_of(design)
     return own.build(_fill(design).in_mm()) if own.tried is None else own.tried(design.in_mm())
 
 
 def build(design: Design) -> GearTrain:
-    """The gear set of a validated design. Raises DesignError, with key, value and limit, for geometry that cannot exist."""
+    """Return the gear set of a validated design.
+
+    Raises DesignError, with key, value and limit, for geometry that cannot exist.
+    """
     whole = complete_design(design)
     train = _refused_by_name(whole, _train)
     notes = (*_of_small_teeth(whole), *unusual_settings(whole), *_of_other_defaults(whole))
@@ -432,7 +488,7 @@ def build(design: Design) -> GearTrain:
 
 
 def member(design: Design, name: str) -> ToolPart:
-    """One of the members that the kind of a design, complete or not, makes one without the other. Raises as `build`."""
+    """Return a member that the kind of a design, complete or not, makes without the other. Raises as `build` does."""
     make = system_of(design).members[name]
 
     def alone(design: Design) -> ToolPart:
@@ -440,7 +496,7 @@ def member(design: Design, name: str) -> ToolPart:
 
         own = design.in_mm()
         if MeasuredPlaces(own).says(name):
-            # the circle that pitch deviations are measured on is that of the whole gear set
+            # the measuring circle of pitch deviations needs the whole gear set
             train = _train(design)
             return ToolPart(train.members[name], warnings=train.warnings)
         part, real = make(own), MeasuredMembers(own)
@@ -450,7 +506,10 @@ def member(design: Design, name: str) -> ToolPart:
 
 
 def _refused_by_name(design: D, make: Callable[[D], T], tried: Callable[[D], object] | None = None) -> T:
-    """What is made of a design; a refusal names the key that the design sets (see `diagnosis`), looked for by what is `tried`."""
+    """Return the result of `make` for a design; a refusal names a key that the design sets (see `diagnosis`).
+
+    `tried`: function with which the key is searched.
+    """
     try:
         return make(design)
     except FileError:
@@ -458,13 +517,16 @@ def _refused_by_name(design: D, make: Callable[[D], T], tried: Callable[[D], obj
     except (DesignError, NoSolutionError) as failure:
         from gearmesh.systems.diagnosis import diagnose
 
-        # what is made of a design is in mm
+        # refusals are in mm
         failure.lengths_in = (design.units, design.mm_per_unit)
         raise diagnose(design, failure, tried or _try_build, _derived_values) from failure
 
 
 def _derived_values(design: Design, made: object) -> dict[str, Any]:
-    """Values by dotted keys, in the design's units, of which a gear set was made; none of what is no gear set."""
+    """Return the values by dotted key, in the design's units, with which a gear set was built.
+
+    The result is empty for an object that is no gear set.
+    """
     if not hasattr(made, "pairs"):
         return {}
     try:
@@ -474,9 +536,9 @@ def _derived_values(design: Design, made: object) -> dict[str, Any]:
 
 
 def build_without_one(design: D) -> tuple[D, GearTrain, str] | None:
-    """For a design that is refused: the design, complete, the gear set that it has without one of its keys, and that key.
+    """Return a refused design with its gear set without one of its keys, and this key.
 
-    None where leaving out a single one mends nothing.
+    The returned design is complete. None if no single key, when left out, makes the design buildable.
     """
     from gearmesh.systems.diagnosis import without_one
 
@@ -488,7 +550,7 @@ def build_without_one(design: D) -> tuple[D, GearTrain, str] | None:
 
 
 def _of_small_teeth(design: Design) -> tuple[str, ...]:
-    """What to say of a delta that is left out and thinner than it would be for larger teeth."""
+    """Return the note on a default delta that is reduced for small teeth."""
     from gearmesh.design.core import DEFAULT_DELTA_MM
 
     delta = design.in_mm().contact.delta
@@ -500,13 +562,16 @@ def _of_small_teeth(design: Design) -> tuple[str, ...]:
 
 
 def pin(design: D, train: GearTrain) -> D:
-    """A design with everything given that its gear set was built of, so that no default has a part in it any more."""
+    """Return a design with every value with which its gear set was built, so that no default matters any more."""
     whole = complete_design(design)
     return whole.with_values(_pinned_values(whole, train))
 
 
 def _pinned_values(whole: Design, train: GearTrain) -> dict[str, Any]:
-    """Values by dotted keys, in the units of a complete design, of which its gear set was built; None of keys that it has not."""
+    """Return the values by dotted key with which the gear set of a complete design was built.
+
+    Values are in the design's units; None for keys that the pinned design must not have.
+    """
     from gearmesh.systems.common.pinned import body_values
 
     own, of_kind = whole.in_mm(), system_of(whole).pinned
@@ -515,15 +580,17 @@ def _pinned_values(whole: Design, train: GearTrain) -> dict[str, Any]:
 
 
 def _in_units(design: Design, dotted: str, value: Any) -> Any:
-    """A value in mm or deg in the units of a design's key."""
+    """Return a value in mm or deg in the units of a design's key."""
     key = type(design).key_at(dotted)
     scale = 1.0 if key is None else design.mm_per_unit**key.power
     return value / scale if isinstance(value, float) and scale != 1.0 else value
 
 
 def _of_other_defaults(design: Design) -> tuple[str, ...]:
-    """What to say of a design of an older version: keys that it leaves out and whose defaults have changed since, and those that
-    mean something else."""
+    """Return the notes on a design of an older version.
+
+    They concern defaults that have changed for keys left out, and keys whose meaning has changed.
+    """
     from gearmesh.design.changes import changes_since, meanings_since
 
     if design.gearmesh is None:
@@ -540,9 +607,9 @@ def _of_other_defaults(design: Design) -> tuple[str, ...]:
 
 
 def worm(design: Design) -> ToolPart:
-    """The worm that grinds the pinion of a validated design.
+    """Return the worm that grinds the pinion of a validated design.
 
-    Raises DesignError, with key, value and limit, for a worm that cannot exist, and for kinds without one.
+    Raises DesignError, with key, value and limit, for a worm that cannot exist, and for kinds without a worm.
     """
     made = system_of(design).worm
     if made is None:

@@ -8,7 +8,7 @@ import pytest
 
 import gearmesh as gm
 from gearmesh.errors import DesignError
-from gearmesh.systems.kinds import FIELD_WORDS, KINDS
+from gearmesh.systems.kinds import FIELD_WORDS, OWN_KINDS
 from gearmesh.systems.system import design_class
 
 PAIR: dict[str, Any] = {"pinion": {"teeth": 18, "face_width": 20}, "gear": {"teeth": 45, "face_width": 20}}
@@ -101,7 +101,7 @@ def test_words_of_the_field_name_the_kind_that_makes_them(word: str, hint: str) 
 def test_the_table_of_words_names_kinds_and_keys_that_there_are() -> None:
     for text in FIELD_WORDS.values():
         kind = text.split('"')[1]
-        assert kind in KINDS
+        assert kind in OWN_KINDS
         known = design_class(kind)
         for key in (
             "helix_angle",

@@ -81,7 +81,7 @@ def build(design: SharpRackDesign) -> GearTrain:
 @pytest.fixture
 def design_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
     """A new design of the kind, in an empty current folder."""
-    monkeypatch.setattr(system, "_REGISTERED", dict(system._REGISTERED))
+    monkeypatch.setattr(system, "_REGISTERED_SYSTEMS", dict(system._REGISTERED_SYSTEMS))
     gm.register(gm.System("sharp_rack", SharpRackDesign, build))
     monkeypatch.chdir(tmp_path)
     assert run("new", "sharp_rack", "-o", "own.toml")[0] == 0
@@ -166,7 +166,7 @@ SYSTEM = gm.System("outside", OutsideDesign, print)
 @pytest.mark.quick
 def test_installed_packages_bring_their_kinds(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """By an entry point, which is looked for when the kind is asked for."""
-    monkeypatch.setattr(system, "_REGISTERED", dict(system._REGISTERED))
+    monkeypatch.setattr(system, "_REGISTERED_SYSTEMS", dict(system._REGISTERED_SYSTEMS))
     metadata = tmp_path / "other_gears-1.0.dist-info"
     metadata.mkdir()
     (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: other-gears\nVersion: 1.0\n")

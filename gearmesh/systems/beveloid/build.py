@@ -144,7 +144,7 @@ def _gear_mount(design: BeveloidDesign, pinion: Roll, gear: Roll, alpha: float) 
         )
     if parallel:
         origin = _parallel_origin(design, pinion, gear, alpha, origin)
-    # [LT02 Fig. 5] errors are given in S_g, the gear's frame turned by 180 deg about its axis, and turned over as the gear
+    # [LT02 Fig. 5] errors are given in S_g: the gear's frame turned by 180 deg about its axis, and over with the gear
     to_fixed = Rigid(axes, origin) @ Rigid.about_z(np.pi)
     over = Rigid(rotation_about("x", np.pi if errors.turned_over else 0.0), np.zeros(3))
     offset = Rigid(np.eye(3), np.array([errors.dx, errors.dy, errors.dz]))

@@ -16,7 +16,7 @@ from gearmesh.design.keys import DERIVED_VALUE, Key, conflict
 from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PairRunout
 from gearmesh.systems.common.defaults import straight_rounding
-from gearmesh.systems.kinds import KINDS
+from gearmesh.systems.kinds import OWN_KINDS
 
 #: angles (deg) closer than this to parallel axes are parallel
 PARALLEL_TOLERANCE_DEG = 1e-9
@@ -126,7 +126,7 @@ class BeveloidDesign(PairDesign):
         "pinion": {"teeth": 18, "face_width": 20},
         "gear": {"teeth": 45, "face_width": 20},
     }
-    about: ClassVar[str] = KINDS["beveloid"].about
+    about: ClassVar[str] = OWN_KINDS["beveloid"].about
     called: ClassVar[str] = "Beveloid gears"
     absent: ClassVar[Mapping[str, str]] = {
         "shaft_angle": SHAFT_ANGLE_NOTE,

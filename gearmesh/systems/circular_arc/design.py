@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 from gearmesh.design.core import FlankContact, MemberTable, PairDesign, TurnedTip
 from gearmesh.design.keys import DERIVED_VALUE, Key, given_or
 from gearmesh.design.runout import PairRunout
-from gearmesh.systems.kinds import KINDS
+from gearmesh.systems.kinds import OWN_KINDS
 
 if TYPE_CHECKING:
     from gearmesh.systems.circular_arc.fillets import ArcRack
@@ -139,7 +139,7 @@ class CircularArcDesign(PairDesign):
         "pinion": {"teeth": 12, "face_width": 60, "lead_angle": 75},
         "gear": {"teeth": 60, "face_width": 60, "lead_angle": 75},
     }
-    about: ClassVar[str] = KINDS["circular_arc"].about
+    about: ClassVar[str] = OWN_KINDS["circular_arc"].about
     called: ClassVar[str] = "Circular-arc gears"
 
     pressure_angle: Annotated[

@@ -1,12 +1,12 @@
 """Room for the fillet arcs of the racks of circular-arc gears [LT85 Figs. 4, 5].
 
 The arc about (-b, a) with radius rho and the fillet arc touch. The fillet arc also touches the cutter's tip plane,
-`root` under the pitch plane. On rack F (convex teeth) the arcs touch from outside, on rack P (concave teeth) from
-inside:
+`root` under the pitch plane. The arcs touch from outside on rack F (convex teeth), from inside on rack P (concave
+teeth):
 
     F: sin(theta) = (f + b - root) / (rho + f),    P: sin(theta) = (b + root - f) / (rho - f)
 
-Such a theta must exist, the flank must begin before it ends at the tip, and the roundings of a cutter's tooth must not
+Such a theta must exist. The flank must begin before it ends at the tip. The roundings of a cutter's tooth must not
 overlap.
 """
 

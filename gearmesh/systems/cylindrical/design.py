@@ -28,7 +28,7 @@ from gearmesh.systems.cylindrical.allowance_keys import (
     ThicknessMade,
 )
 from gearmesh.systems.cylindrical.measure_keys import BallMeasurement, SpanMeasurement
-from gearmesh.systems.kinds import KINDS
+from gearmesh.systems.kinds import OWN_KINDS
 
 #: basic racks of ISO 53: addendum, dedendum and rounding of the tool's tip, in normal modules
 BASIC_RACKS = {
@@ -674,7 +674,7 @@ class CylindricalDesign(HalvesKeys, PairDesign):
         "pinion": {"teeth": 18, "face_width": 20},
         "gear": {"teeth": 45, "face_width": 20},
     }
-    about: ClassVar[str] = KINDS["cylindrical"].about
+    about: ClassVar[str] = OWN_KINDS["cylindrical"].about
     absent: ClassVar[Mapping[str, str]] = {
         "shaft_angle": 'the axes of kind "cylindrical" are parallel; kind "beveloid" has crossed helical gears, '
         "whose helix angles give the shaft angle",

@@ -18,7 +18,7 @@ from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PairRunout
 from gearmesh.systems.common.defaults import deepest
 from gearmesh.systems.common.worm_keys import WormTool
-from gearmesh.systems.kinds import KINDS
+from gearmesh.systems.kinds import OWN_KINDS
 
 #: teeth of the default shaper beyond those of the pinion, for point contact [LF04 18.4]
 MORE_SHAPER_TEETH = 3
@@ -239,7 +239,7 @@ class FaceGearDesign(PairDesign):
         "pinion": {"teeth": 25},
         "gear": {"teeth": 120},
     }
-    about: ClassVar[str] = KINDS["face_gear"].about
+    about: ClassVar[str] = OWN_KINDS["face_gear"].about
     called: ClassVar[str] = "Face gear pair"
 
     pressure_angle: Annotated[

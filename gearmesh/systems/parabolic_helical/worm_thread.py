@@ -85,8 +85,8 @@ def grinding_worm(
 ) -> ToolPart:
     """Return the worm whose thread touches between the z (mm) of `touching`, see `touching_range`.
 
-    The thread is centred at z = 0. The default `length` (mm) is the length that grinds the whole tooth plus an axial
-    pitch, in whole mm: at the ends of a thread one flank ends half a pitch before the other. For `bore` and errors see
+    The thread is centred at z = 0. The default `length` (mm), in whole mm, grinds the whole tooth and is an axial pitch
+    longer. At the ends of a thread one flank ends half a pitch before the other. For `bore` and errors see
     `worm_member`.
     """
     needed = 2.0 * max(abs(z) for z in touching)

@@ -1,4 +1,4 @@
-"""Planetary sets: sun, planets and ring as cylindrical pairs that share the planet, their positions, motions and sheet."""
+"""Planetary sets: sun, planets and ring as cylindrical pairs that share the planet; positions, motion, sheet."""
 
 from gearmesh.systems.cylindrical.inspection.planetary_basis import planetary_inspection
 from gearmesh.systems.cylindrical.planetary.build import build, derived_values

@@ -1,4 +1,4 @@
-"""Spiral, zerol, straight bevel and hypoid gears cut by head cutters [AB; CR3553; ISO 23509], and conjugate geometries."""
+"""Spiral, zerol, straight bevel and hypoid gears cut by head cutters [AB; CR3553; ISO 23509]; conjugate geometries."""
 
 from gearmesh.systems.spiral_bevel.build import build, gear_part, left_to_geometry, pinion_part, try_build
 from gearmesh.systems.spiral_bevel.conjugate import build as conjugate_build

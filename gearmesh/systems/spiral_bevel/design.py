@@ -15,7 +15,7 @@ from gearmesh.design.core import ContactTable, GearBody, Holes, PairDesign, Rexs
 from gearmesh.design.keys import DERIVED_VALUE, Key, Table, conflict, given_or
 from gearmesh.design.runout import PairRunout
 from gearmesh.design.shown import value_text
-from gearmesh.systems.kinds import KINDS
+from gearmesh.systems.kinds import OWN_KINDS
 from gearmesh.systems.spiral_bevel.iso23509.taper_names import TAPER_NAMES
 
 #: default of settings that local synthesis or standard rules derive
@@ -1049,7 +1049,7 @@ class SpiralBevelDesign(FaceMilledDesign):
 
     own_kind: ClassVar[str] = "spiral_bevel"
     example: ClassVar[Mapping[str, Any]] = {"module": 5, "pinion": {"teeth": 13}, "gear": {"teeth": 44}}
-    about: ClassVar[str] = KINDS["spiral_bevel"].about
+    about: ClassVar[str] = OWN_KINDS["spiral_bevel"].about
 
     mean_cone_distance: Annotated[
         float | None,

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar
 
 from gearmesh.design.keys import Key
-from gearmesh.systems.kinds import KINDS
+from gearmesh.systems.kinds import OWN_KINDS
 from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
 
 
@@ -20,7 +20,7 @@ class HypoidDesign(FaceMilledDesign):
         "pinion": {"teeth": 12},
         "gear": {"teeth": 41},
     }
-    about: ClassVar[str] = KINDS["hypoid"].about
+    about: ClassVar[str] = OWN_KINDS["hypoid"].about
     called: ClassVar[str] = "Hypoid gears"
 
     offset: Annotated[

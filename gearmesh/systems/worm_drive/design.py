@@ -14,7 +14,7 @@ from gearmesh.design.measured import WormDriveMeasured
 from gearmesh.design.runout import eccentricity, phase
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.standards.iso10828 import ThreadForm, lead_angle
-from gearmesh.systems.kinds import KINDS
+from gearmesh.systems.kinds import OWN_KINDS
 
 #: default diameter quotient [DIN 3975]
 DEFAULT_QUOTIENT = 10.0
@@ -320,7 +320,7 @@ class WormDriveDesign(Design):
 
     own_kind: ClassVar[str] = "worm_drive"
     example: ClassVar[Mapping[str, Any]] = {"module": 4, "worm": {"threads": 2}, "wheel": {"teeth": 40}}
-    about: ClassVar[str] = KINDS["worm_drive"].about
+    about: ClassVar[str] = OWN_KINDS["worm_drive"].about
     called: ClassVar[str] = "Worm drive"
 
     module_section: Annotated[

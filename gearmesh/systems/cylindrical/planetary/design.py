@@ -15,7 +15,7 @@ from gearmesh.design.runout import eccentricity, phase
 from gearmesh.numerals import parse_numbers
 from gearmesh.systems.cylindrical.allowance_keys import CenterDistanceAllowance
 from gearmesh.systems.cylindrical.design import CylindricalMember, HalvesKeys
-from gearmesh.systems.kinds import KINDS
+from gearmesh.systems.kinds import OWN_KINDS
 
 #: difference below which the angle of a planet is moved to the angle at which it can be assembled
 SNAP_ANGLE_DEG = 1e-3
@@ -76,7 +76,7 @@ class PlanetaryDesign(HalvesKeys):
         "planet": {"teeth": 27, "face_width": 20},
         "ring": {"teeth": 72, "face_width": 20},
     }
-    about: ClassVar[str] = KINDS["planetary"].about
+    about: ClassVar[str] = OWN_KINDS["planetary"].about
     called: ClassVar[str] = "Planetary gear set"
 
     sun: CylindricalMember

@@ -22,7 +22,7 @@ from gearmesh.design.runout import PinionRunout
 from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.cylindrical.allowance_keys import ThicknessAllowance, ThicknessMade
 from gearmesh.systems.cylindrical.design import AccuracyClass, CylindricalMember, ToothingKeys
-from gearmesh.systems.kinds import KINDS
+from gearmesh.systems.kinds import OWN_KINDS
 
 #: name of the pinion's table in a design
 PINION_NAME = "pinion"
@@ -212,7 +212,7 @@ class RackDesign(RackKeys):
         "pinion": {"teeth": 20, "face_width": 20},
         "rack": {"teeth": 40, "face_width": 20},
     }
-    about: ClassVar[str] = KINDS["rack"].about
+    about: ClassVar[str] = OWN_KINDS["rack"].about
     called: ClassVar[str] = "Pinion and rack"
 
     pinion: CylindricalMember

@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar
 from pydantic import model_validator
 
 from gearmesh.design.keys import Key, conflict
-from gearmesh.systems.kinds import KINDS
+from gearmesh.systems.kinds import OWN_KINDS
 from gearmesh.systems.spiral_bevel.design import BevelBody, BevelContact, BevelDesign, DrivingSide, EdgeRadius
 
 
@@ -44,7 +44,7 @@ class ConjugateDesign(BevelDesign):
         "pinion": {"teeth": 20, "r_d": 74},
         "gear": {"teeth": 40, "r_d": 76},
     }
-    about: ClassVar[str] = KINDS["spiral_bevel_conjugate"].about
+    about: ClassVar[str] = OWN_KINDS["spiral_bevel_conjugate"].about
     called: ClassVar[str] = "Conjugate spiral bevel gears"
 
     beta: Annotated[float, Key("angle", "mean spiral angle", low=0, high=50, source="[CR3553] 2.2")] = 35.0
