@@ -66,17 +66,17 @@ def ratio(sun: int, ring: int, fixed: str) -> float:
 
 
 def phases(sun: int, angles: Sequence[float], sense: int) -> list[float]:
-    """Return the phases (pitches, 0 to 1) of the meshes of planets at `angles` (deg).
+    """Return the phases (pitches, 0 to 1) by which the meshes of planets are ahead of the first planet's mesh.
 
-    A phase is the lead over the mesh of the first planet. `sense` is +1 if the sun drives with its right flanks, -1
-    with its left flanks. Phases are equal in both meshes, since the teeth of sun and ring between two planets add up to
-    whole pitches.
+    `angles`: angles (deg) of the planets. `sense` is +1 if the sun drives with its right flanks, -1 with its left
+    flanks. Phases are equal in both meshes, since the teeth of sun and ring between two planets add up to whole
+    pitches.
     """
     return [_part(sense * sun * (angle - angles[0]) / 360.0) for angle in angles]
 
 
 def phase_of_ring(inner: LineOfAction, outer: LineOfAction, overlaps: tuple[float, float], share: float = 0.5) -> float:
-    """Return the lead (pitches, 0 to 1) of the mesh of planet and ring over the mesh of sun and planet.
+    """Return the phase (pitches, 0 to 1) by which the mesh of planet and ring is ahead of planet and sun.
 
     - overlaps: overlap ratios of both meshes.
     - share: part of the face that touches before a common plane, equal in both meshes; a half if the plane is the
