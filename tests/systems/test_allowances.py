@@ -31,7 +31,7 @@ def tables_of(design: gm.Design) -> dict[str, dict[str, list[Any]]]:
 
 
 @pytest.mark.quick
-def test_tables_of_din_3967_have_its_example_its_ends_and_its_preferred_steps() -> None:
+def test_tables_of_din_3967_have_example_ends_and_preferred_steps() -> None:
     """The standard's example, 27 cd at 100 mm; the corners of both tables; each series is the next one a range lower."""
     assert din3967.allowances("27 cd", 100.0) == pytest.approx((-0.070, -0.170), abs=1e-12)
     assert din3967.allowances("cd25", 36.0) == pytest.approx((-0.054, -0.084), abs=1e-12)
@@ -125,7 +125,7 @@ def test_backlash_is_least_and_largest_at_the_ends_of_all_allowances(internal: b
     assert backlash["j_bn"][2] < backlash["j_bn"][1] < backlash["j_bn"][3]
 
 
-def test_sets_and_racks_state_the_allowances_that_they_are_given_and_no_others() -> None:
+def test_sets_and_racks_state_exactly_the_given_allowances() -> None:
     thick = {"thickness_allowance": "e24"}
     tables = tables_of(design_of("planetary", sun=thick, assembly={"center_distance_allowance": "js6"}))
     inner, outer = (tables[f"{pair}: Members"] for pair in ("Sun and planet", "Planet and ring"))

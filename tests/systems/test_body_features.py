@@ -424,7 +424,7 @@ def test_the_figure_of_a_refusal_is_the_first_that_works(
     ],
 )
 @pytest.mark.sweep_cases("keys0", "keys1", "keys3")
-def test_walls_as_thin_as_they_may_be_are_in_meshes_and_cad_solids(keys: tuple[str, ...]) -> None:
+def test_thinnest_allowed_walls_are_in_meshes_and_cad_solids(keys: tuple[str, ...]) -> None:
     """However coarse the mesh: chords of an opening do not cut through to the bore. Thinner ones are refused."""
     part = member("spur", "gear", *keys)
     for tolerance in (0.4, 0.02):

@@ -15,7 +15,7 @@ TEETH = np.array([17, 23])
 
 
 @pytest.mark.parametrize(("first", "second"), some([(30.0, 15.0), (47.0, 45.0), (50.0, 58.0)], 1))
-def test_the_contact_is_that_of_the_closed_form_on_either_side_of_90_degrees(first: float, second: float) -> None:
+def test_contact_matches_closed_form_on_either_side_of_90_degrees(first: float, second: float) -> None:
     helix = np.radians([first, second])
     gears = gm.build(
         gm.parse(

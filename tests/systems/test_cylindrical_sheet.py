@@ -254,7 +254,7 @@ def interference(gears: gm.Gears) -> float:
 
 
 @pytest.mark.sweep
-def test_a_tip_that_reaches_into_a_fillet_is_warned_of_as_contact_says() -> None:
+def test_warning_of_tip_in_fillet_agrees_with_contact() -> None:
     """It is on flank alone with the tip diameter that is named, by the sheet and by first touch of the exact teeth."""
     external = design_of("spur", gear={"teeth": 90, "addendum": 1.15})
     ring = {"teeth": -60, "profile_shift": 0.1, "tool_tip_radius": 0.36}

@@ -98,7 +98,7 @@ def test_the_whole_is_two_halves_and_the_gap(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", some([name for name in DESIGNS if name != "featured"], 2))
-def test_halves_are_mirror_images_and_the_first_has_the_hand_of_the_pinion(name: str) -> None:
+def test_halves_are_mirror_images_and_first_has_pinions_hand(name: str) -> None:
     gears = gm.build(design_of(name))
     for key, member in gears.members.items():
         plane = plane_of(member)

@@ -64,7 +64,7 @@ def space_area(own: Toothing, tip: float, root: float, rounding: float) -> float
 
 
 @pytest.mark.parametrize("name", PAIRS)
-def test_flank_is_that_of_the_shaped_gear_and_the_fillet_the_arc_that_is_given(name: str) -> None:
+def test_flank_matches_shaped_gear_and_fillet_matches_given_arc(name: str) -> None:
     gears = gm.build(design_of(name))
     geometry, spec = geometry_of(gears)
     own, tip, root = geometry.mesh.gear, geometry.tips[1], geometry.roots[1]

@@ -95,7 +95,7 @@ def test_all_planets_mesh_alike() -> None:
         assert np.ptp(ratios) < 1e-9
 
 
-def test_angles_as_a_drawing_prints_them_are_taken_where_planets_can_be_assembled() -> None:
+def test_rounded_planet_angles_are_moved_to_assembly_positions() -> None:
     """30 and 60 steps of 360/91 deg to four decimals were refused for 15 nm on the planets' circle; 0.01 deg stay refused."""
     teeth, step = (18, 27, 73), 360.0 / 91.0
     angles = f"0, {30.0 * step:.4f}, {60.0 * step:.4f}"
@@ -212,7 +212,7 @@ def test_members_of_a_set_have_the_thickness_allowances_that_are_given() -> None
 
 
 @pytest.mark.sweep
-def test_letters_of_a_set_are_the_balls_and_the_backlash_of_its_teeth() -> None:
+def test_symbols_of_a_set_match_balls_and_backlash() -> None:
     """Balls laid between the exact flanks, and the solver's backlash in both meshes, of a set made to the upper allowances."""
     letters = {"sun": "cd25", "planet": "d26", "ring": "b24"}
     shape = {"ring": {"manufacture": "formed"}}

@@ -276,7 +276,7 @@ def test_a_rack_too_near_is_told_of_in_millimetres() -> None:
 
 
 @pytest.mark.sweep
-def test_the_overlap_is_found_where_the_rack_s_tip_meets_the_end_of_the_flank() -> None:
+def test_overlap_begins_where_racks_tip_meets_end_of_flank() -> None:
     """A rounding of 0.38 leaves straight flank down to 0.99997 modules: tips come 0.1 um deeper, and its end ends the lines."""
     keys = {"helix_angle": 15, "backlash": 0.08, "pinion": {"profile_shift": 0.2, "tool_tip_radius": 0.38}}
     summary = rack(**keys).contact().summary
@@ -296,7 +296,7 @@ def test_a_step_file_reads_back_as_the_bar_that_it_was(helix: int, tmp_path: Pat
 
 
 @pytest.mark.sweep
-def test_a_racks_tip_in_the_pinions_fillet_is_warned_of_and_free_with_the_addendum_that_is_named() -> None:
+def test_warning_of_racks_tip_in_fillet_names_addendum_that_clears_it() -> None:
     long = {"addendum": 1.1}
     (line,) = rack(pinion={"tool_tip_radius": 0.38}, rack=long).sheet().warnings
     found = re.fullmatch(

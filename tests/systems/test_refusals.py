@@ -72,7 +72,7 @@ def test_bounds_are_of_the_key_and_not_of_what_follows_from_it(key: str, value: 
     assert error.bounds.high == pytest.approx(bound, rel=5e-4)
 
 
-def test_a_centre_distance_out_of_reach_says_its_sum_of_shifts_and_the_range() -> None:
+def test_refusal_of_centre_distance_gives_sum_of_shifts_and_range() -> None:
     """inv(alpha_w) - inv(alpha) = 2 tan(alpha) (x1 + x2) / (z1 + z2), cos(alpha_w) = 61 cos(alpha) / 75."""
     pair = {"pinion": {"teeth": 20, "face_width": 20}, "gear": {"teeth": 41, "face_width": 20}}
     with pytest.raises(

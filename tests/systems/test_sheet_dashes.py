@@ -38,7 +38,7 @@ def ring(module: float = 2.0, teeth: int = 50, of_both: dict[str, Any] | None = 
     ],
     ids=["some", "much", "fine"],
 )
-def test_rows_as_cut_by_feed_are_those_of_the_design_that_is_fed(design: dict[str, Any], keys: dict[str, Any]) -> None:
+def test_rows_as_cut_by_feed_match_the_fed_design(design: dict[str, Any], keys: dict[str, Any]) -> None:
     """Against the teeth of the same order with allowance_by = "feed", as they are built: its tool has a rounding of its own."""
     given, fed = (ring(of_both={**keys, **by}, **design) for by in ({}, {"allowance_by": "feed"}))
     rows, members = gm.build(given).sheet().plain_tables[CUT], gm.build(fed).members
@@ -75,7 +75,7 @@ REFUSED = {
 }
 
 
-def test_a_pinion_larger_than_the_hole_of_the_ring_has_no_trimming_reserve() -> None:
+def test_pinion_larger_than_rings_hole_has_no_trimming_reserve() -> None:
     """The dash stood without a word, as where the tips never come near each other."""
     pinion = {"teeth": 34, "face_width": 10, "addendum": 0.55}
     sheet = gm.build(ring(teeth=35, pressure_angle=25, pinion=pinion)).sheet()

@@ -228,7 +228,7 @@ class CircularArcDesign(PairDesign):
         )
 
     def _fillets(self, derived: Mapping[str, float]) -> dict[str, float]:
-        # the racks as they are with what else is derived
+        # racks with the values derived so far
         members = {
             name: getattr(self, name).model_copy(
                 update={
@@ -245,7 +245,7 @@ class CircularArcDesign(PairDesign):
         }
 
     def _pitch_radius(self, member: CircularArcMember) -> float:
-        """N / (2 P_n sin lambda), or the member's share of a given centre distance, as the authors take it."""
+        """Return N / (2 P_n sin lambda), or the member's share of a given centre distance, as the authors do."""
         if math.isnan(self.center_distance):
             return 0.5 * member.teeth * self.given_module / math.sin(math.radians(member.lead_angle))
         return member.teeth * self.center_distance / (self.pinion.teeth + self.gear.teeth)

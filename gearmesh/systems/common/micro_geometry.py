@@ -31,7 +31,7 @@ from gearmesh.teeth.tooth_side import ToothSide
 #: points, across and along a flank, at which the slope of a modification is checked
 PROOF_SAMPLES = 33
 
-#: a key, its amount in mm, or its text, and the field that it asks for, which is proportional to an amount
+#: key, its amount in mm or its text, and the field of the modification, which is proportional to the amount
 Asked = tuple[str, float | str, FlankField]
 
 

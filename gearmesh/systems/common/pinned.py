@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from gearmesh.design.core import Design, MemberMount
     from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
 
-#: values by dotted key, lengths in mm; None takes a key away that others replace
+#: values by dotted key, lengths in mm; None removes a key that other keys replace
 Values = dict[str, Any]
 
 

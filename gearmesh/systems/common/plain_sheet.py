@@ -143,7 +143,7 @@ def _at_mid_face(member: Member) -> dict[tuple[str, str], float | None]:
 
 
 def _rho(points: Array) -> Array:
-    """Distance (N,) of points (N, 3) from the axis, mm."""
+    """Return the distances (N,) of points (N, 3) from the axis, mm."""
     rho: Array = np.hypot(points[:, 0], points[:, 1])
     return rho
 

@@ -29,11 +29,11 @@ class Missing:
     reason: str
 
 
-#: one value per column, None where the column has no such value
+#: one value per column; None if the column has no such value
 Values: TypeAlias = "tuple[float | int | str | Missing | None, ...]"
 #: symbol, words, unit, values
 Row: TypeAlias = "tuple[str, str, str, Values]"
-#: title of a table, or what heads several, and the call that makes them
+#: title of a table, or of several tables, and the call that makes them
 Part: TypeAlias = "tuple[str, Callable[[], SheetTable | Iterable[SheetTable]]]"
 
 

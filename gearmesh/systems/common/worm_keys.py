@@ -1,4 +1,4 @@
-"""Keys of a worm that grinds a member, of every system that has one."""
+"""Keys of a worm that grinds a member, for every system with such a worm."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Spur and helical gears on parallel axes, external and internal, pairs and one alone [ISO 21771]."""
+"""Spur and helical gears on parallel axes, external and internal: pairs and single gears [ISO 21771]."""

@@ -131,7 +131,7 @@ class ThicknessAllowance(Table):
         return 0.5 * (self.upper + self.lower)
 
 
-#: The key that says where within its allowance a tooth thickness is made.
+#: Key of the place within its allowance at which a tooth thickness is made.
 ThicknessMade = Annotated[
     str,
     Key(

@@ -1,4 +1,4 @@
-"""Design of a cylindrical gear pair [ISO 21771]: spur and helical gears on parallel axes, either member internal."""
+"""Design of a cylindrical gear pair [ISO 21771]: spur and helical gears on parallel axes, one may be internal."""
 
 from __future__ import annotations
 

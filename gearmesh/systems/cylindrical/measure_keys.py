@@ -10,7 +10,7 @@ from gearmesh.design.keys import Key, Table, conflict
 
 
 class MeasuredSize(Table):
-    """MeasuredSize of a measured size: both, or none."""
+    """Limits of a measured size: both, or none."""
 
     upper: Annotated[float | None, Key("length", "upper limit; with it the thickness is given", low=0, above=True)] = (
         None

@@ -96,7 +96,7 @@ def _specs(design: ParabolicHelicalDesign) -> dict[str, ParabolicMember]:
 
 
 def _rolls(design: ParabolicHelicalDesign) -> dict[str, Roll]:
-    """Pitch radii of the nominal helix; a changed lead angle turns the racks' teeth, the pitch cylinders stay."""
+    """Return the rolling racks; a changed lead angle turns the racks' teeth, and the pitch cylinders stay nominal."""
     helix, rolls = np.radians(design.helix_angle), {}
     hand = _hand(design)
     for name, sign, change in (

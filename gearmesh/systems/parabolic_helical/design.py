@@ -194,7 +194,7 @@ EXAMPLE_KEYS = {
 class ParabolicHelicalDesign(PairDesign):
     """Keys that both kinds have in common."""
 
-    #: sign of the gear's parabola: what its rack's profile takes off the tooth away from the pitch plane
+    #: sign of the gear's parabola: +1 if its rack's profile removes material from the tooth away from the pitch plane
     gear_parabola_sign: ClassVar[float] = 1.0
 
     pressure_angle: Annotated[

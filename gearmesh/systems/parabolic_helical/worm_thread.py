@@ -56,7 +56,10 @@ BISECTION_STEPS = 40
 
 @dataclass(frozen=True)
 class Opposite:
-    """A rack's profile seen from the other side of its surface: x' = -x, y' = -(y + half_pitch), half_pitch in mm."""
+    """A rack's profile seen from the other side of its surface: x' = -x, y' = -(y + half_pitch).
+
+    `half_pitch` is in mm.
+    """
 
     profile: Profile
     half_pitch: float

@@ -289,5 +289,5 @@ def _with_tip(tooth: Tooth, radius: float) -> Tooth:
 
 
 def _has_land(tooth: Tooth, share: float) -> bool:
-    """True if the tooth is not pointed on the given share of its face width; one that has land may be undercut."""
+    """True if the tooth is not pointed on the given share of its face width; it may be undercut."""
     return goes(lambda: tooth.prove_land(stations_on(share)))

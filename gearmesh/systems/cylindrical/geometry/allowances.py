@@ -47,7 +47,7 @@ def allowances_of(name: str, spec: CylindricalMember | RackTable, own: Toothing)
         assert given is not None
         return Allowances.between(given.upper, given.lower, spec.thickness_made)
     ends = [_allowance_at(name, spec, key, end, own) for end in ("upper", "lower")]
-    # larger between balls is a wider space
+    # of an internal gear the larger dimension between balls belongs to thinner teeth
     return Allowances.between(max(ends), min(ends), spec.thickness_made)
 
 

@@ -20,7 +20,7 @@ MAX_WORKING_ANGLE = 1.5
 
 
 def involute(angle: float) -> float:
-    """inv(angle) = tan(angle) - angle [ISO 21771]."""
+    """Return inv(angle) = tan(angle) - angle [ISO 21771]."""
     return math.tan(angle) - angle
 
 
@@ -58,7 +58,7 @@ class Toothing:
 
     @property
     def sense(self) -> int:
-        """+1 external, -1 internal."""
+        """+1 for external teeth, -1 for internal teeth."""
         return -1 if self.internal else 1
 
     @property

@@ -103,7 +103,7 @@ def _trimming(members: tuple[Toothing, Toothing], tips: tuple[float, float], bey
         math.sqrt(((cosine_ring / cosine) ** 2 - 1.0) / (teeth**2 - 1.0)),
     )
     if max(sines) > 1.0:
-        # the pinion is larger than the hole of the ring
+        # the pinion is larger than the hole of the ring and cannot be moved in radially
         return -math.inf
     of_pinion, of_ring = (math.asin(sine) for sine in sines)
     return (of_pinion + beyond[0]) / teeth - of_ring - beyond[1]

@@ -58,7 +58,7 @@ def gear_proportions(gear: ToothedGear) -> GearProportions:
 
 @dataclass(frozen=True)
 class GearsProportions:
-    """Gears, whether they mesh or not."""
+    """Proportions of gears that may or may not mesh."""
 
     gears: tuple[GearProportions, ...]
 
@@ -207,9 +207,9 @@ def tool_rounding(gear: ToothedGear) -> float:
         depth = own.shift + (own.radius - 0.5 * spec.root_diameter) / m
     else:
         depth = given_or(spec.dedendum, dedendum)
-    # a tool that is fed for it has its own width
+    # a tool that is fed for the allowance has the width of nominal teeth
     given = 0.0 if spec.allowance_by == "feed" else own.allowance
     if spec.hob is not None:
-        # the tip's flanks stand out of the finished flanks by this
+        # the flanks of the hob's tip project beyond the finished flanks
         given -= 2.0 * (spec.hob.protuberance - spec.hob.stock) / math.cos(own.alpha)
     return straight_rounding(0.5 * math.pi - given / m, depth, (alpha, alpha), standard)

@@ -236,7 +236,7 @@ def _ring_teeth(wanted: WantedSet, module: float, transverse: float) -> range:
         ]
     else:
         assert wanted.center_distance is not None
-        # twice the distance is about a quarter of the teeth of ring and sun together, on either side
+        # the distance is about a quarter of the teeth of ring and sun together, in transverse modules
         sums = [
             4.0 * wanted.center_distance / transverse + 2.0 * side * (MAX_RING_SHIFT_SUM + MISSING_TEETH_RANGE[1])
             for side in (-1, 1)

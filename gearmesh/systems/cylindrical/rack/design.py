@@ -1,4 +1,4 @@
-"""Design of a pinion and a rack: a spur or helical gear and a bar with teeth along which it rolls [ISO 21771, ISO 53]."""
+"""Design of a pinion and a rack: a spur or helical gear, and a bar on whose teeth it rolls [ISO 21771, ISO 53]."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class BoltRow(Table):
 
 
 class BarKeys(Modified):
-    """A bar with teeth, as many pitches long as it has teeth, or longer."""
+    """Keys of a bar with teeth, as many pitches long as it has teeth, or longer."""
 
     teeth: Annotated[
         int | None, Key("count", "number of teeth", low=1, high=10000, default="as many as the length has room for")
@@ -127,7 +127,7 @@ class RackTable(BrokenEdges, BarKeys):
     thickness_made: ThicknessMade = "middle"
     material: MemberMaterial | None = None
 
-    #: A dedendum always says where the root is.
+    #: The dedendum always gives the root.
     dedendum_counts: ClassVar[bool] = True
 
     @property

@@ -1,1 +1,1 @@
-"""One cylindrical gear without a mating gear: its keys, the member built of it, its data sheet."""
+"""One cylindrical gear without a mating gear: its keys, the member, its data sheet."""

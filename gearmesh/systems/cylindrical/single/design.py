@@ -1,4 +1,4 @@
-"""Design of one spur or helical gear without a mating gear [ISO 21771]: the keys of a pair that need none."""
+"""Design of one spur or helical gear without a mating gear [ISO 21771]: keys that need no mating gear."""
 
 from __future__ import annotations
 
