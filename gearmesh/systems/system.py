@@ -216,11 +216,12 @@ class System(Generic[D]):
     kind: str
     #: class of its designs
     design: type[D]
-    #: gear set of a design in mm
+    #: gear set of a design
     build: Callable[[D], GearTrain]
     #: functions for single members by name, if one can be made without the other; `derive` is not called for the design
     members: Mapping[str, Callable[[D], ToolPart]] = field(default_factory=dict)
-    #: faster than `build` and refused as it is, except where `build` searches long; used to find the key at fault
+    #: faster substitute of `build` for the search of the key at fault; `derive` is not called for its design. It is
+    #: refused where `build` is, except perhaps where `build` would have to search long
     tried: Callable[[D], object] | None = None
     #: values, in the design's units, of keys left out that only geometry knows, by dotted key
     derive: Callable[[D], dict[str, float]] | None = None

@@ -44,6 +44,7 @@ def compensate(design: CircularArcDesign, member: str = "pinion") -> list[Settin
         slope = (path.te[2] - path.te[0]) / np.ptp(SLOPE_RANGE)
         return np.array([path.params1[1, 0] - nominal, slope])
 
+    # only the values whose error does not vanish are free: b if theta is off, the lead angle if the error has a slope
     errors_before = errors(values)
     has_slope = design.assembly.dgamma != 0.0 or design.pinion.lead_angle != design.gear.lead_angle
     wanted = {setting: is_off(design), lead: has_slope}

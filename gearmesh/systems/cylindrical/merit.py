@@ -56,6 +56,7 @@ def mesh_merit(design: CylindricalDesign) -> MeshMerit:
     """Return the merits of the mesh of a complete design. Raises DesignError for teeth that cannot exist."""
     geometry = proportions(design)
     mesh, both = geometry.mesh, (geometry.mesh.pinion, geometry.mesh.gear)
+    # flanks in closed form, from the form point or base circle to the tip
     line = LineOfAction(mesh, (_flank(geometry.gears[0]), _flank(geometry.gears[1])))
     points = line.points
     eps_alpha = line.contact_ratio

@@ -107,6 +107,7 @@ def _passing(geometry: PairProportions, forms: tuple[float, float]) -> Iterator[
         left, line = reserves(mesh, tips), line_of(tips)
         return min(left.involute, left.trochoid, *(line.interference_reserve(own) for own in (pinion, ring))) >= 0.0
 
+    # for each tip of the pinion, bisect to the longest tip of the ring that passes
     for part in ADDENDUM_PARTS:
         pinion_tip = pinion.radius - part * heights[0]
 

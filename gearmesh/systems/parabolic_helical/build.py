@@ -59,6 +59,7 @@ def build(design: ParabolicHelicalDesign) -> GearTrain:
     grinding = {"pinion": _crowning(design, rolls["pinion"]), "gear": None}
     bottoms = {"pinion": _bottom(design, rolls["pinion"], racks["pinion"]), "gear": None}
     mounts = _mounts(design, rolls)
+    # cut or ground teeth, then turned tips, modifications and chamfers
     made = {
         name: member(
             name,

@@ -175,6 +175,7 @@ def body_features(spec: MemberBody, under: UnderTeeth) -> BodyFeatures:
     name, body, web = under.name, under.body, under.body.web
     keyway = _keyway(spec, under)
     bore = body.bore_radius
+    # hubs and shafts must enclose the keyway's corners
     keyed, corner = (bore, bore) if keyway is None else (bore + keyway.depth, keyway.reach(bore))
     inner = "bore" if keyway is None else "keyway"
     ends = under.ends
@@ -194,9 +195,11 @@ def body_features(spec: MemberBody, under: UnderTeeth) -> BodyFeatures:
             f"{name}.web.thickness", spec.web.thickness, unit="mm", reason="this body has no room for a web"
         )
     features = BodyFeatures(keyway=keyway, hub=hubs[1], toe_hub=hubs[0], toe_shaft=shafts[0], heel_shaft=shafts[1])
+    # steps of the bore need the outside of the body with its hubs and shafts
     bores = _bore_steps(spec, under, features)
     features = replace(features, toe_bore=bores[0], heel_bore=bores[1])
     beside = [0.5 * hub.diameter for hub in hubs if hub] + [steps[0].radius for steps in (*shafts, *bores) if steps]
+    # openings are between bore, hubs or shafts and the roots, or in the web
     room = (max(keyed, *beside, 0.0), under.smallest) if web is None else (web.inner, web.outer)
     return _with_openings(spec, under, features, room, corner)
 

@@ -262,6 +262,7 @@ def _refusal(name: str, tooth: Tooth, spec: MemberTable, tip_key: str, failure: 
     if failure.what == "root":
         overlap = f"the fillets of neighbouring teeth overlap {place}"
         return DesignError(name, reason=overlap, allowed="a smaller tool tip radius or dedendum")
+    # if the middle of the face has land, the bound is a narrower face, else a lower tip
     pointed = f"the tooth is pointed {place}"
     if fits(tooth, 0.0):
         limit = largest(lambda share: _has_land(tooth, share))

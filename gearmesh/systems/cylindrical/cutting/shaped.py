@@ -139,6 +139,7 @@ def shaped_member(
         _blank(name, spec, cut),
         tip_edge=tip_edge(spec),
     )
+    # on an internal tooth the key at fault is not known; an external tooth is proved as the tooth of a rack cutter is
     if own.internal:
         try:
             tooth.prove()

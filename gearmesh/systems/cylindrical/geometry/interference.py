@@ -142,6 +142,7 @@ def interference_warnings(
             moved = (tip, tips[1]) if ring == 0 else (tips[0], tip)
             return float(getattr(reserves(mesh, moved), limit)) >= 0.0
 
+        # the least tip diameter between tip and root for which the limit holds
         bound = least_that(holds, tips[ring], roots[ring])
         remedy = (
             f"; free with {name}.tip_diameter of at least {at_least(2.0 * bound)} mm" if bound < roots[ring] else ""

@@ -36,6 +36,7 @@ def shifts(design: CylindricalDesign) -> tuple[float, float]:
     if distance is None:
         return 0.0 if open_[0] else given[0], 0.0 if open_[1] else given[1]
     pinion, gear = (toothing(design, name) for name in MEMBER_NAMES)
+    # the centre distance fixes the sum; a given shift leaves the rest to the other member
     total = sum_of_shifts(pinion, gear, distance)
     if math.isnan(total):
         nominal_mesh(design)

@@ -28,6 +28,7 @@ def set_forces(design: PlanetaryDesign, torque: float, speed: float | None) -> t
     both, count = meshes(own), len(own.angles)
     teeth = own.sun.teeth, own.planet.teeth, own.ring.teeth
     driver = DRIVING_MEMBER[own.fixed]
+    # equilibrium: tangential forces of both meshes are equal, so that torques of sun and ring are as their teeth
     on_sun = torque if driver == SUN_NAME else torque * teeth[0] / teeth[2]
     on_ring = on_sun * teeth[2] / teeth[0]
     torques = on_sun, -on_sun - on_ring, on_ring
@@ -40,6 +41,7 @@ def set_forces(design: PlanetaryDesign, torque: float, speed: float | None) -> t
     share, flank = on_sun / count, Side(own.contact.flank)
     halves = own.double_helical
     inner, outer = (proportions(mesh).mesh for mesh in (both.inner, both.outer))
+    # the planet drives the ring with its other flanks
     with_sun = mesh_forces(inner, share, flank.sign)
     with_ring = mesh_forces(outer, share * teeth[1] / teeth[0], flank.other.sign)
     halves = own.double_helical

@@ -279,6 +279,7 @@ def _judge(wanted: WantedSet, trial: SetTrial) -> SetCandidate:
     angles = _angles(wanted, trial)
     totals = _sums_of_shifts(wanted, trial)
     try:
+        # sun and planet share their shifts as a pair; the ring takes the shift that its mesh with the planet needs
         pair = share_shifts(_pair_keys(wanted, trial))
         outside = _outside(wanted, trial, totals[1] - totals[0] + pair["pinion"]["profile_shift"])
         keys = _keys(wanted, trial, pair, angles, outside.rim)

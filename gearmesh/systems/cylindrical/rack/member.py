@@ -196,6 +196,7 @@ def rack_member(name: str, spec: RackProportions, pinion: Toothing, table: RackT
     """
     m, helix = pinion.module, -pinion.beta
     heights = Heights(spec.addendum * m, -spec.dedendum * m)
+    # flanks are the lines of the basic rack, set apart by the allowance
     line = RackLine(pinion.alpha, m, 0.25 * math.pi * m + 0.5 * spec.allowance)
     right, left = (
         _side(rack, helix, side)
@@ -210,6 +211,7 @@ def rack_member(name: str, spec: RackProportions, pinion: Toothing, table: RackT
             reason="the root lies below the back of the bar",
             allowed=f"more than the teeth's, {at_least(depth)} mm",
         )
+    # the rack slides: an angle of its coordinate is an arc of the pinion's reference cylinder
     joint, half = Prismatic(pinion.radius, 2.0 * math.pi / pinion.teeth), 0.5 * spec.face_width
     tooth = Tooth(
         teeth=spec.teeth,

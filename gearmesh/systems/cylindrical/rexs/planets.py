@@ -213,6 +213,7 @@ def _planets(file: StageReader) -> list[PlanetMeshes]:
             outer.append((one, first, second) if rings[0] else (one, second, first))
         else:
             inner.append((one, (first, second)))
+    # a planet is the gear that a mesh of the sun and a mesh of the ring have in common
     planets = []
     for mesh, gears in inner:
         for ring_mesh, ring, planet in outer:
