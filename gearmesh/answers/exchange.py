@@ -19,8 +19,8 @@ from gearmesh.arguments import checks_arguments
 from gearmesh.design.core import Design, RexsSource
 from gearmesh.design.files import anchor, counted_from, every_key, stated_text
 from gearmesh.errors import ArgumentError, DesignError, FileError
-from gearmesh.exchange.model import WRITTEN, Component, LoadCase, RexsModel
-from gearmesh.exchange.rexs_file import SUFFIXES, read_rexs, rexs_bytes
+from gearmesh.exchange.model import WRITTEN_VERSION, Component, LoadCase, RexsModel
+from gearmesh.exchange.rexs_file import REXS_SUFFIXES, read_rexs, rexs_bytes
 from gearmesh.exchange.stage import StageReader
 from gearmesh.exchange.stage_form import StageForm
 from gearmesh.exchange.stage_writer import StageWriter
@@ -242,7 +242,7 @@ class RexsExport(Result):
     @property
     def suffixes(self) -> tuple[str, ...]:
         """Suffixes of the files that `save` writes."""
-        return (".json", *SUFFIXES)
+        return (".json", *REXS_SUFFIXES)
 
     @property
     def headline(self) -> str:
@@ -282,7 +282,7 @@ def rexs_of(pinned: Pinned, folder: Path, loaded: LoadedContact | None = None) -
     known = None if source is None else model.component(source.stage)
     if source is not None and known is None:
         raise DesignError("rexs.stage", source.stage, reason=f"{source.file} has no component of this id")
-    model.version, model.application, model.application_version = WRITTEN, "gearmesh", __version__
+    model.version, model.application, model.application_version = WRITTEN_VERSION, "gearmesh", __version__
     model.date = model.date or UNDATED
     plain = counted_from(every_key(design, RANGE), type(design), folder)
     keys = {key: value for key, value in leaves_of(plain) if not key.startswith("rexs.")}

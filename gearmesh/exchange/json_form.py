@@ -7,27 +7,28 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from gearmesh.errors import FileError
-from gearmesh.exchange.attributes import ATTRIBUTES
+from gearmesh.exchange.attributes import ATTRIBUTE_FORMS
 from gearmesh.exchange.model import Attribute, Component, ComponentReference, LoadCase, Relation, RexsModel, Text
 from gearmesh.files.reading import json_value
 from gearmesh.numerals import is_number, parse_number, parse_whole_number
 
 #: type of arrays of arrays
-ARRAYS = "array_of_integer_arrays"
+ARRAY_OF_ARRAYS = "array_of_integer_arrays"
 
 
 def model_of_json(text: str, path: str) -> RexsModel:
-    """The model in a JSON file, which came from `path`. Raises FileError in one line."""
+    """Return the model in a JSON file, which came from `path`. Raises FileError in one line."""
     return _Reader(path).model(json_value(text, path))
 
 
 class _Reader:
-    """Tells where a file is not as it should be."""
+    """Reader of one file; its errors name the place of the fault."""
 
     def __init__(self, path: str) -> None:
         self.path = path
 
     def model(self, data: Any) -> RexsModel:
+        """Return the model of the whole file."""
         root = self.table(self.table(data, "the file").get("model"), "model")
         spectrum = self.table(root.get("load_spectrum") or {}, "load_spectrum")
         accumulation = self.table(root.get("accumulation") or {}, "accumulation")
@@ -49,11 +50,13 @@ class _Reader:
         )
 
     def table(self, value: Any, where: str) -> Mapping[str, Any]:
+        """Return a value that must be an object."""
         if not isinstance(value, dict):
             raise FileError(self.path, reason=f"not a REXS file: {where} is not an object")
         return value
 
     def tables(self, data: Mapping[str, Any], name: str) -> Iterator[Mapping[str, Any]]:
+        """Yield the objects of an array."""
         values = data.get(name) or []
         if not isinstance(values, list):
             raise FileError(self.path, reason=f"not a REXS file: {name} is not an array")
@@ -61,6 +64,7 @@ class _Reader:
             yield self.table(value, f"one of {name}")
 
     def text(self, data: Mapping[str, Any], name: str, where: str) -> str:
+        """Return a value that must be a text or a whole number."""
         value = data.get(name)
         if not isinstance(value, (str, int)) or isinstance(value, bool) or value == "":
             raise FileError(self.path, reason=f"{where} without {name}")
@@ -98,7 +102,7 @@ class _Reader:
 
 
 def _text(value: Any) -> Text:
-    """A value of JSON as XML has it."""
+    """Return a value of JSON as a text of XML."""
     if isinstance(value, list):
         return [_text(one) for one in value]  # type: ignore[return-value]
     if value is None:
@@ -107,7 +111,7 @@ def _text(value: Any) -> Text:
 
 
 def json_of(model: RexsModel) -> str:
-    """The JSON file of a model."""
+    """Return the JSON file of a model."""
     root: dict[str, Any] = {
         "version": model.version,
         "applicationId": model.application,
@@ -142,16 +146,19 @@ def json_of(model: RexsModel) -> str:
 
 
 def _id(text: str) -> int | str:
+    """Return an id as a whole number if it is one."""
     number = parse_whole_number(text)
     return text if number is None else number
 
 
 def _component(one: Component) -> dict[str, Any]:
+    """Return a component as a JSON object."""
     named = {key: value for key, value in (("type", one.type), ("name", one.name)) if value}
     return {"id": _id(one.id), **named, "attributes": [_attribute(part) for part in one.attributes.values()]}
 
 
 def _attribute(one: Attribute) -> dict[str, Any]:
+    """Return an attribute as a JSON object."""
     type = one.type or guessed_type(one)
     value: Any
     if one.code:
@@ -163,11 +170,12 @@ def _attribute(one: Attribute) -> dict[str, Any]:
 
 
 def _value(text: Text, type: str) -> Any:
+    """Return the value of a text as its JSON type."""
     if isinstance(text, list):
         return [_value(one, type) for one in text]
     if text == "" and not type.startswith(("string", "enum", "file_reference")):
         return None
-    if type.startswith(("integer", "reference_component", ARRAYS)):
+    if type.startswith(("integer", "reference_component", ARRAY_OF_ARRAYS)):
         value = parse_number(text)
         return int(value) if value is not None and value.is_integer() else text
     if type.startswith("floating_point"):
@@ -176,9 +184,9 @@ def _value(text: Text, type: str) -> Any:
 
 
 def guessed_type(one: Attribute) -> str:
-    """Name of the type of an attribute of an XML file, which does not say it: by its name, unit and text."""
-    if one.id in ATTRIBUTES and not one.code:
-        return ATTRIBUTES[one.id].type
+    """Return the type of an attribute from an XML file, which does not state it, from its name, unit and text."""
+    if one.id in ATTRIBUTE_FORMS and not one.code:
+        return ATTRIBUTE_FORMS[one.id].type
     end = "_coded" if one.code else ""
     texts = list(_leaves(one.text))
     if isinstance(one.text, list) or one.code:
@@ -204,6 +212,7 @@ def guessed_type(one: Attribute) -> str:
 
 
 def _leaves(text: Text) -> Iterator[str]:
+    """Yield the texts of rows, and of rows of rows."""
     if isinstance(text, str):
         yield text
     else:

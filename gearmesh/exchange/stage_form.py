@@ -1,4 +1,4 @@
-"""How a gear system reads and writes its stages in REXS models."""
+"""Functions with which a gear system reads and writes its stages in REXS models."""
 
 from __future__ import annotations
 
@@ -14,11 +14,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class StageForm:
-    """`stages`: types of stages; `read` gives the dotted keys of a design of one, lengths in mm; `write` puts a complete design in
-    mm, of whose keys the writer has all leaves, into the stage that is known, or a new one. `is_of`: whether a stage is of this
-    system, where several have stages of that type."""
+    """Reading and writing of the stages of one gear system."""
 
+    #: types of stages
     stages: tuple[str, ...]
+    #: returns the dotted keys of a design from a stage, lengths in mm
     read: Callable[[StageReader], dict[str, Any]]
+    #: writes a complete design in mm into the known stage, or a new one; the writer has all leaves of its keys
     write: Callable[[StageWriter, Any, Component | None], Component]
+    #: True if a stage belongs to this system, where several systems have stages of that type
     is_of: Callable[[StageReader], bool] = lambda file: True

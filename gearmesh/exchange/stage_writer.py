@@ -1,4 +1,4 @@
-"""Gears written into a REXS model: what it has of them is overwritten, all else stays as it is."""
+"""Gears written into a REXS model: their data are overwritten, everything else stays."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from gearmesh.exchange.attributes import ATTRIBUTES
-from gearmesh.exchange.model import OWN, Attribute, Component, ComponentReference, Relation, RexsModel
-from gearmesh.exchange.stage import DENSITY, KG_PER_M3, MATERIAL
+from gearmesh.exchange.attributes import ATTRIBUTE_FORMS
+from gearmesh.exchange.model import OWN_PREFIX, Attribute, Component, ComponentReference, Relation, RexsModel
+from gearmesh.exchange.stage import DENSITY_ATTRIBUTE, KG_PER_M3, MATERIAL_ATTRIBUTES
 from gearmesh.exchange.versions import free_id
 
 
 @dataclass
 class StageWriter:
-    """Puts components, relations and attributes into a model; those that are there are found again by their relations.
+    """Writer of components, relations and attributes into a model; existing components are found by their relations.
 
-    `keys` are the leaves of the design that are still to be written; those that an attribute of the format has are taken out.
-    `unsaid`: keys with a value that the attribute of the format does not allow.
+    `model`: the model. `keys`: leaves of the design that are still to be written; a key that an attribute of the format
+    holds is removed. `unsaid`: keys with a value that the attribute of the format does not allow.
     """
 
     model: RexsModel
@@ -26,19 +26,19 @@ class StageWriter:
     unsaid: set[str] = field(default_factory=set)
 
     def take(self, key: str) -> Any:
-        """A key of the design that an attribute says, None if the design has it not."""
+        """Remove and return a key of the design that an attribute holds, None if the design does not have it."""
         return self.keys.pop(key, None)
 
     # components and relations
 
     def new(self, type: str, name: str = "") -> Component:
-        """One more component."""
+        """Add a component."""
         one = Component(free_id(part.id for part in self.model.components), type, name)
         self.model.components.append(one)
         return one
 
     def relate(self, type: str, roles: Mapping[str, Component], order: str = "") -> None:
-        """A relation, unless there is one of these components."""
+        """Add a relation, unless these components have it."""
         for one in self.model.relations:
             if one.type == type and all(one.in_role(role) == part.id for role, part in roles.items()):
                 return
@@ -47,7 +47,9 @@ class StageWriter:
         self.model.relations.append(Relation(id, type, references, order))
 
     def partner(self, type: str, role: str, component: Component, other: str, wanted: str, name: str = "") -> Component:
-        """The component in the role `other` of a relation of one in a `role`, of the `wanted` type; made if there is none."""
+        """Return the component of the `wanted` type in the role `other` of a relation with a component in `role`; add
+        it if missing.
+        """
         for relation in self.model.relations_of(type, role, component.id):
             one = self.model.component(relation.in_role(other))
             if one is not None and one.type == wanted:
@@ -57,11 +59,11 @@ class StageWriter:
         return one
 
     def stage(self, type: str, known: Component | None, name: str = "") -> Component:
-        """The stage itself: the one that is `known`, or a new one."""
+        """Return the component of the stage: the known one, or a new one."""
         return self.new(type, name) if known is None else known
 
     def gears(self, stage: Component, types: tuple[str, str], names: tuple[str, str]) -> tuple[Component, Component]:
-        """Both gears of a stage."""
+        """Return both gears of a stage; add them if missing."""
         for relation in self.model.relations_of("stage", "stage", stage.id):
             both = [self.model.component(relation.in_role(role)) for role in ("gear_1", "gear_2")]
             if both[0] is not None and both[1] is not None:
@@ -72,19 +74,23 @@ class StageWriter:
         return first, second
 
     def flanks(self, gear: Component, type: str) -> dict[str, Component]:
-        """Both flanks of a gear."""
+        """Return both flanks of a gear; add them if missing."""
         for relation in self.model.relations_of("flank", "gear", gear.id):
             sides = {side: self.model.component(relation.in_role(side)) for side in ("left", "right")}
             if all(sides.values()):
                 return {side: one for side, one in sides.items() if one is not None}
-        both = {side: self.new(type, f"{gear.name} ({side} flank)") for side in ("left", "right")}
-        self.relate("flank", {"gear": gear, **both})
-        return both
+        new_flanks = {side: self.new(type, f"{gear.name} ({side} flank)") for side in ("left", "right")}
+        self.relate("flank", {"gear": gear, **new_flanks})
+        return new_flanks
 
     def step(
         self, flank: Component, tool_type: str, settings_type: str, shared: Component | None = None
     ) -> tuple[Component, Component]:
-        """Tool and settings of the first manufacturing step of a flank with such a tool; `shared`: a tool of another flank."""
+        """Return tool and settings of the first manufacturing step of a flank with a tool of the type; add them if
+        missing.
+
+        `shared`: a tool of another flank that a new step uses.
+        """
         for relation in self.model.relations_of("manufacturing_step", "workpiece", flank.id):
             tool = self.model.component(relation.in_role("tool"))
             if tool is not None and tool.type == tool_type:
@@ -100,28 +106,30 @@ class StageWriter:
         return tool, settings
 
     def put_material(self, gear: Component, name: str) -> None:
-        """The material of a member, to which its gear refers."""
+        """Write the material of a member, to which its gear refers."""
         material = self.refer(gear, "material", f"{gear.name or name} (material)")
-        for key, id in MATERIAL.items():
-            own = f"{name}.material.{key}"
-            if self.put(material, id, self.keys.get(own, self.keys.get(f"material.{key}"))):
-                self.keys.pop(own, None)
+        for key, id in MATERIAL_ATTRIBUTES.items():
+            member_key = f"{name}.material.{key}"
+            if self.put(material, id, self.keys.get(member_key, self.keys.get(f"material.{key}"))):
+                self.keys.pop(member_key, None)
         density = self.keys.get("material.density")
-        self.put(material, DENSITY, None if density is None else density / KG_PER_M3)
+        self.put(material, DENSITY_ATTRIBUTE, None if density is None else density / KG_PER_M3)
 
     def refer(self, origin: Component, type: str, name: str = "") -> Component:
-        """The component of a type to which another one refers."""
+        """Return the component of a type to which a component refers; add it if missing."""
         return self.partner("reference", "origin", origin, "referenced", type, name)
 
     def forget(self, origin: Component, types: tuple[str, ...], orphans: bool = True) -> None:
-        """Take away all references to components of these types, with `orphans` the components that nothing else refers to."""
-        gone = [
+        """Remove all references to components of some types; with `orphans`, also components that nothing else refers
+        to.
+        """
+        removed = [
             one
             for one in self.model.relations_of("reference", "origin", origin.id)
             if (to := self.model.component(one.in_role("referenced"))) is not None and to.type in types
         ]
-        self.model.relations = [one for one in self.model.relations if all(one is not part for part in gone)]
-        lost = {one.in_role("referenced") for one in gone} if orphans else set()
+        self.model.relations = [one for one in self.model.relations if all(one is not part for part in removed)]
+        lost = {one.in_role("referenced") for one in removed} if orphans else set()
         lost -= {one.in_role("referenced") for one in self.model.relations if one.type == "reference"}
         self.model.components = [one for one in self.model.components if one.id not in lost]
 
@@ -129,11 +137,11 @@ class StageWriter:
 
     @staticmethod
     def put(component: Component, id: str, value: float | int | str | bool | list[float] | None) -> bool:
-        """Write an attribute with the unit and type that the format states.
+        """Write an attribute with the unit and type of the format.
 
-        Returns False, without the attribute, where there is no value or the format does not allow it.
+        Returns False, without the attribute, if there is no value or the format does not allow it.
         """
-        form = ATTRIBUTES[id]
+        form = ATTRIBUTE_FORMS[id]
         allowed = value in form.choices if form.choices else not isinstance(value, int | float) or form.holds(value)
         if value is None or not allowed:
             component.attributes.pop(id, None)
@@ -142,8 +150,8 @@ class StageWriter:
         return True
 
     def put_own(self, component: Component) -> None:
-        """Write all keys that no attribute of the format has said, as attributes of this program."""
-        for id in [id for id in component.attributes if id.startswith(OWN)]:
+        """Write all remaining keys as attributes of this program."""
+        for id in [id for id in component.attributes if id.startswith(OWN_PREFIX)]:
             del component.attributes[id]
         for key, value in self.keys.items():
             self.put_custom(component, key.replace(".", "__"), json.dumps(value))
@@ -151,12 +159,13 @@ class StageWriter:
 
     @staticmethod
     def put_custom(component: Component, name: str, value: float | str, unit: str = "none") -> None:
-        """Write an attribute of this program."""
+        """Write one attribute of this program."""
         type = "string" if isinstance(value, str) else "floating_point"
-        component.attributes[OWN + name] = Attribute(OWN + name, _text(value, type), unit, type)
+        component.attributes[OWN_PREFIX + name] = Attribute(OWN_PREFIX + name, _text(value, type), unit, type)
 
 
 def _text(value: float | int | str | bool | list[float], type: str) -> str | list[str]:
+    """Return the text of a value in a file."""
     if isinstance(value, list):
         return [repr(float(one)) for one in value]
     if isinstance(value, bool):

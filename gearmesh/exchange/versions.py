@@ -1,6 +1,7 @@
-"""Models of earlier versions in the form of REXS 1.7: units, names of attributes, types of components, relations of tools.
+"""Models of earlier versions in the form of REXS 1.7: units, names of attributes, types of components, relations of
+tools.
 
-The messages and the list of what was not used keep the names that the file has.
+Messages and the list of unused attributes keep the names in the file.
 """
 
 from __future__ import annotations
@@ -11,44 +12,55 @@ from gearmesh.exchange.model import Attribute, Component, ComponentReference, Re
 from gearmesh.exchange.units import OLD_UNITS
 from gearmesh.numerals import parse_whole_number
 
-#: how names of attributes of worms and wheels ended in version 1.2
-WORM_END = "_din_3975_2017"
-_CYLINDRICAL = ("cylindrical_gear", "ring_gear")
-_WORMS = ("worm_gear", "worm_wheel")
-#: types of components -> names of attributes that were changed, and their names in 1.7
-RENAMED: dict[tuple[str, ...], dict[str, str]] = {
+#: suffix of attributes of worms and wheels in version 1.2
+WORM_SUFFIX = "_din_3975_2017"
+#: types of cylindrical gears
+_CYLINDRICAL_TYPES = ("cylindrical_gear", "ring_gear")
+#: types of worms and wheels
+_WORM_TYPES = ("worm_gear", "worm_wheel")
+#: new name of each renamed attribute, by types of components
+RENAMED_ATTRIBUTES: dict[tuple[str, ...], dict[str, str]] = {
     ("cylindrical_stage",): {
         "din_3964_center_distance_tolerance_field": "center_distance_tolerance_field_din_3964_1980"
     },
-    _CYLINDRICAL: {"din_3967_deviation_tolerance_series": "tooth_thickness_deviation_tolerance_series_din_3967_1978"},
-    _WORMS: {
-        f"axial_module{WORM_END}": "axial_module",
-        f"axial_pitch{WORM_END}": "axial_pitch",
-        f"face_width{WORM_END}": "face_width_worm_wheel",
-        f"flank_form{WORM_END}": "flank_form",
-        f"form_factor{WORM_END}": "form_factor_worm_gear",
-        f"lead{WORM_END}": "lead",
-        f"outer_diameter{WORM_END}": "outer_diameter_worm_wheel",
-        f"pressure_angle{WORM_END}": "pressure_angle_worm_gear",
-        f"reference_diameter{WORM_END}": "reference_diameter_worm_gear",
-        f"reference_lead_angle{WORM_END}": "lead_angle_worm_gear",
-        f"root_diameter{WORM_END}": "root_diameter_worm_gear",
-        f"tip_diameter{WORM_END}": "tip_diameter_worm_gear",
+    _CYLINDRICAL_TYPES: {
+        "din_3967_deviation_tolerance_series": "tooth_thickness_deviation_tolerance_series_din_3967_1978"
+    },
+    _WORM_TYPES: {
+        f"axial_module{WORM_SUFFIX}": "axial_module",
+        f"axial_pitch{WORM_SUFFIX}": "axial_pitch",
+        f"face_width{WORM_SUFFIX}": "face_width_worm_wheel",
+        f"flank_form{WORM_SUFFIX}": "flank_form",
+        f"form_factor{WORM_SUFFIX}": "form_factor_worm_gear",
+        f"lead{WORM_SUFFIX}": "lead",
+        f"outer_diameter{WORM_SUFFIX}": "outer_diameter_worm_wheel",
+        f"pressure_angle{WORM_SUFFIX}": "pressure_angle_worm_gear",
+        f"reference_diameter{WORM_SUFFIX}": "reference_diameter_worm_gear",
+        f"reference_lead_angle{WORM_SUFFIX}": "lead_angle_worm_gear",
+        f"root_diameter{WORM_SUFFIX}": "root_diameter_worm_gear",
+        f"tip_diameter{WORM_SUFFIX}": "tip_diameter_worm_gear",
     },
     ("bevel_gear",): {"mean_pitch_cone_diameter": "mean_pitch_diameter"},
 }
-_NEW_NAMES = {(type, old): new for types, names in RENAMED.items() for type in types for old, new in names.items()}
+#: new name by type of component and old name
+_NEW_NAMES = {
+    (type, old): new for types, names in RENAMED_ATTRIBUTES.items() for type in types for old, new in names.items()
+}
 
-#: types of components of all stages up to version 1.2
-OLD_FLANK, OLD_GEAR_DATA = "flank_geometry", "stage_gear_data"
-#: gear -> stem of the types of its flanks and of what is set for their tools
-STEMS = {
-    **dict.fromkeys(_CYLINDRICAL, "cylindrical_gear"),
-    **dict.fromkeys(_WORMS, "worm_gear"),
+#: type of flanks of all stages up to version 1.2
+OLD_FLANK = "flank_geometry"
+#: type of data of gears of all stages up to version 1.2
+OLD_GEAR_DATA = "stage_gear_data"
+#: stem of the types of flanks and tool settings, by type of gear
+TYPE_STEMS = {
+    **dict.fromkeys(_CYLINDRICAL_TYPES, "cylindrical_gear"),
+    **dict.fromkeys(_WORM_TYPES, "worm_gear"),
     "bevel_gear": "bevel_gear",
 }
-FLANKS = tuple(f"{stem}_flank" for stem in dict.fromkeys(STEMS.values()))
-TOOLS = (
+#: types of flanks
+FLANK_TYPES = tuple(f"{stem}_flank" for stem in dict.fromkeys(TYPE_STEMS.values()))
+#: types of tools
+TOOL_TYPES = (
     "rack_shaped_tool",
     "cutter_wheel_tool",
     "zero_degree_grinding_disk_tool",
@@ -56,15 +68,15 @@ TOOLS = (
     "worm_grinding_disc_tool",
     "worm_wheel_hob_tool",
 )
-#: relations by which files name the tool of a gear or a flank, and the roles in them: the workpiece's, the tool's
+#: relations between a gear or flank and its tool, with the roles of workpiece and tool
 TOOL_RELATIONS = {
     "reference": ("origin", "referenced"),
     "ordered_reference": ("origin", "referenced"),
     "assembly": ("assembly", "part"),
     "ordered_assembly": ("assembly", "part"),
 }
-#: attributes that flanks had for their tool
-OF_SETTINGS = (
+#: attributes of tool settings that flanks had in earlier versions
+SETTINGS_ATTRIBUTES = (
     "machining_allowance",
     "machining_allowance_tolerance",
     "generated_addendum_modification_coefficient",
@@ -72,7 +84,7 @@ OF_SETTINGS = (
 
 
 def bring_up_to_date(model: RexsModel) -> None:
-    """Bring a model into the form of version 1.7; one that is in this form stays as it is."""
+    """Bring a model into the form of version 1.7; a model in this form is not changed."""
     update = _Update(model)
     update.name_types()
     for component in [*model.components, *(one for case in model.load_cases for one in case.components)]:
@@ -83,11 +95,12 @@ def bring_up_to_date(model: RexsModel) -> None:
 
 
 def free_id(taken: Iterable[str]) -> str:
-    """A number above all that are taken as ids."""
+    """Return a number above all ids in use."""
     return str(max((parse_whole_number(id) or 0 for id in taken), default=0) + 1)
 
 
 def _name_attributes(component: Component, type: str) -> None:
+    """Give the attributes of a component their names and units of version 1.7."""
     attributes: dict[str, Attribute] = {}
     for id, one in component.attributes.items():
         new = _NEW_NAMES.get((type, id), id)
@@ -99,7 +112,7 @@ def _name_attributes(component: Component, type: str) -> None:
 
 
 class _Update:
-    """A model with its components and the relations of its flanks at hand."""
+    """A model with its components by id, and the relations of its flanks."""
 
     def __init__(self, model: RexsModel) -> None:
         self.model = model
@@ -113,6 +126,7 @@ class _Update:
         self.next_relation = int(free_id(one.id for one in model.relations))
 
     def part(self, relation: Relation, role: str) -> Component | None:
+        """Return the component in a role of a relation."""
         return self.parts.get(relation.in_role(role) or "")
 
     def name_types(self) -> None:
@@ -121,7 +135,7 @@ class _Update:
         for relation in self.model.relations:
             if relation.type == "flank":
                 gear, ends, old = self.part(relation, "gear"), ("left", "right"), OLD_FLANK
-                new = None if gear is None or gear.type not in STEMS else f"{STEMS[gear.type]}_flank"
+                new = None if gear is None or gear.type not in TYPE_STEMS else f"{TYPE_STEMS[gear.type]}_flank"
             elif relation.type == "stage_gear_data":
                 stage, ends, old = self.part(relation, "stage"), ("stage_gear_data",), OLD_GEAR_DATA
                 new = None if stage is None else f"{stage.type}_gear_data"
@@ -143,33 +157,35 @@ class _Update:
                 self._add_step(flank, tool)
 
     def _workpiece_and_tool(self, relation: Relation) -> tuple[Component, Component] | None:
+        """Return workpiece and tool of a relation, None if it relates no tool."""
         if relation.type not in TOOL_RELATIONS:
             return None
         ends = [self.part(relation, role) for role in TOOL_RELATIONS[relation.type]]
         for workpiece, tool in (ends, ends[::-1]):
-            if workpiece is None or tool is None or tool.type not in TOOLS:
+            if workpiece is None or tool is None or tool.type not in TOOL_TYPES:
                 continue
-            if workpiece.type in STEMS or workpiece.type in FLANKS:
+            if workpiece.type in TYPE_STEMS or workpiece.type in FLANK_TYPES:
                 return workpiece, tool
         return None
 
     def _flanks_of(self, workpiece: Component) -> list[Component]:
-        """Both flanks of a gear, made where the file has none; of a flank the flank itself."""
-        if workpiece.type not in STEMS:
+        """Return both flanks of a gear, added if the file has none; for a flank, the flank itself."""
+        if workpiece.type not in TYPE_STEMS:
             return [workpiece]
         if workpiece.id not in self.flanks:
-            left, right = (self._add(f"{STEMS[workpiece.type]}_flank") for _ in range(2))
+            left, right = (self._add(f"{TYPE_STEMS[workpiece.type]}_flank") for _ in range(2))
             self.flanks[workpiece.id] = self._relate("flank", {"gear": workpiece, "left": left, "right": right})
         flanks = (self.part(self.flanks[workpiece.id], side) for side in ("left", "right"))
         return [one for one in flanks if one is not None]
 
     def _add_step(self, flank: Component, tool: Component) -> None:
+        """Add a manufacturing step to a flank, unless it has one with this tool."""
         steps = self.steps.setdefault(flank.id, [])
         if any(step.in_role("tool") == tool.id for step in steps):
             return
         settings = self._add(f"{flank.type.removesuffix('_flank')}_manufacturing_settings")
         if not steps:
-            moved = [id for id in OF_SETTINGS if id in flank.attributes]
+            moved = [id for id in SETTINGS_ATTRIBUTES if id in flank.attributes]
             settings.attributes |= {id: flank.attributes.pop(id) for id in moved}
             for one in settings.attributes.values():
                 one.moved_from = str(flank)
@@ -177,6 +193,7 @@ class _Update:
         steps.append(self._relate("manufacturing_step", roles, str(len(steps) + 1)))
 
     def _add(self, type: str) -> Component:
+        """Add a component of a type."""
         one = Component(str(self.next_component), type)
         self.next_component += 1
         self.model.components.append(one)
@@ -184,6 +201,7 @@ class _Update:
         return one
 
     def _relate(self, type: str, roles: dict[str, Component], order: str = "") -> Relation:
+        """Add a relation."""
         references = [ComponentReference(role, part.id, part.type) for role, part in roles.items()]
         one = Relation(str(self.next_relation), type, references, order)
         self.next_relation += 1

@@ -6,13 +6,13 @@ import xml.etree.ElementTree as ET
 from collections.abc import Iterator
 
 from gearmesh.errors import FileError
-from gearmesh.exchange.json_form import ARRAYS
+from gearmesh.exchange.json_form import ARRAY_OF_ARRAYS
 from gearmesh.exchange.model import Attribute, Component, ComponentReference, LoadCase, Relation, RexsModel, Text
 from gearmesh.files.xml_tree import xml_root
 
 
 def model_of_xml(content: bytes, path: str) -> RexsModel:
-    """The model in an XML file, which came from `path`. Raises FileError in one line."""
+    """Return the model in an XML file, which came from `path`. Raises FileError in one line."""
     try:
         root = xml_root(content)
     except ET.ParseError as failure:
@@ -36,6 +36,7 @@ def model_of_xml(content: bytes, path: str) -> RexsModel:
 
 
 def _load_cases(spectrum: ET.Element, path: str) -> Iterator[LoadCase]:
+    """Yield the load cases and the accumulation of a spectrum."""
     for tag in ("load_case", "accumulation"):
         for case in spectrum.iterfind(tag):
             id = _required_name(case, "id", path) if tag == "load_case" else ""
@@ -44,6 +45,7 @@ def _load_cases(spectrum: ET.Element, path: str) -> Iterator[LoadCase]:
 
 
 def _required_name(element: ET.Element, name: str, path: str) -> str:
+    """Return an XML attribute that must be there."""
     value = element.get(name)
     if not value:
         raise FileError(path, reason=f"<{element.tag}> without {name}")
@@ -51,6 +53,7 @@ def _required_name(element: ET.Element, name: str, path: str) -> str:
 
 
 def _relation(element: ET.Element, path: str) -> Relation:
+    """Return the relation of an element."""
     references = [
         ComponentReference(_required_name(one, "role", path), _required_name(one, "id", path), one.get("hint", ""))
         for one in element.iterfind("ref")
@@ -61,6 +64,7 @@ def _relation(element: ET.Element, path: str) -> Relation:
 
 
 def _component(element: ET.Element, path: str) -> Component:
+    """Return the component of an element."""
     attributes = [_attribute(one, path) for one in element.iterfind("attribute")]
     return Component(
         _required_name(element, "id", path),
@@ -71,6 +75,7 @@ def _component(element: ET.Element, path: str) -> Component:
 
 
 def _attribute(element: ET.Element, path: str) -> Attribute:
+    """Return the attribute of an element, with its value written out or encoded."""
     id, unit = _required_name(element, "id", path), element.get("unit", "") or "none"
     array, matrix, arrays = (element.find(tag) for tag in ("array", "matrix", "array_of_arrays"))
     coded = next((one for one in (array, matrix) if one is not None and one.get("code")), None)
@@ -82,16 +87,17 @@ def _attribute(element: ET.Element, path: str) -> Attribute:
     if matrix is not None:
         return Attribute(id, [_row(row) for row in matrix.iterfind("r")], unit)
     if arrays is not None:
-        return Attribute(id, [_row(row) for row in arrays.iterfind("array")], unit, ARRAYS)
+        return Attribute(id, [_row(row) for row in arrays.iterfind("array")], unit, ARRAY_OF_ARRAYS)
     return Attribute(id, (element.text or "").strip(), unit)
 
 
 def _row(element: ET.Element) -> list[str]:
+    """Return the texts of one row."""
     return [(one.text or "").strip() for one in element.iterfind("c")]
 
 
 def xml_of(model: RexsModel) -> str:
-    """The XML file of a model."""
+    """Return the XML file of a model."""
     root = ET.Element(
         "model",
         {
@@ -124,6 +130,7 @@ def xml_of(model: RexsModel) -> str:
 
 
 def _put(parent: ET.Element, component: Component) -> None:
+    """Write a component into a parent element."""
     named = {key: value for key, value in (("type", component.type), ("name", component.name)) if value}
     element = ET.SubElement(parent, "component", {"id": component.id, **named})
     for one in component.attributes.values():
@@ -131,6 +138,7 @@ def _put(parent: ET.Element, component: Component) -> None:
 
 
 def _put_value(parent: ET.Element, one: Attribute) -> None:
+    """Write the value of an attribute into a parent element."""
     if one.code:
         shape = {} if one.shape is None else dict(zip(("rows", "columns"), one.shape, strict=True))
         ET.SubElement(parent, "array" if one.shape is None else "matrix", {"code": one.code, **shape}).text = str(
@@ -141,12 +149,13 @@ def _put_value(parent: ET.Element, one: Attribute) -> None:
     elif not any(isinstance(row, list) for row in one.text):
         _put_row(ET.SubElement(parent, "array"), one.text)
     else:
-        outside, inside = ("array_of_arrays", "array") if one.type == ARRAYS else ("matrix", "r")
+        outside, inside = ("array_of_arrays", "array") if one.type == ARRAY_OF_ARRAYS else ("matrix", "r")
         whole = ET.SubElement(parent, outside)
         for row in one.text:
             _put_row(ET.SubElement(whole, inside), row)
 
 
 def _put_row(parent: ET.Element, row: Text) -> None:
+    """Write the texts of one row into a parent element."""
     for text in row:
         ET.SubElement(parent, "c").text = str(text)

@@ -12,8 +12,8 @@ import pytest
 
 import gearmesh as gm
 from gearmesh.errors import DesignError
-from gearmesh.exchange.model import VERSIONS
-from gearmesh.exchange.rexs_file import LARGEST, read_rexs, rexs_bytes
+from gearmesh.exchange.model import READ_VERSIONS
+from gearmesh.exchange.rexs_file import MAX_FILE_BYTES, read_rexs, rexs_bytes
 
 FLANKS = """
     <relation id="2{n}" type="flank"><ref id="{n}" role="gear"/><ref id="1{n}" role="left"/>
@@ -87,7 +87,7 @@ def test_all_forms_have_the_same_model(tmp_path: Path) -> None:
 
 
 @pytest.mark.quick
-@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("version", READ_VERSIONS)
 def test_the_design_of_a_stage_and_what_it_leaves(version: str, tmp_path: Path) -> None:
     reading = gm.load_rexs(written(tmp_path, FILE.replace('version="1.7"', f'version="{version}"')))
     design = reading.design
@@ -172,7 +172,7 @@ def test_files_that_grow_are_not_unpacked(tmp_path: Path) -> None:
     try:
         with pytest.raises(DesignError, match="larger than 32 MiB unzipped"):
             read_rexs(bomb)
-        assert tracemalloc.get_traced_memory()[1] < 4 * LARGEST
+        assert tracemalloc.get_traced_memory()[1] < 4 * MAX_FILE_BYTES
     finally:
         tracemalloc.stop()
 

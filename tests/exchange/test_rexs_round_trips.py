@@ -13,7 +13,7 @@ from exchange.rexs_validation import faults
 
 import gearmesh as gm
 from gearmesh.errors import DesignError
-from gearmesh.exchange.model import OWN
+from gearmesh.exchange.model import OWN_PREFIX
 from gearmesh.exchange.rexs_file import read_rexs, rexs_bytes
 
 SAMPLES = Path(__file__).parents[2] / "samples"
@@ -203,7 +203,7 @@ def test_attributes_of_the_format_alone_say_the_pair(name: str, tmp_path: Path) 
     gears.rexs(tmp_path).save(tmp_path / "own.rexs")
     model = read_rexs(tmp_path / "own.rexs")
     for component in model.components:
-        for id in [id for id in component.attributes if id.startswith(OWN)]:
+        for id in [id for id in component.attributes if id.startswith(OWN_PREFIX)]:
             del component.attributes[id]
     (tmp_path / "foreign.rexs").write_bytes(rexs_bytes(model, "foreign.rexs"))
     same_contact(gears, gm.build(gm.load_rexs(tmp_path / "foreign.rexs").design))
@@ -221,9 +221,11 @@ def test_results_of_loaded_contact_are_a_load_case(tmp_path: Path) -> None:
     (case,) = read_rexs(tmp_path / "gears.rexs").load_cases
     rows = gears.loaded_contact(80.0).rows
     written = {id: float(str(one.text)) for id, one in case.components[0].attributes.items()}
-    assert written[f"{OWN}largest_contact_pressure"] == pytest.approx(max(row.peak_pressure for row in rows), rel=1e-6)
+    assert written[f"{OWN_PREFIX}largest_contact_pressure"] == pytest.approx(
+        max(row.peak_pressure for row in rows), rel=1e-6
+    )
     te = [row.te for row in rows]
-    assert written[f"{OWN}loaded_transmission_error_peak_to_peak"] == pytest.approx(
+    assert written[f"{OWN_PREFIX}loaded_transmission_error_peak_to_peak"] == pytest.approx(
         (max(te) - min(te)) / 3600.0, rel=1e-6
     )
 

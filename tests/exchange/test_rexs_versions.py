@@ -14,7 +14,7 @@ from exchange.rexs_validation import faults
 
 import gearmesh as gm
 from gearmesh.errors import DesignError
-from gearmesh.exchange.model import VERSIONS
+from gearmesh.exchange.model import READ_VERSIONS
 from gearmesh.exchange.rexs_file import read_rexs, rexs_bytes
 from gearmesh.exchange.stage import StageReader
 from gearmesh.systems.system import kinds, system
@@ -57,7 +57,7 @@ PAIR = {
 
 
 @pytest.mark.quick
-@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("version", READ_VERSIONS)
 def test_a_pair_of_every_version_and_form_is_the_same_design(version: str, tmp_path: Path) -> None:
     for suffix in FORMS:
         assert read_stage(helical_pair(version).write(tmp_path, suffix)) == (PAIR, ""), suffix
@@ -93,7 +93,7 @@ def test_a_file_of_an_earlier_version_is_written_as_a_valid_one(version: str, tm
 
 @pytest.mark.quick
 def test_helix_angles_of_versions_without_their_sign(tmp_path: Path) -> None:
-    for version in VERSIONS:
+    for version in READ_VERSIONS:
         box = helical_pair(version)
         box.change("wheel", helix_angle_reference_diameter=(12.0, "deg"))
         if version < "1.3":
@@ -345,7 +345,7 @@ WORM = {
 
 
 @pytest.mark.quick
-@pytest.mark.parametrize("version", VERSIONS[2:])
+@pytest.mark.parametrize("version", READ_VERSIONS[2:])
 def test_worm_drives_of_every_version(version: str, tmp_path: Path) -> None:
     for suffix in (".rexs", ".rexsj"):
         assert keys_of(worm(version), tmp_path, suffix) == WORM
@@ -361,7 +361,7 @@ def test_worm_drives_of_every_version(version: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.quick
-@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("version", READ_VERSIONS)
 def test_bevel_stages_of_every_version(version: str, tmp_path: Path) -> None:
     box = Gearbox(version)
     stage = box.add(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from gearmesh.exchange.model import Component
 from gearmesh.exchange.stage import StageReader
 from gearmesh.exchange.stage_writer import StageWriter
-from gearmesh.exchange.versions import OF_SETTINGS
+from gearmesh.exchange.versions import SETTINGS_ATTRIBUTES
 from gearmesh.systems.common.standards import din3967, iso286
 from gearmesh.systems.cylindrical.rexs.flank_changes import read_changes, write_changes
 
@@ -381,7 +381,7 @@ def _write_tool(file: StageWriter, flanks: dict[str, Component], of: GearProport
     for flank in flanks.values():
         tool, settings = file.step(flank, type, SETTINGS_TYPE, shared)
         shared = tool
-        for id in OF_SETTINGS:
+        for id in SETTINGS_ATTRIBUTES:
             # an earlier version wrote these attributes to the flank
             flank.attributes.pop(id, None)
         file.put(tool, "normal_module", module)

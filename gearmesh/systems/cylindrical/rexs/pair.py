@@ -6,8 +6,8 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from gearmesh.exchange.model import VERSIONS, Component
-from gearmesh.exchange.stage import POSITION, StageReader
+from gearmesh.exchange.model import READ_VERSIONS, Component
+from gearmesh.exchange.stage import POSITION_ATTRIBUTES, StageReader
 from gearmesh.exchange.stage_writer import StageWriter
 from gearmesh.systems.common.standards import iso286
 from gearmesh.systems.cylindrical.allowance_keys import CENTER_GRADES
@@ -37,7 +37,7 @@ MICROMETRES_PER_MM = 1e3
 #: keys of the limits of the tip diameter
 TIP_LIMITS = "tip_diameter_tolerance.upper", "tip_diameter_tolerance.lower"
 #: versions in which the range of helix angles begins at 0
-UNSIGNED_HELIX = VERSIONS[:3]
+UNSIGNED_HELIX = READ_VERSIONS[:3]
 #: largest difference, in modules, between the shifts of a file and those of its centre distance without backlash
 SHIFT_FITS = 0.02
 #: keys of the size of teeth
@@ -213,12 +213,12 @@ def place(file: StageWriter, gears: tuple[Component, Component], aside: float, d
     """
     frame = next((one for one in file.model.components if one.type == "gear_unit"), gears[0])
     for gear, support in zip(gears, ([0.0, 0.0, 0.0], [aside, distance, 0.0]), strict=True):
-        if POSITION[1] not in gear.attributes:
+        if POSITION_ATTRIBUTES[1] not in gear.attributes:
             put_position(file, gear, frame, support)
 
 
 def put_position(file: StageWriter, gear: Component, frame: Component, support: list[float]) -> None:
     """Write the position of a gear in a frame, with the frame's axes."""
-    file.put(gear, POSITION[0], frame.id)
-    for id, value in zip(POSITION[1:], (support, [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]), strict=True):
+    file.put(gear, POSITION_ATTRIBUTES[0], frame.id)
+    for id, value in zip(POSITION_ATTRIBUTES[1:], (support, [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]), strict=True):
         file.put(gear, id, value)

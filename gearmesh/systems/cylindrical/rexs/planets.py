@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from gearmesh.errors import DesignError, FileError
 from gearmesh.exchange.model import Component
-from gearmesh.exchange.stage import POSITION, StageReader
+from gearmesh.exchange.stage import POSITION_ATTRIBUTES, StageReader
 from gearmesh.exchange.stage_form import StageForm
 from gearmesh.exchange.stage_writer import StageWriter
 from gearmesh.systems.cylindrical.geometry.proportions import proportions
@@ -173,9 +173,9 @@ def _angles(planets: list[PlanetMeshes]) -> list[float] | None:
     """
     reader, sun = planets[0].inner, planets[0].sun
     gears = [sun, *(one.planet for one in planets)]
-    places = [reader.numbers(one, POSITION[1]) for one in gears]
-    frames = {reader.text(one, POSITION[0]) for one in gears}
-    axis = reader.numbers(sun, POSITION[2])
+    places = [reader.numbers(one, POSITION_ATTRIBUTES[1]) for one in gears]
+    frames = {reader.text(one, POSITION_ATTRIBUTES[0]) for one in gears}
+    axis = reader.numbers(sun, POSITION_ATTRIBUTES[2])
     if len(frames) > 1 or axis is None or len(axis) != 3 or not any(axis):
         return None
     if any(place is None or len(place) != 3 for place in places):
@@ -315,7 +315,7 @@ def _new_set(file: StageWriter, stage: Component, design: PlanetaryDesign, dista
 
 def _copy_gear(file: StageWriter, origin: Component, gear: Component) -> None:
     """Give a planet the toothing, tool, modifications and material of the first planet; it keeps its position."""
-    _copy_attributes(origin, gear, (*POSITION, "u_coordinate_on_shaft"))
+    _copy_attributes(origin, gear, (*POSITION_ATTRIBUTES, "u_coordinate_on_shaft"))
     flanks = [file.flanks(one, "cylindrical_gear_flank") for one in (origin, gear)]
     for one, other in [(origin, gear), *((flanks[0][side], flanks[1][side]) for side in ("left", "right"))]:
         if one is not origin:
