@@ -1,4 +1,6 @@
-"""Outline of a member: its axial section, as polygons over (z, rho), and its teeth seen along the axis. Lengths in mm."""
+"""Outline of a member: its axial section, as polygons over (z, rho), and its teeth seen along the axis. Lengths in
+mm.
+"""
 
 from __future__ import annotations
 

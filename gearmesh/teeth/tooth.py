@@ -275,7 +275,9 @@ class Tooth:
         return toe, heel
 
     def _end_strip(self, end: int) -> EndStrip | None:
-        """Return the broken edge of one end face, or None if that edge is sharp; `end` is 0 at the toe, 1 at the heel."""
+        """Return the broken edge of one end face, or None if that edge is sharp; `end` is 0 at the toe, 1 at the
+        heel.
+        """
         chamfer, at = self.blank.ends[end], np.array([float(end)])
         if chamfer is None:
             return None
@@ -544,7 +546,8 @@ class Tooth:
         """Trim both sides at t (T,), with known tips of the flanks."""
         stations = self.stations(t)
         right, left = (self._ends(side, t, tip) for side, tip in zip(Side, tips, strict=True))
-        # angles of threads, which wind round the axis many times, are continued along the face; a land is narrower than half
+        # angles of threads, which wind round the axis many times, are continued along the face; a land is narrower
+        # than half
         # a turn (except in the run-out of a single thread), a root narrower than three quarters
         right = replace(right, tip_angle=self.joint.running(right.tip_angle))
         left = replace(left, root_angle=self.joint.running(left.root_angle))

@@ -61,7 +61,8 @@ class Undercut:
         return np.stack([np.interp(stations, self.stations[order], column[order]) for column in self.x.T], axis=-1)
 
 
-#: ratio of true to nominal flank length, or its inverse, below which samples end at the true tip
+#: ratio of true to nominal flank length, or its inverse, above which samples keep their nominal places, up to the true
+#: tip
 NEAR_TIP_RATIO = 0.8
 
 
@@ -125,7 +126,9 @@ def _crossing(side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level
     ]
 
     def crossing(start: Array, which: NDArray[np.bool_]) -> tuple[Array, NDArray[np.bool_]]:
-        """Return solutions (M, 4) from a start, and an array that is True where they are intersections in the overlap."""
+        """Return solutions (M, 4) from a start, and an array that is True where they are intersections in the
+        overlap.
+        """
         solution = intersection((side.flank, side.fillet), start, stations[which], axial)
         p, q = solution.values[:, 0], solution.values[:, 2]
         past = (
@@ -191,7 +194,9 @@ def _intersection(
     root: Level,
     start: Array | None,
 ) -> Array:
-    """Solve for both parameters of flank and fillet (T, 4) on their intersection at each station; `start` is near it."""
+    """Solve for both parameters of flank and fillet (T, 4) on their intersection at each station; `start` is near
+    it.
+    """
     t, stations = at
     if start is None:
         start_indices = np.unique(np.linspace(0, stations.size - 1, START_STATIONS).round().astype(np.intp))
@@ -238,7 +243,9 @@ def _in_rounding(side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Le
 
 
 def intersection(surfaces: tuple[Surface, Surface], start: Array, stations: Array, axial: Level) -> Solution:
-    """Solve for both parameters of both surfaces (T, 4) at their common points on stations (T,), from a start (T, 4)."""
+    """Solve for both parameters of both surfaces (T, 4) at their common points on stations (T,), from a start (T,
+    4).
+    """
     one, other = surfaces
 
     def residual(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
@@ -289,7 +296,8 @@ def _start(side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level, r
         )
         if not (height.size and height_fillet.size):
             raise _undercut_error(t[k])
-        # difference of the polar angles over common heights: its last change of sign is the intersection nearest to the tip
+        # difference of the polar angles over common heights: its last change of sign is the intersection nearest to
+        # the tip
         levels = np.linspace(height[0], min(height[-1], height_fillet[-1]), SECTION_SAMPLES)[1:-1]
         apart = np.interp(levels, height, angle) - np.interp(levels, height_fillet, angle_fillet)
         crossing = np.flatnonzero(apart[:-1] * apart[1:] <= 0.0)

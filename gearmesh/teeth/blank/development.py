@@ -46,7 +46,9 @@ class Development:
         return self._normal[1] == 0.0 or self.joint.travel is not None
 
     def about(self, r: Array) -> Array:
-        """Return the angles (...,), rad, of points (..., 3), from which other angles count; 0 if stations are planes."""
+        """Return the angles (...,), rad, of points (..., 3), from which other angles count; 0 if stations are
+        planes.
+        """
         return np.zeros(r.shape[:-1]) if self._flat else np.asarray(np.arctan2(r[..., 1], r[..., 0]))
 
     def flat(self, r: Array, about: Array) -> Array:

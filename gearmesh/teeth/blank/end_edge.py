@@ -1,4 +1,6 @@
-"""Sizes of the broken edges between teeth and end faces, as deburring leaves them; their surface is `teeth.end_strip`."""
+"""Sizes of the broken edges between teeth and end faces, as deburring leaves them; their surface is
+`teeth.end_strip`.
+"""
 
 from __future__ import annotations
 

@@ -125,7 +125,9 @@ class Band:
 
     @staticmethod
     def of(points: Array) -> Band:
-        """Return the band of points (I, J, 2) whose columns have nearly constant x. Raises ValueError where they cross."""
+        """Return the band of points (I, J, 2) whose columns have nearly constant x. Raises ValueError where they
+        cross.
+        """
         x, y = points[..., 0], points[..., 1]
         columns = x.mean(axis=0)
         if not (np.diff(columns) * np.sign(columns[-1] - columns[0]) > 0.0).all():

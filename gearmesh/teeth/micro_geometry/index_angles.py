@@ -1,4 +1,6 @@
-"""Index deviations of a gear's teeth as angles about its axis, positive if a flank is ahead of its theoretical place."""
+"""Index deviations of a gear's teeth as angles about its axis, positive if a flank is ahead of its theoretical
+place.
+"""
 
 from __future__ import annotations
 

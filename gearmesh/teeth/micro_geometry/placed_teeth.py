@@ -57,7 +57,9 @@ def _turned_tooth(tooth: Tooth, angles: dict[Side, float]) -> Tooth:
 
 
 def turned_grid(tooth: Tooth, side: Side, angle: float) -> DeviationGrid:
-    """Distances from a flank to the same flank turned by an angle, rad, about the axis, along the normals of the first."""
+    """Distances from a flank to the same flank turned by an angle, rad, about the axis, along the normals of the
+    first.
+    """
     s, t = np.linspace(EDGE_MARGIN, 1.0, DEVIATION_GRID[0]), np.linspace(0.0, 1.0, DEVIATION_GRID[1])
     grid = tooth.flank_grid(side, s, t)
     r, n = grid.points, grid.normals
