@@ -35,7 +35,10 @@ LIKE = 0.55
 SHORTENED = 0.2
 #: words before an upper and a lower bound in `allowed`
 _UPPER, _LOWER = "at most|less than|smaller than|below", "at least|more than|larger than|above"
-_QUANTITY = r"(?:about )?(?:[^\d;:]*? |[^;:]*?, )?(?P<{0}>-?\d+(?:\.\d+)?(?:e[-+]?\d+)?)(?: (?P<{0}_unit>mm/mm|1/mm|mm|inch|deg))?"
+_FIGURE = r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?"
+_QUANTITY = (
+    rf"(?:about )?(?:[^\d;:]*? |[^;:]*?, )?(?P<{{0}}>{_FIGURE})(?: (?P<{{0}}_unit>mm/mm|1/mm|1/inch|mm|inch|deg))?"
+)
 #: `allowed` as bounds of the value itself: a range, or one bound or two; what follows does not say that they are of something else
 _RANGE = rf"(?P<range>from|between) {_QUANTITY.format('least')},? (?:to|and) {_QUANTITY.format('most')}"
 _LOW = rf"(?P<lower>{_LOWER}) {_QUANTITY.format('low')}(?:,? and (?P<under>{_UPPER}) {_QUANTITY.format('top')})?"
@@ -66,7 +69,7 @@ class GearmeshError(Exception):
     has several, the one; `value`: what it was, in `unit`, and `shown`, if it is not shown as it is; `reason`: why; `allowed`: what
     may be there instead, or `must_be`, which says the same in other words; `remedy`: what to do; `more`: how many other things are
     refused; `topic`: what it is about, the same for the same trouble with other figures; `remedies`: dotted keys of a design of
-    which a larger (1) or smaller (-1) value, or either (0), may mend it.
+    which a larger (1) or smaller (-1) value, or either (0), may mend it; `excess`: how far the checked figure is beyond its limit.
     """
 
     exit_status = 1
@@ -90,12 +93,13 @@ class GearmeshError(Exception):
         more: int = 0,
         topic: str | None = None,
         remedies: Mapping[str, int] | None = None,
+        excess: float | None = None,
     ) -> None:
         super().__init__()
         self.key, self.entry, self.unit, self.shown, self.remedy, self.more = str(key), entry, unit, shown, remedy, more
         self.value = value.item() if hasattr(value, "item") and getattr(value, "ndim", 1) == 0 else value
         self.reason, self.allowed, self._said = reason, allowed or must_be, not must_be
-        self._topic, self.remedies = topic, dict(remedies or {})
+        self._topic, self.remedies, self._excess = topic, dict(remedies or {}), excess
 
     @classmethod
     def later(cls, tell: Callable[[], GearmeshError], topic: str) -> Self:
@@ -134,6 +138,32 @@ class GearmeshError(Exception):
     def topic(self) -> str:
         """What went wrong, the same for the same trouble with other figures."""
         return f"{self.key}: {self.reason.translate(_FIGURES)}" if self._topic is None else self._topic
+
+    @property
+    def excess(self) -> float | None:
+        """How far the checked figure is beyond its limit, 0 at the limit; searches for a bound go by it.
+
+        Returns
+        -------
+        float or None
+            In any unit, the same for the same topic; None where no figure says how far.
+
+        Examples
+        --------
+        >>> gm.DesignError("bore", 50.0, unit="mm", allowed="less than the root, 31 mm").excess
+        19.0
+        """
+        known: float | None = self.__dict__.get("_excess")
+        if known is None and isinstance(self.__cause__, GearmeshError):
+            known = self.__cause__.excess
+        if known is not None or "_tell" in self.__dict__ or isinstance(self.value, bool):
+            return known
+        bounds = self.bounds
+        if bounds is None or not isinstance(self.value, int | float):
+            return None
+        ends = ((bounds.low, 1.0), (bounds.high, -1.0))
+        beyond = (inwards * (end - self.value) for end, inwards in ends if end is not None)
+        return max((apart for apart in beyond if apart >= 0.0), default=None)
 
     @property
     def bounds(self) -> Bounds | None:

@@ -1177,7 +1177,7 @@ class Tooth:
         width = self.joint.within(right - before)
         width = np.where(width < 0.0, self.joint.wrap(width), width)
         if (width < -1e-12).any():
-            raise TrimError("root", float(t[0]), "the fillets of neighbouring teeth overlap")
+            raise TrimError("root", float(t[0]), "the fillets of neighbouring teeth overlap", -float(width.min()))
         return width
 
     @cached_property
@@ -1205,11 +1205,12 @@ class Tooth:
         if self._crosses_below_tip:
             raise TrimError("pointed", 0.5, "the tooth is pointed")
         width = self.joint.within(left - right)
-        if (width <= 0.0).any():
+        # a land lies within a pitch: only that of a single thread can be wider than half a turn
+        if self.pitch_angle > np.pi and (width <= 0.0).any():
             width = np.where(width <= 0.0, width + self._turns_of_land(t), width)
         if (width <= 0.0).any():
             k = int(np.argmin(width))
-            raise TrimError("pointed", float(t[k]), "the tooth is pointed")
+            raise TrimError("pointed", float(t[k]), "the tooth is pointed", -float(width[k]))
         return width
 
     def _turns_of_land(self, t: Array) -> Array:

@@ -80,13 +80,15 @@ class Shaper:
                 unit="modules with the shift",
                 allowed=f"more than {limit:.4g}",
             )
-        if self._top_angle(0.0) > np.pi / self.teeth:
+        beyond = self._top_angle(0.0) - np.pi / self.teeth
+        if beyond > 0.0:
             raise VagueError(
                 "shaper.addendum",
                 self.addendum / self.module,
                 unit="modules with the shift",
                 reason="the shaper's teeth are pointed",
                 allowed="less",
+                excess=float(beyond),
             )
         if not self._fits(self.tip_radius):
             raise DesignError(

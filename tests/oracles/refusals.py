@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import math
 import re
+import time
 from collections.abc import Iterator
+from dataclasses import dataclass, field
 from typing import Any
 from unittest.mock import patch
 
@@ -32,7 +34,7 @@ FACTORS, STEPS, COUNTS = (1.2, 2.0, 5.0, 25.0), (0.1, 0.5, 2.0, 10.0, 40.0), (1,
 BEYOND, INSIDE = 0.05, 1e-5
 #: the nearest value that is refused, which rough bounds state; and what is said of bounds behind which another refusal follows
 NEAREST_REFUSED, FOLLOWED = (
-    re.compile(r", (-?[\d.]+(?:e[-+]?\d+)?)[ a-z]* is refused as well"),
+    re.compile(r", (-?[\d.]+(?:e[-+]?\d+)?)(?: [\w/]+)? is refused as well"),
     "another refusal then follows",
 )
 #: units of bounds of keys
@@ -52,6 +54,18 @@ BESIDE: dict[str, dict[str, Any]] = {
 }
 
 
+@dataclass
+class Verdict:
+    """Refusals of a key that was pushed: how many, their stated bounds that build, those behind which another refusal follows,
+    CPU seconds of the longest, and what is wrong with them."""
+
+    refusals: int = 0
+    built: int = 0
+    followed: int = 0
+    longest: float = 0.0
+    faults: list[str] = field(default_factory=list)
+
+
 def numeric_keys(kind: str) -> list[str]:
     """Dotted keys of a kind that take one number and have a part in the geometry."""
     return [name for name, key in _leaves(design_class(kind)) if key.unit in FIRST and not key.most]
@@ -68,13 +82,18 @@ def _leaves(table: type[Table], prefix: str = "") -> Iterator[tuple[str, Key]]:
 
 def faults(kind: str, dotted: str) -> list[str]:
     """What is wrong with the refusals of a key that is pushed up and down from its value in the example of a kind."""
+    return verdict(kind, dotted).faults
+
+
+def verdict(kind: str, dotted: str) -> Verdict:
+    """Refusals of a key that is pushed up and down from its value in the example of a kind."""
     cls, keys = design_class(kind), _keys_beside(kind, dotted)
     whole, key = complete_design(cls(**cls.example)), cls.key_at(dotted)
     assert key is not None, "a key of the kind"
     value: Any = whole
     for name in dotted.split("."):
         value = getattr(value, name, None)
-    found = []
+    found = Verdict()
     first = FIRST[key.unit] * (whole.given_module if key.unit == "length" else 1.0)
     value = keys.get(dotted, value)
     for tried in _pushed(first if value is None or math.isnan(value) else value, first, key):
@@ -86,13 +105,15 @@ def faults(kind: str, dotted: str) -> list[str]:
         # where the farthest value is accepted nearer ones are not tried: that spares half of all builds
         if allowed and refused(allowed[-1]):
             pushed = next((number for number in allowed[:-1] if refused(number)), allowed[-1])
-            found += faults_at(kind, dotted, pushed)
+            _judge(cls, {**keys, dotted: pushed}, f"{dotted} = {pushed:.6g}", found)
     return found
 
 
 def faults_at(kind: str, dotted: str, value: float) -> list[str]:
     """What is wrong with the refusal of a value of a key in the example of a kind."""
-    return _untrue(design_class(kind), {**_keys_beside(kind, dotted), dotted: value}, f"{dotted} = {value:.6g}")
+    found = Verdict()
+    _judge(design_class(kind), {**_keys_beside(kind, dotted), dotted: value}, f"{dotted} = {value:.6g}", found)
+    return found.faults
 
 
 def _keys_beside(kind: str, dotted: str) -> dict[str, Any]:
@@ -132,24 +153,34 @@ def refusal(cls: type[Design], keys: dict[str, Any], *, diagnosed: bool = True) 
     return None
 
 
-def _untrue(cls: type[Design], keys: dict[str, Any], about: str) -> list[str]:
+def _judge(cls: type[Design], keys: dict[str, Any], about: str, found: Verdict) -> None:
+    """Add the refusal of a design to what was found."""
+    start = time.process_time()
     error = refusal(cls, keys)
     assert error is not None, "it is refused"
+    found.longest = max(found.longest, time.process_time() - start)
+    found.refusals += 1
+    found.faults += [f"{about}: {error}: {fault}" for fault in _untrue(cls, keys, error, found)]
+
+
+def _untrue(cls: type[Design], keys: dict[str, Any], error: GearmeshError, found: Verdict) -> Iterator[str]:
     bounds, key = error.bounds, cls.key_at(error.key)
-    where = f"{about}: {error}"
     if key is None or error.key not in keys:
         # a part of the gears, or a key that is missing
-        return [f"{where}: bounds of what is no key"] if key is not None and bounds is not None and error.value else []
-    if error.value != keys[error.key]:
-        return [f"{where}: the value is {error.value!r}"]
-    if bounds is None:
-        return [f"{where}: bounds another quantity"] if error.bounds_another else []
-    if bounds.unit != UNITS.get(key.unit, ""):
-        return [f"{where}: the bound's unit is {bounds.unit}"]
-    return [f"{where}: {fault}" for fault in _bound_faults(cls, keys, error)]
+        if key is not None and bounds is not None and error.value:
+            yield "bounds of what is no key"
+    elif error.value != keys[error.key]:
+        yield f"the value is {error.value!r}"
+    elif bounds is None:
+        if error.bounds_another:
+            yield "bounds another quantity"
+    elif bounds.unit != UNITS.get(key.unit, ""):
+        yield f"the bound's unit is {bounds.unit}"
+    else:
+        yield from _bound_faults(cls, keys, error, found)
 
 
-def _bound_faults(cls: type[Design], keys: dict[str, Any], error: GearmeshError) -> Iterator[str]:
+def _bound_faults(cls: type[Design], keys: dict[str, Any], error: GearmeshError, found: Verdict) -> Iterator[str]:
     value, bounds = keys[error.key], error.bounds
     assert bounds is not None, "of refusals that state some"
     outside = False
@@ -162,7 +193,11 @@ def _bound_faults(cls: type[Design], keys: dict[str, Any], error: GearmeshError)
         if (rough := NEAREST_REFUSED.search(error.allowed)) is not None:
             beyond = float(rough[1])
         told = refusal(cls, {**keys, error.key: int(inside) if whole else inside}, diagnosed=False)
-        if told is not None and FOLLOWED not in str(error):
+        if told is None:
+            found.built += 1
+        elif FOLLOWED in str(error):
+            found.followed += 1
+        else:
             yield f"refused when it is put back, {told}"
         if refusal(cls, {**keys, error.key: int(beyond) if whole else beyond}, diagnosed=False) is None:
             yield f"{beyond:.6g} is accepted"

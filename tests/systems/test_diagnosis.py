@@ -12,7 +12,7 @@ from oracles.places import SAMPLES
 import gearmesh as gm
 from gearmesh.errors import DesignError, GearmeshError
 from gearmesh.kernel.numeric.effort import Effort
-from gearmesh.systems import diagnosis
+from gearmesh.systems import diagnosis, trials
 from gearmesh.systems.system import system
 
 # what is set, and the key and the side of the bound that the refusal begins with; none of them names what was noticed
@@ -46,15 +46,41 @@ def test_the_key_that_the_design_sets_is_named_with_a_true_bound(
     file = SAMPLES / f"{sample}.toml"
     with pytest.raises(GearmeshError) as refused:
         gm.build(gm.load(file, given))
-    found = re.match(rf"{re.escape(key)} = \S+( \w+)?: allowed is {side} ([\d.]+)", str(refused.value))
+    rough = r"(?: \w+)?, ([\d.]+) \w+ is refused as well"
+    found = re.match(
+        rf"{re.escape(key)} = \S+(?: \w+)?: allowed is {side} (?:about )?([\d.]+)(?:{rough})?", str(refused.value)
+    )
     assert found is not None, str(refused.value)
-    bound = float(found[2])
+    bound = float(found[1])
     gm.build(gm.load(file, [*given, f"{key}={bound}"]))
-    # a little beyond it, where the key is not looked for again
-    beyond = bound * (1.005 if side == "at most" else 0.995)
+    # a little beyond it, where the key is not looked for again; of a drive whose builds take long 3 %
+    beyond = bound * (1.005 if side == "at most" else 0.995) if found[2] is None else float(found[2])
+    assert abs(beyond / bound - 1.0) < 0.03
     monkeypatch.setattr(diagnosis, "MOST_EFFORT", 0.0)
     with pytest.raises(GearmeshError):
         gm.build(gm.load(file, [*given, f"{key}={beyond}"]))
+
+
+@pytest.mark.parametrize(
+    ("sample", "given", "most"),
+    # the cutter's tooth is pointed, the tooth is
+    [("spur", "pressure_angle=40", 15), ("beveloid_intersected", "pinion.profile_shift=1", 10)],
+)
+def test_bounds_go_by_how_far_figures_are_beyond_their_limits(
+    sample: str, given: str, most: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Halving took 26 and 17 builds to four digits."""
+    builds: list[float | None] = []
+    trial = trials.Trials._trial
+
+    def count(own: trials.Trials[Any], key: str, value: float | None, effort: float) -> trials.Outcome:
+        builds.append(value)
+        return trial(own, key, value, effort)
+
+    monkeypatch.setattr(trials.Trials, "_trial", count)
+    with pytest.raises(DesignError, match=given.replace("=", " = ")):
+        gm.build(gm.load(SAMPLES / f"{sample}.toml", [given]))
+    assert 3 < len(builds) <= most
 
 
 # bounds that are known where they are noticed: what is set, the bound's pattern, and the factor that goes beyond it
@@ -172,15 +198,16 @@ def test_what_was_put_in_anew_is_tried_first_and_the_search_ends(monkeypatch: py
         return Effort(allowed)
 
     monkeypatch.setattr(diagnosis, "Effort", effort)
+    monkeypatch.setattr(trials, "Effort", effort)
     with pytest.raises(GearmeshError) as refused:
         gm.load(file, [given])
     found = re.match(
-        r"pinion\.convex\.blade_angle = 50 deg: allowed is at most about ([\d.]+) deg, ([\d.]+) deg is refused as well",
+        r"pinion\.convex\.blade_angle = 50 deg: allowed is at most (?:about )?([\d.]+) deg, ([\d.]+) deg is refused as well",
         str(refused.value),
     )
     assert found is not None, str(refused.value)
     # the bound itself is 48.51: the search ends with its effort
-    assert 45.0 < float(found[1]) < 48.52 < float(found[2]) < 50.0
+    assert 48.4 < float(found[1]) < 48.52 < float(found[2]) < 50.0
     gm.load(file, [f"pinion.convex.blade_angle={found[1]}"])
     # no clock decides: the same effort is the same message, and none is the refusal as it was noticed
     assert spent[0] == diagnosis.MOST_EFFORT

@@ -44,6 +44,11 @@ def test_bounds_are_values_of_the_key_that_build(kind: str, key: str) -> None:
         # a bare error of mathematics
         pytest.param("planetary", "ring.root_diameter", 2.4, marks=pytest.mark.sweep),
         ("planetary", "ring.tip_diameter", 2.4),
+        # without their unit
+        ("novikov", "pinion.face_width", 2250.0),
+        ("novikov", "pinion.parabola", 0.0139492),
+        # of the tip that follows from other values
+        pytest.param("novikov", "pinion.parabola", 0.418475, marks=pytest.mark.sweep),
         # of the pitch angle that follows
         pytest.param("spiral_bevel", "shaft_angle", 108.0, marks=pytest.mark.sweep),
     ],

@@ -22,7 +22,7 @@ from gearmesh.errors import NoSolutionError, Solution, Status
 from gearmesh.kernel.motion.motion import MachineAxis, Motion, MotionState
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, broadcast_pair, cross, dot
-from gearmesh.kernel.numeric.effort import spend
+from gearmesh.kernel.numeric.effort import LINEAR_MOTION, OTHER_MOTION, spend
 from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.kernel.surface.surface import Jet, Surface
 
@@ -103,7 +103,7 @@ class Envelope:
             state = self.motion.at(phi)
             velocity = _velocity(state, tool.r)
             f_phi = dot(tool.n, _velocity_change(state, tool.r)) if known_f_phi is None else known_f_phi
-        spend(phi.size, iterations + 1, linear=self.motion.linear)
+        spend(phi.size, iterations + 1, LINEAR_MOTION if self.motion.linear else OTHER_MOTION)
         spin = cross(state.omega, tool.n)
         return Generation(
             tool,

@@ -30,7 +30,7 @@ from gearmesh.kernel.motion.motion import MachineAxis, SeveralStates
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, broadcast_pair, cross, dot, plane_cross
-from gearmesh.kernel.numeric.effort import spend
+from gearmesh.kernel.numeric.effort import FED_MOTION, spend
 from gearmesh.kernel.surface.surface import Jet, Surface
 
 #: number of the roll among the motion's parameters
@@ -286,7 +286,7 @@ class FeedEnvelope:
         """
         g = self._solve(u, s)
         # an evaluation for roll and one for feed per iteration
-        spend(g.v.size, 2 * (g.iterations + 1), linear=False)
+        spend(g.v.size, 2 * (g.iterations + 1), FED_MOTION)
         # derivatives of tool point, normal and equations: with u, with the feed, and for the remaining residual
         across = (g.tool.r_u, g.tool.n_u), g.partials(g.tool.r_u, g.tool.n_u)
         along = (np.zeros(3), np.zeros(3)), g.by_motion(FEED_PARAMETER)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from gearmesh.errors import Solution, Status
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.kernel.numeric.effort import spend
+from gearmesh.kernel.numeric.effort import ROOT_STEP, spend
 
 #: values (M,) at x (M,) for the batch members `index` (M,)
 Function = Callable[[Array, NDArray[np.intp]], Array]
@@ -58,7 +58,7 @@ def bracketed_root(
         bracket, status, iterations = _shrink_brackets(
             function, np.array((low, f_low, high, f_high)), (tolerance, relative), max_iterations
         )
-        spend(low.size, iterations + 2, linear=True)
+        spend(low.size, iterations + 2, ROOT_STEP)
         x1, f1, x2, f2 = bracket
         nearer = np.abs(f1) < np.abs(f2)
         x, f = np.where(nearer, x1, x2), np.where(nearer, f1, f2)

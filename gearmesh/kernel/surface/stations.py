@@ -8,6 +8,7 @@ import numpy as np
 
 from gearmesh.errors import NoSolutionError, Solution, Status
 from gearmesh.kernel.numeric.algebra import Array, broadcast_pair, dot
+from gearmesh.kernel.numeric.effort import ROOT_STEP, spend
 from gearmesh.kernel.surface.levels import Level
 from gearmesh.kernel.surface.surface import Jet, Surface
 
@@ -26,8 +27,8 @@ STEPS_PER_HALVING = 8
 class TrimError(NoSolutionError):
     """A tooth that cannot be trimmed."""
 
-    def __init__(self, what: str, station: float, message: str) -> None:
-        super().__init__(reason=message)
+    def __init__(self, what: str, station: float, message: str, excess: float | None = None) -> None:
+        super().__init__(reason=message, excess=excess)
         # what: "pointed", "undercut", "flank", "tip" or "edge"; station: t
         self.what, self.station = what, station
 
@@ -77,6 +78,8 @@ def follow(surface: Surface, p: Array, stations: Array, axial: Level, start: Arr
         )
         jet, iterations = surface.jet(p, v), iterations + more
         miss = axial.value(jet.r) - stations
+    # in addition to the effort of the surface itself
+    spend(p.size, iterations, ROOT_STEP)
     residual = np.abs(miss)
     status = np.where(np.isfinite(residual), int(Status.MAX_ITERATIONS), int(Status.NOT_FINITE))
     status = np.where(residual <= RELATIVE_TOLERANCE * scale, int(Status.CONVERGED), status)

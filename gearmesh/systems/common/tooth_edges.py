@@ -12,6 +12,7 @@ import numpy as np
 from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.joint import REVOLUTE_JOINT, Joint
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.excess import Division, Refused
 from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.systems.common.bounds import at_most
@@ -30,6 +31,8 @@ if TYPE_CHECKING:
 DEFAULT_END_CHAMFER_ANGLE_DEG = 45.0
 #: halvings to the largest share that fits, of which messages show six digits
 BISECTION_STEPS = 24
+#: width of the interval in which the largest share is found by the excess of refusals
+SHARE_TOLERANCE = 2.0**-BISECTION_STEPS
 #: largest number of proofs of a tip edge of the largest size that fits at the known stations
 MAX_EDGE_PROOFS = 3
 
@@ -189,13 +192,13 @@ def edge_refusal(name: str, tooth: Tooth, failure: TrimError) -> DesignError | N
     def tooth_of_share(share: float) -> Tooth:
         return replace(tooth, tip_edge=replace(edge, size=share * size))
 
-    def trims(most: float, at: Array, share: float) -> bool:
-        return goes(lambda: tooth_of_share(share * most).sections(at))
+    def trim(most: float, at: Array, share: float) -> None:
+        tooth_of_share(share * most).sections(at)
 
     # the largest size at some stations is proved over the whole face; the station of a failure is added
     stations, limit = np.union1d(stations_on(1.0), failure.station), 1.0
     for _ in range(MAX_EDGE_PROOFS):
-        limit *= largest(partial(trims, limit, stations))
+        limit *= largest_trimmed(partial(trim, limit, stations))
         try:
             tooth_of_share(limit).prove()
             break
@@ -223,6 +226,26 @@ def goes(trim: Callable[[], object]) -> bool:
     except TrimError:
         return False
     return True
+
+
+def largest_trimmed(trim: Callable[[float], object]) -> float:
+    """Return the largest share in [0, 1] that can be trimmed, 0 if there is none; `trim` raises TrimError beyond it."""
+    good, bad, division = 0.0, 1.0, Division()
+    refused: list[Refused] = []
+    aim: float | None = bad
+    while aim is not None:
+        try:
+            trim(aim)
+        except TrimError as failure:
+            bad, division.last_refused = aim, True
+            refused.insert(0, (aim, failure.excess))
+        else:
+            good, division.last_refused = aim, False
+        if bad - good <= SHARE_TOLERANCE or good == 1.0:
+            break
+        aim = division.beside_root(good, bad, refused, SHARE_TOLERANCE)
+        aim = 0.5 * (good + bad) if aim is None else aim
+    return good
 
 
 def largest(fits_share: Callable[[float], bool]) -> float:

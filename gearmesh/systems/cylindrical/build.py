@@ -111,6 +111,7 @@ def _toothed_member(gear: GearProportions) -> Member:
             reason=f"the root ({2 * root:.6g} mm) must be {order} than the tip ({2 * tip:.6g} mm)",
             allowed=f"{'less' if own.internal else 'more'} than {2 * root:.6g} mm" if tip_key == "tip_diameter" else "",
             remedies={f"{name}.{tip_key}": 0},
+            excess=(root - tip) * own.sense,
         )
     if not spec.hobbed:
         made = shaped_member(name, spec, cut_of(gear), tip_key, f"theta_{letter}", f"u_{letter}")

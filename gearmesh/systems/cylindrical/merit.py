@@ -65,7 +65,9 @@ def mesh_merit(design: CylindricalDesign) -> MeshMerit:
     for name, thickness, tip in zip(MEMBER_NAMES, (first, second), geometry.tips, strict=True):
         if thickness <= 0.0:
             raise VagueError(
-                f"{name}.addendum", reason=f"the tooth is pointed below its tip diameter of {2.0 * tip:.6g} mm"
+                f"{name}.addendum",
+                reason=f"the tooth is pointed below its tip diameter of {2.0 * tip:.6g} mm",
+                excess=-thickness,
             )
     undercut = min(undercut_reserve(gear) for gear in geometry.gears)
     interference = min(line.interference_reserve(toothing) for toothing in both)

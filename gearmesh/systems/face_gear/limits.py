@@ -25,7 +25,7 @@ import numpy as np
 
 from gearmesh.errors import VagueError
 from gearmesh.kernel.numeric.algebra import Array, polar_angle
-from gearmesh.kernel.numeric.effort import spend
+from gearmesh.kernel.numeric.effort import ROOT_STEP, spend
 from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.tools.shaper import Shaper
 
@@ -191,7 +191,7 @@ class ShapedGear:
         """
         kappa, level = self.pressure_angle(z), -self.cone_offset(height)
         base, theta = self.shaper.base_radius, np.zeros_like(z)
-        spend(theta.size, 1, linear=True)
+        spend(theta.size, 1, ROOT_STEP)
         # fixed-point steps from the plane at the level of the cone to the cone itself
         x = np.full_like(z, level)
         for _ in range(MAX_CONE_STEPS):
@@ -266,6 +266,7 @@ class ShapedGear:
                 height / self.shaper.module,
                 reason=f"the top land at the pitch point is {width[0] + land:.4g} mm wide",
                 allowed=f"an addendum that leaves more than {land:g} mm",
+                excess=-float(width[0]),
             )
         k = int(np.flatnonzero(width <= 0.0)[0])
         return float(bracketed_root(lambda at, _: excess(at), radii[k - 1 : k], radii[k : k + 1]).values[0])

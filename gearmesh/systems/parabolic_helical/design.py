@@ -17,6 +17,7 @@ from gearmesh.design.core import FlankContact, MemberTable, PairDesign, TurnedTi
 from gearmesh.design.keys import DERIVED_VALUE, Key, Table, conflict, given_or
 from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PairRunout
+from gearmesh.systems.common.bounds import at_most
 from gearmesh.systems.common.defaults import ROOM_SHARE, deepest
 from gearmesh.systems.common.worm_keys import WormTool
 from gearmesh.systems.kinds import OWN_KINDS
@@ -238,15 +239,16 @@ class ParabolicHelicalDesign(PairDesign):
             return self
         m, reach = self.given_module, (0.5 * self.pinion.face_width) ** 2
         # a rotation by an angle is an arc of the pitch cylinder
-        limits = {"plunge_coefficient": m / reach, "roll_coefficient": m / reach / self._pitch_radius}
-        for key, limit in limits.items():
+        plunge, roll = m / reach, m / reach / self._pitch_radius
+        limits = {"plunge_coefficient": (plunge, f" 1/{self.units}"), "roll_coefficient": (roll, "")}
+        for key, (limit, unit) in limits.items():
             value = getattr(self.pinion, key)
             if abs(value) > limit:
                 raise conflict(
                     f"pinion.{key}",
                     value,
                     reason="moves the tool by more than a module at the ends of the face",
-                    allowed=f"at most {limit:.4g} either way",
+                    allowed=f"at most {at_most(limit)}{unit} either way",
                 )
         return self
 
@@ -429,8 +431,8 @@ class NovikovDesign(ParabolicHelicalDesign):
             raise conflict(
                 "gear.parabola",
                 self.gear.parabola,
-                must_be=f"smaller than pinion.parabola, {self.pinion.parabola:g}: the gear's concave flank embraces the "
-                "pinion's",
+                must_be=f"smaller than pinion.parabola, {self.pinion.parabola:g} 1/{self.units}: the gear's concave flank "
+                "embraces the pinion's",
             )
         return self
 

@@ -24,6 +24,7 @@ from gearmesh.kernel.envelope.limiting_line import area_density
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.motion.rolling import RackRoll
 from gearmesh.kernel.numeric.algebra import Array, broadcast_pair
+from gearmesh.kernel.numeric.effort import THROATED_FACE, spend
 from gearmesh.kernel.surface.levels import ConeLevel, LandLevel
 from gearmesh.kernel.surface.mapped import Mapping
 from gearmesh.kernel.surface.meridian import CircularMeridian, CylinderMeridian, Joined, Meridian, Straight
@@ -66,6 +67,8 @@ class FaceFlank:
     def jet(self, u: Array, v: Array) -> Jet:
         """Return the jet at p = u and v."""
         u, v = broadcast_pair(u, v)
+        # in addition to the effort of the surface that this one generates
+        spend(u.size, 1, THROATED_FACE)
         line_radius, depth = np.hypot(self.height, v), self.outer - self.height
         share, rate = (self.outer - line_radius) / depth, -v / line_radius / depth
         a, a_v = self.form_point + (u - self.form_point) * share, (u - self.form_point) * rate

@@ -17,7 +17,7 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.surface.levels import ConeLevel, LandLevel
 from gearmesh.kernel.surface.meridian import CircularMeridian, Meridian
 from gearmesh.systems.common.bounds import at_least, at_most
-from gearmesh.systems.common.tooth_edges import goes, largest
+from gearmesh.systems.common.tooth_edges import goes, largest, largest_trimmed
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.tooth import Tooth
 
@@ -59,7 +59,7 @@ def _conical_tooth(member: Member, angle: float, tip: float) -> Tooth:
 
     if goes(tooth(1.0).prove):
         return tooth(1.0)
-    limit = own + largest(lambda share: goes(tooth(share).prove)) * (angle - own)
+    limit = own + largest_trimmed(lambda share: tooth(share).prove()) * (angle - own)
     bound = at_most(abs(limit)) if (limit > 0.0) == (angle > own) else at_least(abs(limit))
     allowed = f"{'at most' if angle > own else 'at least'} {'-' if limit < 0.0 else ''}{bound} deg"
     raise _refusal(member, "tip_cone_angle", angle, "deg", allowed)

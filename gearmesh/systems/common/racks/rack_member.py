@@ -26,7 +26,7 @@ from gearmesh.systems.common.bodies.body import bore_radius, disc_body
 from gearmesh.systems.common.bodies.features import UnderTeeth, body_features
 from gearmesh.systems.common.bounds import at_most
 from gearmesh.systems.common.racks.rack_tooth import RackTooth
-from gearmesh.systems.common.tooth_edges import edge_refusal, fits, goes, largest, stations_on, tip_edge
+from gearmesh.systems.common.tooth_edges import edge_refusal, fits, largest_trimmed, stations_on, tip_edge
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.gear_train import Member, SourceParameters
 from gearmesh.teeth.tooth import Tooth
@@ -265,14 +265,15 @@ def _refusal(name: str, tooth: Tooth, spec: MemberTable, tip_key: str, failure: 
     # if the middle of the face has land, the bound is a narrower face, else a lower tip
     pointed = f"the tooth is pointed {place}"
     if fits(tooth, 0.0):
-        limit = largest(lambda share: _has_land(tooth, share))
+        limit = largest_trimmed(lambda share: tooth.prove_land(stations_on(share)))
         if fits(tooth, limit):
             most = f"at most {at_most(limit * spec.face_width)} mm with this tip"
             return DesignError(f"{name}.face_width", spec.face_width, unit="mm", reason=pointed, allowed=most)
     lowest = float(tooth.blank.root.at(0.0))
     highest = float(tooth.blank.tip.at(0.0))
     height = highest - lowest
-    limit = largest(lambda share: _has_land(_with_tip(tooth, lowest + share * height), 1.0))
+    whole = stations_on(1.0)
+    limit = largest_trimmed(lambda share: _with_tip(tooth, lowest + share * height).prove_land(whole))
     radius = lowest + limit * height
     asked = f"{pointed}: the tip diameter is {2 * highest:.6g} mm at mid face"
     if not fits(_with_tip(tooth, radius), 1.0):
@@ -287,8 +288,3 @@ def _with_tip(tooth: Tooth, radius: float) -> Tooth:
     """Return the tooth with a tip of another radius (mm) at z = 0, and the same cone angle."""
     at0, at1 = tooth.blank.tip.at(np.array([0.0, 1.0]))
     return replace(tooth, blank=replace(tooth.blank, tip=ConeLevel.of(radius, float(at1 - at0))))
-
-
-def _has_land(tooth: Tooth, share: float) -> bool:
-    """True if the tooth is not pointed on the given share of its face width; it may be undercut."""
-    return goes(lambda: tooth.prove_land(stations_on(share)))

@@ -87,9 +87,14 @@ def round_tips(
     that bends back before tip or root.
     """
     _check_bend(name, flanks, heights)
-    if not tip_land(flanks, np.zeros(1), heights.root, module)[0] >= 0.0:
+    land = float(tip_land(flanks, np.zeros(1), heights.root, module)[0])
+    if not land >= 0.0:
         raise VagueError(
-            f"{name}.dedendum", spec.dedendum, reason="the cutter's tooth is pointed", allowed="a smaller dedendum"
+            f"{name}.dedendum",
+            spec.dedendum,
+            reason="the cutter's tooth is pointed",
+            allowed="a smaller dedendum",
+            excess=-land,
         )
     radius = spec.tool_tip_radius * module
     if not tip_land(flanks, np.array([radius]), heights.root, module)[0] >= -1e-12 * module:
@@ -105,13 +110,15 @@ def round_tips(
 
 
 def _check_bend(name: str, flanks: tuple[RackLine | Parabola, RackLine | Parabola], heights: Heights) -> None:
-    """Refuse a parabola that bends back before the tip or the root, which is where c^2 = 4 a sin(alpha) x."""
+    """Refuse a parabola that bends back before the tip or the root, which is where c^2 = 4 a sin(alpha) x, x from its vertex."""
     for flank in flanks:
         for x in (heights.tip, heights.root):
-            if not np.isfinite(flank.at_height(x)):
+            if isinstance(flank, Parabola) and not np.isfinite(flank.at_height(x)):
                 alpha = flank.line.alpha
-                limit = np.cos(alpha) ** 2 / (4.0 * np.sin(alpha) * abs(x))
-                raise DesignError(
+                rise = (flank.line.at_height(x) - flank.vertex) * np.cos(alpha)
+                limit = np.cos(alpha) ** 2 / (4.0 * np.sin(alpha) * abs(rise))
+                # heights that are derived change with the coefficient, and its limit with them
+                raise VagueError(
                     f"{name}.parabola",
                     abs(flank.coefficient),
                     unit="1/mm",

@@ -166,6 +166,7 @@ def _check_ends(name: str, member: MemberBlank) -> None:
                 name,
                 reason=f"the root cone, through the root at the mean point, rises over the pitch cone at the {end}",
                 allowed=f"a root angle nearer to the pitch angle, {np.degrees(member.pitch_angle):.6g} deg",
+                excess=-float(dedendum),
             )
 
 
