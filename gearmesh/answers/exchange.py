@@ -266,16 +266,22 @@ class RexsExport(Result):
             file.write_bytes(rexs_bytes(self._model, target))
 
 
+def refuse_kind(design: Design) -> StageForm:
+    """How stages of the kind of a design are written. Raises DesignError for kinds that the format does not have."""
+    form = system_of(design).rexs
+    if form is None:
+        having = ", ".join(f'"{one.kind}"' for one, _ in _forms())
+        raise DesignError("kind", design.kind, reason="REXS has no such stage", allowed=having)
+    return form
+
+
 def rexs_of(pinned: Pinned, folder: Path, loaded: LoadedContact | None = None) -> RexsExport:
     """The REXS model of a pinned design, for a file in `folder`.
 
     What is `loaded` is written as load cases, one for each torque. Raises DesignError for kinds that the format does not have, and
     FileError for the file that the design was read from.
     """
-    own = system_of(pinned.design)
-    if own.rexs is None:
-        having = ", ".join(f'"{one.kind}"' for one, _ in _forms())
-        raise DesignError("kind", pinned.design.kind, reason="REXS has no such stage", allowed=having)
+    form = refuse_kind(pinned.design)
     design = pinned.design.in_mm()
     source: RexsSource | None = getattr(design, "rexs", None)
     model = RexsModel() if source is None else read_rexs(source.file)
@@ -287,7 +293,7 @@ def rexs_of(pinned: Pinned, folder: Path, loaded: LoadedContact | None = None) -
     plain = counted_from(every_key(design, RANGE), type(design), folder)
     keys = {key: value for key, value in leaves_of(plain) if not key.startswith("rexs.")}
     writer = StageWriter(model, keys)
-    stage = own.rexs.write(writer, design, known)
+    stage = form.write(writer, design, known)
     own_keys = tuple(writer.keys)
     writer.put_own(stage)
     if loaded is not None:

@@ -15,6 +15,7 @@ from gearmesh.errors import ArgumentError, NoSolutionError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.lengths import Length, tolerance_in_mm
+from gearmesh.member_names import MemberNames
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.pickling import Picklable
 from gearmesh.systems import system as systems
@@ -128,6 +129,12 @@ class GearSet(Picklable):
         """Members that are built one without the other, None where the gear set is built, or the kind has none."""
         alone = self._train is None and systems.system_of(self.design).members
         return PartsAlone(self.design) if alone else None
+
+    @property
+    def names(self) -> MemberNames:
+        """Names of members and pairs, which most designs tell before anything is built."""
+        known = self.design.member_names if self._train is None else None
+        return self.as_built.names if known is None else known
 
     @property
     def pairs(self) -> tuple[GearPair, ...]:
@@ -259,9 +266,34 @@ class GearSet(Picklable):
         >>> gears.member("pinion").tooth.teeth
         18
         """
-        if name not in self.members:
-            raise ArgumentError("member", name, must_be=f"one of {', '.join(self.members)}")
+        self.names.refuse_other_member(name)
         return self.members[name]
+
+    def pair(self, which: int | str = 0) -> GearPair:
+        """A pair of members that mesh.
+
+        Parameters
+        ----------
+        which : int or str
+            Its number, or its members' names in either order, as "sun-planet_1".
+
+        Returns
+        -------
+        GearPair
+            Its members, their flanks and mounts.
+
+        Raises
+        ------
+        DesignError
+            For another, and where no members mesh.
+
+        Examples
+        --------
+        >>> gears.pair("gear-pinion").name
+        'pinion-gear'
+        """
+        self.names.pair_number(which)
+        return self.train.pair(which)
 
     @cached_property
     def places(self) -> dict[str, Rigid]:

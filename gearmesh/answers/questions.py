@@ -72,9 +72,12 @@ class SolvedGears(GearSet):
         >>> f"{gears.contact().summary['contact_ratio']:.3f}"
         '1.566'
         """
-        from gearmesh.answers.contact.contact import contact_of
+        from gearmesh.answers.contact.contact import contact_of, refuse_torques
 
-        known, mesh = systems.system_of(self.design).first_order, self.train.pair(pair)
+        # what is wrong with arguments is refused before anything is built
+        positions = None if phi1 is None else np.radians(position_list(phi1))
+        refuse_torques(torque, load_sharing=load_sharing)
+        known, mesh = systems.system_of(self.design).first_order, self.pair(pair)
 
         def shares(path: ContactPath, whole: Cycle | None) -> tuple[Array, list[str]]:
             """Share (P,) of the torque on the tooth pair along its path, and the warnings about it."""
@@ -88,7 +91,7 @@ class SolvedGears(GearSet):
             self.design,
             mesh,
             self.warnings,
-            phi1=None if phi1 is None else np.radians(number_list("phi1", phi1, "deg")),
+            phi1=positions,
             torque=torque,
             shares=shares if load_sharing else None,
             cycle=cycle,
@@ -147,10 +150,11 @@ class SolvedGears(GearSet):
         from gearmesh.answers.contact.fit import fitted_cycle
         from gearmesh.answers.load.loaded import loaded_contact_of, required_torques
 
-        mesh, meshes = self.train.pair(pair), self.train.like(pair)
-        one = f"{mesh.name} is one of {meshes} equally loaded meshes: the torque is that of this mesh alone"
+        # what is wrong with arguments is refused before anything is built
         torques = required_torques(number_list("torque", torque, "Nm").tolist())
         positions = None if phi1 is None else position_list(phi1)
+        mesh, meshes = self.pair(pair), self.train.like(pair)
+        one = f"{mesh.name} is one of {meshes} equally loaded meshes: the torque is that of this mesh alone"
         return loaded_contact_of(
             self.design,
             mesh,

@@ -222,6 +222,17 @@ class Compensation(Filling):
 def sheet_of(gears: GearSet, torque: float | None = None, speed: float | None = None) -> DesignSheet:
     """What is derived from a design, as `Gears.sheet` says."""
     known = systems.system_of(gears.design)
+    if speed is not None and torque is None:
+        raise ArgumentError("speed", speed, reason="needs a torque")
+    if torque is not None and known.forces is None:
+        if systems.system(gears.design.kind).forces is not None:
+            raise ArgumentError("torque", torque, reason="forces need a mating gear, which this design has not")
+        able = [kind for kind in systems.kinds() if systems.system(kind).forces is not None]
+        raise ArgumentError(
+            "torque",
+            torque,
+            reason=f"the sheet of kind {gears.design.kind} has no forces; allowed with {' or '.join(able)}",
+        )
     sheet = (known.sheet or plain_sheet)(gears.design, gears.train)
     # planets, which are numbered, are made alike
     members = {gears.design.table_named(name): member for name, member in gears.train.members.items()}
@@ -229,18 +240,7 @@ def sheet_of(gears: GearSet, torque: float | None = None, speed: float | None = 
         (TOOLS_TITLE, lambda: tool_table(members)), (MASS_TITLE, lambda: mass_table(gears.design, members))
     )
     tables = (*sheet.tables, *common)
-    if speed is not None and torque is None:
-        raise ArgumentError("speed", speed, reason="needs a torque")
-    if torque is not None:
-        if known.forces is None and systems.system(gears.design.kind).forces is not None:
-            raise ArgumentError("torque", torque, reason="forces need a mating gear, which this design has not")
-        if known.forces is None:
-            able = [kind for kind in systems.kinds() if systems.system(kind).forces is not None]
-            raise ArgumentError(
-                "torque",
-                torque,
-                reason=f"the sheet of kind {gears.design.kind} has no forces; allowed with {' or '.join(able)}",
-            )
+    if torque is not None and known.forces is not None:
         tables = (*tables, *known.forces(gears.design, torque, speed))
     return DesignSheet(gears.design, tables, sheet.values, (*gears.warnings, *sheet.warnings), sheet.replaced)
 
@@ -293,7 +293,8 @@ def compensation_of(gears: GearSet, refinish: str | None = None) -> Compensation
         able = [kind for kind in systems.kinds() if systems.system(kind).compensate is not None]
         raise DesignError("kind", gears.design.kind, reason="has no compensating settings", allowed=" or ".join(able))
     if refinish is None:
-        return Compensation(gears.design, tuple(own.compensate(gears.design)), gears.warnings)
+        warnings = gears.as_built.warnings
+        return Compensation(gears.design, tuple(own.compensate(gears.design)), warnings)
     if own.refinish is None:
         able = [kind for kind in systems.kinds() if systems.system(kind).refinish is not None]
         raise ArgumentError(
@@ -302,6 +303,7 @@ def compensation_of(gears: GearSet, refinish: str | None = None) -> Compensation
             reason=f"the settings of kind {gears.design.kind} determine the member; it can be chosen for "
             f"{' or '.join(able)}",
         )
-    if refinish not in gears.members:
-        raise ArgumentError("refinish", refinish, must_be=f"one of {', '.join(gears.members)}")
-    return Compensation(gears.design, tuple(own.refinish(gears.design, refinish)), gears.warnings)
+    if refinish not in gears.names.members:
+        raise ArgumentError("refinish", refinish, must_be=f"one of {', '.join(gears.names.members)}")
+    warnings = gears.as_built.warnings
+    return Compensation(gears.design, tuple(own.refinish(gears.design, refinish)), warnings)

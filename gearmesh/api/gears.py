@@ -167,7 +167,7 @@ class Gears(ModelledGears):
         """
         from gearmesh.answers.contact.ease_off import ease_off_of
 
-        return ease_off_of(self.design, self.train.pair(pair))
+        return ease_off_of(self.design, self.pair(pair))
 
     # ---------------------------------------------------------------- drawings, measured gears
 
@@ -315,7 +315,7 @@ class Gears(ModelledGears):
         """
         from gearmesh.answers.inspection.composite import composite_test
 
-        return composite_test(self.design, self.train, mesh=self.train.pair(pair))
+        return composite_test(self.design, self.train, mesh=self.pair(pair))
 
     def composite_chart(self, test: CompositeTest) -> Diagram:
         """The charts of a composite test: transmission error and centre distance over whole turns.
@@ -553,8 +553,9 @@ class Gears(ModelledGears):
         >>> gears.rexs().save("gears.rexs").name
         'gears.rexs'
         """
-        from gearmesh.answers.exchange import rexs_of
+        from gearmesh.answers.exchange import refuse_kind, rexs_of
 
+        refuse_kind(self.design)
         results = None if torque is None else self.loaded_contact(torque)
         return rexs_of(self.pin(), Path(folder), results)
 
@@ -843,10 +844,17 @@ class Gears(ModelledGears):
         3
         """
         from gearmesh.study.runners import Scheduler
-        from gearmesh.study.study import plan_of, run_study, work_and_nominal
+        from gearmesh.study.statistics import limit_of
+        from gearmesh.study.study import plan_of, recorded_under, refuse_workers, run_study, work_and_nominal
 
+        # what is wrong with arguments is refused before anything is built
         if tls is not None and scheduler is None:
             raise ArgumentError("tls", reason="needs a scheduler")
+        refuse_workers(workers)
+        for text in limits:
+            limit_of(text, None)
+        recorded_under(record, None if torque is None else number_list("torque", torque, "Nm").tolist())
+        self.names.pair_number(pair)
         plan = plan_of(self.design, vary or {}, tolerance, sample, method, seed, pair)
         torques = None if torque is None else number_list("torque", torque, "Nm").tolist()
         work, nominal = work_and_nominal(self.design, plan.keys, pair, record, torques)
@@ -957,8 +965,8 @@ class Gears(ModelledGears):
         for study in studies:
             study_section(Path(study))
         if torque is not None:
-            self.train.pair(0)
             required_torques(number_list("torque", torque, "Nm").tolist())
+            self.pair()
         contacts = {k: self.contact(pair=k) for k in self.train.different}
         verdicts = None
         if check:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -181,23 +182,38 @@ def stem(path: Path) -> str:
     return "design" if str(path) == "-" else path.stem
 
 
-def load_design(path: Path, overrides: list[str] | None) -> Design:
-    """The design of the command line."""
+def load_design(path: Path, overrides: list[str] | None, ask: Callable[[Gears], object] | None = None) -> Design:
+    """The design of the command line, complete unless what its gears are asked refuses its arguments."""
+    from gearmesh.systems.system import complete_design
+
     with working("design"):
-        return gm.load(path, overrides or [])
+        design = gm.load(path, overrides or [], complete=False)
+        if ask is not None:
+            refuse_arguments(design, ask)
+        return complete_design(design)
 
 
-def load_gears(path: Path, overrides: list[str] | None) -> Gears:
-    """The gears of the design of the command line."""
-    design = load_design(path, overrides)
+def load_gears(path: Path, overrides: list[str] | None, ask: Callable[[Gears], object]) -> Gears:
+    """The gears of the design of the command line, built unless what they are asked refuses its arguments."""
+    design = load_design(path, overrides, ask)
     with working("gears"):
         return gm.build(design)
 
 
-def load_alone(path: Path, overrides: list[str] | None) -> Gears:
+def load_alone(path: Path, overrides: list[str] | None, ask: Callable[[Gears], object]) -> Gears:
     """The same, of which nothing is made that is not asked for."""
     with working("gears"):
-        return gm.build(gm.load(path, overrides or [], complete=False), alone=True)
+        design = gm.load(path, overrides or [], complete=False)
+        refuse_arguments(design, ask)
+        return gm.build(design, alone=True)
+
+
+def refuse_arguments(design: Design, ask: Callable[[Gears], object]) -> None:
+    """Raise GearmeshError for options that what gears are asked refuses before they have to be built."""
+    from gearmesh.systems.system import nothing_built
+
+    with nothing_built():
+        ask(gm.Gears(design))
 
 
 def design_text(path: Path, overrides: list[str] | None) -> str:
@@ -209,7 +225,7 @@ def design_text(path: Path, overrides: list[str] | None) -> str:
 
 def chosen_pair(gears: Gears, names: str | None) -> str:
     """Name of the mesh that --pair names, of the first one without it. Raises DesignError for another."""
-    return gears.train.pair(0 if names is None else names).name
+    return gears.names.pair_names[gears.names.pair_number(0 if names is None else names)]
 
 
 def other_meshes(gears: Gears, mesh: str) -> list[str]:

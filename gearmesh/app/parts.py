@@ -106,44 +106,46 @@ class PartFile:
         z = self.section if self.section in (None, AXIAL) else in_mm("--section", self.section)
         return tolerance_in_mm(self.tol), z, 0.0 if self.offset is None else in_mm("--offset", self.offset)
 
+    def make(self, gears: Gears, member: str) -> Cad | Section | Solid | Solids:
+        """Make a member, or all, for the file."""
+        tolerance, z, away = self._lengths()
+        every = member in (BOTH, ALL)
+        if self.suffix in SECTIONS:
+            return gears.section(member, z, tolerance, curves=self.curves or "splines", offset=away)
+        if self.suffix in STEP:
+            return gears.cad(
+                None if every else member,
+                tolerance,
+                teeth=self.teeth,
+                sector=self.sector,
+                flank_only=self.flank_only,
+                space=self.space,
+                offset=away,
+                phi1=self.phi1 or 0.0,
+            )
+        if every:
+            return gears.solids(tolerance, offset=away, file=self.output, phi1=self.phi1 or 0.0)
+        return gears.solid(
+            member,
+            tolerance,
+            teeth=self.teeth,
+            sector=self.sector,
+            flank_only=self.flank_only,
+            space=self.space,
+            offset=away,
+            file=self.output,
+        )
+
     def write(self, gears: Gears, member: str) -> None:
         """Make a member, or all, write the file, and print the figures."""
-        tolerance, z, away = self._lengths()
         every = member in (BOTH, ALL)
         of = "space" if self.space else "flanks" if self.flank_only else "solid"
         if self.suffix in SECTIONS:
             of = "section"
         with working("solids" if every else f"{of} of the {member}"):
-            made: Cad | Section | Solid | Solids
-            names: Callable[[], FaceNames] | None = None
-            if self.suffix in SECTIONS:
-                made = gears.section(member, z, tolerance, curves=self.curves or "splines", offset=away)
-            elif self.suffix in STEP:
-                made = gears.cad(
-                    None if every else member,
-                    tolerance,
-                    teeth=self.teeth,
-                    sector=self.sector,
-                    flank_only=self.flank_only,
-                    space=self.space,
-                    offset=away,
-                    phi1=self.phi1 or 0.0,
-                )
-                names = made.face_names
-            elif every:
-                made = gears.solids(tolerance, offset=away, file=self.output, phi1=self.phi1 or 0.0)
-            else:
-                made = gears.solid(
-                    member,
-                    tolerance,
-                    teeth=self.teeth,
-                    sector=self.sector,
-                    flank_only=self.flank_only,
-                    space=self.space,
-                    offset=away,
-                    file=self.output,
-                )
+            made = self.make(gears, member)
             made.save(self.output)
+            names: Callable[[], FaceNames] | None = getattr(made, "face_names", None)
             if names is not None and self.names is not None:
                 names().save(self.names)
         show(made.listings)

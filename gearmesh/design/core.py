@@ -20,6 +20,7 @@ from gearmesh.design.explain import explain
 from gearmesh.design.keys import DERIVED_VALUE, MM_PER, Key, KeyLine, Table, conflict, key_lines
 from gearmesh.design.measured import PairMeasured
 from gearmesh.design.shown import html_table, value_text
+from gearmesh.member_names import MemberNames
 
 #: default thickness of the marking compound [LT02 5]
 DEFAULT_DELTA_MM = 0.00635
@@ -1003,6 +1004,11 @@ class Design(Table):
         }
 
     @property
+    def member_names(self) -> MemberNames | None:
+        """Names of the members and pairs that are built of the design; None where they are not known before."""
+        return None
+
+    @property
     def counted_teeth(self) -> int:
         """Number of teeth of the member whose rotation is phi1: the pinion, unless the kind overrides this."""
         pinion: GearBody = getattr(self, "pinion")  # noqa: B009
@@ -1096,6 +1102,11 @@ class PairDesign(Design):
     pinion: GearBody
     gear: GearBody
     measured: PairMeasured | None = None
+
+    @property
+    def member_names(self) -> MemberNames | None:
+        """Pinion and gear, which mesh."""
+        return MemberNames((("pinion", "gear"),))
 
 
 def _positive_definite(rows: Sequence[Any]) -> bool:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearmesh.answers.contact.contact import Contact
+from gearmesh.answers.gearset import position_list
 from gearmesh.answers.questions import SolvedGears
 from gearmesh.errors import ArgumentError, NoSolutionError
 from gearmesh.mesh.triangles import TriangleMesh
@@ -54,23 +55,27 @@ def picture(
         raise ArgumentError("view", view, must_be=f"one of {', '.join(PICTURE_VIEWS)}")
     if size is not None:
         refuse_size(size)
-    if view in ALONE and not gears.pairs:
+    if phi1 is not None:
+        position_list(phi1)
+    if view in ALONE and not gears.names.pairs:
         _refuse_position(view, phi1)
         return _picture_alone(
             gears, view, member, size or pictures.PICTURE_SIZE, gears.title + (f", {note}" if note else "")
         )
-    if not gears.pairs:
-        lacking = gears.train.lacking
+    if not gears.names.pairs:
+        lacking = gears.names.lacking
         raise ArgumentError(
             "view", view, reason=f"needs a mating gear: add the table [{lacking}]", allowed=", ".join(ALONE)
         )
-    mesh = gears.train.pair(pair)
+    names = gears.names.pairs[gears.names.pair_number(pair)]
+    grinding = view == "tool" and member == WORM and WORM not in names
+    if member not in (None, *names) and not grinding:
+        raise ArgumentError("member", member, must_be=f"one of {', '.join(names)}")
+    mesh = gears.pair(pair)
     name = mesh.pinion.name if member is None else member
     worm = gears.part(name) if (view, name) == ("tool", WORM) and name not in mesh.members else None
     if worm is not None:
         name = worm.ground
-    if name not in mesh.members:
-        raise ArgumentError("member", name, must_be=f"one of {', '.join(mesh.members)}")
     title = gears.title + (f", {note}" if note else "")
     if view in ("tool", "contact_lines"):
         _refuse_position(view, phi1)
@@ -115,7 +120,9 @@ def animation(
     from gearmesh.view.mesh_section import FRAMES_PER_PITCH
 
     refuse_size(size)
-    mesh = gears.train.pair(pair)
+    if phi1 is not None:
+        position_list(phi1)
+    mesh = gears.pair(pair)
     path = gears.contact(phi1, cycle=False, pair=pair).path
     title = gears.title + (f", {note}" if note else "")
     rolling = rolling_contact(mesh, path, np.arange(FRAMES_PER_PITCH) / FRAMES_PER_PITCH)

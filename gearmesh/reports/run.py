@@ -297,10 +297,11 @@ def run(
     run that this one does not write are removed: those that its manifest lists. Raises NoSolutionError where nothing touches,
     unless the gears are jammed.
     """
-    if gears.pairs or torque is not None:
-        gears.train.pair(0)
     if torque is not None:
         required_torques(number_list("torque", torque, "Nm").tolist())
+        gears.pair()
+    if gears.names.pairs:
+        gears.pair()
     stale = _listed_files(folder)
     with files_together(folder) as temporary:
         written = RunFolder(gears, temporary, folder, timing)

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from gearmesh.answers.load.loaded import required_torques
 from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing
 from gearmesh.design.core import Design
@@ -21,6 +22,7 @@ from gearmesh.study.rows.work import StudyWork, displacing_keys, own_keys
 from gearmesh.study.statistics import Limit, limit_of
 from gearmesh.study.study import work_and_nominal
 from gearmesh.systems.designs import parse
+from gearmesh.systems.system import complete_design
 
 #: how far is looked, in the unit of a key, where nobody says
 REACH = "1"
@@ -112,7 +114,10 @@ def largest_errors(
     if not criteria:
         raise ArgumentError("criteria", [], must_be="one limit at least, as contact_ratio>1")
     named = tuple(limit_of(text, None) for text in criteria)
-    looked = {key: _ends(design, key, reach) for key, reach in reaches.items()}
+    if torque is not None:
+        required_torques(torque)
+    far = {key: _reach(design, key, reach) for key, reach in reaches.items()}
+    looked = {key: _ends(complete_design(design), key, far[key]) for key in far}
     work, nominal = work_and_nominal(design, (), pair, tuple(dict.fromkeys(limit.figure for limit in named)), torque)
     for limit in named:
         own = _number(nominal[limit.figure])
@@ -134,14 +139,19 @@ def largest_errors(
     return LargestErrors(design, named, rows)
 
 
-def _ends(design: Design, key: str, reach: str | float) -> tuple[float, Array]:
-    """The design's own value of a key, and how far down and up (2,) is looked."""
+def _reach(design: Design, key: str, reach: str | float) -> float:
+    """How far from its own value a key is looked at. Raises DesignError for what is no distance."""
     far = KeyReader(design).number(key, reach)
+    if not far > 0.0:
+        raise ArgumentError("find_limits", reach, entry=key, must_be="above 0, the distance to search")
+    return far
+
+
+def _ends(design: Design, key: str, far: float) -> tuple[float, Array]:
+    """The design's own value of a key, and how far down and up (2,) is looked."""
     start = dict(_all_keys(design.resolve())).get(key)
     if not isinstance(start, float):
         raise ArgumentError("find_limits", entry=key, must_be="a key of real numbers that has a value in the design")
-    if not far > 0.0:
-        raise ArgumentError("find_limits", reach, entry=key, must_be="above 0, the distance to search")
     ends = np.array([start - far, start + far])
     if key in displacing_keys(design.kind):
         for end in ends.tolist():

@@ -380,6 +380,21 @@ def _refuse_impossible(design: Design, plan: Plan) -> None:
             parse(with_keys(own, [(key, value)]))
 
 
+def recorded_under(record: str | Sequence[str], torque: Sequence[float] | None) -> tuple[tuple[float, ...], list[str]]:
+    """Torques (Nm) and what is recorded. Raises ArgumentError for torques that are none, and for figures under load without one."""
+    torques = () if torque is None else tuple(required_torques(torque))
+    tokens = [token.strip() for token in (record.split(",") if isinstance(record, str) else record)]
+    if LOAD in tokens and not torques:
+        raise ArgumentError("record", entry="load", reason="needs torque, in Nm")
+    return torques, tokens
+
+
+def refuse_workers(workers: int | None) -> None:
+    """Raise ArgumentError for a number of processes that is none."""
+    if workers is not None and workers < 1:
+        raise ArgumentError("workers", workers, must_be="a whole number above 0")
+
+
 def work_and_nominal(
     design: Design,
     keys: tuple[str, ...],
@@ -392,11 +407,10 @@ def work_and_nominal(
     Raises NoSolutionError where that has no contact, DesignError for a figure that it has not, and for torques without figures
     that need them or the other way round.
     """
-    torques = () if torque is None else tuple(required_torques(torque))
-    tokens = [token.strip() for token in (record.split(",") if isinstance(record, str) else record)]
-    if LOAD in tokens and not torques:
-        raise ArgumentError("record", entry="load", reason="needs torque, in Nm")
+    torques, tokens = recorded_under(record, torque)
     allowed = (*GROUPS, TURNS, *([LOAD] if torques else []))
+    if design.member_names is not None:
+        design.member_names.pair_number(pair)
     known = recordable(systems.build(design).pair(pair), len(torques))
     _refuse_unknown(tokens, allowed, known)
     whole = StudyWork(own_keys(design), (), pair, GROUPS, torque=torques)
@@ -468,8 +482,6 @@ def _work(
         for number in left:
             yield number, plan.rows(number * size, (number + 1) * size)
 
-    if workers is not None and workers < 1:
-        raise ArgumentError("workers", workers, must_be="a whole number above 0")
     if scheduler is not None:
         results = runners.on_dask(work, chunks(), scheduler)
     else:

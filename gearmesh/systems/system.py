@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, field, replace
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar, cast
@@ -400,11 +402,37 @@ def one_of_kinds() -> str:
     return "one of " + ", ".join(f'"{kind}"' for kind in kinds())
 
 
+class NotBuiltError(Exception):
+    """Something was to be built where nothing may be."""
+
+
+_builds: ContextVar[bool] = ContextVar("builds", default=True)
+
+
+@contextmanager
+def nothing_built() -> Iterator[None]:
+    """Run what is inside until something is to be built of a design: what it refuses before, it refuses without any work."""
+    token = _builds.set(False)
+    try:
+        yield
+    except NotBuiltError:
+        pass
+    finally:
+        _builds.reset(token)
+
+
+def _refuse_to_build() -> None:
+    """Raise NotBuiltError where nothing may be built."""
+    if not _builds.get():
+        raise NotBuiltError
+
+
 def complete_design(design: D) -> D:
     """Return the design with the defaults that only geometry knows.
 
     Raises DesignError for geometry that cannot exist.
     """
+    _refuse_to_build()
     return _refused_by_name(design, _fill)
 
 
@@ -482,6 +510,7 @@ def build(design: Design) -> GearTrain:
 
     Raises DesignError, with key, value and limit, for geometry that cannot exist.
     """
+    _refuse_to_build()
     whole = complete_design(design)
     train = _refused_by_name(whole, _train)
     notes = (*_of_small_teeth(whole), *unusual_settings(whole), *_of_other_defaults(whole))
@@ -490,6 +519,7 @@ def build(design: Design) -> GearTrain:
 
 def member(design: Design, name: str) -> ToolPart:
     """Return a member that the kind of a design, complete or not, makes without the other. Raises as `build` does."""
+    _refuse_to_build()
     make = system_of(design).members[name]
 
     def alone(design: Design) -> ToolPart:

@@ -15,6 +15,7 @@ from gearmesh.kernel.motion.rigid import MAX_SINE_OF_PARALLEL, Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.plane.curves import PlaneArc
 from gearmesh.kernel.surface.levels import station_normal
+from gearmesh.member_names import MemberNames
 from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.blank.features import BodyFeatures, Boss, ClosedLine, Drilling, Opening, Slot
 from gearmesh.teeth.blank.halves import SINGLE_ROW, AxialGap, HalfGear, Rows
@@ -575,6 +576,12 @@ class GearTrain:
         paired = (member for pair in self.pairs for member in pair.both)
         return {member.name: member for member in (*paired, *self.unpaired)}
 
+    @property
+    def names(self) -> MemberNames:
+        """Names of the members and of the pairs."""
+        pairs = tuple((pair.pinion.name, pair.gear.name) for pair in self.pairs)
+        return MemberNames(pairs, tuple(member.name for member in self.unpaired), self.lacking)
+
     def with_member(self, member: Member) -> GearTrain:
         """Return the gear set with another member of that name in all its pairs.
 
@@ -669,18 +676,7 @@ class GearTrain:
         >>> gears.train.pair("gear-pinion").name
         'pinion-gear'
         """
-        if not self.pairs:
-            raise self._without_pair()
-        if not isinstance(which, str):
-            if not 0 <= which < len(self.pairs):
-                numbers = "0" if len(self.pairs) == 1 else f"0 to {len(self.pairs) - 1}"
-                names = ", ".join(pair.name for pair in self.pairs)
-                raise ArgumentError("pair", which, must_be=f"{numbers}, or one of {names}")
-            return self.pairs[which]
-        for pair in self.pairs:
-            if which in (f"{pair.pinion.name}-{pair.gear.name}", f"{pair.gear.name}-{pair.pinion.name}"):
-                return pair
-        raise ArgumentError("pair", which, must_be=f"one of {', '.join(pair.name for pair in self.pairs)}")
+        return self.pairs[self.names.pair_number(which)]
 
     def needs_pair(self, argument: str, value: object) -> DesignError:
         """Return the refusal of an argument that needs a mating gear.
@@ -702,12 +698,4 @@ class GearTrain:
         >>> print(gm.gear(18, module=2).train.needs_pair("cycle", True))
         cycle = true: needs a mating gear: add the table [pinion]
         """
-        return ArgumentError(argument, value, reason="needs a mating gear", remedy=f"add the table [{self.lacking}]")
-
-    def _without_pair(self) -> DesignError:
-        """Return the refusal of a result that needs a mating gear."""
-        return DesignError(
-            self.lacking,
-            reason=f"the {', '.join(self.members)} has no mating gear, which contact, load and all figures of a mesh need",
-            remedy=f"add the table [{self.lacking}]",
-        )
+        return self.names.needs_pair(argument, value)

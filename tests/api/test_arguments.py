@@ -204,6 +204,15 @@ def _at_work(frame: Any, event: str, _: object) -> None:
         (lambda g: g.finite_elements(np.inf), "phi1 = inf: must be finite numbers in deg"),
         (lambda g: g.finite_element_decks("out", []), "phi1 = []: must be one position at least, deg"),
         (lambda g: g.finite_element_decks("out", [0.0], program="x"), "program = x: must be calculix or abaqus"),
+        (lambda g: g.picture("contact", phi1=[]), "phi1 = []: must be one position at least, deg"),
+        (lambda g: g.animation(phi1=[]), "phi1 = []: must be one position at least, deg"),
+        (lambda g: g.contact([]), "phi1 = []: must be one position at least, deg"),
+        (lambda g: g.largest_errors(["assembly.dx"], torque=-1), "torque = -1 Nm: must be one or more finite numbers"),
+        (lambda g: g.largest_errors({"assembly.dx": -1}), "find_limits assembly.dx = -1: must be above 0"),
+        (lambda g: g.study({"assembly.dx": "0:1:2"}, workers=0), "workers = 0: must be a whole number above 0"),
+        (lambda g: g.study({"assembly.dx": "0:1:2"}, limits=["x"]), "limit x: must look like"),
+        (lambda g: g.sheet(speed=5), "speed = 5: needs a torque"),
+        (lambda g: g.compensate("x"), "kind = cylindrical: has no compensating settings"),
     ],
 )
 def test_arguments_are_refused_before_anything_is_computed(

@@ -95,6 +95,8 @@ class Extract:
             raise ArgumentError("flank_only", flank_only, must_be=f"one of {', '.join((*Side, BOTH))}")
         if space and flank_only is not None:
             raise ArgumentError("flank_only", flank_only, reason="a space has both flanks, fillets and a root")
+        if sector is not None and sector < 1:
+            raise ArgumentError("sector", sector, must_be="a whole number above 0")
         flanks = () if flank_only is None else tuple(Side) if flank_only == BOTH else (Side(flank_only),)
         return Extract(in_mm("offset", offset), space, flanks, sector)
 

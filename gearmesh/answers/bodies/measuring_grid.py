@@ -10,12 +10,13 @@ from typing import Any, TypeVar
 import numpy as np
 
 from gearmesh import __version__
+from gearmesh.answers.gearset import GearSet
 from gearmesh.answers.result import Result, header
 from gearmesh.answers.tables import Listing
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, Summary, figure
-from gearmesh.metrology.flanks.measuring_grid import MeasuringGrid, thickness_angle
+from gearmesh.metrology.flanks.measuring_grid import MeasuringGrid, refuse_shape, thickness_angle
 from gearmesh.metrology.flanks.point_file import point_text
 from gearmesh.progress import tell
 from gearmesh.teeth.blank.body import end_names
@@ -27,8 +28,8 @@ BOTH, SURFACES = "both", ("flank", "fillet", "all")
 
 
 def measuring_grid_of(
-    design: Design,
-    member: Member,
+    gears: GearSet,
+    name: str,
     flank: str,
     shape: tuple[int, int],
     margins: tuple[float, float],
@@ -47,9 +48,11 @@ def measuring_grid_of(
         raise ArgumentError("ball", ball, unit="mm", allowed="a diameter above 0")
     sides = tuple(Side) if flank == BOTH else (Side(flank),)
     fillets = {"flank": (False,), "fillet": (True,), "all": (False, True)}[surface]
+    refuse_shape(shape, margins)
+    member = gears.member(name)
     tell(0.0)
     grids = tuple(MeasuringGrid.of(member, side, shape, margins, fillet=fillet) for side in sides for fillet in fillets)
-    return MeasuringGrids(design, member, grids, None if ball is None else 0.5 * ball)
+    return MeasuringGrids(gears.design, member, grids, None if ball is None else 0.5 * ball)
 
 
 Number = TypeVar("Number", int, float)

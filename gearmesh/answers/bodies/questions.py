@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal, overload
 
 import numpy as np
 
-from gearmesh.answers.gearset import number_list, position_list
+from gearmesh.answers.gearset import position_list
 from gearmesh.answers.questions import SolvedGears
 from gearmesh.arguments import checks_methods
 from gearmesh.lengths import Length, in_mm
@@ -113,7 +113,7 @@ class ModelledGears(SolvedGears):
         from gearmesh.answers.bodies.solid import TOGETHER, refuse_parts, solid_of
 
         extract = Extract.of(offset, space=space, flank_only=flank_only, sector=sector, teeth=teeth)
-        if member in TOGETHER and member not in self.members:
+        if member in TOGETHER and member not in self.names.members:
             refuse_parts(teeth=teeth, sector=sector, flank_only=flank_only, space=space or None)
             return self.solids(tolerance, offset=offset, file=file)
         return solid_of(self, member, self.within(tolerance), teeth, file, extract)
@@ -360,7 +360,7 @@ class ModelledGears(SolvedGears):
         from gearmesh.answers.bodies.topography import TOLERANCE, flank_topography
 
         within = self.within(tolerance, TOLERANCE)
-        return flank_topography(self.design, self.member(member), flank, within)
+        return flank_topography(self, member, flank, within)
 
     def measuring_grid(
         self,
@@ -410,7 +410,7 @@ class ModelledGears(SolvedGears):
         shape = numbers_of("grid", grid, "x", parse_whole_number)
         shares = numbers_of("margins", margins, ",", parse_number)
         size = None if ball is None else in_mm("ball", ball)
-        return measuring_grid_of(self.design, self.member(member), flank, shape, shares, surface, size)
+        return measuring_grid_of(self, member, flank, shape, shares, surface, size)
 
     def toolpath(
         self,
@@ -535,17 +535,17 @@ class ModelledGears(SolvedGears):
         >>> gears.finite_elements().save("pair.inp").name
         'pair.inp'
         """
-        if not self.train.pairs:
+        if not self.names.pairs:
             from gearmesh.answers.bodies.finite_element_model import unloaded_elements_of
 
             asked = {"phi1": phi1, "rotation": rotation, "friction": friction, "pair": pair}
             return unloaded_elements_of(self.design, self.train, self.warnings, members, asked, sector)
         from gearmesh.answers.bodies.finite_elements import finite_elements_of
 
-        angle, (position,) = None if rotation is None else float(np.radians(rotation)), number_list("phi1", phi1, "deg")
+        angle, (position,) = None if rotation is None else float(np.radians(rotation)), position_list(phi1)
         return finite_elements_of(
             self.design,
-            self.train.pair(pair),
+            self.pair(pair),
             self.warnings,
             float(np.radians(position)),
             members,
@@ -601,7 +601,7 @@ class ModelledGears(SolvedGears):
         angle, positions = None if rotation is None else float(np.radians(rotation)), position_list(phi1)
         return finite_element_decks_of(
             self.design,
-            self.train.pair(pair),
+            self.pair(pair),
             Path(folder),
             np.radians(positions).tolist(),
             self.warnings,

@@ -274,6 +274,5 @@ def tool_path_of(
         lead=None if lead is None else math.radians(lead),
         tilt=None if tilt is None else math.radians(tilt),
     )
-    return ToolPathAnswer(
-        gears.design, member, tool_path(gears.part(member).member, BallCutter.of(tool), asked), asked, float(feed)
-    )
+    cutter = BallCutter.of(tool)
+    return ToolPathAnswer(gears.design, member, tool_path(gears.part(member).member, cutter, asked), asked, float(feed))

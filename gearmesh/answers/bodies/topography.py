@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from gearmesh.answers.gearset import GearSet
 from gearmesh.answers.result import Result, header
 from gearmesh.answers.tables import Listing
 from gearmesh.design.core import Design
@@ -16,7 +17,6 @@ from gearmesh.design.topography_file import TopographyGrid, topography_text
 from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, Summary, figure
 from gearmesh.progress import tell
-from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.micro_geometry.modification import Modification
 from gearmesh.teeth.micro_geometry.plane_flank import PlaneFlank
 from gearmesh.teeth.micro_geometry.screw_involute import ScrewInvolute
@@ -29,13 +29,14 @@ TOLERANCE = 1e-5
 SHOWN = 7
 
 
-def flank_topography(design: Design, member: Member, flank: str, tolerance: float = TOLERANCE) -> FlankTopography:
+def flank_topography(gears: GearSet, name: str, flank: str, tolerance: float = TOLERANCE) -> FlankTopography:
     """Of the "right" or "left" flank of a member, within `tolerance` (mm).
 
     Raises DesignError for another flank, for one without modifications, and for a tolerance that takes too many knots.
     """
     if flank not in tuple(Side):
         raise ArgumentError("flank", flank, must_be=f"one of {', '.join(Side)}")
+    member = gears.member(name)
     surface = member.one_tooth.side(Side(flank)).flank
     if isinstance(surface, PlaneFlank):
         raise ArgumentError(
@@ -52,7 +53,7 @@ def flank_topography(design: Design, member: Member, flank: str, tolerance: floa
     tell(0.0)
     grid, missed = topography_of(amount, tolerance)
     return FlankTopography(
-        design, member.name, Side(flank), TopographyGrid(grid.lengths, grid.positions, grid.amounts), missed
+        gears.design, name, Side(flank), TopographyGrid(grid.lengths, grid.positions, grid.amounts), missed
     )
 
 

@@ -390,6 +390,14 @@ def positions_of(design: Design, pair: GearPair) -> tuple[float, float] | None:
     return float(first), float(last)
 
 
+def refuse_torques(torque: float | None, *, load_sharing: bool) -> None:
+    """Raise ArgumentError for a torque (Nm) that is none, and for load sharing without one."""
+    if load_sharing and torque is None:
+        raise ArgumentError("load_sharing", True, must_be="left out without a torque that is shared")
+    if torque is not None:
+        refuse_torque(torque)
+
+
 def contact_of(
     design: Design,
     pair: GearPair,
@@ -410,10 +418,6 @@ def contact_of(
     `turns` also the pair over whole turns, until it repeats. Raises
     DesignError for a torque that is not above 0, and for sharing without one.
     """
-    if shares is not None and torque is None:
-        raise ArgumentError("load_sharing", True, must_be="left out without a torque that is shared")
-    if torque is not None:
-        refuse_torque(torque)
     flanks = solver_pair(pair)
     following = phi1 is None and by_engagement(design, pair)
     followed = whole_engagement(flanks, pair.pitch) if cycle or following else None

@@ -177,10 +177,10 @@ def vh_of(gears: GearSet, moved: tuple[str, ...] | None) -> VHCheck:
     if made is None:
         able = [kind for kind in systems.kinds() if systems.system(kind).vh is not None]
         raise DesignError("kind", gears.design.kind, reason="has no V-H check", allowed=" or ".join(able))
-    own = systems.complete_design(gears.design).in_mm()
     moved = made.usual if moved is None else moved
     count = len(made.usual)
     if len({*moved} & made.keys.keys()) != count or len(moved) != count:
         must_be = f"{COUNTS[count]} of {', '.join(made.keys)}, as {','.join(made.usual)}"
         raise ArgumentError("moved", ",".join(moved), must_be=must_be)
+    own = systems.complete_design(gears.design).in_mm()
     return VHCheck(gears.design, tuple(made.shifts(own, gears.train, moved)), gears.warnings, made.keys)

@@ -9,6 +9,7 @@ from gearmesh.answers.inspection.inspection import Inspection, inspect
 from gearmesh.design.core import Design
 from gearmesh.design.measured import MeasuredTable
 from gearmesh.errors import ArgumentError
+from gearmesh.files.reading import refuse_missing
 from gearmesh.metrology.flanks.measured_field import MeasuredField
 from gearmesh.metrology.flanks.measured_flank import MeasuredFlank, MeasuringMode, measured_flanks
 from gearmesh.metrology.flanks.measured_members import MeasuredPlaces
@@ -33,6 +34,8 @@ def inspect_files(
     Raises DesignError for a member or flank that there is not and where nothing is given, FileError for what cannot be read.
     """
     places = MeasuredPlaces(design)
+    if pitch is not None:
+        refuse_missing(pitch)
     nominal, train, made = flanks_of_files(design, name, flanks, flank, needed=pitch is None and not places.says(name))
     tooth = train.members[name].one_tooth
     fields = {side: MeasuredField.of(tooth, side, own_flank) for side, own_flank in made.items()}
@@ -55,9 +58,8 @@ def flanks_of_files(
     """
     table: MeasuredTable | None = getattr(design, "measured", None)
     nominal = design if table is None else design.model_copy(update={"measured": None})
-    train = systems.build(nominal)
-    if name not in train.members:
-        raise ArgumentError("member", name, must_be=f"one of {', '.join(train.members)}")
+    if nominal.member_names is not None:
+        nominal.member_names.refuse_other_member(name)
     own = design.table_named(name)
     files = _of_table(design, own) if flanks is None else dict.fromkeys(_sides(flanks, flank), flanks)
     if not files and needed:
@@ -66,6 +68,8 @@ def flanks_of_files(
             reason="missing",
             allowed=f"a file, or measured.{own}_right and measured.{own}_left of the design",
         )
+    train = systems.build(nominal)
+    train.names.refuse_other_member(name)
     mode = MeasuringMode() if table is None else MeasuringMode(table.axial_position == "free", table.stiffness)
     keys = {side: "measured" if flanks else f"measured.{own}_{side}" for side in Side}
     made = measured_flanks(train.members[name].one_tooth, files, mode, keys) if files else {}

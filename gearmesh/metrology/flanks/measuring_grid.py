@@ -87,7 +87,7 @@ class MeasuringGrid:
         >>> gm.MeasuringGrid.of(gears.members["pinion"], gm.Side.RIGHT, (5, 9)).points.shape
         (5, 9, 3)
         """
-        _refuse(shape, margins)
+        refuse_shape(shape, margins)
         tooth = member.one_tooth
         s, t = (_shares(count, margin) for count, margin in zip(shape, margins, strict=True))
         if fillet:
@@ -164,7 +164,7 @@ def _shares(count: int, margin: float) -> Array:
     return np.array([0.5]) if count == 1 else np.linspace(margin, 1.0 - margin, count)
 
 
-def _refuse(shape: tuple[int, int], margins: tuple[float, float]) -> None:
+def refuse_shape(shape: tuple[int, int], margins: tuple[float, float]) -> None:
     if not all(1 <= count <= MOST_LINES for count in shape):
         raise ArgumentError(
             "grid", "x".join(map(str, shape)), allowed=f"rows and columns from 1 to {MOST_LINES}, as 5x9"

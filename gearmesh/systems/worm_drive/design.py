@@ -12,6 +12,7 @@ from gearmesh.design.core import Design, FlankContact, MemberBody, MemberTable, 
 from gearmesh.design.keys import DERIVED_VALUE, Key, Table, conflict, given_or
 from gearmesh.design.measured import WormDriveMeasured
 from gearmesh.design.runout import eccentricity, phase
+from gearmesh.member_names import MemberNames
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.standards.iso10828 import ThreadForm, lead_angle
 from gearmesh.systems.kinds import OWN_KINDS
@@ -372,6 +373,11 @@ class WormDriveDesign(Design):
     measured: WormDriveMeasured | None = None
     rexs: RexsSource | None = None
     contact: FlankContact = FlankContact()
+
+    @property
+    def member_names(self) -> MemberNames:
+        """Worm and wheel, which mesh."""
+        return MemberNames((("worm", "wheel"),))
 
     @property
     def counted_teeth(self) -> int:

@@ -19,7 +19,7 @@ def check(
     """Meshes against exact surfaces, roll test against solver."""
     tolerance = tolerance_in_mm(tol)
     refuse_unwritable(json_file)
-    gears = load_gears(design_file, settings)
+    gears = load_gears(design_file, settings, lambda gears: gears.check(tolerance))
     with working("check"):
         answer = gears.check(tolerance)
     write_text(json_file, lambda: answer.json(timing=timing))

@@ -31,7 +31,7 @@ def composite(
         refuse_suffix(output, ".png", ".svg", ".pdf")
     for file in (output, json_file, csv_file):
         refuse_unwritable(file)
-    gears = load_gears(design_file, settings)
+    gears = load_gears(design_file, settings, lambda gears: gears.composite(pair=chosen_pair(gears, pair)))
     mesh = chosen_pair(gears, pair)
     with working("composite test"):
         answer = gears.composite(pair=mesh)

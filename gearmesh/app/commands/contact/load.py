@@ -52,7 +52,11 @@ def load(
     torques, positions = torques_in_nm(torque), positions_in_degrees(phi1)
     for file in (json_file, csv_file):
         refuse_unwritable(file)
-    gears = load_gears(design_file, settings)
+    gears = load_gears(
+        design_file,
+        settings,
+        lambda gears: gears.loaded_contact(torques, positions, pair=chosen_pair(gears, pair)),
+    )
     mesh = chosen_pair(gears, pair)
     with working("loaded contact") as progress:
         answer = gears.loaded_contact(torques, positions, pair=mesh, progress=progress)

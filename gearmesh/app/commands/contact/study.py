@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from gearmesh import Gears
+    from gearmesh.study.largest_errors import LargestErrors
     from gearmesh.study.study import Study
 
 #: shares of the work after which a pipe gets a line
@@ -133,8 +134,6 @@ def study(
     Writes study.csv (.parquet), study.json and figures into DIR. If interrupted, the same command continues.
     """
     refuse_unwritable(json_file)
-    gears = load_gears(design_file, settings)
-    mesh = chosen_pair(gears, pair)
     torques = None if torque is None else torques_in_nm(torque)
     if find_limits:
         if output is not None:
@@ -145,7 +144,19 @@ def study(
             if value is not None:
                 why = f"searches from the design itself and has no rows: it cannot be given together with {option}"
                 raise ArgumentError("find_limits", reason=why)
-        _find(gears, find_limits, limit or ["contact_ratio>1"], torques, mesh, json_file)
+        reaches = dict(text.partition("=")[::2] for text in find_limits)
+        wanted = {key: reach or "1" for key, reach in reaches.items()}
+
+        def find(gears: Gears, progress: Progress | None = None) -> LargestErrors:
+            criteria, mesh = limit or ["contact_ratio>1"], chosen_pair(gears, pair)
+            return gears.largest_errors(wanted, criteria, torque=torques, pair=mesh, progress=progress)
+
+        gears = load_gears(design_file, settings, find)
+        with working("limits") as progress:
+            largest = find(gears, progress)
+        write_text(json_file, largest.json)
+        if json_file != "-":
+            show(largest.listings)
         return
     files = {"ca_file": tls_ca_file, "client_cert": tls_client_cert, "client_key": tls_client_key}
     tls = {name: file for name, file in files.items() if file is not None} or None
@@ -158,8 +169,9 @@ def study(
         from gearmesh.study.table import require_pyarrow
 
         require_pyarrow()
-    with working("study") as progress:
-        answer = gears.study(
+
+    def ask(gears: Gears, progress: Callable[[float, str], None] | None = None) -> Study:
+        return gears.study(
             _unique("--vary", vary),
             tolerance=_tolerance(tolerance),
             sample=sample,
@@ -172,9 +184,13 @@ def study(
             workers=workers,
             scheduler=scheduler,
             tls=tls,
-            pair=mesh,
-            progress=_at_times(progress),
+            pair=chosen_pair(gears, pair),
+            progress=progress,
         )
+
+    gears = load_gears(design_file, settings, ask)
+    with working("study") as progress:
+        answer = ask(gears, _at_times(progress))
         if output is not None:
             progress(1.0, "study: files and figures")
             _save(gears, answer, output, _has_pyarrow() if parquet is None else parquet, pictures)
@@ -201,18 +217,6 @@ def _show(answer: Study, json_file: str | None) -> None:
     count = answer.columns["status"].count("ok")
     if count < len(answer.plan):
         warn([f"{len(answer.plan) - count} of {len(answer.plan)} rows have no figures: see the column reason"])
-
-
-def _find(
-    gears: Gears, keys: list[str], limits: list[str], torques: list[float] | None, mesh: str, json_file: str | None
-) -> None:
-    reaches = dict(text.partition("=")[::2] for text in keys)
-    with working("limits") as progress:
-        wanted = {key: reach or "1" for key, reach in reaches.items()}
-        largest = gears.largest_errors(wanted, limits, torque=torques, pair=mesh, progress=progress)
-    write_text(json_file, largest.json)
-    if json_file != "-":
-        show(largest.listings)
 
 
 def _unique(option: str, texts: list[str] | None) -> dict[str, str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -21,6 +21,9 @@ from gearmesh.app.options import (
 )
 from gearmesh.app.terminal import refuse_unwritable, require_contact, show, warn, without_contact, working, write_text
 from gearmesh.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from gearmesh import Contact, Gears
 
 
 def tca(
@@ -61,10 +64,14 @@ def tca(
         raise ArgumentError("load_sharing", must_be="left out without --torque, which is shared")
     for file in (json_file, csv_file, ease_off):
         refuse_unwritable(file)
-    gears = load_gears(design_file, settings)
+
+    def ask(gears: Gears) -> Contact:
+        return gears.contact(torque=torque, load_sharing=load_sharing, pair=chosen_pair(gears, pair), turns=turns)
+
+    gears = load_gears(design_file, settings, ask)
     mesh = chosen_pair(gears, pair)
     with working("tooth contact"):
-        contact = gears.contact(torque=torque, load_sharing=load_sharing, pair=mesh, turns=turns)
+        contact = ask(gears)
     if not contact.stuck:
         require_contact(contact.path)
     write_text(json_file, lambda: contact.json(timing=timing))

@@ -29,9 +29,10 @@ def vh(design_file: DesignFile, json_file: Json = None, settings: Set = None, mo
     touch of the displaced members; one that is out of reach is refused with the nearest that is not.
     """
     refuse_unwritable(json_file)
-    gears = load_gears(design_file, settings)
+    moved = None if move is None else tuple(move.split(","))
+    gears = load_gears(design_file, settings, lambda gears: gears.vh(moved))
     with working("V-H check"):
-        answer = gears.vh(None if move is None else tuple(move.split(",")))
+        answer = gears.vh(moved)
     write_text(json_file, answer.json)
     if json_file != "-":
         show(answer.listings)

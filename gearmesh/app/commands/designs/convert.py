@@ -78,7 +78,7 @@ def convert(
     refuse_suffix(output, ".rexs", ".rexsj", ".rexsz")
     if stage is not None:
         raise ArgumentError("stage", stage, reason="is for REXS files; a design is of one stage")
-    gears = load_gears(source, changes)
+    gears = load_gears(source, changes, lambda gears: gears.rexs(output.parent, torque=torque))
     with working("conversion", at_once=True):
         model = gears.rexs(output.parent, torque=torque)
     model.save(output)

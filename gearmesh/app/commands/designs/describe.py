@@ -24,6 +24,7 @@ REPORT = "report"
 KEY, INDENT = 28, "    "
 
 if TYPE_CHECKING:
+    from gearmesh import Gears
     from gearmesh.answers.sheet import DesignSheet
 
 
@@ -109,13 +110,16 @@ def _figures(word: str, json_file: str | None) -> None:
 
 
 def _sheet(
-    design_file: Path, settings: list[str] | None, load: tuple[float | None, float | None], member: str | None
+    design_file: Path, settings: list[str] | None, asked: tuple[float | None, float | None], member: str | None
 ) -> DesignSheet:
-    """The sheet of a design, or of one of its members; `load`: torque and speed."""
-    torque, speed = load
-    if member is None:
-        return load_gears(design_file, settings).sheet(torque=torque, speed=speed)
-    return load_alone(design_file, settings).sheet(torque=torque, speed=speed, member=member)
+    """The sheet of a design, or of one of its members; `asked`: torque and speed."""
+    torque, speed = asked
+
+    def ask(gears: Gears) -> DesignSheet:
+        return gears.sheet(torque=torque, speed=speed, member=member)
+
+    load = load_gears if member is None else load_alone
+    return ask(load(design_file, settings, ask))
 
 
 def _kinds() -> Listing:

@@ -10,6 +10,7 @@ from typing import Annotated
 
 import typer
 
+import gearmesh as gm
 from gearmesh.app.options import DesignFile, Json, Set, load_gears
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
 
@@ -26,7 +27,7 @@ def pin(
     refuse_suffix(output, ".toml")
     for file in (output, json_file):
         refuse_unwritable(file)
-    gears = load_gears(design_file, settings)
+    gears = load_gears(design_file, settings, gm.Gears.pin)
     with working("pin", at_once=True):
         pinned = gears.pin()
     pinned.save(output)

@@ -7,14 +7,18 @@ as equations are solved to their end: its bar pulses.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 import gearmesh as gm
-from gearmesh.app.options import DesignFile, Json, Set, SheetTorque, load_design, refuse_torque
+from gearmesh.app.options import DesignFile, Json, Set, SheetTorque, load_gears, refuse_torque
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
 from gearmesh.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from gearmesh import Gears
+    from gearmesh.answers.sheet import Compensation, DesignSheet
 
 
 def settings(
@@ -48,20 +52,22 @@ def settings(
     compensate = compensate or refinish is not None
     if torque is not None and compensate:
         raise ArgumentError("torque", torque, reason="the settings sheet has the forces; leave out --compensate")
-    design = load_design(design_file, settings)
     if output is not None:
         refuse_suffix(output, ".toml")
     for file in (output, json_file):
         refuse_unwritable(file)
-    with working("gears"):
-        gears = gm.build(design)
-    with working("settings"):
-        own = gm.system(design.kind)
+
+    def ask(gears: Gears) -> DesignSheet | Compensation:
+        own = gm.system(gears.design.kind)
         # the settings of gears that are refinished are those of compensation alone
         has_sheet = own.sheet is not None and own.refinish is None and not compensate
         sheet = gears.sheet(torque=torque) if has_sheet or torque is not None else None
         # a sheet without values for the design's keys has no settings: it is for `describe`
-        filling = sheet if sheet is not None and sheet.values else gears.compensate(refinish)
+        return sheet if sheet is not None and sheet.values else gears.compensate(refinish)
+
+    gears = load_gears(design_file, settings, ask)
+    with working("settings"):
+        filling = ask(gears)
     if output is not None:
         filling.save(output)
     write_text(json_file, filling.json)

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from gearmesh.app.options import DesignFile, Json, Set, load_gears
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
+
+if TYPE_CHECKING:
+    from gearmesh import Gears
+    from gearmesh.answers.inspection.correction import Correction
 
 
 def correct(
@@ -78,10 +82,14 @@ def correct(
             refuse_suffix(file, suffix)
     for target in (output, residual, topography, json_file):
         refuse_unwritable(target)
-    gears = load_gears(design_file, changes)
     names = [] if settings is None else [name.strip() for name in settings.split(",")]
+
+    def ask(gears: Gears) -> Correction:
+        return gears.correct(member, measured, flank=flank, settings=names, noise=noise)
+
+    gears = load_gears(design_file, changes, ask)
     with working("correction"):
-        answer = gears.correct(member, measured, flank=flank, settings=names, noise=noise)
+        answer = ask(gears)
         listings = answer.listings
     for file in (output, residual):
         if file is not None:

@@ -26,8 +26,7 @@ def drawing(
     """
     refuse_suffix(output, ".pdf", ".svg", ".png")
     refuse_unwritable(output)
-    gears = load_gears(design_file, settings)
-    gears.member(member)
+    gears = load_gears(design_file, settings, lambda gears: gears.drawing(member))
     with working(f"drawing of the {member}", at_once=True):
         page = gears.drawing(member)
         page.save(output)

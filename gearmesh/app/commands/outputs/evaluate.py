@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from gearmesh.app.options import DesignFile, Json, Set, load_gears
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
 from gearmesh.progress import part
+
+if TYPE_CHECKING:
+    from gearmesh import Gears
+    from gearmesh.answers.inspection.inspection import Inspection
 
 
 def evaluate(
@@ -51,10 +55,14 @@ def evaluate(
         refuse_suffix(output, ".png", ".svg", ".pdf")
     for file in (output, json_file):
         refuse_unwritable(file)
-    gears = load_gears(design_file, settings)
+
+    def ask(gears: Gears) -> Inspection:
+        return gears.evaluate(member, measured, flank=flank, pitch=pitch)
+
+    gears = load_gears(design_file, settings, ask)
     with working("evaluation"):
         with part(0.0, 0.6):
-            answer = gears.evaluate(member, measured, flank=flank, pitch=pitch)
+            answer = ask(gears)
         if output is not None:
             gears.inspection_chart(answer).save(output)
     write_text(json_file, answer.json)

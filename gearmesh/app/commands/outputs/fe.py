@@ -17,7 +17,7 @@ from gearmesh.app.options import (
     Set,
     Timing,
     chosen_pair,
-    load_design,
+    load_gears,
     positions_in_degrees,
     sector_option,
 )
@@ -101,20 +101,29 @@ def fe(
         format_of(output, None if program is None else program.value)
     if sector is not None:
         _refuse_for_sector(sector, teeth, len(positions))
-    design = load_design(design_file, [*(settings or []), *_fe_overrides(teeth, torque)])
     for file in (output if len(positions) == 1 else None, json_file, picture):
         refuse_unwritable(file)
-    with working("gears"):
-        gears = gm.build(design)
-    if not gears.pairs:
-        _refuse_unpaired(gears, phi1=phi1, rotation=rotation, friction=friction, pair=pair, solve=solve or None)
+
+    def model_of(gears: gm.Gears) -> FiniteElements | UnloadedFiniteElements:
+        mesh, members = asked(gears)
+        return gears.finite_elements(
+            positions[0], members=members, rotation=rotation, friction=friction or 0.0, pair=mesh, sector=sector
+        )
+
+    def asked(gears: gm.Gears) -> tuple[str | int, tuple[str, ...] | None]:
+        """The pair and the members that are modelled."""
+        if not gears.names.pairs:
+            _refuse_unpaired(gears, phi1=phi1, rotation=rotation, friction=friction, pair=pair, solve=solve or None)
+        mesh = chosen_pair(gears, pair) if gears.names.pairs else 0
+        names = gears.names.pairs[gears.names.pair_number(mesh)] if gears.names.pairs else gears.names.members
+        return mesh, _members(gears, names, member, friction)
+
+    gears = load_gears(design_file, [*(settings or []), *_fe_overrides(teeth, torque)], model_of)
     if solve:
         from gearmesh.fe.ccx import program as ccx
 
         ccx()
-    mesh = chosen_pair(gears, pair) if gears.pairs else 0
-    names = gears.train.pair(mesh).members if gears.pairs else gears.members
-    members = _members(gears, tuple(names), member, friction)
+    mesh, members = asked(gears)
     answer: FiniteElements | UnloadedFiniteElements | FiniteElementSolution | FiniteElementDecks
     with working("finite-element model") as progress:
         chosen = None if program is None else program.value
@@ -132,9 +141,7 @@ def fe(
             warnings = answer.warnings
         else:
             with part(0.0, 0.0 if solve else 0.8):
-                model = gears.finite_elements(
-                    positions[0], members=members, rotation=rotation, friction=friction or 0.0, pair=mesh, sector=sector
-                )
+                model = model_of(gears)
             if output is not None:
                 model.save(output, program=chosen)
             answer, warnings = _solve(gears, model, picture, progress) if solve else model, model.warnings
@@ -148,13 +155,15 @@ def _refuse_unpaired(gears: gm.Gears, **options: object) -> None:
     """Refuse options that are given and need a mating gear."""
     for option, value in options.items():
         if value is not None:
-            raise gears.train.needs_pair(option, value)
+            raise gears.names.needs_pair(option, value)
 
 
 def _members(gears: gm.Gears, names: tuple[str, ...], member: str, friction: float | None) -> tuple[str, ...] | None:
     """Which of the members with these names, those of the chosen pair, are modelled; None for both."""
     if member not in (BOTH, *names):
-        elsewhere = next((pair.name for pair in gears.pairs if member in pair.members), None)
+        elsewhere = next(
+            (f"{first}-{second}" for first, second in gears.names.pairs if member in (first, second)), None
+        )
         remedy = "" if elsewhere is None else f"it is in --pair {elsewhere}"
         raise ArgumentError("member", member, must_be=f"one of {', '.join((*names, BOTH))}", remedy=remedy)
     if friction and member != BOTH:

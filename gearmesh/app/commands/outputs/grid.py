@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from gearmesh.app.options import DesignFile, Json, Set, load_gears
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
+
+if TYPE_CHECKING:
+    from gearmesh import Gears, MeasuringGrids
 
 
 def grid(
@@ -64,9 +67,13 @@ def grid(
         refuse_suffix(chart, ".png", ".svg", ".pdf")
     for file in (output, chart, json_file):
         refuse_unwritable(file)
-    gears = load_gears(design_file, settings)
+
+    def ask(gears: Gears) -> MeasuringGrids:
+        return gears.measuring_grid(member, flank, grid=shape, margins=margins, surface=surface, ball=ball)
+
+    gears = load_gears(design_file, settings, ask)
     with working("measuring grid"):
-        points = gears.measuring_grid(member, flank, grid=shape, margins=margins, surface=surface, ball=ball)
+        points = ask(gears)
     if output is not None:
         points.save(output)
     if chart is not None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -14,6 +14,10 @@ from gearmesh.app.terminal import picture_size, refuse_suffix, refuse_unwritable
 from gearmesh.errors import ArgumentError
 from gearmesh.progress import part
 from gearmesh.view.opengl import begin_drawing
+
+if TYPE_CHECKING:
+    from gearmesh import Gears
+    from gearmesh.view.picture import Animation, Diagram, Picture
 
 
 class View(StrEnum):
@@ -151,30 +155,52 @@ def render(
     _refuse_for_path(view, tool, scallop, animate)
     if output is None or view not in FIGURES:
         begin_drawing()
-    gears = load_gears(design_file, settings)
-    mesh = chosen_pair(gears, pair) if gears.pairs else 0
-    names = tuple(gears.train.pair(mesh).members if gears.pairs else gears.members)
-    if member is not None and member not in (*names, *((WORM,) if view == View.tool else ())):
-        raise ArgumentError("member", member, must_be=f"one of {', '.join(names)}")
+    # how fine meshes are changes nothing that is shown, a name is shown anyway
+    note = ", ".join(text for text in settings or () if not text.startswith(("mesh.", "name=")))
+
+    def mesh_and_names(gears: Gears) -> tuple[str | int, tuple[str, ...]]:
+        """The pair and its members, or the members that mesh with none."""
+        if not gears.names.pairs:
+            return 0, gears.names.members
+        return chosen_pair(gears, pair), gears.names.pairs[gears.names.pair_number(chosen_pair(gears, pair))]
+
+    def picture(gears: Gears) -> tuple[Picture | Diagram, tuple[str, ...]]:
+        """The picture, and the warnings about what it shows."""
+        mesh, names = mesh_and_names(gears)
+        if torques:
+            loaded = gears.loaded_contact(torques, phi1, pair=mesh)
+            shown = gears.picture(view.value, member, of=loaded, size=pixels, dpi=dpi, note=note)
+            return shown, loaded.warnings
+        if tool is not None:
+            path = gears.toolpath(member or names[0], tool, scallop or SCALLOP)
+            return gears.picture(view.value, of=path, size=pixels, note=note), gears.warnings
+        shown = gears.picture(view.value, member, phi1=phi1, size=pixels, pair=mesh, dpi=dpi, note=note)
+        return shown, gears.warnings
+
+    def animation(gears: Gears) -> Animation:
+        return gears.animation(phi1=phi1, size=pixels or ANIMATED, pair=mesh_and_names(gears)[0], note=note)
+
+    def ask(gears: Gears) -> object:
+        _refuse_member(gears, view, member, mesh_and_names(gears)[1])
+        return animation(gears) if output is None else picture(gears)
+
+    gears = load_gears(design_file, settings, ask)
     told = gears.warnings
     with working("picture"):
-        # how fine meshes are changes nothing that is shown, a name is shown anyway
-        note = ", ".join(text for text in settings or () if not text.startswith(("mesh.", "name=")))
-        if output is not None and torques:
-            loaded = gears.loaded_contact(torques, phi1, pair=mesh)
-            gears.picture(view.value, member, of=loaded, size=pixels, dpi=dpi, note=note).save(output)
-            told = loaded.warnings
-        elif output is not None and tool is not None:
-            path = gears.toolpath(member or names[0], tool, scallop or SCALLOP)
-            gears.picture(view.value, of=path, size=pixels, note=note).save(output)
-        elif output is not None:
-            with part(0.0, 0.4):
-                shown = gears.picture(view.value, member, phi1=phi1, size=pixels, pair=mesh, dpi=dpi, note=note)
+        if output is not None:
+            with part(0.0, 0.4 if not torques and tool is None else 1.0):
+                shown, told = picture(gears)
             with part(0.4, 1.0):
                 shown.save(output)
         if animate is not None:
-            gears.animation(phi1=phi1, size=pixels or ANIMATED, pair=mesh, note=note).save(animate)
+            animation(gears).save(animate)
     warn(told)
+
+
+def _refuse_member(gears: Gears, view: View, member: str | None, names: tuple[str, ...]) -> None:
+    """Refuse a member that the pair has not, and that is no worm in the view of tools."""
+    if member is not None and member not in (*names, *((WORM,) if view == View.tool else ())):
+        raise ArgumentError("member", member, must_be=f"one of {', '.join(names)}")
 
 
 def _refuse_for_path(view: View, tool: str | None, scallop: str | None, animate: Path | None) -> None:

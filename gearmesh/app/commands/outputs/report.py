@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from gearmesh.app.options import DesignFile, Set, Tolerance, design_text, load_gears, stem, torques_in_nm
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, tolerance_in_mm, warn, working
 from gearmesh.errors import NoSolutionError
+from gearmesh.progress import Progress, silent
 from gearmesh.view.opengl import begin_drawing
+
+if TYPE_CHECKING:
+    from gearmesh import Gears
+    from gearmesh.reports.report import ReportPage
 
 
 def report(
@@ -49,16 +54,15 @@ def report(
     tolerance = tolerance_in_mm(tol)
     torques = None if torque is None else torques_in_nm(torque)
     begin_drawing()
-    gears = load_gears(design_file, settings)
-    with working("report page") as progress:
-        page = gears.report(
-            tolerance,
-            check=check,
-            source=design_text(design_file, settings),
-            studies=study or (),
-            torque=torques,
-            progress=progress,
+
+    def ask(gears: Gears, source: str | None = None, progress: Progress = silent) -> ReportPage:
+        return gears.report(
+            tolerance, check=check, source=source, studies=study or (), torque=torques, progress=progress
         )
+
+    gears = load_gears(design_file, settings, ask)
+    with working("report page") as progress:
+        page = ask(gears, design_text(design_file, settings), progress)
         page.save(target)
     warn(page.warnings)
     if page.stuck or page.complaints:

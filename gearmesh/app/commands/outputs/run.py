@@ -43,10 +43,10 @@ def run(
     settings: Set = None,
 ) -> None:
     """The main job: solids, contact, check and pictures in a folder."""
-    design = load_design(design_file, settings)
     tolerance = tolerance_in_mm(tol)
     torques = None if torque is None else torques_in_nm(torque)
     folder = Path("out") / stem(design_file) if output is None else output
+    design = load_design(design_file, settings, lambda gears: gears.run(folder, tolerance, torque=torques))
     source = None if no_report else design_text(design_file, settings)
     begin_drawing()
     with output_folder(folder), working("starting") as progress:

@@ -96,10 +96,14 @@ def solid(
     file = PartFile(output, tol, section, curves, offset, teeth, flank_only, space, phi1, sector, names)
     file.refuse(member)
     together = member in (BOTH, ALL, WORM)
-    gears = load_gears(design_file, settings) if together else load_alone(design_file, settings)
-    _refuse_member(gears, member)
-    if teeth is not None:
-        _refuse_teeth(gears, member, file.suffix, teeth, file.is_whole)
+
+    def ask(gears: Gears) -> object:
+        _refuse_member(gears, member)
+        if teeth is not None:
+            _refuse_teeth(gears, member, file.suffix, teeth, file.is_whole)
+        return file.make(gears, member)
+
+    gears = (load_gears if together else load_alone)(design_file, settings, ask)
     file.write(gears, member)
 
 
@@ -107,7 +111,8 @@ def _refuse_member(gears: Gears, member: str) -> None:
     from gearmesh.systems.system import system_of
 
     ground = system_of(gears.design).worm is not None
-    allowed = [*gears.members, BOTH, ALL, *([WORM] if ground and WORM not in gears.members else [])]
+    names = gears.names.members
+    allowed = [*names, BOTH, ALL, *([WORM] if ground and WORM not in names else [])]
     if member not in allowed:
         raise ArgumentError("member", member, must_be=f"one of {', '.join(allowed)}")
 
@@ -116,8 +121,9 @@ def _refuse_teeth(gears: Gears, member: str, suffix: str, teeth: int, whole: boo
     """Refuse --teeth where the part is made whole, or has not so many."""
     if whole:
         raise ArgumentError("teeth", teeth, must_be=f"left out for {suffix}, which holds whole gears")
-    if member not in gears.members:
+    if member not in gears.names.members:
         raise ArgumentError("teeth", teeth, must_be=f"left out for --member = {member}, which is always made whole")
-    most = gears.members[member].tooth.teeth
+    table = getattr(gears.design, gears.design.table_named(member), None)
+    most = getattr(table, "threads", 0) or getattr(table, "teeth", 0) or gears.member(member).tooth.teeth
     if not 1 <= teeth <= most:
         raise ArgumentError("teeth", teeth, must_be=f"a whole number from 1 to {most}")

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from gearmesh.app.options import DesignFile, Json, Set, load_alone
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
 from gearmesh.numerals import parse_whole_number
+
+if TYPE_CHECKING:
+    from gearmesh import Gears
+    from gearmesh.answers.bodies.toolpath import ToolPathAnswer
 
 #: suffix of a picture
 PICTURE = ".png"
@@ -92,9 +96,9 @@ def toolpath(
         refuse_suffix(output, ".cls", ".csv", ".vtp", PICTURE)
     for file in (output, json_file):
         refuse_unwritable(file)
-    gears = load_alone(design_file, settings)
-    with working("tool path"):
-        path = gears.toolpath(
+
+    def ask(gears: Gears) -> ToolPathAnswer:
+        return gears.toolpath(
             member,
             tool,
             scallop,
@@ -108,6 +112,10 @@ def toolpath(
             tilt=tilt,
             feed=feed,
         )
+
+    gears = load_alone(design_file, settings, ask)
+    with working("tool path"):
+        path = ask(gears)
         if output is not None and output.suffix.lower() == PICTURE:
             gears.picture("toolpath", of=path).save(output)
         elif output is not None:

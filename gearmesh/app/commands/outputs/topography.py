@@ -39,7 +39,7 @@ def topography(
     for file in (output, json_file):
         refuse_unwritable(file)
     tolerance = tolerance_in_mm(tol)
-    gears = load_gears(design_file, settings)
+    gears = load_gears(design_file, settings, lambda gears: gears.topography(member, flank, tolerance))
     with working("topography"):
         grid = gears.topography(member, flank, tolerance)
     if output is not None:

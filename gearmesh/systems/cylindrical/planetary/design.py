@@ -12,6 +12,7 @@ from gearmesh.design.core import FlankContact, RexsSource
 from gearmesh.design.keys import Key, conflict
 from gearmesh.design.measured import PlanetaryMeasured
 from gearmesh.design.runout import eccentricity, phase
+from gearmesh.member_names import MemberNames
 from gearmesh.numerals import parse_numbers
 from gearmesh.systems.cylindrical.allowance_keys import CenterDistanceAllowance
 from gearmesh.systems.cylindrical.design import CylindricalMember, HalvesKeys
@@ -149,6 +150,12 @@ class PlanetaryDesign(HalvesKeys):
             (angle, place if ANGLE_ROUNDING_DEG < abs(angle - place) <= SNAP_ANGLE_DEG else angle)
             for angle, place in zip(given, places, strict=True)
         ]
+
+    @property
+    def member_names(self) -> MemberNames:
+        """Sun and planets, planets and ring, which mesh."""
+        planets = [f"{PLANET}_{k + 1}" for k in range(len(self.angles))]
+        return MemberNames((*((SUN, planet) for planet in planets), *((planet, RING) for planet in planets)))
 
     @property
     def counted_teeth(self) -> int:

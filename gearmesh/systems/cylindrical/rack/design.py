@@ -19,6 +19,7 @@ from gearmesh.design.keys import DERIVED_VALUE, Key, Table, conflict
 from gearmesh.design.measured import RackMeasured
 from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PinionRunout
+from gearmesh.member_names import MemberNames
 from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.cylindrical.allowance_keys import ThicknessAllowance, ThicknessMade
 from gearmesh.systems.cylindrical.design import AccuracyClass, CylindricalMember, ToothingKeys
@@ -229,6 +230,11 @@ class RackDesign(RackKeys):
             raise conflict("pinion.gap_diameter", self.pinion.gap_diameter, reason="the pinion of a rack has no gap")
         return self
 
+    @property
+    def member_names(self) -> MemberNames:
+        """Pinion and rack, which mesh."""
+        return MemberNames(((PINION, RACK),))
+
 
 def is_single_rack(keys: Mapping[str, Any]) -> bool:
     """True if the keys of a design of kind rack have no table of a pinion."""
@@ -249,6 +255,11 @@ class SingleRackDesign(RackKeys):
     hand: Annotated[
         str, Key("choice", "hand of the traces, as of a gear that they are on", choices=("right", "left"))
     ] = "right"
+
+    @property
+    def member_names(self) -> MemberNames:
+        """The rack, which lacks a pinion."""
+        return MemberNames(unpaired=(RACK,), lacking=PINION)
 
     fe: UnloadedElementTable = UnloadedElementTable()
 

@@ -10,6 +10,7 @@ from pydantic import model_validator
 from gearmesh.design.core import UnloadedElementTable
 from gearmesh.design.keys import Key, conflict
 from gearmesh.design.measured import PairMeasured
+from gearmesh.member_names import MemberNames
 from gearmesh.systems.cylindrical.design import CylindricalMember, HalvesKeys
 
 #: tables of a pair; a single gear has one of them
@@ -49,6 +50,12 @@ class SingleGearDesign(HalvesKeys):
     def member_name(self) -> str:
         """Name of the gear: the name of its table."""
         return next(iter(self.specs))
+
+    @property
+    def member_names(self) -> MemberNames:
+        """The gear, and the member that it lacks."""
+        name = self.member_name
+        return MemberNames(unpaired=(name,), lacking=next(other for other in MEMBERS if other != name))
 
     @property
     def spec(self) -> CylindricalMember:
