@@ -170,6 +170,7 @@ if TYPE_CHECKING:
     from gearmesh.loaded.root_stress import RootStress
     from gearmesh.loaded.separation import Separation
     from gearmesh.loaded.sharing import LoadedMesh, PairLoad
+    from gearmesh.member_names import MemberNames
     from gearmesh.mesh.hexahedra.hexes import HexMesh
     from gearmesh.mesh.triangles import TriangleMesh
     from gearmesh.metrology.correction import Exchange, SettingChanges
@@ -472,6 +473,7 @@ __all__ = [
     "MemberLimits",
     "MemberMaterial",
     "MemberMount",
+    "MemberNames",
     "MemberPoint",
     "MemberSection",
     "MeshFigures",
@@ -946,6 +948,7 @@ _HOMES = {
         "LoadedMesh",
         "PairLoad",
     ),
+    "gearmesh.member_names": ("MemberNames",),
     "gearmesh.mesh.hexahedra.hexes": ("HexMesh",),
     "gearmesh.mesh.triangles": ("TriangleMesh",),
     "gearmesh.metrology.correction": (

@@ -30,7 +30,27 @@ class MemberNames:
         return tuple("-".join(pair) for pair in self.pairs)
 
     def pair_number(self, which: int | str) -> int:
-        """The number of a pair, given by it or by the members' names in either order. Raises DesignError for another."""
+        """The number of a pair.
+
+        Parameters
+        ----------
+        which : int or str
+            The number itself, or the members' names in either order, as "sun-planet_1".
+
+        Returns
+        -------
+        int
+
+        Raises
+        ------
+        DesignError
+            For another, and where no members mesh.
+
+        Examples
+        --------
+        >>> gears.names.pair_number("gear-pinion")
+        0
+        """
         if not self.pairs:
             raise self._without_pair()
         if not isinstance(which, str):
@@ -44,12 +64,45 @@ class MemberNames:
         raise ArgumentError("pair", which, must_be=f"one of {', '.join(self.pair_names)}")
 
     def refuse_other_member(self, name: str) -> None:
-        """Raise ArgumentError for the name of a member that there is not."""
+        """Refuse the name of a member that there is not.
+
+        Parameters
+        ----------
+        name : str
+            As "pinion".
+
+        Raises
+        ------
+        ArgumentError
+            With the names that there are.
+
+        Examples
+        --------
+        >>> gears.names.refuse_other_member("pinion")
+        """
         if name not in self.members:
             raise ArgumentError("member", name, must_be=f"one of {', '.join(self.members)}")
 
     def needs_pair(self, argument: str, value: object) -> DesignError:
-        """The refusal of an argument that needs members that mesh."""
+        """The refusal of an argument that needs members that mesh.
+
+        Parameters
+        ----------
+        argument : str
+            What it is called.
+        value : object
+            What was given.
+
+        Returns
+        -------
+        DesignError
+            To be raised.
+
+        Examples
+        --------
+        >>> print(gm.gear(18, module=2).names.needs_pair("cycle", True))
+        cycle = true: needs a mating gear: add the table [pinion]
+        """
         return ArgumentError(argument, value, reason="needs a mating gear", remedy=f"add the table [{self.lacking}]")
 
     def _without_pair(self) -> DesignError:

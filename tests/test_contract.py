@@ -18,11 +18,22 @@ PACKAGE = Path(__file__).parents[1] / "gearmesh"
 
 # package: the packages that its modules may import, anywhere, function-level imports included (SHARED all may);
 # `gearmesh` itself, whose names are those of api, systems and design, is for app alone
-SHARED = {"arguments", "deprecated", "errors", "figures", "lengths", "numerals", "pickling", "progress"}
+SHARED = {
+    "arguments",
+    "deprecated",
+    "errors",
+    "figures",
+    "lengths",
+    "member_names",
+    "numerals",
+    "pickling",
+    "progress",
+}
 MAY_IMPORT: dict[str, str] = {
     "deprecated": "",
     "errors": "",
     "lengths": "",
+    "member_names": "",
     "numerals": "",
     "pickling": "",
     "arguments": "",

@@ -845,7 +845,7 @@ class Gears(ModelledGears):
         """
         from gearmesh.study.runners import Scheduler
         from gearmesh.study.statistics import limit_of
-        from gearmesh.study.study import plan_of, recorded_under, refuse_workers, run_study, work_and_nominal
+        from gearmesh.study.study import check_record, plan_of, refuse_workers, run_study, work_and_nominal
 
         # what is wrong with arguments is refused before anything is built
         if tls is not None and scheduler is None:
@@ -853,7 +853,7 @@ class Gears(ModelledGears):
         refuse_workers(workers)
         for text in limits:
             limit_of(text, None)
-        recorded_under(record, None if torque is None else number_list("torque", torque, "Nm").tolist())
+        check_record(record, None if torque is None else number_list("torque", torque, "Nm").tolist())
         self.names.pair_number(pair)
         plan = plan_of(self.design, vary or {}, tolerance, sample, method, seed, pair)
         torques = None if torque is None else number_list("torque", torque, "Nm").tolist()

@@ -210,9 +210,9 @@ def load_alone(path: Path, overrides: list[str] | None, ask: Callable[[Gears], o
 
 def refuse_arguments(design: Design, ask: Callable[[Gears], object]) -> None:
     """Raise GearmeshError for options that what gears are asked refuses before they have to be built."""
-    from gearmesh.systems.system import nothing_built
+    from gearmesh.systems.system import without_building
 
-    with nothing_built():
+    with without_building():
         ask(gm.Gears(design))
 
 

@@ -380,7 +380,7 @@ def _refuse_impossible(design: Design, plan: Plan) -> None:
             parse(with_keys(own, [(key, value)]))
 
 
-def recorded_under(record: str | Sequence[str], torque: Sequence[float] | None) -> tuple[tuple[float, ...], list[str]]:
+def check_record(record: str | Sequence[str], torque: Sequence[float] | None) -> tuple[tuple[float, ...], list[str]]:
     """Torques (Nm) and what is recorded. Raises ArgumentError for torques that are none, and for figures under load without one."""
     torques = () if torque is None else tuple(required_torques(torque))
     tokens = [token.strip() for token in (record.split(",") if isinstance(record, str) else record)]
@@ -407,7 +407,7 @@ def work_and_nominal(
     Raises NoSolutionError where that has no contact, DesignError for a figure that it has not, and for torques without figures
     that need them or the other way round.
     """
-    torques, tokens = recorded_under(record, torque)
+    torques, tokens = check_record(record, torque)
     allowed = (*GROUPS, TURNS, *([LOAD] if torques else []))
     if design.member_names is not None:
         design.member_names.pair_number(pair)

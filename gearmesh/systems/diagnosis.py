@@ -62,11 +62,11 @@ def diagnose(
             return kept
     # where what the refusal allows is refused for something else its bound says more than another key that mends that alone
     told = _without_bounds(failure) if stated else failure
-    found, whole = _that_mend(design, told, mending, partly=not stated)
-    if found:
-        return _with_bounds(design, told, mending, found, whole=whole)
+    mending_keys, whole = _that_mend(design, told, mending, partly=not stated)
+    if mending_keys:
+        return _with_bounds(design, told, mending, mending_keys, whole=whole)
     if stated:
-        return _followed(failure)
+        return _with_note(failure)
     return failure if trials.effort.spent else _together(design, failure, own)
 
 
@@ -126,7 +126,7 @@ def _without_bounds(failure: GearmeshError) -> GearmeshError:
     return made
 
 
-def _followed(failure: GearmeshError) -> GearmeshError:
+def _with_note(failure: GearmeshError) -> GearmeshError:
     """The refusal, of which another follows within its bounds."""
     made = copy(failure)
     made.allowed += " (another refusal then follows)" if made.bounds is not None else ""
@@ -182,26 +182,26 @@ def _that_mend(
     design: Design, failure: GearmeshError, mending: Mending[Design], *, partly: bool
 ) -> tuple[list[Interval], bool]:
     """Keys that mend a design, alone, and whether they do so wholly; `partly`: keys will do that mend what was noticed."""
-    trials, found = mending.trials, list[Interval]()
+    trials, intervals = mending.trials, list[Interval]()
     keys = [key for key, value in trials.own.items() if movable(key, value)]
     named = [key for key in trials.own if key == failure.key]
     groups = _suspects(design, keys, failure)
     for noticed in (None, failure.topic) if partly else (None,):
         trials.ask(noticed)
         for group in groups:
-            found += mending.leave_out(group) if found else mending.keys(group, named, failure.remedies)
-            if found and not mending.light:
+            intervals += mending.leave_out(group) if intervals else mending.keys(group, named, failure.remedies)
+            if intervals and not mending.light:
                 break
-        if found:
-            return found, noticed is None
+        if intervals:
+            return intervals, noticed is None
     return [], False
 
 
 def _with_bounds(
-    design: Design, failure: GearmeshError, mending: Mending[Design], found: list[Interval], *, whole: bool
+    design: Design, failure: GearmeshError, mending: Mending[Design], intervals: list[Interval], *, whole: bool
 ) -> GearmeshError:
     """The refusal with the bounds of keys that mend the design in front."""
-    bounds = mending.refine(found)
+    bounds = mending.refine(intervals)
     if failure.remedies.get(failure.key) == 0:
         bounds = [mending.with_far_end(bound) if bound.key == failure.key else bound for bound in bounds]
     first, *others = [_refusal_of(design, bound) for bound in bounds]

@@ -147,7 +147,7 @@ class Mending(Generic[D]):
         if good is None:
             return Interval(key, own, None, own, kept)
         low, high = sorted((own, good))
-        refused = [value for value in self.trials.refused(key) if low < value < high]
+        refused = [value for value in self.trials.refused_values(key) if low < value < high]
         bad = min(refused, key=lambda value: abs(value - good), default=own)
         return Interval(key, own, good, bad, kept, proved=proved)
 

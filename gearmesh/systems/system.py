@@ -410,7 +410,7 @@ _builds: ContextVar[bool] = ContextVar("builds", default=True)
 
 
 @contextmanager
-def nothing_built() -> Iterator[None]:
+def without_building() -> Iterator[None]:
     """Run what is inside until something is to be built of a design: what it refuses before, it refuses without any work."""
     token = _builds.set(False)
     try:

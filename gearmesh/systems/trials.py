@@ -109,7 +109,7 @@ class Trials(Generic[D]):
         """The design of the keys that are not None."""
         return self.design(**with_keys({}, ((key, value) for key, value in keys.items() if value is not None)))
 
-    def refused(self, key: str) -> list[float]:
+    def refused_values(self, key: str) -> list[float]:
         """Values of a key that are known to be refused."""
         return [
             value
@@ -120,14 +120,14 @@ class Trials(Generic[D]):
     def excesses(self, key: str, bad: float, good: float) -> list[Refused]:
         """Refused values of a key, and their excess, from one of them on away from an allowed value: those that are refused for
         the same."""
-        points = {value: self.tried[key, value] for value in self.refused(key)}
+        points = {value: self.tried[key, value] for value in self.refused_values(key)}
         if self.failure is not None:
             points[self.own[key]] = Outcome(built=False, topic=self.failure.topic, excess=self.failure.excess)
         topic = points[bad].topic if bad in points else None
-        found = [
+        same = [
             (value, outcome.excess) for value, outcome in points.items() if topic is not None and outcome.topic == topic
         ]
-        beyond = [point for point in found if (point[0] - bad) * (bad - good) >= 0.0]
+        beyond = [point for point in same if (point[0] - bad) * (bad - good) >= 0.0]
         beyond.sort(key=lambda point: abs(point[0] - bad))
         return beyond
 

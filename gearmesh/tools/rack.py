@@ -83,6 +83,26 @@ class RackLine:
         p: float = (x + self.a - self.shift) / np.cos(self.alpha)
         return p
 
+    def bend_limit(self, x: float) -> float:
+        """Coefficient of a parabola from which on it bends back before a height; a line is none.
+
+        Parameters
+        ----------
+        x : float
+            mm.
+
+        Returns
+        -------
+        float
+            Infinity.
+
+        Examples
+        --------
+        >>> gm.RackLine(np.radians(20.0), 0.0, 3.0).bend_limit(1.5)
+        inf
+        """
+        return np.inf
+
 
 @dataclass(frozen=True)
 class Parabola:
@@ -130,6 +150,29 @@ class Parabola:
         with np.errstate(invalid="ignore"):
             root = np.sqrt(c**2 - 4.0 * self.coefficient * s * rise)
         return float(self.vertex + 2.0 * rise / (c + root))
+
+    def bend_limit(self, x: float) -> float:
+        """Size of the coefficient from which on the parabola bends back before a height.
+
+        Parameters
+        ----------
+        x : float
+            mm, as of `section`.
+
+        Returns
+        -------
+        float
+            1/mm.
+
+        Examples
+        --------
+        >>> parabola = gm.Parabola(gm.RackLine(np.radians(20.0), 0.0, 3.0), 0.001, 0.0)
+        >>> round(parabola.bend_limit(1.5), 6)
+        0.430297
+        """
+        c, s = np.cos(self.line.alpha), np.sin(self.line.alpha)
+        rise = (self.line.at_height(x) - self.vertex) * c
+        return float(c**2 / (4.0 * s * abs(rise)))
 
 
 @dataclass(frozen=True)

@@ -107,7 +107,7 @@ class CannedGears:
 
     def __init__(self, told: Asked, gears: gm.Gears) -> None:
         self.told, self.design, self.members = told, gears.design, gears.members
-        self.real, self.train, self.pairs = gears, gears.train, gears.pairs
+        self.real, self.train, self.pairs, self.names = gears, gears.train, gears.pairs, gears.names
 
     def contact(
         self, *, torque: float | None = None, load_sharing: bool = False, pair: str = "pinion-gear", turns: bool = False

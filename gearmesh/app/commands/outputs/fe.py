@@ -105,12 +105,12 @@ def fe(
         refuse_unwritable(file)
 
     def model_of(gears: gm.Gears) -> FiniteElements | UnloadedFiniteElements:
-        mesh, members = asked(gears)
+        mesh, members = modelled_members(gears)
         return gears.finite_elements(
             positions[0], members=members, rotation=rotation, friction=friction or 0.0, pair=mesh, sector=sector
         )
 
-    def asked(gears: gm.Gears) -> tuple[str | int, tuple[str, ...] | None]:
+    def modelled_members(gears: gm.Gears) -> tuple[str | int, tuple[str, ...] | None]:
         """The pair and the members that are modelled."""
         if not gears.names.pairs:
             _refuse_unpaired(gears, phi1=phi1, rotation=rotation, friction=friction, pair=pair, solve=solve or None)
@@ -123,7 +123,7 @@ def fe(
         from gearmesh.fe.ccx import program as ccx
 
         ccx()
-    mesh, members = asked(gears)
+    mesh, members = modelled_members(gears)
     answer: FiniteElements | UnloadedFiniteElements | FiniteElementSolution | FiniteElementDecks
     with working("finite-element model") as progress:
         chosen = None if program is None else program.value

@@ -14,8 +14,7 @@ from gearmesh.progress import Progress, silent
 from gearmesh.view.opengl import begin_drawing
 
 if TYPE_CHECKING:
-    from gearmesh import Gears
-    from gearmesh.reports.report import ReportPage
+    from gearmesh import Gears, ReportPage
 
 
 def report(

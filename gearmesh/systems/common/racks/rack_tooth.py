@@ -113,10 +113,8 @@ def _check_bend(name: str, flanks: tuple[RackLine | Parabola, RackLine | Parabol
     """Refuse a parabola that bends back before the tip or the root, which is where c^2 = 4 a sin(alpha) x, x from its vertex."""
     for flank in flanks:
         for x in (heights.tip, heights.root):
-            if isinstance(flank, Parabola) and not np.isfinite(flank.at_height(x)):
-                alpha = flank.line.alpha
-                rise = (flank.line.at_height(x) - flank.vertex) * np.cos(alpha)
-                limit = np.cos(alpha) ** 2 / (4.0 * np.sin(alpha) * abs(rise))
+            if not np.isfinite(flank.at_height(x)):
+                limit = flank.bend_limit(x)
                 # heights that are derived change with the coefficient, and its limit with them
                 raise VagueError(
                     f"{name}.parabola",
