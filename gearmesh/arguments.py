@@ -214,6 +214,8 @@ def _is_array(value: Any) -> bool:
     """True where a value is a real number, or an array of them."""
     if value is None or isinstance(value, NO_ARRAYS):
         return False
+    if isinstance(value, range):
+        return True
     import numpy as np
 
     try:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sized
 from functools import cached_property
 
 import numpy as np
@@ -33,9 +33,29 @@ def number_list(argument: str, values: ArrayLike, unit: str) -> Array:
     return numbers
 
 
+#: positions of one call at most
+MOST_POSITIONS = 100_000
+#: largest rotation of the pinion, deg: beyond it angles are rounded by more than 1e-7 deg
+LARGEST_ROTATION = 1e9
+
+
+def refuse_rotation(phi1: float) -> None:
+    """Raise ArgumentError for a rotation (deg) of the pinion that is no number or too large."""
+    if not abs(phi1) <= LARGEST_ROTATION:
+        raise ArgumentError(
+            "phi1", phi1, must_be=f"a finite number of degrees, {LARGEST_ROTATION:g} either way at most"
+        )
+
+
 def position_list(phi1: ArrayLike) -> Array:
     """Rotations (N,) of the pinion, deg, one at least. Raises ArgumentError for none, and as `number_list`."""
+    if isinstance(phi1, Sized) and len(phi1) > MOST_POSITIONS:
+        raise ArgumentError(
+            "phi1", shown=f"{len(phi1)} positions", value=len(phi1), must_be=f"{MOST_POSITIONS} positions at most"
+        )
     positions = number_list("phi1", phi1, "deg")
+    for end in (positions.min(initial=0.0), positions.max(initial=0.0)):
+        refuse_rotation(float(end))
     if not positions.size:
         raise ArgumentError("phi1", [], must_be="one position at least, deg")
     return positions
@@ -330,8 +350,7 @@ class GearSet(Picklable):
         """
         from gearmesh.contact.engagement.train_turns import leading_turns
 
-        if not np.isfinite(phi1):
-            raise ArgumentError("phi1", phi1, must_be="a finite number of degrees")
+        refuse_rotation(phi1)
         start = float(np.radians(phi1))
         places = {member.name: member.mount.at(start) for member in self.as_built.unpaired}
         turns: dict[str, float] = {}

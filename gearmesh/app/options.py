@@ -92,8 +92,7 @@ Positions = Annotated[
         show_default=False,
     ),
 ]
-#: most positions that are taken for one asked for in earnest
-MOST_POSITIONS = 100_000
+
 
 SheetTorque = Annotated[
     float | None,
@@ -151,6 +150,8 @@ def positions_in_degrees(text: str | None) -> list[float] | None:
     """
     if text is None:
         return None
+    from gearmesh.answers.gearset import MOST_POSITIONS
+
     start, *more = text.split(":")
     known = [parse_number(end) for end in (start, *more[:1])]
     ends = [end for end in known if end is not None]

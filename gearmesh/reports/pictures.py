@@ -39,6 +39,9 @@ ALONE = ("pair", "tool", "contact_lines")
 #: what the worm that grinds a member is called where members are
 WORM = "worm"
 
+#: resolution of figures, pixels per inch
+LEAST_DPI, LARGEST_DPI = 20, 1200
+
 
 def picture(
     gears: SolvedGears,
@@ -55,6 +58,8 @@ def picture(
         raise ArgumentError("view", view, must_be=f"one of {', '.join(PICTURE_VIEWS)}")
     if size is not None:
         refuse_size(size)
+    if not LEAST_DPI <= dpi <= LARGEST_DPI:
+        raise ArgumentError("dpi", dpi, must_be=f"a whole number from {LEAST_DPI} to {LARGEST_DPI}")
     if phi1 is not None:
         position_list(phi1)
     if view in ALONE and not gears.names.pairs:

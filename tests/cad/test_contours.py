@@ -164,6 +164,12 @@ def test_parallels_of_a_slotted_plate_in_closed_form() -> None:
         ("-o a.svg --curves bezier", "--curves = bezier: must be one of splines, arcs, polyline"),
         ("-o a.svg --offset 1um", "--offset = 0.001 mm: must be 0, or at least 0.01 mm either way"),
         ("-o a.svg --offset 30", "--offset = 30 mm: the bore of the pinion has no room for it; allowed is less than"),
+        # ended in MemoryError
+        (
+            "-o a.svg --offset 1e6",
+            "--offset = 1000000 mm: the bore of the pinion has no room for it; allowed is less than",
+        ),
+        ("-o a.svg --offset=-1e6", "--offset = -1000000 mm: between teeth and bore of the pinion are"),
         ("-o a.svg --offset=-30", "--offset = -30 mm: between teeth and bore of the pinion are"),
     ],
 )

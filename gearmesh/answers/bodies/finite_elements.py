@@ -50,6 +50,8 @@ PROGRAMS = ("calculix", "abaqus")
 LARGEST_DEFAULT = 150_000
 #: semi-axes from the middle of an ellipse beyond which no pressure is its peak
 RIM = 0.9
+#: rotation of the pinion up to which a linear solution means something
+LARGEST_ROTATION_DEG = 1.0
 #: coefficient of friction up to which a solution means something
 LARGEST_FRICTION = 1.0
 #: keys of the table fe that say how fine the lines are where the teeth touch
@@ -206,6 +208,14 @@ class FiniteElementDecks(Result):
         return RunTime(sum(row.model.seconds for row in self.rows))
 
 
+def refuse_turn_and_friction(rotation: float | None, friction: float) -> None:
+    """Raise ArgumentError for a rotation (deg) or a coefficient of friction without a meaningful linear solution."""
+    if rotation is not None and not 0.0 < rotation <= LARGEST_ROTATION_DEG:
+        raise ArgumentError("rotation", rotation, must_be=f"above 0 and up to {LARGEST_ROTATION_DEG:g} deg")
+    if not 0.0 <= friction <= LARGEST_FRICTION:
+        raise ArgumentError("friction", friction, must_be=f"a coefficient from 0 to {LARGEST_FRICTION:g}")
+
+
 def request_of(
     design: Design,
     pair: GearPair,
@@ -216,8 +226,8 @@ def request_of(
 ) -> Request:
     """The model that a design's tables fe and material define; `rotation` (rad) of the pinion takes the place of the torque.
 
-    Raises DesignError for a number of teeth that is even or more than there are, members that the pair has not, a coefficient of
-    `friction` that is none and a `sector` that there is not.
+    Raises DesignError for a number of teeth that is even or more than there are, members that the pair has not, `friction` of one
+    member and a `sector` that there is not.
     """
     own, wanted = mesh_request_of(design, pair.members.values(), sector), design.in_mm().fe
     unknown = [name for name in members if name not in pair.members]
@@ -227,8 +237,6 @@ def request_of(
         if len(members) > 1:
             raise ArgumentError("sector", sector, must_be="left out for members in mesh; choose one of them")
         check_sector(pair.members[members[0]], sector)
-    if not 0.0 <= friction <= LARGEST_FRICTION:
-        raise ArgumentError("friction", friction, must_be=f"a coefficient from 0 to {LARGEST_FRICTION:g}")
     if friction and len(members) == 1:
         raise ArgumentError("friction", friction, must_be="left out for one member alone, which has no contact")
     return Request(

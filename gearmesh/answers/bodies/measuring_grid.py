@@ -26,6 +26,9 @@ from gearmesh.teeth.region import Side
 #: flanks that are asked for by one word, and what is measured of them
 BOTH, SURFACES = "both", ("flank", "fillet", "all")
 
+#: largest diameter of a probe's ball, mm
+LARGEST_BALL = 1000.0
+
 
 def measuring_grid_of(
     gears: GearSet,
@@ -44,8 +47,8 @@ def measuring_grid_of(
         raise ArgumentError("flank", flank, must_be=f"one of {', '.join((*Side, BOTH))}")
     if surface not in SURFACES:
         raise ArgumentError("surface", surface, must_be=f"one of {', '.join(SURFACES)}")
-    if ball is not None and not 0.0 < ball < np.inf:
-        raise ArgumentError("ball", ball, unit="mm", allowed="a diameter above 0")
+    if ball is not None and not 0.0 < ball <= LARGEST_BALL:
+        raise ArgumentError("ball", ball, unit="mm", allowed=f"a diameter above 0 and up to {LARGEST_BALL:g} mm")
     sides = tuple(Side) if flank == BOTH else (Side(flank),)
     fillets = {"flank": (False,), "fillet": (True,), "all": (False, True)}[surface]
     refuse_shape(shape, margins)

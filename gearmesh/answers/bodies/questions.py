@@ -540,8 +540,9 @@ class ModelledGears(SolvedGears):
 
             asked = {"phi1": phi1, "rotation": rotation, "friction": friction, "pair": pair}
             return unloaded_elements_of(self.design, self.train, self.warnings, members, asked, sector)
-        from gearmesh.answers.bodies.finite_elements import finite_elements_of
+        from gearmesh.answers.bodies.finite_elements import finite_elements_of, refuse_turn_and_friction
 
+        refuse_turn_and_friction(rotation, friction)
         angle, (position,) = None if rotation is None else float(np.radians(rotation)), position_list(phi1)
         return finite_elements_of(
             self.design,
@@ -596,8 +597,9 @@ class ModelledGears(SolvedGears):
         >>> len(gears.finite_element_decks("decks", [0.0, 2.0]).rows)
         2
         """
-        from gearmesh.answers.bodies.finite_elements import finite_element_decks_of
+        from gearmesh.answers.bodies.finite_elements import finite_element_decks_of, refuse_turn_and_friction
 
+        refuse_turn_and_friction(rotation, friction)
         angle, positions = None if rotation is None else float(np.radians(rotation)), position_list(phi1)
         return finite_element_decks_of(
             self.design,

@@ -454,6 +454,10 @@ def loaded_contact_of(
     )
 
 
+#: least and largest torque, Nm: of smaller ones the forces of mesh points are lost by rounding, larger ones no gear has
+TORQUES = (1e-9, 1e12)
+
+
 def required_torques(torque: Sequence[float]) -> list[float]:
     """Torques, Nm. Raises DesignError unless there is one at least and all are above 0."""
     wrong = [value for value in torque if not 0.0 < value < np.inf]
@@ -461,6 +465,9 @@ def required_torques(torque: Sequence[float]) -> list[float]:
         raise ArgumentError(
             "torque", f"{wrong[0]:g}" if wrong else "[]", unit="Nm", must_be="one or more finite numbers above 0"
         )
+    beyond = [value for value in torque if not TORQUES[0] <= value <= TORQUES[1]]
+    if beyond:
+        raise ArgumentError("torque", beyond[0], unit="Nm", allowed=f"from {TORQUES[0]:g} to {TORQUES[1]:g} Nm")
     return list(torque)
 
 

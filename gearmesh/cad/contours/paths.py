@@ -11,6 +11,7 @@ from gearmesh.cad.contours.parallel import parallels, points_along
 from gearmesh.cad.contours.redrawn import Curves, redraw
 from gearmesh.cad.section import MemberSection
 from gearmesh.errors import ArgumentError
+from gearmesh.kernel.numeric.algebra import Array
 
 #: share of the tolerance within which the section itself is known where normals are asked of it, and the most of it, mm
 EXACT, SMOOTH = 0.25, 2.5e-5
@@ -20,6 +21,8 @@ LEAST = 0.01
 APART = 0.01
 #: the offset that a contour has room for is looked for so many times, by halves
 HALVINGS = 14
+#: parameters of points of a curve by which the extent of a contour is measured
+SAMPLES = np.linspace(0.0, 1.0, 9)
 
 
 @dataclass(frozen=True)
@@ -52,11 +55,12 @@ def drawn_section(section: MemberSection, kind: Curves, offset: float, tolerance
         redrawings = [_redraw_contour(contour, kind, allowed) for contour in section.contours]
         contours, largest = tuple(contour for contour, _ in redrawings), max(miss for _, miss in redrawings)
         return DrawnSection(replace(section, contours=contours, deviation=section.deviation + largest), 0.0)
-    paths = [parallels(contour, offset, kind, allowed) for contour in section.contours]
-    for contour, (room, _) in zip(section.contours, paths, strict=True):
-        if not room:
-            _refuse(section, contour, offset)
     _refuse_thin(section, offset)
+    _refuse_large(section, offset)
+    paths = [parallels(contour, offset, kind, allowed) for contour in section.contours]
+    full = [contour for contour, (room, _) in zip(section.contours, paths, strict=True) if not room]
+    if full:
+        _refuse(section, full, offset, offset)
     contours = tuple(contour for some, _ in paths for contour in some)
     largest = max(miss for _, miss in paths)
     cut = replace(section, contours=contours, deviation=section.deviation + largest)
@@ -69,13 +73,42 @@ def _redraw_contour(contour: Contour, kind: Curves, tolerance: float) -> tuple[C
     return replace(contour, curves=curves), max(miss for _, miss in pieces)
 
 
-def _refuse(section: MemberSection, contour: Contour, offset: float) -> None:
-    """Raise for a contour that has no room for an offset, with the largest for which it has."""
-    low, high = 0.0, offset
+def _refuse_large(section: MemberSection, offset: float) -> None:
+    """Raise for an offset without room in the extent of a contour, and for one larger than the section itself."""
+    extents = [_extent(contour) for contour in section.contours]
+    full = [
+        contour
+        for contour, extent in zip(section.contours, extents, strict=True)
+        if contour.material == (offset < 0.0) and 0.5 * extent.min() <= abs(offset)
+    ]
+    if full:
+        least = min(0.5 * float(_extent(contour).min()) for contour in full)
+        _refuse(section, full, float(np.copysign(least, offset)), offset)
+    size = max(float(extent.max()) for extent in extents)
+    if abs(offset) > size:
+        # parallels farther away are all but circles
+        raise ArgumentError(
+            "offset",
+            offset,
+            unit="mm",
+            reason=f"is more than the size of the {section.name}",
+            allowed=f"{'at most' if offset > 0.0 else 'at least'} {_floor(float(np.copysign(size, offset))):g} mm",
+        )
+
+
+def _extent(contour: Contour) -> Array:
+    """Width and height (2,) of a contour, mm."""
+    return np.asarray(np.ptp(np.concatenate([curve.at(SAMPLES) for curve in contour.curves]), axis=0))
+
+
+def _refuse(section: MemberSection, full: list[Contour], high: float, offset: float) -> None:
+    """Raise for contours that have no room for an offset up to `high`, with the largest for which all of them have."""
+    low, contour = 0.0, full[0]
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        room = parallels(contour, middle, Curves.ARCS, 0.1 * abs(offset))[0]
-        low, high = (middle, high) if room else (low, middle)
+        without = next((c for c in full if not parallels(c, middle, Curves.ARCS, 0.1 * abs(high))[0]), None)
+        low, high = (middle, high) if without is None else (low, middle)
+        contour = without or contour
     what = f"the {contour.name.replace('_', ' ')} of the {section.name}"
     raise ArgumentError(
         "offset",
@@ -92,7 +125,8 @@ def _refuse_thin(section: MemberSection, offset: float) -> None:
 
     if offset > 0.0 or len(section.contours) < 2:
         return
-    points = [points_along(contour.curves, 0.1 * abs(offset)) for contour in section.contours]
+    apart = 0.1 * min(abs(offset), 0.01 * max(float(_extent(contour).max()) for contour in section.contours))
+    points = [points_along(contour.curves, apart) for contour in section.contours]
     for k, one in enumerate(points):
         for j in range(k):
             thick = float(cKDTree(one).query(points[j])[0].min())

@@ -40,9 +40,6 @@ class FiniteElementProgram(StrEnum):
 
 #: what --member takes beside the names of the members
 BOTH = "both"
-#: deg; a linear solution means nothing beyond
-_LARGEST_ROTATION = 1.0
-_LARGEST_FRICTION = 1.0
 
 
 def fe(
@@ -92,7 +89,7 @@ def fe(
 ) -> None:
     """Finite-element model of the teeth in mesh, ready to run. The table [fe] sets the numbers of teeth and elements."""
     positions = positions_in_degrees(phi1) or [0.0]
-    _refuse_fe_options(rotation, friction, output, picture, solve)
+    _refuse_fe_options(output, picture, solve)
     if len(positions) > 1:
         _refuse_for_several(str(phi1), output, solve)
     elif output is not None and output.suffix.lower() != ".json":
@@ -183,9 +180,7 @@ def _solve(
     return solution
 
 
-def _refuse_fe_options(
-    rotation: float | None, friction: float | None, output: Path | None, picture: Path | None, solve: bool
-) -> None:
+def _refuse_fe_options(output: Path | None, picture: Path | None, solve: bool) -> None:
     """What of `fe`'s options can be refused before the design is read."""
     if output is None and not solve:
         raise ArgumentError("output", reason="missing; name a file to write, or give --solve")
@@ -193,10 +188,6 @@ def _refuse_fe_options(
         raise ArgumentError("picture", picture, must_be="left out without --solve")
     if picture is not None:
         refuse_suffix(picture, ".png")
-    if rotation is not None and not 0.0 < rotation <= _LARGEST_ROTATION:
-        raise ArgumentError("rotation", rotation, must_be=f"above 0 and up to {_LARGEST_ROTATION:g} deg")
-    if friction is not None and not 0.0 <= friction <= _LARGEST_FRICTION:
-        raise ArgumentError("friction", friction, must_be=f"a coefficient from 0 to {_LARGEST_FRICTION:g}")
 
 
 def _refuse_for_several(phi1: str, output: Path | None, solve: bool) -> None:

@@ -82,6 +82,8 @@ class ConjugateDesign(BevelDesign):
             )
         if self.rho is None and not first < second:
             raise conflict(
-                "pinion.r_d", first, must_be=f"less than gear.r_d, {second:g}, for contact in a point (Geometry I)"
+                "pinion.r_d",
+                first,
+                must_be=f"less than gear.r_d, {second:g} {self.units}, for contact in a point (Geometry I)",
             )
         return self
