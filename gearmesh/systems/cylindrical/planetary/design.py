@@ -154,8 +154,8 @@ class PlanetaryDesign(HalvesKeys):
     @property
     def member_names(self) -> MemberNames:
         """Sun and planets, planets and ring, which mesh."""
-        planets = [f"{PLANET}_{k + 1}" for k in range(len(self.angles))]
-        return MemberNames((*((SUN, planet) for planet in planets), *((planet, RING) for planet in planets)))
+        planets = [f"{PLANET_NAME}_{k + 1}" for k in range(len(self.angles))]
+        return MemberNames((*((SUN_NAME, planet) for planet in planets), *((planet, RING_NAME) for planet in planets)))
 
     @property
     def counted_teeth(self) -> int:

@@ -233,7 +233,7 @@ class RackDesign(RackKeys):
     @property
     def member_names(self) -> MemberNames:
         """Pinion and rack, which mesh."""
-        return MemberNames(((PINION, RACK),))
+        return MemberNames(((PINION_NAME, RACK_NAME),))
 
 
 def is_single_rack(keys: Mapping[str, Any]) -> bool:
@@ -256,12 +256,12 @@ class SingleRackDesign(RackKeys):
         str, Key("choice", "hand of the traces, as of a gear that they are on", choices=("right", "left"))
     ] = "right"
 
+    fe: UnloadedElementTable = UnloadedElementTable()
+
     @property
     def member_names(self) -> MemberNames:
         """The rack, which lacks a pinion."""
-        return MemberNames(unpaired=(RACK,), lacking=PINION)
-
-    fe: UnloadedElementTable = UnloadedElementTable()
+        return MemberNames(unpaired=(RACK_NAME,), lacking=PINION_NAME)
 
     @property
     def counted_teeth(self) -> int:

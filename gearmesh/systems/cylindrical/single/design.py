@@ -55,7 +55,7 @@ class SingleGearDesign(HalvesKeys):
     def member_names(self) -> MemberNames:
         """The gear, and the member that it lacks."""
         name = self.member_name
-        return MemberNames(unpaired=(name,), lacking=next(other for other in MEMBERS if other != name))
+        return MemberNames(unpaired=(name,), lacking=next(other for other in MEMBER_TABLES if other != name))
 
     @property
     def spec(self) -> CylindricalMember:
