@@ -75,7 +75,7 @@ COMMANDS = {
     "render helical, loaded": Command("render samples/helical.toml --view loaded --torque 500 -o {out}/loaded.png"),
     "load helical, 500 Nm": Command("load samples/helical.toml --torque 500 --json -", ""),
     "study spiral_bevel_basic, 25 assemblies": Command(
-        "study samples/spiral_bevel_basic.toml --vary assembly.dV=-0.05:0.05:5 --vary assembly.dH=-0.05:0.05:5 --workers 1"
+        "study samples/spiral_bevel_basic.toml --vary assembly.dV=-0.05:0.05:5 --vary assembly.dA=-0.05:0.05:5 --workers 1"
         " --no-pictures -o {out}/study",
         "study/study.json",
     ),
