@@ -21,6 +21,7 @@ from typing import Any
 
 sys.path.insert(0, str(Path(__file__).parent))
 
+import tables
 from processes import Measured, measured
 
 ROOT = Path(__file__).parent.parent
@@ -98,6 +99,7 @@ COLUMNS = {
     "cpu": "now, s",
     "ratio": "before / now",
     "spread": "in the rounds",
+    "rounds": "rounds",
     "megabytes_before": "peak before, MB",
     "megabytes": "now, MB",
     "error_before": "error before",
@@ -237,7 +239,7 @@ def row(name: str, command: Command, pythons: tuple[Path, Path], rounds: int, fo
             both.append(took)
         runs.append((both[0], both[1]))
     ratios = [before.cpu / now.cpu for before, now in runs]
-    found: dict[str, Any] = {"command": name, "ratio": statistics.median(ratios)}
+    found: dict[str, Any] = {"command": name, "ratio": statistics.median(ratios), "rounds": rounds}
     found["spread"] = f"{min(ratios):.2f} to {max(ratios):.2f}"
     for side, suffix in enumerate(("_before", "")):
         found[f"cpu{suffix}"] = statistics.median(pair[side].cpu for pair in runs)
@@ -248,6 +250,16 @@ def row(name: str, command: Command, pythons: tuple[Path, Path], rounds: int, fo
         found["figures"], paths = differing(*figures)
         found["differ"], found["differing"] = len(paths), paths
     return found
+
+
+def block(version: str, rows: Sequence[Mapping[str, Any]], before: str) -> str:
+    """Text of the README's block with the rows; of the block `before` the rows of other commands stay, if it is of that version."""
+    said = f"Version {version} and this one."
+    head, rule, *lines = tables.table(rows, COLUMNS).splitlines()
+    old = before.splitlines() if before.startswith(said) else []
+    by_command = {line.split(" | ")[0].removeprefix("| "): line for line in [*old, *lines] if line.startswith("| ")}
+    ordered = [by_command[name] for name in COMMANDS if name in by_command]
+    return "\n".join([said, "", head, rule, *ordered])
 
 
 def compare(version: str, names: Sequence[str], rounds: int) -> Iterator[dict[str, Any]]:

@@ -739,12 +739,13 @@ def versions_side_by_side(options: argparse.Namespace) -> None:
             sep="\n    ",
             flush=True,
         )
-    path = options.output / "against.json"
-    io.whole_text(path, json.dumps(rows, indent=1) + "\n")
-    if options.write:
-        said = f"Version {options.against} and this one, {options.rounds} rounds."
-        block = f"{said}\n\n{tables.table(rows, against.COLUMNS)}"
-        tables.rewrite(ROOT / "scripts" / "README.md", {"against": block})
+        # a command that fails later takes nothing away
+        path = options.output / "against.json"
+        io.whole_text(path, json.dumps(rows, indent=1) + "\n")
+        if options.write:
+            readme = ROOT / "scripts" / "README.md"
+            before = readme.read_text(encoding="utf-8").split("<!-- bench:against -->\n")[1].split("<!-- /bench -->")[0]
+            tables.rewrite(readme, {"against": against.block(options.against, rows, before)})
     print(f"\nwritten: {path}")
 
 

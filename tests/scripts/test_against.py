@@ -36,3 +36,14 @@ def test_a_command_beside_itself_has_the_same_figures(tmp_path: Path) -> None:
     assert 0 < row["megabytes"] < 150
     with pytest.raises(SystemExit, match="must be a version number or a revision"):
         against.revision("no such version")
+
+
+def test_rows_of_commands_that_are_not_measured_again_stay() -> None:
+    """In the order of the commands, once each; of another version none stays."""
+    names = [*against.COMMANDS]
+    rows = [{"command": name, "cpu_before": 3.0, "cpu": 1.5, "ratio": 2.0, "rounds": 1} for name in names[:4]]
+    first = against.block("0.17.0", [rows[3], rows[0]], "")
+    again = against.block("0.17.0", [rows[1], {**rows[3], "ratio": 2.5}], first + "\n")
+    assert [line.split(" | ")[0] for line in again.splitlines()[4:]] == [f"| {names[k]}" for k in (0, 1, 3)]
+    assert "| 2.5 |" in again.splitlines()[-1]
+    assert len(against.block("0.16.0", rows[:1], again).splitlines()) == 5
