@@ -7,12 +7,12 @@ import sys
 
 #: objects made between two searches for unreachable cycles, and how many of these searches look at older objects, too: modules and
 #: plots make many objects that stay
-COLLECTED = (50_000, 20, 50)
+OBJECTS_BETWEEN_SEARCHES = (50_000, 20, 50)
 
 
 def main() -> int:
     """Answer the command line. Stopped while that is being loaded, it says so as it does later."""
-    gc.set_threshold(*COLLECTED)
+    gc.set_threshold(*OBJECTS_BETWEEN_SEARCHES)
     try:
         from gearmesh.app.cli import main as answer
 
