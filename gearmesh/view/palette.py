@@ -1,7 +1,7 @@
 """Colours (sRGB) that mean the same in every picture and plot.
 
-They differ for any colour vision, and in lightness: the contrast of the path is at least 3 : 1 on the compound, and the
-contrast of lines and path on steel.
+They differ for any colour vision, and in lightness. The contrast of the path is at least 3 : 1 on the compound. Contact
+lines and path have this contrast on steel.
 """
 
 from __future__ import annotations

@@ -112,7 +112,9 @@ def _coloured(primitive) -> dict[bytes, np.ndarray]:
 def test_lamps_shine_on_what_faces_them_and_colours_are_those_of_paint() -> None:
     """A normal towards the viewer, at right angles to it, and away, which is seen from inside: in closed form."""
     camera = Camera(np.array([0.0, 0.0, 1e6]), np.zeros(3), np.array([0.0, 1.0, 0.0]), 10.0)
-    lamps = [(np.array(direction) / np.linalg.norm(direction), strength) for direction, strength in shapes._LAMPS]
+    lamps = [
+        (np.array(direction) / np.linalg.norm(direction), strength) for direction, strength in shapes._CAMERA_LAMPS
+    ]
     normals = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
     found = Viewer(camera, 0.1).light(np.zeros((3, 3)), normals, np.full((3, 3), 100, dtype=np.uint8))
     for normal, colour in zip(np.abs(normals), found, strict=True):

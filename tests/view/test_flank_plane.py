@@ -180,7 +180,7 @@ def test_an_end_that_is_nearly_seen_stands_whole() -> None:
     """And has room for its name; what is far from the contact is cut off."""
     flank = np.array([[-45.0, 43.6], [45.0, 51.0]])
     (left, right), *_ = flank_window(flank, (-35.0, 45.0), 6.7)
-    room = (right - left) * flank_diagrams.ROOM[0] / 6.7
+    room = (right - left) * flank_diagrams.WORD_ROOM_INCHES[0] / 6.7
     assert (left, right) == pytest.approx((-45.0 - room, 45.0 + room))
     assert flank_window(flank, (30.0, 45.0), 6.7)[0][0] > 0.0
 
@@ -197,7 +197,7 @@ def test_lines_of_equal_values_are_labelled_where_there_is_room(sample: str, mon
         boxes = [label.get_window_extent() for label in axes.texts if label.get_text().isdigit()]
         count += len(boxes)
         outline = Polygon(np.column_stack(axes.lines[0].get_data()))
-        covers = [drawn for drawn in axes.collections if drawn.get_gid() == flank_diagrams.COVER]
+        covers = [drawn for drawn in axes.collections if drawn.get_gid() == flank_diagrams.COVER_ID]
         for k, box in enumerate(boxes):
             corners = axes.transData.inverted().transform(box.corners())
             assert not any(path.contains_points(corners).any() for cover in covers for path in cover.get_paths())

@@ -1,1 +1,1 @@
-"""Figures on paper."""
+"""Figures on paper: plots of contact, inspection and studies."""

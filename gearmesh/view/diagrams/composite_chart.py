@@ -1,6 +1,6 @@
 """Charts of composite tests: transmission error over whole turns, and centre distance of gears pressed together.
 
-Between two thin lines there is what F_i' and F_i'' count; the pitch with the largest change, f_i' and f_i'', is shaded.
+Two thin lines enclose the range of F_i' and F_i''. The pitch with the largest change, f_i' and f_i'', is shaded.
 """
 
 from __future__ import annotations
@@ -16,12 +16,14 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.view.diagrams.plots import new_figure, save_figure
 from gearmesh.view.palette import CURVE_COLOURS, FAINT_COLOUR, GRID_LINE_COLOUR, GROUND_COLOUR, INK_COLOUR
 
-#: size (inches) of the figure: its width, and the height of a chart
-WIDTH, HEIGHT = 10.5, 2.9
+#: width of the figure
+CHART_WIDTH_INCHES = 10.5
+#: height of a chart
+CHART_HEIGHT_INCHES = 2.9
 
 
 def plot_composite(file: Path | str, test: CompositeTest) -> None:
-    """The charts of a test. Raises OutputError where the file cannot be written."""
+    """Plot the charts of a test. Raises OutputError if the file cannot be written."""
     own, single, double = test.figures, test.single, test.double
     charts = [
         (
@@ -43,7 +45,7 @@ def plot_composite(file: Path | str, test: CompositeTest) -> None:
                 f"    a'' {own.tight_center_distance:.4f} mm",
             )
         )
-    figure = new_figure((WIDTH, HEIGHT * len(charts) + 0.4))
+    figure = new_figure((CHART_WIDTH_INCHES, CHART_HEIGHT_INCHES * len(charts) + 0.4))
     for axes, chart in zip(figure.subplots(len(charts), 1, squeeze=False)[:, 0], charts, strict=True):
         _draw(axes, *chart)
     figure.suptitle(f"{own.pair}: composite deviations", color=INK_COLOUR)
@@ -51,7 +53,7 @@ def plot_composite(file: Path | str, test: CompositeTest) -> None:
 
 
 def _draw(axes: Any, phi1: Array, values: Array, per_pitch: int, label: str, title: str) -> None:
-    """Values (P,), um, over rotations phi1 (P,), rad."""
+    """Draw values (P,), um, over rotations phi1 (P,), rad, and shade the pitch with the largest change."""
     turns = phi1 / (2.0 * np.pi)
     ring = np.concatenate((values, values[:per_pitch]))
     windows = np.ptp(np.lib.stride_tricks.sliding_window_view(ring, per_pitch + 1), axis=1)

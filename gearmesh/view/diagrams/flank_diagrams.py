@@ -1,7 +1,7 @@
-"""Flanks in their planes, drawn: path, ellipses and pattern of contact on one, ease-off or sliding velocity over one.
+"""Flanks in their planes: a panel with path, ellipses and pattern of contact, or with ease-off or sliding velocity.
 
-Every panel stands with its toe at the left and its tip on top, to scale. A flank much longer than high is cut off beside its
-contact; what is still too long has its heights magnified, and says by how much.
+Every panel is drawn to scale, with the toe at the left and the tip on top. A flank much longer than high is cut off
+beside its contact. If it is still too long, its heights are magnified, and the title gives the factor.
 """
 
 from __future__ import annotations
@@ -32,50 +32,69 @@ from gearmesh.view.palette import (
 from gearmesh.view.scene import MemberContact
 
 #: arrows of a field, up the profile and along the face
-ARROWS = (4, 11)
-#: ellipses and contact lines that are drawn
-ELLIPSES, SHOWN_LINES = 11, 25
-#: lengths to a height up to which a panel shows a flank as it is, and up to which it is drawn to scale at all
-LONG, LONGEST = 6.0, 7.0
-#: width (inches) of a figure with one column, and with several of them; inches that a panel needs beside what it shows
-WIDTH, BESIDE, ABOVE = 10.5, 0.8, 0.85
-#: part of the room about an arrow that it takes; mm within which the edges of two flanks are one
-STAYS, TOGETHER = 0.9, 1e-6
-#: part of the greatest amount that arrows have in the plane at least; part of a flank that a line of equal values spans at least
-SHORTEST, SPECK = 0.25, 0.03
-#: percentiles between which values are that are one; their colour
-MOST, UNIFORM = (1.0, 99.0), "#ebd03f"
-#: name of the lines of equal values, which are labelled at last
-RINGS = "rings"
-#: what covers the field where a flank has no values
-COVER = "cover"
-#: inches between a flank and the edges of its panel, in which the words stand
-ROOM = (0.5, 0.25)
+ARROW_GRID = (4, 11)
+#: largest number of ellipses that are drawn
+MAX_ELLIPSES = 11
+#: largest number of contact lines that are drawn
+MAX_LINES = 25
+#: length of a flank, in its heights, up to which a panel shows all of it
+WHOLE_LENGTH_HEIGHTS = 6.0
+#: length, in heights, up to which it is drawn to scale
+SCALE_LENGTH_HEIGHTS = 7.0
+#: width of a figure with one column
+FIGURE_WIDTH_INCHES = 10.5
+#: width that a panel needs beside its content
+BESIDE_PANEL_INCHES = 0.8
+#: height that a panel needs above and below its content
+ABOVE_PANEL_INCHES = 0.85
+#: share of the room around it that the largest arrow takes
+ARROW_ROOM_SHARE = 0.9
+#: distance within which the edges of two flanks coincide
+SAME_EDGE_MM = 1e-6
+#: smallest component of arrows in the plane, as a share of the largest amount; below it none are drawn
+MIN_ARROW_SHARE = 0.25
+#: smallest extent of a line of equal values, as a share of the flank's
+MIN_RING_SHARE = 0.03
+#: percentiles between which the values of a uniform field lie
+UNIFORM_PERCENTILES = (1.0, 99.0)
+#: colour of a uniform field
+UNIFORM_COLOUR = "#ebd03f"
+#: id of the lines of equal values, which are labelled last
+RINGS_ID = "rings"
+#: id of the areas that cover a field beyond its values
+COVER_ID = "cover"
+#: room for words beside and above a flank
+WORD_ROOM_INCHES = (0.5, 0.25)
 
 
 @dataclass(frozen=True)
 class ContactPanel:
-    """A flank with its contact, all in its plane, mm.
+    """A flank with its contact, all in its plane, mm."""
 
-    `path` (P, 2) and which of its positions are of `edge` contact (P,); `ellipses` (E, K, 2); contact `lines` (K, 2) and the
-    `strips` (Q, 4, 2) that they sweep; the `pattern`: places (I, J, 2) and there at most 1 inside of it (I, J); `nominal` (P, 2)
-    is another path to compare with; `curve` (W, 2): the path of contact where it is known more closely than at the positions.
-    """
-
+    #: title of the panel
     name: str
+    #: the flank and its plane
     plane: FlankPlane
+    #: path of contact (P, 2) at the positions, NaN without a point of contact
     path: Array
+    #: True (P,) for edge contact
     edge: NDArray[np.bool_]
+    #: outlines (E, K, 2) of contact ellipses
     ellipses: Array
+    #: contact lines, each (K, 2)
     lines: Sequence[Array] = ()
+    #: areas between neighbouring contact lines, each (Q, 4, 2)
     strips: Sequence[Array] = ()
+    #: places (I, J, 2) and levels (I, J), at most 1 inside the pattern; None: no ellipses
     pattern: tuple[Array, Array] | None = None
+    #: another path (P, 2) to compare with, or None
     nominal: Array | None = None
+    #: path of contact (W, 2) at more than the positions, or None
     curve: Array | None = None
 
     @property
     def extent(self) -> tuple[float, float]:
-        """Lengths between which there is contact; NaN where there is none."""
+        """Smallest and largest length with contact; NaN without contact."""
         parts = [
             self.path[:, 0],
             *(() if self.curve is None else (self.curve[:, 0],)),
@@ -92,42 +111,47 @@ class ContactPanel:
 
 @dataclass(frozen=True)
 class FieldPanel:
-    """A quantity over a flank: `values` (I, J) at `places` (I, J, 2), mm, NaN where there is none, and `arrows` (I, J, 2) of it.
+    """A quantity over a flank."""
 
-    `sense` says what the arrows are; `least` is the range below which differences mean nothing. `continued` (I, J): the values
-    gone on where there are none, and how far, mm, a place is `beyond` (I, J) where they end; without them cells without a value are
-    left out.
-    """
-
+    #: title of the panel
     name: str
+    #: the flank and its plane
     plane: FlankPlane
+    #: places (I, J, 2), mm
     places: Array
+    #: values (I, J), NaN where undefined
     values: Array
+    #: range of values below which differences are not significant
     least: float
+    #: vectors (I, J, 2) in the plane, or None
     arrows: Array | None = None
+    #: values (I, J) continued beyond their end; None: cells without a value stay empty
     continued: Array | None = None
+    #: distance (I, J) of a place beyond the end of the values, mm, negative before it; or None
     beyond: Array | None = None
+    #: unit of the values
     unit: str = ""
+    #: meaning of the arrows, for the legend
     sense: str = ""
 
     @property
     def is_flat(self) -> bool:
-        """Whether all values are one, but for differences that mean nothing; a few nodes may be twice as far off."""
+        """True if all values are equal but for insignificant differences; a few nodes may deviate twice as much."""
         known = self.values[np.isfinite(self.values)]
         return (
             bool(known.size)
             and self.range < 2.0 * self.least
-            and float(np.ptp(np.percentile(known, MOST))) < self.least
+            and float(np.ptp(np.percentile(known, UNIFORM_PERCENTILES))) < self.least
         )
 
     @property
     def range(self) -> float:
-        """Greatest less least value."""
+        """Largest minus smallest value."""
         return float(np.ptp(self.values[np.isfinite(self.values)]))
 
     @property
     def extent(self) -> tuple[float, float]:
-        """Lengths between which there are values."""
+        """Smallest and largest length with values."""
         lengths = self.places[..., 0]
         return float(lengths.min()), float(lengths.max())
 
@@ -142,7 +166,8 @@ def contact_panel(
     whole: MemberContact | None = None,
     nominal: Array | None = None,
 ) -> ContactPanel:
-    """A member's flank with its contact; `whole` is that of the whole engagement, which the pattern is of, by default the same.
+    """Return the panel of a member's flank with its contact; the pattern is the contact of the `whole` engagement if
+    given.
 
     `nominal` (P, 3), own frame, is another path to compare with.
     """
@@ -152,7 +177,7 @@ def contact_panel(
         plane,
         plane.path(contact),
         contact.edge,
-        plane.ellipses(contact, spread(contact.ellipses, ELLIPSES)),
+        plane.ellipses(contact, spread(contact.ellipses, MAX_ELLIPSES)),
         plane.lines(contact),
         plane.swept(whole),
         plane.pattern(whole) if whole.ellipses.size else None,
@@ -162,13 +187,13 @@ def contact_panel(
 
 
 def is_long(planes: Sequence[FlankPlane]) -> bool:
-    """Whether flanks are so much longer than high that they stand better above each other than side by side."""
+    """True if all flanks are so much longer than high that panels fit better above each other than side by side."""
     spans = np.array([np.ptp(plane.frame.outline, axis=0) for plane in planes])
     return bool((spans[:, 0] > 3.0 * spans[:, 1]).all())
 
 
 def beside(panels: Sequence[Panel]) -> list[list[Panel]]:
-    """Rows of panels, as they stand best: long ones above each other."""
+    """Return rows of panels: long flanks above each other, short ones side by side."""
     return [[panel] for panel in panels] if is_long([panel.plane for panel in panels]) else [list(panels)]
 
 
@@ -179,19 +204,22 @@ def plot_flanks(
     size: tuple[int, int] | None = None,
     dpi: int = 150,
 ) -> None:
-    """Rows of panels as one figure, written to a file; `size` in pixels, by default what the panels need.
+    """Plot rows of panels as one figure; `size` in pixels, by default the size that the panels need.
 
-    Raises OutputError where the file cannot be written.
+    Raises OutputError if the file cannot be written.
     """
     columns = max(map(len, rows))
-    width = (WIDTH if columns == 1 else 15.0) / columns
-    windows = [[flank_window(panel.plane.frame.extent, panel.extent, width - BESIDE) for panel in row] for row in rows]
+    width = (FIGURE_WIDTH_INCHES if columns == 1 else 15.0) / columns
+    windows = [
+        [flank_window(panel.plane.frame.extent, panel.extent, width - BESIDE_PANEL_INCHES) for panel in row]
+        for row in rows
+    ]
     heights = [
         max(
-            (width - BESIDE) * (high - low) * magnified / (right - left)
+            (width - BESIDE_PANEL_INCHES) * (high - low) * magnified / (right - left)
             for (left, right), (low, high), magnified in row
         )
-        + ABOVE
+        + ABOVE_PANEL_INCHES
         for row in windows
     ]
     inches, dots = sheet((width * columns, sum(heights) + 0.8), size, dpi)
@@ -215,39 +243,49 @@ def plot_flanks(
         figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=6, frameon=False, fontsize=9)
     figure.suptitle(title, color=INK_COLOUR)
     if fields:
-        # labels of lines are where there is room for them, which is known when all else has its place
+        # labels of lines need free room, which is known when everything else has its place
         lay_out(figure)
         for axes, panel in fields:
             _label_rings(axes, panel.plane.frame.outline)
     save_figure(figure, file)
 
 
-#: steps in which heights are magnified
-MAGNIFIED = (1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 8.0, 10.0, 15.0, 20.0, 50.0)
+#: factors by which heights can be magnified
+HEIGHT_MAGNIFICATIONS = (1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 8.0, 10.0, 15.0, 20.0, 50.0)
 
 Window = tuple[tuple[float, float], tuple[float, float], float]
 
 
-def flank_window(flank: Array, extent: tuple[float, float], width: float, room: tuple[float, float] = ROOM) -> Window:
-    """Lengths and heights that a panel of a width (inches) shows, and by how much its heights are magnified.
+def flank_window(
+    flank: Array, extent: tuple[float, float], width: float, room: tuple[float, float] = WORD_ROOM_INCHES
+) -> Window:
+    """Return the lengths and heights that a panel of a width (inches) shows, and the magnification of its heights.
 
-    `flank` (2, 2): least and greatest length and height of it; `extent`: lengths between which there is contact; `room` (inches)
-    is about the flank, beside and above it.
+    - `flank` (2, 2): smallest and largest length and height of the flank
+    - `extent`: smallest and largest length with contact
+    - `room`: inches beside and above the flank
     """
     low, high = flank
     height = float(high[1] - low[1])
     left, right = float(low[0]), float(high[0])
     first, last = extent
-    if right - left > LONG * height and np.isfinite(first):
-        # as much of it as is to scale, about the contact
-        middle, half = 0.5 * (first + last), max(0.5 * LONG * height, 0.5 * (last - first) + 0.5 * height)
+    if right - left > WHOLE_LENGTH_HEIGHTS * height and np.isfinite(first):
+        # too long: the part around the contact that can be drawn to scale
+        middle, half = (
+            0.5 * (first + last),
+            max(0.5 * WHOLE_LENGTH_HEIGHTS * height, 0.5 * (last - first) + 0.5 * height),
+        )
         near = max(left, middle - half), min(right, middle + half)
-        # an end that the room beside the flank would show stands whole, and has its name there
+        # an end that the room beside the flank would show is drawn whole, with its name
         aside = room[0] * (near[1] - near[0]) / (width - 2.0 * room[0])
         left = near[0] if near[0] - left > aside else left
         right = near[1] if right - near[1] > aside else right
-    wanted = (right - left) / (LONGEST * height)
-    magnified = 1.0 if wanted <= 1.0 else min(step for step in MAGNIFIED if step >= min(wanted, MAGNIFIED[-1]))
+    wanted = (right - left) / (SCALE_LENGTH_HEIGHTS * height)
+    magnified = (
+        1.0
+        if wanted <= 1.0
+        else min(step for step in HEIGHT_MAGNIFICATIONS if step >= min(wanted, HEIGHT_MAGNIFICATIONS[-1]))
+    )
     inch = (right - left) / (width - 2.0 * room[0])
     aside, above = room[0] * inch, room[1] * inch / magnified
     return (left - aside, right + aside), (float(low[1]) - above, float(high[1]) + above), magnified
@@ -275,7 +313,7 @@ def _draw(axes: Any, panel: Panel, window: Window) -> None:
 
 
 def draw_outline(axes: Any, plane: FlankPlane, window: Window) -> None:
-    """A flank's ground and outline, toe at the left and tip on top, in a window of `flank_window`."""
+    """Draw a flank's ground and outline, toe at the left and tip on top, in a window of `flank_window`."""
     lengths, heights, magnified = window
     axes.fill(*plane.frame.outline.T, facecolor=GROUND_COLOUR, edgecolor="none", zorder=0)
     axes.plot(*plane.frame.outline.T, color=INK_COLOUR, lw=1.3, zorder=6)
@@ -286,7 +324,7 @@ def draw_outline(axes: Any, plane: FlankPlane, window: Window) -> None:
 
 
 def name_edges(axes: Any, frame: FlankFrame, seen: tuple[float, float], size: float = 9.0) -> None:
-    """Toe, heel, tip and root, outside of the flank; toe and heel only where they are seen."""
+    """Write toe, heel, tip and root outside of the flank; toe and heel only if they are in the window."""
     aside = {"toe": (-5, 0, "right", "center"), "heel": (5, 0, "left", "center"),
              "tip": (0, 3, "center", "bottom"), "root": (0, -3, "center", "top")}  # fmt: skip
     middle = 0.5 * sum(seen)
@@ -311,7 +349,7 @@ def name_edges(axes: Any, frame: FlankFrame, seen: tuple[float, float], size: fl
 
 
 def draw_contact(axes: Any, panel: ContactPanel, small: bool = False) -> None:
-    """Pattern, ellipses, lines and path of a panel; its positions are not marked in a `small` one."""
+    """Draw pattern, ellipses, lines and path of a panel; a `small` panel has no marks at its positions."""
     from matplotlib.collections import LineCollection, PolyCollection
     from matplotlib.patheffects import withStroke
 
@@ -338,7 +376,7 @@ def draw_contact(axes: Any, panel: ContactPanel, small: bool = False) -> None:
             autolim=False,
         )  # fmt: skip
     if panel.lines:
-        shown = spread(np.arange(len(panel.lines)), SHOWN_LINES)
+        shown = spread(np.arange(len(panel.lines)), MAX_LINES)
         lines = LineCollection(
             [panel.lines[k] for k in shown], colors=LINE_COLOUR, linewidths=1.1, zorder=3, label="contact lines"
         )
@@ -376,21 +414,21 @@ def _draw_field(axes: Any, panel: FieldPanel) -> None:
         return
     x, y = panel.places[..., 0], panel.places[..., 1]
     low, high = float(known.min()), float(known.max())
-    # what is less is no signal, but rounding and the error of tables
+    # a smaller range would show rounding and the error of tables
     levels = MaxNLocator(9).tick_values(low, max(high, low + panel.least))
     shown = known if panel.continued is None else np.ma.masked_invalid(np.clip(panel.continued, levels[0], levels[-1]))
     if panel.is_flat:
-        # one colour, as there is no scale
+        # a uniform field has one colour and no scale
         levels = [float(levels[0]) - panel.least, float(levels[-1]) + panel.least]
-    paint = {"colors": [UNIFORM]} if panel.is_flat else {"cmap": "cividis_r"}
+    paint = {"colors": [UNIFORM_COLOUR]} if panel.is_flat else {"cmap": "cividis_r"}
     drawn = axes.contourf(x, y, shown, levels=levels, zorder=1, **paint)
-    rings = axes.contour(x, y, shown, levels=levels, colors=[INK_COLOUR], linewidths=0.6, zorder=2, gid=RINGS)
+    rings = axes.contour(x, y, shown, levels=levels, colors=[INK_COLOUR], linewidths=0.6, zorder=2, gid=RINGS_ID)
     rings.set_paths(_without_specks(rings.get_paths(), panel.places.max(axis=(0, 1)) - panel.places.min(axis=(0, 1))))
     past = None if panel.beyond is None else np.ma.masked_invalid(_past_edges(panel.beyond))
     if past is not None and past.max() > 0.0:
-        # cells are cut where the values end; an end that rounding moves moves no pixel
+        # cells are cut where the values end; rounding of the end moves it by less than a pixel
         levels = [0.0, float(past.max())]
-        axes.contourf(x, y, past, levels=levels, colors=[GROUND_COLOUR], antialiased=True, zorder=2.5).set_gid(COVER)
+        axes.contourf(x, y, past, levels=levels, colors=[GROUND_COLOUR], antialiased=True, zorder=2.5).set_gid(COVER_ID)
         axes.fill(
             [], [], facecolor=GROUND_COLOUR, edgecolor=FAINT_COLOUR, lw=0.8, label="not reached by the mating flank"
         )
@@ -403,19 +441,22 @@ def _draw_field(axes: Any, panel: FieldPanel) -> None:
 
 
 def _without_specks(rings: Sequence[Any], size: Array) -> list[Any]:
-    """Lines of equal values without specks, by the `size` (2,) of the flank: between nodes a value may just be reached."""
+    """Return lines of equal values without specks; `size` (2,) of the flank.
+
+    A speck is a level that is just reached between nodes.
+    """
     from matplotlib.path import Path as Outline
 
     kept = []
     for ring in rings:
         parts = np.split(ring.vertices, np.flatnonzero(ring.codes == Outline.MOVETO)[1:]) if len(ring) else []
-        lines = [Outline(part) for part in parts if (np.ptp(part, axis=0) > SPECK * size).any()]
+        lines = [Outline(part) for part in parts if (np.ptp(part, axis=0) > MIN_RING_SHARE * size).any()]
         kept.append(Outline.make_compound_path(*lines))
     return kept
 
 
 def _label_rings(axes: Any, outline: Array) -> None:
-    """Label the lines of equal values inside of a flank and where it has values, with room about each label."""
+    """Label the lines of equal values, inside of the flank and its values, with room around each label."""
     from matplotlib.path import Path as Outline
     from matplotlib.patheffects import withStroke
 
@@ -423,14 +464,14 @@ def _label_rings(axes: Any, outline: Array) -> None:
     covers = [
         axes.transData.transform_path(path)
         for drawn in axes.collections
-        if drawn.get_gid() == COVER
+        if drawn.get_gid() == COVER_ID
         for path in drawn.get_paths()
     ]
     kept: list[tuple[Array, float]] = []
-    for rings in [drawn for drawn in axes.collections if drawn.get_gid() == RINGS]:
+    for rings in [drawn for drawn in axes.collections if drawn.get_gid() == RINGS_ID]:
         places = []
         for label in axes.clabel(rings, fontsize=7, fmt="%g", inline=False):
-            # its corners lie on a circle in each sense of rotation
+            # in every orientation of the label its corners lie on this circle
             box = label.get_window_extent()
             reach = 0.5 * np.hypot(box.width, box.height)
             middle = np.array([0.5 * (box.x0 + box.x1), 0.5 * (box.y0 + box.y1)])
@@ -448,13 +489,13 @@ def _label_rings(axes: Any, outline: Array) -> None:
 
 
 def _draw_arrows(axes: Any, panel: FieldPanel, greatest: float) -> None:
-    """The arrows of a field of up to the `greatest` amount: the largest is as long as stays beside its neighbours."""
+    """Draw the arrows of a field whose largest amount is `greatest`; the longest arrow just clears its neighbours."""
     from matplotlib.patheffects import withStroke
 
     assert panel.arrows is not None
     x, y = panel.places[..., 0], panel.places[..., 1]
-    rows, columns = ARROWS
-    # rows evenly over the height, which those of the grid are not
+    rows, columns = ARROW_GRID
+    # rows evenly over the height; rows of the grid are not
     height = ((y - y[0]) / (y[-1] - y[0])).mean(axis=1)
     i = np.unique(np.abs(height - (np.arange(rows)[:, None] + 0.5) / rows).argmin(axis=1))
     j = slice(x.shape[1] // (2 * columns), None, max(x.shape[1] // columns, 1))
@@ -462,13 +503,13 @@ def _draw_arrows(axes: Any, panel: FieldPanel, greatest: float) -> None:
     high = min(np.abs(y[[0, -1]] - shown[[0, -1]]).min(), 0.5 * np.abs(np.diff(shown, axis=0)).min())
     room = np.array([0.5 * np.abs(np.diff(x[i, j], axis=1)).min(), high])
     largest = np.nanmax(np.abs(panel.arrows), axis=(0, 1), initial=0.0)
-    # of what goes across the plane, as on worms, an arrow would be a dot
-    if largest.max() < SHORTEST * greatest:
+    # vectors across the plane, as on worms, would be drawn as dots
+    if largest.max() < MIN_ARROW_SHARE * greatest:
         return
     # arrows are about their places
     axes.quiver(
         x[i, j], y[i, j], panel.arrows[i, j, 0], panel.arrows[i, j, 1], color=PATH_COLOUR, zorder=7, width=0.0025,
-        angles="xy", scale_units="xy", scale=(largest / (2.0 * STAYS * room)).max(), pivot="middle", headlength=3.0,
+        angles="xy", scale_units="xy", scale=(largest / (2.0 * ARROW_ROOM_SHARE * room)).max(), pivot="middle", headlength=3.0,
         headaxislength=3.0, path_effects=[withStroke(linewidth=1.6, foreground="white")],
     )  # fmt: skip
     if panel.sense:
@@ -476,18 +517,20 @@ def _draw_arrows(axes: Any, panel: FieldPanel, greatest: float) -> None:
 
 
 def _with_corners(panel: FieldPanel) -> FieldPanel:
-    """A field on the cells that have values alone, and in all of each: where its table ends before, as in a corner at which cells
-    are cut at two edges, it goes on by straight lines."""
+    """Return a field continued over all cells that have a value at a node.
+
+    If the table ends before, as in a corner where two edges cut the cells, the values are continued by straight lines.
+    """
     if panel.continued is None or panel.beyond is None:
         return panel
     continued, beyond = panel.continued, panel.beyond
     rows, columns = beyond.shape
     reached, none = np.pad(beyond <= 0.0, 1), np.isnan(beyond)
     beside = np.logical_or.reduce([reached[i : i + rows, j : j + columns] for i in range(3) for j in range(3)])
-    # the corner itself has its neighbours' lines
+    # the second round fills the corner itself, from its neighbours' lines
     for _ in range(2):
         lines, ends = _straight_on(continued), _straight_on(beyond)
-        # of several edges that is passed which is passed most
+        # beyond several edges the largest distance counts
         past = np.fmax.reduce(ends)
         new = none & beside & (past > 0.0)
         continued = np.where(new, np.fmax.reduce(np.where(ends == past, lines, np.nan)), continued)
@@ -496,7 +539,7 @@ def _with_corners(panel: FieldPanel) -> FieldPanel:
 
 
 def _straight_on(values: Array) -> Array:
-    """Values (4, I, J) at nodes by the straight lines through the next two of either side, in both directions."""
+    """Values (4, I, J) at nodes, extrapolated through the next two nodes on either side, in both directions."""
     padded = np.pad(values, 2, constant_values=np.nan)
     rows, columns = (slice(2, 2 + count) for count in values.shape)
 
@@ -507,14 +550,15 @@ def _straight_on(values: Array) -> Array:
 
 
 def _past_edges(beyond: Array) -> Array:
-    """How far (I, J) places are past the end of the values, less rounding: where both flanks end together, neighbours decide.
+    """Distance (I, J) of places beyond the end of the values, without rounding.
 
-    Places that are not known are past it, too, beside others that all are: the border of what is covered shows no colour.
+    If both flanks end together, the neighbours decide. Unknown places between places that are all beyond count as
+    beyond: the border of the cover then shows no colour.
     """
     rows, columns = beyond.shape
     padded = np.pad(beyond, 1, constant_values=np.nan)
     square = np.stack([[padded[i : i + rows, j : j + columns] for j in range(3)] for i in range(3)])
     around = np.fmin.reduce([square[0, 1], square[2, 1], square[1, 0], square[1, 2]])
-    past = np.where(np.abs(beyond) < TOGETHER, around, beyond)
+    past = np.where(np.abs(beyond) < SAME_EDGE_MM, around, beyond)
     least = np.fmin.reduce(square.reshape(9, rows, columns))
     return np.where(np.isnan(beyond) & (least > 0.0), least, past)

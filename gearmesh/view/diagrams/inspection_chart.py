@@ -1,11 +1,11 @@
-"""Inspection charts: profile and helix traces of both flanks with their tolerances, deviations over the flanks, pitch deviations.
+"""Inspection charts: traces of profile and helix with their tolerances, deviations over the flanks, pitch deviations.
 
-Left flanks stand on the left. A trace has its material on the right (profiles, tip on top) or above (helices); over the range of
-evaluation there are
+Left flanks are at the left. A trace has its material on the right (profiles, tip on top) or above (helices). Over the
+range of evaluation there are
 
     mean line    the line of least squares, whose rise is the slope deviation
-    - - - -      from its beginning, the slopes that the class allows
-    . . . .      two design lines as far apart as the class allows for the total deviation, the trace in their middle (K chart)
+    - - - -      the slopes that the class allows, from the beginning of the mean line
+    . . . .      two design lines around the trace, as far apart as the total deviation that the class allows (K chart)
 """
 
 from __future__ import annotations
@@ -25,30 +25,39 @@ from gearmesh.view.diagrams.flank_plane import FlankPlane
 from gearmesh.view.diagrams.plots import new_figure, save_figure
 from gearmesh.view.palette import CURVE_COLOURS, EDGE_COLOUR, FAINT_COLOUR, GRID_LINE_COLOUR, GROUND_COLOUR, INK_COLOUR
 
-#: size (inches) of the chart, and height of a row of maps, traces, pitch deviations
-WIDTH, MAP_HEIGHT, TRACE_HEIGHT, PITCH_HEIGHT = 12.0, 2.6, 3.4, 2.2
+#: width of the chart
+SHEET_WIDTH_INCHES = 12.0
+#: height of a row of maps
+MAP_HEIGHT_INCHES = 2.6
+#: height of a row of traces
+TRACE_HEIGHT_INCHES = 3.4
+#: height of a row of pitch deviations
+PITCH_HEIGHT_INCHES = 2.2
 #: rows and columns of a map at which the deviation is written
-WRITTEN = (5, 9)
-#: steps of colour, and least range (um) that is shown
-LEVELS, LEAST = 12, 1.0
-#: colours of less and more material than nominal
-DIVERGING = "RdBu_r"
-ORDER = (Side.LEFT, Side.RIGHT)
+WRITTEN_GRID = (5, 9)
+#: steps of colour of a map
+COLOUR_LEVELS = 12
+#: smallest range of deviations that is shown
+MIN_RANGE_UM = 1.0
+#: matplotlib's name of the colours of less and more material than nominal
+DIVERGING_COLOURS = "RdBu_r"
+#: sides from left to right
+SIDE_ORDER = (Side.LEFT, Side.RIGHT)
 
 
 def plot_inspection(file: Path | str, inspection: Inspection) -> None:
-    """The chart of a measured gear. Raises OutputError where the file cannot be written."""
+    """Plot the chart of a measured gear. Raises OutputError if the file cannot be written."""
     rows = [
         (draw, height)
         for draw, height, there in (
-            (_draw_profiles, TRACE_HEIGHT, inspection.profiles),
-            (_draw_helices, TRACE_HEIGHT, inspection.helices),
-            (_draw_maps, MAP_HEIGHT, inspection.maps),
-            (_draw_pitches, PITCH_HEIGHT, inspection.measured.pitch),
+            (_draw_profiles, TRACE_HEIGHT_INCHES, inspection.profiles),
+            (_draw_helices, TRACE_HEIGHT_INCHES, inspection.helices),
+            (_draw_maps, MAP_HEIGHT_INCHES, inspection.maps),
+            (_draw_pitches, PITCH_HEIGHT_INCHES, inspection.measured.pitch),
         )
         if there
     ]
-    figure = new_figure((WIDTH, sum(height for _, height in rows) + 0.7))
+    figure = new_figure((SHEET_WIDTH_INCHES, sum(height for _, height in rows) + 0.7))
     axes = figure.subplots(len(rows), 2, squeeze=False, gridspec_kw={"height_ratios": [height for _, height in rows]})
     for own, (draw, _) in zip(axes, rows, strict=True):
         draw(own, inspection)
@@ -57,7 +66,7 @@ def plot_inspection(file: Path | str, inspection: Inspection) -> None:
 
 
 def _draw_profiles(axes: Any, inspection: Inspection) -> None:
-    for plot, side in zip(axes, ORDER, strict=True):
+    for plot, side in zip(axes, SIDE_ORDER, strict=True):
         if side not in inspection.profiles:
             plot.set_axis_off()
             continue
@@ -74,7 +83,7 @@ def _draw_profiles(axes: Any, inspection: Inspection) -> None:
 
 
 def _draw_helices(axes: Any, inspection: Inspection) -> None:
-    for plot, side in zip(axes, ORDER, strict=True):
+    for plot, side in zip(axes, SIDE_ORDER, strict=True):
         if side not in inspection.helices:
             plot.set_axis_off()
             continue
@@ -85,14 +94,14 @@ def _draw_helices(axes: Any, inspection: Inspection) -> None:
 
 
 def _values(own: MeasuredTrace, letter: str) -> str:
-    """The figures of a trace, um."""
+    """Text of the figures of a trace, um."""
     values = (("f_H", own.sign * own.trace.slope), ("f_f", own.trace.form), ("F_", own.trace.total))
     text = "  ".join(f"{name}{letter} {UM * value:.1f}" for name, value in values)
     return f"{text}  C_{letter} {UM * own.trace.crowning:.1f} µm"
 
 
 def _draw_trace(axes: Any, own: MeasuredTrace, tolerances: tuple[float | None, float | None], upwards: bool) -> None:
-    """A trace with its mean line and tolerances (um): of the slope and of the total deviation."""
+    """Draw a trace with its mean line and the tolerances (um) of the slope and of the total deviation."""
 
     def draw(x: Any, y: Any, **style: Any) -> None:
         axes.plot(*((y, x) if upwards else (x, y)), **style)
@@ -122,12 +131,12 @@ def _draw_trace(axes: Any, own: MeasuredTrace, tolerances: tuple[float | None, f
 
 def _draw_maps(axes: Any, inspection: Inspection) -> None:
     most = max(float(np.nanmax(np.abs(own.deviations), initial=0.0)) for own in inspection.maps.values())
-    for plot, side in zip(axes, ORDER, strict=True):
+    for plot, side in zip(axes, SIDE_ORDER, strict=True):
         if side not in inspection.maps:
             plot.set_axis_off()
             continue
         plane = FlankPlane.of(inspection.member, side)
-        _draw_map(plot, plane, inspection.maps[side], max(UM * most, LEAST))
+        _draw_map(plot, plane, inspection.maps[side], max(UM * most, MIN_RANGE_UM))
         order = inspection.figures.flanks[str(side)].second_order
         assert order is not None
         title = (
@@ -139,20 +148,22 @@ def _draw_maps(axes: Any, inspection: Inspection) -> None:
 
 
 def _arc(arcsec: float) -> str:
-    """An angle in minutes of arc."""
+    """Text of an angle in minutes of arc."""
     return f"{arcsec / 60.0:+.2f}'"
 
 
 def _draw_map(axes: Any, plane: FlankPlane, own: DeviationMap, most: float) -> None:
-    """Deviations over a flank, as colours and as numbers on a grid."""
+    """Draw deviations over a flank, as colours and as numbers on a grid."""
     from matplotlib.ticker import MaxNLocator
 
     places, d = plane.frame.places(own.points), np.ma.masked_invalid(UM * own.deviations)
-    levels = MaxNLocator(LEVELS, symmetric=True).tick_values(-most, most)
+    levels = MaxNLocator(COLOUR_LEVELS, symmetric=True).tick_values(-most, most)
     x, y = places[..., 0], places[..., 1]
-    drawn = axes.contourf(x, y, d, levels=levels, cmap=DIVERGING, zorder=1)
+    drawn = axes.contourf(x, y, d, levels=levels, cmap=DIVERGING_COLOURS, zorder=1)
     axes.contour(x, y, d, levels=levels, colors=[INK_COLOUR], linewidths=0.4, zorder=2)
-    i, j = (np.linspace(0, size - 1, count).round().astype(int) for size, count in zip(d.shape, WRITTEN, strict=True))
+    i, j = (
+        np.linspace(0, size - 1, count).round().astype(int) for size, count in zip(d.shape, WRITTEN_GRID, strict=True)
+    )
     for place, value in zip(places[np.ix_(i, j)].reshape(-1, 2), _flat(d[np.ix_(i, j)]), strict=True):
         if np.isfinite(value):
             axes.annotate(
@@ -160,7 +171,7 @@ def _draw_map(axes: Any, plane: FlankPlane, own: DeviationMap, most: float) -> N
                 bbox={"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.6},
             )  # fmt: skip
     lengths = plane.frame.extent[:, 0]
-    window = flank_window(plane.frame.extent, (float(lengths[0]), float(lengths[1])), 0.5 * WIDTH - 1.4)
+    window = flank_window(plane.frame.extent, (float(lengths[0]), float(lengths[1])), 0.5 * SHEET_WIDTH_INCHES - 1.4)
     draw_outline(axes, plane, window)
     name_edges(axes, plane.frame, window[0])
     axes.set_xlabel(plane.labels[0], fontsize=9)
@@ -175,8 +186,8 @@ def _flat(d: Any) -> Array:
 
 
 def _draw_pitches(axes: Any, inspection: Inspection) -> None:
-    """Single pitch deviations as bars, index deviations as a line, tooth by tooth."""
-    for plot, side in zip(axes, ORDER, strict=True):
+    """Draw single pitch deviations as bars and index deviations as a line, over the teeth."""
+    for plot, side in zip(axes, SIDE_ORDER, strict=True):
         if side not in inspection.measured.pitch:
             plot.set_axis_off()
             continue

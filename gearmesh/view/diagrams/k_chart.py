@@ -1,11 +1,12 @@
-"""Theoretical profile and helix charts: what a machine that measures exact flanks would draw, with the band of the class (K chart).
+"""Theoretical profile and helix charts: the traces of exact flanks, with the band of the class (K chart).
 
-A trace is minus what the modifications remove in the middle of the face, or at mid height, over the range of evaluation shaded:
+A trace is minus the amount that the modifications remove, in the middle of the face or at mid height. The range of
+evaluation is shaded:
 
     design trace     solid
-    . . . .          two design traces as far apart as the class allows for the total deviation, the design's in their middle
+    . . . .          two copies of the design trace around it, as far apart as the total deviation that the class allows
 
-A measured trace that lies between them, moved as a whole, is within the class.
+A measured trace that fits between them, moved as a whole, is within the class.
 """
 
 from __future__ import annotations
@@ -19,31 +20,33 @@ from gearmesh.answers.inspection.inspection import Inspection
 from gearmesh.errors import ArgumentError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.region import Side
-from gearmesh.view.diagrams.modification_diagrams import IN_CLOSED_FORM, TRACE, flank_map
+from gearmesh.view.diagrams.modification_diagrams import CLOSED_FORM_FLANKS, POINTS_PER_TRACE, flank_map
 from gearmesh.view.diagrams.plots import new_figure, save_figure
 from gearmesh.view.palette import CURVE_COLOURS, EDGE_COLOUR, FAINT_COLOUR, GRID_LINE_COLOUR, GROUND_COLOUR, INK_COLOUR
 
-#: size (inches) of the figure
-SIZE = (11.0, 7.5)
+#: width and height of the figure
+FIGURE_SIZE_INCHES = (11.0, 7.5)
 
 
 def plot_k_chart(file: Path | str, inspection: Inspection) -> None:
-    """The charts of both flanks of a member of which nothing was measured. Raises DesignError for flanks that are no involutes, or
-    have deviations, OutputError where the file cannot be written."""
+    """Plot the charts of both flanks of a member that was not measured.
+
+    Raises DesignError for flanks that are not involutes or have deviations, OutputError if the file cannot be written.
+    """
     involute = None if inspection.basis is None else inspection.basis.involute
     flanks = [inspection.member.tooth.side(side).flank for side in Side]
-    if involute is None or not all(isinstance(flank, IN_CLOSED_FORM) for flank in flanks):
+    if involute is None or not all(isinstance(flank, CLOSED_FORM_FLANKS) for flank in flanks):
         raise ArgumentError(
             "member",
             inspection.member.name,
             reason="its flanks have no theoretical profile and helix charts",
             allowed="cylindrical gears with the modifications of their design alone",
         )
-    figure = new_figure(SIZE)
+    figure = new_figure(FIGURE_SIZE_INCHES)
     rows = figure.subplots(2, 2, gridspec_kw={"height_ratios": (1.2, 1.0)})
     for column, side in enumerate((Side.LEFT, Side.RIGHT)):
-        own = flank_map(inspection.member, side, TRACE)
-        half = TRACE // 2
+        own = flank_map(inspection.member, side, POINTS_PER_TRACE)
+        half = POINTS_PER_TRACE // 2
         profile, helix = -own.removed[:, half], -own.removed[half]
         _draw(
             rows[0, column], own.length, profile, involute.profile.evaluated, inspection.tolerance("F_a"), upwards=True
@@ -61,7 +64,9 @@ def plot_k_chart(file: Path | str, inspection: Inspection) -> None:
 def _draw(
     axes: Any, positions: Array, trace: Array, ends: tuple[float, float], total: float | None, *, upwards: bool
 ) -> None:
-    """A trace (N,), um, at positions (N,), mm, and between the ends of its evaluation the band of a total tolerance (um)."""
+    """Draw a trace (N,), um, at positions (N,), mm, and the band of a total tolerance (um) over the range of
+    evaluation.
+    """
 
     def draw(x: Array, y: Array, **style: Any) -> None:
         axes.plot(*((y, x) if upwards else (x, y)), **style)
@@ -75,7 +80,7 @@ def _draw(
             draw(positions[inside], trace[inside] + sign * total, color=EDGE_COLOUR, lw=1.1, ls=":", label=label)
     (axes.axhspan if upwards else axes.axvspan)(low, high, facecolor=GROUND_COLOUR, edgecolor="none", zorder=0)
     (axes.axvline if upwards else axes.axhline)(0.0, color=FAINT_COLOUR, lw=0.9)
-    # nothing removed must not look like a signal
+    # an unmodified flank must not look like a signal
     room = max(1.5 * float(np.ptp(trace)), 2.0 * (total or 0.0), 10.0)
     middle = 0.5 * float(trace.max() + trace.min())
     (axes.set_xlim if upwards else axes.set_ylim)(middle - room, middle + room)

@@ -1,6 +1,7 @@
-"""Micro-geometry as measuring machines draw it: profile and helix diagrams of both flanks, and the topography as a map.
+"""Diagrams of micro-geometry as on measuring sheets: profile and helix diagrams of both flanks, and topography maps.
 
-What is drawn is how far a flank lies behind its true involute, or a rack's plane, along the line of action in the transverse plane.
+They show the distance of a flank behind its true involute, or behind a rack's plane, along the line of action in the
+transverse plane.
 """
 
 from __future__ import annotations
@@ -19,35 +20,42 @@ from gearmesh.teeth.region import Side
 from gearmesh.view.diagrams.plots import new_figure, save_figure
 from gearmesh.view.palette import CURVE_COLOURS, FAINT_COLOUR, GRID_LINE_COLOUR, INK_COLOUR
 
-#: points of a trace, and of a map in each direction
-TRACE, MAP = 401, 161
-#: traces of a diagram lie at these shares of the face, or of the profile
-PLACES = (0.1, 0.5, 0.9)
-#: flanks whose amounts are known
-IN_CLOSED_FORM = (ScrewInvolute, PlaneFlank)
-#: steps of colour in a map, about
-LEVELS = 14
+#: points of a trace
+POINTS_PER_TRACE = 401
+#: points of a map in each direction
+POINTS_PER_MAP_AXIS = 161
+#: shares of the face, or of the profile, at which the traces lie
+TRACE_SHARES = (0.1, 0.5, 0.9)
+#: classes of flanks whose removed amounts are known
+CLOSED_FORM_FLANKS = (ScrewInvolute, PlaneFlank)
+#: approximate steps of colour in a map
+COLOUR_LEVELS = 14
 
 
 @dataclass(frozen=True)
 class FlankMap:
-    """What is removed of a flank, um (L, Z), at roll lengths, or heights of a rack, (L,) and positions z (Z,), mm; lines where it
-    is not smooth; what the lengths are."""
+    """The amount that modifications remove from a flank."""
 
+    #: side of the flank
     side: Side
+    #: roll lengths (L,), or heights of a rack, mm
     length: Array
+    #: positions (Z,) along the axis, mm
     z: Array
+    #: removed amount (L, Z), um
     removed: Array
+    #: lengths and positions, mm, at which the amount is not smooth
     breaks: tuple[tuple[float, ...], tuple[float, ...]]
+    #: name of the lengths
     measure: str
 
 
-def flank_map(member: Member, which: Side, count: int = MAP) -> FlankMap:
-    """Of a flank in closed form, from where it begins to where it ends at mid face, from toe to heel."""
+def flank_map(member: Member, which: Side, count: int = POINTS_PER_MAP_AXIS) -> FlankMap:
+    """Return the map of a flank in closed form, from its beginning to its end at mid face, and from toe to heel."""
     tooth = member.tooth
     side = tooth.side(which)
     flank = side.flank
-    assert isinstance(flank, IN_CLOSED_FORM)
+    assert isinstance(flank, CLOSED_FORM_FLANKS)
     begins, ends = tooth.flank_grid(which, [0.0, 1.0], [0.5]).parameters[:, 0, 0]
     toe, heel = tooth.blank.extent
     length, z = np.linspace(begins, ends, count), np.linspace(toe, heel, count)
@@ -58,24 +66,27 @@ def flank_map(member: Member, which: Side, count: int = MAP) -> FlankMap:
 
 
 def is_modified(member: Member) -> bool:
-    """Whether a member has flanks whose micro-geometry can be drawn: both known by their amounts, not by deviations, one of them
-    modified."""
+    """True if the micro-geometry of a member's flanks can be drawn.
+
+    Both flanks have closed forms, not deviations, and one of them is modified.
+    """
     flanks = [member.tooth.side(side).flank for side in Side]
-    closed = [flank for flank in flanks if isinstance(flank, IN_CLOSED_FORM)]
+    closed = [flank for flank in flanks if isinstance(flank, CLOSED_FORM_FLANKS)]
     return len(closed) == len(flanks) and any(flank.amount is not None for flank in closed)
 
 
 def plot_modifications(file: Path | str, member: Member) -> None:
-    """Profile diagrams, helix diagrams and maps of both flanks of a member, left flank on the left; amounts in um.
+    """Plot profile diagrams, helix diagrams and maps of a member's flanks, left flank at the left; amounts in um.
 
-    Traces at a tenth, the middle and nine tenths of face and profile. Raises OutputError where the file cannot be written.
+    Traces lie at a tenth, the middle and nine tenths of face and profile. Raises OutputError if the file cannot be
+    written.
     """
-    maps = [flank_map(member, side, TRACE) for side in (Side.LEFT, Side.RIGHT)]
+    maps = [flank_map(member, side, POINTS_PER_TRACE) for side in (Side.LEFT, Side.RIGHT)]
     figure = new_figure((11.0, 8.5))
     rows = figure.subplots(3, 2, gridspec_kw={"height_ratios": (1.0, 0.8, 1.2)})
     low = min(0.0, *(float(flank_map.removed.min()) for flank_map in maps))
     high = max(float(flank_map.removed.max()) for flank_map in maps)
-    # nothing removed must not look like a signal
+    # an unmodified flank must not look like a signal
     room = 0.08 * max(high - low, 1.0)
     limits = low - room, max(high, low + 1.0) + room
     for column, own in enumerate(maps):
@@ -88,8 +99,8 @@ def plot_modifications(file: Path | str, member: Member) -> None:
 
 
 def _profile(axes: Any, flank_map: FlankMap, limits: tuple[float, float]) -> None:
-    """Removed over the roll length, which goes upwards as on a measuring sheet."""
-    for share, style in zip(PLACES, ("--", "-", ":"), strict=True):
+    """Draw the removed amount over the roll length, which points upwards as on a measuring sheet."""
+    for share, style in zip(TRACE_SHARES, ("--", "-", ":"), strict=True):
         k = round(share * (flank_map.z.size - 1))
         axes.plot(
             flank_map.removed[:, k],
@@ -108,7 +119,7 @@ def _profile(axes: Any, flank_map: FlankMap, limits: tuple[float, float]) -> Non
 
 
 def _helix(axes: Any, flank_map: FlankMap, limits: tuple[float, float]) -> None:
-    for share, style in zip(PLACES, ("--", "-", ":"), strict=True):
+    for share, style in zip(TRACE_SHARES, ("--", "-", ":"), strict=True):
         k = round(share * (flank_map.length.size - 1))
         label = f"{flank_map.measure} {flank_map.length[k]:.4g} mm"
         axes.plot(flank_map.z, flank_map.removed[k], style, color=CURVE_COLOURS[0], lw=1.6, label=label)
@@ -121,7 +132,7 @@ def _helix(axes: Any, flank_map: FlankMap, limits: tuple[float, float]) -> None:
 def _map(axes: Any, flank_map: FlankMap, limits: tuple[float, float]) -> Any:
     from matplotlib.ticker import MaxNLocator
 
-    levels = MaxNLocator(LEVELS).tick_values(*limits)
+    levels = MaxNLocator(COLOUR_LEVELS).tick_values(*limits)
     drawn = axes.contourf(flank_map.z, flank_map.length, flank_map.removed, levels=levels, cmap="viridis")
     for place in flank_map.breaks[0]:
         axes.axhline(place, color="white", lw=0.8, ls="-.")

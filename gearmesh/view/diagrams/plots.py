@@ -1,7 +1,7 @@
 """Plots on paper: transmission error, cost against accuracy, and labelled curves.
 
-Every function draws one figure and writes it to a file, as PNG, SVG or PDF by the file's suffix, whole or not at all.
-Figures are made through matplotlib's objects, so that nothing global changes and no window is needed.
+Every function draws one figure and writes it as PNG, SVG or PDF by the file's suffix, whole or not at all. Figures are
+made through matplotlib's objects: no global state changes, and no window is needed.
 """
 
 from __future__ import annotations
@@ -32,38 +32,45 @@ from gearmesh.view.palette import (
     PATH_COLOUR,
 )
 
-_MARKERS = "osD^v*"
-#: least range of transmission errors that is shown
-LEAST_RANGE = 0.01
-#: least harmonic (arcsec, um) of a cycle whose harmonics are shown
-_LEAST_HARMONIC = 1e-3
-#: least range of backlash that is shown, as a part of it, and what counts as none, deg
-_LEAST_PLAY, _NO_PLAY = 1e-3, 1e-7
-#: deg either way that are drawn where there is no backlash
-_PLAY_OF_NONE = 1e-3
-#: inches that an entry of a legend takes
-_ENTRY = 1.9
-#: size (points) of titles
-TITLE = 12.0
-#: inches that numbers, labels and titles take beside axes, about: left, below, right, above
-_GUESSED = (0.6, 0.45, 0.1, 0.25)
+#: markers of curves, in their order
+_CURVE_MARKERS = "osD^v*"
+#: smallest range of transmission errors that is shown
+MIN_TE_RANGE = 0.01
+#: smallest harmonic (arcsec, um) of a cycle whose harmonics are shown
+_MIN_HARMONIC = 1e-3
+#: smallest range of backlash that is shown, as a share of the backlash
+_MIN_PLAY_RANGE_SHARE = 1e-3
+#: backlash that counts as zero
+_ZERO_PLAY_DEG = 1e-7
+#: range either way that is drawn for zero backlash
+_ZERO_PLAY_RANGE_DEG = 1e-3
+#: width of an entry of a legend
+_LEGEND_ENTRY_INCHES = 1.9
+#: size of titles
+TITLE_POINTS = 12.0
+#: approximate room for numbers, labels and titles beside axes: left, below, right, above
+_LABEL_ROOM_INCHES = (0.6, 0.45, 0.1, 0.25)
 #: pixels per inch of figures that are read on a screen
 SCREEN_DPI = 100
-#: share of the room that a figure needs in which its words still stand clear
-_LEAST_SHARE = 0.8
+#: share of the room that a figure needs in which its words are still clear of each other
+_MIN_ROOM_SHARE = 0.8
 #: pitches that are shown beyond the engagement of a pair
-_BEYOND = 0.6
-# The dates that matplotlib would write into the file, switched off.
-_KINDS: dict[str, dict[str, Any]] = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
+_PITCHES_BEYOND = 0.6
+#: metadata by suffix: matplotlib's dates are switched off
+_FILE_METADATA: dict[str, dict[str, Any]] = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
 
 
 @dataclass(frozen=True)
 class CostRun:
-    """What accuracy cost: error_um, triangles, seconds (N,), and the fewest triangles possible (N,) if known."""
+    """Cost of a series of meshes against their accuracy."""
 
+    #: errors (N,), um
     error_um: Array
+    #: numbers (N,) of triangles
     triangles: Array
+    #: times (N,), s
     seconds: Array
+    #: fewest possible triangles (N,), or None
     bound: Array | None = None
 
 
@@ -76,11 +83,12 @@ def plot_transmission_error(
     size: tuple[int, int] | None = None,
     dpi: int = 150,
 ) -> None:
-    """TE against pinion rotation (deg): positions of a path, and a mesh cycle behind it if given.
+    """Plot the TE against the pinion's rotation (deg): positions of a path, and a mesh cycle if given.
 
-    The cycle is three neighbouring tooth pairs over their whole engagement, the gears as they pass from one to the next at the
-    marked roots, where this is discontinuous, and the amplitudes of its harmonics as bars. `unit`: rad and
-    name of the unit that errors are shown in. `size` is in pixels. Raises OutputError where the file cannot be written.
+    The cycle has the curves of three neighbouring tooth pairs over their whole engagement. The curve of the gears
+    passes from one pair to the next at marked roots; jumps are marked too. The amplitudes of its harmonics are bars.
+
+    `unit`: rad and name of the unit of errors; `size` in pixels. Raises OutputError if the file cannot be written.
     """
     rad, name = unit[0], unit[1].replace("um", "µm")
     heard = _harmonics(cycle, rad)
@@ -92,8 +100,8 @@ def plot_transmission_error(
     _draw_errors(axes, path, cycle, rad, name)
     if others:
         _draw_harmonics(others[0], heard, name)
-    # beside the plot, where it hides no curve
-    columns = max(1, int(inches[0] / _ENTRY))
+    # outside of the plot, where it hides no curve
+    columns = max(1, int(inches[0] / _LEGEND_ENTRY_INCHES))
     figure.legend(
         *axes.get_legend_handles_labels(), fontsize=9, loc="outside lower center", ncols=columns, frameon=False
     )
@@ -111,27 +119,29 @@ def plot_backlash(
     size: tuple[int, int] | None = None,
     dpi: int = 150,
 ) -> None:
-    """Backlash over a pitch of the pinion, as rotation of the gear (deg) and at its pitch circle (mm), with its least and greatest.
+    """Plot the backlash over a pitch of the pinion: rotation of the gear (deg) and arc at its pitch circle (mm).
 
-    `size` is in pixels. Raises OutputError where the file cannot be written.
+    Its smallest and largest values are marked. `size` is in pixels. Raises OutputError if the file cannot be written.
     """
     inches, dots = sheet((8.0, 5.0), size, dpi)
     figure = new_figure(inches, dots)
     axes = figure.subplots()
     axes.plot(curve.phi1, curve.backlash, color=CURVE_COLOURS[0], lw=1.8, label="backlash")
     for label, value, style in (("greatest", curve.greatest, "--"), ("least", curve.least, ":")):
-        axes.axhline(value, color=INK_COLOUR, lw=1.0, ls=style, label=f"{label} {at_resolution(value, _NO_PLAY):.6g}°")
+        axes.axhline(
+            value, color=INK_COLOUR, lw=1.0, ls=style, label=f"{label} {at_resolution(value, _ZERO_PLAY_DEG):.6g}°"
+        )
     low, high = (
         min(curve.least, float(np.nanmin(curve.backlash))),
         max(curve.greatest, float(np.nanmax(curve.backlash))),
     )
     most = max(abs(low), abs(high))
-    room = max(0.15 * (high - low), _LEAST_PLAY * most if most > _NO_PLAY else _PLAY_OF_NONE)
+    room = max(0.15 * (high - low), _MIN_PLAY_RANGE_SHARE * most if most > _ZERO_PLAY_DEG else _ZERO_PLAY_RANGE_DEG)
     axes.set_ylim(low - room, high + room)
     axes.set_xlim(float(curve.phi1[0]), float(curve.phi1[-1]))
     axes.ticklabel_format(useOffset=False)
     axes.set(xlabel="pinion rotation φ₁ (deg), one pitch", ylabel="rotation of the gear between both flanks (deg)")
-    known = np.isfinite(curve.backlash) & (np.abs(curve.backlash) > _NO_PLAY)
+    known = np.isfinite(curve.backlash) & (np.abs(curve.backlash) > _ZERO_PLAY_DEG)
     if known.any():
         radius = float(np.median(curve.transverse[known] / curve.backlash[known]))
         other = axes.twinx()
@@ -146,9 +156,9 @@ def plot_backlash(
 
 
 def _harmonics(cycle: Cycle | None, rad: float) -> Array:
-    """Amplitudes (N,) of the mesh frequency's harmonics, in units of `rad`; none where they are but rounding."""
+    """Amplitudes (N,) of the mesh frequency's harmonics, in units of `rad`; empty if they are only rounding."""
     amplitudes = np.zeros(0) if cycle is None else np.abs(cycle.harmonics) / rad
-    return amplitudes if amplitudes.size and np.nanmax(amplitudes, initial=0.0) > _LEAST_HARMONIC else np.zeros(0)
+    return amplitudes if amplitudes.size and np.nanmax(amplitudes, initial=0.0) > _MIN_HARMONIC else np.zeros(0)
 
 
 def _draw_errors(axes: Any, path: ContactPath, cycle: Cycle | None, rad: float, unit: str) -> None:
@@ -173,17 +183,17 @@ def _draw_errors(axes: Any, path: ContactPath, cycle: Cycle | None, rad: float, 
     if cycle is not None and cycle.gears is not None:
         decides = cycle.gears[1] / rad
     low, high = (float(end) for end in (np.nanmin(decides), np.nanmax(decides)))
-    room = max(0.7 * (high - low), LEAST_RANGE / 2)
+    room = max(0.7 * (high - low), MIN_TE_RANGE / 2)
     axes.set_ylim(low - room, high + room)
     axes.set(xlabel="pinion rotation φ₁ (deg)", ylabel=f"transmission error ({unit})")
 
 
 def _draw_cycle(axes: Any, cycle: Cycle, pair: Array, gears: Array, rad: float) -> None:
-    """Three tooth pairs, the gears from one to the next, the roots at which they pass over, and breaks."""
+    """Draw three tooth pairs, the gears from one to the next, the roots at which the pairs change, and jumps."""
     pitch = float(gears[0, -1])
     known = np.isfinite(pair[1])
     first, last = (float(end) for end in (pair[0, known].min(), pair[0, known].max()))
-    low, high = first - _BEYOND * pitch, last + _BEYOND * pitch
+    low, high = first - _PITCHES_BEYOND * pitch, last + _PITCHES_BEYOND * pitch
     for k in (-1, 0, 1):
         label = {0: {"label": "tooth pair"}, 1: {"label": "neighbouring tooth pairs"}}.get(k, {})
         axes.plot(
@@ -205,7 +215,7 @@ def _draw_cycle(axes: Any, cycle: Cycle, pair: Array, gears: Array, rad: float) 
     )
 
     def everywhere(marks: Array) -> Array:
-        """Those of all pairs that are seen."""
+        """Marks repeated by the pitch, as far as they are in the plot."""
         every = (marks % pitch + pitch * turns[:, None]).ravel()
         return every[(every >= low) & (every <= high)]
 
@@ -229,7 +239,7 @@ def _draw_cycle(axes: Any, cycle: Cycle, pair: Array, gears: Array, rad: float) 
 
 
 def _draw_harmonics(axes: Any, heard: Array, unit: str) -> None:
-    """Amplitudes over the number of the harmonic, from those that are not but rounding."""
+    """Draw the amplitudes over the number of the harmonic."""
     order = np.arange(1, len(heard) + 1)
     axes.bar(order, heard, color=CURVE_COLOURS[0], width=0.7)
     for k, value in zip(order, heard, strict=True):
@@ -249,16 +259,16 @@ def _draw_harmonics(axes: Any, heard: Array, unit: str) -> None:
 
 
 def plot_cost(file: Path | str, runs: Mapping[str, CostRun], title: str = "Cost of accuracy") -> None:
-    """Triangles and seconds against the achieved error (um), doubly logarithmic, one series a run.
+    """Plot triangles and seconds against the achieved error (um), doubly logarithmic, one series for each run.
 
-    A run's bound, the fewest triangles possible, is dashed. Raises OutputError where the file cannot be written.
+    The fewest possible triangles are dashed. Raises OutputError if the file cannot be written.
     """
     figure = new_figure((11.0, 5.0))
     left, right = figure.subplots(1, 2)
     for i, (label, run) in enumerate(runs.items()):
         style: dict[str, Any] = {
             "color": CURVE_COLOURS[i % len(CURVE_COLOURS)],
-            "marker": _MARKERS[i % len(_MARKERS)],
+            "marker": _CURVE_MARKERS[i % len(_CURVE_MARKERS)],
             "ms": 5,
         }
         left.loglog(run.error_um, run.triangles, label=label, **style)
@@ -281,13 +291,13 @@ def plot_curves(
     title: str = "",
     log_y: bool = False,
 ) -> None:
-    """Curves x (N,), y (N,) by their labels; `labels` of the axes have the units.
+    """Plot curves x (N,), y (N,) by their labels; `labels` of the axes include the units.
 
-    Points that are not finite break a curve. Raises OutputError where the file cannot be written.
+    Points that are not finite break a curve. Raises OutputError if the file cannot be written.
     """
     figure, axes = _figure()
     for i, (label, (x, y)) in enumerate(curves.items()):
-        style = {"color": CURVE_COLOURS[i % len(CURVE_COLOURS)], "marker": _MARKERS[i % len(_MARKERS)]}
+        style = {"color": CURVE_COLOURS[i % len(CURVE_COLOURS)], "marker": _CURVE_MARKERS[i % len(_CURVE_MARKERS)]}
         axes.plot(x, np.where(np.isfinite(y), y, np.nan), ms=4, lw=1.6, label=label, **style)
     axes.set(xlabel=labels[0], ylabel=labels[1], title=title)
     if log_y:
@@ -298,18 +308,18 @@ def plot_curves(
 
 
 def sheet(needed: tuple[float, float], size: tuple[int, int] | None, dpi: float) -> tuple[tuple[float, float], float]:
-    """Inches of a figure and its pixels per inch: what it needs, or a `size` in pixels.
+    """Return a figure's inches and its pixels per inch: the `needed` inches, or a `size` in pixels.
 
-    A size with much less room than is needed has fewer pixels per inch: words would lie over each other.
+    A size with much less room than needed gets fewer pixels per inch; otherwise words would overlap.
     """
     if size is None:
         return needed, dpi
-    dots = min(dpi, size[0] / (_LEAST_SHARE * needed[0]), size[1] / (_LEAST_SHARE * needed[1]))
+    dots = min(dpi, size[0] / (_MIN_ROOM_SHARE * needed[0]), size[1] / (_MIN_ROOM_SHARE * needed[1]))
     return (size[0] / dots, size[1] / dots), dots
 
 
 def _figure() -> tuple[Any, Any]:
-    """A figure of one plot with a faint grid."""
+    """Return a figure of one plot with a faint grid."""
     figure = new_figure((8.0, 5.0))
     axes = figure.subplots()
     axes.grid(True, color=GRID_LINE_COLOUR, lw=0.8)
@@ -318,23 +328,23 @@ def _figure() -> tuple[Any, Any]:
 
 
 def new_figure(inches: tuple[float, float], dpi: float = 150) -> Any:
-    """A figure that finds its margins when it is laid out, and measures letters as the PNG file has them."""
+    """Return a figure that computes its margins when it is laid out, and measures letters as in the PNG file."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=inches, dpi=dpi, layout="constrained")
-    # without a canvas that keeps its renderer every measurement makes one, with all its pixels
+    # without a canvas that keeps its renderer every measurement makes a new one, with all its pixels
     FigureCanvasAgg(figure)
     return figure
 
 
 def lay_out(figure: Any) -> None:
-    """Break the title into lines that fit and give all axes their places, once: saving the figure does not look for them again."""
+    """Break the title into lines that fit and place all axes, once: saving the figure does not place them again."""
     engine = figure.get_layout_engine()
     if engine is None:
         return
     if title := figure.get_suptitle():
-        figure.suptitle(fit_title(title, figure, TITLE), fontsize=TITLE)
+        figure.suptitle(fit_title(title, figure, TITLE_POINTS), fontsize=TITLE_POINTS)
     for axes in figure.axes:
         _guess_first(axes)
     engine.execute(figure)
@@ -345,13 +355,13 @@ def lay_out(figure: Any) -> None:
 
 
 def _guess_first(axes: Any) -> None:
-    """Let axes be measured once. They are asked for their size twice, first to bring them near their places: a guess will do."""
+    """Replace the first of two measurements of axes by a guess: it only brings them near their places."""
     from matplotlib.transforms import Bbox
 
     def estimate(*_: Any, **__: Any) -> Any:
         del axes.get_tightbbox
         axes.apply_aspect()
-        left, below, right, above = (inches * axes.figure.dpi for inches in _GUESSED)
+        left, below, right, above = (inches * axes.figure.dpi for inches in _LABEL_ROOM_INCHES)
         frame = axes.get_window_extent()
         return Bbox.from_extents(frame.x0 - left, frame.y0 - below, frame.x1 + right, frame.y1 + above)
 
@@ -359,23 +369,23 @@ def _guess_first(axes: Any) -> None:
 
 
 def save_figure(figure: Any, file: Path | str) -> None:
-    """Write a figure; the file is the same for the same figure (no date, no random names)."""
+    """Write a figure; equal figures give equal files (no date, no random names)."""
     from matplotlib import rc_context
 
     from gearmesh.io.atomic import whole_file
 
     kind = Path(file).suffix.lower()
-    if kind not in _KINDS:
-        raise OutputError("cannot write", file, reason=f"the suffix of a plot must be {', '.join(_KINDS)}")
+    if kind not in _FILE_METADATA:
+        raise OutputError("cannot write", file, reason=f"the suffix of a plot must be {', '.join(_FILE_METADATA)}")
     lay_out(figure)
     with rc_context({"svg.hashsalt": "gearmesh"}), whole_file(file) as unfinished:
-        figure.savefig(unfinished, metadata=_KINDS[kind])
+        figure.savefig(unfinished, metadata=_FILE_METADATA[kind])
         if kind == ".svg":
             unfinished.write_text(_same_clips(unfinished.read_text(encoding="utf-8")), encoding="utf-8")
 
 
 def _same_clips(svg: str) -> str:
-    """SVG text whose clip paths are called by what they are: matplotlib calls them by where they are in memory."""
+    """Return SVG text with clip paths named after their content; matplotlib names them after memory addresses."""
     names: dict[str, str] = {}
 
     def definition(match: re.Match[str]) -> str:

@@ -1,4 +1,4 @@
-"""Plots of studies: response curves, tornado of sensitivities, histograms with limits.
+"""Plots of studies: response curves, tornado diagrams of sensitivities, histograms with limits.
 
 All take plain arrays and write one file each, as the plots of `plots.py` do.
 """
@@ -16,21 +16,25 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.view.diagrams.plots import SCREEN_DPI, new_figure, save_figure
 from gearmesh.view.palette import CURVE_COLOURS, INK_COLOUR
 
-#: lines of a response plot that are distinguished by colour
-_LINES = 9
-#: shares with others, and counts
-PALE = "#b9c9df"
+#: lines of a response plot that can be distinguished by colour
+_MAX_COLOURED_LINES = 9
+#: total orders, and counts of histograms
+PALE_COLOUR = "#b9c9df"
 
 
 @dataclass(frozen=True)
 class StudyFigure:
-    """A figure over all rows: its `name`, and in parts its `stem` and `unit`, `values` (N,), NaN where there is none, and `limits`
-    that it has to keep."""
+    """A figure of a design over all rows of a study."""
 
+    #: its whole name
     name: str
+    #: its name without the unit
     stem: str
+    #: its unit
     unit: str
+    #: values (N,), NaN where missing
     values: Array
+    #: limits that it has to keep
     limits: tuple[float, ...] = ()
 
 
@@ -41,16 +45,16 @@ def plot_responses(
     shape: tuple[int, ...],
     title: str,
 ) -> None:
-    """Figures over every key (N,): lines where the rows are a grid of one or two keys, else a dot a row."""
+    """Plot figures over every key (N,): lines if the rows are a grid of one or two keys, otherwise dots."""
     down, across = len(figures), len(keys)
     figure = new_figure((max(3.4 * across, 4.4) + 1.4, 2.5 * down + 0.7), SCREEN_DPI)
     figure.suptitle(title)
     axes = figure.subplots(down, across, squeeze=False, sharey="row")
-    lines = len(shape) in (1, 2) and all(n <= _LINES for n in shape[:-1] or (1,))
+    lines = len(shape) in (1, 2) and all(n <= _MAX_COLOURED_LINES for n in shape[:-1] or (1,))
     for i, response in enumerate(figures):
         for j, (key, values) in enumerate(keys):
             own = axes[i, j]
-            if lines and (len(shape) == 1 or shape[1 - j] <= _LINES):
+            if lines and (len(shape) == 1 or shape[1 - j] <= _MAX_COLOURED_LINES):
                 _draw_lines(own, keys, j, response.values, shape)
             else:
                 own.plot(values, response.values, ls="", marker=".", ms=3, color=CURVE_COLOURS[0], alpha=0.6)
@@ -78,8 +82,11 @@ def _draw_lines(axes: Any, keys: Sequence[tuple[str, Array]], j: int, values: Ar
 
 @dataclass(frozen=True)
 class SwingBars:
-    """What keys do to a figure that follows them in straight lines: `middle`, and of each key the figure at its 5th and 95th
-    percentile, the greatest swing first."""
+    """Effects of keys on a figure that depends linearly on them.
+
+    `middle` is the figure in the middle; `keys` has for each key the figure at its 5th and 95th percentile, the largest
+    swing first.
+    """
 
     name: str
     middle: float
@@ -88,18 +95,20 @@ class SwingBars:
 
 @dataclass(frozen=True)
 class ShareBars:
-    """Shares of the variance of a figure that straight lines do not describe (`explained`: R^2): of each key (first order, its
-    error, total order, its error; NaN where not known), the greatest first; none where the rows do not give it. `remark`: a
-    note."""
+    """Shares of the variance of a figure that does not depend linearly on its keys."""
 
+    #: name of the figure
     name: str
+    #: R^2 of the linear model
     explained: float
+    #: for each key its first order, error, total order and error (NaN if unknown), largest first; empty if too few rows
     keys: Sequence[tuple[str, float, float, float, float]]
+    #: a note in the diagram
     remark: str = ""
 
 
 def plot_tornado(file: Path | str, bars: Sequence[SwingBars | ShareBars], title: str) -> None:
-    """Sensitivities, a diagram a figure: how far it swings with each key, or which share of its variance is a key's."""
+    """Plot sensitivities, one diagram for each figure: its swing with each key, or each key's share of its variance."""
     heights = [1.2 + 0.34 * len(own_bars.keys) for own_bars in bars]
     figure = new_figure((7.0, 0.8 + sum(heights)), SCREEN_DPI)
     figure.suptitle(title)
@@ -130,7 +139,7 @@ def _draw_swings(axes: Any, bars: SwingBars) -> None:
 
 
 def _draw_shares(axes: Any, bars: ShareBars) -> None:
-    """Total orders behind first ones, with two standard errors either way."""
+    """Draw total orders behind first orders, with two standard errors either way."""
     why = f"not linear (R\u00b2 = {bars.explained:.2g})"
     if not bars.keys:
         # words alone: axes without bars look as if something were missing
@@ -142,7 +151,7 @@ def _draw_shares(axes: Any, bars: ShareBars) -> None:
     rows = np.arange(len(bars.keys))
     kinds = [("first order: the key alone", first, first_error, CURVE_COLOURS[0], 0.4, 0.0)]
     if np.isfinite(total).all():
-        kinds.insert(0, ("total: with interactions", total, total_error, PALE, 0.75, 0.28))
+        kinds.insert(0, ("total: with interactions", total, total_error, PALE_COLOUR, 0.75, 0.28))
     for label, values, errors, colour, height, shift in kinds:
         axes.barh(rows, np.maximum(values, 0.0), color=colour, height=height, label=label)
         if (errors > 0.0).any():
@@ -156,13 +165,15 @@ def _draw_shares(axes: Any, bars: ShareBars) -> None:
 
 
 def plot_histograms(file: Path | str, figures: Sequence[StudyFigure], percentiles: Sequence[int], title: str) -> None:
-    """How often figures have which values, with percentiles and limits; a yield belongs into the title."""
+    """Plot histograms of figures with percentiles and limits; a yield belongs into the title."""
     figure = new_figure((7.0, 2.4 * len(figures) + 0.6), SCREEN_DPI)
     figure.suptitle(title)
     for own, own_figure in zip(figure.subplots(len(figures), 1, squeeze=False)[:, 0], figures, strict=True):
         known = own_figure.values[np.isfinite(own_figure.values)]
         if known.size:
-            own.hist(known, bins=min(60, max(8, int(np.sqrt(known.size)))), color=PALE, edgecolor="white", lw=0.4)
+            own.hist(
+                known, bins=min(60, max(8, int(np.sqrt(known.size)))), color=PALE_COLOUR, edgecolor="white", lw=0.4
+            )
             top = own.get_ylim()[1]
             for at, label in percentile_marks(known, percentiles):
                 own.axvline(at, color=INK_COLOUR, lw=0.8, ls=":")
@@ -175,7 +186,7 @@ def plot_histograms(file: Path | str, figures: Sequence[StudyFigure], percentile
 
 
 def percentile_marks(values: Array, percentiles: Sequence[int]) -> list[tuple[float, str]]:
-    """Places of percentiles of values (N,), and their names; those that are one value have one name."""
+    """Values of percentiles of values (N,), with their names; equal percentiles share a mark."""
     marks: dict[float, list[str]] = {}
     for p, at in zip(percentiles, np.percentile(values, percentiles).tolist(), strict=True):
         marks.setdefault(at, []).append(str(p))
@@ -183,5 +194,5 @@ def percentile_marks(values: Array, percentiles: Sequence[int]) -> list[tuple[fl
 
 
 def _two_lines(figure: StudyFigure) -> str:
-    """A figure's name over two lines, its unit on the second."""
+    """Name of a figure over two lines, its unit on the second."""
     return f"{figure.stem}\n({figure.unit})" if figure.unit else figure.name

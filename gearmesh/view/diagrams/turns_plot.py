@@ -1,4 +1,4 @@
-"""A figure of the transmission error over whole turns of eccentric members, and of the waves in it."""
+"""Plot of the transmission error over whole turns of eccentric members, and of its waves."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ import numpy as np
 
 from gearmesh.contact.engagement.turns import FullTurns
 from gearmesh.kernel.numeric.algebra import ARCSEC
-from gearmesh.view.diagrams.plots import LEAST_RANGE, new_figure, save_figure, sheet
+from gearmesh.view.diagrams.plots import MIN_TE_RANGE, new_figure, save_figure, sheet
 from gearmesh.view.palette import CURVE_COLOURS, FAINT_COLOUR, GRID_LINE_COLOUR, INK_COLOUR
 
-#: height of the bars' plot over its tallest bar: room for what its legend says
-OVER_BARS = 1.25
+#: height of the bars' plot relative to its tallest bar: room for the legend
+BAR_ROOM_FACTOR = 1.25
 
 
 def plot_turns(
@@ -23,11 +23,9 @@ def plot_turns(
     size: tuple[int, int] | None = None,
     dpi: int = 150,
 ) -> None:
-    """TE over the pinion's turns until it repeats, and its waves as bars.
+    """Plot the TE over the pinion's turns until it repeats, and its waves as bars.
 
-    `unit`: rad and name of the unit that errors are shown in; `size` is in pixels.
-
-    Raises OutputError where the file cannot be written.
+    `unit`: rad and name of the unit of errors; `size` in pixels. Raises OutputError if the file cannot be written.
     """
     rad, name = unit[0], unit[1].replace("um", "µm")
     inches, dots = sheet((10.5, 5.0), size, dpi)
@@ -36,10 +34,10 @@ def plot_turns(
     axes.plot(turns.phi1 / (2.0 * np.pi), turns.te / rad, color=CURVE_COLOURS[0], lw=0.9)
     axes.set(xlabel="turns of the pinion, until the same teeth mesh again", ylabel=f"transmission error ({name})")
     axes.margins(x=0.01)
-    # rounding is no error
+    # rounding must not look like a signal
     low, high = (float(end) / rad for end in (np.nanmin(turns.te), np.nanmax(turns.te)))
-    if high - low < LEAST_RANGE:
-        axes.set_ylim(0.5 * (low + high - LEAST_RANGE), 0.5 * (low + high + LEAST_RANGE))
+    if high - low < MIN_TE_RANGE:
+        axes.set_ylim(0.5 * (low + high - MIN_TE_RANGE), 0.5 * (low + high + MIN_TE_RANGE))
     place, names = np.arange(len(turns.waves)), [_name(wave.member, wave.per_turn) for wave in turns.waves]
     bars.bar(
         place, [wave.amplitude / rad for wave in turns.waves], color=CURVE_COLOURS[0], width=0.7, label="exact contact"
@@ -48,8 +46,8 @@ def plot_turns(
     if np.isfinite(closed).any():
         bars.plot(place, closed, ls="", marker="_", ms=22, mew=2.0, color=INK_COLOUR, label="closed form")
     bars.set_xticks(place, names, rotation=90, fontsize=9)
-    tallest = np.nanmax([wave.amplitude / rad for wave in turns.waves] + [*closed], initial=0.5 * LEAST_RANGE)
-    bars.set(ylabel=f"amplitude ({name})", ylim=(0.0, OVER_BARS * tallest))
+    tallest = np.nanmax([wave.amplitude / rad for wave in turns.waves] + [*closed], initial=0.5 * MIN_TE_RANGE)
+    bars.set(ylabel=f"amplitude ({name})", ylim=(0.0, BAR_ROOM_FACTOR * tallest))
     bars.legend(fontsize=8, framealpha=0.85)
     for plot in (axes, bars):
         plot.grid(True, color=GRID_LINE_COLOUR, lw=0.8)

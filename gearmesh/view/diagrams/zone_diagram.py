@@ -1,7 +1,8 @@
-"""The zone of contact as a figure: contact lines on the flanks of both members, and seen at right angles to the plane of action.
+"""The zone of contact as a figure: contact lines on both flanks, and perpendicular to the plane of action.
 
-All contact lines of a tooth pair from first to last touch are faint, those of all tooth pairs at one rotation of the pinion are
-marked. Flanks are as in `flank_diagrams`; below them is the zone in space, which lies still while the gears turn.
+Contact lines of a tooth pair from first to last contact are faint. Lines of all tooth pairs at one rotation of the
+pinion are marked. Flanks are drawn as in `flank_diagrams`; below them is the zone in space, which is at rest while the
+gears turn.
 """
 
 from __future__ import annotations
@@ -16,9 +17,9 @@ import numpy as np
 from gearmesh.answers.contact.zone import ZoneOfContact
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.view.diagrams.flank_diagrams import (
-    ABOVE,
-    BESIDE,
-    WIDTH,
+    ABOVE_PANEL_INCHES,
+    BESIDE_PANEL_INCHES,
+    FIGURE_WIDTH_INCHES,
     ContactPanel,
     contact_panel,
     draw_contact,
@@ -39,41 +40,49 @@ from gearmesh.view.palette import (
 )
 from gearmesh.view.scene import contact_on, jumps
 
-#: heights of a flank beyond it in which a limit line is still shown; margin about the zone in space, as a part of its height
-BEYOND, MARGIN = 0.6, 0.15
-#: lengths to a height up to which the zone in space is drawn to scale, and the magnifications of its width else
-LONGEST = 7.0
-#: inches of a legend's entry
-LEGEND_ENTRY = 3.2
-#: what limit lines are called: of the gear, of the pinion
-LIMITS = {True: "limiting line of the tool (undercut)", False: "envelope of the contact lines (none beyond)"}
+#: distance beyond a flank, in its heights, up to which a limit line is shown
+LIMIT_REACH_HEIGHTS = 0.6
+#: margin around the zone in space, as a share of its height
+ZONE_MARGIN = 0.15
+#: length of the zone in space, in its heights, up to which it is drawn to scale
+MAX_SCALE_LENGTH = 7.0
+#: width of an entry of the legend
+LEGEND_ENTRY_INCHES = 3.2
+#: labels of limit lines, by `undercut`: True for the limiting line of the tool
+LIMIT_LABELS = {True: "limiting line of the tool (undercut)", False: "envelope of the contact lines (none beyond)"}
 
 
 @dataclass(frozen=True)
 class _ZoneLines:
-    """Contact `lines` of a tooth pair, the `strips` that they sweep, those `now`, a `path` of points (P, 2), and the `limits`."""
+    """The lines of a zone of contact in the plane of action, mm."""
 
+    #: contact lines of one tooth pair, each (K, 2)
     lines: Sequence[Array]
+    #: areas that they sweep, each (Q, 4, 2)
     strips: Sequence[Array]
+    #: contact lines of all tooth pairs at the rotation shown
     now: Sequence[Array]
+    #: path of contact (P, 2)
     path: Array
+    #: limit lines (L, 2), each with True for an undercut limit
     limits: Sequence[tuple[Array, bool]]
 
 
 def plot_zone(
     file: Path | str, shown: ZoneOfContact, title: str, size: tuple[int, int] | None = None, dpi: int = 150
 ) -> None:
-    """The zone of contact, written to a file. Raises OutputError where that cannot be written."""
-    pair, width = shown.pair, WIDTH - BESIDE
+    """Plot the zone of contact. Raises OutputError if the file cannot be written."""
+    pair, width = shown.pair, FIGURE_WIDTH_INCHES - BESIDE_PANEL_INCHES
     panels = [_panel(shown, name) for name in pair.members]
     windows = [_window(shown, panel, width) for panel in panels]
     space = _in_space(shown)
     (left, right), (low, high) = _extent(space)
     heights = [
-        width * (top - bottom) * magnified / (end - begin) + ABOVE for (begin, end), (bottom, top), magnified in windows
+        width * (top - bottom) * magnified / (end - begin) + ABOVE_PANEL_INCHES
+        for (begin, end), (bottom, top), magnified in windows
     ]
-    heights.append(min(width * (high - low) / (right - left), 0.45 * width) + ABOVE)
-    inches, dots = sheet((WIDTH, sum(heights) + 0.8), size, dpi)
+    heights.append(min(width * (high - low) / (right - left), 0.45 * width) + ABOVE_PANEL_INCHES)
+    inches, dots = sheet((FIGURE_WIDTH_INCHES, sum(heights) + 0.8), size, dpi)
     figure = new_figure(inches, dots)
     *flanks, below = figure.subplots(3, 1, gridspec_kw={"height_ratios": heights})
     for axes, panel, window in zip(flanks, panels, windows, strict=True):
@@ -82,7 +91,7 @@ def plot_zone(
     handles = {
         label: handle for axes in figure.axes for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
     }
-    columns = max(1, int(inches[0] / LEGEND_ENTRY))
+    columns = max(1, int(inches[0] / LEGEND_ENTRY_INCHES))
     figure.legend(
         handles.values(), handles.keys(), loc="outside lower center", ncols=columns, frameon=False, fontsize=9
     )
@@ -102,13 +111,13 @@ def _panel(shown: ZoneOfContact, name: str) -> ContactPanel:
 
 
 def _window(shown: ZoneOfContact, panel: ContactPanel, width: float) -> tuple[Any, Any, float]:
-    """That of a flank, and what lies little beyond it of its limit line."""
+    """Window of a flank and of the part of its limit line near it."""
     frame = panel.plane.frame
     (left, low), (right, high) = frame.extent
     limit = shown.limits.get(panel.plane.member.name)
     if limit is not None:
         lengths, places = frame.places(limit.own).T
-        reach = BEYOND * (high - low)
+        reach = LIMIT_REACH_HEIGHTS * (high - low)
         near = (lengths >= left) & (lengths <= right) & (places > low - reach) & (places < high + reach)
         if near.any():
             low, high = min(low, float(places[near].min())), max(high, float(places[near].max()))
@@ -136,7 +145,7 @@ def _draw_flank(axes: Any, shown: ZoneOfContact, panel: ContactPanel, window: tu
 
 
 def _in_space(shown: ZoneOfContact) -> _ZoneLines:
-    """What is drawn of the zone in space, in the plane of action."""
+    """Return the lines of the zone in space, in the plane of action."""
     places, whole = shown.plane.places, shown.whole
     lines = [None if line is None else places(line) for line in whole.lines]
     path = places(whole.point)
@@ -152,10 +161,10 @@ def _in_space(shown: ZoneOfContact) -> _ZoneLines:
 
 
 def _extent(space: _ZoneLines) -> Array:
-    """Least and greatest length and width of the zone in space, with room about it, (2, 2)."""
+    """Smallest and largest length and width of the zone in space with its margin, (2, 2)."""
     every = np.concatenate((*space.lines, space.path))
     low, high = np.nanmin(every, axis=0), np.nanmax(every, axis=0)
-    room = MARGIN * max(float((high - low).min()), 0.1 * float((high - low).max()))
+    room = ZONE_MARGIN * max(float((high - low).min()), 0.1 * float((high - low).max()))
     return np.stack((low - room, high + room), axis=-1)
 
 
@@ -170,7 +179,7 @@ def _draw_space(axes: Any, shown: ZoneOfContact, space: _ZoneLines) -> None:
     if space.lines:
         axes.add_collection(LineCollection(list(space.lines), colors=LINE_COLOUR, linewidths=1.1, zorder=3))
     known = np.asarray(np.isfinite(space.path).all(axis=1))
-    # between lines there is no path
+    # a path is drawn only where neighbouring positions have points of contact
     if (known[1:] & known[:-1]).any():
         axes.plot(*space.path.T, color=PATH_COLOUR, lw=1.8, zorder=5, label="path of contact")
         points = shown.now.touching & np.array([line is None for line in shown.now.lines])
@@ -185,7 +194,7 @@ def _draw_space(axes: Any, shown: ZoneOfContact, space: _ZoneLines) -> None:
     (left, right), (low, high) = _extent(space)
     axes.set_xlim(left, right)
     axes.set_ylim(low, high)
-    if (right - left) <= LONGEST * (high - low):
+    if (right - left) <= MAX_SCALE_LENGTH * (high - low):
         axes.set_aspect("equal", adjustable="box")
     axes.grid(True, color=GRID_LINE_COLOUR, lw=0.8)
     axes.set_axisbelow(True)
@@ -209,4 +218,6 @@ def _mark(axes: Any, lines: Sequence[Array], shown: ZoneOfContact) -> None:
 
 def _draw_limit(axes: Any, places: Array, *, undercut: bool) -> None:
     colour = INK_COLOUR if undercut else EDGE_COLOUR
-    axes.plot(*places.T, color=colour, lw=1.6, ls="--", zorder=7, label=LIMITS[undercut], scalex=False, scaley=False)
+    axes.plot(
+        *places.T, color=colour, lw=1.6, ls="--", zorder=7, label=LIMIT_LABELS[undercut], scalex=False, scaley=False
+    )

@@ -1,9 +1,9 @@
-"""Where a tooth pair presses and how hard, over its whole engagement, and the largest pressure that each place of a flank sees.
+"""Pressure of a tooth pair over its whole engagement, and the largest pressure at each point of a flank.
 
-At every position several tooth pairs are loaded; in the order of their phases they show one pair from its first touch to its last.
-Positions are steps, contact is not: between neighbouring phases the cells and their pressures are interpolated linearly.
+At every position several tooth pairs are loaded. Ordered by their phases they show one pair from first to last contact.
+Positions are discrete, contact is not: cells and pressures are interpolated linearly between neighbouring phases.
 
-    phase f        f + 1         cells X along by Y across; a place sees the largest of what passes over it
+    phase f        f + 1         cells X along by Y across; a point sees the largest pressure that passes over it
     ||||||||   ->   ||||||||
 """
 
@@ -20,39 +20,53 @@ from gearmesh.kernel.numeric.algebra import Array, dot, unit
 from gearmesh.loaded.sharing import LoadedMesh, inside
 from gearmesh.teeth.gear_train import GearPair
 
-#: phases farther apart, in pitches, are not joined; nor are contacts that run in directions with less than this cosine between them
-STEP, ALIKE = 0.15, 0.8
-#: samples to a cell of a raster, and at most from one place to the next
-SAMPLES, MOST = 1.4, 200
-#: points of a line of contact
-ALONG = 81
-#: the part of the pressed area that a scale is for, and how far it goes beyond
-NEARLY_ALL, BEYOND = 0.95, 1.25
+#: largest distance of phases that are joined
+MAX_JOINED_STEP_PITCHES = 0.15
+#: smallest cosine between the directions of contacts that are joined
+MIN_JOINED_COSINE = 0.8
+#: samples for each cell of a raster
+SAMPLES_PER_CELL = 1.4
+#: largest number of samples from one place to the next
+MAX_SAMPLES_PER_STEP = 200
+#: points along a contact
+POINTS_PER_CONTACT = 81
+#: quantile of the pressures of the pressed area from which the scale is computed
+SCALE_QUANTILE = 0.95
+#: end of the scale relative to this quantile
+SCALE_FACTOR = 1.25
 
 
 @dataclass(frozen=True)
 class Footprints:
-    """One tooth pair at one torque: cells (X, Y) at phases (F,), rad, of the pinion, ascending.
+    """One tooth pair at one torque: cells (X, Y) at F phases."""
 
-    `middle` (F, X, 3), mm, the direction `across` (F, 3) in which the cells are at `y` (F, Y), mm, and the `normal` (F, 3) out of
-    the pinion, fixed frame; `own_to_fixed` (F,) of pinion and gear; `pressure` (F, X, Y), MPa, and which cells that are pressed lie
-    on an `edge` of a flank; `share` (F,) of the torque; whether phases f and f + 1 are `joined` (F - 1,).
-    """
-
+    #: phases (F,) of the pinion, rad, ascending
     phase: Array
+    #: middles (F, X, 3) of the rows of cells, mm, fixed frame
     middle: Array
+    #: directions (F, 3) across the contact, along which the cells of a row lie, fixed frame
     across: Array
+    #: normals (F, 3) out of the pinion, fixed frame
     normal: Array
+    #: coordinates (F, Y) of the cells across, mm
     y: Array
+    #: motions (F,) of pinion and gear from their own frames
     own_to_fixed: tuple[Rigid, Rigid]
+    #: pressures (F, X, Y), MPa
     pressure: Array
+    #: True (F, X, Y) for pressed cells on an edge of a flank
     edge: NDArray[np.bool_]
+    #: shares (F,) of the torque
     share: Array
+    #: True (F - 1,) if the contact continues from phase f to f + 1
     joined: NDArray[np.bool_]
 
     @staticmethod
     def of(gears: GearPair, mesh: LoadedMesh, torque: int, half: int = 0) -> Footprints:
-        """Of the torque of that number; of double helical gears of that half, 0 or 1: the other one as the image of the first."""
+        """Return the footprints under a torque (by index), for one half (0 or 1) of double helical gears.
+
+        The second half is returned as the image of the first.
+        """
         load = mesh.loads[torque]
         grid = load.separation
         phase = mesh.phi1[load.position] - gears.pitch * load.number
@@ -60,14 +74,15 @@ class Footprints:
         order = order[np.argsort(phase[order], kind="stable")]
         middle, across = grid.middle[order], grid.across[order].copy()
         pressure, edge = load.pressure[order], ~inside(grid.on, 1)[order]
-        # which way x counts along an ellipse's major axis is chance
+        # the sense of x along an ellipse's major axis is arbitrary: each phase takes the sense nearer to the phase
+        # before
         for f in range(1, len(order)):
             as_it_is, turned = (np.abs(line - middle[f - 1]).sum() for line in (middle[f], middle[f, ::-1]))
             if turned < as_it_is:
                 middle[f], across[f] = middle[f, ::-1].copy(), -across[f]
                 pressure[f], edge[f] = pressure[f, ::-1, ::-1].copy(), edge[f, ::-1, ::-1].copy()
         along = unit(middle[:, -1] - middle[:, 0])
-        near = np.diff(phase[order]) < STEP * gears.pitch
+        near = np.diff(phase[order]) < MAX_JOINED_STEP_PITCHES * gears.pitch
         count = pressure.shape[2]
         first, second = (Rigid(own.rotation[order], own.translation[order]) for own in grid.own_to_fixed)
         return Footprints(
@@ -80,7 +95,7 @@ class Footprints:
             pressure,
             edge & (pressure > 0.0),
             (load.moment / mesh.torque[torque])[order],
-            near & (dot(along[1:], along[:-1]) > ALIKE),
+            near & (dot(along[1:], along[:-1]) > MIN_JOINED_COSINE),
         )
 
     @property
@@ -89,15 +104,18 @@ class Footprints:
         return self.middle[:, :, None] + self.y[:, None, :, None] * self.across[:, None, None]
 
     def own(self, member: int, points: Array) -> Array:
-        """Points (F, ..., 3) of the fixed frame in that of pinion (0) or gear (1), as they are at the phases."""
+        """Points (F, ..., 3) of the fixed frame in the own frame of pinion (0) or gear (1), at the phases."""
         to_own = self.own_to_fixed[member].inverse
         turned = np.einsum("fij,f...j->f...i", to_own.rotation, points)
         in_own: Array = turned + to_own.translation.reshape(-1, *(1,) * (points.ndim - 2), 3)
         return in_own
 
     def bands(self, count: int) -> Array:
-        """Of every phase `count` points along its contact: middle of what is pressed across, fixed frame, half width, mm, and
-        largest pressure, MPa, (F, count, 5); NaN where nothing is pressed."""
+        """Bands (F, count, 5) of pressed area: middle across the contact, fixed frame, half width, mm, largest
+        pressure, MPa.
+
+        Every phase has `count` points along its contact; NaN without pressure.
+        """
         along = np.full((len(self.phase), count, 5), np.nan)
         for f, pressure in enumerate(self.pressure):
             pressed = pressure > 0.0
@@ -113,39 +131,45 @@ class Footprints:
 
     @property
     def on_edges(self) -> Array:
-        """Places (F, X, 3), fixed frame, of the most pressed of the cells across that lie on an edge; NaN where none does."""
+        """Places (F, X, 3), fixed frame, of the cell with the largest pressure across among edge cells; NaN without
+        one.
+        """
         pressed = np.where(self.edge, self.pressure, 0.0)
         most = pressed.argmax(axis=2)
         places = np.take_along_axis(self.cells, most[:, :, None, None], axis=2)[:, :, 0]
-        # the outer cells end there
+        # the outer cells end half a cell beyond their middles
         places[:, 0] += 0.5 * (self.middle[:, 0] - self.middle[:, 1])
         places[:, -1] += 0.5 * (self.middle[:, -1] - self.middle[:, -2])
         return np.where((pressed.max(axis=2) > 0.0)[..., None], places, np.nan)
 
 
 def scale_limit(mesh: LoadedMesh, rasters: Sequence[Array]) -> float:
-    """Pressure, MPa, at which one scale for all torques ends: the largest away from edges, but not far beyond what nearly all of
-    the area in `rasters` of `largest_pressure` has: on corners it grows without limit."""
+    """Return the pressure, MPa, at which the scale for all torques ends: the largest pressure away from edges.
+
+    It is limited by a quantile of the pressed area in `rasters` of `largest_pressure`: at corners the pressure is
+    singular.
+    """
     peaks = np.concatenate([load.peak for load in mesh.loads])
     pressed = np.concatenate([raster[raster > 0.0] for raster in rasters])
     if not pressed.size:
         return 1.0
-    most = BEYOND * float(np.quantile(pressed, NEARLY_ALL))
+    most = SCALE_FACTOR * float(np.quantile(pressed, SCALE_QUANTILE))
     return min(float(np.nanmax(peaks)), most) if np.isfinite(peaks).any() else most
 
 
 def largest_pressure(places: Array, prints: Footprints, extent: Array, count: tuple[int, int]) -> Array:
-    """The largest pressure, MPa, that passes over each cell of a raster (rows of heights, columns of lengths), 0 where none does.
+    """Largest pressure, MPa, that passes over each cell of a raster (rows of heights, columns of lengths); 0 without.
 
-    `places` (F, X, Y, 2): where the cells are in the plane; `extent` (2, 2): its least and greatest length and height; `count` of
-    rows and columns.
+    - `places` (F, X, Y, 2): places of the cells in the plane
+    - `extent` (2, 2): smallest and largest length and height of the raster
+    - `count`: rows and columns of the raster
     """
     low, high = extent
     pixels = (places - low) / (high - low) * np.array(count[::-1])
     largest, pressure = np.zeros(count), prints.pressure
     for here, pressed in zip(pixels, pressure, strict=True):
         _cover(largest, here[None], pressed[None])
-    # what passes over a place between phases has its largest pressure on the line of them
+    # between phases the largest pressure at a place lies on the line of largest pressures
     lines = [_line(*print_of) for print_of in zip(pixels, pressure, strict=True)]
     for f in np.flatnonzero(prints.joined):
         ends = [line for line in lines[f : f + 2] if line is not None]
@@ -156,23 +180,25 @@ def largest_pressure(places: Array, prints: Footprints, extent: Array, count: tu
 
 
 def _line(places: Array, pressure: Array) -> Array | None:
-    """Place and largest pressure (ALONG, 3) along a contact from end to end, from cells (X, Y); None where nothing is pressed."""
+    """Place and largest pressure (POINTS_PER_CONTACT, 3) along a contact, from cells (X, Y); None without pressure."""
     largest = pressure.max(axis=1)
     most = np.where(largest > 0.0, pressure.argmax(axis=1), pressure.shape[1] // 2)
-    return _from_end_to_end(places[np.arange(len(most)), most], largest, ALONG)
+    return _from_end_to_end(places[np.arange(len(most)), most], largest, POINTS_PER_CONTACT)
 
 
 def _from_end_to_end(track: Array, largest: Array, count: int) -> Array | None:
-    """A track (X, K) with the largest pressure (X,) as a last column, (count, K + 1), where it is pressed; None where nowhere.
+    """Pressed part of a track (X, K) with its largest pressure (X,) as last column, (count, K + 1); None without
+    pressure.
 
-    It ends where cells are not pressed; so contact that grows from one phase to the next is interpolated from end to end.
+    It ends where the pressure ends, so that a contact that grows between phases is interpolated from end to end.
     """
     pressed = np.flatnonzero(largest > 0.0)
     if not pressed.size:
         return None
     first, last = pressed[[0, -1]]
     rate = np.diff(track, axis=0)
-    # to the middle of the next cell, where there is nothing; the outermost cells end where a flank does
+    # a contact ends in the middle of the next cell, where the pressure is 0; at the outermost cells it ends at their
+    # edge, where the flank ends
     outer = first == 0, last == len(largest) - 1
     low, high = (0.5 if end else 1.0 for end in outer)
     ends = track[first] - low * rate[max(first - 1, 0)], track[last] + high * rate[min(last, len(rate) - 1)]
@@ -186,13 +212,13 @@ def _from_end_to_end(track: Array, largest: Array, count: int) -> Array | None:
 
 
 def _cover(raster: Array, places: Array, pressure: Array) -> None:
-    """Raise a raster to pressures (P, X, Y) at `places` (P, X, Y, 2), pixels, and to those between its one or two phases."""
+    """Raise a raster to the pressures (P, X, Y) at `places` (P, X, Y, 2), pixels, and between the P = 1 or 2 phases."""
     if not (pressure > 0.0).any():
         return
     spacing = [np.linalg.norm(np.diff(places, axis=k), axis=-1).max(initial=0.0) for k in range(3)]
-    steps = int(np.clip(np.ceil(SAMPLES * spacing[0]), 1, MOST))
+    steps = int(np.clip(np.ceil(SAMPLES_PER_CELL * spacing[0]), 1, MAX_SAMPLES_PER_STEP))
     along, across = (
-        _weights(n, int(np.clip(n * np.ceil(SAMPLES * length), n, n * MOST)) if n > 1 else 1)
+        _weights(n, int(np.clip(n * np.ceil(SAMPLES_PER_CELL * length), n, n * MAX_SAMPLES_PER_STEP)) if n > 1 else 1)
         for n, length in zip(pressure.shape[1:], spacing[1:], strict=True)
     )
     later = np.linspace(0.0, 1.0, steps + 1 if len(places) > 1 else 1)[:, None, None]
@@ -208,8 +234,10 @@ def _cover(raster: Array, places: Array, pressure: Array) -> None:
 
 
 def _weights(count: int, samples: int) -> tuple[Array, Array]:
-    """Linear weights (samples, count) of cells for places evenly from end to end of all of them: going on beyond the middles of the
-    outer ones, and staying what they are there."""
+    """Linear weights (samples, count) of cells, for samples evenly from end to end of the row.
+
+    Beyond the middles of the outer cells the first matrix extrapolates, the second is constant.
+    """
     if count == 1:
         return np.ones((samples, 1)), np.ones((samples, 1))
     at = (np.arange(samples) + 0.5) * count / samples - 0.5

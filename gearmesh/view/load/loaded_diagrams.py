@@ -1,4 +1,4 @@
-"""Figures of gears under torque: the loaded pattern on the flanks, transmission error, load share, bending stress."""
+"""Figures of gears under torque: pressure on the flanks, transmission error, load share, bending stress."""
 
 from __future__ import annotations
 
@@ -20,50 +20,60 @@ from gearmesh.view.diagrams.plots import new_figure, save_figure, sheet
 from gearmesh.view.load.footprints import Footprints, largest_pressure, scale_limit
 from gearmesh.view.palette import COLOUR_MAP, CURVE_COLOURS, EDGE_COLOUR, FAINT_COLOUR, GRID_LINE_COLOUR, INK_COLOUR
 
-#: what colours on flanks tell
-PRESSURE = "largest pressure (MPa)"
-#: what curves of root stress tell
-BENDING = "bending stress (MPa)"
-#: rows and columns of the raster on which pressures are gathered
-RASTER = (181, 361)
-#: parts of a flank about what is pressed that the raster holds, too
-ROOM = 0.03
-#: pressures below this part of the scale are not drawn
-FAINTEST = 0.004
-#: inches: width of all panels beside each other, least width of one, beside and above what it shows
-WIDTH, LEAST_WIDTH, BESIDE, ABOVE = 14.0, 4.2, 0.75, 0.8
-#: least range (arcsec, um) of transmission errors that is shown
-LEAST_ERROR = 0.02
-#: torques from which on the error is drawn over them
-CURVE_OF = 3
-#: parts of the torque by which halves differ, at least
-ALIKE = 1e-3
-#: pressures in this ratio or less read alike
-ROUNDED = 1.005
+#: label of the colours on flanks
+PRESSURE_LABEL = "largest pressure (MPa)"
+#: label of curves of root stress
+BENDING_LABEL = "bending stress (MPa)"
+#: rows and columns of the raster of pressures
+RASTER_SIZE = (181, 361)
+#: margin of the raster around the pressed area, as a share of the flank
+RASTER_MARGIN = 0.03
+#: smallest pressure that is drawn, as a share of the scale
+MIN_DRAWN_SHARE = 0.004
+#: width of all panels side by side
+ALL_PANELS_INCHES = 14.0
+#: smallest width of a panel
+MIN_PANEL_INCHES = 4.2
+#: width that a panel needs beside its content
+BESIDE_CONTENT_INCHES = 0.75
+#: height that a panel needs above and below its content
+ABOVE_CONTENT_INCHES = 0.8
+#: smallest range (arcsec, um) of transmission errors that is shown
+MIN_ERROR_RANGE = 0.02
+#: number of torques from which the peak to peak is drawn over the torque
+MIN_CURVE_TORQUES = 3
+#: smallest difference of the load shares of halves that are drawn separately
+MIN_SHARE_DIFFERENCE = 1e-3
+#: ratio up to which pressures have the same text
+SAME_PRESSURE_RATIO = 1.005
 #: labels of the halves of double helical gears
-HALVES = ("", ", other half")
-#: positions below which each has its mark
-FEW = 12
+HALF_LABELS = ("", ", other half")
+#: number of positions below which each is marked
+MAX_MARKED_POSITIONS = 12
 
 
 @dataclass(frozen=True)
 class LoadedPanel:
-    """The flank of a member under one torque: the largest pressure (RASTER), MPa, that each place sees, 0 where none, between least
-    and greatest length and height `bounds` (2, 2), mm; the places (N, 2), mm, of edge contact."""
+    """The flank of a member under one torque."""
 
+    #: title of the panel
     name: str
+    #: the flank and its plane
     plane: FlankPlane
+    #: smallest and largest length and height (2, 2) of the raster, mm
     bounds: Array
+    #: largest pressure (RASTER_SIZE) at each place, MPa, 0 without pressure
     pressure: Array
+    #: places (N, 2) of edge contact, mm
     edges: Array
 
     @property
     def extent(self) -> tuple[float, float]:
-        """Lengths between which there is pressure."""
+        """Smallest and largest length with pressure."""
         return float(self.bounds[0, 0]), float(self.bounds[1, 0])
 
     def at(self, places: Array) -> Array:
-        """The largest pressure (...,), MPa, at places (..., 2), mm."""
+        """Largest pressure (...,), MPa, at places (..., 2), mm."""
         from scipy.ndimage import map_coordinates
 
         low, high = self.bounds
@@ -73,37 +83,37 @@ class LoadedPanel:
 
 
 def loaded_panel(plane: FlankPlane, prints: Footprints, member: int, name: str) -> LoadedPanel:
-    """The flank of pinion (0) or gear (1) in its plane, with what `prints` press on it."""
+    """Return the panel of the flank of pinion (0) or gear (1), with the pressures of `prints`."""
     places = plane.frame.places(prints.own(member, prints.cells))
     edges = plane.frame.places(prints.own(member, prints.on_edges)).reshape(-1, 2)
     pressed, (low, high) = places[prints.pressure > 0.0], plane.frame.extent
-    room = ROOM * (high - low)
+    room = RASTER_MARGIN * (high - low)
     bounds = np.stack((np.maximum(pressed.min(axis=0) - room, low), np.minimum(pressed.max(axis=0) + room, high)))
-    raster = largest_pressure(places, prints, bounds, RASTER)
+    raster = largest_pressure(places, prints, bounds, RASTER_SIZE)
     return LoadedPanel(name, plane, bounds, raster, edges[np.isfinite(edges).all(axis=1)])
 
 
 @dataclass(frozen=True)
 class LoadedPattern:
-    """What a mesh under torques presses on the flanks of both members."""
+    """Pressures of a mesh under torques on the flanks of both members."""
 
     gears: GearPair
     mesh: LoadedMesh
 
     @cached_property
     def prints(self) -> list[tuple[Footprints, ...]]:
-        """For each torque the tooth pairs of the one half, and of the other of double helical gears."""
+        """Footprints for each torque, one for each half of double helical gears."""
         return [footprints(self.gears, self.mesh, k) for k in range(len(self.mesh.torque))]
 
     @cached_property
     def panels(self) -> dict[str, list[tuple[LoadedPanel, ...]]]:
-        """Panels for each torque, of double helical gears for each half if these differ, by members."""
+        """Panels by member, for each torque; one for each half of double helical gears if the halves differ."""
         by_member = {}
         for k, (name, side) in enumerate(zip(self.gears.members, self.gears.flanks, strict=True)):
             plane = FlankPlane.of(self.gears.members[name], side)
             by_member[name] = [
                 tuple(
-                    loaded_panel(plane, part, k, f"{name}, {side} flank: {newton_metres(torque)}{HALVES[half]}")
+                    loaded_panel(plane, part, k, f"{name}, {side} flank: {newton_metres(torque)}{HALF_LABELS[half]}")
                     for half, part in enumerate(_different(of_halves))
                 )
                 for of_halves, torque in zip(self.prints, self.mesh.torque, strict=True)
@@ -111,7 +121,7 @@ class LoadedPattern:
         return by_member
 
     def rows(self, names: Sequence[str]) -> list[list[LoadedPanel]]:
-        """Rows of panels, a row per member, a panel per torque and half."""
+        """Return rows of panels: a row for each member, a panel for each torque and half."""
         return [[panel for of_torque in self.panels[name] for panel in of_torque] for name in names]
 
     @cached_property
@@ -121,27 +131,28 @@ class LoadedPattern:
 
     @property
     def above(self) -> bool:
-        """Whether there is pressure above the end of the scale."""
+        """True if a pressure exceeds the end of the scale."""
         peaks = np.concatenate([load.peak for load in self.mesh.loads])
-        return bool(np.nanmax(peaks, initial=0.0) > ROUNDED * self.limit)
+        return bool(np.nanmax(peaks, initial=0.0) > SAME_PRESSURE_RATIO * self.limit)
 
 
 def footprints(gears: GearPair, mesh: LoadedMesh, torque: int) -> tuple[Footprints, ...]:
-    """The tooth pairs of a torque, of each half of double helical gears."""
+    """Return the footprints under a torque, one for each half of double helical gears."""
     return tuple(Footprints.of(gears, mesh, torque, half) for half in np.unique(mesh.loads[torque].half))
 
 
 def _different(parts: tuple[Footprints, ...]) -> tuple[Footprints, ...]:
-    """Both halves where they differ, else one that stands for both."""
+    """Return the footprints of both halves if they differ, otherwise of the first alone."""
     first, *others = parts
     alike = [
-        len(other.phase) == len(first.phase) and np.allclose(other.share, first.share, atol=ALIKE) for other in others
+        len(other.phase) == len(first.phase) and np.allclose(other.share, first.share, atol=MIN_SHARE_DIFFERENCE)
+        for other in others
     ]
     return parts[:1] if all(alike) else parts
 
 
 def newton_metres(torque: float) -> str:
-    """A torque of N mm in words."""
+    """Text of a torque given in N mm."""
     return f"{1e-3 * torque:.4g} Nm"
 
 
@@ -153,9 +164,9 @@ def plot_loaded_flanks(
     size: tuple[int, int] | None = None,
     dpi: int = 150,
 ) -> None:
-    """Rows of panels with one scale that ends at `limit`, MPa; long flanks of several torques above each other; `size` in pixels.
+    """Plot rows of panels with one scale that ends at `limit`, MPa; `size` in pixels.
 
-    Raises OutputError where the file cannot be written.
+    Long flanks of several torques are above each other. Raises OutputError if the file cannot be written.
     """
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
@@ -163,10 +174,17 @@ def plot_loaded_flanks(
     if is_long([row[0].plane for row in rows]) and len(rows) < len(rows[0]):
         rows = [list(column) for column in zip(*rows, strict=True)]
     columns = max(map(len, rows))
-    width = max(WIDTH / max(columns, 2), LEAST_WIDTH)
-    windows = [[flank_window(panel.plane.frame.extent, panel.extent, width - BESIDE) for panel in row] for row in rows]
+    width = max(ALL_PANELS_INCHES / max(columns, 2), MIN_PANEL_INCHES)
+    windows = [
+        [flank_window(panel.plane.frame.extent, panel.extent, width - BESIDE_CONTENT_INCHES) for panel in row]
+        for row in rows
+    ]
     heights = [
-        max((width - BESIDE) * (high - low) * tall / (right - left) for (left, right), (low, high), tall in row) + ABOVE
+        max(
+            (width - BESIDE_CONTENT_INCHES) * (high - low) * tall / (right - left)
+            for (left, right), (low, high), tall in row
+        )
+        + ABOVE_CONTENT_INCHES
         for row in windows
     ]
     inches, dots = sheet((width * columns + 1.0, sum(heights) + 0.8), size, dpi)
@@ -178,7 +196,7 @@ def plot_loaded_flanks(
             _draw_panel(axes, panel, window, scale)
     above = any((panel.pressure > limit).any() for row in rows for panel in row)
     bar = figure.colorbar(scale, ax=grid, extend="max" if above else "neither", shrink=0.9, fraction=0.03, pad=0.01)
-    bar.set_label(PRESSURE, fontsize=9, color=INK_COLOUR)
+    bar.set_label(PRESSURE_LABEL, fontsize=9, color=INK_COLOUR)
     bar.ax.tick_params(labelsize=8)
     if any(len(panel.edges) for row in rows for panel in row):
         handles, labels = next(legend for axes in grid.flat if (legend := axes.get_legend_handles_labels())[0])
@@ -193,7 +211,7 @@ def _draw_panel(axes: Any, panel: LoadedPanel, window: Any, scale: Any) -> None:
 
     plane = panel.plane
     (left, low), (right, high) = panel.bounds
-    seen = np.ma.masked_less(panel.pressure, FAINTEST * scale.norm.vmax)
+    seen = np.ma.masked_less(panel.pressure, MIN_DRAWN_SHARE * scale.norm.vmax)
     drawn = axes.imshow(
         seen, cmap=scale.cmap, norm=scale.norm, extent=(left, right, low, high), origin="lower", zorder=1
     )
@@ -230,16 +248,18 @@ def plot_loaded_errors(
     *,
     unloaded: float,
 ) -> None:
-    """Transmission error of all torques and without load over phi1, as it is and less its mean; from `CURVE_OF` torques on its peak
-    to peak over the torque, too, without load that of the whole mesh cycle, `unloaded`, rad (NaN: not known). Raises OutputError
-    where the file cannot be written."""
+    """Plot the transmission errors of all torques and without load over phi1, absolute and minus their means.
+
+    From `MIN_CURVE_TORQUES` torques on, the peak to peak is plotted over the torque. `unloaded` is its value without
+    load over the whole mesh cycle, rad (NaN: unknown). Raises OutputError if the file cannot be written.
+    """
     rad, unit = gears.output.reading.error
     word = unit.replace("um", "µm")
     turn = cycle_curves(gears, mesh.phi1)
     curves = [(mesh.unloaded, INK_COLOUR, "no load"), *_colours(mesh, mesh.te)]
-    wide = 2 + (len(mesh.torque) >= CURVE_OF)
+    wide = 2 + (len(mesh.torque) >= MIN_CURVE_TORQUES)
     figure, places = _figure(wide, size, dpi)
-    span = LEAST_ERROR
+    span = MIN_ERROR_RANGE
     for values, colour, label in curves:
         own = (values - mesh.unloaded[0]) / rad
         for axes, shown in ((places[0], own), (places[1], own - own.mean())):
@@ -254,7 +274,7 @@ def plot_loaded_errors(
         axes = places[2]
         axes.plot(np.r_[0.0, 1e-3 * mesh.torque[order]], np.r_[unloaded / rad, peaks], "o-", color=INK_COLOUR)
         axes.set(xlabel="torque on the pinion (Nm)", ylabel=f"peak to peak ({word})")
-        axes.set_ylim(0.0, max(1.1 * float(np.nanmax([*peaks, unloaded / rad])), LEAST_ERROR))
+        axes.set_ylim(0.0, max(1.1 * float(np.nanmax([*peaks, unloaded / rad])), MIN_ERROR_RANGE))
         axes.set_xlim(left=0.0)
     _finish(figure, places, title, file, len(curves))
 
@@ -262,7 +282,7 @@ def plot_loaded_errors(
 def plot_load_share(
     file: Path | str, gears: GearPair, mesh: LoadedMesh, title: str, size: tuple[int, int] | None = None, dpi: int = 150
 ) -> None:
-    """Load share of one tooth pair over its whole engagement, for all torques, and of its neighbours."""
+    """Plot the load share of one tooth pair over its whole engagement, for all torques, and of its neighbours."""
     figure, (axes,) = _figure(1, size, dpi)
     low, high = np.inf, -np.inf
     for k, (_, colour, label) in enumerate(_colours(mesh, mesh.te)):
@@ -274,10 +294,10 @@ def plot_load_share(
             phase, share = _with_breaks(prints.phase[shown], 100.0 * prints.share[shown], gears.pitch)
             for n in (-1, 1):
                 axes.plot(phase + n * np.degrees(gears.pitch), share, color=colour, lw=0.8, alpha=0.4)
-            # torques of like shares lie upon each other
-            width, few = 1.6 + 1.2 * (len(mesh.torque) - 1 - k), len(mesh.phi1) < FEW
+            # curves of torques with equal shares coincide: the first is the widest
+            width, few = 1.6 + 1.2 * (len(mesh.torque) - 1 - k), len(mesh.phi1) < MAX_MARKED_POSITIONS
             axes.plot(
-                phase, share, label=label + HALVES[half], color=colour, ls=("-", ":")[half], lw=width,
+                phase, share, label=label + HALF_LABELS[half], color=colour, ls=("-", ":")[half], lw=width,
                 marker="o" if few else "", ms=3.0,
             )  # fmt: skip
             low, high = min(low, float(phase[0])), max(high, float(phase[-1]))
@@ -292,13 +312,13 @@ def plot_load_share(
 def plot_root_stress(
     file: Path | str, gears: GearPair, mesh: LoadedMesh, title: str, size: tuple[int, int] | None = None, dpi: int = 150
 ) -> None:
-    """Bending stress in the fillets of both members over phi1, for all torques."""
+    """Plot the bending stress in the fillets of both members over phi1, for all torques."""
     figure, places = _figure(2, size, dpi)
     turn = cycle_curves(gears, mesh.phi1)
     for n, (axes, name) in enumerate(zip(places, gears.members, strict=True)):
         for values, colour, label in _colours(mesh, mesh.bending[..., n]):
             axes.plot(turn.degrees, turn.close(values), color=colour, marker=turn.marker, ms=3, lw=1.6, label=label)
-        axes.set(xlabel="pinion rotation φ₁ (deg)", ylabel=BENDING)
+        axes.set(xlabel="pinion rotation φ₁ (deg)", ylabel=BENDING_LABEL)
         axes.set_title(f"fillets of the {name}", fontsize=10, color=INK_COLOUR)
     top = 1.08 * float(np.nanmax(mesh.bending))
     for axes in places:
@@ -309,8 +329,10 @@ def plot_root_stress(
 def plot_tooth_pair(
     file: Path | str, gears: GearPair, mesh: LoadedMesh, title: str, size: tuple[int, int] | None = None, dpi: int = 150
 ) -> None:
-    """Peak pressure and bending stresses of one tooth pair over its engagement, for all torques [LF04 17.10.5, 17.10.6]; marks
-    where contact is with an edge, whose pressure is not reported."""
+    """Plot the peak pressure and bending stresses of one tooth pair, for all torques [LF04 17.10.5, 17.10.6].
+
+    Edge contact is marked; its pressure is not reported.
+    """
     figure, places = _figure(3, size, dpi)
     curves, room = _colours(mesh, mesh.te), 0.1 * np.degrees(gears.pitch)
     for (_, colour, label), load in zip(curves, mesh.loads, strict=True):
@@ -321,7 +343,7 @@ def plot_tooth_pair(
             for axes, values in zip(places, (load.peak, *load.roots.nominal.T), strict=True):
                 x, y = _with_breaks(phase[own], values[own], gears.pitch)
                 axes.plot(
-                    x, y, label=label + HALVES[half], color=colour, ls=("-", ":")[half], lw=1.6, marker="o", ms=2.5
+                    x, y, label=label + HALF_LABELS[half], color=colour, ls=("-", ":")[half], lw=1.6, marker="o", ms=2.5
                 )
             edge = np.degrees(phase[own[load.edge_contact[own]]])
             places[0].plot(
@@ -333,7 +355,7 @@ def plot_tooth_pair(
         )
     for axes, what in zip(places, ("contact", *(f"fillets of the {name}" for name in gears.members)), strict=True):
         axes.set_title(what, fontsize=10, color=INK_COLOUR)
-        axes.set(xlabel="pinion rotation φ₁ of this pair (deg)", ylabel=BENDING)
+        axes.set(xlabel="pinion rotation φ₁ of this pair (deg)", ylabel=BENDING_LABEL)
         axes.set_xlim(axes.dataLim.x0 - room, axes.dataLim.x1 + room)
         axes.set_ylim(bottom=0.0)
     places[0].set_ylabel("peak pressure (MPa)")
@@ -342,7 +364,7 @@ def plot_tooth_pair(
 
 @dataclass(frozen=True)
 class CycleCurves:
-    """Where curves over phi1 have their points, deg, and how their values are closed: a whole cycle ends as it begins."""
+    """Abscissae of curves over phi1, deg, and the order of their values; a whole cycle ends with its first value."""
 
     degrees: Array
     order: NDArray[np.intp]
@@ -353,11 +375,11 @@ class CycleCurves:
 
     @property
     def marker(self) -> str:
-        return "o" if len(self.degrees) < FEW else ""
+        return "o" if len(self.degrees) < MAX_MARKED_POSITIONS else ""
 
 
 def cycle_curves(gears: GearPair, phi1: Array) -> CycleCurves:
-    """Curves over rotations (P,) of the pinion."""
+    """Return the abscissae of curves over rotations (P,) of the pinion."""
     order = np.argsort(phi1, kind="stable")
     degrees = np.degrees(phi1[order])
     if not whole_cycle(gears, phi1):
@@ -366,7 +388,7 @@ def cycle_curves(gears: GearPair, phi1: Array) -> CycleCurves:
 
 
 def _with_breaks(phase: Array, values: Array, pitch: float) -> tuple[Array, Array]:
-    """Phases, deg, and values with breaks where phases are far apart."""
+    """Return phases, deg, and values with NaN between phases that are far apart."""
     gaps = np.flatnonzero(np.diff(phase) > 0.5 * pitch) + 1
     return np.insert(np.degrees(phase), gaps, np.nan), np.insert(values, gaps, np.nan)
 
@@ -380,7 +402,7 @@ def _colours(mesh: LoadedMesh, values: Array) -> list[tuple[Array, str, str]]:
 
 
 def _figure(count: int, size: tuple[int, int] | None, dpi: int) -> tuple[Any, list[Any]]:
-    """A figure of plots side by side."""
+    """Return a figure of plots side by side."""
     inches, dots = sheet(((8.0, 5.4, 5.0)[count - 1] * count, 5.0), size, dpi)
     figure = new_figure(inches, dots)
     return figure, list(figure.subplots(1, count, squeeze=False)[0])

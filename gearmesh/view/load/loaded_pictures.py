@@ -1,4 +1,4 @@
-"""Pictures of gears under torque: pressures on a tooth and on the flanks, transmission error, load share, root stress."""
+"""Pictures of gears under torque: pressure on teeth and flanks, transmission error, load share, root stress."""
 
 from __future__ import annotations
 
@@ -22,14 +22,17 @@ from gearmesh.view.pictures import PICTURE_SIZE, ToothViews
 
 @dataclass(frozen=True)
 class LoadedPictures:
-    """Pictures of a loaded contact, which share what is pressed on the flanks, and `teeth` with other pictures of the gears."""
+    """Pictures of a loaded contact.
+
+    They share the pressures on the flanks, and `teeth` with other pictures of the gears.
+    """
 
     contact: LoadedContact
     teeth: ToothViews = field(default_factory=ToothViews)
 
     @cached_property
     def pattern(self) -> LoadedPattern:
-        """What is pressed on the flanks, as pictures show it."""
+        """Pressures on the flanks, for all pictures."""
         return LoadedPattern(self.contact.pair, self.contact.mesh)
 
     def picture(
@@ -42,7 +45,7 @@ class LoadedPictures:
         dpi: int = 150,
         note: str = "",
     ) -> Picture | Diagram:
-        """A picture, drawn when it is saved, of the views that `Gears.picture` names for a loaded contact.
+        """Return a picture of a view that `Gears.picture` names for a loaded contact; it is drawn when it is saved.
 
         Raises DesignError for another view, member or torque.
         """
@@ -60,9 +63,9 @@ class LoadedPictures:
         return self._figure(view, member, size, dpi, note)
 
     def save(self, folder: Path, before: str = "") -> tuple[Path, ...]:
-        """All of them into a folder that exists, as PNG files named after their views with `before` in front.
+        """Save all pictures into an existing folder, as PNG files named by `before` and their views.
 
-        Those on teeth, at the largest torque, only where there is OpenGL. Raises OutputError where one cannot be written.
+        Teeth are drawn at the largest torque, only if OpenGL works. Raises OutputError if a file cannot be written.
         """
         files = []
         for view, diagram in self.diagrams().items():
@@ -74,7 +77,7 @@ class LoadedPictures:
         return tuple(files)
 
     def diagrams(self, dpi: int = 150, note: str = "") -> dict[str, Diagram]:
-        """All that need no OpenGL, by their views; `note` stands in their titles."""
+        """Return all diagrams, which need no OpenGL, by view; `note` is in their titles."""
         return {view: self._figure(view, None, None, dpi, note) for view in LOADED_VIEWS[1:]}
 
     def _tooth(self, name: str, torque: int, size: tuple[int, int] | None, note: str) -> Picture:
@@ -110,7 +113,7 @@ class LoadedPictures:
 
 
 def _torque_number(contact: LoadedContact, torque: float | None) -> int:
-    """Number of the torque (Nm) among those of the contact; without one that of the largest."""
+    """Index of the torque (Nm) among the torques of the contact, or of the largest if it is None."""
     if torque is None:
         return int(contact.mesh.torque.argmax())
     known = 1e-3 * contact.mesh.torque

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.view.load.loaded_diagrams import FAINTEST, PRESSURE, LoadedPanel, LoadedPattern
+from gearmesh.view.load.loaded_diagrams import MIN_DRAWN_SHARE, PRESSURE_LABEL, LoadedPanel, LoadedPattern
 from gearmesh.view.on_tooth import lift_grid
 from gearmesh.view.palette import EDGE_COLOUR
 from gearmesh.view.scene import Camera, Dots, MemberContact, Scene, ToothView, ValueMap, beside_bar
@@ -30,7 +30,7 @@ def loaded_scene(view: ToothView, pattern: LoadedPattern, name: str, torque: int
     scale.
     """
     assert view.grid is not None
-    # both halves of double helical gears have a tooth that looks like this: the one that is drawn
+    # the drawn tooth stands for both halves of double helical gears
     panel, prints, limit = pattern.panels[name][torque][0], pattern.prints[torque][0], pattern.limit
     member = pattern.gears.index(name)
     pressed = prints.share > 0.0
@@ -41,8 +41,8 @@ def loaded_scene(view: ToothView, pattern: LoadedPattern, name: str, torque: int
     contact = MemberContact(point, out, no, no, none, none, np.zeros(len(point), dtype=bool))
     grid = _pressed_part(panel, view.grid)
     values = panel.at(panel.plane.frame.places(grid))
-    # what is beyond the scale has the colour of its end
-    shown = np.where(values > FAINTEST * limit, np.minimum(values, MAX_SHOWN_SHARE * limit), np.nan)
+    # pressures beyond the scale have the colour of its end
+    shown = np.where(values > MIN_DRAWN_SHARE * limit, np.minimum(values, MAX_SHOWN_SHARE * limit), np.nan)
     edges = prints.own(member, prints.on_edges)[pressed]
     lifted = (edges + 2.0 * view.lift * out[:, None]).reshape(-1, 3)
     marks = lifted[np.isfinite(lifted).all(axis=1)]
@@ -51,7 +51,7 @@ def loaded_scene(view: ToothView, pattern: LoadedPattern, name: str, torque: int
     return Scene(
         bodies=view.bodies,
         camera=camera,
-        maps=(ValueMap(lift_grid(grid, contact, view.lift), shown, limit, PRESSURE),),
+        maps=(ValueMap(lift_grid(grid, contact, view.lift), shown, limit, PRESSURE_LABEL),),
         dots=(Dots(marks, "edge contact, or contact longer than its grid", EDGE_COLOUR, EDGE_MARK_PIXELS),)
         if len(marks)
         else (),

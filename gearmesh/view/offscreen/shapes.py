@@ -26,7 +26,7 @@ _INSIDE_COLOUR = "#f4f6f8"
 #: cosine of the largest angle between a normal of a region and their mean at a vertex; beyond it is a sharp edge
 _MIN_SMOOTH_COSINE = np.cos(np.radians(35.0))
 #: directions to the lamps in camera axes (right, up, towards the viewer) and their strengths; no side stays black
-_LAMPS = (
+_CAMERA_LAMPS = (
     ((-0.6, 0.9, 1.0), 0.36),
     ((1.0, 0.1, 0.3), 0.50),
     ((-1.0, 0.0, 0.3), 0.34),
@@ -138,7 +138,7 @@ class Viewer:
         facing = right_up_back * np.where(right_up_back[:, 2:] < 0.0, -1.0, 1.0)
         towards = unit((self.camera.position - points) @ self.camera.axes.T)
         bright, shine = np.full(len(points), AMBIENT_SHARE), np.zeros(len(points))
-        for direction, strength in _LAMPS:
+        for direction, strength in _CAMERA_LAMPS:
             lamp = unit(np.array(direction))
             falls = facing @ lamp
             bright += strength * np.maximum(falls, 0.0)

@@ -21,7 +21,7 @@ from gearmesh.mesh.tessellate import ToothMesh, tessellate
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
 from gearmesh.view.load.footprints import Footprints
-from gearmesh.view.load.loaded_diagrams import FAINTEST, PRESSURE, LoadedPattern, cycle_curves
+from gearmesh.view.load.loaded_diagrams import MIN_DRAWN_SHARE, PRESSURE_LABEL, LoadedPattern, cycle_curves
 from gearmesh.view.on_tooth import closest_gap, lift_grid, union_level
 from gearmesh.view.report.packing import pack, packed_mesh
 from gearmesh.view.scene import BLUE_STEEL_PAINT, BRASS_PAINT, BRONZE_PAINT, Camera, MemberContact, contact_on, jumps
@@ -275,11 +275,11 @@ def _pressures(pattern: LoadedPattern, name: str, points: Array) -> dict[str, An
     by_torque = []
     for panel, *_ in pattern.panels[name]:
         values = panel.at(panel.plane.frame.places(points))
-        shown = np.where(values > FAINTEST * pattern.limit, np.minimum(values, 0.999 * pattern.limit), np.nan)
+        shown = np.where(values > MIN_DRAWN_SHARE * pattern.limit, np.minimum(values, 0.999 * pattern.limit), np.nan)
         by_torque.append(pack(shown))
     return {
         "key": "pressure",
-        "label": PRESSURE,
+        "label": PRESSURE_LABEL,
         "values": by_torque[0],
         "torques": by_torque,
         "limit": pattern.limit,
