@@ -1,1 +1,2 @@
-"""What measuring machines say of teeth: deviations evaluated, tolerances and the classes that gears have by them."""
+"""Inspection of teeth: evaluation of measured deviations, tolerances, accuracy classes, and corrections of machine
+settings."""

@@ -1,8 +1,9 @@
-"""Flank tolerances of ISO 1328-1:2013, by its formulas (5) to (12), its ranges (1) and its rules of rounding (5.2.3).
+"""Flank tolerances of ISO 1328-1:2013: formulas (5) to (12), ranges (1) and rounding rules (5.2.3).
 
-Each tolerance is that of class 5 times sqrt(2) for every class coarser; form and slope make up the total before any rounding.
-Formulas, ranges and rounding were compared with four published programs that name them by number, which agree with each other
-(one leaves the diameter out of the profile slope); the standard itself was not at hand. The runout, 0.9 F_pT, is informative there.
+A tolerance is that of class 5 times sqrt(2) for every coarser class. Form and slope are combined to the total before
+rounding. Formulas, ranges and rounding were compared with four published programs that quote them by number. The
+programs agree with each other, except that one neglects the diameter in the profile slope. The standard itself was not
+at hand. The runout, 0.9 F_pT, is informative there.
 """
 
 from __future__ import annotations
@@ -14,8 +15,8 @@ from typing import ClassVar
 
 from gearmesh.metrology.tolerances import ToleranceSizes
 
-#: what tolerances are called, by symbol, in the order of the standard
-NAMES = {
+#: names of the tolerances by symbol, in the order of the standard
+TOLERANCE_NAMES = {
     "f_pT": "single pitch",
     "F_pT": "cumulative pitch",
     "f_faT": "profile form",
@@ -25,42 +26,72 @@ NAMES = {
     "f_HbT": "helix slope",
     "F_bT": "helix, total",
 }
-#: largest helix angle, rad, and ranges of teeth, diameter, module and width (mm)
-STEEPEST_HELIX = math.radians(45.0)
-TEETH, DIAMETER, MODULE, WIDTH = (5, 1000), (5.0, 15000.0), (0.5, 70.0), (4.0, 1200.0)
+#: largest helix angle, rad, of the standard
+MAX_HELIX = math.radians(45.0)
+#: numbers of teeth of the standard
+TEETH_RANGE = (5, 1000)
+#: reference diameters of the standard, mm
+DIAMETER_RANGE_MM = (5.0, 15000.0)
+#: normal modules of the standard, mm
+MODULE_RANGE_MM = (0.5, 70.0)
+#: face widths of the standard, mm
+WIDTH_RANGE_MM = (4.0, 1200.0)
 #: runout over cumulative pitch
-RUNOUT = 0.9
+RUNOUT_RATIO = 0.9
 
 
 @dataclass(frozen=True)
 class CylindricalSizes(ToleranceSizes):
-    """Number of teeth, normal module, reference diameter, face width (mm) and helix angle (rad) of a cylindrical gear."""
+    """Sizes of a cylindrical gear from which its tolerances follow."""
 
+    #: designation of the standard
     standard: ClassVar[str] = "ISO 1328-1:2013"
-    names: ClassVar[Mapping[str, str]] = NAMES
+    #: names of the deciding tolerances, by symbol
+    names: ClassVar[Mapping[str, str]] = TOLERANCE_NAMES
+    #: names of tolerances that do not decide the class
     informative: ClassVar[Mapping[str, str]] = {"F_rT": "runout"}
+    #: finest and coarsest class
     classes: ClassVar[tuple[int, int]] = (1, 11)
+    #: class of `reference_values`
     reference: ClassVar[int] = 5
 
+    #: number of teeth
     teeth: int
+    #: normal module, mm
     module: float
+    #: reference diameter, mm
     diameter: float
+    #: face width, mm
     width: float
+    #: helix angle, rad
     helix: float = 0.0
 
     @property
     def known(self) -> bool:
-        ranges = ((self.teeth, TEETH), (self.diameter, DIAMETER), (self.module, MODULE), (self.width, WIDTH))
-        return abs(self.helix) <= STEEPEST_HELIX and all(low <= value <= high for value, (low, high) in ranges)
+        ranges = (
+            (self.teeth, TEETH_RANGE),
+            (self.diameter, DIAMETER_RANGE_MM),
+            (self.module, MODULE_RANGE_MM),
+            (self.width, WIDTH_RANGE_MM),
+        )
+        return abs(self.helix) <= MAX_HELIX and all(low <= value <= high for value, (low, high) in ranges)
 
     @property
     def reference_values(self) -> tuple[float, ...]:
-        d, m, root_d, root_b = self.diameter, self.module, math.sqrt(self.diameter), math.sqrt(self.width)
-        form, slope = 0.55 * m + 5.0, 0.4 * m + 0.001 * d + 4.0
-        helix_form, helix_slope = 0.07 * root_d + 0.45 * root_b + 4.0, 0.05 * root_d + 0.35 * root_b + 4.0
-        cumulative = 0.002 * d + 0.55 * root_d + 0.7 * m + 12.0
+        diameter, module, root_diameter, root_width = (
+            self.diameter,
+            self.module,
+            math.sqrt(self.diameter),
+            math.sqrt(self.width),
+        )
+        form, slope = 0.55 * module + 5.0, 0.4 * module + 0.001 * diameter + 4.0
+        helix_form, helix_slope = (
+            0.07 * root_diameter + 0.45 * root_width + 4.0,
+            0.05 * root_diameter + 0.35 * root_width + 4.0,
+        )
+        cumulative = 0.002 * diameter + 0.55 * root_diameter + 0.7 * module + 12.0
         return (
-            0.001 * d + 0.4 * m + 5.0,
+            0.001 * diameter + 0.4 * module + 5.0,
             cumulative,
             form,
             slope,
@@ -68,5 +99,5 @@ class CylindricalSizes(ToleranceSizes):
             helix_form,
             helix_slope,
             math.hypot(helix_form, helix_slope),
-            RUNOUT * cumulative,
+            RUNOUT_RATIO * cumulative,
         )

@@ -1,9 +1,9 @@
-"""What was measured of a gear: deviations over its flanks, pitch deviations, runout; and what these are evaluated by.
+r"""Measured data of a gear: deviations over its flanks, pitch deviations and runout, and the basis of their evaluation.
 
-Whoever has deviations hands them over as functions of the place on the nominal flank:
+Deviations are functions of the place on the nominal flank:
 
     tip   s = 1 .-----------.
-               /  deviation  \\          along the outward normal, positive outside of the nominal material
+               /  deviation  \          along the outward normal, positive outside of the nominal material
     root  s = 0 '-----------'
               t = 0 toe   t = 1 heel
 """
@@ -29,19 +29,19 @@ from gearmesh.metrology.tolerances import ToleranceSizes
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 
-#: shares beyond the outermost points of a grid that still count as its own
-EDGE = 1e-9
+#: shares beyond the outermost points of a grid within which a place still lies on it
+EDGE_TOLERANCE = 1e-9
 
 
 class FlankDeviations(Protocol):
-    """Deviations over a flank."""
+    """Deviations over a flank, as functions of the place."""
 
     @property
     def extent(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """First and last share of what was measured, from form point to tip and from toe to heel."""
+        """First and last measured share, from form point to tip and from toe to heel."""
 
     def at(self, s: Array, t: Array) -> Array:
-        """Deviations at places on the nominal flank.
+        """Return deviations at places on the nominal flank.
 
         Parameters
         ----------
@@ -64,11 +64,16 @@ class FlankDeviations(Protocol):
 
 @dataclass(frozen=True)
 class GridDeviations:
-    """Deviations (I, J), mm, at shares `s` (I,) from form point to tip and `t` (J,) from toe to heel; bicubic between them, nothing
-    beyond them. Raises DesignError for what is no grid of 2 x 2 or more."""
+    """Deviations on a grid of shares, bicubic between its points and NaN beyond them.
 
+    Raises DesignError for a grid with fewer than 2 x 2 points, or shares that do not ascend.
+    """
+
+    #: shares (I,) from form point to tip
     s: Array
+    #: shares (J,) from toe to heel
     t: Array
+    #: deviations (I, J), mm
     values: Array
 
     def __post_init__(self) -> None:
@@ -82,7 +87,7 @@ class GridDeviations:
 
     @staticmethod
     def of(s: ArrayLike, t: ArrayLike, values: ArrayLike) -> GridDeviations:
-        """Of lists or arrays."""
+        """Return the grid from lists or arrays."""
         return GridDeviations(*(np.asarray(x, dtype=float) for x in (s, t, values)))
 
     @property
@@ -95,74 +100,94 @@ class GridDeviations:
         return GridSpline.through(self.s, self.t, self.values)
 
     def at(self, s: Array, t: Array) -> Array:
-        """Deviations (...,), mm, at shares (...,)."""
+        """Return deviations (...,), mm, at shares (...,)."""
         s, t = broadcast_pair(s, t)
         inside = np.ones(s.shape, dtype=bool)
         for x, (first, last) in zip((s, t), self.extent, strict=True):
-            inside &= (x >= first - EDGE) & (x <= last + EDGE)
+            inside &= (x >= first - EDGE_TOLERANCE) & (x <= last + EDGE_TOLERANCE)
         return np.where(inside, self._spline.jet(s, t).f, np.nan)
 
 
 @dataclass(frozen=True)
 class MeasuredTeeth:
-    """What was measured of a gear, by sides of its teeth; `runout` F_r, mm, where it was measured by itself."""
+    """Measured data of a gear, by sides of its teeth."""
 
+    #: deviations over the flanks
     flanks: Mapping[Side, FlankDeviations] = field(default_factory=dict)
+    #: pitch deviations of all teeth
     pitch: Mapping[Side, PitchDeviations] = field(default_factory=dict)
+    #: runout F_r, mm, if it was measured separately
     runout: float | None = None
 
 
 @dataclass(frozen=True)
 class InvoluteFlank:
-    """What traces of a cylindrical gear are evaluated by: radii (mm) of base circle, profile control circle, tip form circle and
-    tip; helix angles (rad, positive right-handed) at reference and base cylinder; face from `toe` to `heel`, normal module, mm."""
+    """Dimensions of a cylindrical gear that its profile and helix traces are evaluated by."""
 
+    #: radius of the base circle, mm
     base: float
+    #: radius of the profile control circle, mm
     control: float
+    #: radius of the tip form circle, mm
     form: float
+    #: radius of the tip circle, mm
     tip: float
+    #: helix angle at the reference cylinder, rad, positive right-handed
     helix: float
+    #: helix angle at the base cylinder, rad, positive right-handed
     base_helix: float
+    #: position of the toe along the axis, mm
     toe: float
+    #: position of the heel along the axis, mm
     heel: float
+    #: normal module, mm
     module: float
 
     def roll_length(self, radius: ArrayLike) -> Array:
-        """Roll lengths (...,), mm, at radii (...,)."""
+        """Return roll lengths (...,), mm, at radii (...,)."""
         rho = np.asarray(radius, dtype=float)
         return np.asarray(np.sqrt(np.maximum(rho**2 - self.base**2, 0.0)))
 
     @property
     def profile(self) -> TraceRange:
-        """Where profile traces are evaluated, roll lengths."""
+        """Range of roll lengths in which profile traces are evaluated."""
         return profile_range(*(float(self.roll_length(radius)) for radius in (self.control, self.form, self.tip)))
 
     @property
     def helix_trace(self) -> TraceRange:
-        """Where helix traces are evaluated, along the axis."""
+        """Range along the axis in which helix traces are evaluated."""
         return helix_range(self.toe, self.heel, self.module)
 
 
 @dataclass(frozen=True)
 class InspectionBasis:
-    """What a gear is inspected by: the `sizes` that its tolerances follow from, the class `asked` for, its involute flank where it
-    has one, and the ball by which runout follows from pitch deviations of both sides."""
+    """Data that a gear is inspected by."""
 
+    #: sizes from which its tolerances follow
     sizes: ToleranceSizes
+    #: class that the design asks for
     asked: int
+    #: its involute flank, if it has one
     involute: InvoluteFlank | None = None
+    #: ball by which runout follows from pitch deviations of both sides, if known
     ball: BallInSpace | None = None
 
     def eccentric(self, size: float, phase: float, teeth: int) -> dict[Side, PitchDeviations]:
-        """Pitch deviations of teeth off their axis, as of `BallInSpace`; of flanks of which no ball is known as of their middles
-        across the space, alike on both sides."""
+        """Return pitch deviations of eccentric teeth, as `BallInSpace.eccentric`.
+
+        Without a known ball, the flanks are taken in the middle of the tooth with pressure angle 0: both sides deviate
+        equally.
+        """
         ball = BallInSpace(0.0, math.pi / teeth) if self.ball is None else self.ball
         return ball.eccentric(size, phase, teeth)
 
 
 def pitch_radius(tooth: Tooth, basis: InspectionBasis | None) -> float:
-    """Radius (mm) of the circle on which pitch deviations are arcs: that of the tolerances, or, where a gear has none, through the
-    middle of its flanks; of a rack its travel (mm) per rad."""
+    """Return the radius (mm) of the circle on which pitch deviations are arcs.
+
+    It is the circle of the tolerances, or the circle through the middle of the flanks of a gear without tolerances. For
+    a rack it is the travel (mm) per rad.
+    """
     if basis is not None:
         return 0.5 * basis.sizes.diameter
     middle = tooth.flank_grid(Side.RIGHT, [0.5], [0.5]).points[0, 0]

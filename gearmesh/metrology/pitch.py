@@ -1,8 +1,9 @@
 """Pitch deviations of a gear's teeth, and its runout [ISO 1328-1:2013].
 
-Teeth are counted as angles grow; deviations are arcs of the reference or tolerance circle in the transverse plane, mm, positive
-the same way. The index deviation of a tooth is how far its flank is from its theoretical place, counted from any tooth;
-its single pitch deviation f_pi is how much more than that of the tooth before.
+Teeth are numbered in the direction of increasing angle. Deviations are arcs of the reference or tolerance circle in the
+transverse plane, mm, positive in the same direction. The index deviation of a tooth is the distance of its flank from
+its theoretical place, counted from any tooth. The single pitch deviation f_pi of a tooth is its index deviation minus
+the index deviation of the tooth before.
 """
 
 from __future__ import annotations
@@ -21,13 +22,13 @@ from gearmesh.teeth.region import Side
 
 @dataclass(frozen=True)
 class PitchDeviations:
-    """Those of the flanks of one side of all teeth: `index` (N,), mm, the mean of which does not count."""
+    """Pitch deviations of the flanks on one side of all teeth: `index` (N,), mm, up to a constant."""
 
     index: Array
 
     @staticmethod
     def of_index(values: ArrayLike) -> PitchDeviations:
-        """Of index deviations.
+        """Return the pitch deviations with given index deviations.
 
         Parameters
         ----------
@@ -37,12 +38,12 @@ class PitchDeviations:
         Returns
         -------
         PitchDeviations
-            With these.
+            Pitch deviations with these index deviations.
 
         Raises
         ------
         ArgumentError
-            Where they are other than finite numbers of two teeth or more.
+            For values that are not finite numbers of two or more teeth.
 
         Examples
         --------
@@ -56,7 +57,8 @@ class PitchDeviations:
 
     @staticmethod
     def of_single(values: ArrayLike) -> PitchDeviations:
-        """Of single pitch deviations, the mean of which is taken off, so that they are 0 once round.
+        """Return the pitch deviations with given single pitch deviations; their mean is subtracted, so that they sum to
+        0.
 
         Parameters
         ----------
@@ -66,12 +68,12 @@ class PitchDeviations:
         Returns
         -------
         PitchDeviations
-            With the index deviations that they add up to.
+            Pitch deviations with the sums as index deviations.
 
         Raises
         ------
         ArgumentError
-            Where they are other than finite numbers of two teeth or more.
+            For values that are not finite numbers of two or more teeth.
 
         Examples
         --------
@@ -83,21 +85,21 @@ class PitchDeviations:
 
     @property
     def single(self) -> Array:
-        """Single pitch deviations f_pi (N,), from tooth k - 1 to tooth k."""
+        """Single pitch deviations f_pi (N,), mm, from tooth k - 1 to tooth k."""
         return self.index - np.roll(self.index, 1)
 
     @property
     def single_pitch(self) -> float:
-        """f_p, the largest amount of those."""
+        """Single pitch deviation f_p, mm: the largest amount of f_pi."""
         return float(np.abs(self.single).max())
 
     @property
     def cumulative(self) -> float:
-        """F_p, the greatest less the least index deviation."""
+        """Total cumulative pitch deviation F_p, mm: the largest minus the least index deviation."""
         return float(np.ptp(self.index))
 
     def sector(self, teeth: int) -> float:
-        """F_pk, the largest amount of the deviation over a number of pitches.
+        """Return F_pk, the largest amount of the deviation over a number of pitches.
 
         Parameters
         ----------
@@ -107,7 +109,7 @@ class PitchDeviations:
         Returns
         -------
         float
-            mm.
+            F_pk, mm.
 
         Examples
         --------
@@ -119,70 +121,83 @@ class PitchDeviations:
 
 @dataclass(frozen=True)
 class BallInSpace:
-    """A ball that touches both flanks of a space on the circle of the arcs: transverse pressure angle there, and half of the
-    angle of the space about the axis, rad.
+    """A ball that touches both flanks of a space on the circle of the arcs.
 
-    Its normals at both flanks cross in its centre, each at alpha + space to the tangential direction there: flanks that together go
-    by w further into the space, along the arcs, lift it by w cos(alpha) / (2 sin(alpha + space)).
+    Its normals at both flanks intersect in its centre. Each has the angle alpha + space to the tangent of the circle.
+    If both flanks together move by w further into the space, along the arcs, the ball rises by w cos(alpha) / (2
+    sin(alpha + space)).
     """
 
+    #: transverse pressure angle alpha on the circle, rad
     pressure_angle: float
+    #: half of the angle of the space about the axis, rad; negative on internal teeth
     space: float
 
     def heights(self, right: PitchDeviations, left: PitchDeviations) -> Array:
-        """How far outwards (N,), mm, it comes to rest in the space before tooth k, between its right flank and the left one of the
-        tooth before."""
-        into = np.roll(left.index, 1) - right.index
-        return np.asarray(into / self._into)
+        """Return the outward displacements (N,), mm, of the ball in the space before tooth k, between its right flank
+        and the left flank of the tooth before."""
+        narrowing = np.roll(left.index, 1) - right.index
+        return np.asarray(narrowing / self._into)
 
     @property
     def _into(self) -> float:
-        """How far both flanks together go into the space for each mm that they lift the ball."""
+        """Distance that both flanks together move into the space for each mm that they lift the ball."""
         return float(2.0 * np.sin(self.pressure_angle + self.space) / np.cos(self.pressure_angle))
 
     def other_side(self, known: Side, pitch: PitchDeviations, heights: Array) -> PitchDeviations:
-        """Of the side that was not measured, where the ball rests at heights (N,), mm, in the spaces; their mean does not count."""
-        into = self._into * (heights - heights.mean())
+        """Return the pitch deviations of the side that was not measured.
+
+        The measured side is `known`, with the deviations `pitch`, and the ball rests at `heights` (N,), mm, in the
+        spaces; their mean has no effect.
+        """
+        narrowing = self._into * (heights - heights.mean())
         if known is Side.RIGHT:
-            return PitchDeviations(np.roll(pitch.index + into, -1))
-        return PitchDeviations(np.roll(pitch.index, 1) - into)
+            return PitchDeviations(np.roll(pitch.index + narrowing, -1))
+        return PitchDeviations(np.roll(pitch.index, 1) - narrowing)
 
     def eccentric(self, size: float, phase: float, teeth: int) -> dict[Side, PitchDeviations]:
-        """Of teeth that are off their axis by `size`, mm, in the direction `phase`, rad, counted as angles grow from the tooth on
-        x; of first order.
+        """Return the pitch deviations of teeth whose axis is displaced by `size`, mm, in first order.
 
-        A flank whose normal leans by alpha from the direction in which angles grow is displaced by e (sin u + tan(alpha) cos u)
-        along the circle, u the direction seen from the flank; of right flanks, whose normals point backwards, with the other sign.
+        `phase`, rad, is the direction of the displacement, counted like the teeth from the tooth on x.
+
+        A left flank, whose normal is at alpha to the direction of increasing angle, moves by e (sin u + tan(alpha) cos
+        u) along the circle; u is the direction of the displacement relative to the flank. A right flank, whose normal
+        points the other way, moves by e (sin u - tan(alpha) cos u).
         """
         sense = np.copysign(1.0, self.space)
-        half = np.pi / teeth - abs(self.space)
-        seen = phase - 2.0 * np.pi * np.arange(teeth) / teeth
-        lean = sense * np.tan(self.pressure_angle)
+        half_tooth = np.pi / teeth - abs(self.space)
+        directions = phase - 2.0 * np.pi * np.arange(teeth) / teeth
+        normal_slope = sense * np.tan(self.pressure_angle)
         return {
-            side: PitchDeviations(size * (np.sin(u) - side.sign * lean * np.cos(u)))
+            side: PitchDeviations(size * (np.sin(u) - side.sign * normal_slope * np.cos(u)))
             for side in Side
-            for u in [seen + side.sign * half]
+            for u in [directions + side.sign * half_tooth]
         }
 
     def both_sides(self, heights: Array) -> dict[Side, PitchDeviations]:
-        """Of both sides, where nothing but heights (N,), mm, of the ball was measured: their first harmonic is an eccentricity,
-        what else there is are deviations of the spaces, half of them on either flank."""
+        """Return the pitch deviations of both sides if only heights (N,), mm, of the ball were measured.
+
+        Their first harmonic is taken as an eccentricity. The remaining part is taken as deviations of the spaces, half
+        on either flank.
+        """
         heights = heights - heights.mean()
         spaces = 2.0 * np.pi * (np.arange(heights.size) - 0.5) / heights.size
-        first = 2.0 * np.mean(heights * np.exp(1j * spaces)) * np.copysign(1.0, self.space)
-        off = self.eccentric(float(np.abs(first)), float(np.angle(first)), heights.size)
-        rest = 0.5 * self._into * (heights - self.heights(off[Side.RIGHT], off[Side.LEFT]))
+        harmonic = 2.0 * np.mean(heights * np.exp(1j * spaces)) * np.copysign(1.0, self.space)
+        eccentric_pitch = self.eccentric(float(np.abs(harmonic)), float(np.angle(harmonic)), heights.size)
+        half_narrowing = (
+            0.5 * self._into * (heights - self.heights(eccentric_pitch[Side.RIGHT], eccentric_pitch[Side.LEFT]))
+        )
         return {
-            Side.RIGHT: PitchDeviations(off[Side.RIGHT].index - rest),
-            Side.LEFT: PitchDeviations(off[Side.LEFT].index + np.roll(rest, -1)),
+            Side.RIGHT: PitchDeviations(eccentric_pitch[Side.RIGHT].index - half_narrowing),
+            Side.LEFT: PitchDeviations(eccentric_pitch[Side.LEFT].index + np.roll(half_narrowing, -1)),
         }
 
     def runout(self, right: PitchDeviations, left: PitchDeviations) -> float:
-        """F_r, mm: the greatest less the least height in all spaces."""
+        """Return the runout F_r, mm: the largest minus the least height in all spaces."""
         return float(np.ptp(self.heights(right, left)))
 
     def eccentricity(self, right: PitchDeviations, left: PitchDeviations) -> float:
-        """Of the teeth to the axis, mm: the first harmonic of the heights."""
+        """Return the eccentricity of the teeth, mm: the first harmonic of the heights."""
         heights = self.heights(right, left)
         turn = np.exp(-2j * np.pi * np.arange(heights.size) / heights.size)
         return float(2.0 * np.abs(np.mean(heights * turn)))
@@ -190,21 +205,23 @@ class BallInSpace:
 
 @dataclass(frozen=True)
 class MeasuredPitch:
-    """What was measured of the places of a gear's teeth: pitch deviations by `sides`, and `heights` (N,), mm, of a ball in the
-    spaces, that before tooth 0 first."""
+    """Measured positions of a gear's teeth."""
 
+    #: pitch deviations of the measured sides
     sides: Mapping[Side, PitchDeviations] = field(default_factory=dict)
+    #: heights (N,), mm, of a ball in the spaces; the first space is before tooth 0
     heights: Array | None = None
 
     @property
     def runout(self) -> float | None:
-        """F_r, mm, where it was measured by itself."""
+        """Runout F_r, mm, if it was measured separately."""
         return None if self.heights is None else float(np.ptp(self.heights))
 
     def complete(self, ball: BallInSpace | None, key: str = "runout") -> Mapping[Side, PitchDeviations]:
-        """Pitch deviations of both sides, those that were not measured by the ball; where there is no ball, those that were.
+        """Return the pitch deviations of both sides; a side that was not measured follows from the ball's heights.
 
-        Raises DesignError, naming the `key` of runout, where that needs a ball and none is known.
+        Without heights only the measured sides are returned. Raises DesignError, naming the `key` of runout, if heights
+        were measured but no ball is known.
         """
         if self.heights is None or len(self.sides) == len(Side):
             return self.sides
@@ -221,5 +238,7 @@ class MeasuredPitch:
 
 
 def index_angles(pitch: Mapping[Side, PitchDeviations], radius: float) -> IndexAngles:
-    """Pitch deviations on a circle of that radius, mm, as angles; the mean of a side does not count."""
-    return IndexAngles.of_sides({side: (own.index - own.index.mean()) / radius for side, own in pitch.items()})
+    """Return pitch deviations on a circle of a `radius`, mm, as angles; the mean of each side is subtracted."""
+    return IndexAngles.of_sides(
+        {side: (deviations.index - deviations.index.mean()) / radius for side, deviations in pitch.items()}
+    )

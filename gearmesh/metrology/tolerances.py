@@ -1,8 +1,9 @@
-"""Tolerances of one gear by the class of a standard, and the class that measured deviations have.
+"""Tolerances of a gear for a class of a standard, and the class of measured deviations.
 
     tolerance of class A = round(tolerance of the reference class R x sqrt(2)^(A - R))
 
-A figure is within a class where its amount is not above the rounded tolerance; its own class is the finest that it is within.
+A figure is within a class if its amount does not exceed the rounded tolerance. The class of a figure is the finest
+class that it is within.
 """
 
 from __future__ import annotations
@@ -14,42 +15,43 @@ from typing import ClassVar
 
 from gearmesh.metrology.tolerance_rounding import round_tolerance
 
-#: what a symbol of a deviation has at its end as that of its tolerance
-TOLERANCE = "T"
-#: um that are rounding, not deviation
-ROUNDING = 1e-6
+#: end of a tolerance's symbol, after the symbol of the deviation
+TOLERANCE_SUFFIX = "T"
+#: um by which rounding errors may exceed a tolerance
+ROUNDING_UM = 1e-6
 
 
 class ToleranceSizes(ABC):
-    """The sizes of a gear that its tolerances follow from.
+    """Sizes of a gear from which its tolerances follow."""
 
-    `standard`: that has them; `names`: what tolerances are called, by symbol, in the standard's order; `informative`: those
-    that do not decide the class of the gear; `classes`: finest and coarsest; `reference`: the class of `reference_values`.
-    """
-
+    #: designation of the standard
     standard: ClassVar[str]
+    #: names of the deciding tolerances, by symbol, in the order of the standard
     names: ClassVar[Mapping[str, str]]
+    #: names of tolerances that do not decide the class of the gear
     informative: ClassVar[Mapping[str, str]]
+    #: finest and coarsest class
     classes: ClassVar[tuple[int, int]]
+    #: class of `reference_values`
     reference: ClassVar[int]
-    #: circle (mm) on which pitch deviations are measured
+    #: diameter (mm) of the circle on which pitch deviations are measured
     diameter: float
 
     @property
     @abstractmethod
     def known(self) -> bool:
-        """Whether the sizes are in the range of the standard."""
+        """True if the sizes are in the range of the standard."""
 
     @property
     @abstractmethod
     def reference_values(self) -> tuple[float, ...]:
-        """Tolerances (um) of the reference class, those named first, then the informative ones."""
+        """Tolerances (um) of the reference class: those in `names`, then the informative ones."""
 
     def tolerances(self, tolerance_class: int) -> dict[str, float] | None:
-        """Tolerances (um) by their symbols; None beyond the range of the standard."""
+        """Return tolerances (um) of a class by their symbols; None beyond the range of the standard."""
         if not self.known:
             return None
-        # exact where it is a whole power of 2: halves are halves
+        # exact for even class differences, so that halves are rounded as halves
         factor = 2.0 ** (0.5 * (tolerance_class - self.reference))
         symbols = (*self.names, *self.informative)
         return {
@@ -60,46 +62,52 @@ class ToleranceSizes(ABC):
 
 @dataclass(frozen=True)
 class FigureClass:
-    """The class of a deviation `symbol`, um; None: coarser than any. `tolerance` (um) is that of the class, of the coarsest
-    where there is none; `decides`: whether it counts for the class of the gear."""
+    """Class of one measured deviation."""
 
+    #: symbol of the deviation
     symbol: str
+    #: name of the deviation
     name: str
+    #: measured deviation, um
     deviation: float
+    #: tolerance of the class, um; of the coarsest class if the figure has none
     tolerance: float
+    #: class; None if the deviation exceeds the coarsest class
     tolerance_class: int | None
+    #: True if it counts for the class of the gear
     decides: bool
 
 
 @dataclass(frozen=True)
 class GearClass:
-    """The classes of all deviations of a gear, in the order of the standard."""
+    """Classes of all deviations of a gear, in the order of the standard."""
 
     standard: str
     figures: tuple[FigureClass, ...]
 
     @property
     def deciding(self) -> tuple[FigureClass, ...]:
-        """The figures that decide the class of the gear."""
-        return tuple(own for own in self.figures if own.decides)
+        """Figures that decide the class of the gear."""
+        return tuple(figure for figure in self.figures if figure.decides)
 
     @property
     def overall(self) -> int | None:
-        """The coarsest class of those that decide; None where one has no class, or none was measured."""
-        classes = [own.tolerance_class for own in self.deciding]
+        """Coarsest class of the deciding figures; None if one of them has no class, or none was measured."""
+        classes = [figure.tolerance_class for figure in self.deciding]
         known = [number for number in classes if number is not None]
         return max(known) if known and len(known) == len(classes) else None
 
     @property
     def limiting(self) -> tuple[str, ...]:
-        """Symbols of the figures that limit it: those of its class, or those that have none."""
-        return tuple(own.symbol for own in self.deciding if own.tolerance_class == self.overall)
+        """Symbols of the figures that limit the class of the gear: those of this class, or those without a class."""
+        return tuple(figure.symbol for figure in self.deciding if figure.tolerance_class == self.overall)
 
 
 def class_of(sizes: ToleranceSizes, deviations: Mapping[str, float]) -> GearClass | None:
-    """The class of a gear with measured `deviations`, um, by their symbols (tolerances' without the T); others are neglected.
+    """Return the class of a gear with measured `deviations`, um, by their symbols (those of the tolerances without the
+    T).
 
-    None beyond the range of the standard.
+    Deviations that the standard does not have are ignored. The result is None beyond the range of the standard.
     """
     finest, coarsest = sizes.classes
     by_class = {number: sizes.tolerances(number) or {} for number in range(finest, coarsest + 1)}
@@ -107,12 +115,22 @@ def class_of(sizes: ToleranceSizes, deviations: Mapping[str, float]) -> GearClas
         return None
     figures = []
     for symbol, name in {**sizes.names, **sizes.informative}.items():
-        deviation = deviations.get(symbol.removesuffix(TOLERANCE))
+        deviation = deviations.get(symbol.removesuffix(TOLERANCE_SUFFIX))
         if deviation is None:
             continue
-        own = next((number for number, all_of in by_class.items() if abs(deviation) <= all_of[symbol] + ROUNDING), None)
-        limit = by_class[coarsest if own is None else own][symbol]
+        figure_class = next(
+            (number for number, tolerances in by_class.items() if abs(deviation) <= tolerances[symbol] + ROUNDING_UM),
+            None,
+        )
+        limit = by_class[coarsest if figure_class is None else figure_class][symbol]
         figures.append(
-            FigureClass(symbol.removesuffix(TOLERANCE), name, deviation, limit, own, symbol not in sizes.informative)
+            FigureClass(
+                symbol.removesuffix(TOLERANCE_SUFFIX),
+                name,
+                deviation,
+                limit,
+                figure_class,
+                symbol not in sizes.informative,
+            )
         )
     return GearClass(sizes.standard, tuple(figures))

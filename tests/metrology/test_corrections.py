@@ -165,7 +165,7 @@ def test_tilt_is_told_with_its_sense_and_zero(hypoid: Design, tmp_path: Path) ->
     assert "swivel of 0 deg" in note
 
 
-def test_settings_that_can_stand_for_one_another_are_named_with_what_tells_them_apart() -> None:
+def test_exchangeable_settings_are_named_with_their_difference() -> None:
     """Three settings that nearly do what one another do, one that does the same as two others, one alone; against drawn noise."""
     rng, count, noise = np.random.default_rng(53), 200, 2e-4
     first, second, other, alone = rng.normal(size=(4, count))

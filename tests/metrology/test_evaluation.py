@@ -107,7 +107,7 @@ def test_six_terms_over_a_flank_come_back() -> None:
 
 
 @pytest.mark.quick
-def test_an_eccentric_gear_has_the_pitch_deviations_and_the_runout_of_its_eccentricity() -> None:
+def test_eccentric_gear_has_matching_pitch_deviations_and_runout() -> None:
     """Index deviations by exact displaced flanks: along arcs of the reference circle amplitude e / cos(alpha) on either side, out
     of phase by 2 alpha; a ball in the spaces moves by e up and down."""
     count, alpha, e = 36, np.radians(20.0), 0.02

@@ -71,7 +71,7 @@ def inspected(hand: str, helix: float, alpha: float) -> tuple[Inspection, float,
 
 
 @pytest.mark.parametrize("hand", ["right", "left"])
-def test_a_gear_cut_with_a_larger_helix_angle_has_a_positive_helix_slope(hand: str) -> None:
+def test_larger_helix_angle_gives_a_positive_helix_slope(hand: str) -> None:
     """A turn of w per mm more along the axis is r_b w b on the tangent to the base cylinder, on both flanks."""
     answer, rate, _ = inspected(hand, 0.01, 0.0)
     base = answer._basis.involute.base  # type: ignore[union-attr]
@@ -88,7 +88,7 @@ def test_a_gear_cut_with_a_larger_helix_angle_has_a_positive_helix_slope(hand: s
     assert answer.deviations["f_Hb"] > 0.0
 
 
-def test_a_gear_cut_with_a_larger_pressure_angle_has_a_negative_profile_slope() -> None:
+def test_larger_pressure_angle_gives_a_negative_profile_slope() -> None:
     """Of roll lengths L on another base circle, at the same radii: L dr_b / r_b less from one end to the other."""
     answer, _, base_change = inspected("right", 0.0, 0.02)
     base = answer._basis.involute.base  # type: ignore[union-attr]

@@ -1,1 +1,1 @@
-"""Flanks as they are measured: nominal points and normals for machines, and real flanks from what these give back."""
+"""Measured flanks: nominal points and normals for measuring machines, and real flanks from their measured points."""

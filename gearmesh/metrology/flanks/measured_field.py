@@ -1,4 +1,4 @@
-"""Deviations over a flank as its measured teeth have them: how far the smooth real flank is from the nominal one, anywhere."""
+"""Deviations over a flank of measured teeth: distance of the smooth real flank from the nominal flank, at any place."""
 
 from __future__ import annotations
 
@@ -12,30 +12,34 @@ from gearmesh.teeth.micro_geometry.deviations import deviating_tooth
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 
-#: shares beyond what was measured that still count to it
-EDGE = 1e-6
+#: shares beyond the measured extent within which a place still belongs to it
+EDGE_TOLERANCE = 1e-6
 
 
 @dataclass(frozen=True)
 class MeasuredField:
-    """Deviations of one side of a `real` tooth from a `nominal` one, whose parameters it has, over what was measured: `extent`, the
-    first and last shares from form point to tip and from toe to heel."""
+    """Deviations of one side of a real tooth from a nominal tooth, over the measured extent."""
 
+    #: nominal tooth
     nominal: Tooth
+    #: tooth with the measured flank; it has the parameters of the nominal tooth
     real: Tooth
+    #: measured side
     side: Side
+    #: first and last measured share, from form point to tip and from toe to heel
     extent: tuple[tuple[float, float], tuple[float, float]]
 
     @staticmethod
     def of(tooth: Tooth, side: Side, flank: MeasuredFlank) -> MeasuredField:
-        """Of a nominal tooth and what was measured of its flank. Raises DesignError where that makes no tooth."""
+        """Return the deviations of a measured flank of a nominal tooth. Raises DesignError if the flank makes no
+        tooth."""
         on = np.isfinite(flank.deviations)
         s, t = (np.clip(share[on], 0.0, 1.0) for share in (flank.feet.s, flank.feet.t))
         extent = (float(s.min()), float(s.max())), (float(t.min()), float(t.max()))
         return MeasuredField(tooth, deviating_tooth(tooth, {side: flank.grid}), side, extent)
 
     def at(self, s: Array, t: Array) -> Array:
-        """Deviations (...,), mm, at shares (...,); NaN where nothing was measured."""
+        """Return deviations (...,), mm, at shares (...,); NaN where nothing was measured."""
         s, t = np.broadcast_arrays(s, t)
         (us, i), (ut, j) = (np.unique(x, return_inverse=True) for x in (s, t))
         parameters = self.nominal.flank_grid(self.side, us, ut).parameters[i.ravel(), j.ravel()]
@@ -43,5 +47,5 @@ class MeasuredField:
         d = dot(real.r - nominal.r, nominal.n).reshape(s.shape)
         inside = np.ones(s.shape, dtype=bool)
         for x, (first, last) in zip((s, t), self.extent, strict=True):
-            inside &= (x >= first - EDGE) & (x <= last + EDGE)
+            inside &= (x >= first - EDGE_TOLERANCE) & (x <= last + EDGE_TOLERANCE)
         return np.where(inside, d, np.nan)

@@ -1,6 +1,7 @@
-"""Nominal points and unit normals of flanks and fillets, at which measuring machines probe.
+"""Nominal points and unit normals of flanks and fillets, for measuring machines.
 
-Rows run from root to tip, columns from toe to heel, in the member's own frame: axis z, the middle of a tooth on +x at mid face.
+Rows run from root to tip, columns from toe to heel. The frame is the member's own: axis z, the middle of a tooth on +x
+at mid face.
 """
 
 from __future__ import annotations
@@ -20,65 +21,70 @@ from gearmesh.teeth.micro_geometry.screw_involute import ScrewInvolute
 from gearmesh.teeth.region import FILLET_REGIONS, Side
 from gearmesh.teeth.section import Grid
 
-#: rows and columns of a grid, as is custom for bevel gears
-SHAPE = (5, 9)
-#: rows or columns at most
-MOST_LINES = 2001
-#: shares of the profile and of the face that are left out beside the edges, at most
-MOST_MARGIN = 0.45
+#: rows and columns of a grid, as is usual for bevel gears
+DEFAULT_SHAPE = (5, 9)
+#: largest number of rows or columns
+MAX_LINES = 2001
+#: largest share of the profile or the face beside the edges that is not measured
+MAX_MARGIN = 0.45
 
 
 @dataclass(frozen=True)
 class MeasuringGrid:
-    """Points and unit outward normals (I, J, 3), mm, of a flank, or of the `fillet` under it, of one tooth.
+    """Grid of points on a flank of one tooth, or on the fillet under it."""
 
-    `s` (I,), `t` (J,): shares of the way from root to tip and from toe to heel; `angles` (I, J), rad: about the axis, of racks
-    over their travel; `diameters` (I, J), None of racks; `roll_lengths` (I, J), None of flanks that are no involutes.
-    """
-
+    #: side of the tooth
     side: Side
+    #: True for the fillet
     fillet: bool
+    #: shares (I,) from root to tip
     s: Array
+    #: shares (J,) from toe to heel
     t: Array
+    #: points (I, J, 3), mm
     points: Array
+    #: unit outward normals (I, J, 3)
     normals: Array
+    #: angles (I, J) about the axis, rad; for racks, y over the travel per rad
     angles: Array
+    #: diameters (I, J), mm; None for racks
     diameters: Array | None
+    #: roll lengths (I, J), mm; None for flanks that are no involutes
     roll_lengths: Array | None
 
     @staticmethod
     def of(
         member: Member,
         side: Side,
-        shape: tuple[int, int] = SHAPE,
+        shape: tuple[int, int] = DEFAULT_SHAPE,
         margins: tuple[float, float] = (EDGE_MARGIN, EDGE_MARGIN),
         *,
         fillet: bool = False,
     ) -> MeasuringGrid:
-        """Points of a flank, or of the fillet under it, evenly spaced along profile and face.
+        """Return points of a flank, or of the fillet under it, evenly spaced along profile and face.
 
         Parameters
         ----------
         member : Member
-            Whose teeth are all alike.
+            Member whose teeth are all equal.
         side : Side
-            The flank.
+            Side of the tooth.
         shape : tuple of two int
-            Rows from root to tip and columns from toe to heel; one alone lies in the middle.
+            Rows from root to tip and columns from toe to heel; a single row or column lies in the middle.
         margins : tuple of two float
-            Shares of profile and face that are left out beside the edges.
+            Shares of profile and face beside the edges that are not measured.
         fillet : bool
-            Whether the fillet is meant.
+            True for the fillet.
 
         Returns
         -------
         MeasuringGrid
-            In the member's frame.
+            Grid in the member's frame.
 
         Raises
         ------
         DesignError
-            For a shape or margins out of range, and where teeth of the member differ.
+            For a shape or margins out of range, and if the member's teeth differ.
         NoSolutionError
             For a tooth that cannot be trimmed.
 
@@ -112,16 +118,16 @@ class MeasuringGrid:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Rows and columns."""
+        """Numbers of rows and columns."""
         return len(self.s), len(self.t)
 
     def probe_centres(self, radius: float) -> Array:
-        """Where the centre of a probe's ball is when it touches.
+        """Return the centres of a probe's ball in contact with the flank.
 
         Parameters
         ----------
         radius : float
-            Of the ball, mm.
+            Radius of the ball, mm.
 
         Returns
         -------
@@ -138,19 +144,20 @@ class MeasuringGrid:
 
     @property
     def centre_angle(self) -> float:
-        """Angle (rad) of the point in the middle, the mean of the four next to it where lines are even in number."""
+        """Angle (rad) of the middle point; the mean of the middle points if the number of rows or columns is even."""
         rows, columns = ([(n - 1) // 2, n // 2] for n in self.shape)
         return float(self.angles[np.ix_(rows, columns)].mean())
 
 
 def thickness_angle(grids: Sequence[MeasuringGrid]) -> float | None:
-    """Angle (rad) between the centre points of both flanks of a tooth; None where one of them is missing."""
+    """Return the angle (rad) between the middle points of both flanks of a tooth; None if a flank is missing."""
     angles = {grid.side: grid.centre_angle for grid in grids if not grid.fillet}
     return angles[Side.LEFT] - angles[Side.RIGHT] if len(angles) == len(Side) else None
 
 
 def _roll_lengths(flank: Surface, grid: Grid) -> Array | None:
-    """Roll lengths (I, J), mm, of points on an involute: those whose normals all touch one base cylinder."""
+    """Return roll lengths (I, J), mm, of points on an involute, whose normals all touch one base cylinder; otherwise
+    None."""
     if isinstance(flank, ScrewInvolute):
         return grid.p
     (x, y), (n_x, n_y) = (np.moveaxis(vectors[..., :2], -1, 0) for vectors in (grid.points, grid.normals))
@@ -165,13 +172,13 @@ def _shares(count: int, margin: float) -> Array:
 
 
 def refuse_shape(shape: tuple[int, int], margins: tuple[float, float]) -> None:
-    if not all(1 <= count <= MOST_LINES for count in shape):
+    if not all(1 <= count <= MAX_LINES for count in shape):
         raise ArgumentError(
-            "grid", "x".join(map(str, shape)), allowed=f"rows and columns from 1 to {MOST_LINES}, as 5x9"
+            "grid", "x".join(map(str, shape)), allowed=f"rows and columns from 1 to {MAX_LINES}, as 5x9"
         )
-    if not all(0.0 <= margin <= MOST_MARGIN for margin in margins):
+    if not all(0.0 <= margin <= MAX_MARGIN for margin in margins):
         raise ArgumentError(
             "margins",
             ",".join(f"{margin:g}" for margin in margins),
-            allowed=f"shares of profile and face from 0 to {MOST_MARGIN:g}, as 0.1,0.1",
+            allowed=f"shares of profile and face from 0 to {MAX_MARGIN:g}, as 0.1,0.1",
         )

@@ -1,4 +1,4 @@
-"""Where points in space lie on a flank: their foot points along its normals, and how far from it they are."""
+"""Projection of points on a flank: foot points along its normals, and distances from the flank."""
 
 from __future__ import annotations
 
@@ -12,47 +12,51 @@ from gearmesh.kernel.surface.surface import Jet
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 
-#: lines of the lattice from whose nearest point a search begins, across and along the flank
-LATTICE = (17, 33)
-#: the same for every turn of a thread
-PER_TURN = 48
-#: points that are projected together: the memory that they take is bounded
-BATCH = 20_000
+#: lines, across and along the flank, of the lattice whose nearest point starts the search
+LATTICE_LINES = (17, 33)
+#: lines along a thread, for every turn
+LATTICE_LINES_PER_TURN = 48
+#: points that are projected at once: limits memory
+POINTS_PER_BATCH = 20_000
 
 
 @dataclass(frozen=True)
 class FootPoints:
-    """Points (N, 3) on a flank: shares `s`, `t` (N,) of the way from form point to tip and from toe to heel, points and unit
-    normals (N, 3), and `distances` (N,), mm, of what was projected, positive outside the material. NaN where there are none."""
+    """Foot points of N points on a flank; NaN where there is none."""
 
+    #: shares (N,) from form point to tip
     s: Array
+    #: shares (N,) from toe to heel
     t: Array
+    #: foot points (N, 3), mm
     points: Array
+    #: unit normals (N, 3) there
     normals: Array
+    #: distances (N,), mm, of the projected points from the flank, positive outside the material
     distances: Array
 
 
 class FlankProjection:
-    """Projects points on the flank of one side of a tooth, which may be longer than where it ends."""
+    """Projects points on the flank of one side of a tooth; its surface may continue beyond the ends of the flank."""
 
     def __init__(self, tooth: Tooth, side: Side) -> None:
         from scipy.spatial import cKDTree
 
         self.tooth, self.side = tooth, side
-        wound = int(np.ceil(PER_TURN * tooth.windings))
-        self._t = np.linspace(0.0, 1.0, max(LATTICE[1], wound))
-        self._grid = tooth.flank_grid(side, np.linspace(0.0, 1.0, LATTICE[0]), self._t)
+        lines_of_thread = int(np.ceil(LATTICE_LINES_PER_TURN * tooth.windings))
+        self._t = np.linspace(0.0, 1.0, max(LATTICE_LINES[1], lines_of_thread))
+        self._grid = tooth.flank_grid(side, np.linspace(0.0, 1.0, LATTICE_LINES[0]), self._t)
         self._tree = cKDTree(self._grid.points.reshape(-1, 3))
         ends = tooth.ends(side, self._t)
         self._form, self._tip = ends.form_point_flank, ends.tip
 
     def near_distance(self, points: Array) -> float:
-        """Median distance (mm) of points (N, 3) from the nearest point of a coarse lattice: how far from the flank they may be."""
+        """Return the median distance (mm) of points (N, 3) from the nearest points of a coarse lattice."""
         return float(np.median(self._tree.query(points)[0]))
 
     def foot_points(self, points: Array) -> FootPoints:
-        """Of points (N, 3), mm, the tooth's own frame."""
-        batches = [self._foot_points(points[k : k + BATCH]) for k in range(0, len(points), BATCH)]
+        """Return foot points of points (N, 3), mm, in the tooth's own frame."""
+        batches = [self._foot_points(points[k : k + POINTS_PER_BATCH]) for k in range(0, len(points), POINTS_PER_BATCH)]
         columns = ([getattr(batch, name) for batch in batches] for name in FootPoints.__dataclass_fields__)
         return FootPoints(*(np.concatenate(column) for column in columns))
 

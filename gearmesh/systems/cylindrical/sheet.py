@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearmesh.design.core import STEEL_DENSITY_KG_PER_M3
-from gearmesh.metrology.iso1328 import NAMES
+from gearmesh.metrology.iso1328 import TOLERANCE_NAMES
 from gearmesh.systems.common.plain_sheet import plain_sheet
 from gearmesh.systems.common.standards.iso286 import Deviations
 from gearmesh.systems.common.symbol_table import (
@@ -802,6 +802,6 @@ def _tolerances(pair: SheetGears) -> list[Row]:
         ("A", "flank tolerance class", "-", pair.of_all(lambda _: pair.design.accuracy_class)),
         *(
             (symbol, words, "um", tuple(of_member.get(symbol) for of_member in limits))
-            for symbol, words in NAMES.items()
+            for symbol, words in TOLERANCE_NAMES.items()
         ),
     ]

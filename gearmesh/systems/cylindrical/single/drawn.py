@@ -1,6 +1,6 @@
 """Rows of the data sheet on the workshop drawing of a cylindrical gear or a rack [DIN 3966-1, ISO 1340]."""
 
-from gearmesh.metrology.iso1328 import NAMES
+from gearmesh.metrology.iso1328 import TOLERANCE_NAMES
 from gearmesh.systems.system import DrawnRows
 
 #: rows of gears and racks
@@ -17,7 +17,7 @@ DRAWN_ROWS = DrawnRows(
     mating=("z",),
     tip="d_a",
     reference=("d", "d"),
-    tolerances=("A", *NAMES),
+    tolerances=("A", *TOLERANCE_NAMES),
     accuracy="accuracy_class",
     ranges=(("least", "largest"), ("working",)),
 )

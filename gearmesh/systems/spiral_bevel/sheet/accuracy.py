@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from gearmesh.metrology.iso17485 import NAMES, BevelSizes
+from gearmesh.metrology.iso17485 import TOLERANCE_NAMES, BevelSizes
 from gearmesh.metrology.measured_teeth import InspectionBasis
 from gearmesh.systems.common.symbol_table import Row, Values, table
 from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank
@@ -45,7 +45,7 @@ def tolerance_table(grade: int, blank: BevelBlank, members: Sequence[str]) -> Sh
         ("d_T", "tolerance diameter", "mm", diameters),
         *(
             (symbol, words, "um", tuple(member_limits.get(symbol) for member_limits in limits))
-            for symbol, words in NAMES.items()
+            for symbol, words in TOLERANCE_NAMES.items()
         ),
     ]
     return table("Tolerances [ISO 17485:2006]", tuple(members), rows)

@@ -1,6 +1,6 @@
 """Rows of the data sheet on a workshop drawing of a bevel or hypoid gear [DIN 3966-2, ISO 1340], for its teeth as cut."""
 
-from gearmesh.metrology.iso17485 import NAMES
+from gearmesh.metrology.iso17485 import TOLERANCE_NAMES
 from gearmesh.systems.spiral_bevel.sheet.dimension_sheet import CUT_TEETH_TITLE
 from gearmesh.systems.system import DrawnRows
 
@@ -15,7 +15,7 @@ DRAWN_ROWS = DrawnRows(
     mating=("z",),
     tip="d_ae",
     reference=("di", "de"),
-    tolerances=("B", *NAMES),
+    tolerances=("B", *TOLERANCE_NAMES),
     accuracy="accuracy_grade",
     measured=CUT_TEETH_TITLE,
 )
