@@ -28,8 +28,7 @@ class EdgeLoad:
 
 
 def edge_loads(gears: GearPair, load: PairLoad, positions: int) -> list[EdgeLoad]:
-    """Return the loaded edges under a load at `positions` positions; the edge with the largest part of the torque comes
-    first.
+    """Return the loaded edges under a load at `positions` positions, with the largest part of the torque first.
 
     The outermost cell of a line of cells belongs to the edge that bounds this line. At an end of the contact where no
     edge bounds the line, the cell belongs to the edge nearest to the contact's middle. An edge over which the tooth

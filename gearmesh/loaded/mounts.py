@@ -184,10 +184,9 @@ class Supports:
         return cls(gears.mounts, flexible, np.zeros((2, 6)), holding, np.zeros((positions, 2, 6)))
 
     def displace(self, gears: GearPair, displacements: Array) -> tuple[Self, GearPair]:
-        """Return the supports and the pair after displacements (P, 2, 6); the members move by the mean over the
-        positions.
+        """Return the supports and the pair after displacements (P, 2, 6).
 
-        `gears` are the members without load.
+        The members move by the mean over the positions. `gears` are the members without load.
         """
         displacement = displacements.mean(axis=0)
         pinion, gear = (
@@ -197,10 +196,9 @@ class Supports:
         return replace(self, displacement=displacement, anchor=displacements), replace(gears, pinion=pinion, gear=gear)
 
     def wrenches(self, points: Array, normals: Array) -> Array:
-        """Return wrenches (2, ..., 6) on both members of unit pressures at points (..., 3) along normals (..., 3) out
-        of the pinion.
+        """Return wrenches (2, ..., 6) of unit pressures at points (..., 3) on both members.
 
-        They are 0 for rigid mounts.
+        The pressures are along normals (..., 3) out of the pinion. Wrenches are 0 for rigid mounts.
         """
         unit_wrenches = np.zeros((2, *points.shape[:-1], 6))
         for k, (mount, flexible_mount, sense) in enumerate(zip(self.mounts, self.flexible, (-1.0, 1.0), strict=True)):

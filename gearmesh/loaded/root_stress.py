@@ -206,13 +206,12 @@ def _stresses(body: FilletStress, pressed: Pressed) -> tuple[Array, Array]:
 
 
 def contact_tension(body: FilletStress) -> Array:
-    """Compute the contact's own stress (F, 6, n), MPa/N, in the fillet of the loaded tooth under unit forces at the
-    flank's nodes.
+    """Compute the contact's own stress (F, 6, n), MPa/N, in the fillet of the loaded tooth.
 
-    It is 0 for nodes at least `CLOSE_EIGHTHS` away from a place. For closer nodes it is the excess of their stress over
-    the bending stress there. The bending stress is the stress of the nodes above, continued in a straight line down the
-    flank. Where this line would rise towards the root, as at end faces, it is taken in proportion to the distance from
-    the place instead.
+    It is the stress under unit forces at the flank's nodes. It is 0 for nodes at least `CLOSE_EIGHTHS` away from a
+    place. For closer nodes it is the excess of their stress over the bending stress there. The bending stress is the
+    stress of the nodes above, continued in a straight line down the flank. Where this line would rise towards the root,
+    as at end faces, it is taken in proportion to the distance from the place instead.
     """
     rows, columns = body.points.shape[:2]
     stress = np.moveaxis(body.stress[body.reach].reshape(len(body.fillet), 6, rows, columns), 1, -1)

@@ -180,8 +180,7 @@ class NearPairs:
 
 
 def near_pairs(gears: GearPair, phi1: Array, limit: float) -> NearPairs:
-    """Find the tooth pairs that are apart by less than `limit` (mm) at rotations phi1 (P,), rad, of the pinion, in both
-    halves.
+    """Find the tooth pairs apart by less than `limit` (mm) at rotations phi1 (P,), rad, in both halves.
 
     Raises NoSolutionError where no teeth touch.
     """
@@ -529,8 +528,7 @@ def _range(surfaces: _Surfaces, near: NearPairs) -> tuple[Array, Array]:
 
 
 def _edge_share(surfaces: _Surfaces, inside: Array, beyond: Array) -> Array:
-    """Return the share (M,) of the way from x (M,) `inside` the flanks to x `beyond` them up to which an edge
-    continues.
+    """Return the share (M,) of the way from x `inside` the flanks to x `beyond` that an edge continues.
 
     The ridge lies on the edge, so that its distance outside the flanks is 0 and cannot be interpolated.
     """
@@ -637,8 +635,7 @@ class _Surfaces:
         return self._on_edge(x, y) if self.along_edge.any() else y
 
     def ridge_and_edge(self, x: Array) -> tuple[Array, NDArray[np.bool_], Array]:
-        """Return y (M, K) of the least gap on both flanks at x (M, K), whether it lies on an edge, and y of the ridge
-        alone.
+        """Return y (M, K) of the least gap at x (M, K), True where it lies on an edge, and y of the ridge alone.
 
         Where the ridge has left a flank over an edge, the least gap lies on this edge. Edges that run across x, as end
         faces, do not count.

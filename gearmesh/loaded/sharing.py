@@ -1,5 +1,4 @@
-"""A mesh under torque: load sharing of the tooth pairs, pressures, and rotation of the gears relative to the unloaded
-gears.
+"""A mesh under torque: load sharing of the tooth pairs, pressures, and rotation of the gears.
 
 Every position of the pinion is one contact problem (`complementarity`). It has these parts:
 
@@ -322,8 +321,7 @@ def _reaching(
     materials: tuple[Material, Material],
     cells: tuple[int, int],
 ) -> tuple[NearPairs, _Problem, float]:
-    """Return all tooth pairs that are loaded under the largest torque, N mm, their solved problem, and the search
-    distance, mm.
+    """Return all tooth pairs loaded under the largest torque, N mm, their problem, and the search distance, mm.
 
     `give` is the estimated deflection of the teeth, mm. Bodies may deflect more, soft webs above all; the search is
     then repeated with a larger distance.
@@ -520,10 +518,10 @@ class _Problem:
         return (-sense * self.near.number).astype(np.intp)
 
     def _couples(self, member: int) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.intp]]:
-        """Return couples of pairs at the same position: moved pairs (C,), loaded pairs (C,), and steps (C,) from the
-        loaded to the moved tooth.
+        """Return couples of pairs at the same position: moved pairs (C,), loaded pairs (C,) and steps (C,).
 
-        Only steps within the reach of the member's compliance are returned.
+        Steps lead from the loaded to the moved tooth. Only steps within the reach of the member's compliance are
+        returned.
         """
         near = self.near
         moved, loaded = np.nonzero((near.position[:, None] == near.position) & (near.half[:, None] == near.half))
@@ -710,11 +708,11 @@ def alike(grid: Separation) -> NDArray[np.bool_]:
 def inside(
     on: NDArray[np.bool_], along: int, across: int | None = None, blunt: NDArray[np.bool_] | None = None
 ) -> NDArray[np.bool_]:
-    """Return the cells (M, X, Y) that lie at least `along` rows and `across` cells away from cells that are not `on`
-    the flanks.
+    """Return the cells (M, X, Y) that are away from cells off the flanks.
 
-    `across` defaults to `along`. The ends of X count like cells off the flanks, except where `blunt` (M, 2). The sides
-    of Y do not count.
+    The distance is at least `along` rows and `across` cells from every cell that is not `on` the flanks. `across`
+    defaults to `along`. The ends of X count like cells off the flanks, except where `blunt` (M, 2). The sides of Y do
+    not count.
     """
     (x, y), a, b = on.shape[1:], along, along if across is None else across
     padded = np.pad(np.pad(on, ((0, 0), (a, a), (0, 0))), ((0, 0), (0, 0), (b, b)), mode="edge")

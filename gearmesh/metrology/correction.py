@@ -1,5 +1,6 @@
-"""Changes of machine settings that remove measured deviations, by least squares over the sensitivity of the flank to
-each setting:
+"""Changes of machine settings that remove measured deviations.
+
+They follow by least squares from the sensitivity of the flank to each setting:
 
     d + J x = 0,    J_ij = d n_i / d x_j
 

@@ -140,10 +140,9 @@ def in_transverse_plane(deviations: ArrayLike, base_helix: float) -> Array:
 
 
 def helix_sign(flank_sign: int, helix: float) -> int:
-    """Return the sign that turns the rise of a helix trace along z into a slope deviation; `flank_sign` is +1 for right
-    and -1 for left flanks.
+    """Return the sign that turns the rise of a helix trace along z into a slope deviation.
 
-    The tooth is on +x. Material that rises along z makes a left flank (y > 0) lean towards a right-handed helix, and a
-    right flank towards a left-handed helix.
+    `flank_sign` is +1 for right and -1 for left flanks. The tooth is on +x. Material that rises along z makes a left
+    flank (y > 0) lean towards a right-handed helix, and a right flank towards a left-handed helix.
     """
     return -flank_sign if helix >= 0.0 else flank_sign

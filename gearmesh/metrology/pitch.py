@@ -57,8 +57,7 @@ class PitchDeviations:
 
     @staticmethod
     def of_single(values: ArrayLike) -> PitchDeviations:
-        """Return the pitch deviations with given single pitch deviations; their mean is subtracted, so that they sum to
-        0.
+        """Return the pitch deviations with given single pitch deviations, less their mean.
 
         Parameters
         ----------

@@ -1,5 +1,6 @@
-"""Deviations of a flank in terms of the five figures by which a bevel gear is corrected, and of thickness: least
-squares of
+"""Second-order deviations of a flank: thickness, and the five figures by which a bevel gear is corrected.
+
+They are the coefficients, by least squares, of
 
     d = a + a_x x + a_y y + a_xx x^2 + a_xy x y + a_yy y^2
 
@@ -47,10 +48,10 @@ class SecondOrder:
 
 
 def second_order(length: ArrayLike, height: ArrayLike, deviations: ArrayLike) -> SecondOrder:
-    """Fit deviations (...,), mm, at lengths to the heel and heights to the tip (...,), mm, along the flank from any
-    origin.
+    """Fit deviations (...,), mm, at lengths to the heel and heights to the tip (...,), mm.
 
-    Values that are not finite are ignored. Raises DesignError if the points do not determine the six terms.
+    Lengths and heights run along the flank from any origin. Values that are not finite are ignored. Raises DesignError
+    if the points do not determine the six terms.
     """
     x, y, d = (np.ravel(np.asarray(values, dtype=float)) for values in (length, height, deviations))
     is_known = np.isfinite(d)

@@ -104,8 +104,7 @@ class GearClass:
 
 
 def class_of(sizes: ToleranceSizes, deviations: Mapping[str, float]) -> GearClass | None:
-    """Return the class of a gear with measured `deviations`, um, by their symbols (those of the tolerances without the
-    T).
+    """Return the class of a gear with measured `deviations`, um, by their symbols (without the T of tolerances).
 
     Deviations that the standard does not have are ignored. The result is None beyond the range of the standard.
     """

@@ -1,12 +1,12 @@
-"""Compliance of teeth under loads on their flanks: bending, shear, base and body of a whole gear, computed from one
-tooth.
+"""Compliance of teeth under loads on their flanks: bending, shear, base and body of a whole gear.
 
-All teeth of a gear are copies of one tooth, rotated by pitches. The tooth's sector with the rim under it is held at the
-rim's inner face. It is condensed to its two cut faces and to the nodes of the loaded flank. The ring of z sectors is
-block-circulant, so that a Fourier series over the teeth gives the whole gear exactly, without any influence of cut
-faces. Of a body with a web only the part within its profile is stiff. An element that the profile cuts is as stiff as
-its share inside. q_j are the displacements of the cut before sector j in the sector's own frame. T is the rotation by a
-pitch, S the sector's stiffness to its right and left cut, and g the loads on the cuts.
+The compliance of all teeth is computed from one tooth. All teeth of a gear are copies of one tooth, rotated by pitches.
+The tooth's sector with the rim under it is held at the rim's inner face. It is condensed to its two cut faces and to
+the nodes of the loaded flank. The ring of z sectors is block-circulant, so that a Fourier series over the teeth gives
+the whole gear exactly, without any influence of cut faces. Of a body with a web only the part within its profile is
+stiff. An element that the profile cuts is as stiff as its share inside. q_j are the displacements of the cut before
+sector j in the sector's own frame. T is the rotation by a pitch, S the sector's stiffness to its right and left cut,
+and g the loads on the cuts.
 
     S_RR q_j + S_RL T q_(j+1) + T' S_LR q_(j-1) + T' S_LL T q_j = g_R,j + T' g_L,(j-1)
 
@@ -217,11 +217,10 @@ class FlankCompliance(FilletStress):
 
 @dataclass(frozen=True)
 class HeldTeeth(FlankCompliance):
-    """A few teeth with the rim under them, whose cut faces are held too; `of_teeth` (K,) has the response to loads on
-    each tooth.
+    """A few teeth with the rim under them, whose cut faces are held too.
 
-    The fields describe loads on the middle tooth. Teeth that the body does not have neither move nor have stress; loads
-    on them count as loads on the last tooth.
+    `of_teeth` (K,) has the response to loads on each tooth. The fields describe loads on the middle tooth. Teeth that
+    the body does not have neither move nor have stress; loads on them count as loads on the last tooth.
     """
 
     of_teeth: tuple[FlankCompliance, ...] = ()
@@ -570,11 +569,10 @@ def _cuts(condensed: Array, loads: Array, turn: Array, teeth: int, reach: int, *
 
 
 def _held_cuts(condensed: Array, loads: Array, turn: Array, teeth: int) -> Array:
-    """Solve a row of K = `teeth` sectors for displacements (K, 2 K - 1, 2 c, n) of their cuts, with the outer cuts
-    held.
+    """Solve a row of K = `teeth` sectors for displacements (K, 2 K - 1, 2 c, n) of their cuts.
 
-    The first index is the loaded sector. The second index runs over sectors 1 - K .. K - 1 from the loaded one; it is 0
-    for sectors that the row does not have.
+    The outer cuts are held. The first index is the loaded sector. The second index runs over sectors 1 - K .. K - 1
+    from the loaded one; it is 0 for sectors that the row does not have.
     """
     from scipy.linalg import cho_factor, cho_solve
 
@@ -659,12 +657,11 @@ def _contact_compliance(sector: Sector, depth: int) -> Array:
 
 
 def _half_spaces(sector: Sector, nodes: Index) -> Array:
-    """Return displacements (3 K, n), mm/N, of nodes (K,) in half-spaces pressed at the flank's nodes, each along its
-    normal.
+    """Return displacements (3 K, n), mm/N, of nodes (K,) in half-spaces pressed at the flank's nodes.
 
-    The half-spaces end at toe and heel. Lines of contact run more along the face than up the profile. A node's force is
-    therefore spread along the face and falls to 0 at the next nodes, as `FlankCompliance.shares` divides the force of a
-    line of contact.
+    Each force is normal to the flank. The half-spaces end at toe and heel. Lines of contact run more along the face
+    than up the profile. A node's force is therefore spread along the face and falls to 0 at the next nodes, as
+    `FlankCompliance.shares` divides the force of a line of contact.
     """
     into = -sector.normals
     tangent = unit(np.cross(into, np.eye(3)[np.abs(into).argmin(axis=-1)]))
@@ -724,11 +721,10 @@ class _Images:
         return _Images(mirrored, middle, out, np.maximum(x, 0.0), sector.material)
 
     def displacements(self, start: Array, frames: Array) -> Array:
-        """Return displacements (I, J, K, 3), mm/N, that the end face adds to those on a half-space under forces at
-        `start` (I, J, 3).
+        """Return the displacements (I, J, K, 3), mm/N, that the end face adds to those on a half-space.
 
-        At the surface they follow `quarter_space`. Deeper places are assumed to be as much restrained as places as far
-        away along the edge.
+        Forces are at `start` (I, J, 3). At the surface they follow `quarter_space`. Deeper places are assumed to be as
+        much restrained as places as far away along the edge.
         """
         place, out = self.mirrored[:, None] - start[:, :, None], self.out[:, None, None]
         image = _surface_displacements(place, frames, self.material)

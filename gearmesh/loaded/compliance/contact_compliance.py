@@ -1,5 +1,6 @@
-"""Contact compliance under pressures on a grid of cells: Love's rectangle on half-spaces, with free end faces beside
-the grid.
+"""Contact compliance under pressures on a grid of cells: half-spaces with free end faces beside the grid.
+
+Displacements follow from Love's solution for pressure on a rectangle.
 
     end face                          end face       Along x the influence of a cell depends on both cells, because
        |  dist  +--+--+--+--+--+  dist   |           end faces, at right angles to x, lie at fixed places. Along y it

@@ -30,10 +30,10 @@ def point_displacements(place: Array, material: Material) -> Array:
 
 
 def rectangle_influence(x: Array, y: Array, width: Array, height: Array) -> Array:
-    """Return the surface displacement times E / (1 - nu^2) (...,), mm, at (x, y) (...,), mm, under unit pressure on a
-    rectangle.
+    """Return surface displacements (...,) under unit pressure on a rectangle, times E / (1 - nu^2), mm.
 
-    The rectangle is `width` (along x) by `height` and centred on the origin [J85 3.25].
+    The points of the surface are (x, y) (...,), mm. The rectangle is `width` (along x) by `height` and centred on the
+    origin [J85 3.25].
     """
     total = np.zeros(np.broadcast_shapes(x.shape, y.shape, np.shape(width), np.shape(height)))
     for x_sign in (1.0, -1.0):

@@ -44,10 +44,10 @@ def stiffness(corners: Array, material: Material) -> Array:
 
 
 def corner_stresses(corners: Array, material: Material) -> Array:
-    """Return matrices (E, 8, 6, 24), MPa/mm, from the displacements (24,) of hexahedra with corners (E, 8, 3) to
-    stresses at the corners.
+    """Return matrices (E, 8, 6, 24), MPa/mm, from displacements of the corners to stresses there.
 
-    Stresses at the Gauss points are extrapolated to the corners, linearly in each direction.
+    The hexahedra have corners (E, 8, 3), mm. Stresses at the Gauss points are extrapolated to the corners, linearly in
+    each direction.
     """
     law = elasticity(material)
     _, modes = _condense(corners, law)
@@ -60,8 +60,7 @@ def corner_stresses(corners: Array, material: Material) -> Array:
 
 
 def _condense(corners: Array, law: Array) -> tuple[Array, Array]:
-    """Return stiffness matrices (E, 24, 24), and matrices (E, 9, 24) from corner displacements to the internal
-    unknowns.
+    """Return stiffnesses (E, 24, 24), and matrices (E, 9, 24) from corner displacements to internal unknowns.
 
     Internal unknowns are eliminated by equilibrium.
     """

@@ -36,10 +36,9 @@ class LayeredStiffness:
 
     @staticmethod
     def of(stiffness: csr_array, layer: Index) -> LayeredStiffness:
-        """Factorise a stiffness (N, N), in which unknown k belongs to layer `layer` (N,); unknowns of layer -1 are
-        held.
+        """Factorise a stiffness (N, N), in which unknown k belongs to layer `layer` (N,).
 
-        Raises NoSolutionError if elements are turned inside out.
+        Unknowns of layer -1 are held. Raises NoSolutionError if elements are turned inside out.
         """
         from scipy.linalg import LinAlgError, cholesky, solve_triangular
 

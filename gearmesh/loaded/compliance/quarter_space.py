@@ -93,10 +93,10 @@ def _table(poisson_ratio: float) -> Array:
 
 
 def _released_waves(poisson_ratio: float) -> tuple[Array, Array]:
-    """Return steps t (n,) of ln(k x), and displacements (n, n) times E / (1 - nu^2) that the end face adds to a wave
-    and its image.
+    """Return steps t (n,) of ln(k x), and the displacements (n, n) that the end face adds to waves.
 
-    The wave is a force per length along the edge at exp(t) (second index); displacements are at exp(t) (first index).
+    They are beyond those of a wave and its image, and multiplied by E / (1 - nu^2). The wave is a force per length
+    along the edge at exp(t) (second index); displacements are at exp(t) (first index).
     """
     from scipy.special import k0
 
@@ -120,11 +120,11 @@ def _released_waves(poisson_ratio: float) -> tuple[Array, Array]:
 
 
 def _end_stresses(x: Array, poisson_ratio: float) -> Array:
-    """Return normal stress (n, n) on the plane x = 0 at depths x (first index) of a half-space under waves of force at
-    x (second index).
+    """Return normal stress (n, n) on the plane x = 0 of a half-space under waves of force.
 
-    The waves have k = 1 and are added to their mirror images. psi is the potential of 1/r, which is 2 K0 for a wave,
-    and psi_1 its integral along z. Then [J85 3.2]: 2 pi sigma_x = psi_z - z psi_xx - (1 - 2 nu) psi_1.
+    The first index is the depth x of the stress, the second the place x of the force. The waves have k = 1 and are
+    added to their mirror images. psi is the potential of 1/r, which is 2 K0 for a wave, and psi_1 its integral along z.
+    Then [J85 3.2]: 2 pi sigma_x = psi_z - z psi_xx - (1 - 2 nu) psi_1.
     """
     from scipy.special import k0, k1
 

@@ -1,7 +1,7 @@
-"""Threads of linear algebra: one. The blocks of a tooth's layers are small, and threads of BLAS wait for one another by
-spinning.
+"""Threads of linear algebra: one, because the blocks of a tooth's layers are small.
 
-Two bodies are computed at the same time instead, each on a Python thread (times in notes.md).
+Several threads of BLAS would wait for one another by spinning. Two bodies are computed at the same time instead, each
+on a Python thread (times in notes.md).
 """
 
 from __future__ import annotations

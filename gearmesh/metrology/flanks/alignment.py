@@ -65,10 +65,10 @@ class Alignment:
 
 
 def align(tooth: Tooth, points: Mapping[Side, Array], *, axial: bool) -> Alignment:
-    """Move points (N, 3), mm, of one flank or of both flanks of a tooth to the best fit; `axial`: True if the axial
-    position is free.
+    """Move points (N, 3), mm, of one flank or of both flanks of a tooth to the best fit.
 
-    Raises DesignError if they fit the other flank, or the flank of a gear of the other hand, and not their own.
+    `axial` is True if the axial position is free. Raises DesignError if they fit the other flank, or the flank of a
+    gear of the other hand, and not their own.
     """
     projections = {side: FlankProjection(tooth, side) for side in Side}
     alignment = _fit(tooth, projections, points, axial)
