@@ -1,1 +1,1 @@
-"""Finite-element models: teeth in mesh, decks, CalculiX, results."""
+"""Finite-element models of gears: teeth in mesh, input decks, the solver CalculiX, and results."""

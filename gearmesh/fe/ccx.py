@@ -1,6 +1,6 @@
-"""CalculiX CrunchiX (ccx) as an external program: run a deck, and read what it wrote.
+"""CalculiX CrunchiX (ccx) as an external program: run a deck, and read the results.
 
-Results come from two files of ccx: fields at the nodes from the .frd (six digits), totals from the .dat.
+Results come from two files: fields at the nodes from the .frd (six digits), and sums from the .dat.
 """
 
 from __future__ import annotations
@@ -22,40 +22,43 @@ from gearmesh.fe.results import ContactTotal, NodalSolution, ReferenceNode
 from gearmesh.io.atomic import scratch_folder
 from gearmesh.kernel.numeric.algebra import Array
 
-#: environment variable that names the program where `ccx` is not on the PATH
-VARIABLE = "GEARMESH_CCX"
-MISSING = "CalculiX is not installed: apt-get install calculix-ccx (or name the program in GEARMESH_CCX)"
+#: environment variable with the path of the program, if `ccx` is not on the PATH
+CCX_VARIABLE = "GEARMESH_CCX"
+#: message without the program
+MISSING_CCX = "CalculiX is not installed: apt-get install calculix-ccx (or name the program in GEARMESH_CCX)"
 
+#: message for bodies that do not touch at the start
 NOT_TOUCHING = (
     "ccx finds no contact at the start, and nothing else supports the loaded body: let the bodies overlap by about half the "
     "elastic approach under the load, by more where facets are coarse"
 )
 
-#: told about how far the work is (0 to 1) and what ccx is doing
+#: Callback with the share of the work that is done (0 to 1) and a description of the step
 Progress = Callable[[float, str], None]
 
-_JOB = "model"
+#: name of the deck without its suffix
+_JOB_NAME = "model"
 _FRD_WIDTH = 12  # characters of a number in an .frd
 _SECONDS_BETWEEN_LOOKS = 0.2
 
 
 def program() -> str:
-    """Path of ccx. Raises OutputError, with the command that installs it, if there is none."""
-    path = shutil.which(os.environ.get(VARIABLE) or "ccx")
+    """Return the path of ccx. Raises OutputError, with the command that installs it, if there is none."""
+    path = shutil.which(os.environ.get(CCX_VARIABLE) or "ccx")
     if path is None:
-        raise OutputError(reason=MISSING)
+        raise OutputError(reason=MISSING_CCX)
     return path
 
 
 def solve(model: Model, progress: Progress | None = None, threads: int | None = None) -> NodalSolution:
-    """Solve a model in a temporary folder with as many threads as asked for (default: what the environment says).
+    """Solve a model in a temporary folder; the number of threads is by default that of the environment.
 
-    Raises OutputError if ccx is missing, and NoSolutionError if it fails, with its own words, or if bodies that only
-    contact can hold do not touch at the start.
+    Raises OutputError if ccx is missing. Raises NoSolutionError, with ccx's message, if ccx fails, or if bodies that
+    only contact holds do not touch at the start.
     """
     executable = program()
     with scratch_folder() as folder:
-        write_calculix(model, folder / f"{_JOB}.inp")
+        write_calculix(model, folder / f"{_JOB_NAME}.inp")
         loose = bool(model.contacts) and any(_loose(tie) for tie in model.ties)
         run(executable, folder, progress, threads, must_touch=loose)
         return read(model, folder)
@@ -82,7 +85,7 @@ def run(
     output = folder / "output.txt"
     with open(output, "wb") as stream:
         child = subprocess.Popen(
-            [executable, "-i", _JOB],
+            [executable, "-i", _JOB_NAME],
             cwd=folder,
             env=environment,
             stdin=subprocess.DEVNULL,
@@ -100,31 +103,33 @@ def run(
 
 
 def _wait(child: subprocess.Popen[bytes], folder: Path, progress: Progress | None, watched: Path | None) -> None:
-    """Wait for ccx, reporting progress whenever its table of convergence has grown; `watched` output must report contact."""
-    seen = 0
+    """Wait for ccx and report progress when its table of convergence grows; stop it if the `watched` output reports no
+    contact."""
+    known_rows = 0
     while True:
         try:
             child.wait(_SECONDS_BETWEEN_LOOKS)
             return
         except subprocess.TimeoutExpired:
-            rows = list(_table(folder / f"{_JOB}.cvg", 9))
-        # ccx would look for an equilibrium that does not exist through six cutbacks of sixty iterations
+            rows = list(_table(folder / f"{_JOB_NAME}.cvg", 9))
+        # without contact ccx would search an equilibrium through six cutbacks of sixty iterations
         if watched is not None and _first_contacts(watched) == 0:
             raise NoSolutionError(reason=NOT_TOUCHING)
-        if progress is not None and len(rows) > seen:
+        if progress is not None and len(rows) > known_rows:
             progress(_share_done(folder, int(rows[-1][3])), _doing(rows[-1]))
-        seen = len(rows)
+        known_rows = len(rows)
 
 
 def _first_contacts(output: Path) -> int | None:
-    """Contact elements at the start, None before ccx has counted them."""
+    """Return the number of contact elements at the start; None before ccx has counted them."""
     match = re.search(rb"contact spring elements=(\d+)\n", output.read_bytes())
     return int(match[1]) if match else None
 
 
 def _share_done(folder: Path, iteration: int) -> float:
-    """Time reached in the step, and as a guess a fifth of what remains for each iteration since."""
-    rows = list(_table(folder / f"{_JOB}.sta", 7))
+    """Return the time reached in the step plus an estimate: each iteration since takes a fifth of the remaining
+    time."""
+    rows = list(_table(folder / f"{_JOB_NAME}.sta", 7))
     done = float(rows[-1][5]) if rows else 0.0
     return done + (1.0 - done) * (1.0 - 0.8**iteration)
 
@@ -138,7 +143,7 @@ def _doing(row: list[str]) -> str:
 
 
 def _table(file: Path, columns: int) -> Iterator[list[str]]:
-    """Rows of numbers in a file that ccx may be writing."""
+    """Return rows of numbers in a file to which ccx may still be writing."""
     if file.exists():
         for line in file.read_text(errors="replace").splitlines():
             row = line.split()
@@ -147,7 +152,7 @@ def _table(file: Path, columns: int) -> Iterator[list[str]]:
 
 
 def _complaint(text: str, status: int) -> str:
-    """The first error that ccx printed, with its continuation lines, on one line."""
+    """Return the first error of ccx, with its continuation lines, as one line."""
     match = re.search(r"\*ERROR:?\s*(.*(?:\n[ \t]+\S.*){0,3})", text)
     if match is None:
         return f"it stopped with status {status} and said nothing"
@@ -155,16 +160,16 @@ def _complaint(text: str, status: int) -> str:
 
 
 def read(model: Model, folder: Path) -> NodalSolution:
-    """The results of a finished run. Raises NoSolutionError for files that ccx left incomplete."""
-    blocks = _frd(folder / f"{_JOB}.frd")
+    """Read the results of a finished run. Raises NoSolutionError for files that ccx left incomplete."""
+    blocks = _frd(folder / f"{_JOB_NAME}.frd")
     try:
         displacement, stress = blocks["DISP"], blocks["STRESS"]
     except KeyError as missing:
         raise NoSolutionError(reason=f"ccx wrote no {missing} results") from None
     count = len(model.mesh.nodes)
     contact = _spread(*blocks["CONTACT"], count) if "CONTACT" in blocks else np.zeros((count, 4))
-    totals = (folder / f"{_JOB}.dat").read_text()
-    rows = list(_table(folder / f"{_JOB}.sta", 7))
+    totals = (folder / f"{_JOB_NAME}.dat").read_text()
+    rows = list(_table(folder / f"{_JOB_NAME}.sta", 7))
     return NodalSolution(
         displacement=_spread(*displacement, count)[:, :3],
         stress=_spread(*stress, count),
@@ -176,7 +181,7 @@ def read(model: Model, folder: Path) -> NodalSolution:
 
 
 def _spread(nodes: NDArray[np.int64], values: Array, count: int) -> Array:
-    """Values in the order of the mesh's nodes; reference nodes, numbered after those, are left out."""
+    """Return values in the order of the mesh's nodes; reference nodes, which have higher numbers, are dropped."""
     out = np.zeros((count, values.shape[1]))
     kept = nodes <= count
     out[nodes[kept] - 1] = values[kept]
@@ -184,9 +189,9 @@ def _spread(nodes: NDArray[np.int64], values: Array, count: int) -> Array:
 
 
 def _frd(file: Path) -> dict[str, tuple[NDArray[np.int64], Array]]:
-    """The last block of each result in an ASCII .frd: node numbers (K,) and values (K, components).
+    """Read the last block of each result in an ASCII .frd: node numbers (K,) and values (K, components).
 
-    Every row of a block has the same number of characters: `-1`, node (10), then 12 a component.
+    Every row of a block has the same length: `-1`, the node (10 characters), then 12 characters per component.
     """
     data = file.read_bytes()
     blocks: dict[str, tuple[NDArray[np.int64], Array]] = {}
@@ -215,7 +220,7 @@ def _references(model: Model, totals: str) -> dict[str, ReferenceNode]:
 
 
 def _node(totals: str, quantity: str, number: int) -> Array:
-    """The last vector printed for a node."""
+    """Return the last vector that is printed for a node."""
     rows = re.findall(rf"^ {quantity} \(.*\n\n +{number} +(.*)$", totals, re.MULTILINE)
     return np.array(rows[-1].split(), float)
 
@@ -228,5 +233,5 @@ def _contact(totals: str, slave: str, master: str) -> ContactTotal:
 
 
 def _is_numbers(line: str) -> bool:
-    # of faces that do not touch, ccx prints averages as NaN
+    # ccx prints averages over faces that do not touch as NaN
     return re.fullmatch(r"(\s+([-+.\dE]+|NaN))+\s*", line) is not None

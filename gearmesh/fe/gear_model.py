@@ -1,8 +1,9 @@
-"""Finite-element models of gears: teeth in mesh as tooth contact analysis places them, one member under the same load, or one
-without a mating gear, held and not loaded, in its own frame.
+"""Finite-element models of gears: a tooth pair in mesh as tooth contact analysis places it, or one member alone.
 
-The model's frame is the pinion's bearing (its axis of rotation is z): one rotation is then all that a torque or a prescribed
-angle needs. The gear is held at its rim and at the cut faces; the pinion's are rigid, and turn about z.
+A member of a pair has the same load as in mesh. A member without a mating gear is held and not loaded, in its own
+frame. The model's frame is the pinion's bearing, with z as axis of rotation: a torque or a prescribed angle then needs
+one rotation only. The gear is held at its rim and at the cut faces. The pinion's rim and cut faces are rigid and rotate
+about z.
 """
 
 from __future__ import annotations
@@ -27,34 +28,30 @@ from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.region import CUT_REGIONS, Side
 from gearmesh.teeth.tooth import Tooth
 
-#: overclosure that a model under a torque starts with, over the approach by Hertz. CalculiX makes contact elements only where
-#: faces overlap, so that flanks that just touch at a point have none, and a pinion free to turn is singular. From 0.3 to 1
-#: it takes 4 to 7 iterations, from 0.01 19; the solution does not depend on it
-OVERCLOSURE = 0.5
-#: nor has it any where only a corner of a face overlaps: it looks inside of faces, and facets that touch at a node are apart
-#: there, more so the coarser they are. The overlap is at least so many times that
-BEYOND_APART = 1.5
-#: places across a face, of its sides, inside of which contact is looked for
-INNER = (0.2, 0.5, 0.8)
-#: where facets may touch first: this many semi-axes of the contact, lengthened by an element
-NEAR = 2.0
-#: elements over a semi-axis of the contact ellipse, and into the tooth over the smaller one, that resolve the pressure; sag of
-#: an element's edge along the ellipse over the approach of the flanks. One pair of bevel teeth (spiral_bevel_basic, 50 Nm, half
-#: axes 6.6 and 0.21 mm) with 4 elements over each semi-axis sags by 0.46 and is pressed 23 % harder than by Hertz; with 12 along,
-#: 4 across and 0.7 inwards, which sag by 0.05, 7 % less than by Hertz, with twice as many inwards 12 % less
-OVER, INWARDS, SAG = 4.0, 0.7, 0.11
-#: penetration of the contact springs under the largest pressure over the approach of the flanks, both by Hertz. Harder springs
-#: press where facets happen to stand out: crossed cylinders (semi-axes 2.4 and 0.7 mm) in meshes of 4 and 5 elements over a
-#: semi-axis have pressures that scatter by 6.5 % of the largest with 0.006 and by 2.7 % with 0.015; the contact's area is 0.91
-#: and 0.98 of Hertz's, the largest pressure 1.08 and 1.01; with 0.03 the area is 1.04, the pressure 0.98
-SPRINGS = 0.015
-#: the same where contact is on an edge: contact stiffness over Young's modulus, 1/mm; converges where harder springs do not
+#: initial overlap of the flanks under a torque, over the Hertz approach: CalculiX makes contact elements only where
+#: faces overlap (see notes.md)
+INITIAL_OVERLAP = 0.5
+#: least initial overlap over the distance of the insides of coarse facets, where CalculiX searches contact
+FACET_OVERLAP_FACTOR = 1.5
+#: places across a face, as shares of its sides, inside of which CalculiX searches contact
+INNER_PLACES = (0.2, 0.5, 0.8)
+#: distance, in semi-axes of the contact and one element, within which facets may touch first
+NEAR_SEMI_AXES = 2.0
+#: elements over a semi-axis of the contact ellipse that resolve the pressure
+ELEMENTS_PER_SEMI_AXIS = 4.0
+#: elements into the tooth over the smaller semi-axis that resolve the pressure
+ELEMENTS_INWARD = 0.7
+#: largest sag of an element's edge along the ellipse over the approach (see notes.md)
+MAX_SAG_RATIO = 0.11
+#: penetration of the contact springs under the largest pressure over the approach, both by Hertz (see notes.md)
+SPRING_PENETRATION = 0.015
+#: contact stiffness at an edge over Young's modulus, 1/mm; converges where harder springs do not
 EDGE_STIFFNESS = 50.0
-#: where a member is held, the first of these sets that it has
-HELD = ("rim", "bore", SHAFT_END_SET, CORE_SET)
+#: node sets at which a member is held: the first that it has
+HELD_SETS = ("rim", "bore", SHAFT_END_SET, CORE_SET)
 #: default numbers of elements
-CELLS = Cells()
-#: points along the radius at which the pressure on a loaded ellipse is taken
+DEFAULT_CELLS = Cells()
+#: points along the radius of a loaded ellipse at which its pressure is evaluated
 PRESSURE_POINTS = 12
 #: points along a line of contact, many for each element
 LINE_POINTS = 1000
@@ -62,85 +59,92 @@ LINE_POINTS = 1000
 
 @dataclass(frozen=True)
 class MeshRequest:
-    """What every member's mesh shall hold, in contact or without.
+    """Contents of every member's mesh, in contact or alone."""
 
-    `teeth`: their number, None for all; `cells`: numbers of elements; `rim`: mm under the root, None for the default; `sector`:
-    instead of some teeth so many pitches, for cyclic symmetry; `whole`: with the body under the rim, as it is turned, its
-    elements of about `size` (mm).
-    """
-
+    #: number of teeth; None for all
     teeth: int | None = 3
-    cells: Cells = CELLS
+    #: numbers of elements
+    cells: Cells = DEFAULT_CELLS
+    #: depth of the rim below the root, mm; None for the default
     rim: float | None = None
+    #: True for elements with mid-side nodes
     second_order: bool = False
+    #: number of pitches in a sector with cyclic symmetry, instead of `teeth`
     sector: int | None = None
+    #: True to include the turned body under the rim
     whole: bool = False
+    #: size of the body's elements, mm
     size: float | None = None
 
 
 @dataclass(frozen=True)
 class Request(MeshRequest):
-    """What a model of a pair shall hold.
+    """Contents of a model of a pair."""
 
-    `members`: "pinion", "gear" or both, in mesh; `ellipse`: elements over each semi-axis of the contact ellipse, 0 for what
-    `cells` allow; `even`: evenly spaced lines; `torque` (N mm) on the pinion in the sense that drives, or the
-    `rotation` (rad) it is turned by instead; `friction`: coefficient of Coulomb on the flanks; `resolved`: more
-    lines than `cells` say where the contact ellipse takes them; `every_tooth`: lines follow the contact on the teeth beside the
-    leading ones too.
-    """
-
+    #: "pinion", "gear" or both, in mesh
     members: tuple[str, ...] = ("pinion", "gear")
+    #: elements over each semi-axis of the contact ellipse; 0 for as many as `cells` allow
     ellipse: int = 0
+    #: True for equally spaced lines
     even: bool = False
+    #: torque on the pinion in the driving sense, N mm
     torque: float = 1e5
+    #: prescribed rotation of the pinion instead of a torque, rad
     rotation: float | None = None
+    #: coefficient of Coulomb friction on the flanks
     friction: float = 0.0
+    #: True to add lines until the contact ellipse is resolved
     resolved: bool = False
+    #: materials of pinion and gear
     materials: tuple[Material, Material] = (STEEL, STEEL)
+    #: True if lines follow the contact on the teeth beside the leading teeth too
     every_tooth: bool = False
 
 
 @dataclass(frozen=True)
 class GearModel:
-    """A model of gears, and how it was placed.
+    """A model of gears with its position."""
 
-    `preload`: angle (rad) by which the pinion was turned into the gear beforehand, to be added to the rotation that a solver
-    finds under a torque: half the approach by Hertz, or more where facets are coarse; `gap`: of the facets, mm, where the
-    flanks touch; the gear was turned back by it.
-    """
-
+    #: finite-element model
     model: Model
+    #: leading tooth pair at the position
     at: PlacedPair
+    #: angle, rad, by which the pinion was rotated into the gear beforehand: half the Hertz approach, or more for coarse
+    #: facets; it is added to the rotation that a solver finds under a torque
     preload: float
+    #: gap of the facets, mm, where the flanks touch; the gear was rotated back by it
     gap: float
 
 
 def gear_model(pair: GearPair, request: Request, at: PlacedPair, title: str = "gearmesh") -> GearModel:
-    """The model of the members asked for, at a position found by `placing.place`.
+    """Build the model of the requested members at a position that `placing.place` found.
 
-    Sets are those of `hex_mesh` with pinion_ or gear_ before them, and pinion_held, gear_held: rim and cut faces. Raises
-    TrimError for teeth that cannot be trimmed, DesignError for a rim that does not fit.
+    Sets are those of `hex_mesh` with the prefix pinion_ or gear_, and the sets pinion_held and gear_held of rim and cut
+    faces. Raises TrimError for teeth that cannot be trimmed, and DesignError for a rim that does not fit.
     """
     with part(0.0, 0.5):
-        own = {name: member_mesh(pair, name, request, at) for name in in_turn(request.members)}
-    turns, both = list(at.turns), len(request.members) == 2
+        meshes = {name: member_mesh(pair, name, request, at) for name in in_turn(request.members)}
+    turns, in_mesh = list(at.turns), len(request.members) == 2
     gap = preload = 0.0
-    if both:
+    if in_mesh:
         with part(0.5, 0.9):
-            gap, apart = _facet_gap(pair, own, at)
+            # facets of convex flanks do not touch at first touch: close the gap, and overlap both enough for CalculiX
+            # to find contact
+            gap, apart = _facet_gap(pair, meshes, at)
         lever = float(at.path.normal[0] @ pair.gear.mount.velocity(at.path.point[0]))
         turns[1] -= pair.drive * gap / abs(lever)
-        overlap = max(OVERCLOSURE * at.approach, BEYOND_APART * apart)
+        overlap = max(INITIAL_OVERLAP * at.approach, FACET_OVERLAP_FACTOR * apart)
         preload = overlap / abs(at.arm) if request.rotation is None else 0.0
     placed = {
-        name: mesh.move(at.frame @ pair.members[name].mount.at(turns[pair.index(name)])) for name, mesh in own.items()
+        name: mesh.move(at.frame @ pair.members[name].mount.at(turns[pair.index(name)]))
+        for name, mesh in meshes.items()
     }
-    if both:
+    if in_mesh:
         placed[pair.pinion.name] = placed[pair.pinion.name].move(Rigid.about_z(at.sense * preload))
     mesh = join(placed)
     materials = dict(zip(pair.members, request.materials, strict=True))
     model = Model(title, mesh, {name: materials[name] for name in request.members})
-    if both:
+    if in_mesh:
         model = _in_contact(model, pair, request, at)
     else:
         (name,) = request.members
@@ -152,7 +156,7 @@ def gear_model(pair: GearPair, request: Request, at: PlacedPair, title: str = "g
 
 
 def _in_contact(model: Model, pair: GearPair, request: Request, at: PlacedPair) -> Model:
-    """The gear held, the pinion's rim rigid and turned, the facing flanks of teeth in contact."""
+    """Return the model with the gear held, the pinion's rim rigid and rotated, and the facing flanks in contact."""
     turned = f"{pair.pinion.name}_held"
     if request.rotation is None:
         tie = RigidTie(turned, np.zeros(3), load=(0.0,) * 5 + (at.sense * request.torque,))
@@ -164,23 +168,27 @@ def _in_contact(model: Model, pair: GearPair, request: Request, at: PlacedPair) 
 
 
 def contact_stiffness(materials: tuple[Material, Material], at: PlacedPair) -> float:
-    """Pressure over penetration, MPa/mm, of the contact springs between flanks of a placed pair."""
+    """Return pressure over penetration, MPa/mm, of the contact springs between the flanks of a placed pair."""
     if np.isnan(at.pressure):
         return EDGE_STIFFNESS * max(material.youngs_modulus for material in materials)
-    return at.pressure / (SPRINGS * at.approach)
+    return at.pressure / (SPRING_PENETRATION * at.approach)
 
 
 def member_mesh(pair: GearPair, name: str, request: Request, at: PlacedPair) -> HexMesh:
-    """One member's mesh in its own frame, its fine lines round the contact point of the leading tooth; with the set held."""
+    """Return one member's mesh in its own frame, with its set `held`, and with fine lines around the contact of the
+    leading tooth."""
     return held_mesh(pair.members[name], request, grid_of(pair, name, request, at))
 
 
 def held_mesh(member: Member, request: MeshRequest, grid: HexGrid) -> HexMesh:
-    """One member's mesh in its own frame, its lines those of a grid; with the set held: rim or, of a whole body, bore (without one
-    the ends of its shafts, or else the core) and cut faces, of a sector without these."""
+    """Return one member's mesh in its own frame, with the lines of a grid and the set `held`.
+
+    The set has the rim and the cut faces. In a whole body the bore replaces the rim; without a bore, the ends of its
+    shafts do, or else its core. A sector has no cut faces in the set.
+    """
     tooth = member.one_tooth
-    whole = tooth.teeth if tooth.screw is None else _threads_in_length(tooth)
-    count = min(request.sector or request.teeth or whole, whole)
+    all_teeth = tooth.teeth if tooth.screw is None else _threads_in_length(tooth)
+    count = min(request.sector or request.teeth or all_teeth, all_teeth)
     teeth = np.arange(count) - (count - 1) // 2
     if request.whole:
         body = member.turned_body
@@ -190,26 +198,26 @@ def held_mesh(member: Member, request: MeshRequest, grid: HexGrid) -> HexMesh:
         mesh = whole_mesh(tooth, body, teeth, grid, request.rim, request.size, second_order=request.second_order)
     else:
         mesh = hex_mesh(tooth, teeth, grid, request.rim, second_order=request.second_order)
-    inner = next(name for name in HELD if name in mesh.node_sets)
+    held_set = next(name for name in HELD_SETS if name in mesh.node_sets)
     if request.sector is not None:
         mesh = pair_cuts(mesh, tooth.joint.to(request.sector * tooth.pitch_angle))
-        # what follows the first cut face is held with it
-        own = np.setdiff1d(mesh.node_sets[inner], mesh.node_sets["cut_left"])
-        return replace(mesh, node_sets=mesh.node_sets | {"held": own})
+        # nodes of the last cut face follow those of the first, which are held
+        held_nodes = np.setdiff1d(mesh.node_sets[held_set], mesh.node_sets["cut_left"])
+        return replace(mesh, node_sets=mesh.node_sets | {"held": held_nodes})
     # an arc of threads is cut at its ends too
     cuts = CUT_REGIONS if tooth.screw is None else (*CUT_REGIONS, "toe", "heel")
-    held = [mesh.node_sets[key] for key in (inner, *cuts) if key in mesh.node_sets]
+    held = [mesh.node_sets[key] for key in (held_set, *cuts) if key in mesh.node_sets]
     return replace(mesh, node_sets=mesh.node_sets | {"held": np.unique(np.concatenate(held))})
 
 
 def _threads_in_length(tooth: Tooth) -> int:
-    """How many threads follow each other along a member, an odd number."""
+    """Return the number of threads side by side along a member, an odd number."""
     toe, heel = tooth.blank.extent
     return 2 * int(0.5 * abs((heel - toe) / layers(tooth, [0.5]).step.translation[2])) + 1
 
 
 def cyclic_symmetry(member: Member, request: MeshRequest, own_to_model: Rigid) -> CyclicSymmetry | None:
-    """That of the sector of a member in a model's frame; None where none is asked for."""
+    """Return the cyclic symmetry of a member's sector in the model's frame; None without a sector."""
     if request.sector is None:
         return None
     first, last = (f"{member.name}_{region}" for region in CUT_REGIONS)
@@ -218,7 +226,7 @@ def cyclic_symmetry(member: Member, request: MeshRequest, own_to_model: Rigid) -
 
 
 def check_sector(member: Member, pitches: int) -> None:
-    """Raise DesignError for pitches that do not divide a member, and for one that does not turn."""
+    """Raise DesignError if a number of pitches does not divide the member's teeth, or if the member does not rotate."""
     teeth = member.tooth.teeth
     fitting = [k for k in range(1, teeth) if teeth % k == 0]
     if np.isinf(member.tooth.joint.cycle(teeth)) or member.one_tooth.screw is not None or not fitting:
@@ -231,9 +239,10 @@ def check_sector(member: Member, pitches: int) -> None:
 
 
 def unloaded_model(member: Member, request: MeshRequest, material: Material, title: str = "gearmesh") -> Model:
-    """The model of a member without a mating gear: held as in a pair, not loaded, its lines evenly spaced; its own frame.
+    """Build the model of a member without a mating gear, in its own frame.
 
-    Sets are those of `gear_model`. Raises TrimError for teeth that cannot be trimmed, DesignError for a rim that does not fit.
+    The member is held as in a pair and not loaded, and the lines are equally spaced. Sets are those of `gear_model`.
+    Raises TrimError for teeth that cannot be trimmed, and DesignError for a rim that does not fit.
     """
     name = member.name
     mesh = join({name: held_mesh(member, request, plain_grid(request.cells))})
@@ -242,161 +251,175 @@ def unloaded_model(member: Member, request: MeshRequest, material: Material, tit
 
 
 def grid_of(pair: GearPair, name: str, request: Request, at: PlacedPair) -> HexGrid:
-    """Lines of a member, following the loaded ellipse unless they shall be even or there is none."""
-    which = pair.index(name)
-    params = (at.path.params1, at.path.params2)[which][0]
-    centre = arc_centre(pair.both[which].tooth, pair.flanks[which], params)
+    """Return the lines of a member; they follow the loaded ellipse unless they are requested to be even or there is no
+    ellipse."""
+    member_index = pair.index(name)
+    params = (at.path.params1, at.path.params2)[member_index][0]
+    centre = arc_centre(pair.both[member_index].tooth, pair.flanks[member_index], params)
     if request.even or np.isnan(at.pressure):
         return replace(plain_grid(request.cells), centre=centre)
-    near = neighbours(pair, at, request.torque, request.materials) if request.every_tooth else {}
-    # where a thread wedges itself in, its flank slides far along the gear's before it carries the load
-    slides = which == 0 and pair.pinion.tooth.screw is not None and len(request.members) == 2
+    pairs_beside = neighbours(pair, at, request.torque, request.materials) if request.every_tooth else {}
+    # a thread that wedges itself into the gear slides far along the gear's flank before it is loaded
+    slides = member_index == 0 and pair.pinion.tooth.screw is not None and len(request.members) == 2
     focus, beside = focus_on(pair, name, at, request.ellipse, turned=slides), {}
-    for places, beside_at in near.items():
-        own = focus_on(pair, name, beside_at, request.ellipse)
-        # on an edge the contact under load is about as large as the leading one
-        beside[places[pair.index(name)]] = replace(focus, s=own.s, t=own.t) if np.isnan(beside_at.pressure) else own
-    wanted = resolving(request.second_order, at.approach) if request.resolved else None
+    for places, beside_at in pairs_beside.items():
+        beside_focus = focus_on(pair, name, beside_at, request.ellipse)
+        # the contact of an edge under load is about as large as the leading contact
+        beside[places[pair.index(name)]] = (
+            replace(focus, s=beside_focus.s, t=beside_focus.t) if np.isnan(beside_at.pressure) else beside_focus
+        )
+    coarsest = resolving(request.second_order, at.approach) if request.resolved else None
     shared = stations_under_load(pair, grid_of(pair, pair.gear.name, request, at), at) if slides else None
-    return replace(focused_grid(request.cells, focus, beside, wanted, shared), centre=centre)
+    return replace(focused_grid(request.cells, focus, beside, coarsest, shared), centre=centre)
 
 
 def resolving(second_order: bool, approach: float) -> CoarsestLines:
-    """The coarsest lines over the contact ellipse that resolve its pressure; edges of second order follow the flank."""
+    """Return the coarsest lines over the contact ellipse that resolve its pressure; edges of second order follow the
+    flank."""
     return (
-        CoarsestLines(0.5 * OVER, 0.5 * INWARDS, np.inf)
+        CoarsestLines(0.5 * ELEMENTS_PER_SEMI_AXIS, 0.5 * ELEMENTS_INWARD, np.inf)
         if second_order
-        else CoarsestLines(OVER, INWARDS, SAG * approach)
+        else CoarsestLines(ELEMENTS_PER_SEMI_AXIS, ELEMENTS_INWARD, MAX_SAG_RATIO * approach)
     )
 
 
 def _facet_gap(pair: GearPair, meshes: dict[str, HexMesh], at: PlacedPair) -> tuple[float, float]:
-    """Smallest gap (mm), along the normal of contact, between the leading flanks' nodes and the facets of the other; and how far
-    the insides of the pinion's faces, where CalculiX looks for contact, are from the gear's facets at least once that is closed.
+    """Return the facet gap (mm) of the leading flanks, and the distance (mm) at which contact is searched.
 
-    The flanks themselves touch there; facets of convex flanks lie below them. Both are taken as heights over the common
-    tangent plane, within `NEAR` semi-axes of the contact, each lengthened by an element.
+    The gap is measured along the normal of contact, between nodes of one flank and facets of the other. The exact
+    flanks touch there, and facets of convex flanks lie below them. CalculiX searches contact at the insides of the
+    pinion's faces. The second value is their least distance from the gear's facets after the gap is closed. Both are
+    heights over the common tangent plane within `NEAR_SEMI_AXES` semi-axes of the contact, plus an element.
     """
     normal = at.path.normal[0]
     along = unit(np.cross(normal, np.eye(3)[np.abs(normal).argmin()]))
-    half = np.zeros(2)
+    semi_axes = np.zeros(2)
     if not np.isnan(at.pressure):
-        along, half = major_axis(at.path), np.array([at.semi_major, at.semi_minor])
+        along, semi_axes = major_axis(at.path), np.array([at.semi_major, at.semi_minor])
+    # faces of both leading flanks in a frame at the contact: x along the ellipse, z along the normal
     axes = np.stack((along, np.cross(normal, along), normal), axis=-1)
     faces = []
     for (name, mesh), side in zip(meshes.items(), pair.flanks, strict=True):
         own_to_fixed = pair.members[name].mount.at(at.turns[pair.index(name)])
         outlines = mesh.face_outlines(f"flank_{side}_{_leading(mesh, side)}")
         faces.append((own_to_fixed.point(mesh.nodes[outlines]) - at.path.point[0]) @ axes)
+    # keep faces near the contact
     nearest = [face[np.linalg.norm(face.mean(axis=1), axis=-1).argmin()] for face in faces]
-    window = NEAR * (half + np.max([np.ptp(face[:, :2], axis=0) for face in nearest], axis=0))
-    near = [face[(np.abs(face[..., :2]).min(axis=1) < window).all(axis=1)] for face in faces]
-    gaps = np.concatenate((_heights(near[1], near[0]), -_heights(near[0], near[1])))
+    window = NEAR_SEMI_AXES * (semi_axes + np.max([np.ptp(face[:, :2], axis=0) for face in nearest], axis=0))
+    near_faces = [face[(np.abs(face[..., :2]).min(axis=1) < window).all(axis=1)] for face in faces]
+    gaps = np.concatenate((_heights(near_faces[1], near_faces[0]), -_heights(near_faces[0], near_faces[1])))
     if not gaps.size:
         return 0.0, 0.0
-    inside = -_heights(_inner(near[0]), near[1])
-    return float(gaps.min()), float(max(inside.min() - gaps.min(), 0.0)) if inside.size else 0.0
+    inside_distance = -_heights(_inner(near_faces[0]), near_faces[1])
+    return float(gaps.min()), float(max(inside_distance.min() - gaps.min(), 0.0)) if inside_distance.size else 0.0
 
 
 def _inner(faces: Array) -> Array:
-    """Places (K, 1, 3) inside of faces (P, 4 or 8, 3), taken as those between their corners."""
+    """Return places (K, 1, 3) inside of faces (P, 4 or 8, 3), interpolated between their corners."""
     corners = faces[:, :: faces.shape[1] // 4]
-    u, v = (axis.ravel() for axis in np.meshgrid(INNER, INNER))
+    u, v = (axis.ravel() for axis in np.meshgrid(INNER_PLACES, INNER_PLACES))
     weights = np.stack(((1.0 - u) * (1.0 - v), u * (1.0 - v), u * v, (1.0 - u) * v), axis=-1)
     points: Array = np.einsum("ki,pij->pkj", weights, corners).reshape(-1, 1, 3)
     return points
 
 
 def _heights(faces: Array, under: Array) -> Array:
-    """Heights z (K,) of the nodes of faces (P, 4 or 8, 3) over the triangles of faces (Q, 4 or 8, 3) that they lie over."""
-    # by rising x, so that those between the least and the largest x of a triangle follow each other
+    """Return heights z (K,) of the nodes of faces (P, 4 or 8, 3) over the triangles of the faces (Q, 4 or 8, 3) under
+    them."""
+    # sort points by x: the points between the least and the largest x of a triangle are consecutive
     points = np.unique(faces.reshape(-1, 3), axis=0)
-    triangles = under[:, _FANS[under.shape[1]]].reshape(-1, 3, 3)
+    triangles = under[:, _FACE_TRIANGLES[under.shape[1]]].reshape(-1, 3, 3)
     begin, end = (
         points[:, 0].searchsorted(triangles[..., 0].min(axis=1)),
         points[:, 0].searchsorted(triangles[..., 0].max(axis=1), "right"),
     )
     count = end - begin
-    which = np.repeat(np.arange(len(triangles)), count)
-    point = points[np.arange(len(which)) + np.repeat(begin - np.cumsum(count) + count, count)]
-    a, b, c = np.moveaxis(triangles[which], 1, 0)
-    first, second, from_a = b - a, c - a, point - a
-    area = plane_cross(first, second)
+    triangle_index = np.repeat(np.arange(len(triangles)), count)
+    point = points[np.arange(len(triangle_index)) + np.repeat(begin - np.cumsum(count) + count, count)]
+    a, b, c = np.moveaxis(triangles[triangle_index], 1, 0)
+    edge_ab, edge_ac, from_a = b - a, c - a, point - a
+    area = plane_cross(edge_ab, edge_ac)
     with np.errstate(all="ignore"):
-        u, v = plane_cross(from_a, second) / area, plane_cross(first, from_a) / area
+        # barycentric coordinates of the points in the plane
+        u, v = plane_cross(from_a, edge_ac) / area, plane_cross(edge_ab, from_a) / area
     over = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0)
-    heights: Array = (from_a[:, 2] - u * first[:, 2] - v * second[:, 2])[over]
+    heights: Array = (from_a[:, 2] - u * edge_ab[:, 2] - v * edge_ac[:, 2])[over]
     return heights
 
 
 def _leading(mesh: HexMesh, side: Side, prefix: str = "") -> int:
-    """Number of the tooth on +x."""
+    """Return the number of the tooth on +x."""
     return (sum(name.startswith(f"{prefix}flank_{side}_") for name in mesh.face_sets) - 1) // 2 + 1
 
 
 def facing(mesh: HexMesh, pair: GearPair) -> list[tuple[str, str]]:
-    """Face sets (of the pinion, of the gear) of the working flanks that face each other, by their nearest middles."""
+    """Return face sets (of the pinion, of the gear) of the working flanks that face each other, by their nearest
+    middles."""
     names = [
         [name for name in mesh.face_sets if name.startswith(f"{member}_flank_{side}_")]
         for member, side in zip(pair.members, pair.flanks, strict=True)
     ]
-    middles = [np.array([mesh.nodes[mesh.face_corners(n)].mean(axis=(0, 1)) for n in own]) for own in names]
-    apart = np.linalg.norm(middles[0][:, None] - middles[1][None], axis=-1)
-    nearest = apart.argmin(axis=1)
-    mutual = [i for i in range(len(names[0])) if apart[:, nearest[i]].argmin() == i]
+    middles = [
+        np.array([mesh.nodes[mesh.face_corners(n)].mean(axis=(0, 1)) for n in flank_names]) for flank_names in names
+    ]
+    distances = np.linalg.norm(middles[0][:, None] - middles[1][None], axis=-1)
+    nearest = distances.argmin(axis=1)
+    mutual = [i for i in range(len(names[0])) if distances[:, nearest[i]].argmin() == i]
     return [(names[0][i], names[1][nearest[i]]) for i in mutual]
 
 
 def _hertz_forces(pair: GearPair, name: str, model: Model, request: Request, at: PlacedPair) -> NodeForces:
-    """The Hertz pressure of the leading contact as forces on nodes of the loaded flank, statically equal to it."""
-    which = pair.index(name)
-    side, mesh = pair.flanks[which], model.mesh
+    """Return the Hertz pressure of the leading contact as statically equal forces on the nodes of the loaded flank."""
+    member_index = pair.index(name)
+    side, mesh = pair.flanks[member_index], model.mesh
     grid = grid_of(pair, name, request, at)
     s, t, weight = _pressure_points(focus_on(pair, name, at), at)
     flank = f"{name}_flank_{side}_{_leading(mesh, side, f'{name}_')}"
     outlines = mesh.face_outlines(flank)
     outlines = outlines.reshape(-1, len(grid.t) - 1, outlines.shape[1])
+    # face of the flank's grid under each point of pressure, and coordinates in the face
     column = np.clip(np.searchsorted(grid.t, t) - 1, 0, outlines.shape[1] - 1)
     lines = (
         grid.lines.flank if grid.lines.flank.ndim == 2 else np.repeat(grid.lines.flank[:, None], len(grid.t), axis=1)
     )
-    y = np.clip((t - grid.t[column]) / (grid.t[column + 1] - grid.t[column]), 0.0, 1.0)
-    across = (1.0 - y) * lines[:, column] + y * lines[:, column + 1]
-    row = np.clip((across < s).sum(axis=0) - 1, 0, outlines.shape[0] - 1)
-    low, high = (np.take_along_axis(across, (row + k)[None], axis=0)[0] for k in (0, 1))
-    x = np.clip((s - low) / (high - low), 0.0, 1.0)
-    functions = _shape_functions(x, y, side, mesh.second_order)
+    y_share = np.clip((t - grid.t[column]) / (grid.t[column + 1] - grid.t[column]), 0.0, 1.0)
+    lines_at = (1.0 - y_share) * lines[:, column] + y_share * lines[:, column + 1]
+    row = np.clip((lines_at < s).sum(axis=0) - 1, 0, outlines.shape[0] - 1)
+    low, high = (np.take_along_axis(lines_at, (row + k)[None], axis=0)[0] for k in (0, 1))
+    x_share = np.clip((s - low) / (high - low), 0.0, 1.0)
+    functions = _shape_functions(x_share, y_share, side, mesh.second_order)
     share = np.zeros(len(mesh.nodes))
     np.add.at(share, outlines[row, column], weight[:, None] * functions)
     nodes = np.flatnonzero(share)
-    into = at.frame.vector(at.path.normal[0]) * (-1.0 if which == 0 else 1.0)
-    return NodeForces(nodes, at.force * share[nodes, None] / share.sum() * into)
+    inward = at.frame.vector(at.path.normal[0]) * (-1.0 if member_index == 0 else 1.0)
+    return NodeForces(nodes, at.force * share[nodes, None] / share.sum() * inward)
 
 
 def _shape_functions(x: Array, y: Array, side: Side, second_order: bool) -> Array:
-    """Shares (K, 4 or 8) of a load at x, y (K,), 0 .. 1 along s and t of a flank's face, that its nodes take.
+    """Return shares (K, 4 or 8) that the nodes of a flank's face take of a load at x, y (K,), 0 .. 1 along s and t.
 
-    Of second-order faces all eight nodes: with corners alone C3D20R moved 20 times as far under a line of contact.
+    Faces of second order use all eight nodes.
     """
     corners = 2.0 * np.array(_FACE_CORNERS[side]) - 1.0
-    along, beyond = (2.0 * x - 1.0)[:, None], (2.0 * y - 1.0)[:, None]
-    product = 0.25 * (1.0 + along * corners[:, 0]) * (1.0 + beyond * corners[:, 1])
+    xi, eta = (2.0 * x - 1.0)[:, None], (2.0 * y - 1.0)[:, None]
+    product = 0.25 * (1.0 + xi * corners[:, 0]) * (1.0 + eta * corners[:, 1])
     if not second_order:
         return product
     middles = 0.5 * (corners + np.roll(corners, -1, axis=0))
     result = np.empty((len(x), 8))
-    result[:, ::2] = product * (along * corners[:, 0] + beyond * corners[:, 1] - 1.0)
+    result[:, ::2] = product * (xi * corners[:, 0] + eta * corners[:, 1] - 1.0)
     result[:, 1::2] = 0.5 * np.where(
         middles[:, 0] == 0.0,
-        (1.0 - along**2) * (1.0 + beyond * middles[:, 1]),
-        (1.0 - beyond**2) * (1.0 + along * middles[:, 0]),
+        (1.0 - xi**2) * (1.0 + eta * middles[:, 1]),
+        (1.0 - eta**2) * (1.0 + xi * middles[:, 0]),
     )
     return result
 
 
 def _pressure_points(focus: Focus, at: PlacedPair) -> tuple[Array, Array, Array]:
-    """Places (s, t) on the flank and shares (K,) of a semi-ellipsoid of pressure, of a semi-ellipse all along a line of
-    contact; a single place for an edge.
+    """Return places s, t (K,) on the flank and shares (K,) of the pressure there.
+
+    The pressure is a semi-ellipsoid, or a semi-ellipse along a line of contact; an edge has a single place.
     """
     if np.isnan(at.pressure):
         return np.array([focus.s]), np.array([focus.t]), np.ones(1)
@@ -415,7 +438,7 @@ def _pressure_points(focus: Focus, at: PlacedPair) -> tuple[Array, Array, Array]
 
 
 #: triangles of a face's outline, with 4 corners or with mid-side nodes between them
-_FANS = {
+_FACE_TRIANGLES = {
     4: [(0, 1, 2), (0, 2, 3)],
     8: [(0, 1, 7), (2, 3, 1), (4, 5, 3), (6, 7, 5), (1, 3, 5), (1, 5, 7)],
 }

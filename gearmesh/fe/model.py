@@ -1,6 +1,6 @@
-"""A finite-element model as data: bodies of hexahedra, what holds them, what loads them, where they touch.
+"""A finite-element model as data: bodies of hexahedra with supports, loads and contacts.
 
-Units are mm, N, MPa, rad. Whoever writes a deck or runs a solver starts from a `Model`; nothing here knows of gears.
+Units are mm, N, MPa, rad. Writers of decks and solvers start from a `Model`; this module does not know gears.
 """
 
 from __future__ import annotations
@@ -16,47 +16,52 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.hexahedra.hexes import HexMesh
 
 #: characters in a line of notes
-WIDTH = 76
+NOTE_WIDTH = 76
 
 
 @dataclass(frozen=True)
 class Support:
-    """Displacement prescribed on a node set: directions (of 0, 1, 2) and its value, mm."""
+    """Displacement prescribed on a node set."""
 
+    #: name of the node set
     node_set: str
+    #: directions x, y, z as 0, 1, 2
     directions: tuple[int, ...] = (0, 1, 2)
+    #: displacement, mm
     value: float = 0.0
 
 
 @dataclass(frozen=True)
 class RigidTie:
-    """A node set made rigid to a reference node at `point` (3,), mm.
+    """A node set that moves as a rigid body with a reference node."""
 
-    `motion`: three displacements (mm) and three rotations (rad) about x, y, z that are prescribed, None where free;
-    `load`: forces (N) and moments (N mm) in the directions that are free.
-    """
-
+    #: name of the node set
     node_set: str
+    #: position (3,) of the reference node, mm
     point: Array
+    #: prescribed displacements (mm) along x, y, z and rotations (rad) about them; None where free
     motion: tuple[float | None, ...] = (0.0, 0.0, 0.0, 0.0, 0.0, None)
+    #: forces (N) and moments (N mm) in the free directions
     load: tuple[float, ...] = (0.0,) * 6
 
 
 @dataclass(frozen=True)
 class ContactPair:
-    """Two face sets that may touch; the slave is the finer one. `stiffness`: pressure over penetration, MPa/mm; `friction`:
-    coefficient of Coulomb.
-    """
+    """Two face sets that may touch."""
 
+    #: face set with the finer mesh
     slave: str
+    #: other face set
     master: str
+    #: pressure over penetration, MPa/mm
     stiffness: float
+    #: coefficient of Coulomb friction
     friction: float = 0.0
 
 
 @dataclass(frozen=True)
 class NodeForces:
-    """Forces (K, 3), N, on nodes (K,) of the mesh, each node once."""
+    """Forces (K, 3), N, on nodes (K,) of the mesh; each node occurs once."""
 
     nodes: NDArray[np.int64]
     forces: Array
@@ -64,34 +69,45 @@ class NodeForces:
 
 @dataclass(frozen=True)
 class CyclicSymmetry:
-    """The mesh is one of `sectors` alike, which go round the axis through two points, `axis` (2, 3), mm.
+    """Symmetry of a mesh that is one of several equal sectors around an axis.
 
-    `first`, `last`: sets of nodes and of faces of the two cut faces; node k of `last` is node k of `first`, turned about it by
-    360 deg / `sectors`. Supports and loads are those of every sector.
+    Supports and loads act on every sector.
     """
 
+    #: number of sectors in a full turn
     sectors: int
+    #: name of the node set and face set of the first cut face
     first: str
+    #: name of the sets of the last cut face; its node k is node k of `first`, rotated by 360 deg / `sectors`
     last: str
+    #: two points (2, 3), mm, on the axis
     axis: Array
 
 
 @dataclass(frozen=True)
 class Model:
-    """Bodies, supports, rigid ties, contacts and forces of one static step. `materials` names an element set each, covering all;
-    `notes`: what files say of it at their heads, as what it leaves out."""
+    """Bodies, supports, rigid ties, contacts and forces of one static step."""
 
+    #: title of the model
     title: str
+    #: mesh of all bodies
     mesh: HexMesh
+    #: material of each element set; the sets cover all elements
     materials: dict[str, Material]
+    #: prescribed displacements
     supports: tuple[Support, ...] = ()
+    #: rigid ties
     ties: tuple[RigidTie, ...] = ()
+    #: contact pairs
     contacts: tuple[ContactPair, ...] = ()
+    #: forces on nodes
     forces: tuple[NodeForces, ...] = ()
+    #: cyclic symmetry, if the mesh is a sector
     cyclic: CyclicSymmetry | None = None
+    #: remarks at the head of files, such as the parts that are not modelled
     notes: tuple[str, ...] = ()
 
     @property
     def note_lines(self) -> list[str]:
-        """The notes, as lines at the head of a file."""
-        return [line for note in self.notes for line in wrap(note, WIDTH)]
+        """Notes as lines for the head of a file."""
+        return [line for note in self.notes for line in wrap(note, NOTE_WIDTH)]

@@ -1,7 +1,7 @@
-"""What a solved finite-element model says: contact pressure, place and area, forces, rotation, stress in a fillet.
+"""Results of a solved finite-element model: contact pressure, position and area, forces, rotation, stress in a fillet.
 
-Whoever runs a solver fills a `NodalSolution`; the figures here are of arrays alone. Units are mm, N, MPa, rad, the frame the
-model's.
+A solver fills a `NodalSolution`; the figures here follow from its arrays. Units are mm, N, MPa, rad, in the frame of
+the model.
 """
 
 from __future__ import annotations
@@ -17,58 +17,68 @@ from gearmesh.mesh.hexahedra.hexes import HexMesh
 
 @dataclass(frozen=True)
 class ReferenceNode:
-    """State of the reference node of a rigid tie: mm, rad, N, N mm, (3,) each; forces are those that hold or load it."""
+    """State of the reference node of a rigid tie."""
 
+    #: displacement (3,), mm
     displacement: Array
+    #: rotation (3,), rad
     rotation: Array
+    #: force (3,), N, that holds or loads the node
     force: Array
+    #: moment (3,), N mm, that holds or loads the node
     moment: Array
 
 
 @dataclass(frozen=True)
 class ContactTotal:
-    """What the slave of a contact pair feels: `force` (3,) N, `moment` (3,) N mm about the origin, `area` mm^2."""
+    """Sums over a contact pair, on its slave."""
 
+    #: force (3,), N
     force: Array
+    #: moment (3,) about the origin, N mm
     moment: Array
+    #: area in contact, mm^2
     area: float
 
 
 @dataclass(frozen=True)
 class NodalSolution:
-    """A solved model with N nodes.
+    """A solved model with N nodes."""
 
-    `displacement` (N, 3) mm; `stress` (N, 6) MPa: xx, yy, zz, xy, yz, zx, extrapolated to the nodes and averaged there;
-    `pressure` (N,) MPa, 0 where no slave face is pressed; `references` by node set of the tie; `contacts` in the model's
-    order; `iterations` of the last increment.
-    """
-
+    #: displacements (N, 3), mm
     displacement: Array
+    #: stresses (N, 6), MPa: xx, yy, zz, xy, yz, zx, extrapolated to the nodes and averaged there
     stress: Array
+    #: contact pressures (N,), MPa; 0 without a pressed slave face
     pressure: Array
+    #: reference nodes, by node set of the tie
     references: dict[str, ReferenceNode]
+    #: sums over the contact pairs, in the order of the model
     contacts: tuple[ContactTotal, ...]
+    #: iterations of the last increment
     iterations: int
 
 
 @dataclass(frozen=True)
 class ContactFigures:
-    """A pressed contact pair: peak pressure (MPa) at a node and its `place` (3,), the `centre` (3,) of pressure over the
-    nodes, both on the undeformed slave; `area` (mm^2); `force` (3,) N and `moment` (3,) N mm about the origin on the slave.
+    """Figures of a contact pair. A pair that does not touch has NaN as place and centre."""
 
-    An untouched pair has no place and no centre: NaN.
-    """
-
+    #: largest pressure at a node, MPa
     peak_pressure: float
+    #: position (3,) of this node, mm, on the undeformed slave
     place: Array
+    #: centre (3,) of pressure over the nodes, mm, on the undeformed slave
     centre: Array
+    #: area in contact, mm^2
     area: float
+    #: force (3,) on the slave, N
     force: Array
+    #: moment (3,) about the origin on the slave, N mm
     moment: Array
 
 
 def contact_figures(model: Model, solution: NodalSolution) -> list[ContactFigures]:
-    """Figures of each contact pair of the model, in its order."""
+    """Return the figures of each contact pair of the model, in its order."""
     return [
         _figures(model.mesh, pair.slave, solution.pressure, total)
         for pair, total in zip(model.contacts, solution.contacts, strict=True)
@@ -92,7 +102,7 @@ def _figures(mesh: HexMesh, slave: str, pressure: Array, total: ContactTotal) ->
 
 
 def _shares(mesh: HexMesh, name: str) -> Array:
-    """Area (N,) of a face set that each corner node stands for, mm^2: a quarter of the faces round it."""
+    """Return the area (N,), mm^2, of a face set at each corner node: a quarter of the faces around it."""
     corners = mesh.face_corners(name)
     a, b, c, d = np.moveaxis(mesh.nodes[corners], 1, 0)
     area = 0.5 * np.linalg.norm(np.cross(c - a, d - b), axis=-1)
@@ -102,13 +112,14 @@ def _shares(mesh: HexMesh, name: str) -> Array:
 
 
 def principal_stresses(stress: Array) -> Array:
-    """Principal stresses (..., 3), MPa, the largest last, from xx, yy, zz, xy, yz, zx (..., 6)."""
+    """Return principal stresses (..., 3), MPa, in ascending order, from xx, yy, zz, xy, yz, zx (..., 6)."""
     rows = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
     return np.asarray(np.linalg.eigvalsh(stress[..., rows]), np.float64)
 
 
 def largest_principal(mesh: HexMesh, solution: NodalSolution, *face_sets: str, sense: float = 1.0) -> tuple[float, int]:
-    """Largest tension (MPa) at the nodes of face sets, and the node where it is; with `sense` -1 the largest compression."""
+    """Return the largest tension (MPa) at the nodes of face sets, and its node; with `sense` -1 the largest
+    compression."""
     nodes = np.unique(np.concatenate([mesh.face_nodes(name) for name in face_sets]))
     values = principal_stresses(sense * solution.stress[nodes])[:, 2]
     worst = int(np.argmax(values))

@@ -141,7 +141,7 @@ def _twist(nodes: Array, moved: Array) -> Array:
     return (nodes[:, 0] * moved[:, 1] - nodes[:, 1] * moved[:, 0]) / (nodes[:, 0] ** 2 + nodes[:, 1] ** 2)
 
 
-def test_what_has_no_rings_is_refused_and_what_is_left_out_is_reported(tmp_path: Path) -> None:
+def test_members_without_rings_are_refused_and_omitted_parts_reported(tmp_path: Path) -> None:
     gears = built(
         {
             "kind": "cylindrical",

@@ -34,7 +34,15 @@ from gearmesh.answers.result import Result, RunTime, columns, header
 from gearmesh.answers.tables import Listing, cell, figures, round_to
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, OutputError
-from gearmesh.fe.gear_model import OVER, SAG, GearModel, Request, check_sector, gear_model, grid_of
+from gearmesh.fe.gear_model import (
+    ELEMENTS_PER_SEMI_AXIS,
+    MAX_SAG_RATIO,
+    GearModel,
+    Request,
+    check_sector,
+    gear_model,
+    grid_of,
+)
 from gearmesh.fe.model import Model
 from gearmesh.fe.placing import PlacedPair, focus_on, major_axis, minor_axis, place
 from gearmesh.fe.results import ContactFigures, NodalSolution, contact_figures, largest_principal
@@ -424,9 +432,11 @@ def _remedy(figures: ModelFigures) -> str:
     sag, over = figures.resolution.sag, figures.resolution.over
     if sag is None:
         return ""
-    enough = math.ceil(OVER / figures.element_order)
+    enough = math.ceil(ELEMENTS_PER_SEMI_AXIS / figures.element_order)
     if figures.element_order == 1:
-        enough = max(enough, math.ceil(max(half_axes.along for half_axes in over.values()) * math.sqrt(sag / SAG)))
+        enough = max(
+            enough, math.ceil(max(half_axes.along for half_axes in over.values()) * math.sqrt(sag / MAX_SAG_RATIO))
+        )
     more = figures.elements_to_resolve
     return f"; fe.ellipse = {enough} resolves it" + (
         f", and so do {more} elements with the default spacing" if more else ""

@@ -1,23 +1,8 @@
 """Input decks for CalculiX and Abaqus: one linear-elastic static step with contact.
 
-Nodes and elements are numbered index + 1; the reference nodes of rigid ties follow the mesh's nodes, in the same block:
-of several blocks meshio keeps the last.
-
-What was tried with ccx 2.20 on a ball (R 10 mm, a 0.208 mm, 1500 MPa by Hertz) pressed on a block, a/h elements over
-the contact radius, before it became the default here:
-
-- Start. Contact elements arise only where the clearance is below 1/K, 1e-7 mm: bodies that just touch have none, and a
-  body that nothing but contact holds then never finds equilibrium (400 s of cutbacks on 3800 nodes). With the bodies
-  overlapping by a share of the Hertz approach a torque or a force converges in one increment; iterations by share:
-  0.01: 19, 0.03: 14, 0.1: 10, 0.3: 7, 0.5: 4, 1: 7, 2: 10, 3: 12. The end does not depend on it (the sum of overlap and
-  rotation to 3e-5). A rotation prescribed from touching takes 8; a step of rotation before one of torque 8 + 4. A spring
-  to ground stiff enough to help took half of the load.
-- Stiffness. Peak at a/h = 3 (a lever) by K/E: 10: 1348, 50: 1478, 200: 1616, 1000: 2829 MPa; at a/h = 8: 50: 1464, 200:
-  1495 MPa. The penalty lowers the peak by about 0.25 E / (K a), K h > 10 E makes it ripple.
-- Discretisation. Node to surface gives the same peak (1462 MPa) but no totals of the contact forces.
-- Elements. C3D8 gives the same peak (1465 MPa) and is too stiff in bending; C3D20R with a/h = 4 gives 1466 MPa in twice
-  the time of C3D8I with a/h = 8.
-- Large displacements change the rotation by 0.7 % and are neglected: Hertz, and the bending of teeth, are linear theory.
+Nodes and elements have the numbers index + 1. The reference nodes of rigid ties follow the mesh's nodes, in the same
+block, because meshio keeps only the last of several blocks. Large displacements are neglected: Hertz contact and the
+bending of teeth are linear theory. Tests behind the choice of elements, contact and initial overlap are in notes.md.
 """
 
 from __future__ import annotations
@@ -35,37 +20,41 @@ from gearmesh.io.atomic import whole_file
 from gearmesh.io.rows import lines
 from gearmesh.mesh.hexahedra.hexes import HexMesh
 
-#: stick slope over contact stiffness: traction over the slip before Coulomb's limit, of CalculiX
+#: stick slope over contact stiffness in CalculiX: traction over slip below Coulomb's limit
 STICK_RATIO = 0.1
-#: nodes up to which a model without contact is solved directly, in some 2 GB
-LARGEST_DIRECT = 60_000
+#: largest number of nodes for the direct solver without contact, in about 2 GB
+MAX_DIRECT_NODES = 60_000
 
-# CalculiX reads 20 characters a field and 16 fields a line, Abaqus no fewer.
-_NUMBER = "%.12e"
-_FIELDS = 16
+#: format of a number: CalculiX reads 20 characters per field
+_NUMBER_FORMAT = "%.12e"
+#: fields in a line that CalculiX reads; Abaqus reads no fewer
+_FIELDS_PER_LINE = 16
 
 
 @dataclass(frozen=True)
 class _Dialect:
-    """What the two programs want differently.
+    """Keywords in which the two programs differ."""
 
-    `rotation_node`: moments and rotations of a rigid body are the forces and displacements of a second reference node
-    (CalculiX), not degrees of freedom 4 to 6 of the first.
-    """
-
+    #: True if a second reference node holds moments and rotations of a rigid body (CalculiX), instead of degrees of
+    #: freedom 4 to 6 of the first node
     rotation_node: bool
+    #: template of a rigid body
     tie: str
+    #: template of friction
     friction: str
+    #: requests of results
     requests: str
 
 
-_CALCULIX = _Dialect(
+#: keywords of CalculiX
+_CALCULIX_DIALECT = _Dialect(
     rotation_node=True,
     tie="*RIGID BODY, NSET={set}, REF NODE={reference}, ROT NODE={rotation}",
     friction="*FRICTION\n{coefficient:.12g}, {slope:.12g}\n",
     requests="*NODE FILE\nU\n*EL FILE\nS\n",
 )
-_ABAQUS = _Dialect(
+#: keywords of Abaqus
+_ABAQUS_DIALECT = _Dialect(
     rotation_node=False,
     tie="*RIGID BODY, REF NODE={reference}, TIE NSET={set}",
     friction="*FRICTION\n{coefficient:.12g}\n",
@@ -74,9 +63,9 @@ _ABAQUS = _Dialect(
 
 
 def reference_nodes(model: Model, rotation_node: bool = True) -> list[tuple[int, int]]:
-    """Numbers of the reference node and of the node that holds its rotations, for each rigid tie.
+    """Return the numbers of the reference node, and of the node with its rotations, for each rigid tie.
 
-    Both are the same node unless `rotation_node` (CalculiX).
+    Both are the same node without a `rotation_node` (Abaqus).
     """
     first = len(model.mesh.nodes) + 1
     if rotation_node:
@@ -85,13 +74,13 @@ def reference_nodes(model: Model, rotation_node: bool = True) -> list[tuple[int,
 
 
 def write_calculix(model: Model, path: Path) -> None:
-    """Write the deck that ccx solves."""
-    _write(model, path, _CALCULIX)
+    """Write the deck for ccx."""
+    _write(model, path, _CALCULIX_DIALECT)
 
 
 def write_abaqus(model: Model, path: Path) -> None:
-    """Write the same model for Abaqus."""
-    _write(model, path, _ABAQUS)
+    """Write the deck of the same model for Abaqus."""
+    _write(model, path, _ABAQUS_DIALECT)
 
 
 def _write(model: Model, path: Path, dialect: _Dialect) -> None:
@@ -114,7 +103,7 @@ def _deck(model: Model, dialect: _Dialect) -> Iterator[str]:
         yield from _contact(contact, f"contact_{i}", dialect)
     if model.cyclic is not None:
         yield from _cyclic(model.cyclic)
-    solver = f", SOLVER={_solver(model)}" if dialect is _CALCULIX else ""
+    solver = f", SOLVER={_solver(model)}" if dialect is _CALCULIX_DIALECT else ""
     yield f"*STEP\n*STATIC{solver}\n1., 1.\n"
     for support in model.supports:
         yield "*BOUNDARY\n"
@@ -124,28 +113,26 @@ def _deck(model: Model, dialect: _Dialect) -> Iterator[str]:
     for forces in model.forces:
         yield from _forces(forces)
     yield dialect.requests
-    yield from _calculix_prints(model) if dialect is _CALCULIX else ()
+    yield from _calculix_prints(model) if dialect is _CALCULIX_DIALECT else ()
     yield "*END STEP\n"
 
 
 def _solver(model: Model) -> str:
-    """ccx's solver: iterative with contact, direct without as far as memory allows.
+    """Return ccx's solver: iterative with contact, direct without contact as far as memory allows.
 
-    The iterative one stops at a residual that the iterations for contact correct (same pressure to five digits,
-    11,664 nodes: 19 s, directly 38 s; 87,000 nodes: 326 s and 1 GB, directly 560 s and 6 GB); alone it left the rotation of
-    a bent bar wrong by 5e-5 with C3D8I, by 2e-3 with C3D20R. Friction makes the matrix unsymmetric, which the iterative
-    one takes for symmetric: a tooth pair that SPOOLES solves goes on for ever with it.
+    The iterations for contact correct the residual at which the iterative solver stops. Friction makes the matrix
+    unsymmetric, which the iterative solver does not handle: it does not terminate. Times and errors are in notes.md.
     """
     if any(contact.friction for contact in model.contacts):
         return "SPOOLES"
-    direct = not model.contacts and len(model.mesh.nodes) <= LARGEST_DIRECT
+    direct = not model.contacts and len(model.mesh.nodes) <= MAX_DIRECT_NODES
     return "SPOOLES" if direct else "ITERATIVE CHOLESKY"
 
 
 def _nodes(model: Model, references: list[tuple[int, int]]) -> Iterator[str]:
-    """All nodes in one block, the set all_nodes of those of the mesh."""
+    """Return all nodes in one block, and the set all_nodes of the mesh's nodes."""
     count = len(model.mesh.nodes)
-    line = f"%d, {_NUMBER}, {_NUMBER}, {_NUMBER}\n"
+    line = f"%d, {_NUMBER_FORMAT}, {_NUMBER_FORMAT}, {_NUMBER_FORMAT}\n"
     yield "*NODE\n"
     # float64 holds node numbers exactly, and %d prints them without a point
     yield from lines(line, np.column_stack([np.arange(1, count + 1), model.mesh.nodes]))
@@ -158,8 +145,8 @@ def _mesh(mesh: HexMesh) -> Iterator[str]:
     yield f"*ELEMENT, TYPE={'C3D20R' if mesh.second_order else 'C3D8I'}, ELSET=all_elements\n"
     table = np.column_stack([np.arange(1, len(mesh.elements) + 1), mesh.elements + 1])
     first, rest = table.shape[1], 0
-    if first > _FIELDS:
-        first, rest = _FIELDS, table.shape[1] - _FIELDS
+    if first > _FIELDS_PER_LINE:
+        first, rest = _FIELDS_PER_LINE, table.shape[1] - _FIELDS_PER_LINE
     template = ", ".join(["%d"] * first) + (",\n" + ", ".join(["%d"] * rest) if rest else "") + "\n"
     yield from lines(template, table)
     for name, nodes in mesh.node_sets.items():
@@ -174,9 +161,9 @@ def _mesh(mesh: HexMesh) -> Iterator[str]:
 
 
 def _numbers(indices: NDArray[np.int64]) -> Iterator[str]:
-    """Numbers of a set, 16 a line."""
-    whole = len(indices) // _FIELDS * _FIELDS
-    yield from lines(", ".join(["%d"] * _FIELDS) + "\n", indices[:whole].reshape(-1, _FIELDS) + 1)
+    """Return the numbers of a set, 16 per line."""
+    whole = len(indices) // _FIELDS_PER_LINE * _FIELDS_PER_LINE
+    yield from lines(", ".join(["%d"] * _FIELDS_PER_LINE) + "\n", indices[:whole].reshape(-1, _FIELDS_PER_LINE) + 1)
     if whole < len(indices):
         yield ", ".join(str(i + 1) for i in indices[whole:].tolist()) + "\n"
 
@@ -198,16 +185,16 @@ def _contact(contact: ContactPair, name: str, dialect: _Dialect) -> Iterator[str
 
 
 def _cyclic(cyclic: CyclicSymmetry) -> Iterator[str]:
-    """The cut faces tied to each other: nodes of the last one follow those of the first, which are the same, turned."""
+    """Return the tie of the cut faces: nodes of the last cut face follow those of the first, rotated by a sector."""
     tie = f"{cyclic.first}_{cyclic.last}"
     yield f"** node k of the set {cyclic.last} is node k of {cyclic.first}, turned by 360 deg / {cyclic.sectors}\n"
     yield f"*TIE, CYCLIC SYMMETRY, NAME={tie}\n{cyclic.last}, {cyclic.first}\n"
     yield f"*CYCLIC SYMMETRY MODEL, N={cyclic.sectors}, TIE={tie}\n"
-    yield ", ".join(_NUMBER % x for x in cyclic.axis.ravel()) + "\n"
+    yield ", ".join(_NUMBER_FORMAT % x for x in cyclic.axis.ravel()) + "\n"
 
 
 def _drive(tie: RigidTie, nodes: tuple[int, int]) -> Iterator[str]:
-    """What is prescribed at a reference node, and what loads it where it is free."""
+    """Return prescribed motions at a reference node, and loads in its free directions."""
     reference, rotation = nodes
     offset = 1 if rotation != reference else 4
     places = [(reference, 1 + i) for i in range(3)] + [(rotation, offset + i) for i in range(3)]
@@ -223,11 +210,11 @@ def _forces(forces: NodeForces) -> Iterator[str]:
     yield "*CLOAD\n"
     count = len(forces.nodes)
     table = np.column_stack([np.repeat(forces.nodes + 1, 3), np.tile([1, 2, 3], count), forces.forces.ravel()])
-    yield from lines(f"%d, %d, {_NUMBER}\n", table)
+    yield from lines(f"%d, %d, {_NUMBER_FORMAT}\n", table)
 
 
 def _calculix_prints(model: Model) -> Iterator[str]:
-    """Contact results on the nodes, and totals as text: of reference nodes and of contact pairs."""
+    """Return requests for contact results at the nodes, and for sums as text: of reference nodes and contact pairs."""
     for tie in model.ties:
         for part in ("reference", "rotation"):
             yield f"*NODE PRINT, NSET={tie.node_set}_{part}\nU, RF\n"

@@ -1,6 +1,6 @@
-"""Ansys archive (.cdb): hexahedra as SOLID185 or SOLID186, a component for each set, materials; by mapdl-archive.
+"""Ansys archive (.cdb): hexahedra as SOLID185 or SOLID186, a component for each set, and materials.
 
-Supports, contact and loads are left to the one who reads it; the components that they need are there.
+mapdl-archive writes it. The archive has no supports, contacts and loads; the components for them are there.
 """
 
 from __future__ import annotations
@@ -15,9 +15,10 @@ from gearmesh.fe.decks.vtu import members
 from gearmesh.fe.model import Model
 from gearmesh.io.atomic import whole_file
 
-MISSING = 'Ansys archives need mapdl-archive: pip install "gearmesh[ansys]"'
-# enhanced strains, as of C3D8I, for SOLID185, which mapdl-archive gives the number 3
-_ENHANCED = "KEYOPT,3,2,2\n"
+#: message without mapdl-archive
+MISSING_PACKAGE = 'Ansys archives need mapdl-archive: pip install "gearmesh[ansys]"'
+#: enhanced strains, as in C3D8I, for SOLID185, which is type 3 of mapdl-archive
+_ENHANCED_STRAINS = "KEYOPT,3,2,2\n"
 
 
 def write(model: Model, path: Path) -> None:
@@ -25,14 +26,14 @@ def write(model: Model, path: Path) -> None:
     try:
         import mapdl_archive
     except ImportError:
-        raise OutputError("cannot write", path, reason=MISSING) from None
+        raise OutputError("cannot write", path, reason=MISSING_PACKAGE) from None
     import pyvista
 
     mesh = model.mesh
     kind = pyvista.CellType.QUADRATIC_HEXAHEDRON if mesh.second_order else pyvista.CellType.HEXAHEDRON
     grid = pyvista.UnstructuredGrid({kind: mesh.elements}, mesh.nodes)
     material = np.zeros(len(mesh.elements), np.int32)
-    properties = [] if mesh.second_order else [_ENHANCED]
+    properties = [] if mesh.second_order else [_ENHANCED_STRAINS]
     for number, (name, own) in enumerate(model.materials.items(), 1):
         material[mesh.element_sets[name]] = number
         properties.append(f"MP,EX,{number},{own.youngs_modulus:.12g}\nMP,PRXY,{number},{own.poisson_ratio:.12g}\n")

@@ -1,7 +1,8 @@
 """Gmsh mesh (MSH 4.1, ASCII): hexahedra, and quadrilaterals on the named faces, with a physical group for each set.
 
-An element of the file lies in one entity, a set may overlap others: entities are the combinations of sets that occur,
-and each has the groups of its sets. Element sets are groups of volumes, face sets of surfaces, node sets of points.
+An element of the file belongs to one entity, but sets may overlap. Entities are therefore the combinations of sets that
+occur, and each has the groups of its sets. Element sets are groups of volumes, face sets groups of surfaces, node sets
+groups of points.
 """
 
 from __future__ import annotations
@@ -19,22 +20,29 @@ from gearmesh.io.atomic import whole_file
 from gearmesh.io.rows import lines
 from gearmesh.mesh.hexahedra.hexes import HEX_EDGES, HEX_FACES, HexMesh
 
-# Gmsh's numbers of the element types, by number of nodes
-_TYPES = {1: 15, 4: 3, 8: 5, 20: 17}
-_QUAD8 = 16
-# Gmsh's order of the twelve edges, as places in HEX_EDGES
-_EDGES = ((0, 1), (0, 3), (0, 4), (1, 2), (1, 5), (2, 3), (2, 6), (3, 7), (4, 5), (4, 7), (5, 6), (6, 7))
-_EDGE_PLACES = [next(i for i, edge in enumerate(HEX_EDGES) if {*edge} == {*wanted}) for wanted in _EDGES]
+#: Gmsh's numbers of the element types, by number of nodes
+_TYPE_NUMBERS = {1: 15, 4: 3, 8: 5, 20: 17}
+#: Gmsh's number of quadrilaterals with eight nodes
+_QUAD8_TYPE = 16
+#: Gmsh's order of the twelve edges of a hexahedron, as pairs of corners
+_GMSH_EDGES = ((0, 1), (0, 3), (0, 4), (1, 2), (1, 5), (2, 3), (2, 6), (3, 7), (4, 5), (4, 7), (5, 6), (6, 7))
+#: place in HEX_EDGES of each of these edges
+_EDGE_PLACES = [next(i for i, edge in enumerate(HEX_EDGES) if {*edge} == {*wanted}) for wanted in _GMSH_EDGES]
 
 
 @dataclass(frozen=True)
 class _Cells:
-    """Elements (C, K) of one dimension and type, the entity (C,) of each, and the groups of each entity 0, 1, ..."""
+    """Elements of one dimension and type."""
 
+    #: dimension of the elements
     dimension: int
+    #: Gmsh's number of their type
     type: int
+    #: nodes (C, K)
     nodes: NDArray[np.int64]
+    #: entity (C,) of each element
     entity: NDArray[np.int64]
+    #: groups of each entity 0, 1, ...
     groups: list[list[int]]
 
 
@@ -61,9 +69,12 @@ def _file(model: Model) -> Iterator[str]:
 
 
 def _combinations(marks: NDArray[np.bool_]) -> tuple[NDArray[np.int64], list[list[int]]]:
-    """From membership (sets, C): the combination (C,) that each member of C has, and the groups of each combination."""
-    kinds, which = np.unique(marks.T, axis=0, return_inverse=True)
-    return which.reshape(-1), [[int(i) + 1 for i in np.flatnonzero(kind)] for kind in kinds]
+    """Return the combination (C,) of sets of each member from the membership (sets, C), and the groups of each
+    combination."""
+    combinations, combination_of = np.unique(marks.T, axis=0, return_inverse=True)
+    return combination_of.reshape(-1), [
+        [int(i) + 1 for i in np.flatnonzero(combination)] for combination in combinations
+    ]
 
 
 def _membership(sets: dict[str, NDArray[np.int64]], count: int) -> NDArray[np.bool_]:
@@ -78,28 +89,28 @@ def _volumes(mesh: HexMesh) -> _Cells:
     nodes = mesh.elements
     if mesh.second_order:
         nodes = np.concatenate([nodes[:, :8], nodes[:, 8:][:, _EDGE_PLACES]], axis=1)
-    return _Cells(3, _TYPES[nodes.shape[1]], nodes, entity, groups)
+    return _Cells(3, _TYPE_NUMBERS[nodes.shape[1]], nodes, entity, groups)
 
 
 def _surfaces(mesh: HexMesh) -> _Cells:
-    """Each face once, by its number among all faces of all elements."""
+    """Return each named face once, by its number among all faces of all elements."""
     numbers = {name: faces @ [len(HEX_FACES), 1] for name, faces in mesh.face_sets.items()}
-    every = np.unique(np.concatenate([np.empty(0, np.int64), *numbers.values()]))
-    places = {name: np.searchsorted(every, number) for name, number in numbers.items()}
-    entity, groups = _combinations(_membership(places, len(every)))
-    nodes = np.zeros((len(every), 8 if mesh.second_order else 4), np.int64)
+    face_numbers = np.unique(np.concatenate([np.empty(0, np.int64), *numbers.values()]))
+    places = {name: np.searchsorted(face_numbers, number) for name, number in numbers.items()}
+    entity, groups = _combinations(_membership(places, len(face_numbers)))
+    nodes = np.zeros((len(face_numbers), 8 if mesh.second_order else 4), np.int64)
     for name, place in places.items():
         outline = mesh.face_outlines(name)
         # Gmsh has all corners before all mid-side nodes
         nodes[place] = np.concatenate([outline[:, ::2], outline[:, 1::2]], axis=1) if mesh.second_order else outline
-    return _Cells(2, _QUAD8 if mesh.second_order else _TYPES[4], nodes, entity, groups)
+    return _Cells(2, _QUAD8_TYPE if mesh.second_order else _TYPE_NUMBERS[4], nodes, entity, groups)
 
 
 def _points(mesh: HexMesh) -> _Cells:
     marks = _membership(mesh.node_sets, len(mesh.nodes))
     named = np.flatnonzero(marks.any(axis=0))
     entity, groups = _combinations(marks[:, named])
-    return _Cells(0, _TYPES[1], named[:, None], entity, groups)
+    return _Cells(0, _TYPE_NUMBERS[1], named[:, None], entity, groups)
 
 
 def _entities(mesh: HexMesh, volumes: _Cells, surfaces: _Cells, points: _Cells) -> Iterator[str]:
@@ -115,7 +126,7 @@ def _entities(mesh: HexMesh, volumes: _Cells, surfaces: _Cells, points: _Cells) 
 
 
 def _nodes(mesh: HexMesh) -> Iterator[str]:
-    """All nodes, as nodes of the first volume: their entity says nothing here."""
+    """Return all nodes as nodes of the first volume; their entity has no meaning here."""
     count = len(mesh.nodes)
     yield f"$Nodes\n1 {count} 1 {count}\n3 1 0 {count}\n"
     yield from lines("%d\n", np.arange(1, count + 1)[:, None])

@@ -1,6 +1,7 @@
-"""Which formats a finite-element model can be written in: each format module registers itself once, under a name.
+"""Registry of formats for finite-element models: each format module registers itself once, under a name.
 
-To add a format, write a module with a writer, `register` it there, and name the module in `gearmesh/fe/decks/__init__.py`.
+To add a format, write a module with a writer, `register` it there, and name the module in
+`gearmesh/fe/decks/__init__.py`.
 """
 
 from __future__ import annotations
@@ -18,36 +19,37 @@ Writer = Callable[[Model, Path], None]
 
 @dataclass(frozen=True)
 class DeckFormat:
-    """A format of models: `write(model, path)` writes whole or not at all. Several formats may share a suffix."""
+    """A format of models. `write(model, path)` writes the whole file or none. Several formats may share a suffix."""
 
     suffix: str
     description: str
     write: Writer
 
 
-_FORMATS: dict[str, DeckFormat] = {}
+#: registered formats, by name
+_DECK_FORMATS: dict[str, DeckFormat] = {}
 
 
 def register(name: str, suffix: str, description: str, write: Writer) -> None:
-    """Make a format known; of those with the same suffix the first is the one that the suffix means."""
-    _FORMATS[name] = DeckFormat(suffix, description, write)
+    """Register a format; the first format with a suffix is the default for this suffix."""
+    _DECK_FORMATS[name] = DeckFormat(suffix, description, write)
 
 
 def formats() -> dict[str, DeckFormat]:
-    """Name ("calculix", ...) -> format, for every format that a model can be written in."""
-    return dict(_FORMATS)
+    """Return all registered formats by name ("calculix", ...)."""
+    return dict(_DECK_FORMATS)
 
 
 def format_of(path: PathLike, name: str | None = None) -> DeckFormat:
-    """The format called `name`, or else the one that a suffix means. Raises OutputError as `write_model`."""
+    """Return the format called `name`, by default the format of the suffix. Raises the OutputError of `write_model`."""
     return _by_suffix(path) if name is None else _by_name(name, path)
 
 
 def write_model(model: Model, path: PathLike, name: str | None = None) -> None:
-    """Write a model in the format called `name`, or else the one that the suffix of `path` means.
+    """Write a model in the format called `name`, by default the format of the suffix of `path`.
 
-    Raises OutputError for an unknown name or suffix, a suffix that the named format does not have, a model that refers
-    to a set its mesh does not have, and a file that cannot be written.
+    Raises OutputError for an unknown name or suffix, and for a suffix that the named format does not have. It also
+    raises OutputError for a model with a set that its mesh does not have, and for a file that cannot be written.
     """
     entry = format_of(path, name)
     _refuse_unknown_sets(model, path)
@@ -56,20 +58,20 @@ def write_model(model: Model, path: PathLike, name: str | None = None) -> None:
 
 def _by_suffix(path: PathLike) -> DeckFormat:
     suffix = Path(path).suffix.lower()
-    for entry in _FORMATS.values():
+    for entry in _DECK_FORMATS.values():
         if entry.suffix == suffix:
             return entry
     fault = f"unknown suffix {suffix}" if suffix else "no suffix"
-    allowed = ", ".join(dict.fromkeys(entry.suffix for entry in _FORMATS.values()))
+    allowed = ", ".join(dict.fromkeys(entry.suffix for entry in _DECK_FORMATS.values()))
     raise OutputError("cannot write", path, reason=f"{fault}; allowed for finite-element models are {allowed}")
 
 
 def _by_name(name: str, path: PathLike) -> DeckFormat:
-    if name not in _FORMATS:
+    if name not in _DECK_FORMATS:
         raise OutputError(
-            "cannot write", path, reason=f"unknown format {name}", allowed=f"one of {', '.join(_FORMATS)}"
+            "cannot write", path, reason=f"unknown format {name}", allowed=f"one of {', '.join(_DECK_FORMATS)}"
         )
-    entry = _FORMATS[name]
+    entry = _DECK_FORMATS[name]
     if Path(path).suffix.lower() != entry.suffix:
         raise OutputError("cannot write", path, reason=f"the suffix of {name} files is {entry.suffix}")
     return entry

@@ -1,8 +1,8 @@
-"""VTK unstructured grid of a model's mesh, sets as arrays of 0 and 1, for viewers.
+"""VTK unstructured grid of a model's mesh, with sets as arrays of 0 and 1, for viewers.
 
 Node sets are point data, element sets cell data, each under its name. A face set is cell data too: the sum of 2^face
-over the faces (0 .. 5 of `HEX_FACES`) of the element in the set. Names that both kinds of cell sets have are
-distinguished by the ending _faces.
+over the faces (0 .. 5 of `HEX_FACES`) of the element in the set. If an element set has the same name, the name of the
+face set ends in _faces.
 """
 
 from __future__ import annotations
@@ -21,14 +21,15 @@ from gearmesh.mesh.hexahedra.hexes import HexMesh
 
 
 def write(model: Model, path: Path) -> None:
-    """Write the mesh and its sets, with the model's notes as a comment at its head."""
+    """Write the mesh and its sets, with the model's notes as a comment at the head."""
     write_mesh(model.mesh, path, notes=model.note_lines)
 
 
 def write_mesh(
     mesh: HexMesh, path: Path, point_data: Mapping[str, Array] | None = None, notes: Sequence[str] = ()
 ) -> None:
-    """Write a mesh, its sets, and results (N,) or (N, K) at its nodes by name; `notes`: lines of a comment at its head."""
+    """Write a mesh, its sets, and results (N,) or (N, K) at its nodes by name; `notes` are lines of a comment at the
+    head."""
     import meshio
 
     points: dict[str, NDArray[np.generic]] = {
@@ -53,14 +54,15 @@ def write_mesh(
 
 
 def _put_at_head(path: Path, notes: Sequence[str]) -> None:
-    """Add notes as a comment behind the first line, the declaration. In a comment of XML no two hyphens follow each other."""
+    """Insert notes as a comment after the first line, the declaration. A comment of XML must not contain two hyphens in
+    a row."""
     declaration, rest = path.read_bytes().split(b"\n", 1)
     comment = "\n".join(notes).replace("--", "- -")
     path.write_bytes(b"\n".join((declaration, f"<!--\n{comment}\n-->".encode(), rest)))
 
 
 def members(indices: NDArray[np.int64], count: int) -> NDArray[np.uint8]:
-    """Which of `count` things are in a set: 1 or 0 each."""
+    """Return an array (`count`,) of 1 for members of a set and 0 for others."""
     marks = np.zeros(count, np.uint8)
     marks[indices] = 1
     return marks
