@@ -174,8 +174,8 @@ class NearPairs:
     def levers(self, member: int, points: Array, normals: Array) -> Array:
         """Return levers (M, ...), mm, positive, of pressures along `normals` at `points` (M, ..., 3) about a member's
         axis."""
-        points_first = np.moveaxis(points, 0, -2)
-        velocity = np.moveaxis(self.mounts[member].velocity(points_first), -2, 0)
+        pairs_last = np.moveaxis(points, 0, -2)
+        velocity = np.moveaxis(self.mounts[member].velocity(pairs_last), -2, 0)
         return np.abs(dot(normals, velocity))
 
 
