@@ -16,7 +16,7 @@ from gearmesh.check.members import roll_teeth
 from gearmesh.check.roll import RollContact, roll
 from gearmesh.check.windings import turns
 from gearmesh.contact.engagement.turns import FullTurns
-from gearmesh.contact.fit.fit import NOTHING, Fit
+from gearmesh.contact.fit.fit import ROUNDING_MM, Fit
 from gearmesh.contact.flanks import smooth_under
 from gearmesh.contact.path import ContactPath
 from gearmesh.design.core import Design
@@ -198,14 +198,14 @@ class Check(Result):
                 Verdict("fit: parts of the cycle without contact", float(len(self.fit.gaps)), 0.0, not self.fit.gaps)
             )
             known = bool(np.isfinite(play))
-            compared.append(Verdict("fit: least backlash_normal_mm", play, 0.0, known and not play < -NOTHING))
+            compared.append(Verdict("fit: least backlash_normal_mm", play, 0.0, known and not play < -ROUNDING_MM))
             compared.append(Verdict("fit: interference_um", 1e3 * depth, 0.0, depth == 0.0))
             collided = max((tips.depth for tips in self.fit.collisions), default=0.0)
             compared.append(Verdict("fit: tip_collision_um", 1e3 * collided, 0.0, collided == 0.0))
             for name, clearance in zip(self.mesh or self.solids, self.fit.clearances, strict=False):
                 if clearance is not None:
                     apart = clearance.distance
-                    compared.append(Verdict(f"fit: tip_clearance_{name}_mm", apart, 0.0, apart >= -NOTHING))
+                    compared.append(Verdict(f"fit: tip_clearance_{name}_mm", apart, 0.0, apart >= -ROUNDING_MM))
         if self.turns is not None:
             play = float(np.degrees(self.turns.backlash.min()))
             compared.append(Verdict("fit: least turns_backlash_deg", play, 0.0, self.turns.runs_free))
@@ -223,7 +223,7 @@ class Check(Result):
         verdicts = [
             [
                 verdict.what,
-                *(at_resolution(plain(value), NOTHING) for value in (verdict.value, verdict.limit)),
+                *(at_resolution(plain(value), ROUNDING_MM) for value in (verdict.value, verdict.limit)),
                 "ok" if verdict.ok else "FAILED",
             ]
             for verdict in self.verdicts

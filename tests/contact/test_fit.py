@@ -24,7 +24,7 @@ from gearmesh.contact.engagement.symmetry import image
 from gearmesh.contact.first_touch.first_touch import first_touch
 from gearmesh.contact.fit import freeing as freeing_module
 from gearmesh.contact.fit.fit import fit, reversed_pair
-from gearmesh.contact.fit.freeing import MOST_EFFORT, OF_SLACK, FreeingShift, freeing_shift, shift_gear
+from gearmesh.contact.fit.freeing import EFFORT_OF_SLACK, MAX_EFFORT, FreeingShift, freeing_shift, shift_gear
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.tca import contact_path
 from gearmesh.kernel.motion.rigid import Rigid
@@ -263,12 +263,12 @@ def test_the_search_for_a_freeing_shift_ends_after_so_much_effort(monkeypatch: p
         return 0.13 if tried[-1] > least else -1.1 * (least - tried[-1]) ** 2 - 1e-4
 
     monkeypatch.setattr(freeing_module, "slack_of", slack)
-    for effort, is_least in ((MOST_EFFORT, False), (np.inf, True)):
+    for effort, is_least in ((MAX_EFFORT, False), (np.inf, True)):
         tried.clear()
         freeing = freeing_shift(gears, found, effort)
         assert freeing is not None
         assert freeing.least == is_least
-        assert (len(tried) <= MOST_EFFORT / OF_SLACK) != is_least
+        assert (len(tried) <= MAX_EFFORT / EFFORT_OF_SLACK) != is_least
         assert freeing.length == pytest.approx(min(shift for shift in tried if shift > least), rel=1e-12)
         assert least < freeing.length < (1.008 if is_least else 1.25) * least
 

@@ -11,7 +11,7 @@ import numpy as np
 from gearmesh.contact.engagement.cycle import Cycle, gears_curve, mesh_cycle
 from gearmesh.contact.engagement.displaced import displaced_gears
 from gearmesh.contact.engagement.engagement import Engagement
-from gearmesh.contact.fit.fit import NOTHING, Fit, centre_distance, fit
+from gearmesh.contact.fit.fit import ROUNDING_MM, Fit, centre_distance, fit
 from gearmesh.contact.fit.freeing import direction, freeing_shift
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.figures import Figures, figure
@@ -243,7 +243,7 @@ def fit_warnings(pair: GearPair, fit: Fit) -> Iterator[str]:
     if fit.jammed:
         overlap = "tips collide beside the mesh" if fit.collisions else "tips overlap fillets or roots"
         yield f"{overlap} and there is no backlash: no transmission error is reported{remedy}"
-    if fit.normal_backlash[0] < -NOTHING:
+    if fit.normal_backlash[0] < -ROUNDING_MM:
         yield (
             f"the pair is jammed: the normal backlash is {1e3 * fit.normal_backlash[0]:.4g} um "
             f"({_way(pair, fit.backlash[0])} of the {names[1]}){remedy}"
@@ -260,7 +260,7 @@ def fit_warnings(pair: GearPair, fit: Fit) -> Iterator[str]:
             f"{SIDES[tips.driving]} flanks touch, at phi1 = {np.degrees(tips.phi1):.5g} deg, {_place(tips.point)}{remedy}"
         )
     for k, clearance in enumerate(fit.clearances):
-        if clearance is not None and clearance.distance < -NOTHING:
+        if clearance is not None and clearance.distance < -ROUNDING_MM:
             yield (
                 f"interference: the tip of the {names[k]} is {-1e3 * clearance.distance:.4g} um inside the root of the "
                 f"{names[1 - k]}, at phi1 = {np.degrees(clearance.phi1):.5g} deg, {_place(clearance.point)}{remedy}"

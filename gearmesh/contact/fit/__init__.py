@@ -1,1 +1,1 @@
-"""Whether gears fit: backlash, clearance of tips, interference, and what frees a pair."""
+"""Fit of gears: backlash, clearance of tips, interference, and the movement that frees a pair."""

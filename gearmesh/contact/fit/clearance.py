@@ -1,8 +1,8 @@
-"""How far the tips of one gear stay from the root of the other over the whole face.
+"""Distance of the tips of one gear from the root of the other over the whole face.
 
 Tip lands with their chamfers and roundings are moved through the mesh. The root of the mating gear is a surface of revolution,
-whose level is the distance from it; the least is sampled over the face and several pitches, and followed on finer and finer
-lattices.
+so its level function gives the distance of a point. The least distance is sampled over the face and several pitches, then
+searched on lattices that become finer.
 """
 
 from __future__ import annotations
@@ -21,19 +21,26 @@ from gearmesh.teeth.region import TIP_EDGES, Region
 #: rotations phi1 of the pinion (N,), rad -> those of the gear
 Turns = Callable[[Array], Array]
 #: points across a land or a broken edge
-ACROSS = 5
-#: pitches before and after, and positions in each, that a tooth is followed over
-PITCHES, PER_PITCH = 3, 8
-#: finer lattices about the least place, and their steps over those before
-ROUNDS, SHRINK = 10, 0.4
-#: distances (mm) that rounding alone tells apart: on parallel axes the least is the same all along the face
-EQUAL = 1e-9
+POINTS_ACROSS = 5
+#: pitches before and after the middle of the mesh over which a tooth is followed
+PITCHES_EACH_WAY = 3
+#: positions of the pinion in a pitch
+POSITIONS_PER_PITCH = 8
+#: lattices about the place of the least distance
+REFINING_ROUNDS = 10
+#: step of a lattice by the step of the lattice before
+STEP_SHRINKAGE = 0.4
+#: distances (mm) that differ by less are equal: on parallel axes the least distance is the same all along the face
+EQUAL_DISTANCE_MM = 1e-9
 
 
 @dataclass(frozen=True)
 class Clearance:
-    """Least distance (mm) of a member's tips from its mating gear's root, negative inside; phi1 (rad) of the pinion there, and
-    the point of the tip (3,), fixed frame, mm. Of equal places it is the one nearest to the middle of the face and to phi1 = 0."""
+    """Least distance (mm) of a member's tips from its mating gear's root, negative inside the root.
+
+    phi1 (rad) of the pinion and the point of the tip (3,), fixed frame, mm, belong to the least distance. Of equal places the
+    search returns the place nearest to the middle of the face and to phi1 = 0.
+    """
 
     distance: float
     phi1: float
@@ -41,49 +48,49 @@ class Clearance:
 
 
 def tip_clearance(pair: GearPair, phi2: Turns, of: int) -> Clearance | None:
-    """Clearance of the tips of the pinion (`of` 0) or the gear (1) over the mating gear's root, with the gear at phi2(phi1).
+    """Compute the clearance of the tips of the pinion (`of` 0) or the gear (1) over the mating gear's root.
 
-    None where no tip ever passes the face of the mating gear.
+    The gear stands at phi2(phi1). Returns None where no tip ever passes the face of the mating gear.
     """
     tooth, mating = pair.both[of].one_tooth, pair.both[1 - of].one_tooth
     stations = len(tooth.even.t)
     low, high = sorted(mating.blank.extent)
 
     def place(phi1: Array, tip: Array) -> tuple[Array, Array]:
-        """Points (M, 3) of the tips in the fixed frame, and in the mating gear's own."""
+        """Return points (M, 3) of the tips in the fixed frame and in the frame of the mating gear."""
         mounts = [mount.at(turn) for mount, turn in zip(pair.mounts, (phi1, phi2(phi1)), strict=True)]
         fixed = mounts[of].point(tip)
         return fixed, mounts[1 - of].inverse.point(fixed)
 
     def distance(r: Array) -> Array:
-        """Of points (M, 3) in the mating gear's frame, inf beside its face and where the gear's place is not known."""
+        """Return distances (M,), mm, of points (M, 3) in the mating gear's frame, inf beside its face and at unknown phi2."""
         station = mating.blank.axial.value(r)
-        # faces of equal widths end together, and rounding tells nothing
-        over = (station >= low - EQUAL) & (station <= high + EQUAL)
+        # faces of equal widths end together: rounding must not put a tip beside the face
+        over = (station >= low - EQUAL_DISTANCE_MM) & (station <= high + EQUAL_DISTANCE_MM)
         return np.where(over, mating.blank.root.value(r), np.inf)
 
     least: Clearance | None = None
-    middle = np.array([0.0, 0.5 * (ACROSS - 1), 0.5 * (stations - 1)])
+    middle = np.array([0.0, 0.5 * (POINTS_ACROSS - 1), 0.5 * (stations - 1)])
     for region in (Region.LAND, *TIP_EDGES.values()):
         if region not in tooth.regions:
             continue
-        grid = tooth.grid(region, np.linspace(0.0, 1.0, ACROSS), tooth.even).points
+        grid = tooth.grid(region, np.linspace(0.0, 1.0, POINTS_ACROSS), tooth.even).points
         tables = [SplineTable.of(grid[..., axis]) for axis in range(3)]
-        steps = np.array([pair.pitch / PER_PITCH, 1.0, 1.0])
-        many = np.arange(-PITCHES * PER_PITCH, PITCHES * PER_PITCH + 1) * steps[0]
-        x = np.array(list(product(many, np.arange(float(ACROSS)), np.arange(float(stations)))))
+        steps = np.array([pair.pitch / POSITIONS_PER_PITCH, 1.0, 1.0])
+        many = np.arange(-PITCHES_EACH_WAY * POSITIONS_PER_PITCH, PITCHES_EACH_WAY * POSITIONS_PER_PITCH + 1) * steps[0]
+        x = np.array(list(product(many, np.arange(float(POINTS_ACROSS)), np.arange(float(stations)))))
         ways = np.array(list(product(np.linspace(-1.0, 1.0, 5), repeat=3)))
-        for _ in range(ROUNDS):
+        for _ in range(REFINING_ROUNDS):
             tip = np.stack([table.at(x[:, 1], x[:, 2]) for table in tables], axis=-1)
             fixed, own = place(x[:, 0], tip)
             apart = distance(own)
             if not np.isfinite(apart.min()):
                 break
-            equal = np.flatnonzero(apart <= apart.min() + EQUAL)
+            equal = np.flatnonzero(apart <= apart.min() + EQUAL_DISTANCE_MM)
             k = int(equal[np.lexsort(np.abs(np.round(x[equal].T - middle[:, None], 6)))[0]])
-            if least is None or apart[k] < least.distance - EQUAL:
+            if least is None or apart[k] < least.distance - EQUAL_DISTANCE_MM:
                 least = Clearance(float(apart[k]), float(x[k, 0]), fixed[k])
             x = x[k] + ways * steps
-            x[:, 1], x[:, 2] = np.clip(x[:, 1], 0.0, ACROSS - 1.0), np.clip(x[:, 2], 0.0, stations - 1.0)
-            steps = steps * SHRINK
+            x[:, 1], x[:, 2] = np.clip(x[:, 1], 0.0, POINTS_ACROSS - 1.0), np.clip(x[:, 2], 0.0, stations - 1.0)
+            steps = steps * STEP_SHRINKAGE
     return least

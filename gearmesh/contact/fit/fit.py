@@ -1,12 +1,13 @@
-"""Whether a pair of gears fits: backlash over the mesh cycle, clearance of the tips, and what interferes.
+"""Fit of a pair of gears: backlash over the mesh cycle, clearance of the tips, and interference.
 
-The first touch of the driving flanks limits the rotation of the gear in one sense, that of the coast flanks in the other. The
-rotation between them is the backlash; where it is negative the pair is jammed. Where a tip touches a fillet before the flanks
-touch, the flanks are kept apart: this is interference, by the depth of the tip in the fillet were the flanks in contact. So it is
-where tips meet beside the mesh, as they pass each other, before the flanks do.
+The first touch of the driving flanks limits the rotation of the gear in one sense, the first touch of the coast flanks in the
+other sense. The rotation between the two limits is the backlash; a negative backlash means a jammed pair. A tip that touches a
+fillet before the flanks touch keeps the flanks apart. This is interference, and its depth is the depth of the tip in the fillet if
+the flanks were in contact. Tips that meet beside the mesh before the flanks touch interfere too.
 
-A tooth of the pinion stays in one space of the gear from where it comes in to where it leaves. All tooth pairs are counted alike,
-so the other side of that space is the next tooth of the gear, and backlash is known as it is, not modulo the pitch.
+A tooth of the pinion stays in one space of the gear from entering to leaving the mesh. The count of tooth pairs is the same on
+both sides, so the other side of the space is the next tooth of the gear. Backlash is therefore an absolute value and not a value
+modulo the pitch.
 """
 
 from __future__ import annotations
@@ -38,56 +39,59 @@ from gearmesh.kernel.numeric.roots import bracketed_root, last_true
 from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.region import Side
 
-#: advance (rad) of a fillet over the flanks from which on it counts as interference (0.05 arcsec)
-AHEAD = 2.5e-7
-#: finer lattices about the phase of the deepest interference
-ROUNDS = 4
-#: backlash and clearance (mm) that miss zero by less are zero: rounding
-NOTHING = 1e-6
-#: depths (mm) of tips that rounding alone tells apart
-ALIKE = 1e-9
-#: rad by which the phase of the least backlash may be off, of which the square counts
-LEVELLED = 1e-6
-#: rad to which it is found where tooth pairs change over, of whose advances the slopes are small
-CHANGED_OVER = 1e-7
-#: phases of a pitch from which the gear's place is taken for the clearances, and at which it is looked whether anything touches
-PHASES, SEEN = 33, 97
+#: least advance (rad) of a fillet over the flanks that counts as interference (0.05 arcsec)
+MIN_INTERFERENCE_RAD = 2.5e-7
+#: lattices about the phase of the deepest interference
+REFINING_ROUNDS = 4
+#: backlash and clearance (mm) that miss zero by less are rounding errors
+ROUNDING_MM = 1e-6
+#: depths (mm) of tips that differ by less are equal
+EQUAL_DEPTH_MM = 1e-9
+#: error (rad) of the phase of the least backlash; the backlash is off by its square
+LEVEL_PHASE_TOLERANCE_RAD = 1e-6
+#: error (rad) of the phase at which tooth pairs change over; the slopes of their advances are small
+CHANGE_OVER_TOLERANCE_RAD = 1e-7
+#: phases of a pitch for which clearances know the gear's rotation
+CLEARANCE_PHASES = 33
+#: phases of a pitch at which gaps of contact are looked for
+GAP_PHASES = 97
 
 
 @dataclass(frozen=True)
 class Interference:
-    """A tip that touches the mating gear's fillet before the flanks touch.
+    """Interference of a tip with the mating gear's fillet before the flanks touch."""
 
-    `depth` (mm, along the fillet's normal) by which it would be in it were the flanks in contact; phi1 (rad); the place (3,), fixed
-    frame, mm; whose fillet it is (0 pinion, 1 gear), and whether on the side of the flanks that drive.
-    """
-
+    #: depth of the tip in the fillet if the flanks were in contact, mm along the fillet's normal
     depth: float
+    #: rotation of the pinion, rad
     phi1: float
+    #: place (3,), fixed frame, mm
     point: Array
+    #: member that has the fillet: 0 pinion, 1 gear
     fillet_of: int
+    #: True on the side of the driving flanks
     driving: bool
 
 
 @dataclass(frozen=True)
 class TipCollision:
-    """Tips that meet beside the mesh, as they pass each other, before the flanks touch.
+    """Collision of tips beside the mesh, where tips pass each other, before the flanks touch."""
 
-    `depth` (mm, along the normal of the pinion's flank) by which they would overlap were the flanks in contact; phi1 (rad) where
-    they meet; the point (3,), fixed frame, mm; whether on the side of the flanks that drive. `ahead`: how far (rad) the gear is
-    then ahead of the nominal ratio.
-    """
-
+    #: overlap of the tips if the flanks were in contact, mm along the normal of the pinion's flank
     depth: float
+    #: rotation of the pinion where the tips meet, rad
     phi1: float
+    #: point (3,), fixed frame, mm
     point: Array
+    #: True on the side of the driving flanks
     driving: bool
+    #: advance of the gear over the nominal ratio where the tips meet, rad
     ahead: float
 
 
 @dataclass(frozen=True)
 class Gap:
-    """Between `begin` and `end` (rad, of a pitch) no tooth pair touches on the flanks that drive, or else on the others."""
+    """Part of a pitch from `begin` to `end` (rad) without contact, on the driving or on the coast flanks."""
 
     begin: float
     end: float
@@ -96,55 +100,64 @@ class Gap:
 
 @dataclass(frozen=True)
 class Fit:
-    """How a pair of gears fits.
+    """Fit of a pair of gears."""
 
-    `backlash`: least and greatest rotation (rad) of the gear between its two first touches over the mesh cycle, negative where the
-    pair is jammed, over the part in which both sides touch, NaN where there is none; `gaps`: the other parts;
-    `normal_backlash` (mm): the same along the normal of contact;
-    `transverse_backlash` (mm): on the gear's pitch circle, of radius `pitch_radius` (mm), which goes through the pitch point where
-    the axes are parallel, else through the point of contact nearest to phi1 = 0, of a line through its middle; `clearances`: of
-    the tips of pinion and gear over the mating gear's root; `interference`: the deepest on each side; `collisions`: the tips that
-    collide deepest beside the mesh on each side; `turns`: phi2 (rad) of the
-    gear as it is driven, NaN where contact breaks off; `play`: rotation (rad) of the gear between its first touches at any phi1
-    (rad), by its nodes where contact breaks off or fillets jam; `lever` (mm) of the normal of contact about the gear's axis;
-    `span`: phi1 (rad) over which a tooth pair was followed; `coast`: the engagement of the coast flanks, None where it has not
-    been followed, as it is an image of that of the others.
-    """
-
+    #: least and greatest rotation of the gear between its two first touches over the mesh cycle, rad, negative where the pair is
+    #: jammed; over the part of the cycle in which both sides touch, NaN where no such part exists
     backlash: tuple[float, float]
+    #: `backlash` along the normal of contact, mm
     normal_backlash: tuple[float, float]
+    #: `backlash` on the gear's pitch circle, mm
     transverse_backlash: tuple[float, float]
+    #: radius of the gear's pitch circle, mm: through the pitch point on parallel axes, else through the point of contact nearest to
+    #: phi1 = 0 (of a line of contact, its middle)
     pitch_radius: float
+    #: clearances of the tips of pinion and gear over the mating gear's root
     clearances: tuple[Clearance | None, Clearance | None]
+    #: deepest interference on each side that has any
     interference: tuple[Interference, ...]
+    #: phi2 (rad) of the driven gear at any phi1 (rad), NaN where contact breaks off
     turns: Callable[[Array], Array]
+    #: rotation (rad) of the gear between its first touches at any phi1 (rad), by nodes where contact breaks off or fillets jam
     play: Callable[[Array], Array]
+    #: distance of the normal of contact from the gear's axis, mm
     lever: float
+    #: phi1 over which a tooth pair was followed, rad
     span: tuple[float, float]
+    #: parts of a pitch without contact
     gaps: tuple[Gap, ...] = ()
+    #: engagement of the coast flanks, None where it is an image of the engagement of the driving flanks
     coast: Engagement | None = None
+    #: deepest collision of tips beside the mesh on each side that has any
     collisions: tuple[TipCollision, ...] = ()
 
     @property
     def fits(self) -> bool | None:
-        """Whether the gears turn without interference; None where that is not known: on some side, or in some part of the
-        cycle, nothing touches, and no interference is known."""
-        if self.slack < -NOTHING:
+        """True if the gears turn without interference.
+
+        None if no interference is known but nothing touches on one side or in some part of the cycle.
+        """
+        if self.slack < -ROUNDING_MM:
             return False
         return None if self.gaps or not np.isfinite(self.normal_backlash[0]) else True
 
     @property
     def jammed(self) -> bool:
-        """Whether the gears cannot turn and thinner teeth would not help: tips overlap roots, or fillets or each other too while
-        there is no backlash. Flanks alone that jam would touch in the same places were the teeth thinner."""
-        return self._in_roots or (self.normal_backlash[0] < -NOTHING and bool(self.interference or self.collisions))
+        """True if the gears cannot turn and thinner teeth would not help.
+
+        Tips overlap roots, or there is no backlash and tips overlap fillets or other tips. Where only the flanks jam, thinner
+        teeth would touch in the same places.
+        """
+        return self._tips_in_roots or (
+            self.normal_backlash[0] < -ROUNDING_MM and bool(self.interference or self.collisions)
+        )
 
     @property
-    def _in_roots(self) -> bool:
-        return any(clearance is not None and clearance.distance < -NOTHING for clearance in self.clearances)
+    def _tips_in_roots(self) -> bool:
+        return any(clearance is not None and clearance.distance < -ROUNDING_MM for clearance in self.clearances)
 
     def jams(self, phi1: Array) -> NDArray[np.bool_]:
-        """At which rotations of the pinion the gears are `jammed`.
+        """Return the rotations of the pinion at which the gears are `jammed`.
 
         Parameters
         ----------
@@ -163,14 +176,14 @@ class Fit:
         """
         if not self.jammed:
             return np.zeros(len(phi1), dtype=bool)
-        # teeth that cannot pass each other stop the gears, wherever in the cycle that is
-        everywhere = self._in_roots or bool(self.collisions)
+        # teeth that cannot pass each other stop the gears at every rotation
+        everywhere = self._tips_in_roots or bool(self.collisions)
         jamming: NDArray[np.bool_] = np.full(len(phi1), True) if everywhere else self.play(phi1) < 0.0
         return jamming
 
     @property
     def slack(self) -> float:
-        """Distance (mm) left before anything interferes; negative: the depth of interference."""
+        """Distance (mm) left before anything interferes; a negative value is the depth of interference."""
         values = [self.normal_backlash[0], *(-overlap.depth for overlap in self.interference)]
         values += [-tips.depth for tips in self.collisions]
         values += [clearance.distance for clearance in self.clearances if clearance is not None]
@@ -178,18 +191,22 @@ class Fit:
 
 
 def fit(pair: GearPair, drive: MeshCurve | None = None) -> Fit | None:
-    """How a pair fits; `drive`: the curve of its driving flanks, if it is known. None where nothing touches. Eccentric members
-    stay displaced as at phi1 = 0."""
+    """Compute the fit of a pair; None where nothing touches.
+
+    `drive` is the curve of the driving flanks, if it is known. Eccentric members stay displaced as at phi1 = 0.
+    """
     pair = displaced_gears(pair)
-    both = _both(pair, _mesh_curve(pair) if drive is None else drive)
+    both = _both_curves(pair, _mesh_curve(pair) if drive is None else drive)
     return None if both is None else _fit(pair, *both)
 
 
 def slack_of(pair: GearPair) -> float | None:
-    """`Fit.slack` (mm) of a pair, None where nothing touches; where the nodes of its engagements show interference, the
-    value by the nodes."""
+    """Compute `Fit.slack` (mm) of a pair; None where nothing touches.
+
+    Where the nodes of the engagements show interference, the slack comes from the nodes.
+    """
     pair = displaced_gears(pair)
-    both = _both(pair, _mesh_curve(pair))
+    both = _both_curves(pair, _mesh_curve(pair))
     if both is None:
         return None
     forwards, backwards = both
@@ -200,16 +217,16 @@ def slack_of(pair: GearPair) -> float | None:
     values += [-tips.depth for tips in _collisions(pair, both)]
     values += clearances_of(pair, gear_rotations(pair, nodes, advances))
     slack = least(values)
-    return _fit(pair, *both).slack if slack >= -NOTHING else slack
+    return _fit(pair, *both).slack if slack >= -ROUNDING_MM else slack
 
 
-def _both(pair: GearPair, forwards: MeshCurve | None) -> tuple[MeshCurve, MeshCurve | ImageCurve] | None:
-    """The curve of the driving flanks, which is given, and that of the others; None where either touch nowhere."""
+def _both_curves(pair: GearPair, forwards: MeshCurve | None) -> tuple[MeshCurve, MeshCurve | ImageCurve] | None:
+    """Return the given curve of the driving flanks and the curve of the coast flanks; None where one side touches nowhere."""
     if forwards is None:
         return None
     backwards: MeshCurve | ImageCurve | None = None
     other = solver_pair(reversed_pair(pair))
-    if not (_ahead_at_nodes(forwards) > AHEAD).any() and _told_by_points(pair):
+    if not (_ahead_at_nodes(forwards) > MIN_INTERFERENCE_RAD).any() and _told_by_points(pair):
         backwards = image(forwards, other)
     if backwards is None:
         backwards = _curve(other, pair.pitch)
@@ -217,9 +234,9 @@ def _both(pair: GearPair, forwards: MeshCurve | None) -> tuple[MeshCurve, MeshCu
 
 
 def _in_the_way(pair: GearPair, both: tuple[MeshCurve, MeshCurve | ImageCurve], rounds: int) -> Iterator[Interference]:
-    """The deepest interference of each side that has any, by the nodes and so many rounds about them."""
+    """Yield the deepest interference of each side that has any, by the nodes and `rounds` of lattices about the deepest node."""
     for driving, curve in zip((True, False), both, strict=True):
-        # of an image no fillet is ahead
+        # an image is only made where no fillet touches before the flanks
         if isinstance(curve, MeshCurve):
             overlap = _interference(curve.engagement, pair.pitch, rounds, driving=driving)
             if overlap is not None:
@@ -227,31 +244,35 @@ def _in_the_way(pair: GearPair, both: tuple[MeshCurve, MeshCurve | ImageCurve], 
 
 
 def _fit(pair: GearPair, forwards: MeshCurve, backwards: MeshCurve | ImageCurve) -> Fit:
-    """How a pair fits, from the curves of its driving flanks and of the others."""
+    """Compute the fit of a pair from the curves of its driving and coast flanks."""
     sides = [curve for curve in (forwards, backwards) if isinstance(curve, MeshCurve)]
     lever, radius = _lever(pair, forwards.engagement)
     nodes = np.linspace(0.0, pair.pitch, NODES + 1)
     wound = forwards.pair.wound
     plays = play(pair, forwards.at_nodes() + _at_nodes(backwards, nodes), wound=wound)
-    # the nodes give the depth of teeth jammed in fillets
+    # where teeth jam in fillets the values at the nodes are deep enough: no curve is followed between the nodes
     rough = bool(
-        np.nanmin(plays, initial=np.inf) * lever < -NOTHING and any((_ahead_at_nodes(s) > AHEAD).any() for s in sides)
+        np.nanmin(plays, initial=np.inf) * lever < -ROUNDING_MM
+        and any((_ahead_at_nodes(s) > MIN_INTERFERENCE_RAD).any() for s in sides)
     )
     known = plays[np.isfinite(plays)]
     backlash = (float(known.min()), float(known.max())) if known.size else (np.nan, np.nan)
     both = forwards.whole and backwards.whole
     if both and not rough:
         backlash = _backlash(pair, forwards, backwards)
+    # where contact breaks off, backlash is known at the phases that touch on both sides; the other parts are gaps
     gaps: tuple[Gap, ...] = ()
     if not (both and np.isfinite(backlash).all()):
         gaps = (*_gaps(forwards, driving=True), *_gaps(backwards, driving=False))
-        phase = np.linspace(0.0, pair.pitch, SEEN)
+        phase = np.linspace(0.0, pair.pitch, GAP_PHASES)
         plays = play(pair, forwards.advance_as_known(phase) + backwards.advance_as_known(phase), wound=wound)
         known = plays[np.isfinite(plays)]
         backlash = (float(known.min()), float(known.max())) if known.size else (np.nan, np.nan)
-    turns = _turns(pair, forwards, nodes if rough else np.linspace(0.0, pair.pitch, PHASES))
+    # tips are moved with the gear as the driving flanks turn it
+    turns = _turns(pair, forwards, nodes if rough else np.linspace(0.0, pair.pitch, CLEARANCE_PHASES))
     clearances = tip_clearance(pair, turns, 0), tip_clearance(pair, turns, 1)
     collisions = _collisions(pair, (forwards, backwards))
+    # tips that collide beside the mesh take play away where no flank touches
     if collisions:
         least_play = _least_play_of_tips(pair, (forwards, backwards), collisions)
         backlash = float(np.fmin(backlash[0], least_play)), float(np.fmax(backlash[1], least_play))
@@ -262,7 +283,7 @@ def _fit(pair: GearPair, forwards: MeshCurve, backwards: MeshCurve | ImageCurve)
         transverse_backlash=(low * radius, high * radius),
         pitch_radius=radius,
         clearances=clearances,
-        interference=tuple(_in_the_way(pair, (forwards, backwards), 0 if rough else ROUNDS)),
+        interference=tuple(_in_the_way(pair, (forwards, backwards), 0 if rough else REFINING_ROUNDS)),
         turns=turns,
         play=_play_at(pair, (forwards, backwards), plays, exact=both and not rough),
         lever=lever,
@@ -274,39 +295,39 @@ def _fit(pair: GearPair, forwards: MeshCurve, backwards: MeshCurve | ImageCurve)
 
 
 def _collisions(pair: GearPair, both: tuple[MeshCurve, MeshCurve | ImageCurve]) -> tuple[TipCollision, ...]:
-    """The tips that collide deepest beside the mesh on each side that has any."""
+    """Return the deepest collision of tips beside the mesh on each side that has any."""
     forwards, backwards = both
     first = _deepest_collision(forwards.pair, forwards, driving=True)
     if isinstance(backwards, MeshCurve):
         second = _deepest_collision(backwards.pair, backwards, driving=False)
     else:
-        # of an image nothing collides but the image of what does
+        # the image collides exactly where the driving side collides
         second = first and _deepest_collision(solver_pair(reversed_pair(pair)), backwards, driving=False)
     return tuple(tips for tips in (first, second) if tips is not None)
 
 
 def _deepest_collision(flanks: Pair, curve: MeshCurve | ImageCurve, *, driving: bool) -> TipCollision | None:
-    """The tips that collide deepest beside the mesh on one side, whose flanks have the `curve`; None where none do."""
+    """Return the deepest collision of tips beside the mesh on the side whose flanks have the `curve`; None without a collision."""
     nodes = _at_nodes(curve, np.linspace(0.0, curve.pitch, NODES + 1))
     low, high = float(np.nanmin(nodes)), float(np.nanmax(nodes))
     met = tip_meetings(flanks, high)
-    # between nodes the curve may be lower still by as much as they differ
-    met = met.rows(np.flatnonzero(met.excess > 2.0 * (low - high) + AHEAD))
+    # between nodes the curve may be lower by as much as the nodes differ
+    met = met.rows(np.flatnonzero(met.excess > 2.0 * (low - high) + MIN_INTERFERENCE_RAD))
     if not met.phi1.size:
         return None
     phase, ahead = np.mod(met.phi1, curve.pitch), high + met.excess
     known = curve.advance(phase) if curve.whole else curve.advance_as_known(phase)
     above = ahead - np.where(np.isfinite(known), known, high)
-    if not flanks.nested and (above > AHEAD).any():
-        # what first touch finds there is contact in the mesh, which the curve has but roughly
-        own = np.flatnonzero(above > AHEAD)
-        in_mesh = touches(flanks, met.phi1[own])[0].advance > ahead[own] - AHEAD
+    if not flanks.nested and (above > MIN_INTERFERENCE_RAD).any():
+        # a meeting that first touch finds as well is contact in the mesh, which the curve knows only roughly
+        own = np.flatnonzero(above > MIN_INTERFERENCE_RAD)
+        in_mesh = touches(flanks, met.phi1[own])[0].advance > ahead[own] - MIN_INTERFERENCE_RAD
         above[own[in_mesh]] = 0.0
-    depth = np.where(above > AHEAD, above * met.arm, 0.0)
-    # of places alike along the face the middle one
-    deepest = np.flatnonzero(depth >= depth.max() - ALIKE)
+    depth = np.where(above > MIN_INTERFERENCE_RAD, above * met.arm, 0.0)
+    # of equal depths along the face take the middle
+    deepest = np.flatnonzero(depth >= depth.max() - EQUAL_DEPTH_MM)
     k = int(deepest[len(deepest) // 2])
-    if not depth[k] > NOTHING:
+    if not depth[k] > ROUNDING_MM:
         return None
     return TipCollision(float(depth[k]), float(met.phi1[k]), met.point[k], driving, float(ahead[k]))
 
@@ -314,7 +335,10 @@ def _deepest_collision(flanks: Pair, curve: MeshCurve | ImageCurve, *, driving: 
 def _least_play_of_tips(
     pair: GearPair, both: tuple[MeshCurve, MeshCurve | ImageCurve], collisions: tuple[TipCollision, ...]
 ) -> float:
-    """Least rotation (rad) of the gear between its first touches where tips collide, of all tooth pairs within half a turn."""
+    """Compute the least rotation (rad) of the gear between its first touches where tips collide.
+
+    All tooth pairs within half a turn of the gear count.
+    """
     pitch, joint = pair.pitch, pair.gear.mount.joint
     phase = np.mod([tips.phi1 for tips in collisions], pitch)
     count = int(np.pi / pitch)
@@ -335,32 +359,32 @@ def _least_play_of_tips(
 
 
 def _at_nodes(curve: MeshCurve | ImageCurve, phase: Array) -> Array:
-    """Advances (N,), rad, at the even phases (N,) of the nodes."""
+    """Return advances (N,), rad, at the equally spaced phases (N,) of the nodes."""
     return curve.at_nodes() if isinstance(curve, MeshCurve) else curve.advance_as_known(phase)
 
 
 def _gaps(curve: MeshCurve | ImageCurve, *, driving: bool) -> Iterator[Gap]:
-    """Parts of a pitch in which no tooth pair touches, one after the other."""
+    """Yield the parts of a pitch in which no tooth pair touches, in ascending order."""
     pitch = curve.pitch
-    phase = np.linspace(0.0, pitch, SEEN)
+    phase = np.linspace(0.0, pitch, GAP_PHASES)
     apart = np.isnan(curve.advance_as_known(phase))
-    for run in np.split(np.arange(SEEN), np.flatnonzero(np.diff(apart.astype(int))) + 1):
+    for run in np.split(np.arange(GAP_PHASES), np.flatnonzero(np.diff(apart.astype(int))) + 1):
         if not apart[run[0]]:
             continue
         inner = np.array([phase[run[0]], phase[run[-1]]])
-        outer = np.array([phase[max(run[0] - 1, 0)], phase[min(run[-1] + 1, SEEN - 1)]])
+        outer = np.array([phase[max(run[0] - 1, 0)], phase[min(run[-1] + 1, GAP_PHASES - 1)]])
         ends = last_true(lambda at, _: np.isnan(curve.advance_as_known(at)), inner, outer, rounds=2, split=8)[0]
         yield Gap(float(ends[0]), float(ends[1]), driving)
 
 
 def reversed_pair(pair: GearPair) -> GearPair:
-    """The pair on its other flanks, driven the other way."""
+    """Return the pair on its coast flanks, driven in the other sense."""
     first, second = pair.flanks
     return replace(pair, flanks=(first.other, second.other), drive=-pair.drive)
 
 
 def centre_distance(pair: GearPair) -> float | None:
-    """Distance (mm) between parallel axes of rotation, None where they are not parallel or a member has none."""
+    """Return the distance (mm) between parallel axes of rotation; None for other axes and for members without an axis."""
     first, second = pair.mounts
     if float(np.linalg.norm(np.cross(first.spin, second.spin))) >= MAX_SINE_OF_PARALLEL * abs(
         float(first.spin @ second.spin)
@@ -370,12 +394,12 @@ def centre_distance(pair: GearPair) -> float | None:
 
 
 def clearances_of(pair: GearPair, turns: Callable[[Array], Array]) -> list[float]:
-    """Clearances (mm) of both members' tips, as far as there are any."""
+    """Return the known clearances (mm) of the tips of pinion and gear."""
     return [clearance.distance for of in (0, 1) if (clearance := tip_clearance(pair, turns, of)) is not None]
 
 
 def least(values: list[float]) -> float:
-    """The least of those that are known, NaN if none is."""
+    """Return the least finite value, NaN if no value is finite."""
     return min((value for value in values if np.isfinite(value)), default=np.nan)
 
 
@@ -387,16 +411,16 @@ def _curve(flanks: Pair, pitch: float) -> MeshCurve | None:
     engagement = whole_engagement(flanks, pitch)
     if engagement is None or not engagement.contacts.touching.any():
         return None
-    return MeshCurve(engagement, pitch, CHANGED_OVER)
+    return MeshCurve(engagement, pitch, CHANGE_OVER_TOLERANCE_RAD)
 
 
 def _told_by_points(pair: GearPair) -> bool:
-    """Whether all flanks are surfaces that agree where so many points of them do."""
+    """Return True if no flank is a table: two analytic flanks that agree at many points agree everywhere."""
     return not any(member.tooth.side(side).tabulated for member in pair.both for side in Side)
 
 
 def _backlash(pair: GearPair, forwards: MeshCurve, backwards: MeshCurve | ImageCurve) -> tuple[float, float]:
-    """Least and greatest rotation of the gear between its two first touches, rad."""
+    """Compute the least and greatest rotation of the gear between its two first touches, rad."""
     curves = forwards, backwards
     phase = np.mod(np.concatenate([curve.marks[0] for curve in curves]), pair.pitch)
     if all(curve.arcs for curve in curves):
@@ -406,10 +430,10 @@ def _backlash(pair: GearPair, forwards: MeshCurve, backwards: MeshCurve | ImageC
 
 
 def play(pair: GearPair, advances: Array, *, wound: bool) -> Array:
-    """Rotations (N,), rad, of the gear between its first touches on driving and coast flanks, whose advances' sums are given (N,).
+    """Compute rotations (N,), rad, of the gear between its first touches, from sums (N,) of driving and coast advances.
 
-    Advances are counted by tooth pairs, so that a space ends at the next tooth of the gear; full turns of it count as none, and of
-    pinions that are `wound` full turns of the thread.
+    Advances are counted by tooth pairs, so a space ends at the next tooth of the gear. Full turns of the gear count as zero; for a
+    `wound` pinion (a worm), full turns of the thread do.
     """
     step, known = pair.gear.tooth.pitch_angle, advances[np.isfinite(advances)]
     if not known.size:
@@ -426,12 +450,14 @@ def play(pair: GearPair, advances: Array, *, wound: bool) -> Array:
 def _play_at(
     pair: GearPair, curves: tuple[MeshCurve, MeshCurve | ImageCurve], plays: Array, *, exact: bool
 ) -> Callable[[Array], Array]:
-    """Rotation (N,), rad, of the gear between its first touches at any phi1 (N,), rad: `exact` by both curves, or else by `plays`
-    (M,) at even phases of a pitch."""
+    """Return the rotation (N,), rad, of the gear between its first touches as a function of phi1 (N,), rad.
+
+    The function is `exact` by both curves, or else interpolates `plays` (M,) at equally spaced phases of a pitch.
+    """
     even = np.linspace(0.0, pair.pitch, len(plays))
     if not exact:
         return lambda phi1: np.interp(np.mod(phi1, pair.pitch), even, plays)
-    # the same teeth at all phases
+    # the count of teeth in the play at phase 0 holds at all phases
     apart = float(plays[0]) + sum(float(curve.advance(even[:1])[0]) for curve in curves)
 
     def at(phi1: Array) -> Array:
@@ -442,7 +468,7 @@ def _play_at(
 
 
 def _level(curves: tuple[MeshCurve, MeshCurve | ImageCurve], phase: Array) -> Array:
-    """Phases (rad) between neighbouring ones of `phase` (M,), ascending, at which the sum of two curves is level."""
+    """Solve for the phases (rad) at which the sum of two curves is level, one in each interval of `phase` (M,), ascending."""
     low, high = phase[:-1], phase[1:]
     numbers = [curve.carrier(0.5 * (low + high)) for curve in curves]
 
@@ -451,14 +477,17 @@ def _level(curves: tuple[MeshCurve, MeshCurve | ImageCurve], phase: Array) -> Ar
 
     ends = slope(np.concatenate((low, high)), np.tile(np.arange(len(low)), 2)).reshape(2, -1)
     k = np.flatnonzero((ends[0] * ends[1] < 0.0) & (np.abs(ends).min(axis=0) > LEVEL))
-    roots = bracketed_root(lambda at, which: slope(at, k[which]), low[k], high[k], tolerance=LEVELLED)
-    # contact on the end of a flank has no slope
+    roots = bracketed_root(lambda at, which: slope(at, k[which]), low[k], high[k], tolerance=LEVEL_PHASE_TOLERANCE_RAD)
+    # a root is not converged where contact stands on the end of a flank, which has no slope
     return roots.values[roots.converged]
 
 
 def _lever(pair: GearPair, engagement: Engagement) -> tuple[float, float]:
-    """Of a contact inside the flanks near phi1 = 0, or of edges or fillets if there is none: distance (mm) of its normal from the
-    gear's axis; radius of the pitch circle, or what stands for it: the speed (mm/rad) of the point of contact."""
+    """Return the distance (mm) of the normal of contact from the gear's axis, and the radius (mm) of the gear's pitch circle.
+
+    The contact is the contact inside the flanks nearest to phi1 = 0, or on edges or fillets if no other exists. Where the axes are
+    not parallel, the speed (mm/rad) of the point of contact stands for the radius.
+    """
     contacts = engagement.flanks if engagement.flanks.touching.any() else engagement.contacts
     inside = contacts.touching & (contacts.edges[:, 0] < 0)
     there = np.flatnonzero(inside if inside.any() else contacts.touching)
@@ -473,13 +502,16 @@ def _lever(pair: GearPair, engagement: Engagement) -> tuple[float, float]:
 
 
 def _off_axis(r: Array, axis: Array) -> float:
-    """Distance (mm) of a point (3,) from the axis through the origin."""
+    """Return the distance (mm) of a point (3,) from the axis through the origin."""
     return float(np.linalg.norm(r - (r @ axis) * axis))
 
 
 def _normal(pair: Pair, contacts: Contacts, phi1: Array, k: int) -> tuple[float, Array]:
-    """Distance (mm) from the gear's axis of the normal at contact k, of the fillet where one touches, and its point (3,); of
-    contact along a line or an edge the middle counts, as any point of it may have been found."""
+    """Return the distance (mm) of the normal at contact k from the gear's axis, and the point (3,) of contact.
+
+    The normal is the fillet's where a fillet touches. Contact along a line or an edge counts at its middle, because the search
+    may stop at any of its points.
+    """
     part, own, phi1 = pair.parts[contacts.part[k]], contacts.at(np.array([k])), phi1[[k]]
     to_middle(part, phi1, own, int(own.part[0]))
     x = trace(part, phi1, own.x).x if own.line[0] else own.x
@@ -489,21 +521,21 @@ def _normal(pair: Pair, contacts: Contacts, phi1: Array, k: int) -> tuple[float,
 
 
 def _ahead_at_nodes(curve: MeshCurve) -> Array:
-    """By how much (K,), rad, fillets touch before flanks do at the nodes of the engagement."""
+    """Return advances (K,), rad, of fillets over flanks at the nodes of the engagement."""
     followed = curve.engagement
     return _ahead(followed.contacts, _neighbours(followed.phi1, followed.flanks.advance, curve.pitch))
 
 
 def _interference(engagement: Engagement, pitch: float, rounds: int, *, driving: bool) -> Interference | None:
-    """The tip that keeps the flanks farthest apart, by the nodes and so many rounds about them; None where none does."""
+    """Find the tip that keeps the flanks farthest apart, by the nodes and `rounds` of lattices; None without interference."""
     pair, phi1, step = engagement.pair, engagement.phi1, float(np.diff(engagement.phi1).max())
     contacts, every = engagement.contacts, phi1
     ahead = _ahead(contacts, _neighbours(phi1, engagement.flanks.advance, pitch))
-    if not ahead.max() > AHEAD:
+    if not ahead.max() > MIN_INTERFERENCE_RAD:
         return None
     for _ in range(rounds):
         k = int(ahead.argmax())
-        if not ahead[k] > AHEAD:
+        if not ahead[k] > MIN_INTERFERENCE_RAD:
             return None
         best = phi1[k]
         phi1 = best + step * np.linspace(-1.0, 1.0, 9)
@@ -514,16 +546,16 @@ def _interference(engagement: Engagement, pitch: float, rounds: int, *, driving:
     k = int(ahead.argmax())
     lever, point = _normal(pair, contacts, every, k)
     depth = float(ahead[k]) * lever
-    return Interference(depth, float(phi1[k]), point, _fillet_of(contacts, k), driving) if depth > NOTHING else None
+    return Interference(depth, float(phi1[k]), point, _fillet_of(contacts, k), driving) if depth > ROUNDING_MM else None
 
 
 def _fillet_of(contacts: Contacts, k: int) -> int:
-    """Member whose fillet touches at position k: 0 pinion, 1 gear; 0 where none does."""
+    """Return the member whose fillet touches at position k: 0 pinion, 1 gear; 0 where no fillet touches."""
     return int(PARTS[contacts.part[k]][1] == FILLET)
 
 
 def _ahead(contacts: Contacts, flanks: Array) -> Array:
-    """By how much (N,), rad, fillets touch before the flanks do, whose advances are given (N,); 0 where no fillet touches."""
+    """Return advances (N,), rad, of fillets over the advances of `flanks` (N,); 0 where no fillet touches."""
     count = len(flanks)
     by_fillet = HAS_FILLET[contacts.part[:count]]
     with np.errstate(invalid="ignore"):
@@ -532,7 +564,7 @@ def _ahead(contacts: Contacts, flanks: Array) -> Array:
 
 
 def _neighbours(phi1: Array, advance: Array, pitch: float) -> Array:
-    """The greatest advance (K,) of any tooth pair at nodes phi1 (K,) whose steps are whole parts of a pitch."""
+    """Return the greatest advance (K,), rad, of any tooth pair at nodes phi1 (K,), whose steps divide the pitch."""
     steps = round(pitch / float(np.diff(phi1).min()))
     best = advance.copy()
     for k in range(steps, len(advance), steps):
@@ -542,12 +574,12 @@ def _neighbours(phi1: Array, advance: Array, pitch: float) -> Array:
 
 
 def _turns(pair: GearPair, curve: MeshCurve, phase: Array) -> Callable[[Array], Array]:
-    """phi2 of the gears at any phi1, by the advance at even phases (M,) of a pitch; NaN where contact breaks off."""
+    """Return phi2 (rad) of the gear as a function of phi1 (rad), by the curve at phases (M,); NaN where contact breaks off."""
     if len(phase) == NODES + 1:
         return gear_rotations(pair, phase, curve.at_nodes())
     return gear_rotations(pair, phase, curve.advance(phase) if curve.whole else curve.advance_as_known(phase))
 
 
 def gear_rotations(pair: GearPair, phase: Array, advance: Array) -> Callable[[Array], Array]:
-    """phi2 at any phi1, by advances (M,) at phases (M,) of a pitch, rad."""
+    """Return phi2 (rad) as a function of phi1 (rad), by advances (M,) at phases (M,) of a pitch, rad."""
     return lambda phi1: pair.ratio * phi1 + pair.drive * np.interp(np.mod(phi1, pair.pitch), phase, advance)

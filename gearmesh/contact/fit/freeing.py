@@ -1,9 +1,9 @@
-"""The least movement of the gear that frees a pair from interference.
+"""Least movement of the gear that frees a pair from interference.
 
-The slack, the distance left before anything interferes, is signed: negative where teeth overlap, positive where they are free. Its
-sign changes between a shift that does not free the pair and one that does, and the bracket of both is closed to a hundredth. Where
-a tip leaves a fillet the slack jumps from 0 to the backlash; so the sign changes by what overlaps. The search ends when its effort
-is spent: the answer is then the least shift that was found to free the pair, if there is one.
+The slack is the distance left before anything interferes: negative where teeth overlap, positive where teeth are free. Its sign
+changes between a shift that does not free the pair and a shift that does. The search closes this bracket to a hundredth. Where
+a tip leaves a fillet, the slack jumps from 0 to the backlash, so the bracket follows the sign of the overlap. The search ends when
+its effort is spent, and then returns the least shift that was found to free the pair, if there is one.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import numpy as np
 from gearmesh.contact.engagement.engagement import LOOKS
 from gearmesh.contact.first_touch.field import outlook
 from gearmesh.contact.fit.fit import (
-    NOTHING,
+    ROUNDING_MM,
     Fit,
     clearances_of,
     gear_rotations,
@@ -32,55 +32,65 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.effort import Effort, EffortSpentError, limit_effort
 from gearmesh.teeth.gear_train import GearPair
 
-#: apart by less (mm) are axes that meet
-APART = 1e-6
-#: part of the shift within which it is the smallest, and mm that count as none
-TIGHT, LEAST = 0.008, 2e-5
-#: shifts that are tried at most as teeth touch, and by what the field samples; part of the slack that is near enough to none there
-TRIES, SAMPLED_TRIES, NEAR = 24, 8, 0.03
-#: effort of the whole search, about the seconds that it takes; of one slack as teeth touch, and of one that the field samples,
-#: beside what these count themselves
-MOST_EFFORT, OF_SLACK, OF_SAMPLED = 2.0, 0.4, 0.04
-#: part of the way to where a tip leaves a fillet by which a shift goes there, and a little beyond
+#: axes closer than this (mm) intersect
+MIN_AXIS_DISTANCE_MM = 1e-6
+#: width of the closed bracket by the shift
+BRACKET_WIDTH = 0.008
+#: least width of the closed bracket, mm
+MIN_BRACKET_WIDTH_MM = 2e-5
+#: shifts tried at most with the slack of touching teeth
+MAX_TRIES = 24
+#: shifts tried at most with the slack that the field samples
+MAX_SAMPLED_TRIES = 8
+#: sampled slack by the first slack that is near enough to zero
+SAMPLED_NEAR_ZERO = 0.03
+#: effort of the whole search, about its seconds
+MAX_EFFORT = 2.0
+#: effort of one slack of touching teeth, beside the effort that its solvers count
+EFFORT_OF_SLACK = 0.4
+#: effort of one sampled slack, beside the effort that its solvers count
+EFFORT_OF_SAMPLED_SLACK = 0.04
+#: shift by the estimated shift at which a tip leaves a fillet: a little more
 BEYOND_FILLET = 1.15
 
 
 def shift_gear(pair: GearPair, shift: float) -> GearPair:
-    """The pair with its gear moved by `shift` (mm) along `direction`."""
+    """Return the pair with its gear moved by `shift` (mm) along `direction`."""
     mount = pair.gear.mount
     away = Rigid(np.eye(3), shift * direction(pair))
     return replace(pair, gear=replace(pair.gear, mount=replace(mount, base=away @ mount.base)))
 
 
 def direction(pair: GearPair) -> Array:
-    """Unit vector (3,), fixed frame, along which gears are brought apart: from axis to axis; the gear's own, where these meet."""
+    """Return the unit vector (3,), fixed frame, along which the gear moves: from axis to axis, or along its own axis if they meet."""
     first, second = pair.mounts
     common, between = np.cross(first.axis, second.axis), second.origin - first.origin
     length = float(np.linalg.norm(common))
     along = (between @ first.axis) * first.axis
     across = between - along if length < MAX_SINE_OF_PARALLEL else (between @ common) * common / length**2
     apart = float(np.linalg.norm(across))
-    return across / apart if apart > APART else second.axis
+    return across / apart if apart > MIN_AXIS_DISTANCE_MM else second.axis
 
 
 class FreeingShift(NamedTuple):
-    """Movement of the gear along `direction`, `length` (mm), that frees a pair; `least`: no shorter one does, within TIGHT."""
+    """Movement of the gear along `direction` by `length` (mm) that frees a pair; `least`: no shorter movement does."""
 
     length: float
     least: bool
 
 
-def freeing_shift(pair: GearPair, fit: Fit, most_effort: float = MOST_EFFORT) -> FreeingShift | None:
-    """The least movement of the gear for the pair to fit, or what was found with so much effort; None where moving does not help.
+def freeing_shift(pair: GearPair, fit: Fit, most_effort: float = MAX_EFFORT) -> FreeingShift | None:
+    """Find the least movement of the gear for which the pair fits; None where moving does not help.
 
-    Where to begin, and by how much more a shift leaves, is estimated from the play that the field samples.
+    The search returns its best movement when `most_effort` is spent. The play that the field samples estimates the first shift
+    and the slope of the slack.
     """
     if not np.isfinite(fit.slack):
         return None
     effort = Effort(most_effort)
 
     def limit_slack(slack: Callable[[GearPair], float | None], at_least: float, standing: GearPair) -> float | None:
-        """A slack that takes so much effort `at_least`; raises EffortSpentError where none is left."""
+        """Return a slack whose effort is `at_least` so much; raises EffortSpentError when no effort is left."""
         effort.left -= at_least
         if effort.spent:
             raise EffortSpentError
@@ -94,7 +104,7 @@ def freeing_shift(pair: GearPair, fit: Fit, most_effort: float = MOST_EFFORT) ->
 
         try:
             begin = _begin(
-                lambda at: limit_slack(lambda moved: _sampled_slack(moved, fit), OF_SAMPLED, standing(at)),
+                lambda at: limit_slack(lambda moved: _sampled_slack(moved, fit), EFFORT_OF_SAMPLED_SLACK, standing(at)),
                 max(0.5 * abs(fit.slack), 1e-3),
             )
         except EffortSpentError:
@@ -102,7 +112,7 @@ def freeing_shift(pair: GearPair, fit: Fit, most_effort: float = MOST_EFFORT) ->
         shift = (
             None
             if begin is None
-            else _least_shift(lambda at: limit_slack(slack_of, OF_SLACK, standing(at)), fit.slack, *begin)
+            else _least_shift(lambda at: limit_slack(slack_of, EFFORT_OF_SLACK, standing(at)), fit.slack, *begin)
         )
         if shift is not None:
             return shift._replace(length=sense * shift.length)
@@ -110,13 +120,15 @@ def freeing_shift(pair: GearPair, fit: Fit, most_effort: float = MOST_EFFORT) ->
 
 
 def _begin(slack: Callable[[float], float | None], first: float) -> tuple[float, float] | None:
-    """The shift (mm) at which a sampled `slack` (mm) is about 0, by secants from `first` on, and its slope; None where moving does
-    not help. Where there is slack already, `first` itself."""
+    """Estimate the shift (mm) at which a sampled `slack` (mm) is 0, by secants from `first` on, and the slope of the slack.
+
+    Returns `first` where there is slack already, None where moving does not help.
+    """
     low, at_low = 0.0, slack(0.0)
     if at_low is None:
         return None
-    enough, high = NEAR * at_low, first
-    for _ in range(SAMPLED_TRIES):
+    enough, high = SAMPLED_NEAR_ZERO * at_low, first
+    for _ in range(MAX_SAMPLED_TRIES):
         there = slack(high)
         if there is None or not there > at_low:
             return None if enough < 0.0 else (first, np.nan)
@@ -130,24 +142,26 @@ def _begin(slack: Callable[[float], float | None], first: float) -> tuple[float,
 
 
 def _least_shift(slack: Callable[[float], float | None], start: float, at: float, slope: float) -> FreeingShift | None:
-    """The least shift at which a `slack` (mm) that is `start` at 0 is not negative any more, tried at `at` first; `slope` of
-    the play, as far as it is known. None where slack does not grow."""
+    """Find the least shift at which `slack` (mm) is not negative; None where slack does not grow.
+
+    The slack is `start` at shift 0. The first shift tried is `at`; `slope` is the slope of the play, NaN if unknown.
+    """
     short, high, at_high, width = [(0.0, start)], np.inf, np.inf, np.inf
-    for _ in range(TRIES):
+    for _ in range(MAX_TRIES):
         try:
             there = slack(at)
         except EffortSpentError:
             break
         if there is None:
             break
-        if there >= -NOTHING:
+        if there >= -ROUNDING_MM:
             high, at_high = at, there
         elif np.isinf(high) and not there > short[-1][1]:
             return None
         else:
             short.append((at, there))
-        low, tight = short[-1][0], max(TIGHT * min(at, high), LEAST)
-        # where play alone is in the way, its slope tells how far it is from 0
+        low, tight = short[-1][0], max(BRACKET_WIDTH * min(at, high), MIN_BRACKET_WIDTH_MM)
+        # where only the play is missing, its slope tells how far the shift is from the root
         if high - low <= tight or at_high <= 0.4 * tight * slope:
             return FreeingShift(high, least=True)
         root = _root(short, (high, at_high), slope)
@@ -162,14 +176,17 @@ def _least_shift(slack: Callable[[float], float | None], start: float, at: float
 
 
 def _root(short: list[tuple[float, float]], free: tuple[float, float], slope: float) -> float:
-    """About where the slack is 0, from shifts (mm) that fall short, with their slacks (mm), and one that frees; `slope` of the
-    play."""
+    """Estimate the shift (mm) at which the slack is 0.
+
+    `short`: shifts (mm) that do not free the pair, with their slacks (mm); `free`: a shift that does, with its slack; `slope`: of
+    the play.
+    """
     (low, at_low), (high, at_high) = short[-1], free
     if len(short) > 2:
         before, at_before = short[-2]
         slope = (at_low - at_before) / (low - before)
         if at_high > 2.0 * slope * (high - low) > 0.0:
-            # a tip leaves a fillet ever more slowly: about with the square of what is left
+            # the depth of a tip in a fillet falls with the square of the shift that is left
             slope = 0.5 * slope
     elif at_high < -at_low:
         return high - at_high / slope
@@ -177,8 +194,10 @@ def _root(short: list[tuple[float, float]], free: tuple[float, float], slope: fl
 
 
 def _left_fillet(short: list[tuple[float, float]]) -> float:
-    """About where a tip has left a fillet, from the last two shifts (mm) that fall short: its depth falls with the square of what
-    is left of the shift; 0 before there are two."""
+    """Estimate the shift (mm) at which a tip has left a fillet, from the last two shifts that do not free the pair.
+
+    The depth of the tip falls with the square of the shift that is left. Returns 0 before there are two such shifts.
+    """
     if len(short) < 3:
         return 0.0
     (before, at_before), (low, at_low) = short[-2:]
@@ -187,8 +206,10 @@ def _left_fillet(short: list[tuple[float, float]]) -> float:
 
 
 def _sampled_slack(pair: GearPair, fit: Fit) -> float | None:
-    """Play and clearances (mm, the least) to some micrometres, by what the field samples over the same rotations as where a fit was
-    `fit`; None where nothing touches. It does not know how deep tips are in fillets."""
+    """Compute the least of play and clearances (mm) to some micrometres; None where nothing touches.
+
+    The field samples the rotations of `fit`. The depth of tips in fillets is not known here.
+    """
     reach = int(np.ceil(max(map(abs, fit.span)) / pair.pitch)) * LOOKS
     phi1: Array = np.arange(-reach, reach).astype(float) * (pair.pitch / LOOKS)
     advances, both = [], [solver_pair(own) for own in (pair, reversed_pair(pair))]

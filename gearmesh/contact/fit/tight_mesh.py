@@ -1,8 +1,8 @@
 """Double-flank test: members on parallel axes roll without backlash, and their centre distance changes.
 
-At the centre distance where unshifted teeth have no play, b = 0, pitch deviations or eccentricities give it at every rotation; the
-axes move by what takes it away, -b / (db/da). Quantities of the second order in the deviations are neglected, b of unshifted teeth
-is not.
+The tight centre distance a is the distance at which teeth without deviations have no play, b = 0. Pitch deviations or
+eccentricities give a play b at every rotation there. The axes move by -b / (db/da), which takes the play away. Terms of second
+order in the deviations are neglected; the play of teeth without deviations is exact.
 """
 
 from __future__ import annotations
@@ -22,24 +22,31 @@ from gearmesh.progress import in_turn, listening, part, tell
 from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.micro_geometry.index_angles import NO_INDEX_ANGLES
 
-#: positions in a pitch, of the tight mesh and of its search
-PER_PITCH = 12
-#: steps in which the tight centre distance is looked for, and the play (rad) that is none
-STEPS, NO_PLAY = 12, 1e-9
-#: first step of that search by the play at the gear's radius, and the least, mm
-FIRST, SHORTEST = 1.2, 1e-3
-#: part of the work that the search is
-FOUND = 0.4
+#: positions in a pitch, in the tight mesh and in its search
+POSITIONS_PER_PITCH = 12
+#: steps at most of the search for the tight centre distance
+MAX_SEARCH_STEPS = 12
+#: play (rad) below which there is none
+NO_PLAY_RAD = 1e-9
+#: first step of the search by the play at the gear's radius
+FIRST_STEP = 1.2
+#: least first step of the search, mm
+MIN_FIRST_STEP_MM = 1e-3
+#: share of the search in the work, for progress
+SHARE_OF_SEARCH = 0.4
 
 
 @dataclass(frozen=True)
 class TightMesh:
-    """Centre distances (P,), mm, at rotations `phi1` (P,), rad, of the pinion, `per_pitch` in a pitch; `nominal`: of the teeth
-    without deviations, mm."""
+    """Centre distances of a double-flank test at P rotations of the pinion."""
 
+    #: rotations (P,) of the pinion, rad
     phi1: Array
+    #: centre distances (P,), mm
     distance: Array
+    #: centre distance of the teeth without deviations, mm
     nominal: float
+    #: rotations in a pitch
     per_pitch: int
 
     @property
@@ -56,54 +63,54 @@ class TightMesh:
 
 
 def tight_mesh(pair: GearPair) -> TightMesh:
-    """A pair with the pitch deviations or eccentricities of its members, rolling without backlash over the turns after which it
-    repeats.
+    """Compute the double-flank test of a pair with pitch deviations or eccentricities, until the rotations repeat.
 
-    Raises DesignError where axes are not parallel or turns too many, NoSolutionError where no centre distance leaves no play.
+    Raises DesignError where the axes are not parallel or the turns too many, NoSolutionError where no centre distance takes the
+    play away.
     """
     distance = centre_distance(pair)
     if distance is None:
         raise DesignError("pair", pair.name, reason="its axes are not parallel", allowed="pairs with a centre distance")
     if pair.uneven or not pair.eccentric:
         refuse_too_many(pair)
-    # the number of its steps is not known
+    # the number of search steps is not known, so the search tells no progress
     with listening(None):
         moved, slope = _tight(concentric_pair(_even(pair)), distance)
-    tell(FOUND)
+    tell(SHARE_OF_SEARCH)
     if pair.eccentric:
-        with part(FOUND, 1.0):
+        with part(SHARE_OF_SEARCH, 1.0):
             turns = full_turns(_apart(pair, moved))
         displaced = distance + moved - turns.backlash / slope
         return TightMesh(turns.phi1, np.asarray(displaced), distance + moved, turns.per_pitch)
     pitches = pitches_until_repeat(pair)
-    with part(FOUND, 1.0):
+    with part(SHARE_OF_SEARCH, 1.0):
         b = _play(_apart(pair, moved), pitches)
-    phi1 = np.arange(pitches * PER_PITCH, dtype=float) * (pair.pitch / PER_PITCH)
-    return TightMesh(phi1, np.asarray(distance + moved - b / slope), distance + moved, PER_PITCH)
+    phi1 = np.arange(pitches * POSITIONS_PER_PITCH, dtype=float) * (pair.pitch / POSITIONS_PER_PITCH)
+    return TightMesh(phi1, np.asarray(distance + moved - b / slope), distance + moved, POSITIONS_PER_PITCH)
 
 
 def _tight(pair: GearPair, distance: float) -> tuple[float, float]:
-    """By how much (mm) the gear has to move away from the pinion for its unshifted teeth to have no play, and the play (rad) that
-    it gains there per mm."""
+    """Solve for the movement (mm) of the gear away from the pinion that leaves no play, by secants; also return db/da (rad/mm).
+
+    The teeth have no deviations.
+    """
     before, b_before = 0.0, _least_play(pair)
-    # as involutes of 20 degrees: of members inside each other the other way round
+    # the first step is right for involutes of 20 degrees; a ring moves in the opposite sense
     inside = -1.0 if np.dot(pair.mounts[0].spin, pair.mounts[1].spin) > 0.0 else 1.0
     radius = distance * abs(1.0 / pair.ratio) / abs(inside + abs(1.0 / pair.ratio))
-    at = -inside * max(FIRST * radius * abs(b_before), SHORTEST) * float(np.sign(b_before) or 1.0)
-    for _ in range(STEPS):
+    at = -inside * max(FIRST_STEP * radius * abs(b_before), MIN_FIRST_STEP_MM) * float(np.sign(b_before) or 1.0)
+    for _ in range(MAX_SEARCH_STEPS):
         b = _least_play(_apart(pair, at))
         slope = (b - b_before) / (at - before)
-        if abs(b) < NO_PLAY:
+        if abs(b) < NO_PLAY_RAD:
             return at, slope
         before, b_before, at = at, b, at - b / slope
     raise NoSolutionError(reason="no centre distance was found at which the teeth have no play", topic="tight mesh")
 
 
 def _even(pair: GearPair) -> GearPair:
-    """The pair with all teeth at their places."""
-    return replace(
-        pair, pinion=replace(pair.pinion, index=NO_INDEX_ANGLES), gear=replace(pair.gear, index=NO_INDEX_ANGLES)
-    )
+    """Return the pair with all teeth at their nominal index angles."""
+    return replace(pair, pinion=replace(pair.pinion, index=NO_INDEX_ANGLES), gear=replace(pair.gear, index=NO_INDEX_ANGLES))
 
 
 def _least_play(pair: GearPair) -> float:
@@ -111,14 +118,14 @@ def _least_play(pair: GearPair) -> float:
 
 
 def _play(pair: GearPair, pitches: int) -> Array:
-    """Rotations (P,), rad, of the gear between its first touches on both sides."""
+    """Compute rotations (P,), rad, of the gear between its first touches on driving and coast flanks."""
     both = in_turn((pair, reversed_pair(pair)))
-    forwards, backwards = (shifted_advance(own, pitches, PER_PITCH)[0] for own in both)
+    forwards, backwards = (shifted_advance(own, pitches, POSITIONS_PER_PITCH)[0] for own in both)
     return play(pair, forwards + backwards, wound=solver_pair(pair).wound)
 
 
 def _apart(pair: GearPair, way: float) -> GearPair:
-    """The pair with its gear moved (mm) away from the pinion along the line of centres."""
+    """Return the pair with its gear moved by `way` (mm) away from the pinion along the line of centres."""
     first, second = pair.mounts
     apart = second.origin - first.origin
     apart = apart - float(apart @ first.axis) * first.axis
