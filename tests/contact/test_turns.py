@@ -83,7 +83,7 @@ def test_every_tooth_pair_does_as_the_solver_and_the_roll_have_it(design: tuple[
 @pytest.fixture
 def sparse(monkeypatch: pytest.MonkeyPatch) -> None:
     """Half of the positions."""
-    monkeypatch.setattr("gearmesh.contact.engagement.turns.PER_PITCH", 6)
+    monkeypatch.setattr("gearmesh.contact.engagement.turns.POSITIONS_PER_PITCH", 6)
 
 
 @pytest.mark.sweep

@@ -30,7 +30,7 @@ needs_ccx = pytest.mark.skipif(shutil.which("ccx") is None, reason="apt-get inst
 def test_beveloid_pressure_against_hertz(monkeypatch: pytest.MonkeyPatch) -> None:
     """One pair of LT02 teeth under 50 Nm, three elements over each half axis: peak within 10 % of Hertz."""
     # fewer elements away from the contact: half the time, the same peak to 1.5 %
-    monkeypatch.setattr(hexmesh, "GROWTH", 0.7)
+    monkeypatch.setattr(hexmesh, "CELL_GROWTH", 0.7)
     problem = crossed_beveloids(ellipse=3)
     wanted, at = problem.figures, problem._built.at
     solved = problem.solve()

@@ -78,7 +78,7 @@ def pieces_are_whole(mesh: Facets) -> None:
 @pytest.mark.parametrize("case", CASES)
 def test_pieces_are_those_of_the_whole(case: str, monkeypatch: pytest.MonkeyPatch) -> None:
     # pieces of some teeth, and of one
-    monkeypatch.setattr("gearmesh.mesh.gear_mesh.PIECE", 1000)
+    monkeypatch.setattr("gearmesh.mesh.gear_mesh.ROWS_PER_PIECE", 1000)
     place = Rigid(Rigid.about_z(0.3).rotation[:, [1, 2, 0]], np.array([3.0, -20.0, 0.1]))
     for mesh in (mesh_of(case), io.mesh_in_file(mesh_of(case).move(place), "a.stl")):
         pieces_are_whole(mesh)
@@ -92,7 +92,7 @@ def test_pieces_of_teeth_that_differ() -> None:
 
 @pytest.mark.parametrize("suffix", [".stl", ".obj", ".ply", ".3mf", ".glb", ".vtu"])
 def test_files_have_the_same_bytes_piece_by_piece(suffix: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("gearmesh.mesh.gear_mesh.PIECE", 1000)
+    monkeypatch.setattr("gearmesh.mesh.gear_mesh.ROWS_PER_PIECE", 1000)
     files = [tmp_path / f"{name}{suffix}" for name in ("pieces", "whole")]
     for file, mesh in zip(files, (mesh_of("chamfered"), mesh_of("chamfered").whole()), strict=True):
         io.write(mesh, file)

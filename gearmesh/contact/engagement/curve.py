@@ -1,6 +1,7 @@
-"""The transmission advance of the gears over a pitch: of all tooth pairs, which are alike, the greatest at every phase.
+"""Transmission advance of the gears over a pitch: the greatest advance of all tooth pairs at every phase.
 
-It is a chain of smooth arcs. Where one pair overtakes another, and where an arc is level, are roots.
+All tooth pairs have the same curve, one pitch apart. The envelope is a chain of smooth arcs. The phases at which one pair overtakes
+another, and at which an arc is level, are roots.
 """
 
 from __future__ import annotations
@@ -13,50 +14,57 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.conditions.events import TOLERANCE, root_between
-from gearmesh.contact.engagement.engagement import PER_PITCH as NODES
+from gearmesh.contact.engagement.engagement import NODES_PER_PITCH as NODES
 from gearmesh.contact.engagement.engagement import Engagement
 from gearmesh.contact.engagement.surface_contact import SurfaceContact, surface_contact
 from gearmesh.contact.engagement.transmission_advance import TransmissionAdvance
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import bracketed_root
 
-HARMONICS = 5
-#: rad: tooth pairs closer than this carry together
-TOGETHER = 5e-12
-#: slopes (rad/rad) of less, or that differ by less, are level
-LEVEL = 1e-9
-#: rad: roots of interpolated advances are this close to those of solved ones
-CLOSE = 1e-5
-#: rad to which a greatest advance is found where no slope tells of it
-SUMMIT = 1e-6
+#: harmonics of the mesh frequency that are given
+HARMONIC_COUNT = 5
+#: difference of advances (rad) below which two tooth pairs carry together
+SHARED_CONTACT_RAD = 5e-12
+#: slopes (rad/rad) below this are level, slopes that differ by less are parallel
+LEVEL_SLOPE = 1e-9
+#: distance (rad) between roots of interpolated and of solved advances
+MAX_ROOT_CORRECTION_RAD = 1e-5
+#: error (rad) in phi1 of an extreme advance where no slope is known
+EXTREME_TOLERANCE_RAD = 1e-6
 #: Gauss points on an arc
-GAUSS = 16
+GAUSS_POINTS = 16
 
 
 @dataclass(frozen=True)
 class MeshArc:
-    """Where one tooth pair is in contact: its number, and the phases (rad) between which it is; at every one but the first it
-    took over."""
+    """Arc of the envelope on which one tooth pair is in contact."""
 
+    #: number of the tooth pair
     pair: int
+    #: phase at which the tooth pair takes over, rad; 0 on the first arc
     begin: float
+    #: phase at which the next tooth pair takes over, rad; the pitch on the last arc
     end: float
+    #: pitch of the pinion, rad
     pitch: float
 
     @property
     def first(self) -> float:
-        """phi1 of pair 0 at the beginning."""
+        """phi1 (rad) of pair 0 at the beginning."""
         return self.begin + self.pair * self.pitch
 
     @property
     def last(self) -> float:
-        """phi1 of pair 0 at the end."""
+        """phi1 (rad) of pair 0 at the end."""
         return self.end + self.pair * self.pitch
 
 
 class MeshCurve:
-    """The transmission advance of the gears, from the engagement of one tooth pair and the pinion's pitch (rad); where pairs
-    change over is found to `tolerance` (rad), of which the advances there know no more than the product with their slopes."""
+    """Transmission advance of the gears, from the engagement of one tooth pair and the pinion's pitch (rad).
+
+    Phases at which pairs change over have the error `tolerance` (rad). The error of the advance there is the product of this
+    tolerance and a slope.
+    """
 
     def __init__(self, engagement: Engagement, pitch: float, tolerance: float = TOLERANCE) -> None:
         self.engagement, self.pair, self.pitch, self.tolerance = engagement, engagement.pair, pitch, tolerance
@@ -64,21 +72,23 @@ class MeshCurve:
 
     @cached_property
     def surface(self) -> SurfaceContact:
-        """The surface contact of pair 0, where it has any."""
+        """Surface contact of pair 0."""
         advances, first = self._table()
         flat = np.append(advances[:, :NODES].ravel(), advances[-1, NODES])
         ahead = np.resize(advances[:, :NODES].max(axis=0), flat.size)
         steps = np.rint(self.phi1 / self.pitch * NODES).astype(int) - first * NODES
-        return surface_contact(self.engagement, (flat >= ahead - TOGETHER)[steps])
+        return surface_contact(self.engagement, (flat >= ahead - SHARED_CONTACT_RAD)[steps])
 
     @cached_property
     def of_pair(self) -> TransmissionAdvance:
-        """The transmission advance of pair 0."""
+        """Transmission advance of pair 0."""
         return TransmissionAdvance(self.engagement, (self.surface.begin, self.surface.end))
 
     def _table(self) -> tuple[Array, int]:
-        """Advances (K, NODES + 1) of the tooth pairs at the nodes of one pitch, -inf where they do not touch; number of the
-        first."""
+        """Return advances (K, NODES_PER_PITCH + 1) of K tooth pairs at the nodes of a pitch, and the number of the first pair.
+
+        Advances are in rad, -inf where a pair does not touch.
+        """
         first = int(np.floor(round(float(self.phi1[0] / self.pitch * NODES)) / NODES))
         steps = np.rint(self.phi1 / self.pitch * NODES).astype(int) - first * NODES
         count = int(steps[-1] // NODES) + 1
@@ -88,19 +98,18 @@ class MeshCurve:
         return flat[rows], first
 
     def at_nodes(self) -> Array:
-        """Advances (NODES + 1,), rad, of the gears at even phases of one pitch, as the nodes have them; NaN where nothing
-        touches."""
+        """Return advances (NODES_PER_PITCH + 1,), rad, of the gears at the nodes of a pitch; NaN where nothing touches."""
         advances = self._table()[0].max(axis=0)
         return np.where(np.isfinite(advances), advances, np.nan)
 
     @property
     def whole(self) -> bool:
-        """Whether some tooth pair touches at every node of a pitch."""
+        """True if a tooth pair touches at every node of a pitch."""
         return bool(np.isfinite(self.at_nodes()).all())
 
     @cached_property
     def arcs(self) -> list[MeshArc]:
-        """The envelope over one pitch, arc by arc; none where nothing touches somewhere in it."""
+        """Arcs of the envelope over one pitch; none if contact breaks off in it."""
         if not self.whole:
             return []
         table, first = self._table()
@@ -108,10 +117,10 @@ class MeshCurve:
         arcs, begin = [], 0.0
         step = self.pitch / NODES
         for j in range(NODES):
-            # of pairs that carry together the one that was ahead before: the others may only come to it in between
-            leading = np.flatnonzero(table[:, j + 1] >= table[:, j + 1].max() - TOGETHER)
+            # of pairs that carry together take the pair that was ahead at the node before: the others come to it in between
+            leading = np.flatnonzero(table[:, j + 1] >= table[:, j + 1].max() - SHARED_CONTACT_RAD)
             ahead = int(leading[table[leading, j].argmax()])
-            if table[ahead, j + 1] <= table[carrier, j + 1] + TOGETHER:
+            if table[ahead, j + 1] <= table[carrier, j + 1] + SHARED_CONTACT_RAD:
                 continue
             at = self._overtaking(carrier + first, ahead + first, j * step, (j + 1) * step)
             arcs.append(MeshArc(carrier + first, begin, at, self.pitch))
@@ -120,7 +129,7 @@ class MeshCurve:
         return arcs
 
     def handovers(self) -> Array:
-        """phi1 (M,), rad, of pair 0 at which it takes over from another: roots of the advances as they are solved for."""
+        """Solve for phi1 (M,), rad, of pair 0 at which it takes over from another pair, with exact advances."""
         arcs = self.arcs
         phase = np.array([arc.begin for arc in arcs[1:]])
         pairs = np.array([[arc.pair for arc in arcs[:-1]], [arc.pair for arc in arcs[1:]]])
@@ -129,16 +138,17 @@ class MeshCurve:
         own, slope = (
             pair_values.reshape(2, -1) for pair_values in self.of_pair.exactly((phase + pairs * self.pitch).ravel())
         )
+        # one Newton step from the root of the interpolated curves; a larger step means curves that touch
         step, parting = own[0] - own[1], slope[1] - slope[0]
-        good = (np.abs(parting) > LEVEL) & (np.abs(step) < CLOSE * np.abs(parting))
+        good = (np.abs(parting) > LEVEL_SLOPE) & (np.abs(step) < MAX_ROOT_CORRECTION_RAD * np.abs(parting))
         phase[good] += step[good] / parting[good]
         phi1: Array = phase + pairs[1] * self.pitch
         return phi1
 
     def _overtaking(self, carrier: int, ahead: int, low: float, high: float) -> float:
-        """Phase (rad) between `low` and `high` at which the pair `ahead` overtakes the one in contact."""
+        """Solve for the phase (rad) between `low` and `high` at which the pair `ahead` overtakes the pair `carrier`."""
         before = self.of_pair.at(low + np.array([carrier, ahead]) * self.pitch)[0]
-        if abs(before[0] - before[1]) < TOGETHER:
+        if abs(before[0] - before[1]) < SHARED_CONTACT_RAD:
             # pairs that carry together part where the surface contact of one of them ends
             for pair, end in ((carrier, self.surface.end), (ahead, self.surface.begin)):
                 phase = end - pair * self.pitch
@@ -146,23 +156,22 @@ class MeshCurve:
                     return float(phase)
 
         def behind(phase: Array) -> tuple[Array, Array]:
-            """By how much the pair in contact is ahead, and its slope; a pair that does not touch is behind."""
+            """Return the lead (N,) of the pair in contact, and its slope; a pair that does not touch is behind."""
             own, slope = self.of_pair.at(np.concatenate((phase + carrier * self.pitch, phase + ahead * self.pitch)))
             (first, second), parting = own.reshape(2, -1), -np.diff(slope.reshape(2, -1), axis=0)[0]
             apart = np.where(np.isnan(first), -1.0, np.where(np.isnan(second), 1.0, first - second))
-            # together to rounding: the one that carries is counted as ahead
-            together = (np.abs(apart) < TOGETHER) & ~(np.abs(parting) > LEVEL)
-            return np.where(together, TOGETHER, apart), np.where(together, np.nan, parting)
+            # equal to rounding: the pair that carries counts as ahead
+            together = (np.abs(apart) < SHARED_CONTACT_RAD) & ~(np.abs(parting) > LEVEL_SLOPE)
+            return np.where(together, SHARED_CONTACT_RAD, apart), np.where(together, np.nan, parting)
 
         return root_between(behind, low, high, self.tolerance)
 
     @cached_property
     def marks(self) -> tuple[Array, Array]:
-        """Phases (M,), rad, at which the envelope changes over, is level, bends or was solved for, and its advances there (M,),
-        rad.
+        """Phases (M,), rad, at which the envelope changes over, is level, bends or was solved for, and advances (M,), rad.
 
-        It bends where its slope jumps, as where contact passes from one place to another; where contact on an edge passes to that
-        of the surfaces, and to another edge, is solved for too.
+        The envelope bends where its slope jumps, for instance where contact passes to another place on the flanks. Passages from
+        an edge to the surfaces, or to another edge, are solved for too.
         """
         places, pair, last = [], [], []
         known = self._known_phi1
@@ -175,11 +184,11 @@ class MeshCurve:
             return np.zeros(0), np.zeros(0)
         phi1, number, end = np.concatenate(places), np.concatenate(pair), np.concatenate(last)
         advance, slope = self.of_pair.at(phi1)
-        # level already, at a node, is no change of sign
-        steep = np.minimum(np.abs(slope[:-1]), np.abs(slope[1:])) > LEVEL
+        # a slope that is level at a node does not change its sign there
+        steep = np.minimum(np.abs(slope[:-1]), np.abs(slope[1:])) > LEVEL_SLOPE
         k = np.flatnonzero(~end[:-1] & (slope[:-1] * slope[1:] < 0.0) & steep)
         if k.size:
-            # the root is one of the places that were asked: where it is solved for, its advance is known with its slope
+            # the root is one of the places that the root finder asks for: its advance is known with its slope
             known_there = dict[float, float]()
 
             def slope_at(at: Array, _: NDArray[np.intp]) -> Array:
@@ -188,7 +197,7 @@ class MeshCurve:
                 return slopes
 
             root = bracketed_root(slope_at, phi1[k], phi1[k + 1], tolerance=1e-9)
-            # where the slope jumps there is a corner, and it is found all the same
+            # where the slope jumps the root is the corner
             there = np.isfinite(root.values)
             level, k = root.values[there], k[there]
             phi1, number = np.concatenate((phi1, level)), np.concatenate((number, number[k]))
@@ -202,13 +211,15 @@ class MeshCurve:
 
     @property
     def _known_phi1(self) -> Array:
-        """phi1 (M,), rad, ascending, at which pair 0 was solved for, and where its surface contact begins and ends."""
+        """phi1 (M,), rad, ascending, of the nodes of pair 0 and of the ends of its surface contact."""
         ends = np.array([self.surface.begin, self.surface.end])
         return np.unique(np.concatenate((self.of_pair.phi1, ends[np.isfinite(ends)])))
 
     def _summits(self, phi1: Array, advance: Array, slope: Array, end: NDArray[np.bool_]) -> list[tuple[float, int]]:
-        """phi1 (rad) near nodes of the arcs, and their numbers, at which the advance is greatest or least and its slope unknown,
-        as along a tip that touches a fillet over the whole face."""
+        """Find extremes of the advance at nodes without a slope; return phi1 (rad) of the extremes and numbers of the nodes.
+
+        Slopes are unknown, for instance, along a tip that touches a fillet over the whole face.
+        """
         inner = np.flatnonzero(~end[:-2] & ~end[1:-1] & np.isnan(slope[1:-1])) + 1
         if not inner.size:
             return []
@@ -224,29 +235,29 @@ class MeshCurve:
                 lambda at, sense=sense: sense * float(self.of_pair.at(np.array([at]))[0][0]),
                 bounds=(phi1[k - 1], phi1[k + 1]),
                 method="bounded",
-                options={"xatol": SUMMIT},
+                options={"xatol": EXTREME_TOLERANCE_RAD},
             )
             summits.append((float(level.x), int(k)))
         return summits
 
     def carrier(self, phase: Array) -> NDArray[np.intp]:
-        """Numbers (N,) of the tooth pairs in contact at phases (N,) of a pitch; there must be arcs."""
+        """Return numbers (N,) of the tooth pairs in contact at phases (N,) of a pitch; contact must not break off."""
         begins = np.array([arc.begin for arc in self.arcs[1:]])
         numbers: NDArray[np.intp] = np.array([arc.pair for arc in self.arcs])[np.searchsorted(begins, phase, "right")]
         return numbers
 
     def slope(self, phase: Array, number: NDArray[np.intp]) -> Array:
-        """Slope (N,) by phi1 of the advance of the tooth pairs with given numbers (N,) at phases (N,)."""
+        """Return slopes (N,) by phi1 of the advance of tooth pairs with numbers (N,) at phases (N,)."""
         return self.of_pair.at(phase + number * self.pitch)[1]
 
     @property
     def peak_to_peak(self) -> float:
-        """Transmission error of the gears peak to peak, rad; NaN where the contact breaks off."""
+        """Transmission error of the gears peak to peak, rad; NaN if contact breaks off."""
         advance = self.marks[1]
         return float(np.ptp(advance)) if advance.size and np.isfinite(advance).all() else np.nan
 
     def advance(self, phase: Array) -> Array:
-        """Advance (N,), rad, of the gears at phases (N,) of a pitch; NaN where nothing touches."""
+        """Return advances (N,), rad, of the gears at phases (N,) of a pitch; NaN where nothing touches."""
         advances = np.full(len(phase), np.nan)
         phase = np.where((phase < 0.0) | (phase > self.pitch), np.mod(phase, self.pitch), phase)
         for arc in self.arcs:
@@ -266,10 +277,10 @@ class MeshCurve:
         return best
 
     def harmonics(self) -> Array:
-        """Amplitudes (HARMONICS,), rad, of the envelope: Gauss quadrature from break to break; NaN where the contact breaks off."""
+        """Compute amplitudes (HARMONIC_COUNT,), rad, by Gauss quadrature between breaks; NaN where contact breaks off."""
         if not self.arcs:
-            return np.full(HARMONICS, np.nan)
-        nodes, weights = np.polynomial.legendre.leggauss(GAUSS)
+            return np.full(HARMONIC_COUNT, np.nan)
+        nodes, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
         places, own, phases = [], [], []
         for arc in self.arcs:
             inner = self._changes(arc)
@@ -280,13 +291,13 @@ class MeshCurve:
                 own.append(half * weights)
                 phases.append(places[-1] - arc.pair * self.pitch)
         advance, weight, phase = self.of_pair.at(np.concatenate(places))[0], np.concatenate(own), np.concatenate(phases)
-        order = np.arange(1, HARMONICS + 1)[:, None]
+        order = np.arange(1, HARMONIC_COUNT + 1)[:, None]
         wave = np.exp(-2j * np.pi * order * phase / self.pitch)
         amplitudes: Array = 2.0 / self.pitch * np.abs((wave * (advance - advance.mean()) * weight).sum(axis=1))
         return amplitudes
 
     def _changes(self, arc: MeshArc) -> Array:
-        """Nodes of an arc between which the kind of contact changes: the curve may bend sharply there."""
+        """Return the nodes of an arc at which the kind of contact changes: the curve may bend sharply there."""
         fine = self.of_pair.engagement
         k = np.flatnonzero(~fine.smooth)
         ends = np.unique(np.concatenate((fine.phi1[k], fine.phi1[k + 1])))

@@ -1,8 +1,8 @@
-"""Eccentric members that stay displaced as at phi1 = 0: a pair whose tooth pairs are all alike, which has a mesh cycle.
+"""Eccentric members that stay displaced as at phi1 = 0: a pair with one mesh cycle in every pitch.
 
-No two tooth pairs of eccentric members are alike: the displacement of the teeth turns on from pitch to pitch. Displaced by as much
-as at phi1 = 0, and turning without eccentricity there, the same members have one cycle in every pitch. That is what is reported
-per mesh cycle of an eccentric pair; all tooth pairs as they are take whole turns (`turns`).
+The tooth pairs of eccentric members differ, because the displacement of the teeth turns from pitch to pitch. Members that keep the
+displacement of phi1 = 0 and turn about the displaced axes have the same cycle in every pitch. Reports per mesh cycle of an
+eccentric pair describe these members; `turns` follows all tooth pairs over whole turns.
 """
 
 from __future__ import annotations
@@ -17,20 +17,20 @@ from gearmesh.contact.pair import Pair
 from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.mount import Mount
 
-#: an eccentricity that is none
-CONCENTRIC = (0.0, 0.0)
+#: eccentricity of a concentric member
+NO_ECCENTRICITY = (0.0, 0.0)
 
 
 def displaced_pair(pair: Pair) -> Pair:
-    """The pair with its members displaced as at phi1 = 0; itself where neither is eccentric."""
-    if all(flank.mount.eccentricity == CONCENTRIC for flank in pair.flanks):
+    """Return the pair with its members displaced as at phi1 = 0; the same pair if no member is eccentric."""
+    if all(flank.mount.eccentricity == NO_ECCENTRICITY for flank in pair.flanks):
         return pair
     first, second = _mounts(pair)
     return replace(pair, pinion=pair.pinion.remount(first), gear=pair.gear.remount(second))
 
 
 def displaced_gears(pair: GearPair) -> GearPair:
-    """The gears with their teeth displaced as at phi1 = 0; themselves where neither is eccentric."""
+    """Return the gears with their teeth displaced as at phi1 = 0; the same gears if no member is eccentric."""
     if not pair.eccentric:
         return pair
 
@@ -42,13 +42,13 @@ def displaced_gears(pair: GearPair) -> GearPair:
 
 
 def _mounts(pair: Pair) -> tuple[Mount, Mount]:
-    """Both mounts, displaced as at phi1 = 0."""
+    """Return the mounts of pinion and gear, displaced as at phi1 = 0."""
     first, second = pair.pinion.mount, pair.gear.mount
     return first.displace(0.0), second.displace(_gear_rotation(pair))
 
 
 def _gear_rotation(pair: Pair) -> float:
-    """phi2, rad, at phi1 = 0: of the teeth as they are, or, where they do not meet there, without eccentricity."""
+    """Return phi2 (rad) at phi1 = 0: of the eccentric teeth, or of concentric teeth where the eccentric teeth do not meet."""
     mounts = [flank.mount.concentric for flank in pair.flanks]
     centred = replace(pair, pinion=pair.pinion.remount(mounts[0]), gear=pair.gear.remount(mounts[1]))
     for own in (pair, centred):

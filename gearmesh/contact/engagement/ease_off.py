@@ -1,10 +1,9 @@
-"""The ease-off of a pair: how far the pinion's flank stays from the gear's when the gears turn at their nominal ratio.
+"""Ease-off of a pair: the distance of the pinion's flank from the gear's flank when the gears turn at their nominal ratio.
 
-The gear's flank, turned with exactly N1/N2, sweeps out the pinion's flank that is conjugate to it. A point P of the true one is
-nearest to it at one rotation phi1(P), where its advance is greatest; how much less that is than that of the point that is most
-advanced, along the normal, is its ease-off. Lines of equal phi1 are the contact lines of the conjugate [Kolivand & Kahraman,
-Mech. Mach.
-Theory 44 (2009)].
+The gear's flank, turned with exactly N1/N2, sweeps out the conjugate flank of the pinion. A point P of the true flank is nearest to
+the conjugate flank at one rotation phi1(P), where the advance of P is greatest. The ease-off of P is the difference between this
+advance and the greatest advance of all points, as a distance along the normal. Lines of equal phi1 are the contact lines of the
+conjugate flank [Kolivand & Kahraman, Mech. Mach. Theory 44 (2009)].
 """
 
 from __future__ import annotations
@@ -19,45 +18,50 @@ from gearmesh.contact.first_touch.field import advances
 from gearmesh.contact.pair import Pair
 from gearmesh.kernel.numeric.algebra import Array, dot
 
-#: positions at which the advances of all points are taken: in a pitch, and in a turn at least, as a thread passes in part of one
-PER_PITCH, PER_TURN = 48, 192
-#: mm by which a point of a worm, which conjugate flanks may pass twice, is as near to them at its first passing as at the other
-AS_NEAR = 1e-3
-#: mm within which tables of flanks are right as far past their edges as the mating flank is drawn: near the base circle a point
-#: seems to touch there twice
-PAST_EDGES = 5e-3
-#: positions times points whose advances are held at once, in some 30 tables of so many numbers
+#: positions in a pitch at which the advances of all points are computed
+POSITIONS_PER_PITCH = 48
+#: positions in a turn of the pinion, at least: a thread passes in part of a turn
+MIN_POSITIONS_PER_TURN = 192
+#: distance (mm) by which a later passing of a worm's point must be nearer than its first passing to count
+SECOND_PASSING_MM = 1e-3
+#: same for passings beyond the edges of the mating flank, by the error (mm) of its continued table near the base circle
+SECOND_PASSING_PAST_EDGES_MM = 5e-3
+#: positions times points whose advances are held at once, in some 30 tables of this size
 LARGEST_TABLE = 2**17
 
 
 @dataclass(frozen=True)
 class EaseOff:
-    """On a grid over the pinion's flank, from form point to tip (I) and from toe to heel (J).
+    """Ease-off on a grid over the pinion's flank, from form point to tip (I) and from toe to heel (J)."""
 
-    `points` (I, J, 3), own frame, mm; `distance` (I, J), mm, along the normal, 0 where it is least, and `phi1` (I, J), rad: NaN
-    where the gear's flank ends before the point is nearest to it. `beyond` (I, J), mm: how far it ends before that, < 0 where it
-    does not; `continued` (I, J), mm, and `continued_phi1` (I, J), rad: the same of the flank as its table goes on, NaN where
-    that ends too.
-    """
-
+    #: points (I, J, 3), own frame, mm
     points: Array
+    #: ease-off (I, J) along the normal, mm, 0 at the most advanced point, NaN where the gear's flank ends before the nearest place
     distance: Array
+    #: rotation (I, J) of the pinion at which the point is nearest, rad, NaN as in `distance`
     phi1: Array
+    #: distance (I, J) of the nearest place past the edge of the gear's flank, mm, below 0 on the flank
     beyond: Array
+    #: ease-off (I, J) from the continued table of the gear's flank, mm, NaN where the table ends too
     continued: Array
+    #: rotation (I, J) of the pinion that belongs to `continued`, rad
     continued_phi1: Array
 
 
 def ease_off(engagement: Engagement, pitch: float, grid: Array | None = None) -> EaseOff:
-    """The ease-off of a pair that has been followed through its engagement, at pinion pitch `pitch` (rad).
+    """Compute the ease-off of a pair from its engagement at pinion pitch `pitch` (rad).
 
-    To the accuracy of the flank's table (see `heights`), mostly some 0.1 um; where the gear's flank begins near its base circle
-    a node may be 1.15 um too far advanced (`beveloid_parallel`), and all distances count from the most advanced one. At surface
-    parameters `grid` (I, J, 2) of the pinion's flank, by default those that the solver samples.
+    `grid` (I, J, 2) holds surface parameters of the pinion's flank; the default is the grid of the solver. The error is the error
+    of the flank's table (see `heights`), mostly 0.1 um. Where the gear's flank begins near its base circle, a node may be 1.15 um
+    too far advanced (`beveloid_parallel`), and all distances count from the most advanced node.
     """
     pair = engagement.pair.parts[0]
     low, high = engagement.phi1[[0, -1]]
-    phi1 = np.linspace(low, high, int(np.ceil((high - low) * max(PER_PITCH / pitch, PER_TURN / (2.0 * np.pi)))) + 1)
+    phi1 = np.linspace(
+        low,
+        high,
+        int(np.ceil((high - low) * max(POSITIONS_PER_PITCH / pitch, MIN_POSITIONS_PER_TURN / (2.0 * np.pi)))) + 1,
+    )
     grid = pair.pinion.grid if grid is None else grid
     jet = pair.pinion.surface.jet(grid[..., 0].ravel(), grid[..., 1].ravel())
     count = max(1, LARGEST_TABLE // len(phi1))
@@ -65,11 +69,11 @@ def ease_off(engagement: Engagement, pitch: float, grid: Array | None = None) ->
     with np.errstate(all="ignore"):
         rows = np.concatenate([_nearest_rows(pair, phi1, jet.r[part], jet.n[part]) for part in blocks], axis=1)
         (advance, nearest_phi1, nearest_beyond), (advance_past, phi1_past, beyond_past) = rows.reshape(2, 3, -1)
-        # NaN where no point is most advanced in the middle of the positions
+        # the point with the greatest advance has the ease-off 0
         top = np.fmax.reduce(advance)
         distance = (top - advance) * _levers(pair, jet.r, jet.n, nearest_phi1)
         continued = (top - advance_past) * _levers(pair, jet.r, jet.n, phi1_past)
-        # a point that worms pass twice goes on where it touches
+        # a point with a place on the gear's flank keeps this place in the continued rows too
         known = np.isfinite(distance)
         continued = np.where(known, distance, continued)
         continued_phi1 = np.where(known, nearest_phi1, phi1_past)
@@ -80,43 +84,48 @@ def ease_off(engagement: Engagement, pitch: float, grid: Array | None = None) ->
 
 
 def _nearest_rows(pair: Pair, phi1: Array, r: Array, n: Array) -> Array:
-    """Advance (rad), rotation (rad) and distance past the gear's edges (mm) of points r (K, 3) with normals n, (6, K).
+    """Return advance (rad), rotation (rad) and distance past the gear's edges (mm) of points r (K, 3) with normals n, (6, K).
 
-    The first three rows hold where points are nearest to the gear's flank, the others to the flank as its table goes on.
+    The first three rows belong to the gear's flank, the other rows to its continued table.
     """
     field = advances(pair, phi1, r, n, np.arange(len(phi1)))
     past = field.beyond.max(axis=0)
-    # of threads the gear's flank also passes where it comes from behind: no advance there
+    # a thread passes the gear's flank also from behind, where no advance exists
     advance = np.where(np.isnan(field.advance), -np.inf, field.advance)
     levers = _levers(pair, r, n, phi1[advance.argmax(axis=0)])
     first = np.broadcast_to(np.arange(len(phi1), dtype=float)[:, None], advance.shape)
     places = (
-        _Nearest.of(phi1, np.where(past <= 0.0, advance, -np.inf), AS_NEAR / levers, first),
-        _Nearest.of(phi1, advance, PAST_EDGES / levers, past),
+        _Nearest.of(phi1, np.where(past <= 0.0, advance, -np.inf), SECOND_PASSING_MM / levers, first),
+        _Nearest.of(phi1, advance, SECOND_PASSING_PAST_EDGES_MM / levers, past),
     )
     return np.stack([row for place in places for row in (place.advance, place.phi1, place.read(past))])
 
 
 @dataclass(frozen=True)
 class _Nearest:
-    """Where points (K,) are most advanced over positions phi1 (N,), rad: on a parabola through three of them, the middle one number
-    `k` and the place a `share` of a step after it; NaN where an edge of the gear cuts it off."""
+    """Greatest advance of K points over N positions, by a parabola through three positions."""
 
+    #: rotation (K,) of the pinion at the greatest advance, rad, NaN where an edge of the gear cuts the advance off
     phi1: Array
+    #: greatest advance (K,), rad, NaN likewise
     advance: Array
+    #: number (K,) of the middle position of the parabola
     k: NDArray[np.intp]
+    #: place (K,) of the greatest advance after the middle position, in steps
     share: Array
 
     @staticmethod
     def of(phi1: Array, advance: Array, equal: Array, least: Array) -> _Nearest:
-        """Of advances (N, K), rad, -inf where there are none; of summits that differ by less than `equal` (K,) where `least`
-        (N, K) is least."""
+        """Find the greatest advances in a table (N, K), rad, that is -inf without an advance.
+
+        Of maxima that differ by less than `equal` (K,), rad, the place with the least value of `least` (N, K) counts.
+        """
         before, at, after = advance[:-2], advance[1:-1], advance[2:]
         bend = before - 2.0 * at + after
         summit = np.isfinite(bend) & (bend < 0.0) & (at >= before) & (at >= after)
         share = np.where(summit, 0.5 * (before - after) / bend, 0.0)
         greatest = np.where(summit, at - 0.25 * (before - after) * share, -np.inf)
-        # what is greatest where an edge cuts it off is no summit
+        # a greatest advance that an edge cuts off is no maximum
         alike = summit & (greatest >= advance.max(axis=0) - equal)
         one, every = np.where(alike, least[1:-1], np.inf).argmin(axis=0), np.arange(advance.shape[1])
         met = alike[one, every]
@@ -124,7 +133,7 @@ class _Nearest:
         return _Nearest(phi1[one + 1] + share * (phi1[1] - phi1[0]), height, one + 1, share)
 
     def read(self, values: Array) -> Array:
-        """Values (N, K) there, between two positions straight."""
+        """Interpolate values (N, K) at the places of the greatest advance, linearly between two positions; return (K,)."""
         every = np.arange(len(self.k))
         at, next_one = (values[self.k + step, every] for step in (0, np.where(self.share < 0.0, -1, 1)))
         between: Array = at + np.abs(self.share) * (next_one - at)
@@ -132,10 +141,11 @@ class _Nearest:
 
 
 def gaps_at(pair: Pair, phi1: Array, phi2: Array, grid: Array) -> Array:
-    """How far (N, I, J), mm, the pinion's flank is from the gear's along its normal at rotations phi1, phi2 (N,), rad.
+    """Compute distances (N, I, J), mm, of the pinion's flank from the gear's flank at rotations phi1, phi2 (N,), rad.
 
-    At surface parameters `grid` (I, J, 2) of the pinion's flank; NaN where the gear's flank has no point on the circle of a point
-    about the gear's axis. Accurate as the ease-off is, so that at contact some of them are below 0.
+    `grid` (I, J, 2) holds surface parameters of the pinion's flank; distances are along its normals. NaN where the gear's flank has
+    no point on the circle of a point about the gear's axis. The error is the error of the ease-off, so that distances at contact
+    may be below 0.
     """
     jet = pair.pinion.surface.jet(grid[..., 0].ravel(), grid[..., 1].ravel())
     with np.errstate(all="ignore"):
@@ -147,7 +157,7 @@ def gaps_at(pair: Pair, phi1: Array, phi2: Array, grid: Array) -> Array:
 
 
 def _levers(pair: Pair, r: Array, n: Array, phi1: Array) -> Array:
-    """Distances (..., K), mm, of the normals n at points r (K, 3), own frame, from the gear's axis, at phi1 (..., K or 1)."""
+    """Return distances (..., K), mm, from the gear's axis of normals n at points r (K, 3), own frame, at phi1 (..., K or 1)."""
     place, gear = pair.pinion.mount.at(phi1), pair.gear.mount
     levers: Array = np.abs(dot(place.vector(n), gear.velocity(place.point(r))))
     return levers

@@ -1,8 +1,8 @@
-"""A tooth pair followed through its whole engagement: solved at nodes, and from there at any rotation.
+"""Engagement of a tooth pair from entering to leaving the mesh: solved at nodes, and from the nodes at any rotation.
 
-At the nodes first touch is decided over the whole of both flanks. Between two nodes whose contact is of one kind it is the same
-contact, started by a cubic through both; where the kinds differ everything is looked at anew. All tooth pairs of a mesh are alike:
-pair k does at phi1 what pair 0 does at phi1 - k pitches.
+First touch at the nodes is found over the whole of both flanks. Between two nodes with the same kind of contact the solver starts
+from a cubic through both nodes. Between nodes of different kinds first touch is found anew. Pair k of a mesh has at phi1 the
+contact of pair 0 at phi1 - k pitches.
 """
 
 from __future__ import annotations
@@ -29,64 +29,68 @@ from gearmesh.contact.pair import CORNER, NUMBERED, Pair
 from gearmesh.kernel.numeric.algebra import Array, dot
 
 #: nodes in a pitch
-PER_PITCH = 12
-#: no pair is followed farther than this many pitches either way, or its thread's windings
-MOST_PITCHES = 8
-#: pitches beyond those in which the pinion's tooth goes round its axis in which it may touch
-BESIDE = 3
-#: by how much (rad) what collides is ahead of any pair in mesh
-AHEAD = 2.5e-7
-#: steps in a pitch at which it is looked whether the flanks meet at all
-LOOKS = 6
+NODES_PER_PITCH = 12
+#: pitches each way over which a pair is followed, at least; threads are followed over all their windings
+MAX_PITCHES = 8
+#: pitches beyond the windings of a thread in which it may touch
+PITCHES_BEYOND_WINDINGS = 3
+#: least lead (rad) over every pair in mesh that is a collision
+MIN_COLLISION_LEAD_RAD = 2.5e-7
+#: positions in a pitch at which the field is asked whether flanks meet
+LOOKS_PER_PITCH = 6
 #: positions solved at once
-CHUNK = 20_000
-#: share of the largest Newton step by which two nodes' predictions may differ half way and be of one contact
-ALIKE = 0.1
-#: rad by which their phi2 may differ there and nothing be told by it
-NEAR = 1e-6
-#: by how much the slope between two nodes may be outside of those at them, in their difference
-JUMP = 0.5
-#: rounds in which the contacts of nodes are followed to their neighbours
-SWEEPS = 3
-#: part of itself up to which the slope of phi2 along a line is the ratio: rounding of where the line is found
-ROUNDED = 1e-8
+MAX_BATCH = 20_000
+#: difference of the predictions of two neighbouring nodes, by the largest Newton step, up to which both are one contact
+SAME_CONTACT_STEP = 0.1
+#: difference of phi2 (rad) of these predictions that says nothing
+SAME_PHI2_RAD = 1e-6
+#: distance of the slope between two nodes from the slopes at the nodes, by their difference, up to which nothing jumps
+SLOPE_ALLOWANCE = 0.5
+#: rounds in which contacts of nodes are followed to neighbouring nodes
+FOLLOWING_ROUNDS = 3
+#: relative difference of d phi2/d phi1 on a line from the ratio that is rounding
+RATIO_ROUNDING = 1e-8
 
 
 @dataclass(frozen=True)
 class Engagement:
-    """Contacts of a tooth pair at nodes phi1 (K,), rad, ascending; `flanks`: those of the flanks alone; `step` (rad): that of the
-    nodes which it was begun with."""
+    """Contacts of a tooth pair at K nodes."""
 
+    #: tooth pair
     pair: Pair
+    #: rotations (K,) of the pinion at the nodes, rad, ascending
     phi1: Array
+    #: first touch of flanks, fillets and edges at the nodes
     contacts: Contacts
+    #: first touch of the flanks alone at the nodes
     flanks: Contacts
+    #: step of the first nodes, rad, before nodes were added
     step: float
 
     @cached_property
     def rates(self) -> Array:
-        """d x / d phi1 (K, 5) at the nodes; NaN where there is no contact."""
+        """d x / d phi1 (K, 5) at the nodes; NaN without contact."""
         return rates(self.pair, self.phi1, self.contacts)
 
     @cached_property
     def smooth(self) -> NDArray[np.bool_]:
-        """Whether the contacts of neighbouring nodes (K - 1,) are one."""
+        """True (K - 1,) where neighbouring nodes have one and the same contact."""
         c, h = self.contacts, np.diff(self.phi1)[:, None]
         same = c.touching[:-1] & c.touching[1:] & (c.part[:-1] == c.part[1:]) & (c.line[:-1] == c.line[1:])
         same &= (c.edges[:-1] == c.edges[1:]).all(axis=1) & (c.edges[1:, 0] < CORNER)
         with np.errstate(invalid="ignore"):
             apart = np.abs(c.x[1:] - c.x[:-1] - 0.5 * h * (self.rates[1:] + self.rates[:-1]))
-            # two places of one kind, as where edges cross twice, differ in phi2 more than in where they are
+            # two contacts of one kind, for instance where edges cross twice, differ in phi2 more than in place
             turned = np.abs(np.diff(self.rates[:, 4])) * h[:, 0]
-            moved = (apart / self.pair.max_step).max(axis=1) < ALIKE
-        alike = (moved | (self.free[1:] & self.free[:-1])) & (apart[:, 4] < ALIKE * turned + NEAR)
+            moved = (apart / self.pair.max_step).max(axis=1) < SAME_CONTACT_STEP
+        alike = (moved | (self.free[1:] & self.free[:-1])) & (apart[:, 4] < SAME_CONTACT_STEP * turned + SAME_PHI2_RAD)
         same_contact: NDArray[np.bool_] = same & (c.line[1:] | alike)
         return same_contact
 
     @property
     def free(self) -> NDArray[np.bool_]:
-        """Nodes (K,) whose contact is known by its phi2 alone: its place is any along a line or an edge that lies on the mating
-        gear."""
+        """True (K,) where only phi2 of the contact is determined: the place is any point of a line, or of an edge on the mating
+        flank."""
         undetermined: NDArray[np.bool_] = self.contacts.line | (
             np.isnan(self.rates[:, 0]) & np.isfinite(self.rates[:, 4])
         )
@@ -94,26 +98,25 @@ class Engagement:
 
     @property
     def jumps(self) -> NDArray[np.bool_]:
-        """Whether the advance jumps between neighbouring nodes (K - 1,): it changes otherwise than at slopes between those
-        there."""
+        """True (K - 1,) where the advance jumps between neighbouring nodes: its change does not fit the slopes at the nodes."""
         slope, h = self.pair.drive * (self.rates[:, 4] - self.pair.ratio), np.diff(self.phi1)
         low, high = np.minimum(slope[1:], slope[:-1]), np.maximum(slope[1:], slope[:-1])
-        play = JUMP * (high - low)
+        play = SLOPE_ALLOWANCE * (high - low)
         with np.errstate(invalid="ignore"):
             steep = np.diff(self.contacts.advance) / h
             jumping: NDArray[np.bool_] = np.isfinite(steep) & ~(
-                (steep > low - play - NEAR) & (steep < high + play + NEAR)
+                (steep > low - play - SAME_PHI2_RAD) & (steep < high + play + SAME_PHI2_RAD)
             )
         return jumping
 
     @property
     def followable(self) -> NDArray[np.bool_]:
-        """Nodes (K,) whose contact can be followed beyond them: no line, and nothing that touches at a corner."""
+        """True (K,) where the contact can be followed beyond the node: neither a line nor a corner."""
         at_points: NDArray[np.bool_] = ~self.contacts.line & (self.contacts.edges[:, 0] < CORNER)
         return at_points
 
     def at(self, phi1: Array) -> Contacts:
-        """First touch at rotations of the pinion, over the whole of both flanks.
+        """Find first touch at rotations of the pinion, over the whole of both flanks.
 
         Parameters
         ----------
@@ -132,13 +135,13 @@ class Engagement:
         (2, 5)
         """
         contacts = Contacts.nothing(len(phi1))
-        for k in range(0, len(phi1), CHUNK):
-            part = np.arange(k, min(k + CHUNK, len(phi1)))
+        for k in range(0, len(phi1), MAX_BATCH):
+            part = np.arange(k, min(k + MAX_BATCH, len(phi1)))
             contacts.put(part, self._at(phi1[part]))
         return contacts
 
     def near(self, phi1: Array) -> Contacts:
-        """As `at`, without holding what is found against the samples of the field: for places between nodes.
+        """Find first touch as `at` does, but without the check against the samples of the field: for rotations between nodes.
 
         Parameters
         ----------
@@ -163,12 +166,12 @@ class Engagement:
         inside = (phi1 >= self.phi1[0]) & (phi1 <= self.phi1[-1])
         smooth = inside & self.smooth[left]
         contacts = Contacts.nothing(len(phi1))
-        # between contacts of two kinds both are followed
+        # between contacts of two kinds follow both
         both = self.followable[left] & self.followable[left + 1]
         beside_line = inside & (self.contacts.line[left] | self.contacts.line[left + 1]) & self.pair.wound
         if beside_line.any():
             self._on_lines(phi1, np.flatnonzero(beside_line), left, contacts)
-        # beyond the end of a line what comes after it is followed
+        # beyond the end of a line follow the contact that comes after the line
         beyond = beside_line & ~contacts.line & ~smooth
         smooth &= ~beside_line
         known, two = np.flatnonzero(smooth), np.flatnonzero((inside & ~smooth & ~beside_line & both) | beyond)
@@ -187,8 +190,10 @@ class Engagement:
         return contacts
 
     def _on_lines(self, phi1: Array, which: NDArray[np.intp], left: NDArray[np.intp], contacts: Contacts) -> None:
-        """What both flanks have, at positions `which` (M,), of the lines of a node beside them: of a line nodes have any point, and
-        half way between two of these there may be none."""
+        """Put contacts on the line of a neighbouring node at positions `which` (M,), as far as the line lies on both flanks.
+
+        A node knows one point of its line, so that half way between the points of two nodes there may be no contact.
+        """
         part, line = self.pair.parts[0], self.contacts.line
         first, second = left[which], left[which] + 1
         nearer = phi1[which] - self.phi1[first] < self.phi1[second] - phi1[which]
@@ -197,7 +202,7 @@ class Engagement:
             touch_along_lines(part, phi1, which, self._predict(phi1[which], node), contacts)
 
     def along_line(self, phi1: Array, node: NDArray[np.intp]) -> Contacts:
-        """The contact lines of nodes at other rotations, whatever of them both flanks have there.
+        """Solve for the contact lines of nodes at other rotations, even beyond the ends of the flanks.
 
         Parameters
         ----------
@@ -229,7 +234,7 @@ class Engagement:
         return contacts
 
     def as_at(self, phi1: Array, node: NDArray[np.intp]) -> Contacts:
-        """Contacts of the kinds that nodes have at other rotations, whatever else is ahead there.
+        """Solve for contacts of the kinds of nodes at other rotations, even if another contact is ahead.
 
         Parameters
         ----------
@@ -261,7 +266,7 @@ class Engagement:
     def _refine(
         self, phi1: Array, position: NDArray[np.intp], start: Array, node: NDArray[np.intp], contacts: Contacts
     ) -> None:
-        """Solve at positions (M,) from starts (M, 5) for what touches at nodes (M,)."""
+        """Solve at positions (M,) from starts (M, 5) for the contacts of nodes (M,)."""
         for number, part in self.pair.parts.items():
             own = np.flatnonzero(self.contacts.touching[node] & (self.contacts.part[node] == number))
             own = own[self.contacts.edges[node[own], 0] < CORNER]
@@ -270,14 +275,14 @@ class Engagement:
             refine_candidates(part, phi1, trial, contacts, number)
 
     def _predict(self, phi1: Array, node: NDArray[np.intp]) -> Array:
-        """Unknowns (M, 5) by the tangents at nodes (M,)."""
+        """Extrapolate unknowns (M, 5) by the tangents at nodes (M,)."""
         step = (phi1 - self.phi1[node])[:, None]
         slope = np.where(np.isnan(self.rates[node]), 0.0, self.rates[node])
         unknowns: Array = self.contacts.x[node] + step * slope
         return unknowns
 
     def _interpolate(self, phi1: Array, left: NDArray[np.intp]) -> Array:
-        """Unknowns (M, 5) by the cubics between nodes; of contacts that are known by their phi2 alone straight."""
+        """Interpolate unknowns (M, 5) by cubics between nodes; linearly where only phi2 is determined."""
         h = self.phi1[left + 1] - self.phi1[left]
         t = ((phi1 - self.phi1[left]) / h)[:, None]
         x, free = self.contacts.x, self.free[left]
@@ -294,15 +299,14 @@ class Engagement:
 
 
 def follow(pair: Pair, phi1: Array) -> Engagement:
-    """A tooth pair at nodes phi1 (K,), rad, ascending.
+    """Solve for a tooth pair at nodes phi1 (K,), rad, ascending.
 
-    Where the advance jumps from one node to the next, more than its slopes have it, what touches at the one is followed to the
-    other:
-    it may be ahead there all the same.
+    Where the advance jumps from one node to the next, the contact of each node is followed to the other node: it may be ahead
+    there although the search of the field missed it.
     """
     step = float(np.diff(phi1).max())
     engagement = Engagement(pair, phi1, *touches(pair, phi1), step=step)
-    for _ in range(SWEEPS):
+    for _ in range(FOLLOWING_ROUNDS):
         contacts, flanks, k = engagement.contacts, engagement.flanks, np.flatnonzero(engagement.jumps)
         node, at = np.concatenate((k, k + 1)), np.concatenate((k + 1, k))
         own = engagement.followable[node] & contacts.touching[node]
@@ -320,73 +324,75 @@ def follow(pair: Pair, phi1: Array) -> Engagement:
 
 
 def whole_engagement(pair: Pair, pitch: float) -> Engagement | None:
-    """A tooth pair over its whole engagement, at nodes that are whole parts of a pitch (rad); None where the teeth never meet.
+    """Solve for a tooth pair over its whole engagement at nodes that divide the pitch (rad); None where the teeth never meet.
 
-    That is where it may touch before its neighbours do, or has contact inside both flanks; and on to where it collides apart
-    from there. Teeth of a pinion in an internal gear leave those far from their mesh, where tips may collide for less than a step:
-    `tip_passing` has the places.
+    The engagement holds all rotations at which the pair may touch before its neighbours or has contact inside both flanks, and
+    collisions apart from the mesh. In an internal gear tips may collide far from the mesh over less than a step; `tip_passing`
+    finds these.
     """
+    # looks at which the pair may be ahead of its neighbours, by the samples of the field
     reach = _reach(pair, pitch)
-    looks = np.arange(-reach * LOOKS, reach * LOOKS + 1)
-    seen = tooth_outlook(pair, looks.astype(float) * (pitch / LOOKS))
+    looks = np.arange(-reach * LOOKS_PER_PITCH, reach * LOOKS_PER_PITCH + 1)
+    seen = tooth_outlook(pair, looks.astype(float) * (pitch / LOOKS_PER_PITCH))
     best = seen.best
     ahead = np.zeros(len(looks), dtype=bool)
     if np.isfinite(best).any():
         before, after = (np.full(len(looks), -np.inf) for _ in range(2))
-        after[:-LOOKS], before[LOOKS:] = best[LOOKS:], best[:-LOOKS]
+        after[:-LOOKS_PER_PITCH], before[LOOKS_PER_PITCH:] = best[LOOKS_PER_PITCH:], best[:-LOOKS_PER_PITCH]
         ahead = np.isfinite(best) & (seen.inside | (best + seen.gain >= np.maximum(before, after)))
     met = np.flatnonzero(ahead)
     if not met.size:
         return None
+    # of connected runs of such looks take the mesh of the teeth
     runs = np.split(met, np.flatnonzero(np.diff(met) > 1) + 1)
     run = min(runs, key=lambda run: _distance_from_mesh(looks[run], seen.inside[run], best[run], best, looks))
-    most = np.full(LOOKS, -np.inf)
-    np.maximum.at(most, looks[run] % LOOKS, best[run])
+    most = np.full(LOOKS_PER_PITCH, -np.inf)
+    np.maximum.at(most, looks[run] % LOOKS_PER_PITCH, best[run])
     if not pair.nested:
-        # a turn on the same teeth meet again, as another pair
-        near = met[np.abs(looks[met]) * (pitch / LOOKS) < _half_turn(pair)]
-        collides = near[best[near] > most[looks[near] % LOOKS] + AHEAD]
+        # collisions within half a turn; after a turn the same teeth meet again as another pair
+        near = met[np.abs(looks[met]) * (pitch / LOOKS_PER_PITCH) < _half_turn(pair)]
+        collides = near[best[near] > most[looks[near] % LOOKS_PER_PITCH] + MIN_COLLISION_LEAD_RAD]
         run = np.concatenate((run, collides))
-    step = PER_PITCH // LOOKS
+    step = NODES_PER_PITCH // LOOKS_PER_PITCH
     first, last = (looks[run.min()] - 1) * step, (looks[run.max()] + 1) * step
-    engagement = follow(pair, np.arange(first, last + 1) * (pitch / PER_PITCH))
-    # surface contact that goes on is followed to its end
-    for _ in range(MOST_PITCHES):
+    engagement = follow(pair, np.arange(first, last + 1) * (pitch / NODES_PER_PITCH))
+    # surface contact at an end of the nodes is followed to its end
+    for _ in range(MAX_PITCHES):
         inside = engagement.flanks.touching[[0, -1]] & (engagement.flanks.edges[[0, -1], 0] < 0)
         if not inside.any():
             break
-        first, last = first - PER_PITCH // 2 * int(inside[0]), last + PER_PITCH // 2 * int(inside[1])
-        engagement = follow(pair, np.arange(first, last + 1) * (pitch / PER_PITCH))
+        first, last = first - NODES_PER_PITCH // 2 * int(inside[0]), last + NODES_PER_PITCH // 2 * int(inside[1])
+        engagement = follow(pair, np.arange(first, last + 1) * (pitch / NODES_PER_PITCH))
     return engagement
 
 
 def _distance_from_mesh(
     run: NDArray[np.intp], inside: NDArray[np.bool_], own: Array, best: Array, looks: NDArray[np.intp]
 ) -> tuple[bool, bool, float, int]:
-    """Rank of a run of looks as the mesh of the teeth, the least first.
+    """Return the rank of a run of looks as the mesh of the teeth, the least first.
 
-    A run with contact inside both flanks comes first, then one that is ahead of all others at some phase of the pitch; edges
-    that are nearly ahead beside the mesh are neither. Of equals, such as a mesh and tips that collide apart from it, the run
-    nearest to phi1 = 0 is the mesh.
+    A run with contact inside both flanks comes first, then a run that is ahead of all other runs at some phase of the pitch.
+    Edges that are nearly ahead beside the mesh are neither. Of equal runs, such as a mesh and tips that collide apart from it, the
+    run nearest to phi1 = 0 is the mesh.
     """
-    most = np.full(LOOKS, -np.inf)
-    np.maximum.at(most, looks % LOOKS, np.where(np.isfinite(best), best, -np.inf))
-    leads = bool((own >= most[run % LOOKS]).any())
+    most = np.full(LOOKS_PER_PITCH, -np.inf)
+    np.maximum.at(most, looks % LOOKS_PER_PITCH, np.where(np.isfinite(best), best, -np.inf))
+    leads = bool((own >= most[run % LOOKS_PER_PITCH]).any())
     return not inside.any(), not leads, float(np.abs(run).min()), -len(run)
 
 
 def _reach(pair: Pair, pitch: float) -> int:
-    """Pitches either way in which the pair's teeth may be in mesh: all windings of a thread."""
-    return max(MOST_PITCHES, int(np.ceil(pair.pinion.winding / pitch)) + BESIDE)
+    """Return the pitches each way in which the pair may be in mesh: all windings of a thread."""
+    return max(MAX_PITCHES, int(np.ceil(pair.pinion.winding / pitch)) + PITCHES_BEYOND_WINDINGS)
 
 
 def _half_turn(pair: Pair) -> float:
-    """Rotation (rad) of the pinion in which either member turns half round at most."""
+    """Return the rotation (rad) of the pinion in which no member turns by more than half a turn."""
     return float(np.pi * min(1.0, 1.0 / pair.ratio))
 
 
 def tooth_outlook(pair: Pair, phi1: Array) -> Outlook:
-    """What advances may be expected of the teeth at phi1 (N,), and whether the flanks' own is greatest inside."""
+    """Estimate the advances of the teeth at phi1 (N,), rad; `inside` is True where the flanks touch away from their edges."""
     with np.errstate(all="ignore"):
         parts = [outlook(part, phi1) for part in pair.parts.values()]
     best, gain = (np.max([getattr(part, name) for part in parts], axis=0) for name in ("best", "gain"))
@@ -394,7 +400,7 @@ def tooth_outlook(pair: Pair, phi1: Array) -> Outlook:
 
 
 def rates(pair: Pair, phi1: Array, contacts: Contacts) -> Array:
-    """d x / d phi1 (N, 5) of contacts; NaN where there is none, and along lines all but that of phi2."""
+    """Compute d x / d phi1 (N, 5) of contacts; NaN without contact, and on lines in all columns but phi2."""
     slopes = np.full(contacts.x.shape, np.nan)
     known = contacts.touching & (contacts.edges[:, 0] < CORNER)
     for number, part in pair.parts.items():
@@ -404,7 +410,7 @@ def rates(pair: Pair, phi1: Array, contacts: Contacts) -> Array:
         choice = part.numbers[np.where(known[:, None], contacts.edges, -1)]
         conditions = Conditions(part.flanks, phi1, pair.length, part.all_bounds, choice=choice)
         slopes[own] = conditions.rate(contacts.x[own], own)
-        # along an edge that lies on the mating gear all its length the place is no more determined than along a line
+        # on an edge that lies on the mating flank the place is as free as on a line
         edges = contacts.edges[own]
         free = own[contacts.line[own] | ((edges[:, 0] >= 0) & (edges[:, 1] < 0) & np.isnan(slopes[own, 4]))]
         if free.size:
@@ -413,12 +419,15 @@ def rates(pair: Pair, phi1: Array, contacts: Contacts) -> Array:
 
 
 def _turning(conditions: Conditions, contacts: Contacts, own: NDArray[np.intp], ratio: float) -> Array:
-    """d phi2 / d phi1 (M,) of contacts `own` where the place on the flanks is not determined: neither parts from the other nor
-    enters it, along the normal of the one that has one. What is the `ratio` but for rounding is the ratio."""
+    """Compute d phi2 / d phi1 (M,) of contacts `own` whose place on the flanks is free.
+
+    The velocities of both members along the normal are equal; the normal is the normal of the member that touches with a surface.
+    A slope that differs from the `ratio` by rounding is the ratio.
+    """
     touch, (pinion, gear) = conditions.touch(contacts.x[own], own), conditions.mounts(own)
     of_gear = np.array([number < 0 or NUMBERED[number][0] == 0 for number in contacts.edges[own, 0]], dtype=bool)
     one, two = touch.fixed
     n = np.where(of_gear[:, None], two.n, one.n)
     ahead, away = (dot(n, m.velocity(jet.r)) for m, jet in ((pinion, one), (gear, two)))
     turning = ahead / away
-    return np.where(np.abs(turning - ratio) <= ROUNDED * abs(ratio), ratio, turning)
+    return np.where(np.abs(turning - ratio) <= RATIO_ROUNDING * abs(ratio), ratio, turning)

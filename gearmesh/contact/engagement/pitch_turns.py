@@ -1,11 +1,12 @@
-"""A pair whose teeth have pitch deviations over whole turns: every tooth pair is as long ahead or behind as its flanks are.
+"""Transmission error of a pair with pitch deviations over whole turns.
 
-A flank that is turned about its gear's own axis by e does what it does without, at a rotation that differs by e, exactly. With
-the transmission error te of one tooth pair, phi2 - i phi1, tooth pair k has, its flanks e1 and e2 ahead as phi1 and phi2 count,
+A flank that is turned about its gear's axis by e has the contact of the nominal flank at a rotation that differs by e, exactly.
+te = phi2 - i phi1 is the transmission error of one nominal tooth pair. The flanks of tooth pair k are e1 and e2 ahead, as phi1 and
+phi2 count, so its transmission error is
 
     te_k(phi1) = te(phi1 + e1 - k pitch) + i e1 - e2
 
-and the gears the one that is most advanced, edge contact of flanks that are ahead of the next included.
+The gears have the error of the most advanced tooth pair, edge contact included.
 """
 
 from __future__ import annotations
@@ -16,10 +17,18 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.contact.engagement.engagement import PER_PITCH as NODES
+from gearmesh.contact.engagement.engagement import NODES_PER_PITCH as NODES
 from gearmesh.contact.engagement.engagement import Engagement, follow, whole_engagement
 from gearmesh.contact.engagement.transmission_advance import TransmissionAdvance
-from gearmesh.contact.engagement.turns import LEAST, MOST, PER_PITCH, PLENTY, FullTurns, full_turns, waves_of_turns
+from gearmesh.contact.engagement.turns import (
+    MAX_PITCHES,
+    MAX_POSITIONS,
+    MIN_POSITIONS_PER_PITCH,
+    POSITIONS_PER_PITCH,
+    FullTurns,
+    full_turns,
+    waves_of_turns,
+)
 from gearmesh.contact.fit.fit import play, reversed_pair
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.pair import Pair
@@ -29,30 +38,31 @@ from gearmesh.progress import in_turn
 from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.region import Side
 
-#: nodes by which a tooth pair is followed beyond where it is ahead without pitch deviations
-BEYOND = NODES // 2
+#: nodes by which a tooth pair is followed beyond its engagement without pitch deviations
+NODES_BEYOND = NODES // 2
 
 
 def pitches_until_repeat(pair: GearPair) -> int:
-    """After how many teeth the same meet again: those of a member without deviations are alike."""
+    """Return the teeth after which the same deviations meet again; a member without deviations does not count."""
     return math.lcm(1, *(member.tooth.teeth for member in pair.both if member.index.uneven))
 
 
 def whole_turns(pair: GearPair) -> FullTurns:
-    """A pair over the turns after which it repeats, its members eccentric or with pitch deviations. Raises as `full_turns` and
-    `pitch_turns`."""
+    """Compute the transmission error of a pair with eccentricities or pitch deviations until it repeats.
+
+    Raises as `full_turns` and `pitch_turns`.
+    """
     return pitch_turns(pair) if pair.uneven else full_turns(pair)
 
 
 def pitch_turns(pair: GearPair) -> FullTurns:
-    """A pair of gears, no rack, with the pitch deviations of its members, over the turns after which it repeats.
+    """Compute the transmission error of a pair of gears (no rack) with pitch deviations until it repeats.
 
-    Raises DesignError where these are too many, and where members are eccentric too, NoSolutionError where the teeth do
-    not meet all the time.
+    Raises DesignError where the turns are too many or a member is eccentric too, NoSolutionError where the teeth lose contact.
     """
     refuse_too_many(pair)
     pitches = pitches_until_repeat(pair)
-    per_pitch = max(LEAST, min(PER_PITCH, PLENTY // pitches))
+    per_pitch = max(MIN_POSITIONS_PER_PITCH, min(POSITIONS_PER_PITCH, MAX_POSITIONS // pitches))
     (forwards, carrier), (backwards, _) = (
         shifted_advance(own, pitches, per_pitch) for own in in_turn((pair, reversed_pair(pair)))
     )
@@ -73,7 +83,7 @@ def pitch_turns(pair: GearPair) -> FullTurns:
 
 
 def refuse_too_many(pair: GearPair) -> None:
-    """Raise DesignError as `pitch_turns`."""
+    """Raise DesignError if a member is eccentric or the turns are too many."""
     if pair.eccentric:
         raise DesignError(
             "assembly",
@@ -81,24 +91,24 @@ def refuse_too_many(pair: GearPair) -> None:
             remedy="pitch deviations that were measured about the axis of rotation contain them: leave the eccentricities out",
         )
     pitches = pitches_until_repeat(pair)
-    if pitches > MOST:
+    if pitches > MAX_PITCHES:
         raise DesignError(
             "teeth",
             (pair.pinion.tooth.teeth, pair.gear.tooth.teeth),
             reason=f"the pattern of both members' pitch deviations repeats after {pitches} teeth",
-            allowed=f"up to {MOST}; deviations of one member alone need fewer",
+            allowed=f"up to {MAX_PITCHES}; deviations of one member alone need fewer",
         )
 
 
 def shifted_advance(pair: GearPair, pitches: int, per_pitch: int) -> tuple[Array, NDArray[np.intp]]:
-    """Transmission advances (P,), rad, of the gears over so many pitches, and the tooth pairs in contact (P,)."""
+    """Compute transmission advances (P,), rad, of the gears over `pitches`, and the numbers (P,) of the tooth pairs in contact."""
     flanks = solver_pair(pair)
     followed = _longer_engagement(flanks, pair.pitch)
     if followed is None:
         raise NoSolutionError(reason="the teeth never touch, so there is no transmission error over whole turns")
     of_pair = TransmissionAdvance(followed)
     low, high = (followed.phi1[k] / pair.pitch for k in (0, -1))
-    # where tooth pair `pitch number + away` is, counted as pair 0 counts it
+    # tooth pairs `number` near each pitch, and their `place` (rad) in the engagement of pair 0
     away = np.arange(math.ceil(-high), math.floor(1.0 - low) + 1)
     phase = np.arange(per_pitch) / per_pitch
     number = np.arange(pitches)[:, None, None] + away
@@ -119,24 +129,26 @@ def shifted_advance(pair: GearPair, pitches: int, per_pitch: int) -> tuple[Array
 
 
 def flanks_ahead(pair: GearPair, number: NDArray[np.intp]) -> tuple[Array, Array]:
-    """Angles (...,), rad, by which the flanks of pinion and gear are ahead of their places, as phi1 and phi2 count: of tooth pairs
-    by their numbers, pair k being where pair 0 was k pitches before."""
+    """Return angles (...,), rad, by which the flanks of pinion and gear are ahead of their nominal places, as phi1 and phi2 count.
+
+    `number` (...,) counts tooth pairs: pair k stands where pair 0 stood k pitches before.
+    """
     first, second = (
-        _ahead(member, side)[np.mod(-int(member.mount.sign) * sense * number, member.tooth.teeth)]
+        _index_angles(member, side)[np.mod(-int(member.mount.sign) * sense * number, member.tooth.teeth)]
         for member, side, sense in zip(pair.both, pair.flanks, (1, int(np.sign(pair.ratio))), strict=True)
     )
     return first, second
 
 
-def _ahead(member: Member, side: Side) -> Array:
-    """Angles (N,), rad, by which flanks are ahead as the member's rotation counts."""
+def _index_angles(member: Member, side: Side) -> Array:
+    """Return angles (N,), rad, by which flanks are ahead, as the member's rotation counts."""
     return member.mount.sign * member.index.of(side, member.tooth.teeth)
 
 
 def _longer_engagement(flanks: Pair, pitch: float) -> Engagement | None:
-    """A tooth pair, followed beyond where it is ahead."""
+    """Follow a tooth pair beyond its engagement; None where the teeth never meet."""
     known = whole_engagement(flanks, pitch)
     if known is None:
         return None
     first, last = (round(known.phi1[k] / pitch * NODES) for k in (0, -1))
-    return follow(flanks, np.arange(first - BEYOND, last + BEYOND + 1) * (pitch / NODES))
+    return follow(flanks, np.arange(first - NODES_BEYOND, last + NODES_BEYOND + 1) * (pitch / NODES))

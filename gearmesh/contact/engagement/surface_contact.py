@@ -1,7 +1,7 @@
-"""Where one tooth pair has surface contact: from where it begins to where it ends, as roots in phi1.
+"""Surface contact of one tooth pair: its beginning and its end, as roots in phi1.
 
-A point of contact begins and ends on an edge of either flank. A line of contact does where it has shrunk to the point between two
-edges; how much later it would at the other end of the face is the overlap.
+Point contact begins and ends on an edge of a flank. Line contact begins and ends where the line has shrunk to the point between two
+edges. The overlap is the rotation between the ends of the line at both ends of the face.
 """
 
 from __future__ import annotations
@@ -24,20 +24,26 @@ from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.numeric.roots import bracketed_root, last_true
 
-#: a change of the kind of contact that no equation gives is found by division, in so many rounds and parts
-ROUNDS, SPLIT = 11, 8
-#: stations at which a line is looked at, and how often ever finer about the best
-STATIONS, FINER = 33, 6
-#: evaluations of its points at most: those that it has take up to 30, what it has not 230
-MOST_EVALUATIONS = 40
-#: shares of the way along an edge, from one end of the face to the other
-DOUBLED = 0.5 ** np.arange(6, -1, -1)
+#: rounds of division that find a change of the kind of contact for which no equation exists
+DIVISION_ROUNDS = 11
+#: parts into which one round divides its interval
+PARTS_PER_ROUND = 8
+#: stations at which a line is sampled
+LINE_STATIONS = 33
+#: rounds in which the stations close in on the point nearest to the flanks
+REFINING_ROUNDS = 6
+#: evaluations of a point of a line at most: points of the line need up to 30, other points 230
+MAX_EVALUATIONS = 40
+#: shares of the way along an edge from one end of the face to the other, in steps that double
+DOUBLING_SHARES = 0.5 ** np.arange(6, -1, -1)
 
 
 @dataclass(frozen=True)
 class SurfaceContact:
-    """phi1 (rad) at which the surface contact of pair 0 begins and ends, NaN where there is none; `overlap` (rad): of a line of
-    contact the part of that by which one end of the face is behind the other, NaN for points and where that is not known."""
+    """Surface contact of pair 0 from phi1 = `begin` to `end` (rad), NaN without surface contact.
+
+    `overlap` (rad) is the lag of one end of the face behind the other in line contact, NaN in point contact and where unknown.
+    """
 
     begin: float
     end: float
@@ -45,19 +51,21 @@ class SurfaceContact:
 
     @property
     def length(self) -> float:
-        """phi1 from beginning to end, rad."""
+        """Rotation phi1 from beginning to end, rad."""
         return self.end - self.begin
 
 
 def surface_contact(engagement: Engagement, carries: NDArray[np.bool_]) -> SurfaceContact:
-    """The surface contact of a tooth pair that has been followed; where it is interrupted, the longest of those in which the pair
-    `carries` (N,) at any of the positions: what touches while its neighbours are far ahead is none of the mesh.
+    """Solve for the ends of the surface contact of a tooth pair that has been followed.
+
+    Interrupted surface contact counts in its longest part in which the pair `carries` (N,) at some position. Contact while the
+    neighbours are far ahead is not part of the mesh.
     """
     return _Ends(engagement).whole(carries)
 
 
 def _inside(c: Contacts) -> NDArray[np.bool_]:
-    """Positions (N,) with contact inside both flanks, or on a crease there."""
+    """Return True (N,) where contact is inside both flanks, or on a crease inside them."""
     edges = c.edges[:, 0]
     inside: NDArray[np.bool_] = c.touching & ((edges < 0) | within(edges))
     return inside
@@ -65,7 +73,7 @@ def _inside(c: Contacts) -> NDArray[np.bool_]:
 
 @dataclass(frozen=True)
 class _End:
-    """Where surface contact ends: after node `last`, before node `beyond`."""
+    """End of surface contact, after node `last` and before node `beyond`."""
 
     last: int
     beyond: int
@@ -76,13 +84,13 @@ class _End:
 
 
 class _Ends:
-    """The ends of surface contact, each between two nodes of the engagement."""
+    """Solver for the ends of surface contact, each between two nodes of the engagement."""
 
     def __init__(self, engagement: Engagement) -> None:
         self.pair, self.flanks, self.phi1 = engagement.pair, engagement.flanks, engagement.phi1
 
     def whole(self, carries: NDArray[np.bool_]) -> SurfaceContact:
-        """Where it begins and ends, and what part of that is overlap; see `surface_contact`."""
+        """Solve for both ends and the overlap; see `surface_contact`."""
         c = self.flanks
         inside = np.flatnonzero(_inside(c))
         if not inside.size:
@@ -90,13 +98,14 @@ class _Ends:
         runs = np.split(inside, np.flatnonzero(np.diff(inside) > 1) + 1)
         run = max(runs, key=lambda run: (bool(carries[run].any()), len(run)))
         both = [_End(int(run[0]), int(run[0]) - 1), _End(int(run[-1]), int(run[-1]) + 1)]
-        # of each end also where it would be of a line that ended at its other end
+        # of each end: phi1, and phi1 at which the line reaches the other end of the face
         known: dict[_End, tuple[float, float]] = {
             end: (float(self.phi1[end.last]), np.nan) for end in both if not 0 <= end.beyond < len(self.phi1)
         }
         open_ends = [end for end in both if end not in known]
         lines = [end for end in open_ends if c.line[end.last]]
         points = [end for end in open_ends if end not in lines]
+        # point contact ends on an edge; bent lines of threads shrink to a point; other lines shrink into a corner of two edges
         if points:
             known |= self._point_ends(points)
         if lines and self.pair.wound:
@@ -110,6 +119,7 @@ class _Ends:
             for end, middle in zip(on_piece, middles, strict=True):
                 if end not in known:
                     known[end] = self._undercut_end(end, middle) or (self._shrunk(piece, end), np.nan)
+        # no equation gave the other ends: divide the step between the nodes
         known |= {end: (self._bisect(end), np.nan) for end in both if end not in known}
         begin, end = known[both[0]], known[both[1]]
         overlap = np.nan
@@ -119,7 +129,7 @@ class _Ends:
         return SurfaceContact(begin[0], end[0], overlap)
 
     def _sides(self, end: _End) -> tuple[Array, Array]:
-        """phi1 (1,) of the nodes on either side of an end."""
+        """Return phi1 (1,) of the last node with and of the first node without surface contact."""
         return self.phi1[[end.last]], self.phi1[[end.beyond]]
 
     def _between(self, phi1: float, end: _End) -> bool:
@@ -127,12 +137,12 @@ class _Ends:
         return bool(low - 1e-12 <= phi1 <= high + 1e-12)
 
     def _point_ends(self, ends: list[_End]) -> dict[_End, tuple[float, float]]:
-        """Where the points of contact of the last nodes reach an edge, as far as they do."""
+        """Solve for phi1 at which the points of contact of the last nodes reach an edge; ends without a root are left out."""
         pair, every = self.pair, np.arange(len(ends))
         last, beyond = (np.array([getattr(end, name) for end in ends]) for name in ("last", "beyond"))
         start = self.flanks.x[last]
         conditions = Conditions(pair.flanks, self.phi1[beyond], pair.length)
-        # the edges that it would lie beyond at the next node come first
+        # try first the edges beyond which the point would lie at the next node
         there = newton.solve(conditions, start, tolerance=pair.tolerance, max_step=pair.max_step, max_iterations=15)
         outside = margins(pair, conditions.touch(there.values, every), there.values)[0]
         outside[~there.converged] = 0.0
@@ -158,8 +168,7 @@ class _Ends:
         return places
 
     def _wound_ends(self, ends: list[_End]) -> dict[_End, tuple[float, float]]:
-        """Where those of the lines of the last nodes that bend have shrunk to their last point, as far as that is before the next
-        node."""
+        """Solve for phi1 at which bent lines of the last nodes have shrunk to a point; roots beyond the next node are left out."""
         last, beyond = ([getattr(end, name) for end in ends] for name in ("last", "beyond"))
         within = 2.0 * float(np.abs(self.phi1[beyond] - self.phi1[last]).max())
         with np.errstate(all="ignore"):
@@ -172,16 +181,16 @@ class _Ends:
         return places
 
     def _line_ends(self, pair: Pair, ends: list[_End], x: Array) -> dict[_End, tuple[float, float]]:
-        """Where the lines of the last nodes, with their middles x (M, 5), have shrunk to a point between two edges, as far as they
-        do; and where they meet the first at their other end.
+        """Solve for phi1 at which lines with middles x (M, 5) have shrunk to a point between two edges.
 
-        Along the line beyond, every edge leaves one side of where it crosses; the two edges that leave nothing between them are
-        those between which it ended.
+        The second value is phi1 at which the line meets the first edge at the other end of the face. Beyond its end, every edge
+        that crosses the line leaves one side of it on the flanks. The line ended between the two edges that leave nothing between
+        them. Ends without a root are left out.
         """
         every = np.arange(len(ends))
         last, beyond = (np.array([getattr(end, name) for end in ends]) for name in ("last", "beyond"))
         before, plain = (Conditions(pair.flanks, self.phi1[k], pair.length) for k in (last, beyond))
-        # the middle of the last line is followed at its station
+        # follow the middle of the last line at its station to the next node
         axial = pair.pinion.axial
         touch = before.touch(x, every)
         station, across = axial.value(touch.own[0].r), directions(pair, touch)[1]
@@ -189,6 +198,7 @@ class _Ends:
         x = x + np.array([0.0, 0.0, 0.0, 0.0, pair.ratio]) * (plain.phi1 - before.phi1)[:, None]
         followed = newton.solve(at_station, x, tolerance=pair.tolerance, max_step=pair.max_step)
         x = np.where(followed.converged[:, None], followed.values, x)
+        # places along the line where edges cross it, and the two edges between which it ended
         touch = plain.touch(x, every)
         along, across = directions(pair, touch)
         own = margins(pair, touch, x)[0]
@@ -201,6 +211,7 @@ class _Ends:
         corners = [(int(k), *corner) for k in every for corner in self._corners(places[k], own[k])]
         if not corners:
             return {}
+        # solve for the meeting of the line with both edges of each corner
         position, first, other = np.array(corners).T
         choice = np.stack((other, np.full_like(other, -1)), axis=-1)
         at_edges = replace(plain.repeat(position), bounds=pair.all_bounds, across=across[position])
@@ -208,6 +219,7 @@ class _Ends:
         start = np.array([meets[number][0][k] for k, number in zip(position, other, strict=True)])
         event = reaches(pair, at_edges, first, start)
         good = self._on_flanks(event)
+        # the corner that the line reaches last is its end, the corner reached first its other end
         line_ends: dict[_End, tuple[float, float]] = {}
         for k in every:
             which = np.flatnonzero(good & (position == k))
@@ -225,11 +237,10 @@ class _Ends:
         return line_ends
 
     def _undercut_end(self, end: _End, middle: Array) -> tuple[float, float] | None:
-        """The same from the line of the last node, with its `middle` (5,), which is on the flanks: of all edges along the face, at
-        either end of the face, that which it reaches last. None where it reaches none.
+        """Solve for the end of a line on an undercut flank, from the line of the last node with its `middle` (5,).
 
-        Beyond it an undercut flank meets its edge, and its mating gear's tip meets it, once more on the other branch of the
-        involute.
+        The line ends at the edge along the face, at one end of the face, that it reaches last; None where it reaches no edge.
+        Beyond this end the flank meets its edge, and the mating tip meets the flank, once more on the other branch of the involute.
         """
         pair = self.pair
         plain = Conditions(pair.flanks, self.phi1[[end.last]], pair.length)
@@ -254,11 +265,11 @@ class _Ends:
         return own_end, self._other_end(whole.repeat(np.array([last])), int(first[last]), event, int(last), end)
 
     def _other_end(self, at: Conditions, edge: int, event: Events, own: int, end: _End) -> float:
-        """phi1 (rad) at which the line of contact meets the same edge at the other end of the face, NaN where it does not; from
-        event `own`, with conditions `at` (1,).
+        """Solve for phi1 (rad) at which the line meets the same edge at the other end of the face; NaN without such a root.
 
-        Along the edge in steps that double, each begun where the last two lead, which a screw motion makes exact: of few teeth,
-        that wind far round their axis, the other end is too far off for one step.
+        The search starts from event `own` with conditions `at` (1,) and walks along the edge in steps that double. Each step starts
+        from the extrapolation of the last two places, which is exact for a screw motion. One step would be too long where few
+        teeth wind far round their axis.
         """
         pair = self.pair
         begin = np.append(event.x[own], event.phi1[own])
@@ -273,9 +284,9 @@ class _Ends:
         there = Events(y[:, 5], y[:, :5], reached)
         choice = np.stack((np.arange(count), np.full(count, -1)), axis=-1)
         every = at.repeat(np.zeros(count, dtype=np.intp))
-        for share in DOUBLED if count else ():
+        for share in DOUBLING_SHARES if count else ():
             bounds = tuple(replace(across[k], target=away[far] * (1.0 - share)) for k in far)
-            y = begin + (1.0 if share == DOUBLED[0] else 2.0) * (y - begin)
+            y = begin + (1.0 if share == DOUBLING_SHARES[0] else 2.0) * (y - begin)
             placed = replace(every, phi1=y[:, 5], bounds=bounds, choice=choice)
             there = reaches(pair, placed, np.full(count, edge), y[:, :5])
             y, reached = np.column_stack((there.x, there.phi1)), reached & there.reached
@@ -283,13 +294,12 @@ class _Ends:
         return float(there.phi1[met[(there.phi1[met] * end.step).argmin()]]) if met.size else np.nan
 
     def _apart(self, event: Events, which: NDArray[np.intp]) -> bool:
-        """Whether events `which` lie at both ends of the face, and not all at one."""
+        """Return True if events `which` lie at both ends of the face."""
         r = self.pair.pinion.surface.jet(event.x[which, 0], event.x[which, 1]).r
         return bool(which.size > 1 and np.ptp(self.pair.pinion.axial.value(r)) > STEEP * self.pair.length)
 
     def _goes_on(self, phi1: float, advance: float, end: _End) -> bool:
-        """Whether a line that ends at phi1 (rad) with an advance (rad) goes on over nodes that have only found what is less
-        advanced."""
+        """Return True if a line that ends at phi1 (rad) with `advance` (rad) covers nodes whose contact is less advanced."""
         nodes = self.phi1[end.beyond :: end.step]
         passed = (nodes - phi1) * end.step < 0.0
         before = float(self.phi1[end.last]), float(self.flanks.advance[end.last])
@@ -298,7 +308,7 @@ class _Ends:
         return bool(passed.any() and (theirs[passed] < line[passed] - EQUAL).all())
 
     def _on_flanks(self, event: Events) -> NDArray[np.bool_]:
-        """Which events (M,) are found, and on both flanks."""
+        """Return True (M,) for events that are found and lie on both flanks."""
         at = Conditions(self.pair.flanks, event.phi1, self.pair.length).touch(event.x, np.arange(len(event.phi1)))
         outside, past = margins(self.pair, at, event.x)
         on_flanks: NDArray[np.bool_] = (
@@ -307,41 +317,41 @@ class _Ends:
         return on_flanks
 
     def _shrunk(self, pair: Pair, end: _End) -> float:
-        """Where a line has nothing left on both flanks, whatever they end at: the least margin of its points is 0 there."""
+        """Solve for phi1 (rad) at which no point of a line is left on both flanks: the least margin of its points is 0."""
         axial, start = pair.pinion.axial, self.flanks.x[[end.last]]
         low, high = self._sides(end)
         before = Conditions(pair.flanks, low, pair.length)
         _, across = directions(pair, before.touch(start, np.zeros(1, dtype=np.intp)))
 
         def least(phi1: Array, _index: NDArray[np.intp]) -> Array:
-            """The least margin (1,), mm, of the line at phi1 (1,)."""
+            """Return the least margin (1,), mm, of the line at phi1 (1,)."""
             x = start + np.array([0.0, 0.0, 0.0, 0.0, pair.ratio]) * (phi1 - low)[:, None]
             first, last = pair.pinion.extent
             least_margin = np.inf
-            for _ in range(FINER):
-                station = np.linspace(first, last, STATIONS)
+            for _ in range(REFINING_ROUNDS):
+                station = np.linspace(first, last, LINE_STATIONS)
                 conditions = Conditions(
                     pair.flanks,
-                    np.repeat(phi1, STATIONS),
+                    np.repeat(phi1, LINE_STATIONS),
                     pair.length,
                     (Bound(0, axial, station),),
-                    np.repeat(across, STATIONS, axis=0),
+                    np.repeat(across, LINE_STATIONS, axis=0),
                 )
                 solved = newton.solve(
                     conditions,
-                    np.repeat(x, STATIONS, axis=0),
+                    np.repeat(x, LINE_STATIONS, axis=0),
                     tolerance=pair.tolerance,
                     max_step=pair.max_step,
-                    max_evaluations=MOST_EVALUATIONS,
+                    max_evaluations=MAX_EVALUATIONS,
                 )
-                touch = conditions.touch(solved.values, np.arange(STATIONS))
+                touch = conditions.touch(solved.values, np.arange(LINE_STATIONS))
                 outside, past = margins(pair, touch, solved.values)
                 margin = np.where(solved.converged, np.maximum(outside.max(axis=1), past), np.inf)
                 k = int(margin.argmin())
                 if not margin[k] < least_margin:
                     break
                 least_margin, x = float(margin[k]), solved.values[[k]]
-                step = (last - first) / (STATIONS - 1)
+                step = (last - first) / (LINE_STATIONS - 1)
                 first, last = station[k] - step, station[k] + step
             return np.array([least_margin])
 
@@ -349,8 +359,10 @@ class _Ends:
         return float(root.values[0]) if root.converged[0] else self._bisect(end)
 
     def _corners(self, places: dict[int, float], own: Array) -> list[tuple[int, int]]:
-        """Between which two edges a line may have ended, the first the same in all; `places` (mm) along it where edges cross it,
-        `own` (10,): how far its middle lies beyond each."""
+        """Return the pairs of edges between which a line may have ended; all have the same first edge.
+
+        `places` are the crossings of edges along the line (mm), `own` (10,) the distances of its middle beyond each edge.
+        """
         # an edge that the line does not cross has it all inside or all outside
         off = [k for k in self.pair.ends if k not in places and own[k] > 0.0]
         if off and places:
@@ -368,12 +380,12 @@ class _Ends:
         return [(first, other) for other in sorted({*others, *faces})]
 
     def _bisect(self, end: _End) -> float:
-        """The same by repeated division, where nothing but the kind of contact shows it."""
+        """Find phi1 (rad) of an end by repeated division of the step between two nodes, by the kind of contact alone."""
 
         def inside(phi1: Array, _: NDArray[np.intp]) -> NDArray[np.bool_]:
             c = first_touch(self.pair.parts[0], phi1)
             return _inside(c)
 
         low, high = self._sides(end)
-        low, high = last_true(inside, low, high, rounds=ROUNDS, split=SPLIT)
+        low, high = last_true(inside, low, high, rounds=DIVISION_ROUNDS, split=PARTS_PER_ROUND)
         return float(0.5 * (low[0] + high[0]))

@@ -1,12 +1,12 @@
-"""Tips that pass each other: where a tooth leaves the spaces of its mating gear, or enters them, beside the mesh.
+"""Tips that pass each other, where a tooth enters or leaves the spaces of its mating gear beside the mesh.
 
-A point of the pinion's tip goes round its axis. It is between the teeth of the gear as long as it is inside the surface that the
-gear's tip sweeps, a surface of revolution (a plane of a rack). Where it crosses that surface is a root in phi1, and there the
-rotation of the gear that brings its tip to the point is a closed figure: the transmission advance of tips that meet. Such contact
-lasts for any part of a pitch, however small, so that no sampling in phi1 is sure to see it; the roots are always found.
+A point of the pinion's tip moves on a circle. It is between the teeth of the gear while it is inside the surface that the gear's
+tip sweeps: a surface of revolution, or a plane for a rack. The crossing of the circle with this surface is a root in phi1. The
+rotation of the gear that brings its tip to the point is known in closed form there, and gives the transmission advance of tips
+that meet. Such contact may last any small part of a pitch, so that sampling in phi1 can miss it; the roots are always found.
 
-Where tips come near, all lines of both profiles, with their chamfers and roundings, are tried likewise: circles of any two of them
-cross at roots, too. A tip that never leaves counts where it is half round.
+Where tips come near each other, all lines of both profiles, with chamfers and roundings, are treated in the same way. A tip that
+never leaves the tip surface counts half a turn away from the mesh.
 """
 
 from __future__ import annotations
@@ -24,58 +24,65 @@ from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.kernel.numeric.splines import Polynomials, spline_through
 from gearmesh.kernel.surface.levels import station_normal
 
-#: places on the circle of a tip point at which it is looked whether it is inside the gear's tip surface
+#: places on the circle of a tip point at which the point is compared with the gear's tip surface
 PLACES_PER_TURN = 48
-#: rounds in which the places nearest to that surface are refined, so that a circle that hardly crosses it is seen to
+#: rounds that refine the place nearest to the surface, so that a circle that hardly crosses the surface is found
 VERTEX_ROUNDS = 2
-#: width of a round over that of the one before
+#: width of a round by the width of the round before
 VERTEX_SHRINK = 0.1
-#: share of the gear's pitch by which tips must stay clear for their profiles not to be looked at
+#: clearance of tips, by the gear's pitch, from which on the other lines of the profiles are not tried
 NEAR_PITCHES = 0.03
-#: stations at which tips are looked at; where they come near it is all columns of the grid, and three for whole profiles
+#: stations at which tips are compared; near tips are compared at all columns of the grid, whole profiles at three
 FEW_STATIONS = 7
-#: degree of curves along the face
-DEGREE = 5
-#: mm by which a meeting may lie beside the gear's face
-BESIDE_FACE = 1e-9
+#: degree of splines along the face
+SPLINE_DEGREE = 5
+#: distance (mm) beside the gear's face up to which a meeting counts
+FACE_SLACK_MM = 1e-9
 
 
 @dataclass(frozen=True)
 class TipMeetings:
-    """Meetings (M,) of the profiles of a tooth pair where circles of their points cross: `phi1`, rad; by how much the gear is then
-    further ahead than the reference, rad; the point (M, 3), fixed frame, mm; the `arm` (M,), mm, of the pinion's normal there
-    about the gear's axis; `tips` (M,): whether both points are on tips."""
+    """Meetings of the profiles of a tooth pair, where the circles of two points cross."""
 
+    #: rotation (M,) of the pinion, rad
     phi1: Array
+    #: advance (M,) of the gear over the reference, rad
     excess: Array
+    #: points (M, 3), fixed frame, mm
     point: Array
+    #: distance (M,) of the pinion's normal from the gear's axis, mm
     arm: Array
+    #: True (M,) where both points are on tips
     tips: NDArray[np.bool_]
 
     def rows(self, which: NDArray[np.intp]) -> TipMeetings:
-        """Some of the meetings."""
+        """Return the meetings `which`."""
         return TipMeetings(*(getattr(self, field.name)[which] for field in fields(self)))
 
 
 @dataclass(frozen=True)
 class _Line:
-    """A line along the face of a flank or of its tip edge: points (J, 3) and normals (J, 3), own frame, at stations (J,), mm;
-    `outside`: how far (mm) own points are beyond the surface that it sweeps; `angle` (rad) by station."""
+    """Line along the face of a flank or of its tip edge, in the member's frame."""
 
+    #: stations (J,), mm, ascending
     station: Array
+    #: points (J, 3), mm
     points: Array
+    #: unit normals (J, 3)
     normals: Array
+    #: distance (mm) of points of the member's frame beyond the surface that the line sweeps
     outside: Callable[[Array], Array]
+    #: angle (rad) about the axis as a function of the station
     angle: Polynomials
 
     @staticmethod
     def of(flank: Flank, points: Array, normals: Array, *, tip: bool) -> _Line:
-        """The line through points (J, 3) of a flank, its `tip` or another one."""
+        """Return the line through points (J, 3) of a flank; `tip` is True for the tip of the flank."""
         joint, axial = flank.mount.joint, flank.axial
         order = np.argsort(axial.value(points))
         points, normals = points[order], normals[order]
         station = axial.value(points)
-        angle = spline_through(station, joint.running(joint.angle(points)), min(DEGREE, len(station) - 1))
+        angle = spline_through(station, joint.running(joint.angle(points)), min(SPLINE_DEGREE, len(station) - 1))
         if tip:
             return _Line(station, points, normals, flank.edges["tip"].value, angle)
         across, up = station_normal(axial)
@@ -83,21 +90,21 @@ class _Line:
         def height(r: Array) -> Array:
             return np.asarray(up * joint.radius(r) - across * r[..., 2])
 
-        curve = spline_through(station, height(points), min(DEGREE, len(station) - 1))
+        curve = spline_through(station, height(points), min(SPLINE_DEGREE, len(station) - 1))
         sense = flank.heights.sign
         return _Line(station, points, normals, lambda r: sense * (height(r) - curve(axial.value(r))), angle)
 
 
 @dataclass(frozen=True)
 class _Points:
-    """Points and normals (M, 3), own frame, of lines of the pinion."""
+    """Points and normals (M, 3) of lines of the pinion, in its frame."""
 
     points: Array
     normals: Array
 
     @staticmethod
     def of(lines: list[_Line], columns: NDArray[np.intp]) -> _Points:
-        """Those of some columns of the lines."""
+        """Collect points and normals of `columns` of the lines."""
         return _Points(
             np.concatenate([line.points[columns] for line in lines]),
             np.concatenate([line.normals[columns] for line in lines]),
@@ -105,7 +112,7 @@ class _Points:
 
 
 def tip_meetings(pair: Pair, reference: float) -> TipMeetings:
-    """Where tips of a tooth pair meet as they pass each other, and what else of their profiles does where they come near.
+    """Solve for the meetings of tips that pass each other, and of whole profiles where tips come near.
 
     The gear is ahead of the nominal ratio by the `reference` (rad).
     """
@@ -125,19 +132,19 @@ def tip_meetings(pair: Pair, reference: float) -> TipMeetings:
 
 
 def _concatenate(meetings: list[TipMeetings]) -> TipMeetings:
-    """All of several meetings."""
+    """Join meetings."""
     columns = ([getattr(met, field.name) for met in meetings] for field in fields(TipMeetings))
     return TipMeetings(*map(np.concatenate, columns))
 
 
 def _row(flank: Flank, row: int) -> tuple[Array, Array]:
-    """Points and normals (J, 3), own frame, of a row of a flank's grid."""
+    """Return points and normals (J, 3) of a row of a flank's grid, in the member's frame."""
     jet = flank.surface.jet(flank.grid[row, :, 0], flank.grid[row, :, 1])
     return jet.r, jet.n
 
 
 def _tip_lines(flank: Flank, tip_edge: Flank | None) -> list[_Line]:
-    """The tip of a flank, and the middle and the end of its tip edge, if it has one."""
+    """Return the tip line of a flank, and the middle and end lines of its tip edge, if it has one."""
     lines = [_Line.of(flank, *_row(flank, -1), tip=True)]
     if tip_edge is not None:
         lines += [_Line.of(flank, *_row(tip_edge, k), tip=False) for k in (len(tip_edge.grid) // 2, -1)]
@@ -145,7 +152,7 @@ def _tip_lines(flank: Flank, tip_edge: Flank | None) -> list[_Line]:
 
 
 def _profile(flank: Flank, tip_edge: Flank | None) -> list[_Line]:
-    """Lines of a flank and of its tip edge, from the form point to the land."""
+    """Return the lines of a flank and of its tip edge, from the form point to the land."""
     last = len(flank.grid) - 1
     lines = [_Line.of(flank, *_row(flank, k), tip=k == last) for k in range(last + 1)]
     if tip_edge is not None:
@@ -154,20 +161,21 @@ def _profile(flank: Flank, tip_edge: Flank | None) -> list[_Line]:
 
 
 def _meetings(pair: Pair, reference: float, first: _Points, second: _Line, *, tips: bool) -> TipMeetings:
-    """Where points of a line of the pinion cross the surface that a line of the gear sweeps."""
+    """Solve for the crossings of points of the pinion with the surface that a line of the gear sweeps."""
     pinion, gear = (flank.mount for flank in pair.flanks)
     joint, middle = gear.joint, pair.facing - pinion.sign * pair.pinion.azimuth(first.points)
 
     def phi2(phi1: Array) -> Array:
-        """Rotations of the gear where it is ahead by the reference."""
+        """Return the rotations of the gear that is ahead by the reference."""
         return pair.ratio * phi1 + pair.drive * reference
 
     def positions(phi1: Array, column: NDArray[np.intp]) -> tuple[Array, Array]:
-        """Points (M, 3), fixed frame, and as the gear has them."""
+        """Return points (M, 3) in the fixed frame and in the gear's frame."""
         fixed = pinion.at(phi1).point(first.points[column])
         return fixed, gear.at(phi2(phi1)).inverse.point(fixed)
 
     phi1, column = _crossings(lambda at, columns: second.outside(positions(at, columns)[1]), middle)
+    # rotation of the gear that brings its line to the point, and whether the surfaces face each other there
     fixed, own = positions(phi1, column)
     station, (low, high) = pair.gear.axial.value(own), second.station[[0, -1]]
     turn = joint.within(joint.angle(own) - second.angle(np.clip(station, low, high)))
@@ -175,23 +183,30 @@ def _meetings(pair: Pair, reference: float, first: _Points, second: _Line, *, ti
     on_gear = np.stack([np.interp(station, second.station, axis) for axis in second.normals.T], axis=-1)
     on_gear = gear.at(phi2(phi1) + gear.sign * turn).vector(on_gear)
     arm = pair.drive * dot(normal, gear.velocity(fixed))
-    kept = (station >= low - BESIDE_FACE) & (station <= high + BESIDE_FACE) & (dot(normal, on_gear) < 0.0) & (arm > 0.0)
+    kept = (
+        (station >= low - FACE_SLACK_MM)
+        & (station <= high + FACE_SLACK_MM)
+        & (dot(normal, on_gear) < 0.0)
+        & (arm > 0.0)
+    )
     met = TipMeetings(phi1, pair.drive * gear.sign * turn, fixed, arm, np.full(len(phi1), tips))
     return met.rows(np.flatnonzero(kept))
 
 
 def _crossings(outside: Callable[[Array, NDArray[np.intp]], Array], middle: Array) -> tuple[Array, NDArray[np.intp]]:
-    """Rotations phi1 (M,) within half a turn of the `middle` (J,), rad, at which points cross a surface, and their columns; of
-    those that are inside it all round, both ends."""
+    """Solve for rotations phi1 (M,), rad, within half a turn of the `middle` (J,), at which points cross a surface.
+
+    Also returns the columns (M,) of the points. A point that is inside the surface all round counts at both ends of the turn.
+    """
     step = 2.0 * np.pi / PLACES_PER_TURN
-    # one place more at either end, about which extremes may lie
+    # one place more at each end, because extremes may lie there
     place = middle[:, None] + step * (np.arange(PLACES_PER_TURN + 3) - 1.0 - 0.5 * PLACES_PER_TURN)
     every = np.broadcast_to(np.arange(len(middle))[:, None], place.shape)
     value = outside(place.ravel(), every.ravel()).reshape(place.shape)
     sides = np.sign(value)
     j, k = np.nonzero(sides[:, 1:-2] != sides[:, 2:-1])
     low, high, column = [place[j, k + 1]], [place[j, k + 2]], [j]
-    # of three places on one side the middle one is nearest to the surface: about it the circle may cross it twice
+    # the middle of three places on one side is nearest to the surface: the circle may cross the surface twice near it
     size, inner = np.abs(value), np.s_[:, 1:-1]
     nearest = (sides[:, :-2] == sides[inner]) & (sides[:, 2:] == sides[inner])
     nearest &= (size[inner] <= size[:, :-2]) & (size[inner] <= size[:, 2:])

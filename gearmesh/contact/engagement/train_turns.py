@@ -1,4 +1,4 @@
-"""How all members of a gear set turn together: every pair of members as its tooth pair in contact turns it."""
+"""Rotations of all members of a gear set: every pair turns as its tooth pair in contact turns it."""
 
 from __future__ import annotations
 
@@ -8,15 +8,14 @@ from gearmesh.contact.flanks import analyse
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.gear_train import GearPair, GearTrain
 
-#: rounds in which the rotation of a driving member is found from that of the driven one: what the transmission error moves in
-#: one round is its change over itself, below 1e-6 of it
-ROUNDS = 2
+#: rounds that find the rotation of a driving member from the driven member; each reduces the error to 1e-6 of itself
+INVERSION_ROUNDS = 2
 
 
 def leading_turns(pair: GearPair, phi1: Array, around: int = 1) -> tuple[Array, Array]:
-    """Rotations (N,) of pinion and gear, rad, at phi1 (N,), rad, of the pinion; NaN where no teeth touch.
+    """Compute rotations (N,) of pinion and gear, rad, at phi1 (N,), rad, of the pinion; NaN where no teeth touch.
 
-    Of the tooth pairs within so many pitches `around` the one that decides which is ahead.
+    The most advanced tooth pair within `around` pitches decides.
     """
     pitches = np.round(phi1 / pair.pitch)[:, None] + np.arange(-around, around + 1.0)
     path = analyse(pair, (phi1[:, None] - pitches * pair.pitch).ravel())
@@ -29,7 +28,7 @@ def leading_turns(pair: GearPair, phi1: Array, around: int = 1) -> tuple[Array, 
 
 
 def train_turns(train: GearTrain, pair: GearPair, rotation: Array, phi2: Array) -> dict[str, Array]:
-    """Rotations (N,), rad, of all members when the members of one `pair` are at `rotation` and `phi2` (N,)."""
+    """Compute rotations (N,), rad, of all members when the members of one `pair` are at `rotation` and `phi2` (N,)."""
     turns = {pair.pinion.name: rotation, pair.gear.name: phi2}
     waiting = [other for other in train.pairs if other is not pair]
     while waiting:
@@ -43,7 +42,7 @@ def train_turns(train: GearTrain, pair: GearPair, rotation: Array, phi2: Array) 
         elif mesh.pinion.name not in turns:
             wanted = turns[mesh.gear.name]
             driving = wanted / mesh.ratio
-            for _ in range(ROUNDS):
+            for _ in range(INVERSION_ROUNDS):
                 driving = driving + (wanted - leading_turns(mesh, driving)[1]) / mesh.ratio
             turns[mesh.pinion.name] = driving
     return turns

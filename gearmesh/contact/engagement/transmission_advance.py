@@ -1,10 +1,9 @@
-"""The transmission advance of one tooth pair as a function of phi1: polynomials through what was solved for at nodes, slopes
-included.
+"""Transmission advance of one tooth pair as a function of phi1, by polynomials through solved nodes and slopes.
 
-Four nodes and their slopes give a polynomial of degree 7 between the middle two. What its last node changes is the measure of its
-error; where that is too much, nodes are added. Where the kind of contact changes between nodes there is no polynomial: such places
-are solved for as they are asked for. Where a point of contact passes from the flanks to an edge the place is known: two nodes, one
-of each kind, stand there, and either side has its polynomials.
+Four nodes and their slopes give a polynomial of degree 7 between the middle two nodes. The change by the last node measures its
+error; where the error is too large, nodes are added. No polynomial exists between nodes of different kinds of contact: rotations
+there are solved for one by one. The passage of a point of contact from the flanks to an edge is a root. Two nodes, one of each
+kind, stand there, so that polynomials exist on both sides.
 """
 
 from __future__ import annotations
@@ -20,21 +19,27 @@ from gearmesh.contact.engagement.engagement import Engagement, rates
 from gearmesh.contact.pair import CORNER
 from gearmesh.kernel.numeric.algebra import Array
 
-#: nodes that a polynomial goes through, where there are so many
-STENCIL = 4
-#: by how much (rad) the last node may change a polynomial that is used
-SURE = 1e-11
-#: by how much (rad/rad) slopes of two kinds of contact may differ where one passes into the other
-JOINED = 1e-8
-#: part of the nodes' step by which a node is away from such a passage at least
-BESIDE = 0.1
-#: rounds in which nodes are added, and the parts of an interval between contacts of two kinds; of one where they are rough
-ROUNDS, PARTS, ROUGH_PARTS = 4, 8, 2
+#: nodes of a polynomial at most
+NODES_PER_POLYNOMIAL = 4
+#: change (rad) by the last node up to which a polynomial is used
+MAX_POLYNOMIAL_ERROR_RAD = 1e-11
+#: difference of slopes (rad/rad) of two kinds of contact at their passage that is rounding
+SLOPE_ROUNDING = 1e-8
+#: least distance of a node from a passage, by the step of the nodes
+MIN_DISTANCE_FROM_PASSAGE = 0.1
+#: rounds in which nodes are added
+REFINING_ROUNDS = 4
+#: parts of an interval between contacts of two kinds
+PARTS_BETWEEN_KINDS = 8
+#: parts of such an interval where contact is a line or a corner
+ROUGH_PARTS = 2
 
 
 class TransmissionAdvance:
-    """The transmission advance of a tooth pair over the nominal ratio, rad, from its `engagement`; `ends`: phi1 (rad) between
-    which contact of the flanks does not change its kind, where that is known."""
+    """Transmission advance of a tooth pair over the nominal ratio, rad, from its `engagement`.
+
+    `ends`: phi1 (rad) between which contact of the flanks keeps its kind, if known.
+    """
 
     def __init__(self, engagement: Engagement, ends: Sequence[float] = ()) -> None:
         self.engagement, self.pair = _with_ends(_refine(_with_passages(engagement, ends)), ends), engagement.pair
@@ -42,7 +47,7 @@ class TransmissionAdvance:
         self._left, self._coefficients, self._sure = _polynomials(self.engagement)
 
     def at(self, phi1: Array) -> tuple[Array, Array]:
-        """Advance (N,), rad, at phi1 (N,), NaN where there is no contact, and its slope (N,)."""
+        """Return advances (N,), rad, at phi1 (N,), NaN without contact, and slopes (N,)."""
         last = len(self.phi1) - 1
         k = np.clip(np.searchsorted(self.phi1, phi1, side="right") - 1, 0, last - 1)
         advance, slope = self._by_polynomial(phi1, k)
@@ -56,18 +61,20 @@ class TransmissionAdvance:
         return advance, slope
 
     def exactly(self, phi1: Array) -> tuple[Array, Array]:
-        """As `at`, solved at each place."""
+        """Return advances and slopes as `at` does, but solved at each rotation."""
         return _values(self.engagement, phi1, self.engagement.near(phi1))
 
     def over_neighbours(self, pitch: float, phi1: Array) -> Array:
-        """How far (P,), rad, the neighbouring pair that is most advanced is ahead of this one at phi1 (P,), negative: behind;
-        NaN where none or this one itself does not touch."""
+        """Return the lead (P,), rad, of the most advanced neighbouring pair over this pair at phi1 (P,).
+
+        The lead is negative where this pair is ahead, and NaN where this pair or all neighbours do not touch.
+        """
         counts = np.arange(1.0, np.ptp(self.phi1) / pitch + 1.0)
         shifts = np.concatenate((-counts, counts)) * pitch
         touching, ahead = np.isfinite(self.advance), np.full(len(phi1), np.nan)
         if not touching.any():
             return ahead
-        # the nodes show which neighbour is ahead, and only that one is evaluated
+        # the nodes show which neighbour is ahead; only this neighbour is evaluated
         rough = np.stack(
             [np.interp(phi1 + s, self.phi1[touching], self.advance[touching], -np.inf, -np.inf) for s in shifts]
         )
@@ -78,7 +85,7 @@ class TransmissionAdvance:
         return ahead
 
     def _by_polynomial(self, phi1: Array, k: NDArray[np.intp]) -> tuple[Array, Array]:
-        """Advance and slope (N,) by the polynomials of intervals k (N,)."""
+        """Evaluate advances and slopes (N,) by the polynomials of intervals k (N,)."""
         c = self._coefficients[k]
         degree = c.shape[1] - 1
         advance, slope = c[:, degree].copy(), np.zeros(len(phi1))
@@ -95,11 +102,11 @@ def _values(engagement: Engagement, phi1: Array, contacts: Contacts) -> tuple[Ar
 
 
 def _nodes(engagement: Engagement) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
-    """phi1, advance and slope (K,) at the nodes, and which neighbours (K - 1,) touch at one corner."""
+    """Return phi1, advance and slope (K,) at the nodes, and True (K - 1,) where neighbours touch at the same corner."""
     phi1, c, pair = engagement.phi1, engagement.contacts, engagement.pair
     advance = np.where(c.touching, c.advance, np.nan)
     slope = pair.drive * (engagement.rates[:, 4] - pair.ratio)
-    # at a corner no condition gives it: that of the parabola through three nodes
+    # no condition gives the slope at a corner: take the slope of the parabola through three nodes
     alike = _at_one_corner(engagement)
     inner = np.flatnonzero(alike[1:] & alike[:-1]) + 1
     before, after = phi1[inner] - phi1[inner - 1], phi1[inner + 1] - phi1[inner]
@@ -114,8 +121,10 @@ def _nodes(engagement: Engagement) -> tuple[Array, Array, Array, NDArray[np.bool
 
 
 def _at_one_corner(engagement: Engagement) -> NDArray[np.bool_]:
-    """Whether two neighbouring nodes (K - 1,) touch at one corner, so near that a parabola does between them: teeth that
-    overlap roots are jammed, by an amount that is known roughly."""
+    """Return True (K - 1,) where neighbouring nodes touch at the same corner and are near enough for a parabola.
+
+    Teeth that touch at corners in a root are jammed, so that a rough advance is enough.
+    """
     c, steps = engagement.contacts, np.diff(engagement.phi1)
     same = (c.edges[1:] == c.edges[:-1]).all(axis=1) & (c.part[1:] == c.part[:-1]) & c.touching[1:] & c.touching[:-1]
     at_corner: NDArray[np.bool_] = same & (c.edges[1:, 0] >= CORNER) & (steps < 1.5 * engagement.step / ROUGH_PARTS)
@@ -123,22 +132,25 @@ def _at_one_corner(engagement: Engagement) -> NDArray[np.bool_]:
 
 
 def _polynomials(engagement: Engagement) -> tuple[NDArray[np.intp], Array, NDArray[np.bool_]]:
-    """Of each interval (K - 1,): the first node of its polynomial, the coefficients (K - 1, 2 STENCIL) by Newton's divided
-    differences, every node taken twice, and whether it is exact enough."""
+    """Compute the polynomial of each interval (K - 1,) by Newton's divided differences, every node taken twice.
+
+    Returns the first node (K - 1,), the coefficients (K - 1, 2 NODES_PER_POLYNOMIAL), and True (K - 1,) where the polynomial is
+    exact enough.
+    """
     phi1, advance, slope, alike = _nodes(engagement)
     smooth = alike | (engagement.smooth & np.isfinite(slope[:-1]) & np.isfinite(slope[1:]))
     count = len(smooth)
     every = np.arange(count)
-    # the run of smooth intervals that an interval is in, from node `first` to node `last`
+    # run of smooth intervals that holds the interval, from node `first` to node `last`
     breaks = np.flatnonzero(~smooth)
     first = np.append(-1, breaks)[np.searchsorted(breaks, every)] + 1
     last = np.append(breaks, count)[np.searchsorted(breaks, every)]
-    nodes = np.minimum(last - first + 1, STENCIL)
+    nodes = np.minimum(last - first + 1, NODES_PER_POLYNOMIAL)
     left = np.clip(every - (nodes - 2) // 2, first, last - nodes + 1)
-    coefficients = np.zeros((count, 2 * STENCIL))
+    coefficients = np.zeros((count, 2 * NODES_PER_POLYNOMIAL))
     sure = np.zeros(count, dtype=bool)
     middle = 0.5 * (phi1[1:] + phi1[:-1])
-    for m in range(2, STENCIL + 1):
+    for m in range(2, NODES_PER_POLYNOMIAL + 1):
         own = np.flatnonzero(smooth & (nodes == m))
         at = np.repeat(left[own, None] + np.arange(m), 2, axis=1)
         z, column = phi1[at], advance[at]
@@ -152,23 +164,23 @@ def _polynomials(engagement: Engagement) -> tuple[NDArray[np.intp], Array, NDArr
             coefficients[own, order] = column[:, 0]
         away = middle[own, None] - phi1[at[:, ::2]]
         by_last = coefficients[own, 2 * m - 2] + coefficients[own, 2 * m - 1] * away[:, -1]
-        sure[own] = alike[own] | (np.abs(by_last * (away[:, :-1] ** 2).prod(axis=1)) <= SURE)
+        sure[own] = alike[own] | (np.abs(by_last * (away[:, :-1] ** 2).prod(axis=1)) <= MAX_POLYNOMIAL_ERROR_RAD)
     return left, coefficients, sure
 
 
 def _refine(engagement: Engagement) -> Engagement:
-    """The engagement with more nodes, where it takes them."""
-    for number in range(ROUNDS):
+    """Return the engagement with nodes added where polynomials are not exact enough."""
+    for number in range(REFINING_ROUNDS):
         _, _, sure = _polynomials(engagement)
         phi1, c = engagement.phi1, engagement.contacts
         smooth, touching = engagement.smooth, c.touching[1:] | c.touching[:-1]
         halved = np.flatnonzero(smooth & ~sure)
         places = [0.5 * (phi1[halved] + phi1[halved + 1])]
         if number == 0:
-            # lines and the ends of all contact are not followed but looked at anew, which takes longer; so are corners
+            # lines, corners and ends of contact need a new first touch at each node, which is slow: fewer nodes there
             plain = c.touching & engagement.followable
             followed = plain[1:] & plain[:-1]
-            for which, parts in ((followed, PARTS), (touching & ~followed, ROUGH_PARTS)):
+            for which, parts in ((followed, PARTS_BETWEEN_KINDS), (touching & ~followed, ROUGH_PARTS)):
                 k = np.flatnonzero(which & ~smooth & (np.diff(phi1) > 0.0))
                 share = np.arange(1, parts) / parts
                 places.append((phi1[k, None] + share * (phi1[k + 1] - phi1[k])[:, None]).ravel())
@@ -180,8 +192,10 @@ def _refine(engagement: Engagement) -> Engagement:
 
 
 def _with_passages(engagement: Engagement, ends: Sequence[float]) -> Engagement:
-    """The engagement with two nodes where a point of contact passes from the flanks to an edge, or back: one for either kind, which
-    have the same advance and slope there."""
+    """Return the engagement with two nodes at each passage of a point of contact between flanks and edge, one of each kind.
+
+    Both nodes have the same advance and slope.
+    """
     phi1, c = engagement.phi1, engagement.contacts
     every = np.array([end for end in ends if phi1[0] < end < phi1[-1]])
     left = np.searchsorted(phi1, every) - 1
@@ -195,19 +209,19 @@ def _with_passages(engagement: Engagement, ends: Sequence[float]) -> Engagement:
     there = np.repeat(every[passes], 2)
     contacts = engagement.as_at(there, node)
     advance, slope = (column.reshape(-1, 2) for column in _values(engagement, there, contacts))
-    alike = (np.abs(np.diff(advance)) < SURE) & (np.abs(np.diff(slope)) < JOINED)
+    alike = (np.abs(np.diff(advance)) < MAX_POLYNOMIAL_ERROR_RAD) & (np.abs(np.diff(slope)) < SLOPE_ROUNDING)
     own = np.flatnonzero(np.repeat(alike[:, 0], 2) & (contacts.edges == c.edges[node]).all(axis=1))
     if not own.size:
         return engagement
-    # of nodes right beside a passage divided differences would be rounding
-    beside = node[own][np.abs(phi1[node] - there)[own] < BESIDE * engagement.step]
+    # divided differences with nodes close to a passage would be rounding errors
+    beside = node[own][np.abs(phi1[node] - there)[own] < MIN_DISTANCE_FROM_PASSAGE * engagement.step]
     kept = np.setdiff1d(np.arange(len(phi1)), beside[(beside > 0) & (beside < len(phi1) - 1)])
     fewer = Engagement(engagement.pair, phi1[kept], c.at(kept), engagement.flanks.at(kept), engagement.step)
     return _with_nodes(fewer, there[own], contacts.at(own))
 
 
 def _with_ends(engagement: Engagement, ends: Sequence[float]) -> Engagement:
-    """The engagement with nodes at the ends of its lines, where these shrink to a point."""
+    """Return the engagement with nodes at the ends of line contact, where the line is a point."""
     phi1, line = engagement.phi1, engagement.contacts.line
     places, nearest = [], []
     for end, step in zip(ends, (1, -1), strict=False):
@@ -219,13 +233,13 @@ def _with_ends(engagement: Engagement, ends: Sequence[float]) -> Engagement:
     if not places:
         return engagement
     contacts = engagement.along_line(np.array(places), np.array(nearest))
-    # a line that was not found so far from its node is solved for as it is asked for
+    # no node where the line was not found: rotations there are solved for one by one
     own = np.flatnonzero(contacts.residual <= engagement.pair.tolerance)
     return _with_nodes(engagement, np.array(places)[own], contacts.at(own)) if own.size else engagement
 
 
 def _with_nodes(engagement: Engagement, phi1: Array, contacts: Contacts) -> Engagement:
-    """An engagement with nodes added at phi1 (M,) with contacts (M,)."""
+    """Return the engagement with nodes added at phi1 (M,) with contacts (M,)."""
     every = np.concatenate((engagement.phi1, phi1))
     order = np.argsort(every, kind="stable")
     c = engagement.contacts

@@ -1,9 +1,9 @@
-"""A pair of eccentric members over whole turns: every tooth pair has another error, until the pattern repeats.
+"""Transmission error of eccentric members over whole turns: every tooth pair has a different error until the pattern repeats.
 
-Teeth off their axis go round it. At a rotation phi an eccentric member stands as one without eccentricity that is displaced by
-`Mount.off(phi)`, and tooth pair k does at phi1 what pair 0, so displaced, does at phi1 - k pitches. All of them are one batch,
-solved from what the pair does without eccentricity at the same place of its engagement, held against first touch over the whole of
-both flanks at places drawn at random. The gear is displaced by its own phi2, which is found with the contact in a few rounds.
+At a rotation phi an eccentric member stands like a concentric member that is displaced by `Mount.off(phi)`. Tooth pair k has at
+phi1 the contact of pair 0, with this displacement, at phi1 - k pitches. All tooth pairs are one batch, which starts from the
+contacts of the concentric pair at the same rotations of its engagement. First touch over the whole of both flanks checks positions
+drawn at random. The displacement of the gear depends on phi2, which is found together with the contact in a few rounds.
 """
 
 from __future__ import annotations
@@ -30,58 +30,72 @@ from gearmesh.kernel.numeric.algebra import ARCSEC, Array, dot
 from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.mount import Mount
 
-#: positions in a pitch; fewer, down to LEAST, where they come to more than PLENTY in all; more pitches than MOST are refused
-PER_PITCH, LEAST, PLENTY, MOST = 12, 6, 8_000, 10_000
-#: pitches by which a pair is followed beyond its engagement without eccentricity
-BEYOND = 1.5
-#: by how much a tooth pair may fall behind without eccentricity and yet carry with it, in what eccentricities turn the gear by
-BEHIND = 3.0
-#: rounds in which the gear's own displacement is found, and the change of phi2 (rad) that ends them
-ROUNDS, TOLERANCE = 6, 1e-11
-#: positions solved at once, and those that are solved over the whole of both flanks to be sure
-CHUNK, CHECKED = 4_000, 96
-#: steps to either side from which a place may take another kind of contact
-NEAR = 2
-#: rad by which those may be ahead more
-SAME = 1e-9
+#: positions in a pitch at most
+POSITIONS_PER_PITCH = 12
+#: positions in a pitch at least
+MIN_POSITIONS_PER_PITCH = 6
+#: positions in all from which on pitches have fewer positions
+MAX_POSITIONS = 8_000
+#: pitches at most
+MAX_PITCHES = 10_000
+#: pitches by which a pair is followed beyond its concentric engagement
+PITCHES_BEYOND = 1.5
+#: lag of a concentric tooth pair, by the rotation of the gear from eccentricities, up to which the eccentric pair may carry
+MAX_LAG = 3.0
+#: rounds that find the displacement of the gear
+DISPLACEMENT_ROUNDS = 6
+#: change of phi2 (rad) that ends these rounds
+PHI2_TOLERANCE_RAD = 1e-11
+#: positions solved at once
+MAX_BATCH = 4_000
+#: positions that first touch over the whole of both flanks checks
+CHECKED_POSITIONS = 96
+#: steps each way from which a position may take another kind of contact
+STEPS_TO_OTHER_KIND = 2
+#: lead (rad) of first touch over the batch that is rounding
+ROUNDING_RAD = 1e-9
 
 
 @dataclass(frozen=True)
 class Wave:
-    """Part of the transmission error that repeats `per_turn` times in a turn of a `member`, or "mesh": with every tooth.
+    """Wave of the transmission error."""
 
-    `amplitude`, rad, and the phi1 (rad) of its first `crest`; `closed_amplitude`, `closed_crest`: of first order in the
-    eccentricity, contact taken at the mean point throughout [CR3553 3.4.11-3.4.14], NaN where the closed form has no such wave.
-    """
-
+    #: name of the member with whose turn the wave repeats, or "mesh" if it repeats with every tooth
     member: str
+    #: periods in a turn of the member
     per_turn: int
+    #: amplitude, rad
     amplitude: float
+    #: phi1 of the first crest, rad
     crest: float
+    #: amplitude of first order in the eccentricity, contact at the mean point [CR3553 3.4.11-3.4.14], rad, NaN without closed form
     closed_amplitude: float = math.nan
+    #: crest of first order in the eccentricity, rad, NaN likewise
     closed_crest: float = math.nan
 
 
 @dataclass(frozen=True)
 class FullTurns:
-    """A pair over the `pitches` of the pinion after which its pattern repeats, `per_pitch` positions in each.
+    """Transmission error and backlash of a pair over the turns after which its pattern repeats."""
 
-    At rotations `phi1` (P,), rad, from 0 on: transmission error `te` (P,), rad, relative to that at 0, NaN where nothing touches;
-    `carrier` (P,): the number of the tooth pair in contact; `backlash` (P,): rotation (rad) of the gear between its two first
-    touches, negative where the pair is jammed. `mean`: the mean of the error over all of it. `waves`: each as a `Wave`.
-    """
-
+    #: pitches of the pinion after which the pattern repeats
     pitches: int
+    #: positions in a pitch
     per_pitch: int
+    #: rotations (P,) of the pinion from 0 on, rad
     phi1: Array
+    #: transmission error (P,) less the error at phi1 = 0, rad, NaN where nothing touches
     te: Array
+    #: number (P,) of the tooth pair in contact
     carrier: NDArray[np.intp]
+    #: rotation (P,) of the gear between its two first touches, rad, negative where the pair is jammed
     backlash: Array
+    #: waves of the transmission error
     waves: tuple[Wave, ...]
 
     @property
     def peak_to_peak(self) -> float:
-        """Total transmission error, rad: the greatest less the least position."""
+        """Total transmission error, rad: greatest less least value."""
         return float(np.ptp(self.te))
 
     @property
@@ -91,29 +105,29 @@ class FullTurns:
 
     @property
     def tooth_to_tooth(self) -> float:
-        """The greatest change of the error within any one pitch, rad."""
+        """Greatest change of the transmission error within a pitch, rad."""
         ring = np.concatenate((self.te, self.te[: self.per_pitch]))
         return float(np.ptp(np.lib.stride_tricks.sliding_window_view(ring, self.per_pitch + 1), axis=1).max())
 
 
 def full_turns(pair: GearPair) -> FullTurns:
-    """A pair over the turns after which it repeats.
+    """Compute the transmission error of an eccentric pair over the turns after which it repeats.
 
-    Raises DesignError where these are too many, NoSolutionError where the teeth do not meet all the time.
+    Raises DesignError where the turns are too many, NoSolutionError where the teeth lose contact.
     """
     pitches = pitches_until_repeat(pair)
-    if pitches > MOST:
+    if pitches > MAX_PITCHES:
         raise DesignError(
             "teeth",
             (pair.pinion.tooth.teeth, pair.gear.tooth.teeth),
             reason=f"the pattern of both eccentricities repeats after {pitches} teeth",
-            allowed=f"up to {MOST}; teeth with a common divisor, or one eccentric member alone, need fewer",
+            allowed=f"up to {MAX_PITCHES}; teeth with a common divisor, or one eccentric member alone, need fewer",
         )
-    per_pitch = max(LEAST, min(PER_PITCH, PLENTY // pitches))
+    per_pitch = max(MIN_POSITIONS_PER_PITCH, min(POSITIONS_PER_PITCH, MAX_POSITIONS // pitches))
     both = (pair, reversed_pair(pair))
     first, second = (_concentric_engagement(own) for own in both)
     forwards, carrier = _advance(pair, first, pitches, per_pitch)
-    # the coast flanks of the same gear, which is turned by whole pitches from where its flank touches that of the same number
+    # the coast flanks belong to the same gear, turned by whole pitches from the contact of flanks of the same number
     turned = -pair.drive * _pitches_apart(pair, first, second) * pair.gear.tooth.pitch_angle
     backwards, _ = _advance(both[1], second, pitches, per_pitch, turned)
     te, phi1 = pair.drive * forwards, np.arange(pitches * per_pitch, dtype=float) * (pair.pitch / per_pitch)
@@ -130,13 +144,13 @@ def full_turns(pair: GearPair) -> FullTurns:
 
 
 def pitches_until_repeat(pair: GearPair) -> int:
-    """After how many teeth the same teeth of eccentric members meet again: those of a member without eccentricity are alike."""
+    """Return the teeth after which the same teeth of eccentric members meet again; a concentric member does not count."""
     teeth = (member.tooth.teeth for member in pair.both if member.mount.eccentricity != (0.0, 0.0))
     return math.lcm(1, *teeth)
 
 
 def _concentric_engagement(pair: GearPair) -> Engagement:
-    """The engagement without eccentricities. Raises NoSolutionError where the teeth never touch."""
+    """Solve for the engagement of the concentric pair. Raises NoSolutionError where the teeth never touch."""
     followed = whole_engagement(solver_pair(concentric_pair(pair)), pair.pitch)
     if followed is None:
         raise NoSolutionError(reason="the teeth never touch, so there is no transmission error over whole turns")
@@ -144,10 +158,10 @@ def _concentric_engagement(pair: GearPair) -> Engagement:
 
 
 def _pitches_apart(pair: GearPair, forwards: Engagement, backwards: Engagement) -> int:
-    """Pitches of the gear that `play` adds to the advances of both sides, whose flanks touch those of the same number."""
+    """Return the pitches of the gear that `play` adds to the advances of both sides, which count flanks of the same number."""
     total = np.zeros(1)
     for followed in (forwards, backwards):
-        whole = np.flatnonzero(np.abs(followed.phi1 / pair.pitch - np.round(followed.phi1 / pair.pitch)) < SAME)
+        whole = np.flatnonzero(np.abs(followed.phi1 / pair.pitch - np.round(followed.phi1 / pair.pitch)) < ROUNDING_RAD)
         total += np.max(followed.contacts.advance[whole], initial=-np.inf)
     if not np.isfinite(total).all():
         return 0
@@ -158,14 +172,14 @@ def _pitches_apart(pair: GearPair, forwards: Engagement, backwards: Engagement) 
 def _advance(
     pair: GearPair, followed: Engagement, pitches: int, per_pitch: int, turned: float = 0.0
 ) -> tuple[Array, NDArray[np.intp]]:
-    """Transmission advances (P,), rad, of the gears over the turns, and the tooth pairs in contact (P,).
+    """Compute transmission advances (P,), rad, of the gears over the turns, and the numbers (P,) of the tooth pairs in contact.
 
-    `followed`: the engagement without eccentricities; `turned` (rad): rotation of the gear beside its phi2, which its eccentricity
-    has as well.
+    `followed` is the concentric engagement. `turned` (rad) is a rotation of the gear in addition to phi2, which turns its
+    eccentricity too.
     """
     concentric = followed.pair
     low, high = engagement_range(followed, pair.pitch)
-    step, more = pair.pitch / per_pitch, BEYOND * pair.pitch
+    step, more = pair.pitch / per_pitch, PITCHES_BEYOND * pair.pitch
     places = np.arange(math.floor((low - more) / step), math.ceil((high + more) / step) + 1)
     turns = _Turns.of(pair, concentric, followed, pitches, per_pitch, places, turned)
     advance, carrier = turns.greatest()
@@ -178,7 +192,7 @@ def _advance(
 
 
 def concentric_pair(pair: GearPair) -> GearPair:
-    """The pair without eccentricities."""
+    """Return the pair without eccentricities."""
 
     def centre(member: Member) -> Member:
         return replace(member, mount=member.mount.concentric)
@@ -188,17 +202,23 @@ def concentric_pair(pair: GearPair) -> GearPair:
 
 @dataclass(frozen=True)
 class _Turns:
-    """All tooth pairs over their engagement: `places` (Q,), in steps of a pitch, at which the `pair` without eccentricity touches
-    as in `contacts` (Q,), and the numbers of those that are `worth` looking at (W,); `mounts`: with eccentricity; the gear is
-    `turned` (rad) beside its phi2."""
+    """Batch of all tooth pairs over their engagement."""
 
+    #: concentric pair
     pair: Pair
+    #: mounts of pinion and gear with eccentricity
     mounts: tuple[Mount, Mount]
+    #: pitches of the pinion after which the pattern repeats
     pitches: int
+    #: positions in a pitch
     per_pitch: int
+    #: places (Q,) of the engagement, in steps of `pitch / per_pitch`, at which the concentric pair touches
     places: NDArray[np.intp]
+    #: contacts (Q,) of the concentric pair
     contacts: Contacts
+    #: numbers (W,) of the places at which an eccentric pair may carry
     worth: NDArray[np.intp]
+    #: rotation of the gear in addition to phi2, rad
     turned: float
 
     @staticmethod
@@ -216,30 +236,32 @@ class _Turns:
         places, contacts = places[own], contacts.at(own)
         phase, most = places % per_pitch, np.full(per_pitch, -np.inf)
         np.maximum.at(most, phase, contacts.advance)
-        behind = BEHIND * sum(amplitude for amplitude, _ in _closed_waves(gears).values())
-        worth = np.flatnonzero(contacts.advance >= most[phase] - behind - SAME)
+        behind = MAX_LAG * sum(amplitude for amplitude, _ in _closed_waves(gears).values())
+        worth = np.flatnonzero(contacts.advance >= most[phase] - behind - ROUNDING_RAD)
         return _Turns(pair, gears.mounts, pitches, per_pitch, places, contacts, worth, turned)
 
     @cached_property
     def unlike(self) -> list[tuple[int, int]]:
-        """Numbers of places and of others near by at which the teeth touch in another way: displaced, they may do so here."""
+        """Numbers of places and of neighbours with another kind of contact, which displaced teeth may have at the place too."""
         kinds = np.column_stack((self.contacts.edges, self.contacts.line, self.contacts.part))
         away = np.abs(self.places[self.worth][:, None] - self.places)
         numbers = []
         for kind in np.unique(kinds, axis=0):
-            other = np.where((kinds == kind).all(axis=1), away, NEAR + 1)
+            other = np.where((kinds == kind).all(axis=1), away, STEPS_TO_OTHER_KIND + 1)
             nearest = other.argmin(axis=1)
-            taken = (other[np.arange(self.worth.size), nearest] <= NEAR) & (kinds[self.worth] != kind).any(axis=1)
+            taken = (other[np.arange(self.worth.size), nearest] <= STEPS_TO_OTHER_KIND) & (
+                kinds[self.worth] != kind
+            ).any(axis=1)
             numbers += list(zip(self.worth[taken].tolist(), nearest[taken].tolist(), strict=True))
         return numbers
 
     @property
     def step(self) -> float:
-        """From one position to the next, rad."""
+        """Step from one position to the next, rad."""
         return self.pair.pitch / self.per_pitch
 
     def greatest(self) -> tuple[Array, NDArray[np.intp]]:
-        """Of every position (P,) the greatest advance, rad, -inf where nothing touches, and the number of the tooth pair."""
+        """Solve for the greatest advance (P,), rad, at every position, -inf without contact, and the number (P,) of the pair."""
         contacts = Contacts.nothing(self.pitches * self.worth.size)
         tooth, place = (index.ravel() for index in np.meshgrid(np.arange(self.pitches), self.worth, indexing="ij"))
         position = (tooth * self.per_pitch + self.places[place]) % (self.pitches * self.per_pitch)
@@ -247,15 +269,17 @@ class _Turns:
             self._solve(part, tooth[part], place[part], contacts)
         advance, carrier = self._ahead(contacts, position)
         known = np.flatnonzero(contacts.touching)
-        some = np.random.default_rng(0).choice(known, min(CHECKED, known.size), replace=False)
-        if (self._anew(tooth[some], place[some], contacts.x[some, 4]).advance > advance[position[some]] + SAME).any():
+        some = np.random.default_rng(0).choice(known, min(CHECKED_POSITIONS, known.size), replace=False)
+        if (
+            self._anew(tooth[some], place[some], contacts.x[some, 4]).advance > advance[position[some]] + ROUNDING_RAD
+        ).any():
             for part in self._chunks(known):
                 contacts.put(part, self._anew(tooth[part], place[part], contacts.x[part, 4]))
             advance, carrier = self._ahead(contacts, position)
         return advance, tooth[carrier]
 
     def _ahead(self, contacts: Contacts, position: NDArray[np.intp]) -> tuple[Array, NDArray[np.intp]]:
-        """The greatest advance at every position (P,), and the number of its contact."""
+        """Return the greatest advance (P,), rad, at every position, and the number (P,) of its contact."""
         order = np.argsort(contacts.advance, kind="stable")
         last = np.zeros(self.pitches * self.per_pitch, dtype=np.intp)
         advance = np.full(last.size, -np.inf)
@@ -264,11 +288,11 @@ class _Turns:
 
     @staticmethod
     def _chunks(index: NDArray[np.intp]) -> Iterator[NDArray[np.intp]]:
-        for k in range(0, index.size, CHUNK):
-            yield index[k : k + CHUNK]
+        for k in range(0, index.size, MAX_BATCH):
+            yield index[k : k + MAX_BATCH]
 
     def _displace(self, tooth: NDArray[np.intp], place: NDArray[np.intp], phi2: Array) -> Pair:
-        """The pair with eccentric teeth (M,) at their places (M,), the gear at phi2 (M,), rad, as tooth pair 0 counts it."""
+        """Return the pair displaced as teeth (M,) at places (M,), with the gear at phi2 (M,), rad, as tooth pair 0 counts."""
         first, second = self.mounts
         turned = tooth * self.pair.pitch
         at_phi1 = first.off(self._phi1(place) + turned)
@@ -282,7 +306,7 @@ class _Turns:
     def _solve(
         self, part: NDArray[np.intp], tooth: NDArray[np.intp], place: NDArray[np.intp], contacts: Contacts
     ) -> None:
-        """Contacts of teeth (M,) at places (M,), kept under the numbers `part` (M,)."""
+        """Solve for contacts of teeth (M,) at places (M,), and put them under the numbers `part` (M,)."""
         starts = [(np.arange(place.size), place)]
         starts += [
             (own, np.full(own.size, source)) for to, source in self.unlike if (own := np.flatnonzero(place == to)).size
@@ -291,10 +315,10 @@ class _Turns:
         at = self.contacts.at(source)
         at.x[:, 4] += self.pair.ratio * self.step * (self.places[place[position]] - self.places[source])
         before = at.x[: place.size, 4]
-        for _ in range(ROUNDS):
+        for _ in range(DISPLACEMENT_ROUNDS):
             now = self._refine(self._displace(tooth, place, before), self._phi1(place), position, at)
             contacts.put(part, now)
-            on = now.touching & (now.edges[:, 0] < CORNER) & ~(np.abs(now.x[:, 4] - before) <= TOLERANCE)
+            on = now.touching & (now.edges[:, 0] < CORNER) & ~(np.abs(now.x[:, 4] - before) <= PHI2_TOLERANCE_RAD)
             if not on.any():
                 break
             part, tooth, place, at = part[on], tooth[on], place[on], now.at(np.flatnonzero(on))
@@ -302,7 +326,7 @@ class _Turns:
 
     @staticmethod
     def _refine(there: Pair, phi1: Array, position: NDArray[np.intp], at: Contacts) -> Contacts:
-        """What is ahead at positions phi1 (M,) of contacts that are solved for from others (S,), each at its position (S,)."""
+        """Solve from S contacts, each for its `position` (S,) in phi1 (M,), and return the most advanced contact at each phi1."""
         contacts = Contacts.nothing(phi1.size)
         with np.errstate(all="ignore"):
             for number, pair in there.parts.items():
@@ -316,14 +340,15 @@ class _Turns:
         return first_touch(self._displace(tooth, place, phi2), self._phi1(place))
 
     def _phi1(self, place: NDArray[np.intp]) -> Array:
-        """phi1 (M,), rad, of places (M,), as tooth pair 0 counts it."""
+        """Return phi1 (M,), rad, of places (M,), as tooth pair 0 counts."""
         return self.places[place].astype(float) * self.step
 
 
 def waves_of_turns(pair: GearPair, pitches: int, phi1: Array, te: Array) -> tuple[Wave, ...]:
-    """Waves of both members, once and twice a turn, and of the mesh, as far as the turns hold them a whole number of times.
+    """Compute the waves of both members, once and twice a turn, and of the mesh.
 
-    Waves of one frequency cannot be distinguished: they are one, called by all its members.
+    The turns must hold a whole number of periods of a wave. Waves of the same frequency cannot be distinguished: they are one wave
+    with the names of all its members.
     """
     closed = _closed_waves(pair)
     by_rate: dict[float, tuple[list[str], int, complex]] = {}
@@ -344,13 +369,13 @@ def waves_of_turns(pair: GearPair, pitches: int, phi1: Array, te: Array) -> tupl
 
 
 def _wave(rate: float, phi1: Array, te: Array) -> tuple[float, float]:
-    """Amplitude and phi1 of the first crest of the wave cos(rate phi1 - crest) in an error (P,) over whole periods."""
+    """Compute amplitude (rad) and phi1 (rad) of the first crest of the wave of `rate` in an error (P,) over whole periods."""
     part = 2.0 * np.mean((te - te.mean()) * np.exp(1j * rate * phi1))
     return float(np.abs(part)), float(np.angle(part) % (2.0 * np.pi) / rate)
 
 
 def _closed_waves(pair: GearPair) -> dict[str, tuple[float, float]]:
-    """Amplitude and phi1 of the first crest by member, rad, of first order [CR3553 3.4.7, 3.4.11]."""
+    """Compute amplitude and phi1 of the first crest by member, rad, of first order in the eccentricity [CR3553 3.4.7, 3.4.11]."""
     centred = concentric_pair(pair)
     path = contact_path(solver_pair(centred), np.zeros(1))
     lever = dot(path.normal[0], pair.gear.mount.velocity(path.point[0]))

@@ -23,9 +23,9 @@ from gearmesh.contact.conditions.even_edges import to_middle
 from gearmesh.contact.conditions.lines import trace
 from gearmesh.contact.conditions.meshing import Conditions
 from gearmesh.contact.conditions.refinement import Contacts
-from gearmesh.contact.engagement.curve import LEVEL, MeshCurve
+from gearmesh.contact.engagement.curve import LEVEL_SLOPE, MeshCurve
 from gearmesh.contact.engagement.displaced import displaced_gears
-from gearmesh.contact.engagement.engagement import PER_PITCH as NODES
+from gearmesh.contact.engagement.engagement import NODES_PER_PITCH as NODES
 from gearmesh.contact.engagement.engagement import Engagement, whole_engagement
 from gearmesh.contact.engagement.symmetry import ImageCurve, image
 from gearmesh.contact.engagement.tip_passing import tip_meetings
@@ -476,7 +476,7 @@ def _level(curves: tuple[MeshCurve, MeshCurve | ImageCurve], phase: Array) -> Ar
         return curves[0].slope(at, numbers[0][which]) + curves[1].slope(at, numbers[1][which])
 
     ends = slope(np.concatenate((low, high)), np.tile(np.arange(len(low)), 2)).reshape(2, -1)
-    k = np.flatnonzero((ends[0] * ends[1] < 0.0) & (np.abs(ends).min(axis=0) > LEVEL))
+    k = np.flatnonzero((ends[0] * ends[1] < 0.0) & (np.abs(ends).min(axis=0) > LEVEL_SLOPE))
     roots = bracketed_root(lambda at, which: slope(at, k[which]), low[k], high[k], tolerance=LEVEL_PHASE_TOLERANCE_RAD)
     # a root is not converged where contact stands on the end of a flank, which has no slope
     return roots.values[roots.converged]

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gearmesh.contact.engagement.engagement import LOOKS
+from gearmesh.contact.engagement.engagement import LOOKS_PER_PITCH
 from gearmesh.contact.first_touch.field import outlook
 from gearmesh.contact.fit.fit import (
     ROUNDING_MM,
@@ -62,7 +62,7 @@ def shift_gear(pair: GearPair, shift: float) -> GearPair:
 
 
 def direction(pair: GearPair) -> Array:
-    """Return the unit vector (3,), fixed frame, along which the gear moves: from axis to axis, or along its own axis if they meet."""
+    """Return the unit vector (3,), fixed frame, along which the gear moves: from axis to axis, or along its axis if they meet."""
     first, second = pair.mounts
     common, between = np.cross(first.axis, second.axis), second.origin - first.origin
     length = float(np.linalg.norm(common))
@@ -210,18 +210,19 @@ def _sampled_slack(pair: GearPair, fit: Fit) -> float | None:
 
     The field samples the rotations of `fit`. The depth of tips in fillets is not known here.
     """
-    reach = int(np.ceil(max(map(abs, fit.span)) / pair.pitch)) * LOOKS
-    phi1: Array = np.arange(-reach, reach).astype(float) * (pair.pitch / LOOKS)
+    reach = int(np.ceil(max(map(abs, fit.span)) / pair.pitch)) * LOOKS_PER_PITCH
+    phi1: Array = np.arange(-reach, reach).astype(float) * (pair.pitch / LOOKS_PER_PITCH)
     advances, both = [], [solver_pair(own) for own in (pair, reversed_pair(pair))]
     for flanks in both:
         with np.errstate(all="ignore"):
             own = np.max([outlook(part, phi1).best for part in flanks.parts.values()], axis=0)
-        every = own.reshape(-1, LOOKS).max(axis=0)
+        every = own.reshape(-1, LOOKS_PER_PITCH).max(axis=0)
         advances.append(np.where(np.isfinite(every), every, np.nan))
     if not np.isfinite(advances).all(axis=0).any():
         return None
     values = (fit.lever * play(pair, advances[0] + advances[1], wound=both[0].wound)).tolist()
     advances[0] = np.append(advances[0], advances[0][0])
     return least(
-        values + clearances_of(pair, gear_rotations(pair, np.linspace(0.0, pair.pitch, LOOKS + 1), advances[0]))
+        values
+        + clearances_of(pair, gear_rotations(pair, np.linspace(0.0, pair.pitch, LOOKS_PER_PITCH + 1), advances[0]))
     )

@@ -8,7 +8,7 @@ from dataclasses import fields
 from gearmesh.answers.contact.figures import CycleSummary
 from gearmesh.answers.contact.fit import FitSummary
 from gearmesh.answers.contact.turns import TurnsSummary
-from gearmesh.contact.engagement.curve import HARMONICS
+from gearmesh.contact.engagement.curve import HARMONIC_COUNT
 from gearmesh.figures import Summary
 from gearmesh.study.rows.load_figures import LoadFigures
 from gearmesh.study.rows.path_figures import PathFigures, PathShift
@@ -44,7 +44,7 @@ def _cycle() -> CycleSummary:
         pairs_in_contact=[0, 0],
         engagement_phi1=[none, none],
         mesh_te_peak_to_peak=none,
-        mesh_te_harmonics=[none] * HARMONICS,
+        mesh_te_harmonics=[none] * HARMONIC_COUNT,
         te_breaks_phi1=[],
     )
 
