@@ -110,7 +110,9 @@ def _tight(pair: GearPair, distance: float) -> tuple[float, float]:
 
 def _even(pair: GearPair) -> GearPair:
     """Return the pair with all teeth at their nominal index angles."""
-    return replace(pair, pinion=replace(pair.pinion, index=NO_INDEX_ANGLES), gear=replace(pair.gear, index=NO_INDEX_ANGLES))
+    return replace(
+        pair, pinion=replace(pair.pinion, index=NO_INDEX_ANGLES), gear=replace(pair.gear, index=NO_INDEX_ANGLES)
+    )
 
 
 def _least_play(pair: GearPair) -> float:
