@@ -1,4 +1,4 @@
-"""Contact of one pair of members in many assemblies at once: each with mounts of its own, all of them one batch."""
+"""Contact of one pair of members in many assemblies with different mounts, all assemblies in one batch."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from gearmesh.kernel.surface.curvature import contact_ellipse, relative_curvatur
 from gearmesh.teeth.mount import Mount
 
 #: positions solved at once
-CHUNK = 4_000
+MAX_BATCH = 4_000
 
 
 def many_assemblies(pair: Pair, bases: tuple[Rigid, Rigid], phi1: Array) -> Contacts:
-    """First touch of a tooth pair in M assemblies at rotations phi1 (P,), rad: M P positions, those of an assembly together.
+    """Find first touch of a tooth pair in M assemblies at rotations phi1 (P,), rad: M P positions, assembly by assembly.
 
-    `bases`: own frames of pinion and gear, not turned, to the fixed frame, rotations (M, 3, 3), translations (M, 3) each; all else
-    of the mounts is the pair's.
+    `bases` map the frames of pinion and gear at rotation zero to the fixed frame, with rotations (M, 3, 3) and translations (M, 3).
+    The other values of the mounts are the pair's.
     """
     contacts = Contacts.nothing(len(bases[0].translation) * len(phi1))
     for part, there, rotation in _chunks(pair, bases, phi1):
@@ -36,29 +36,35 @@ def many_assemblies(pair: Pair, bases: tuple[Rigid, Rigid], phi1: Array) -> Cont
 
 @dataclass(frozen=True)
 class AssemblyPaths:
-    """Contact of one tooth pair in M assemblies at P rotations `phi1` (P,), of all, or (M, P), rad; NaN where there is none.
+    """Contact of one tooth pair in M assemblies at P rotations; values are NaN without contact."""
 
-    `touching` (M, P), `surface` (M, P): contact inside both flanks, in a point or along a line, `line` (M, P): along a line;
-    `advance`, `slope` (M, P): of the gear over the nominal ratio, rad, and by phi1; `residual` (M, P), mm; `point` (M, P, 3) on the
-    pinion, its own frame, and `axes` (M, P, 2, 3), mm, the semi-axes of the ellipse there; `inside` (M, P, E), mm: how far
-    surface contact is inside each edge that ends a flank.
-    """
-
+    #: rotations of the pinion, (P,) for all assemblies or (M, P), rad
     phi1: Array
+    #: True (M, P) where the pair touches
     touching: NDArray[np.bool_]
+    #: True (M, P) where contact is inside both flanks, in a point or along a line
     surface: NDArray[np.bool_]
+    #: True (M, P) where contact is along a line
     line: NDArray[np.bool_]
+    #: advance (M, P) of the gear over the nominal ratio, rad
     advance: Array
+    #: slope (M, P) of the advance by phi1
     slope: Array
+    #: distance (M, P) between the points of both members, mm
     residual: Array
+    #: point (M, P, 3) of contact in the pinion's frame, mm
     point: Array
+    #: semi-axes (M, P, 2, 3) of the contact ellipse in the pinion's frame, mm
     axes: Array
+    #: distance (M, P, E) of surface contact inside each edge that ends a flank, mm
     inside: Array
 
 
 def assembly_paths(pair: Pair, bases: tuple[Rigid, Rigid], phi1: Array) -> AssemblyPaths:
-    """Paths of contact of a tooth pair in M assemblies, as `many_assemblies` with what lies on the pinion's flank; at rotations
-    phi1 (P,) or, of each assembly its own, (M, P)."""
+    """Compute the contact of a tooth pair in M assemblies at rotations phi1, rad, (P,) for all assemblies or (M, P).
+
+    `bases` are as in `many_assemblies`.
+    """
     shape = len(bases[0].translation), phi1.shape[-1]
     count = shape[0] * shape[1]
     alone = pair.parts[0]
@@ -96,11 +102,11 @@ def assembly_paths(pair: Pair, bases: tuple[Rigid, Rigid], phi1: Array) -> Assem
 
 
 def _chunks(pair: Pair, bases: tuple[Rigid, Rigid], phi1: Array) -> Iterator[tuple[NDArray[np.intp], Pair, Array]]:
-    """Positions of all assemblies in chunks: their numbers (N,), the pair with N mounts, their rotations (N,)."""
+    """Yield positions of all assemblies in batches: their numbers (N,), the pair with N mounts, and rotations (N,), rad."""
     count, positions = len(bases[0].translation), phi1.shape[-1]
     every = np.broadcast_to(phi1, (count, positions)).ravel()
-    for start in range(0, count * positions, CHUNK):
-        part = np.arange(start, min(start + CHUNK, count * positions))
+    for start in range(0, count * positions, MAX_BATCH):
+        part = np.arange(start, min(start + MAX_BATCH, count * positions))
         there = replace(
             pair,
             pinion=pair.pinion.remount(_place(pair.pinion.mount, bases[0], part // positions)),

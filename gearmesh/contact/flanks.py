@@ -1,4 +1,4 @@
-"""Contact of a gear pair: its trimmed flanks handed to the solver, which knows nothing of teeth."""
+"""Contact of a gear pair: hand the trimmed flanks of teeth to the solver, which knows surfaces but no teeth."""
 
 from __future__ import annotations
 
@@ -25,8 +25,10 @@ from gearmesh.teeth.region import FILLET_REGIONS, FLANK_REGIONS, Side
 from gearmesh.teeth.section import Link, breaks
 from gearmesh.teeth.tooth import Tooth
 
-#: points of the grid across a flank, and across a fillet
-ROWS, FILLET_ROWS = 13, 13
+#: points of the grid across a flank
+FLANK_ROWS = 13
+#: points of the grid across a fillet
+FILLET_ROWS = 13
 #: points of the grid across a chamfer or rounding of the tip
 TIP_ROWS = 9
 #: sine of the angle between normals up to which two surfaces pass smoothly into each other
@@ -34,7 +36,7 @@ SMOOTH_ANGLE_SINE = 1e-6
 
 
 def solver_pair(pair: GearPair) -> Pair:
-    """The two touching flanks of a gear pair, mounted, as the solver wants them."""
+    """Return the mounted flanks, fillets and tip edges of a gear pair for the solver."""
     return Pair(
         pinion=contact_flank(pair.pinion, pair.flanks[0]),
         gear=contact_flank(pair.gear, pair.flanks[1]),
@@ -48,25 +50,27 @@ def solver_pair(pair: GearPair) -> Pair:
 
 
 def analyse(pair: GearPair, phi1: Array) -> ContactPath:
-    """Contact path of a gear pair at phi1 (P,), rad, counted as its source counts it."""
+    """Compute the contact path of a gear pair at phi1 (P,), rad, as its source counts phi1."""
     return contact_path(solver_pair(pair), phi1, pair.generation)
 
 
 @dataclass(frozen=True)
 class PathHertz:
-    """Hertz contact at the positions of a path, all (P,): NaN at edges and where there is no contact.
+    """Hertz contact at the P positions of a path; values are NaN at edges and without contact."""
 
-    `force` N along the normal; `peak_pressure` MPa; semi-axes `semi_major`, `semi_minor` and `approach` mm. At a line of
-    contact `semi_major` is half its length and `approach`, which for half-spaces has no limit, is NaN. `share` of the torque that
-    the tooth pair has.
-    """
-
+    #: torque on the pinion, Nm
     torque: float
+    #: normal force (P,), N
     force: Array
+    #: greatest pressure (P,), MPa
     peak_pressure: Array
+    #: semi-major axis (P,) of the contact ellipse, or half the length of a contact line, mm
     semi_major: Array
+    #: semi-minor axis (P,) of the contact ellipse, or half the width of the contact strip, mm
     semi_minor: Array
+    #: approach (P,) of the members, mm, NaN in line contact, where half-spaces have none
     approach: Array
+    #: share (P,) of the torque on the tooth pair
     share: Array
 
 
@@ -83,11 +87,10 @@ def hertz_path(
     materials: tuple[Material, Material] = (STEEL, STEEL),
     share: ArrayLike = 1.0,
 ) -> PathHertz:
-    """Hertz contact along a solved path under a torque (Nm) on the pinion about its axis, in the sense that drives.
+    """Compute Hertz contact along a solved path under a torque (Nm) on the pinion in the driving sense.
 
-    Without a `share` (P,) all of the torque is on the one tooth pair of the path, however many share it. A line is
-    loaded evenly; its curvature is that at its middle. `materials` are those of pinion and gear. Raises DesignError unless
-    torque > 0.
+    `share` (P,) is the share of the torque on the tooth pair; by default the pair carries all of it. The load on a line is uniform,
+    and its curvature is the curvature at the middle. `materials` belong to pinion and gear. Raises ArgumentError unless torque > 0.
     """
     refuse_torque(torque)
     mount, modulus = pair.pinion.mount, contact_modulus(*materials)
@@ -107,7 +110,7 @@ def hertz_path(
 
 
 def touching_jets(pair: GearPair, path: ContactPath) -> tuple[Jet, Jet]:
-    """Jets (P,) of both flanks at the points of a path, fixed frame; NaN where they do not touch."""
+    """Return jets (P,) of both members at the points of a path, fixed frame; NaN without contact."""
     jets = []
     for member, side, params, turn, regions in (
         (pair.pinion, pair.flanks[0], path.params1, path.rotation, path.regions[0]),
@@ -124,12 +127,12 @@ def touching_jets(pair: GearPair, path: ContactPath) -> tuple[Jet, Jet]:
 
 
 def _surface(tooth: Tooth, side: Side, region: str) -> Surface | None:
-    """Surface of a fillet or tip edge."""
+    """Return the surface of a fillet or tip edge."""
     return tooth.side(side).fillet if region == FILLET else tooth.tip_edges.get(side)
 
 
 def separation_curvatures(pair: GearPair, path: ContactPath) -> Array:
-    """Relative principal curvatures (P, 2), 1/mm, smaller first, with which the flanks part from the points of a path."""
+    """Return relative principal curvatures (P, 2), 1/mm, smaller first, of the gap at the points of a path."""
     first, second = touching_jets(pair, path)
     e1, e2 = tangent_basis(first)
     relative = principal(relative_curvature(first, second, e1, e2))
@@ -138,22 +141,23 @@ def separation_curvatures(pair: GearPair, path: ContactPath) -> Array:
 
 @dataclass(frozen=True)
 class Curvatures:
-    """Principal curvatures `k1` >= `k2` (P,), 1/mm, and unit vectors (P, 3) along their directions, fixed frame.
+    """Principal curvatures by the normal out of the body: below 0 where a flank is convex; NaN at edges and without contact."""
 
-    Counted by the normal out of the body: < 0 where a flank is convex. NaN at edges and where there is no contact.
-    """
-
+    #: greater principal curvature (P,), 1/mm
     k1: Array
+    #: smaller principal curvature (P,), 1/mm
     k2: Array
+    #: unit vectors (P, 3) along the direction of `k1`, fixed frame
     direction1: Array
+    #: unit vectors (P, 3) along the direction of `k2`, fixed frame
     direction2: Array
 
 
 def path_curvatures(pair: GearPair, path: ContactPath) -> tuple[Curvatures, Curvatures, Curvatures]:
-    """Of the pinion's flank, of the gear's, and relative ones, at the points of a path [CR3553 1.6, 1.7].
+    """Compute curvatures of the pinion's flank, of the gear's flank, and relative, at the points of a path [CR3553 1.6, 1.7].
 
-    Relative are those of the sum of both shape operators, each by the normal out of its own body: K1 - K2 by one normal. They are
-    < 0 where the flanks part, 0 along a line of contact.
+    Relative curvatures belong to the sum of both shape operators, each by the normal out of its body (K1 - K2 by one normal).
+    They are below 0 where the flanks part, and 0 along a line of contact.
     """
     first, second = touching_jets(pair, path)
     (e1, e2), (g1, g2) = tangent_basis(first), tangent_basis(second)
@@ -166,7 +170,7 @@ def path_curvatures(pair: GearPair, path: ContactPath) -> tuple[Curvatures, Curv
 
 
 def _curvatures(operator: Array, e1: Array, e2: Array, known: NDArray[np.bool_]) -> Curvatures:
-    """Principal curvatures of operators (P, 2, 2) in tangent bases (P, 3), where they are `known` (P,)."""
+    """Return principal curvatures of operators (P, 2, 2) in tangent bases e1, e2 (P, 3); NaN where not `known` (P,)."""
     principal_curvatures = principal(operator)
     ways = in_plane(principal_curvatures.angle, e1, e2)
     k1, k2 = (np.where(known, k, np.nan) for k in (principal_curvatures.k1, principal_curvatures.k2))
@@ -175,8 +179,10 @@ def _curvatures(operator: Array, e1: Array, e2: Array, known: NDArray[np.bool_])
 
 
 def smooth_under(pair: GearPair, path: ContactPath) -> NDArray[np.bool_]:
-    """Positions (P,) of a path whose contact ellipse lies where both flanks are smooth: over a line on which a relief begins, the
-    flanks part otherwise than their curvatures at the point say."""
+    """Return True (P,) where the contact ellipse lies on smooth parts of both flanks.
+
+    Across a line on which a relief begins, the gap differs from the gap of the curvatures at the point.
+    """
     is_smooth = np.ones(len(path.phi1), dtype=bool)
     axes = path.semi_major[:, None] * path.major, path.semi_minor[:, None] * path.minor
     both = zip(pair.both, pair.flanks, touching_jets(pair, path), (path.params1, path.params2), strict=True)
@@ -195,7 +201,7 @@ def _length(line: Array) -> float:
 
 
 def contact_flank(member: Member, side: Side) -> Flank:
-    """One trimmed flank of a member in its mounting.
+    """Return one trimmed flank of a member with its mount.
 
     Raises TrimError where the tooth cannot be trimmed, DesignError where teeth of the member differ.
     """
@@ -228,13 +234,13 @@ def contact_flank(member: Member, side: Side) -> Flank:
 
 
 def rows_of(link: Link, side: Side) -> Array:
-    """s (I,) of the rows of a flank's grid, from the root on: evenly spaced, and its seams."""
-    s = np.union1d(np.linspace(0.0, 1.0, ROWS), breaks(link))
+    """Return s (I,) of the rows of a flank's grid from the root on: equally spaced rows and the seams."""
+    s = np.union1d(np.linspace(0.0, 1.0, FLANK_ROWS), breaks(link))
     return s if side is Side.RIGHT else s[::-1]
 
 
 def _creases(tooth: Tooth, side: Side) -> dict[str, Level]:
-    """Levels through the corners of a cylindrical gear's flank."""
+    """Return the levels through the creases of a flank."""
     own, middle = tooth.side(side), tooth.stations([0.5])
     levels: dict[str, Level] = {}
     for name, p in zip(CREASES, own.creases, strict=False):
@@ -244,15 +250,14 @@ def _creases(tooth: Tooth, side: Side) -> dict[str, Level]:
 
 
 def _tip_corners(tooth: Tooth) -> dict[str, Level]:
-    """Levels through the corners of a flank's tip line, across the stations."""
+    """Return the levels of the stations at which the tip line of a flank has corners."""
     axial, ends = tooth.blank.axial, sorted(tooth.blank.extent)
     inside = [place for place in tooth.blank.tip.corners(axial) if ends[0] < place < ends[1]]
     return {name: Shifted(axial, place) for name, place in zip(TIP_CORNERS, inside, strict=False)}
 
 
 def contact_fillet(member: Member, side: Side) -> Flank:
-    """The fillet of one side of a member in its mounting, from the root to the form point; its ends but for the form point are
-    edges.
+    """Return the fillet of one side of a member with its mount, from root to form point; toe, heel and root are its edges.
 
     Raises TrimError where the tooth cannot be trimmed, DesignError where teeth of the member differ.
     """
@@ -277,10 +282,10 @@ def contact_fillet(member: Member, side: Side) -> Flank:
 
 
 def contact_tip_edge(member: Member, side: Side) -> Flank | None:
-    """The tip chamfer or rounding of one side of a member in its mounting, from the flank to the land; None where the tip is sharp.
+    """Return the tip chamfer or rounding of one side of a member with its mount, from flank to land; None for a sharp tip.
 
-    Toe and heel are its edges, and the land where it meets that at an angle. Where it meets the flank at an angle, that edge is the
-    flank's.
+    Its edges are toe and heel, and the land if the surfaces meet at an angle. An edge between flank and chamfer belongs to the
+    flank.
 
     Raises TrimError where the tooth cannot be trimmed, DesignError where teeth of the member differ.
     """
@@ -304,5 +309,5 @@ def contact_tip_edge(member: Member, side: Side) -> Flank | None:
 
 
 def _are_parallel(first: Array, second: Array) -> bool:
-    """True where unit vectors (N, 3) are parallel: surfaces with these normals pass smoothly into each other."""
+    """Return True if unit vectors (N, 3) are parallel: surfaces with these normals pass smoothly into each other."""
     return bool((np.linalg.norm(cross(first, second), axis=-1) < SMOOTH_ANGLE_SINE).all())

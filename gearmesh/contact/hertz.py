@@ -1,20 +1,20 @@
 """Hertz contact of elastic bodies that touch in a point or along a line: pressure, contact area and approach.
 
-Bodies are taken for half-spaces, smooth and frictionless. Before loading their gap at (x, y) in the common tangent plane is
+The bodies are smooth and frictionless half-spaces. Their gap before loading at (x, y) in the common tangent plane is
 
     gap = (kappa_x x^2 + kappa_y y^2) / 2        kappa: relative principal curvatures, both positive
 
-which for `curvature.relative_curvature` means the two eigenvalues of -(K1 - K2). The pressure is a semi-ellipsoid,
+The curvatures are the eigenvalues of -(K1 - K2) in `curvature.relative_curvature`. The pressure is a semi-ellipsoid,
 p = p0 sqrt(1 - (x/a)^2 - (y/b)^2), with a >= b along the directions of the smaller and the larger curvature. With
 q = (b/a)^2, m = 1 - q, the complete elliptic integrals K, E of parameter m and
 
     D = (K - E) / m,    B = (E - q K) / m,    K = B + D,    E = B + q D
 
-its displacement, which has to close the gap, gives [J85 3.41, 4.26]
+the displacement that closes the gap gives [J85 3.41, 4.26]
 
     kappa_x / 2 = (p0/E*) D b / a^2,    kappa_y / 2 = (p0/E*) B / b,    approach = (p0/E*) b K,    F = 2/3 pi p0 a b
 
-Units: mm, N, MPa. All is batched: arguments broadcast against each other, results have the common shape (...,).
+Units: mm, N, MPa. Arguments broadcast against each other, and results have the common shape (...,).
 Source: [J85] K. L. Johnson, Contact Mechanics, 1985, chapters 3 to 5.
 """
 
@@ -28,16 +28,15 @@ from numpy.typing import ArrayLike
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
 
-#: Newton steps on log q: d log(kappa_x/kappa_y) / d log q lies between 3/4 (circle) and 1 (line), so every step leaves less
-#: than a third of the error, soon its square; 6 do from ratios of 1 to 1e-280
+#: Newton steps on log q; the slope lies between 3/4 (circle) and 1 (line), and 6 steps suffice for ratios from 1 to 1e-280
 NEWTON_STEPS = 10
-#: parameter m below which (D - B) / m, only a slope, is taken from its series
+#: parameter m below which (D - B) / m comes from its series
 NEARLY_ROUND = 1e-4
 
 
 @dataclass(frozen=True)
 class Material:
-    """Isotropic elastic material: Young's modulus in MPa, Poisson's ratio.
+    """Isotropic elastic material with Young's modulus (MPa) and Poisson's ratio.
 
     Raises DesignError for values that no material has.
     """
@@ -61,26 +60,31 @@ STEEL = Material()
 
 
 def contact_modulus(first: Material, second: Material) -> float:
-    """E* (MPa) of two bodies: 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 [J85 4.21]."""
+    """Return E* (MPa) of two bodies: 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 [J85 4.21]."""
     return 1.0 / (1.0 / first.plane_modulus + 1.0 / second.plane_modulus)
 
 
 @dataclass(frozen=True)
 class PointContact:
-    """Elliptic contact, all (...,): `force` N, `peak_pressure` p0 MPa, `semi_major` a >= `semi_minor` b and `approach` mm."""
+    """Elliptic contact, all values with the shape (...,)."""
 
+    #: normal force, N
     force: Array
+    #: greatest pressure p0, MPa
     peak_pressure: Array
+    #: semi-major axis a of the contact ellipse, mm
     semi_major: Array
+    #: semi-minor axis b of the contact ellipse, mm
     semi_minor: Array
+    #: approach of the bodies, mm
     approach: Array
 
 
 @dataclass(frozen=True)
 class LineContact:
-    """Contact along a straight line, all (...,): `load` N/mm, `peak_pressure` p0 MPa, `half_width` b mm.
+    """Contact along a straight line, all values (...,): `load` N/mm, `peak_pressure` p0 MPa, `half_width` b mm.
 
-    There is no approach: that of half-spaces grows without limit with the depth at which it is measured [J85 5.56].
+    There is no approach: the approach of half-spaces grows without limit with the depth of its reference point [J85 5.56].
     """
 
     load: Array
@@ -92,7 +96,7 @@ class LineContact:
 
 
 def point_contact(kappa: ArrayLike, kappa_other: ArrayLike, force: ArrayLike, modulus: ArrayLike) -> PointContact:
-    """Contact under a force (N) from relative principal curvatures (1/mm, either order) and E* (MPa).
+    """Compute the point contact under a force (N) from relative principal curvatures (1/mm, in any order) and E* (MPa).
 
     Raises DesignError unless curvatures and modulus are positive and the force is not negative.
     """
@@ -106,11 +110,15 @@ def point_contact(kappa: ArrayLike, kappa_other: ArrayLike, force: ArrayLike, mo
 
 @dataclass(frozen=True)
 class _EllipseShape:
-    """What the curvatures alone decide: q = (b/a)^2, integrals K and E of parameter 1 - q, and half the sum of curvatures."""
+    """Shape of the contact ellipse, which depends only on the curvatures; all values (...,)."""
 
+    #: square of the ratio of the axes, (b/a)^2
     q: Array
+    #: complete elliptic integral K of parameter 1 - q
     k: Array
+    #: complete elliptic integral E of parameter 1 - q
     e: Array
+    #: half the sum of the relative curvatures, 1/mm
     total: Array
 
     @staticmethod
@@ -125,7 +133,7 @@ class _EllipseShape:
         return _EllipseShape(q, b + d, b + q * d, 0.5 * (first + second))
 
     def contact(self, a: Array, modulus: Array) -> PointContact:
-        """The contact with semi-major axis a (...,), mm."""
+        """Return the contact with semi-major axis a (...,), mm."""
         b = a * np.sqrt(self.q)
         pressure = modulus * self.total * b / self.e
         shared = np.broadcast_arrays(
@@ -135,7 +143,7 @@ class _EllipseShape:
 
 
 def _log_q(wanted: Array) -> Array:
-    """log q (...,) at which log(q D / B) is `wanted` (<= 0): by Newton from q = the ratio itself."""
+    """Solve log(q D / B) = `wanted` (<= 0) for log q (...,) by Newton steps from log q = `wanted`."""
     log_q = wanted
     for _ in range(NEWTON_STEPS):
         q = np.exp(log_q)
@@ -148,7 +156,7 @@ def _log_q(wanted: Array) -> Array:
 
 
 def _integrals(q: Array) -> tuple[Array, Array]:
-    """D and B (...,) of parameter 1 - q by Carlson's integrals, which lose no digits at q = 0 or 1 [DLMF 19.25.1]."""
+    """Return D and B (...,) of parameter 1 - q by Carlson's integrals, which lose no digits at q = 0 or 1 [DLMF 19.25.1]."""
     from scipy.special import elliprd
 
     return elliprd(0.0, q, 1.0) / 3.0, q * elliprd(0.0, 1.0, q) / 3.0
@@ -158,7 +166,9 @@ def _integrals(q: Array) -> tuple[Array, Array]:
 
 
 def line_contact(kappa: ArrayLike, load: ArrayLike, modulus: ArrayLike) -> LineContact:
-    """Contact under a load (N/mm) along a line, from the relative curvature (1/mm) across it and E* (MPa) [J85 4.42-4.45].
+    """Compute the line contact under a load (N/mm) from the relative curvature (1/mm) across the line and E* (MPa).
+
+    Source: [J85 4.42-4.45].
 
     Raises DesignError unless curvature and modulus are positive and the load is not negative.
     """
@@ -174,12 +184,12 @@ def line_contact(kappa: ArrayLike, load: ArrayLike, modulus: ArrayLike) -> LineC
 def normal_force(
     torque: ArrayLike, point: Array, normal: Array, origin: Array, axis: Array, share: ArrayLike = 1.0
 ) -> Array:
-    """Normal force (...,), N, at a contact point that holds `share` of a torque (Nmm) on a body about its axis.
+    """Compute the normal force (...,), N, at a contact point that carries `share` of a torque (Nmm) on a body about its axis.
 
-    `point` (..., 3) mm; `normal` (..., 3) unit, out of that body; `origin`, `axis` (3,): a point on the axis and its unit
-    direction, about which the torque is right-handed. No friction. The whole torque on one point (share 1) is right only
-    for a single tooth pair in contact. Negative where the torque takes the bodies apart, infinite where the normal
-    meets the axis or is parallel to it.
+    `point` (..., 3) is in mm, `normal` (..., 3) is a unit vector out of the body. `origin` (3,) is a point of the axis, `axis` (3,)
+    its unit direction, about which the torque is right-handed. Friction is zero. The share 1 is right only for a single tooth pair
+    in contact. The force is negative where the torque takes the bodies apart, and infinite where the normal meets the axis or
+    is parallel to it.
     """
     arm = dot(cross(point - origin, normal), axis)
     with np.errstate(divide="ignore", invalid="ignore"):

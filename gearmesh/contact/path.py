@@ -1,4 +1,4 @@
-"""The result of a tooth contact analysis, as arrays over the positions; what exports, pictures and checks read."""
+"""Result of a tooth contact analysis as arrays over the positions, for exports, pictures and checks."""
 
 from __future__ import annotations
 
@@ -14,52 +14,62 @@ from gearmesh.kernel.numeric.algebra import Array
 
 @dataclass(frozen=True)
 class ContactPath:
-    """Contact of one tooth pair at P positions; NaN where there is none (`kind` "none").
+    """Contact of one tooth pair at P positions; values are NaN at positions without contact."""
 
-    phi1 (P,) as the source counts it (for [LT85] the generation angle) and `rotation` (P,) of the pinion, the same in
-    most systems; phi2 (P,) rotation of the gear; rad; te (P,) transmission error in rad, relative to
-    phi1 = 0; kind (P,) one of "point", "line", "edge", "none"; edge (P,) which edge took over ("pinion_tip",
-    "gear_heel", two joined by "+" where edges cross, "" otherwise); status (P,) `errors.Status` codes;
-    residual (P,) largest residual of r1 = r2 in mm; point, normal (P, 3) in the fixed frame (normal out of the
-    pinion); point1, point2 (P, 3) in the members' own frames; params1, params2 (P, 2) surface parameters;
-    semi_major, semi_minor (P,) semi-axes of the contact ellipse in mm and angle (P,) from the pinion's first
-    parameter line to the major axis, rad (NaN for edges and lines); major, minor (P, 3) unit vectors along them, fixed frame;
-    part (P,): what touches, a number in `pair.PARTS`, 0 on the flanks; parameters are those of the surfaces that touch;
-    lines: for every position None or (K, 3) points of the contact line, fixed frame, mm, NaN between its pieces.
-    """
-
+    #: rotations (P,) of the pinion as the source counts them (in [LT85] the generation angle), rad
     phi1: Array
+    #: rotations (P,) of the pinion, rad; equal to `phi1` in most systems
     rotation: Array
+    #: rotations (P,) of the gear, rad
     phi2: Array
+    #: transmission error (P,) relative to phi1 = 0, rad
     te: Array
+    #: kind (P,) of contact: "point", "line", "edge" or "none"
     kind: NDArray[np.str_]
+    #: edge (P,) in contact ("pinion_tip", "gear_heel"), two joined by "+" where edges cross, "" without edge contact
     edge: NDArray[np.str_]
+    #: codes (P,) of `errors.Status`
     status: NDArray[np.int64]
+    #: distance (P,) between the points of both flanks, mm
     residual: Array
+    #: points (P, 3) of contact, fixed frame, mm
     point: Array
+    #: unit normals (P, 3) out of the pinion, fixed frame
     normal: Array
+    #: points (P, 3) of contact in the pinion's frame, mm
     point1: Array
+    #: points (P, 3) of contact in the gear's frame, mm
     point2: Array
+    #: surface parameters (P, 2) of the pinion's surface in contact
     params1: Array
+    #: surface parameters (P, 2) of the gear's surface in contact
     params2: Array
+    #: semi-major axis (P,) of the contact ellipse, mm, NaN for edges and lines
     semi_major: Array
+    #: semi-minor axis (P,) of the contact ellipse, mm, NaN for edges and lines
     semi_minor: Array
+    #: angle (P,) from the pinion's first parameter line to the major axis, rad, NaN for edges and lines
     angle: Array
+    #: unit vectors (P, 3) along the major axis, fixed frame
     major: Array
+    #: unit vectors (P, 3) along the minor axis, fixed frame
     minor: Array
+    #: for every position None or points (K, 3) of the contact line, fixed frame, mm, NaN between its pieces
     lines: tuple[Array | None, ...]
+    #: time of the solution, s
     seconds: float
+    #: parts (P,) in contact, numbers in `pair.PARTS`, 0 on the flanks
     part: NDArray[np.intp]
 
     def without(self, nothing: ContactPath, which: NDArray[np.bool_]) -> ContactPath:
-        """The path with another one's values at some of its positions.
+        """Return the path with the values of another path at some positions.
 
         Parameters
         ----------
         nothing : ContactPath
-            Of as many positions; its rotations do not count.
+            Path with as many positions; its rotations are ignored.
         which : (P,) of bool
-            Positions that are taken from it.
+            Positions with the values of `nothing`.
 
         Returns
         -------
@@ -86,7 +96,7 @@ class ContactPath:
 
     @property
     def regions(self) -> tuple[NDArray[np.str_], NDArray[np.str_]]:
-        """What of pinion and gear touches (P,): "flank", "fillet" or "tip_edge"; "" where nothing does."""
+        """Regions (P,) of pinion and gear in contact: "flank", "fillet" or "tip_edge"; "" without contact."""
         first, second = np.array(PARTS)[self.part].T
         return np.where(self.touching, first, ""), np.where(self.touching, second, "")
 

@@ -1,9 +1,9 @@
-"""Tooth contact analysis: where two trimmed flanks touch, position by position, all positions in one batch.
+"""Tooth contact analysis: contact of two trimmed flanks at given rotations of the pinion, all rotations in one batch.
 
-For a given phi1 the driven gear lies where it is first touched: phi2 is the largest (drive +1) or smallest (-1) value
-at which some point of one tooth meets the other. In the interior of both flanks that is tangency of the surfaces; else it lies
-on an edge (tip, toe, heel), where two edges cross, or, where tips reach that far, on a fillet. Pairs that touch along lines make
-the equations singular; they are recognised by their relative curvature.
+At a given phi1 the driven gear stands at its first touch: phi2 is the largest (drive +1) or smallest (-1) value at which a point of
+one tooth meets the other tooth. In the interior of both flanks the surfaces are tangent. Otherwise contact is on an edge (tip, toe,
+heel), at the crossing of two edges, or on a fillet. Line contact makes the equations singular; it is recognised by the relative
+curvature.
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.surface.curvature import contact_ellipse, relative_curvature, tangent_basis
 from gearmesh.kernel.surface.surface import Jet
 
-#: so many positions are solved one by one over the whole of the flanks; more are followed from nodes
-DIRECT = 64
-#: nodes from which positions are followed, at most a pitch's part apart
-NODES = 48
-#: rounds in which the rotation is found for a phi1 that the source counts otherwise
-COUNTS = 6
+#: positions up to which first touch is found at each position; more positions are followed from nodes
+MAX_DIRECT_POSITIONS = 64
+#: nodes at least from which positions are followed; the nodes of 4 pitches
+MIN_NODES = 48
+#: rounds that solve for the rotation where the source counts phi1 differently
+COUNTING_ROUNDS = 6
 
 
 def contact_path(
@@ -44,14 +44,13 @@ def contact_path(
     edges: bool = True,
     engagement: Engagement | None = None,
 ) -> ContactPath:
-    """Contact of one tooth pair at rotations phi1 (P,), rad; TE relative to phi1 = 0.
+    """Compute the contact of one tooth pair at rotations phi1 (P,), rad, with the transmission error relative to phi1 = 0.
 
-    `count_phi1` gives, for pinion surface parameters, the angle by which the source counts phi1 (the generation
-    angle of [LT85]); the rotation is then found that makes it take the values asked for, inside both flanks. Without `edges` only
-    tangency inside both flanks is looked for. An `engagement` of the pair that is known already is made use of.
-    Positions without contact come back as kind "none" with the reason in `status`; nothing is raised for them, and
-    no floating-point warnings either: what is not finite is reported by its status. Raises DesignError where the flanks push the
-    other way than the pair's `drive` says.
+    `count_phi1` returns, from surface parameters of the pinion, the angle by which the source counts phi1 (the generation angle of
+    [LT85]). The rotation is then solved for so that this angle takes the given values inside both flanks. Without `edges` the
+    solver looks only for tangency inside both flanks. A known `engagement` of the pair saves its solution.
+    Positions without contact have the kind "none" and their reason in `status`. Raises DesignError where the flanks drive in the
+    sense opposite to the pair's `drive`.
     """
     started = time.perf_counter()
     asked = np.append(np.asarray(phi1, dtype=float), 0.0)
@@ -59,7 +58,7 @@ def contact_path(
         rotation = asked.copy()
         contacts = _solve(pair, rotation, edges, engagement)
         if count_phi1 is not None:
-            for _ in range(COUNTS):
+            for _ in range(COUNTING_ROUNDS):
                 miss = asked - rotation - _count_offset(count_phi1, rotation, contacts)
                 off = np.flatnonzero(np.abs(miss) > 1e-13)
                 if not off.size:
@@ -77,7 +76,7 @@ def contact_path(
 
 
 def jammed_path(pair: Pair, phi1: Array) -> ContactPath:
-    """The path of gears that are jammed at rotations phi1 (P,), rad, all along: no contact, and the status says why."""
+    """Return the path of gears that are jammed at all rotations phi1 (P,), rad: no contact, with `Status.JAMMED`."""
     phi1 = np.asarray(phi1, dtype=float)
     every = np.append(phi1, 0.0)
     path = _result(pair, every, every, Contacts.nothing(len(every)), time.perf_counter())
@@ -85,8 +84,10 @@ def jammed_path(pair: Pair, phi1: Array) -> ContactPath:
 
 
 def _count_offset(count_phi1: Callable[[Array, Array], Array], rotation: Array, contacts: Contacts) -> Array:
-    """By how much (N,), rad, the source's phi1 is ahead of the pinion's rotation; on edges, which no source treats, as much as
-    where surface contact ends next to them."""
+    """Return the lead (N,), rad, of the source's phi1 over the pinion's rotation.
+
+    No source treats edge contact: it has the lead of the nearest end of surface contact.
+    """
     offset = count_phi1(contacts.x[:, 0], contacts.x[:, 1]) - rotation
     inside = np.flatnonzero(contacts.touching & (contacts.edges[:, 0] < 0) & (contacts.part == 0) & np.isfinite(offset))
     if not inside.size:
@@ -98,21 +99,24 @@ def _count_offset(count_phi1: Callable[[Array, Array], Array], rotation: Array, 
 
 
 def _solve(pair: Pair, phi1: Array, edges: bool, engagement: Engagement | None) -> Contacts:
-    """Contacts at rotations phi1 (N,)."""
+    """Solve for contacts at rotations phi1 (N,), rad."""
     if not edges:
         return touches(pair.parts[0], phi1, edges=False)[0]
     if engagement is not None:
         return engagement.at(phi1)
-    if len(phi1) <= DIRECT:
+    if len(phi1) <= MAX_DIRECT_POSITIONS:
         return touches(pair, phi1)[0]
     low, high = phi1.min(), phi1.max()
-    count = NODES if np.isnan(pair.pitch) else max(NODES, int(np.ceil((high - low) / pair.pitch * NODES / 4.0)))
+    count = (
+        MIN_NODES if np.isnan(pair.pitch) else max(MIN_NODES, int(np.ceil((high - low) / pair.pitch * MIN_NODES / 4.0)))
+    )
     return follow(pair, np.linspace(low, high, count)).at(phi1)
 
 
 def _result(pair: Pair, asked: Array, rotation: Array, contacts: Contacts, started: float) -> ContactPath:
-    """Everything reported, from the unknowns; the last position, phi1 = 0, only serves as the reference of TE."""
+    """Build the path from solved contacts; the last position, phi1 = 0, is only the reference of the transmission error."""
     count = len(asked)
+    # a contact that is any point of an edge or a line moves to its middle; lines get their points
     lines: list[Array | None] = [None] * count
     for number, part in pair.parts.items():
         to_middle(part, rotation, contacts, number)
@@ -125,6 +129,7 @@ def _result(pair: Pair, asked: Array, rotation: Array, contacts: Contacts, start
             contacts.x[places] = line.x
             for k, points in zip(places, line.points, strict=True):
                 lines[k] = points
+    # contact ellipses from the relative curvature, transmission error relative to phi1 = 0 or to the first contact
     own, fixed = contact_jets(pair, rotation, contacts)
     one, two = fixed
     e1, e2 = tangent_basis(one)
@@ -172,7 +177,7 @@ def _result(pair: Pair, asked: Array, rotation: Array, contacts: Contacts, start
 
 
 def contact_jets(pair: Pair, rotation: Array, contacts: Contacts) -> tuple[tuple[Jet, Jet], tuple[Jet, Jet]]:
-    """Jets (N,) of both members at the contacts, in their own frames and in the fixed one; NaN where there is none."""
+    """Return jets (N,) of both members at the contacts, in the members' frames and in the fixed frame; NaN without contact."""
     jets = {
         number: Conditions(part.flanks, rotation, pair.length).touch(contacts.x, np.arange(len(rotation)))
         for number, part in pair.parts.items()
@@ -193,7 +198,7 @@ def contact_jets(pair: Pair, rotation: Array, contacts: Contacts) -> tuple[tuple
 
 
 def _edge_names(pair: Pair, contacts: Contacts) -> NDArray[np.str_]:
-    """Names of the edges in contact (N,), two joined by "+"; corners of a tip line, chamfers and roundings are of the tip."""
+    """Return names (N,) of the edges in contact, two joined by "+"; tip corners, chamfers and roundings count as tip."""
     names = np.full(len(contacts.x), "", dtype="<U32")
     # CORNER has a name, -1 none
     named = np.concatenate((~OF_CORNERS, [True, False]))

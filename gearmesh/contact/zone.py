@@ -1,13 +1,13 @@
-"""The zone of contact of conjugate flanks: which points of a flank touch, and where in space.
+"""Zone of contact of conjugate flanks: the points of a flank that touch, and their places in the fixed frame.
 
-A point of a flank that turns with its member touches where the equation of meshing n . v12 = 0 holds. Of a member that turns by
-phi that is A cos(phi) + B sin(phi) + C = 0:
+A point of a flank touches the conjugate flank where the equation of meshing n . v12 = 0 holds. For a member that turns by phi the
+equation reads A cos(phi) + B sin(phi) + C = 0:
 
-    |C| < hypot(A, B)       the point touches twice, as the flank comes past it and goes; where it lies on the other flank decides
-    |C| = hypot(A, B)       both are one: there contact lines have their envelope, beyond which nothing touches (limit line)
-    |C| > hypot(A, B)       it never touches
+    |C| < hypot(A, B)       two roots: the point meets the mating flank twice; the root that lies on the mating flank counts
+    |C| = hypot(A, B)       one double root: the envelope of the contact lines, beyond which nothing touches (limit line)
+    |C| > hypot(A, B)       no root: the point never touches
 
-The flank that is generated ends where it becomes singular, on the limiting line of its tool (`kernel.envelope.limiting_line`).
+The generated flank ends where it becomes singular, on the limiting line of its tool (`kernel.envelope.limiting_line`).
 """
 
 from __future__ import annotations
@@ -25,25 +25,29 @@ from gearmesh.teeth.flank_frame import FlankFrame
 from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.limits import ways_to_limiting_line
 
-#: points of a flank from root to tip and along the face
-GRID = (21, 41)
-#: points of the pinion's flank by whose normals both places of a point are told apart
+#: points of the gear's flank from root to tip and along the face
+GEAR_GRID = (21, 41)
+#: points of the pinion's flank whose normals tell the two roots of a point apart
 PINION_GRID = (15, 15)
-#: points up and along a flank among which the envelope of its contact lines is looked for; stations of limiting lines
+#: points of the pinion's flank, up and along, between which the envelope of the contact lines is looked for
 LIMIT_GRID = (41, 161)
-#: and steps on the way there
-STATIONS, STEPS = 41, 41
-#: rounding of 1 - |C| / hypot(A, B)
-ROUNDING = 1e-6
-#: thirds of a turn, by which a harmonic is known
-THIRDS = np.array([0.0, 2.0, 4.0]) * np.pi / 3.0
+#: stations of a limiting line
+LIMIT_STATIONS = 41
+#: steps from the flank to its limiting line
+LIMIT_STEPS = 41
+#: rounding error of 1 - |C| / hypot(A, B)
+RESERVE_ROUNDING = 1e-6
+#: rotations (rad) that determine A, B and C: thirds of a turn
+THIRDS_OF_TURN = np.array([0.0, 2.0, 4.0]) * np.pi / 3.0
 
 
 @dataclass(frozen=True)
 class MeetingPoints:
-    """Rotations `turns` (..., 2), rad, of a member at which points of its flank touch a conjugate one, and where: `fixed`
-    (..., 2, 3), fixed frame, mm; NaN of points that never touch. `reserve` (...,): 1 - |C| / hypot(A, B), 0 on the envelope of
-    the contact lines."""
+    """Rotations `turns` (..., 2), rad, of a member at which points of its flank touch the conjugate flank.
+
+    `fixed` (..., 2, 3) are the points in the fixed frame, mm; both are NaN for points that never touch. `reserve` (...,) is
+    1 - |C| / hypot(A, B), 0 on the envelope of the contact lines.
+    """
 
     turns: Array
     fixed: Array
@@ -51,7 +55,7 @@ class MeetingPoints:
 
 
 def meeting_points(pair: GearPair, name: str, r: Array, n: Array) -> MeetingPoints:
-    """Where points r (..., 3) of the flank of a member that turns, with normals n, own frame, touch."""
+    """Solve the equation of meshing for points r (..., 3), with normals n, of the flank of member `name`, in its frame."""
     first, second = (own.concentric for own in pair.mounts)
     mount = pair.members[name].mount.concentric
 
@@ -60,13 +64,13 @@ def meeting_points(pair: GearPair, name: str, r: Array, n: Array) -> MeetingPoin
         at = to_fixed.point(r)
         return dot(to_fixed.vector(n), first.velocity(at) - pair.ratio * second.velocity(at))
 
-    values = np.stack([meshing(float(phi)) for phi in THIRDS])
+    values = np.stack([meshing(float(phi)) for phi in THIRDS_OF_TURN])
     c = values.mean(axis=0)
-    a, b = (2.0 / 3.0 * np.tensordot(wave, values, axes=1) for wave in (np.cos(THIRDS), np.sin(THIRDS)))
+    a, b = (2.0 / 3.0 * np.tensordot(wave, values, axes=1) for wave in (np.cos(THIRDS_OF_TURN), np.sin(THIRDS_OF_TURN)))
     size = np.hypot(a, b)
     with np.errstate(invalid="ignore", divide="ignore"):
-        # on the envelope itself rounding decides whether there is a root
-        cosine = np.where(np.abs(c) <= (1.0 + ROUNDING) * size, np.clip(-c / size, -1.0, 1.0), np.nan)
+        # on the envelope rounding must not take the double root away
+        cosine = np.where(np.abs(c) <= (1.0 + RESERVE_ROUNDING) * size, np.clip(-c / size, -1.0, 1.0), np.nan)
         turns = np.arctan2(b, a)[..., None] + np.arccos(cosine)[..., None] * np.array([-1.0, 1.0])
         turns = (turns - mount.zero + np.pi) % (2.0 * np.pi) - np.pi + mount.zero
         fixed = mount.at(turns).point(np.broadcast_to(r[..., None, :], (*turns.shape, 3)))
@@ -75,33 +79,35 @@ def meeting_points(pair: GearPair, name: str, r: Array, n: Array) -> MeetingPoin
 
 @dataclass(frozen=True)
 class ContactZone:
-    """The zone of contact on the gear's flank, on points (I, J, 3) of it from form point to tip and from toe to heel, own frame.
+    """Zone of contact on the gear's flank, on a grid from form point to tip (I) and from toe to heel (J)."""
 
-    `fixed` (I, J, 3): where they touch, fixed frame, mm, NaN where they never do; `depth` (I, J), mm: how far within the edges of
-    the pinion's flank that is, < 0 beyond them; `root` (I, J): which of both `MeetingPoints.turns` that is; `share` of the
-    flank's area that touches; `ends` (2,): stations (mm) between which it does, NaN where it does nowhere.
-    """
-
+    #: points (I, J, 3) of the flank, gear's frame, mm
     points: Array
+    #: places (I, J, 3) of contact, fixed frame, mm, NaN for points that never touch
     fixed: Array
+    #: depth (I, J) of the place within the edges of the pinion's flank, mm, below 0 beyond them
     depth: Array
+    #: number (I, J) of the root in `MeetingPoints.turns`
     root: NDArray[np.intp]
+    #: share of the flank's area that touches
     share: float
+    #: stations (2,) between which the flank touches, mm, NaN if it touches nowhere
     ends: Array
 
 
-def contact_zone(pair: GearPair, grid: tuple[int, int] = GRID) -> ContactZone | None:
-    """The zone of contact of flanks that are conjugate; None where a member slides."""
+def contact_zone(pair: GearPair, grid: tuple[int, int] = GEAR_GRID) -> ContactZone | None:
+    """Compute the zone of contact of conjugate flanks; None for a pair with a member that slides (a rack)."""
     if not all(mount.spin.any() for mount in pair.mounts):
         return None
     gear, side, pinion = pair.gear, pair.flanks[1], pair.pinion.mount.concentric
     flank = gear.tooth.flank_grid(side, *(np.linspace(0.0, 1.0, n) for n in grid))
     met = meeting_points(pair, gear.name, flank.points, flank.normals)
     frame = FlankFrame.of(pair.pinion, pair.flanks[0])
-    # lengths and heights are the same however the pinion is turned, and so are the parts of its normals
+    # places of both roots on the pinion's flank; lengths, heights and parts of normals do not depend on its rotation
     to_own = pinion.at(pinion.zero).inverse
     places = frame.places(to_own.point(met.fixed))
     both = np.where(np.isnan(places[..., 0]), -np.inf, depth_inside(frame.outline, places))
+    # of the two roots take the root with the normal of the pinion's flank there, and the root nearer to the flank
     normals = -pair.gear.mount.concentric.at(met.turns).vector(flank.normals[..., None, :])
     parts = _round_axis(to_own.point(met.fixed), to_own.vector(normals))
     apart = parts - _normals_at(pair, frame, places)
@@ -109,6 +115,7 @@ def contact_zone(pair: GearPair, grid: tuple[int, int] = GRID) -> ContactZone | 
     root = np.nan_to_num(dot(apart, apart) + far**2, nan=np.inf).argmin(axis=-1)
     depth = np.take_along_axis(both, root[..., None], axis=-1)[..., 0]
     fixed = np.take_along_axis(met.fixed, root[..., None, None], axis=-2)[..., 0, :]
+    # area of the flank by the trapezoidal rule, and the share of every cell that touches
     rows, columns = (np.where(np.arange(n) % (n - 1) == 0, 0.5, 1.0) for n in grid)
     up, along = (np.gradient(flank.points, axis=axis) for axis in (0, 1))
     area = np.linalg.norm(cross(up, along), axis=-1) * rows[:, None] * columns
@@ -120,17 +127,17 @@ def contact_zone(pair: GearPair, grid: tuple[int, int] = GRID) -> ContactZone | 
 
 
 def _round_axis(r: Array, n: Array) -> Array:
-    """Radial, tangential and axial parts (..., 3) of vectors n at points r (..., 3), own frame."""
+    """Return radial, tangential and axial parts (..., 3) of vectors n at points r (..., 3), member's frame."""
     cosine, sine = (r[..., k] / np.hypot(r[..., 0], r[..., 1]) for k in (0, 1))
     return components(cosine * n[..., 0] + sine * n[..., 1], cosine * n[..., 1] - sine * n[..., 0], n[..., 2])
 
 
 def _normals_at(pair: GearPair, frame: FlankFrame, places: Array) -> Array:
-    """Parts (..., 3) of the pinion's normals at lengths and heights (..., 2), of the nearest of its points; NaN of no place."""
+    """Return parts (..., 3) of the pinion's normals at lengths and heights (..., 2), from the nearest grid point; NaN for NaN."""
     grid = pair.pinion.tooth.flank_grid(pair.flanks[0], *(np.linspace(0.0, 1.0, n) for n in PINION_GRID))
     size = np.ptp(frame.extent, axis=0)
     known = (frame.places(grid.points) / size).reshape(-1, 2)
-    # squares of distances, less those of the places: one product, where differences take five times as long
+    # squared distances less the squares of the places: one matrix product, five times as fast as differences
     number = ((known**2).sum(axis=-1) - 2.0 * (places / size) @ known.T).argmin(axis=-1)
     normals: Array = _round_axis(grid.points, grid.normals).reshape(-1, 3)[number]
     return np.where(np.isnan(places[..., :1]), np.nan, normals)
@@ -138,8 +145,11 @@ def _normals_at(pair: GearPair, frame: FlankFrame, places: Array) -> Array:
 
 @dataclass(frozen=True)
 class LimitLine:
-    """Where contact lines end on a member's flank: points (K, 3), `own` frame and, as they touch, `fixed` frame, mm; NaN between
-    its parts. `undercut`: the flank is singular there, on the limiting line of its tool; else they have their envelope there."""
+    """Limit line of contact on a member's flank.
+
+    Points (K, 3) in the member's frame (`own`) and, at their contact, in the fixed frame (`fixed`), mm, NaN between pieces.
+    `undercut` is True on the limiting line of the tool, where the flank is singular, and False on the envelope of contact lines.
+    """
 
     own: Array
     fixed: Array
@@ -147,10 +157,13 @@ class LimitLine:
 
 
 def limit_lines(pair: GearPair, zone: ContactZone) -> dict[str, LimitLine]:
-    """Limit lines by the members' names: on the gear the limiting line of its tool, also where that is beyond the flank; on the
-    pinion the envelope of the contact lines within its flank."""
+    """Solve for the limit lines of both members, by name.
+
+    The gear has the limiting line of its tool, even beyond the flank; the pinion has the envelope of the contact lines within its
+    flank.
+    """
     lines = {}
-    ways, normals = ways_to_limiting_line(pair.gear.tooth, pair.flanks[1], STATIONS, STEPS)
+    ways, normals = ways_to_limiting_line(pair.gear.tooth, pair.flanks[1], LIMIT_STATIONS, LIMIT_STEPS)
     if np.isfinite(ways).any():
         met = meeting_points(pair, pair.gear.name, ways, normals)
         lines[pair.gear.name] = LimitLine(ways[-1], _follow_root(met, int(zone.root[-1, 0])), undercut=True)
@@ -161,8 +174,7 @@ def limit_lines(pair: GearPair, zone: ContactZone) -> dict[str, LimitLine]:
 
 
 def _envelope(pair: GearPair) -> LimitLine:
-    """The envelope of the contact lines on the pinion's flank: one point for every line from toe to heel and place on it, where it
-    crosses."""
+    """Solve for the envelope of the contact lines on the pinion's flank, by a root on every grid line from toe to heel."""
     pinion, which = pair.pinion, pair.flanks[0]
     surface = pinion.tooth.side(which).flank
     grid = pinion.tooth.flank_grid(which, *(np.linspace(0.0, 1.0, n) for n in LIMIT_GRID))
@@ -182,7 +194,7 @@ def _envelope(pair: GearPair) -> LimitLine:
     every = np.flatnonzero(root.converged)
     jet = at(root.values[every], every)
     fixed = meeting_points(pair, pinion.name, jet.r, jet.n).fixed[..., 0, :]
-    # of every row the first crossing and the others, one line each
+    # the first crossings of all rows are one line, the second crossings the next line
     number = np.arange(every.size) - np.searchsorted(i[every], i[every])
     gap = np.full((1, 3), np.nan)
     parts = [np.flatnonzero(number == n) for n in np.unique(number)]
@@ -194,8 +206,10 @@ def _envelope(pair: GearPair) -> LimitLine:
 
 
 def _follow_root(met: MeetingPoints, root: int) -> Array:
-    """Where the last of points (N, K) touches, (K, 3): of both roots, which may cross, that which follows from the one of the
-    first, on to the last of the first column, and from there along the last."""
+    """Return the places (K, 3), fixed frame, mm, of the last row of points (N, K), by following one of the two roots.
+
+    The roots may cross. The search follows `root` of the first point down the first column and then along the last row.
+    """
     turns = np.concatenate((met.turns[:, 0], met.turns[-1, 1:]))
     at, before = [root], turns[0, root]
     chosen = before
