@@ -1,8 +1,8 @@
-"""Lines of contact that bend: followed step by step from a point of them, both ways, and cut to what both flanks have of them.
+"""Contact lines that bend: followed step by step both ways from one point, and cut to the pieces that lie on both flanks.
 
-A line of a worm wheel runs along the whole face while its station on the worm hardly changes, and may leave the tooth over the
-throat and enter it again: it has pieces. A step goes along the line's tangent, in which the flanks do not part, and back on to the
-line.
+A line on a worm wheel runs along the whole face while its station on the worm hardly changes. It may leave the tooth over the
+throat and enter it again, so that it has pieces. A step goes along the tangent of the line, in which the flanks do not part, and
+back to the line.
 """
 
 from __future__ import annotations
@@ -21,24 +21,32 @@ from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.surface.curvature import contact_ellipse, relative_curvature, tangent_basis
 from gearmesh.kernel.surface.nearest import tangential
 
-#: steps each way over a length of a flank, and in all; residual (mm) while it is followed
-STEPS, MOST, ROUGH = 24, 48, 1e-5
-#: how far (part of a flank's length) beyond the flanks a line is followed, to where it may enter them again
-BEYOND = 0.35
-#: how often points of lines that were followed are spaced evenly again
-ALIKE = 6
-#: neighbours on a line at stations of the face are no farther apart than this many stations, and turn the gear alike (rad)
-NEAR, SAME = 4.0, 1e-8
-#: stations beyond those known that are looked for from these
-AHEAD = 6
+#: steps each way over a length of a flank
+STEPS_PER_LENGTH = 24
+#: steps each way at most
+MAX_STEPS = 48
+#: residual (mm) while a line is followed
+FOLLOWING_TOLERANCE_MM = 1e-5
+#: distance beyond the flanks, by a flank's length, to which a line is followed because it may enter them again
+MAX_BEYOND_FLANKS = 0.35
+#: rounds that space the points of followed lines equally
+SPACING_ROUNDS = 6
+#: distance between neighbours on a line, in stations of the face, up to which they are connected
+MAX_NEIGHBOUR_STATIONS = 4.0
+#: difference of phi2 (rad) between points of one line that is rounding
+SAME_PHI2_RAD = 1e-8
+#: stations beyond the known points that are solved for from them
+STATIONS_AHEAD = 6
 #: evaluations of a point of a line at a station at most
-EVALUATIONS = 15
+MAX_EVALUATIONS = 15
 
 
 @dataclass(frozen=True)
 class LinePieces:
-    """Pieces of lines (Q,): `line`, the number (Q,) of each one's line, in order along it; unknowns `x` (Q, K, 5) of points evenly
-    spaced from end to end; `length` (Q,), mm."""
+    """Pieces of contact lines: number `line` (Q,) of the line of each piece, unknowns `x` (Q, K, 5), and `length` (Q,), mm.
+
+    The pieces of a line are in order along it, and their K points equally spaced from end to end.
+    """
 
     line: NDArray[np.intp]
     x: Array
@@ -46,7 +54,7 @@ class LinePieces:
 
 
 def directions(pair: Pair, touch: Touch) -> tuple[Array, Array]:
-    """Unit vectors (M, 3), fixed frame, along and across the lines through places (M,) where both flanks touch."""
+    """Return unit vectors (M, 3), fixed frame, along and across the contact lines through places (M,) of contact."""
     one, two = touch.fixed
     e1, e2 = tangent_basis(one)
     ellipse = contact_ellipse(relative_curvature(one, two, e1, e2), e1, e2, pair.delta)
@@ -54,11 +62,11 @@ def directions(pair: Pair, touch: Touch) -> tuple[Array, Array]:
 
 
 def pieces(pair: Pair, plain: Conditions, x: Array, count: int) -> LinePieces:
-    """What both flanks have of the lines through x (M, 5), at `count` points each; `plain`: the conditions at these positions.
+    """Solve for the pieces of the lines through x (M, 5) that lie on both flanks, with `count` points in each piece.
 
-    It does not matter which places of the lines x are.
+    `plain` are the conditions at these positions. Any place of a line may start the search.
     """
-    states = np.full((len(x), 2 * MOST + 1, 5), np.nan)
+    states = np.full((len(x), 2 * MAX_STEPS + 1, 5), np.nan)
     over_face, good, start = _over_face(pair, plain, x) if pair.wound else (states, np.zeros(len(x), dtype=bool), x)
     if good.any():
         states[good, : over_face.shape[1]] = over_face[good]
@@ -66,15 +74,15 @@ def pieces(pair: Pair, plain: Conditions, x: Array, count: int) -> LinePieces:
     if rest.size:
         states[rest] = _over_face_first(pair, plain.repeat(rest), _follow(pair, plain.repeat(rest), start[rest]))
     own = _pieces(pair, plain, np.arange(len(x)), states, count)
-    # a gap between two steps shows between the points of its piece; of what was followed the chords become alike, wherever its
-    # steps were: each time their differences are some 40 times less
-    for _ in range(ALIKE if rest.size else 1):
+    # cut the pieces again, because a gap may lie between two steps; on followed lines each round also makes the chords more equal,
+    # by a factor of about 40
+    for _ in range(SPACING_ROUNDS if rest.size else 1):
         own = _pieces(pair, plain, own.line, own.x, count)
     return own
 
 
 def _over_face_first(pair: Pair, plain: Conditions, states: Array) -> Array:
-    """Lines through states (L, S, 5), NaN where there are none, in the order in which the gear's face begins and ends."""
+    """Order the points of lines (L, S, 5), NaN without a point, from the beginning to the end of the gear's face."""
     first, last = (np.isfinite(way[..., 0]).argmax(axis=1) for way in (states, states[:, ::-1]))
     every = np.arange(len(states))
     ends = np.concatenate((states[every, first], states[every, -1 - last]))
@@ -84,7 +92,7 @@ def _over_face_first(pair: Pair, plain: Conditions, states: Array) -> Array:
 
 
 def _pieces(pair: Pair, plain: Conditions, line: NDArray[np.intp], states: Array, count: int) -> LinePieces:
-    """What both flanks have of lines (L,) through states (L, S, 5) in order along them, NaN where there are none."""
+    """Cut lines (L,) with points `states` (L, S, 5) in order along them, NaN without a point, to pieces on both flanks."""
     outside = np.full(states.shape[:2], np.inf)
     there = np.nonzero(np.isfinite(states[..., 0]))
     by_edge, past = margins(
@@ -94,7 +102,7 @@ def _pieces(pair: Pair, plain: Conditions, line: NDArray[np.intp], states: Array
     inside = np.pad(outside <= EDGE_SLACK, ((0, 0), (1, 1))).astype(int)
     row, first = np.nonzero(np.diff(inside, axis=1) > 0)
     last = np.nonzero(np.diff(inside, axis=1) < 0)[1] - 1
-    # both ends of all pieces at once
+    # cut both ends of all pieces in one batch
     rows, inner, outer = np.tile(row, 2), np.concatenate((first, last)), np.concatenate((first - 1, last + 1))
     ends, beyond = states[rows, inner], np.clip(outer, 0, states.shape[1] - 1)
     cut = np.flatnonzero((beyond == outer) & np.isfinite(states[rows, beyond, 0]))
@@ -107,8 +115,10 @@ def _pieces(pair: Pair, plain: Conditions, line: NDArray[np.intp], states: Array
 
 
 def line_over_face(pair: Pair, plain: Conditions, x: Array, stations: Array) -> tuple[Array, NDArray[np.bool_], Touch]:
-    """Points (M, S, 5) of the lines through x (M, 5) at stations (S,) or (M, S) of the gear, mm, which of them (M, S) are found,
-    and both flanks there (M S)."""
+    """Solve for points (M, S, 5) of the lines through x (M, 5) at stations (S,) or (M, S) of the gear, mm.
+
+    Also returns True (M, S) for points that are found, and both flanks at the points (M S).
+    """
     shape = len(x), stations.shape[-1]
     rows = np.repeat(np.arange(shape[0]), shape[1])
     repeated = plain.repeat(rows)
@@ -119,7 +129,7 @@ def line_over_face(pair: Pair, plain: Conditions, x: Array, stations: Array) -> 
         x[rows],
         tolerance=pair.tolerance,
         max_step=pair.max_step,
-        max_evaluations=EVALUATIONS,
+        max_evaluations=MAX_EVALUATIONS,
     )
     touch = repeated.touch(solution.values, np.arange(len(rows)))
     one, two = touch.fixed
@@ -128,13 +138,15 @@ def line_over_face(pair: Pair, plain: Conditions, x: Array, stations: Array) -> 
 
 
 def _over_face(pair: Pair, plain: Conditions, x: Array) -> tuple[Array, NDArray[np.bool_], Array]:
-    """Points (M, S, 5) of lines through x (M, 5) in order over the gear's face, NaN beyond where they end; which lines (M,) run
-    from one end of it to the other without gaps, so that these are all of their points; and where to follow the others from
-    (M, 5): the deepest of these points inside both flanks, if one is."""
-    stations = np.linspace(*pair.gear.extent, 2 * STEPS + 1)
+    """Solve for points (M, S, 5) of lines through x (M, 5) at stations over the gear's face.
+
+    Also returns True (M,) for lines that run over the whole face without gaps, for which these points are complete, and places
+    (M, 5) from which to follow the other lines: the deepest point inside both flanks, or x.
+    """
+    stations = np.linspace(*pair.gear.extent, 2 * STEPS_PER_LENGTH + 1)
     states, there, touch = line_over_face(pair, plain, x, stations)
     steps = np.linalg.norm(np.diff(touch.fixed[0].r.reshape(*there.shape, 3), axis=1), axis=-1)
-    good = there.all(axis=1) & (steps < 2.0 * 4.0 * pair.length / STEPS).all(axis=1)
+    good = there.all(axis=1) & (steps < 2.0 * 4.0 * pair.length / STEPS_PER_LENGTH).all(axis=1)
     start, left = x.copy(), np.flatnonzero(~good)
     if left.size:
         own, here = states[left], plain.repeat(left)
@@ -153,18 +165,18 @@ def _over_face(pair: Pair, plain: Conditions, x: Array) -> tuple[Array, NDArray[
 def _from_neighbours(
     pair: Pair, plain: Conditions, x: Array, states: Array, there: NDArray[np.bool_], stations: Array
 ) -> NDArray[np.bool_]:
-    """Which points (M, S) of lines at stations (S,) hang together with the places x (M, 5) of theirs.
+    """Return True (M, S) for points of lines at stations (S,) that are connected with the places x (M, 5).
 
-    `states` (M, S, 5), as far as they are `there` (M, S), are what is known; what lies beyond the ends of what hangs together is
-    looked for from there, and put in its place.
+    `states` (M, S, 5) are known points where `there` (M, S) is True. Points beyond the ends of a connected part are solved for from
+    its ends, and put into `states` and `there`.
     """
-    every, near = np.arange(len(x)), NEAR * abs(stations[1] - stations[0])
+    every, near = np.arange(len(x)), MAX_NEIGHBOUR_STATIONS * abs(stations[1] - stations[0])
     rows, middle = np.repeat(every, stations.size), plain.touch(x, every).fixed[0].r[:, None]
     repeated, known = plain.repeat(rows), 0
     while True:
         r = repeated.touch(states.reshape(-1, 5), np.arange(rows.size)).fixed[0].r.reshape(*there.shape, 3)
-        # beside the line the gear is turned further
-        there &= np.abs(states[..., 4] - x[:, None, 4]) < SAME
+        # a point beside the line has another phi2
+        there &= np.abs(states[..., 4] - x[:, None, 4]) < SAME_PHI2_RAD
         away = np.where(there, np.linalg.norm(r - middle, axis=-1), np.inf)
         gaps = ~(there[:, 1:] & there[:, :-1]) | (np.linalg.norm(np.diff(r, axis=1), axis=-1) >= near)
         run, nearest = np.pad(np.cumsum(gaps, axis=1), ((0, 0), (1, 0))), away.argmin(axis=1)
@@ -172,7 +184,7 @@ def _from_neighbours(
         line, k = np.nonzero(held.any(axis=1, keepdims=True) & ~held)
         ends = held.argmax(axis=1), stations.size - 1 - held[:, ::-1].argmax(axis=1)
         end = np.where(k < ends[0][line], ends[0][line], ends[1][line])
-        close = np.flatnonzero(np.abs(k - end) <= AHEAD)
+        close = np.flatnonzero(np.abs(k - end) <= STATIONS_AHEAD)
         if not close.size or held.sum() == known:
             return held
         known, line, k, end = held.sum(), line[close], k[close], end[close]
@@ -181,16 +193,16 @@ def _from_neighbours(
 
 
 def _follow(pair: Pair, plain: Conditions, x: Array) -> Array:
-    """Points (M, 2 MOST + 1, 5) of the lines through x (M, 5): NaN beyond where they end."""
+    """Follow the lines through x (M, 5) both ways; return points (M, 2 MAX_STEPS + 1, 5), NaN beyond the ends."""
     count = len(x)
-    full, length = np.full((count, 2 * MOST + 1, 5), np.nan), 4.0 * pair.length
-    full[:, MOST] = x
+    full, length = np.full((count, 2 * MAX_STEPS + 1, 5), np.nan), 4.0 * pair.length
+    full[:, MAX_STEPS] = x
     position = np.tile(np.arange(count), 2)
     way = np.repeat([1, -1], count)
     at, active = x[position].copy(), np.arange(2 * count)
     heading = directions(pair, plain.touch(x, np.arange(count)))[0][position] * way[:, None]
-    step = length / STEPS
-    for k in range(1, MOST + 1):
+    step = length / STEPS_PER_LENGTH
+    for k in range(1, MAX_STEPS + 1):
         which = position[active]
         here = plain.repeat(which)
         there = here.touch(at[active], np.arange(len(active)))
@@ -201,7 +213,7 @@ def _follow(pair: Pair, plain: Conditions, x: Array) -> Array:
             guess[:, 2 * member], guess[:, 2 * member + 1] = (
                 guess[:, 2 * member + i] + step * d for i, d in enumerate(tangential(jet, along))
             )
-        solution = _sections(pair, here, guess, ROUGH)
+        solution = _sections(pair, here, guess, FOLLOWING_TOLERANCE_MM)
         touch = here.touch(solution.values, np.arange(len(active)))
         outside, past = margins(pair, touch, solution.values)
         moved = np.linalg.norm(touch.fixed[0].r - fixed[0].r, axis=-1)
@@ -209,8 +221,8 @@ def _follow(pair: Pair, plain: Conditions, x: Array) -> Array:
         good &= dot(touch.fixed[0].n, touch.fixed[1].n) < 0.0
         own = active[good]
         at[own], heading[own] = solution.values[good], along[good]
-        full[position[own], MOST + k * way[own]] = at[own]
-        active = active[good & (outside.max(axis=1) < BEYOND * length)]
+        full[position[own], MAX_STEPS + k * way[own]] = at[own]
+        active = active[good & (outside.max(axis=1) < MAX_BEYOND_FLANKS * length)]
         if not active.size:
             break
     return full
@@ -218,16 +230,19 @@ def _follow(pair: Pair, plain: Conditions, x: Array) -> Array:
 
 @dataclass(frozen=True)
 class LineSections:
-    """Where lines of contact go through planes across them, through points `at` (M, 3) with normals `along` (M, 3), fixed frame:
-    the flanks' normals agree `across` (M, 3), as they then do along the line."""
+    """Conditions of the points in which contact lines cross planes; normals of the flanks must agree only across the line."""
 
+    #: conditions of contact
     plain: Conditions
+    #: points (M, 3) of the planes, fixed frame, mm
     at: Array
+    #: normals (M, 3) of the planes, along the lines
     along: Array
+    #: directions (M, 3) across the lines
     across: Array
 
     def __call__(self, x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
-        """Residuals (M, 5), mm, and Jacobians (M, 5, 5) of the positions `index` (M,)."""
+        """Return residuals (M, 5), mm, and Jacobians (M, 5, 5) of the positions `index` (M,)."""
         touch, f, jacobian, _ = self.plain.with_phi1(x, index)
         one = touch.fixed[0]
         along, (e1, e2) = self.along[index], tangent_basis(one)
@@ -240,7 +255,7 @@ class LineSections:
 
 
 def _sections(pair: Pair, here: Conditions, guess: Array, tolerance: float) -> Solution:
-    """Points (M, 5) of the lines in the planes across them through what is near them."""
+    """Solve for points (M, 5) of lines in the planes across the lines through `guess` (M, 5)."""
     touch = here.touch(guess, np.arange(len(guess)))
     along, across = directions(pair, touch)
     return newton.solve(
@@ -249,7 +264,7 @@ def _sections(pair: Pair, here: Conditions, guess: Array, tolerance: float) -> S
 
 
 def _cut(pair: Pair, plain: Conditions, line: NDArray[np.intp], outer: Array, inner: Array) -> Array:
-    """Where lines (K,) leave the flanks between points outside and inside of them, unknowns (K, 5); NaN where it is not known."""
+    """Solve for the points (K, 5) at which lines (K,) leave the flanks, between points outside and inside; NaN without a root."""
     if not len(line):
         return np.empty((0, 5))
     here = plain.repeat(line)
@@ -272,7 +287,7 @@ def _cut(pair: Pair, plain: Conditions, line: NDArray[np.intp], outer: Array, in
 
 
 def _evenly(pair: Pair, plain: Conditions, line: NDArray[np.intp], chains: list[Array], count: int) -> LinePieces:
-    """Pieces of lines (Q,) through unknowns (K, 5) each, at `count` points."""
+    """Return pieces with `count` equally spaced points from chains of points (K, 5), one chain for each piece."""
     sizes = [len(chain) for chain in chains]
     if not chains:
         return LinePieces(line, np.empty((0, count, 5)), np.empty(0))

@@ -1,4 +1,4 @@
-"""What bounds flank and fillet at their form point and at the root, through exact points of both, for the contact solver."""
+"""Boundaries of flank and fillet at tip, form point and root, through exact points, for the contact solver."""
 
 from __future__ import annotations
 
@@ -16,27 +16,28 @@ from gearmesh.teeth.region import Side
 from gearmesh.teeth.section import Grid
 from gearmesh.teeth.tooth import Tooth
 
-#: degree of the curves
-DEGREE = 5
-#: points of a flank's form point, where undercut neither begins nor ends between them
+#: degree of the splines
+SPLINE_DEGREE = 5
+#: points of the curve of form points between two places where undercut begins or ends
 FORM_POINT_SAMPLES = 25
-#: part of the largest coordinate up to which a tip's heights count as one
-EVEN = 1e-11
-#: share of the face below which undercut at its very end does not count
-SHORTEST = 1e-6
-#: share of the range of the second parameter by which a point's may differ from it and be on the same sheet of the surface
-SHEET = 0.1
-#: by how much of itself the way of the stations along the second parameter may change and there be but one sheet
-SAME = 1e-9
-#: mm along the profile by which a point may lie past form point or root by its parameters and be told by its place alone
-BACK = 1e-3
+#: difference of a tip's heights, by the largest coordinate, that is rounding
+HEIGHT_ROUNDING = 1e-11
+#: length of undercut at an end of the face, by the face, that does not count
+MIN_UNDERCUT_SHARE = 1e-6
+#: difference of the second parameter, by its range, up to which a point is on the same sheet of the surface
+SHEET_SLACK = 0.1
+#: relative change of the stations along the second parameter up to which a surface has one sheet
+ONE_SHEET_VARIATION = 1e-9
+#: distance (mm along the profile) past form point or root up to which the place of a point decides, not its parameters
+PARAMETER_SLACK_MM = 1e-3
 
 
 class FormPoints:
-    """The form points of a flank, where the fillet begins, as a curve through exact ones: `level` bounds the flank there.
+    """Form points of a flank, where the fillet begins, as a curve through exact points; `level` bounds the flank there.
 
-    The surface may come back to that level behind a line of regression; called with parameters and own-frame points it gives how
-    far (mm along the profile) they lie past the form point by their parameters, less `BACK`, or that they lie on another sheet.
+    The surface may return to this level behind a line of regression. A call with parameters and points of the member's frame
+    returns their distance (mm along the profile) past the form point by their parameters, less `PARAMETER_SLACK_MM`. Points on
+    another sheet of the surface count as past it.
     """
 
     def __init__(self, tooth: Tooth, side: Side, grid: Grid) -> None:
@@ -49,7 +50,9 @@ class FormPoints:
         r, p = grid.points[:1], grid.p[:1]
         if undercut.any() and not undercut.all():
             breaks = tooth.breaks_of(side)
-            cuts = np.concatenate(([0.0], breaks[(breaks > SHORTEST) & (breaks < 1.0 - SHORTEST)], [1.0]))
+            cuts = np.concatenate(
+                ([0.0], breaks[(breaks > MIN_UNDERCUT_SHARE) & (breaks < 1.0 - MIN_UNDERCUT_SHARE)], [1.0])
+            )
             t = np.stack([np.linspace(low, high, FORM_POINT_SAMPLES) for low, high in pairwise(cuts)])
             form_point = tooth.flank_grid(side, [0.0], t.ravel())
             assert form_point.p is not None
@@ -57,45 +60,53 @@ class FormPoints:
         if heel < toe:
             r, p = r[::-1, ::-1], p[::-1, ::-1]
         self.level = _through(axial, across, r, grid.points[-1])
-        self._axial, self._parameter = axial, splines_through(axial.value(r), p, DEGREE)
+        self._axial, self._parameter = axial, splines_through(axial.value(r), p, SPLINE_DEGREE)
         speed = float(np.linalg.norm(grid.jet.r_u[len(grid.points) // 2, grid.points.shape[1] // 2]))
         self._scale = speed * float(np.sign((grid.p[0] - grid.p[-1]).mean()))
         self._sheet = OwnSheet.of(grid, axial, tooth.even.stations)
 
     def __call__(self, parameters: Array, r: Array) -> Array:
-        past = self._scale * (parameters[..., 0] - self._parameter(self._axial.value(r))) - BACK
+        past = self._scale * (parameters[..., 0] - self._parameter(self._axial.value(r))) - PARAMETER_SLACK_MM
         outside: Array = past if self._sheet is None else np.maximum(past, self._sheet(parameters, r))
         return outside
 
 
 @dataclass(frozen=True)
 class OwnSheet:
-    """The second parameter of a trimmed flank or fillet, by the first one and the station.
+    """Second parameter of a trimmed flank or fillet as a function of the first parameter and the station.
 
-    A tool that turns back may generate at a station another point from the same point of its profile: on another sheet of the
-    surface, which is no part of the tooth. Called with parameters and own-frame points it gives -inf on the tooth's own sheet and
-    what the second parameter is off on others. `slack`: by how much it may be off on the own one.
+    A tool that turns back may generate two points at a station from one point of its profile. The second point is on another sheet
+    of the surface, which is no part of the tooth. A call with parameters and points of the member's frame returns -inf on the
+    tooth's sheet and the difference of the second parameter on other sheets.
     """
 
+    #: station coordinate
     axial: Level
+    #: stations (T,), equally spaced, mm
     stations: Array
+    #: first parameters (T,) at both ends of the profile
     ends: tuple[Array, Array]
+    #: table of the second parameter
     second: SplineTable
+    #: difference of the second parameter up to which a point is on the tooth's sheet
     slack: float
 
     @staticmethod
     def of(grid: Grid, axial: Level, stations: Array) -> OwnSheet | None:
-        """The sheet of a grid, at even stations (T,), its rows evenly from one end of the profile to the other.
+        """Return the sheet of a grid at equally spaced stations (T,); None where the surface has only one sheet.
 
-        None where there is but one: where the station grows alike with the second parameter everywhere.
+        The rows of the grid are equally spaced from one end of the profile to the other. A surface has one sheet if the station
+        grows with the second parameter at one rate everywhere.
         """
         assert grid.p is not None
         assert grid.v is not None
         assert grid.jet is not None
         along = dot(axial.gradient(grid.points), grid.jet.r_v)
-        if np.ptp(along) < SAME * np.abs(along).max():
+        if np.ptp(along) < ONE_SHEET_VARIATION * np.abs(along).max():
             return None
-        return OwnSheet(axial, stations, (grid.p[0], grid.p[-1]), SplineTable.of(grid.v), SHEET * float(np.ptp(grid.v)))
+        return OwnSheet(
+            axial, stations, (grid.p[0], grid.p[-1]), SplineTable.of(grid.v), SHEET_SLACK * float(np.ptp(grid.v))
+        )
 
     def __call__(self, parameters: Array, r: Array) -> Array:
         place = _place(self.axial.value(r), self.stations)
@@ -106,42 +117,46 @@ class OwnSheet:
 
 
 def tip_of(tooth: Tooth, grid: Grid) -> Level:
-    """What bounds a flank, given by its grid, at its tip: a level of the land's, or one through where an edge of the tip begins.
+    """Return the level that bounds a flank, given by its grid, at its tip.
 
-    An edge that the tool made, or that is broken, begins elsewhere at every station, once the flank was modified.
+    This is a level of the tip surface, or a level through the beginning of a chamfer or rounding. A chamfer that the tool
+    made, or a broken edge, begins at different heights along the face of a modified flank.
     """
     tips, tip = grid.points[-1], tooth.blank.tip
     heights = tip.value(tips)
-    if np.ptp(heights) <= EVEN * np.abs(tips).max():
+    if np.ptp(heights) <= HEIGHT_ROUNDING * np.abs(tips).max():
         return Shifted(tip, float(heights[tips.shape[0] // 2]))
     toe, heel = tooth.blank.extent
     return _through(tooth.blank.axial, tooth.blank.across, tips[None, :: int(np.sign(heel - toe))], grid.points[0])
 
 
 def _through(axial: Level, across: Level, r: Array, inside: Array) -> CurveLevel:
-    """The level through smooth curves (K, N, 3), stations ascending, which is negative at points `inside` (M, 3)."""
-    curve = splines_through(axial.value(r), across.value(r), DEGREE)
+    """Return the level through smooth curves (K, N, 3), stations ascending, that is negative at points `inside` (M, 3)."""
+    curve = splines_through(axial.value(r), across.value(r), SPLINE_DEGREE)
     above = np.sign((across.value(inside) - curve(axial.value(inside))).mean())
     return CurveLevel(axial, across, curve, float(above))
 
 
 def root_of(axial: Level, grid: Grid, stations: Array, joint: Joint) -> ScrewLevel:
-    """What bounds a fillet, given by its grid at `stations` (T,), at its root, where it is tangent to a surface of revolution."""
+    """Return the level that bounds a fillet, given by its grid at `stations` (T,), at its root.
+
+    The fillet is tangent to a surface of revolution there.
+    """
     angle = joint.running(joint.angle(grid.points[0]))
     order = np.argsort(stations)
-    curve = spline_through(stations[order], angle[order], DEGREE)
+    curve = spline_through(stations[order], angle[order], SPLINE_DEGREE)
     level = ScrewLevel(axial, curve, float(joint.arm(grid.points[0, 0])), joint)
     inside = level.value(grid.points[1]).mean() < 0.0
     return level if inside else replace(level, radius=-level.radius)
 
 
 class Between:
-    """Distance (mm along the profile) of points of a fillet or tip edge past its last row, or past its first row less `back`.
+    """Distance (mm along the profile) of points past the last row of a fillet or tip edge, or past its first row less `back`.
 
     Points on another sheet of the surface count as past it.
     """
 
-    def __init__(self, grid: Grid, axial: Level, stations: Array, back: float = BACK) -> None:
+    def __init__(self, grid: Grid, axial: Level, stations: Array, back: float = PARAMETER_SLACK_MM) -> None:
         assert grid.p is not None
         assert grid.jet is not None
         self._back = back
@@ -160,14 +175,14 @@ class Between:
 
 
 def _place(axial: Array, stations: Array) -> Array:
-    """Places of axial coordinates in steps of even stations (T,), none beyond the ends."""
+    """Return axial coordinates in steps of equally spaced stations (T,), clipped to the ends."""
     last = len(stations) - 1.0
     place: Array = np.clip((axial - stations[0]) * (last / (stations[-1] - stations[0])), 0.0, last)
     return place
 
 
 def _cubic(values: Array, place: Array) -> Array:
-    """Values (M,) between those of a row (K,) at places (M,) in its steps, by the cubic through the nearest four."""
+    """Interpolate a row of values (K,) at places (M,), in steps, by the cubic through the nearest four; return (M,)."""
     first = np.clip(np.nan_to_num(np.floor(place)).astype(np.intp) - 1, 0, len(values) - 4)
     t = place - first
     weights = (

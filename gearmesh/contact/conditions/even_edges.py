@@ -1,6 +1,6 @@
-"""Contact all along an edge, as spur gears on parallel axes have it where a tip takes over: told at the middle of the face.
+"""Contact all along an edge, as on spur gears with parallel axes where a tip takes over: moved to the middle of the face.
 
-All of the edge is as far ahead then, and which of its points was solved for, its ends among them, is a matter of rounding.
+All points of the edge have the same advance, so that rounding decides which point the solver finds.
 """
 
 from __future__ import annotations
@@ -18,13 +18,12 @@ from gearmesh.kernel.motion.rigid import MAX_SINE_OF_PARALLEL
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, turn
 
-#: the edges that end a face, by number: what touches on one of them alone does not do so all along it
-FACE_ENDS = np.array([name in ("toe", "heel") for _, name in NUMBERED])
+#: True for edges that end a face, by number: contact on one of them is never all along it
+IS_FACE_END = np.array([name in ("toe", "heel") for _, name in NUMBERED])
 
 
 def to_middle(pair: Pair, phi1: Array, contacts: Contacts, number: int) -> None:
-    """Move those contacts (N,) of part `number` of the teeth that are as far ahead all along an edge to the middle of the face that
-    both have."""
+    """Move contacts (N,) of part `number` that extend all along an edge to the middle of the common face."""
     position, edge = _along(contacts, number)
     if not position.size:
         return
@@ -37,7 +36,7 @@ def to_middle(pair: Pair, phi1: Array, contacts: Contacts, number: int) -> None:
         for rotation, level, jet in zip(touch.turns, axial, touch.own, strict=True)
     ]
     parallel = np.linalg.norm(cross(*along), axis=-1) < MAX_SINE_OF_PARALLEL
-    # the face that both have, from the contact, in the sense of the pinion's stations
+    # ends of the common face, as stations from the contact, in the sense of the pinion's stations
     stations = [level.value(jet.r) for level, jet in zip(axial, touch.own, strict=True)]
     ends = [np.sort(flank.extent)[:, None] - station for flank, station in zip(pair.flanks, stations, strict=True)]
     ends[1] = np.sort(np.sign(dot(*along)) * ends[1], axis=0)
@@ -58,10 +57,10 @@ def to_middle(pair: Pair, phi1: Array, contacts: Contacts, number: int) -> None:
 
 
 def _along(contacts: Contacts, number: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Positions (M,) of a part at which one edge along the face touches, alone or at its ends, and the number of the edge."""
+    """Return positions (M,) of part `number` with contact on one edge along the face, and the numbers (M,) of the edges."""
     there = np.flatnonzero(contacts.touching & (contacts.part == number) & (contacts.edges[:, 0] >= 0))
     edges = contacts.edges[there]
     goes_along = (edges >= 0) & (edges < len(NUMBERED))
-    goes_along &= ~(FACE_ENDS | OF_CORNERS)[np.where(goes_along, edges, 0)]
+    goes_along &= ~(IS_FACE_END | OF_CORNERS)[np.where(goes_along, edges, 0)]
     one = np.flatnonzero(goes_along.sum(axis=1) == 1)
     return there[one], edges[one, goes_along[one].argmax(axis=1)]

@@ -1,6 +1,6 @@
-"""Events in a mesh: a contact reaches an edge, a line of contact its end, one tooth pair overtakes another.
+"""Events in a mesh: a contact reaches an edge, a contact line reaches its end, one tooth pair overtakes another.
 
-Each is a root in phi1, of the first kinds found together with the contact itself by Newton.
+Each event is a root in phi1. Newton's method solves for phi1 and the contact together in the first two kinds.
 """
 
 from __future__ import annotations
@@ -16,15 +16,19 @@ from gearmesh.contact.pair import Pair
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, dot
 
-#: steps after which a root between two ends is as good as it gets; rad that it need not be closer; parts of a bracket, and places
-#: about the secant's root, in brackets
-STEPS, TOLERANCE, PARTS = 60, 1e-12, 16
-NEAR = np.array([-1e-2, -1e-3, -1e-4, -1e-6, 0.0, 1e-6, 1e-4, 1e-3, 1e-2])
+#: steps of a bracketed root at most
+MAX_STEPS = 60
+#: error (rad) of a root
+ROOT_TOLERANCE_RAD = 1e-12
+#: parts of a bracket in one step without Newton
+PARTS_PER_STEP = 16
+#: places about the root of the secant, by the bracket
+PLACES_NEAR_SECANT = np.array([-1e-2, -1e-3, -1e-4, -1e-6, 0.0, 1e-6, 1e-4, 1e-3, 1e-2])
 
 
 @dataclass(frozen=True)
 class Events:
-    """Rotations phi1 (M,), rad, of the pinion, the unknowns x (M, 5) there, and whether each was `reached` (M,)."""
+    """Rotations phi1 (M,), rad, of the pinion at events, unknowns x (M, 5), and True in `reached` (M,) for found roots."""
 
     phi1: Array
     x: Array
@@ -32,7 +36,7 @@ class Events:
 
 
 def reaches(pair: Pair, conditions: Conditions, edge: NDArray[np.intp], x: Array) -> Events:
-    """Where contacts with the given conditions (M,) reach edges (M,), numbers in `Pair.bounds`, from starts x (M, 5) near it."""
+    """Solve for phi1 at which contacts with `conditions` (M,) reach edges (M,), numbers in `Pair.bounds`, from starts x (M, 5)."""
     limits = np.append(pair.max_step, 0.2)
 
     def residual(y: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
@@ -54,18 +58,17 @@ def reaches(pair: Pair, conditions: Conditions, edge: NDArray[np.intp], x: Array
 
 
 def root_between(
-    value: Callable[[Array], tuple[Array, Array]], low: float, high: float, tolerance: float = TOLERANCE
+    value: Callable[[Array], tuple[Array, Array]], low: float, high: float, tolerance: float = ROOT_TOLERANCE_RAD
 ) -> float:
-    """Root (rad), to `tolerance` or better, between `low` and `high` of a function that gives values (N,) and slopes (N,) and
-    changes its sign there.
+    """Solve for the root (rad) between `low` and `high` of a function with values (N,) and slopes (N,), to `tolerance` or better.
 
-    Newton within the bracket as long as it gains a digit a step; where it does not, or there is no slope, many places are taken at
-    once, most of them about the secant's root, for many cost little more than one.
+    Newton steps inside the bracket continue while each step gains a digit. Otherwise, and without a slope, one call evaluates many
+    places, most of them near the root of the secant: a batch costs little more than one place.
     """
     places = np.array([low, 0.5 * (low + high), high])
     ends = np.full(2, np.nan)
     last = np.inf
-    for _ in range(STEPS):
+    for _ in range(MAX_STEPS):
         f, slope = value(places)
         if len(f) > 1:
             change = int(np.argmax(np.sign(f[1:]) != np.sign(f[0])))
@@ -84,10 +87,10 @@ def root_between(
                 return float(following)
             places = np.array([following])
         else:
-            about, fall = np.linspace(0.0, 1.0, PARTS + 1), ends[0] - ends[1]
-            # of a function that is flat but for rounding there is no secant
+            about, fall = np.linspace(0.0, 1.0, PARTS_PER_STEP + 1), ends[0] - ends[1]
+            # a function that is flat to rounding has no secant
             if fall != 0.0:
-                about = np.concatenate((about, np.clip(ends[0] / fall + NEAR, 0.0, 1.0)))
+                about = np.concatenate((about, np.clip(ends[0] / fall + PLACES_NEAR_SECANT, 0.0, 1.0)))
             places = np.unique(low + about * (high - low))
         last = abs(f[k])
     return 0.5 * (low + high)

@@ -1,10 +1,10 @@
-"""Where a line of contact shrinks to a point as the gears turn: there the least margin of its points to the edges is 0.
+"""Ends of bent contact lines: the rotations at which a line shrinks to a point, where the least margin to the edges is 0.
 
-Along the line, of arc length s, the margins m of the edges are smooth functions of s and phi1. A line that an edge leaves behind
-ends where it is tangent to that edge, m = 0 and dm/ds = 0. The slopes of these two conditions are differences over a step along the
-line and one in phi1, both solved exactly: Newton's method in (s, phi1), of all places in one batch. A line between two edges, or at
-a corner of a tip line, ends where both margins are 0: a point of the one edge that reaches the other (`events.reaches`), as the
-margin of a tip has another slope on either side of its corner.
+The margins m of the edges along the line are smooth functions of its arc length s and of phi1. A line that passes over an edge ends
+where it is tangent to the edge: m = 0 and dm/ds = 0. The slopes of these two conditions are differences over a step along the line
+and a step in phi1, with exact points of the line, so that Newton's method solves for (s, phi1) at all places in one batch. A line
+between two edges, or at a corner of a tip line, ends where both margins are 0: a point of one edge reaches the other edge
+(`events.reaches`). The margin of a tip has different slopes on both sides of a corner.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.contact.conditions.bent_lines import EVALUATIONS, LineSections, directions, line_over_face
+from gearmesh.contact.conditions.bent_lines import MAX_EVALUATIONS, LineSections, directions, line_over_face
 from gearmesh.contact.conditions.events import reaches
 from gearmesh.contact.conditions.meshing import Conditions, Touch
 from gearmesh.contact.conditions.refinement import (
@@ -30,26 +30,33 @@ from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, plane_cross, turn, unit
 from gearmesh.kernel.surface.surface import Jet
 
-#: stations of the gear's face at which a line is looked at
-STATIONS = 33
-#: how often it is looked closer where it is nearest to both flanks; at which stations, as parts of the way to the neighbours; at
-#: how many places parabolas are
-FINER, LOOKS = 6, 129
-CLOSE = np.concatenate((-(0.25 ** np.arange(8.0)), [0.0], 0.25 ** np.arange(7.0, -1.0, -1.0)))
-#: margin (mm) of a point that is on both flanks, be it solved for anew
-REACHED = 0.5 * EDGE_SLACK
-#: rad by which the chords of a line that counts as straight differ at most
-STRAIGHT = 1e-3
-#: steps over which slopes are taken: parts of a flank's length, and rad
-ALONG, TURNED = 1e-4, 1e-5
-#: steps of Newton's method at most, and the part of a flank's length, and rad, that count as none
-ROUNDS, STILL, STOPPED = 12, 1e-8, 1e-13
+#: stations of the gear's face at which a line is sampled
+FACE_STATIONS = 33
+#: rounds that search closer where a line is nearest to both flanks
+REFINING_ROUNDS = 6
+#: places at which the parabolas of the margins are evaluated
+PARABOLA_PLACES = 129
+#: stations of a round, by the way from the least margin to the neighbours
+CLOSE_STATIONS = np.concatenate((-(0.25 ** np.arange(8.0)), [0.0], 0.25 ** np.arange(7.0, -1.0, -1.0)))
+#: margin (mm) up to which a point is on both flanks and remains so when it is solved for again
+ON_FLANKS_MM = 0.5 * EDGE_SLACK
+#: angle (rad) between chords of a line up to which the line is straight
+STRAIGHT_RAD = 1e-3
+#: step along a line for its slopes, by a flank's length
+SLOPE_STEP = 1e-4
+#: step in phi1 for slopes, rad
+SLOPE_STEP_RAD = 1e-5
+#: steps of Newton's method at most
+MAX_NEWTON_STEPS = 12
+#: last step along a line, by a flank's length
+LAST_STEP = 1e-8
+#: last step in phi1, rad
+LAST_STEP_RAD = 1e-13
 
 
 @dataclass(frozen=True)
 class LineEnds:
-    """Places (M,) where lines shrink to a point: `line`, which of the lines that were asked for; rotations `phi1` (M,), rad;
-    unknowns `x` (M, 5)."""
+    """Points to which lines shrink: number `line` (M,) of the line, rotation `phi1` (M,), rad, and unknowns `x` (M, 5)."""
 
     line: NDArray[np.intp]
     phi1: Array
@@ -57,8 +64,10 @@ class LineEnds:
 
 
 def line_ends(pair: Pair, phi1: Array, x: Array, within: float) -> LineEnds:
-    """Where those of the lines through x (K, 5) at phi1 (K,), rad, that bend shrink to points that both flanks have, `within` (rad)
-    of there; several of a line, if it has pieces."""
+    """Solve for the points on both flanks to which bent lines through x (K, 5) at phi1 (K,), rad, shrink.
+
+    The points lie `within` so much (rad) of phi1. A line with several pieces has several points.
+    """
     line, start, edges = _least_margins(pair, phi1, x)
     ends, reached = np.empty((len(line), 6)), np.zeros(len(line), dtype=bool)
     tangent, crossing = np.flatnonzero(edges[:, 1] < 0), np.flatnonzero(edges[:, 1] >= 0)
@@ -74,8 +83,10 @@ def line_ends(pair: Pair, phi1: Array, x: Array, within: float) -> LineEnds:
 
 
 def touch_along_lines(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array, contacts: Contacts) -> None:
-    """What both flanks of a `pair` that touches along lines have, at positions (M,), of the lines near x (M, 5), taken as their
-    contact: of a line a place may be known where they have nothing of it."""
+    """Put contacts at positions (M,) on the lines near x (M, 5), as far as the lines lie on both flanks of the `pair`.
+
+    The place x of a line may lie beyond the flanks.
+    """
     x, margin = deepest_points(pair, phi1[position], x)
     own = np.flatnonzero(margin <= EDGE_SLACK)
     trial = Trial.of(position[own], x[own], np.full((own.size, 2), -1))
@@ -87,21 +98,23 @@ def touch_along_lines(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Ar
 
 
 def deepest_points(pair: Pair, phi1: Array, x: Array) -> tuple[Array, Array]:
-    """Of the lines through x (K, 5) at phi1 (K,), rad, the points (K, 5) that are deepest inside both flanks, as far as that must
-    be known to tell that a line has points on them, and their margins (K,), mm, < 0 inside."""
+    """Find the points (K, 5) of lines through x (K, 5) at phi1 (K,), rad, that are deepest inside both flanks.
+
+    Also returns their margins (K,), mm, below 0 inside. The search ends as soon as a point is on both flanks.
+    """
     station = np.tile(_stations(pair), (len(x), 1))
     points, margin, left = x.copy(), np.full(len(x), np.inf), np.arange(len(x))
-    for _ in range(FINER):
+    for _ in range(REFINING_ROUNDS):
         states, there, outside, _ = _margins_over_face(pair, phi1[left], points[left], station)
         least = np.where(there, outside.max(axis=2), np.inf)
         every, k = np.arange(left.size), least.argmin(axis=1)
         deeper = least[every, k] < margin[left]
         points[left[deeper]], margin[left[deeper]] = states[every, k][deeper], least[every, k][deeper]
-        # beside the best station, where it is not on both flanks itself and what is between it and the next may be: no more below
-        # it than they are above
+        # go on near the best station if it is not on both flanks but a point next to it may be: the least margin is below the best
+        # station by no more than the neighbours are above it
         wide = np.pad(least, ((0, 0), (1, 1)), mode="edge")
         beside = np.nan_to_num(wide[every, k] + wide[every, k + 2] - 2.0 * least[every, k], nan=np.inf)
-        going = (margin[left] > REACHED) & deeper & (margin[left] <= beside + EDGE_SLACK)
+        going = (margin[left] > ON_FLANKS_MM) & deeper & (margin[left] <= beside + EDGE_SLACK)
         known = np.where(there[going][..., None] & np.isfinite(outside[going]), outside[going], np.nan)
         station = _about_least(station[going], known, k[going])
         left = left[going]
@@ -111,39 +124,45 @@ def deepest_points(pair: Pair, phi1: Array, x: Array) -> tuple[Array, Array]:
 
 
 def _stations(pair: Pair) -> Array:
-    """Stations (S,) of the gear's face at which lines are looked at, ascending or falling as the face goes: even, and those of the
-    corners of its tip line, where margins have corners."""
+    """Return stations (S,) of the gear's face, from toe to heel: equally spaced, and at the corners of the tip line.
+
+    Margins have corners at the corners of the tip line.
+    """
     toe, heel = pair.gear.extent
     origin = np.zeros(3)
     corners = [float(pair.gear.axial.value(origin) - level.value(origin)) for level in pair.gear.tip_corners.values()]
-    stations = np.unique([*np.linspace(toe, heel, STATIONS), *corners])
+    stations = np.unique([*np.linspace(toe, heel, FACE_STATIONS), *corners])
     return stations if toe < heel else stations[::-1]
 
 
 def _about_least(station: Array, outside: Array, k: NDArray[np.intp]) -> Array:
-    """Stations (K, S') from one neighbour of the stations `k` (K,) of (K, S) to the other, close about where the margins
-    (K, S, B), NaN where there are none, are least: the largest of the edges' parabolas."""
+    """Return stations (K, S') between the neighbours of the stations `k` (K,) of (K, S), dense at the least margin.
+
+    The margin is the greatest of the parabolas through the margins (K, S, B) of the edges, NaN without a margin.
+    """
     every, middle = np.arange(len(k)), np.clip(k, 1, station.shape[1] - 2)
     at, m = (np.stack([values[every, middle + i] for i in (-1, 0, 1)], axis=1) for values in (station, outside))
     reach = np.abs(at[:, 1:] - at[:, :-1]).max(axis=1)
     low, high = station[every, k] - reach, station[every, k] + reach
-    share = np.linspace(0.0, 1.0, LOOKS)[:, None]
+    share = np.linspace(0.0, 1.0, PARABOLA_PLACES)[:, None]
     tried = low + share * (high - low)
     first, second = ((m[:, i + 1] - m[:, i]) / (at[:, i + 1] - at[:, i])[:, None] for i in (0, 1))
     bend = (second - first) / (at[:, 2] - at[:, 0])[:, None]
     away = [(tried - at[:, i])[..., None] for i in (0, 1)]
     margin = np.fmax.reduce(m[:, 0] + away[0] * (first + away[1] * bend), axis=2)
     vertex = np.where(np.isfinite(margin).all(axis=0), tried[margin.argmin(axis=0), every], station[every, k])
-    ways = np.where(CLOSE < 0.0, (vertex - low)[:, None], (high - vertex)[:, None])
-    stations: Array = vertex[:, None] + CLOSE * ways
+    ways = np.where(CLOSE_STATIONS < 0.0, (vertex - low)[:, None], (high - vertex)[:, None])
+    stations: Array = vertex[:, None] + CLOSE_STATIONS * ways
     return stations
 
 
 def _margins_over_face(
     pair: Pair, phi1: Array, x: Array, stations: Array
 ) -> tuple[Array, NDArray[np.bool_], Array, tuple[Jet, Jet]]:
-    """Points (K, S, 5) of lines at stations of the gear, which of them (K, S) are found, how far (K, S, B), mm, they lie beyond
-    each edge, and the flanks there (K S)."""
+    """Solve for points (K, S, 5) of lines at stations of the gear.
+
+    Also returns True (K, S) for points that are found, distances (K, S, B), mm, beyond each edge, and the flanks (K S).
+    """
     plain = Conditions(pair.flanks, phi1, pair.length)
     states, there, touch = line_over_face(pair, plain, x, stations)
     outside, past = margins(pair, touch, states.reshape(-1, 5))
@@ -152,8 +171,11 @@ def _margins_over_face(
 
 
 def _least_margins(pair: Pair, phi1: Array, x: Array) -> tuple[NDArray[np.intp], Array, NDArray[np.intp]]:
-    """Where the margins of lines are least: their lines (M,), unknowns (M, 5), and by which edges (M, 2) they may shrink there, by
-    their numbers in `Pair.bounds`; -1: along the first."""
+    """Find the places where the margins of lines are least: numbers (M,) of the lines, unknowns (M, 5), and edges (M, 2).
+
+    Edges are numbers in `Pair.bounds`. A line may shrink to the crossing of both edges, or tangent to the first edge if the second
+    number is -1.
+    """
     stations = _stations(pair)
     shape = len(x), len(stations)
     states, there, outside, own = _margins_over_face(pair, phi1, x, stations)
@@ -183,27 +205,30 @@ def _least_margins(pair: Pair, phi1: Array, x: Array) -> tuple[NDArray[np.intp],
 
 
 def _are_bent(r: Array, there: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Which lines (K,) through points r (K, S, 3), as far as they are `there` (K, S), are not straight."""
+    """Return True (K,) for lines through points r (K, S, 3), known where `there` (K, S), that are not straight."""
     chords = unit(np.diff(r, axis=1))
     both = there[:, 1:] & there[:, :-1]
     first = chords[np.arange(len(r)), both.argmax(axis=1)]
     apart = np.linalg.norm(cross(chords, first[:, None]), axis=-1)
-    bent: NDArray[np.bool_] = np.where(both, apart, 0.0).max(axis=1) > STRAIGHT
+    bent: NDArray[np.bool_] = np.where(both, apart, 0.0).max(axis=1) > STRAIGHT_RAD
     return bent
 
 
 def _tangent(
     pair: Pair, phi1: Array, x: Array, edge: NDArray[np.intp], within: float
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """Unknowns and phi1 (M, 6) where lines near x (M, 5) at phi1 (M,) are tangent to an edge (M,), and which (M,) are so, `within`
-    (rad) of there."""
+    """Solve for unknowns and phi1 (M, 6) at which lines near x (M, 5) at phi1 (M,) are tangent to an edge (M,).
+
+    Also returns True (M,) for roots that are found `within` so much (rad) of phi1.
+    """
     count, reach = len(x), 0.5 * np.array([pair.length, pair.max_step[4]])
     y, reached = np.column_stack((x, phi1)), np.zeros(count, dtype=bool)
-    steps = np.array([ALONG * pair.length, TURNED])
+    steps = np.array([SLOPE_STEP * pair.length, SLOPE_STEP_RAD])
     active = np.arange(count)
-    for _ in range(ROUNDS):
+    for _ in range(MAX_NEWTON_STEPS):
         if not active.size:
             break
+        # the point itself, a point a step along the line, and the line a step in phi1 later
         three = np.tile(np.arange(active.size), 3)
         here = Conditions(pair.flanks, y[active, 5], pair.length).touch(y[active, :5], np.arange(active.size))
         along, across = (vectors[three] for vectors in directions(pair, here))
@@ -216,20 +241,21 @@ def _tangent(
             LineSections(plain, planes, along, across),
             shifted[:, :5],
             tolerance=pair.tolerance,
-            max_iterations=EVALUATIONS,
+            max_iterations=MAX_EVALUATIONS,
             halvings=3,
         )
         f = _tangency(pair, plain.touch(solution.values, np.arange(three.size)), edge[active][three], along).reshape(
             3, -1, 2
         )
         y3 = np.column_stack((solution.values, shifted[:, 5])).reshape(3, -1, 6)
+        # Newton's step in (s, phi1), limited to half a flank and the largest step of the solver
         by_step, by_turn = ((f[k] - f[0]) / step for k, step in zip((1, 2), steps, strict=True))
         area = plane_cross(by_step, by_turn)
         step = np.stack((plane_cross(by_turn, f[0]), -plane_cross(by_step, f[0])), axis=-1) / area[:, None]
         step /= np.maximum(np.abs(step / reach).max(axis=1), 1.0)[:, None]
         y[active] = y3[0] + sum((step[:, k] / steps[k])[:, None] * (y3[k + 1] - y3[0]) for k in (0, 1))
         solved = solution.converged.reshape(3, -1).all(axis=0) & np.isfinite(y[active]).all(axis=1)
-        still = (np.abs(step) <= (STILL * pair.length, STOPPED)).all(axis=1)
+        still = (np.abs(step) <= (LAST_STEP * pair.length, LAST_STEP_RAD)).all(axis=1)
         solved &= np.abs(y[active, 5] - phi1[active]) <= within
         reached[active] = solved & still
         active = active[solved & ~still]
@@ -237,8 +263,10 @@ def _tangent(
 
 
 def _tangency(pair: Pair, touch: Touch, edge: NDArray[np.intp], along: Array) -> Array:
-    """How far (M, 2), mm, points of lines lie beyond edges (M,), and the slopes of that along the lines (mm/mm), which go the way
-    of `along` (M, 3)."""
+    """Return distances (mm) of points of lines beyond edges (M,) and their slopes along the lines (mm/mm), (M, 2).
+
+    The lines run in the sense of `along` (M, 3).
+    """
     tangent = directions(pair, touch)[0]
     tangent *= np.sign(dot(tangent, along))[:, None]
     values = np.empty((len(edge), 2))
@@ -252,7 +280,10 @@ def _tangency(pair: Pair, touch: Touch, edge: NDArray[np.intp], along: Array) ->
 
 
 def _crossing(pair: Pair, phi1: Array, x: Array, edges: NDArray[np.intp]) -> tuple[Array, NDArray[np.bool_]]:
-    """Unknowns and phi1 (M, 6) where lines near x (M, 5) at phi1 (M,) meet two `edges` (M, 2), and which (M,) do."""
+    """Solve for unknowns and phi1 (M, 6) at which lines near x (M, 5) at phi1 (M,) meet two `edges` (M, 2).
+
+    Also returns True (M,) for roots that are found.
+    """
     plain = Conditions(pair.flanks, phi1, pair.length)
     across = directions(pair, plain.touch(x, np.arange(len(x))))[1]
     choice = pair.numbers[np.stack((edges[:, 1], np.full(len(x), -1)), axis=-1)]

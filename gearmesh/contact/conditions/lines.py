@@ -1,9 +1,8 @@
-"""Line contact: the line along which two flanks touch, cut to the part that both of them have.
+"""Line contact: the line along which two flanks touch, cut to the part on both flanks.
 
-Where the surfaces touch along a line the five conditions of a point leave one unknown free. It is fixed by where on the line the
-point shall lie: on an edge of either flank, which gives the ends of the line, or at a station between them. The normals then need
-to agree only across the line. Lines that bend, so that this does not lead along all of them, are followed step by step
-(`bent_lines.py`).
+The five conditions of a point leave one unknown free where the surfaces touch along a line. A place on the line fixes it: an edge
+of a flank gives an end of the line, a station gives a point between the ends. The normals then need to agree only across the line.
+Lines that bend too much for this are followed step by step (`bent_lines.py`).
 """
 
 from __future__ import annotations
@@ -21,30 +20,32 @@ from gearmesh.contact.pair import Pair
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, dot
 
-#: points by which a line is given, its ends among them
+#: points of a line, with its ends
 LINE_POINTS = 13
-#: a line whose ends' stations differ by less than this share of its length is not followed by stations
-STEEP = 0.1
-#: how far (mm) beside the flanks a point of a line may be
-BESIDE = 1e-6
+#: difference of stations between the ends of a line, by a flank's length, below which stations do not fix its points
+MIN_STATION_SHARE = 0.1
+#: distance (mm) beyond the flanks up to which a point of a line counts
+FLANK_SLACK_MM = 1e-6
 
 
 @dataclass(frozen=True)
 class ContactLines:
-    """Of positions with line contact (M,): `points`, for each None or (K, 3), fixed frame, mm, from end to end, LINE_POINTS of
-    every piece with NaN between pieces; unknowns `x` (M, 5) at the middle of the longest piece, where the line has two ends on the
-    flanks, else as given."""
+    """Contact lines at M positions.
+
+    `points` holds for each position None or points (K, 3), fixed frame, mm, from end to end: LINE_POINTS for every piece, with NaN
+    between pieces. `x` (M, 5) are the unknowns at the middle of the longest piece; they stay as given where no piece is found.
+    """
 
     points: list[Array | None]
     x: Array
 
 
 def trace(pair: Pair, phi1: Array, x: Array) -> ContactLines:
-    """The lines through solutions x (M, 5) at phi1 (M,)."""
+    """Solve for the contact lines through solutions x (M, 5) at phi1 (M,), rad."""
     every = np.arange(len(x))
     plain = Conditions(pair.flanks, phi1, pair.length)
     along, across = directions(pair, plain.touch(x, every))
-    # lines over teeth that wind bend
+    # lines on wound teeth bend: their ends are not solved for directly
     if pair.wound:
         ends, places = np.full((len(x), 2, 5), np.nan), np.full((len(x), 2), np.nan)
     else:
@@ -58,7 +59,7 @@ def trace(pair: Pair, phi1: Array, x: Array) -> ContactLines:
         unknowns, on_line = _between(pair, plain, start, across[there], there)
         touch = plain.touch(unknowns.reshape(-1, 5), np.repeat(there, LINE_POINTS))
         outside, past = margins(pair, touch, unknowns.reshape(-1, 5))
-        on_flanks = (np.maximum(outside.max(axis=1), past) <= BESIDE).reshape(-1, LINE_POINTS)
+        on_flanks = (np.maximum(outside.max(axis=1), past) <= FLANK_SLACK_MM).reshape(-1, LINE_POINTS)
         bent[there] = ~(on_flanks & on_line).all(axis=1)
         for k, row in zip(there, touch.fixed[0].r.reshape(-1, LINE_POINTS, 3), strict=True):
             points[k] = row
@@ -71,8 +72,10 @@ def trace(pair: Pair, phi1: Array, x: Array) -> ContactLines:
 def _bend(
     pair: Pair, plain: Conditions, which: NDArray[np.intp], x: Array, points: list[Array | None], middle: Array
 ) -> None:
-    """Put what both flanks have of the lines `which` (B,) through x (M, 5), followed step by step, in the place of `points`, and of
-    `middle` (M, 5) the middle of the longest piece. Lines of which they have nothing stay."""
+    """Follow the lines `which` (B,) through x (M, 5) step by step, and put their pieces on both flanks into `points`.
+
+    The middles of the longest pieces go into `middle` (M, 5). Lines without a piece on both flanks stay unchanged.
+    """
     if not which.size:
         return
     own = pieces(pair, plain.repeat(which), x[which], LINE_POINTS)
@@ -89,8 +92,10 @@ def _bend(
 
 
 def on_edges(pair: Pair, conditions: Conditions, across: Array, x: Array) -> dict[int, tuple[Array, NDArray[np.bool_]]]:
-    """Where the lines through x (M, 5), with directions `across` (M, 3), meet the edges, by number in `Pair.bounds`: unknowns
-    (M, 5), and whether that is so (M,)."""
+    """Solve for the points at which lines through x (M, 5), with directions `across` (M, 3), meet the edges.
+
+    Returns, by number in `Pair.bounds`, unknowns (M, 5) and True (M,) for roots that are found.
+    """
     numbers = list(pair.ends)
     count, position = len(x), np.tile(np.arange(len(x)), len(numbers))
     choice = np.full((len(position), 2), -1)
@@ -105,7 +110,7 @@ def on_edges(pair: Pair, conditions: Conditions, across: Array, x: Array) -> dic
 
 
 def _ends(pair: Pair, plain: Conditions, x: Array, along: Array, across: Array) -> tuple[Array, Array]:
-    """Ends (M, 2, 5) of the lines on both flanks, and their places (M, 2), mm, along them; NaN where there are none."""
+    """Solve for the ends (M, 2, 5) of lines on both flanks, and their places (M, 2), mm, along the lines; NaN without an end."""
     every = np.arange(len(x))
     origin = plain.touch(x, every).fixed[0].r
     ends = np.full((len(x), 2, 5), np.nan)
@@ -125,8 +130,10 @@ def _ends(pair: Pair, plain: Conditions, x: Array, along: Array, across: Array) 
 def _between(
     pair: Pair, plain: Conditions, start: Array, across: Array, which: NDArray[np.intp]
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """Points (M, LINE_POINTS, 5) of lines from their places on the straight way between their ends; which (M, LINE_POINTS) are
-    found."""
+    """Solve for points (M, LINE_POINTS, 5) of lines from `start`, the straight way between their ends.
+
+    Also returns True (M, LINE_POINTS) for points that are found.
+    """
     count = len(start)
     rows = np.repeat(np.arange(count), LINE_POINTS)
     position = which[rows]
@@ -139,7 +146,7 @@ def _between(
         bounds=(Bound(0, axial, target.ravel()),),
         across=np.repeat(across, LINE_POINTS, axis=0),
     )
-    steep = np.abs(station[:, -1] - station[:, 0]) < STEEP * pair.length
+    steep = np.abs(station[:, -1] - station[:, 0]) < MIN_STATION_SHARE * pair.length
     values, good = guess.copy(), np.full(len(guess), True)
     gentle = np.flatnonzero(~steep[rows])
     if gentle.size:

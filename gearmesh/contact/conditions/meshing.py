@@ -1,14 +1,14 @@
 """Conditions of contact of two flanks, with exact Jacobians: in a point, on an edge, where two edges cross, along a line.
 
-Unknowns of every position are x = (u1, v1, u2, v2, phi2) for a given phi1. Three equations say r1 = r2 in the fixed
-frame [CR3553 1.1.12; LT02 9; LT85 19]; the other two are
+The unknowns of a position are x = (u1, v1, u2, v2, phi2) for a given phi1. Three equations are r1 = r2 in the fixed frame
+[CR3553 1.1.12; LT02 9; LT85 19]. The other two are
 
     surfaces   n1 + n2 = 0 in the tangent plane of flank 1 (normals point out of the bodies) [CR3553 1.1.13; LT02 10]
     an edge    g = 0 and t . n = 0 with the edge's tangent t = n x grad g and the other flank's normal [LT02 44-46]
-    a corner   g = 0 and g' = 0: two edges of one flank, or one of each
+    a corner   g = 0 and g' = 0: two edges of one flank, or one edge of each flank
     a line     normals agree across the contact line, and the station is given
 
-Normal and tangency conditions are multiplied by a length so that all residuals are in mm.
+Conditions on normals and tangents are multiplied by a length, so that all residuals are in mm.
 """
 
 from __future__ import annotations
@@ -31,34 +31,36 @@ from gearmesh.teeth.region import HEEL_END, TOE_END
 
 @dataclass(frozen=True)
 class Flank:
-    """A trimmed flank in its mounting.
+    """Trimmed flank with its mount."""
 
-    `edges` bound it by name (value < 0 inside); `axial` and `extent` are the station coordinate and its range, mm;
-    `grid` (I, J, 2) holds surface parameters of points spread over the trimmed flank, boundaries included;
-    `beyond_ends` gives, for parameters and own-frame points, a length > 0 where the point lies past an end of the surface that
-    is no edge: the root of a fillet, or what of a flank is behind its line of regression (None: edges are all that bounds it);
-    `smooth` names the edges over which the tooth goes on smoothly; `creases`, by name, are lines inside the flank (value 0) over
-    which it has a corner, along which it may touch as along an edge; `smooth_surface` gives the surface about a place (u, v)
-    going on over these lines as if there were none; `tip_corners`, by name, are the stations (value 0) at which the tip line has
-    corners.
-    """
-
+    #: surface of the flank, member's frame
     surface: Surface
+    #: position of the member and its rotation
     mount: Mount
+    #: edges of the flank by name; a level is below 0 inside the flank
     edges: dict[str, Level]
+    #: station coordinate
     axial: Level
+    #: stations of the ends of the face, mm
     extent: tuple[float, float]
+    #: surface parameters (I, J, 2) of points over the trimmed flank, with its boundaries
     grid: Array
+    #: distance (mm) of parameters and points of the member's frame past an end that is no edge, above 0 beyond it; such ends are
+    #: the root of a fillet and the line of regression of a flank; None if edges are the only boundaries
     beyond_ends: Callable[[Array, Array], Array] | None = None
+    #: names of the edges across which the tooth continues smoothly
     smooth: frozenset[str] = frozenset()
+    #: lines inside the flank (level 0) at which it has a corner and may touch like an edge, by name
     creases: dict[str, Level] = field(default_factory=dict)
+    #: surface near parameters (u, v) that continues smoothly across the creases
     smooth_surface: Callable[[float, float], Surface] | None = None
+    #: stations (level 0) at which the tip line has corners, by name
     tip_corners: dict[str, Level] = field(default_factory=dict)
-    #: the same flank in its first mounting; `replace` drops it, so that a flank that differs otherwise has tables of its own
+    #: the same flank with its first mount; `replace` drops it, so that a different flank gets its own tables
     _unmoved: Flank | None = field(default=None, init=False, repr=False, compare=False)
 
     def remount(self, mount: Mount) -> Flank:
-        """The same flank in another mounting; what is tabulated of it is made once for all that move in the same joint."""
+        """Return the flank with another mount; tables of the flank are shared by all mounts with the same joint."""
         if mount is self.mount:
             return self
         flank = replace(self, mount=mount)
@@ -67,22 +69,25 @@ class Flank:
         return flank
 
     def edge_name(self, edge: str) -> str:
-        """What answers call an edge: solvers call the end where the face begins its toe (`end_names`)."""
+        """Return the name of an edge in answers: the solver calls the end at which the face begins the toe (`end_names`)."""
         return dict(zip((TOE_END, HEEL_END), end_names(self.axial), strict=True)).get(edge, edge)
 
     def smooth_about(self, u: float, v: float) -> Surface | None:
-        """The surface as it is about a place, going on over corners; None where there are none."""
+        """Return the surface near parameters (u, v) that continues smoothly across creases; None without creases."""
         return self.smooth_surface(u, v) if self.creases and self.smooth_surface is not None else None
 
     @cached_property
     def heights(self) -> FlankHeights:
-        """The flank over circles about its member's axis, as a table."""
+        """Table of the flank over circles about its member's axis."""
         if self._unmoved is not None:
             return self._unmoved.heights
         return heights(self.surface, self.grid, self.mount.joint, axial=self.axial, extent=self.extent)
 
     def azimuth(self, r: Array) -> Array:
-        """Polar angle (...,) of own points r near the flank, rad, from that of its middle on: teeth may wind round their axis."""
+        """Return the polar angle (...,), rad, of points r of the member's frame near the flank, from the middle of the flank on.
+
+        The angle may exceed a turn, because teeth may wind round their axis.
+        """
         stations, along_tooth = self._winding
         angle = np.interp(self.axial.value(r), stations, along_tooth)
         angle_about_middle: Array = angle - self.middle_angle + (polar_angle(r) - angle + np.pi) % (2.0 * np.pi) - np.pi
@@ -90,19 +95,19 @@ class Flank:
 
     @property
     def middle_angle(self) -> float:
-        """Polar angle of its middle, own frame, rad."""
+        """Polar angle of the middle of the flank, member's frame, rad."""
         angle = self._winding[1]
         return float(angle[len(angle) // 2])
 
     @cached_property
     def winding(self) -> float:
-        """The greatest azimuth of its points, rad, either way: how far it goes round its axis."""
+        """Greatest absolute azimuth of the flank's points, rad."""
         grid = self.grid.reshape(-1, 2)
         return float(np.abs(self.azimuth(self.surface.jet(grid[:, 0], grid[:, 1]).r)).max())
 
     @cached_property
     def _winding(self) -> tuple[Array, Array]:
-        """Station coordinates (J,), mm, ascending, and the polar angles (J,) of the flank there, half way up, without jumps."""
+        """Stations (J,), mm, ascending, and continuous polar angles (J,), rad, of the flank at half height."""
         middle = self.grid[self.grid.shape[0] // 2]
         r = self.surface.jet(middle[:, 0], middle[:, 1]).r
         stations, angle = self.axial.value(r), np.unwrap(polar_angle(r))
@@ -110,7 +115,10 @@ class Flank:
         return stations[order], angle[order]
 
     def margin(self, parameters: Array, r: Array) -> Array:
-        """How far (mm) points lie outside the trimmed flank, (...,): negative inside. `parameters` (..., 2), r own frame."""
+        """Return the distance (...,), mm, of points outside the trimmed flank, negative inside.
+
+        `parameters` (..., 2) and points r (..., 3) of the member's frame belong together.
+        """
         worst = np.max([level.value(r) for level in self.edges.values()], axis=0)
         if self.beyond_ends is not None:
             worst = np.maximum(worst, self.beyond_ends(parameters, r))
@@ -120,7 +128,7 @@ class Flank:
 
 @dataclass(frozen=True)
 class Bound:
-    """Condition level(r_member) = target (mm; scalar or one for each position) on member 0 (pinion) or 1 (gear)."""
+    """Condition level(r) = target (mm, a number or an array with a value for each position) on member 0 (pinion) or 1 (gear)."""
 
     member: int
     level: Level
@@ -130,22 +138,25 @@ class Bound:
         return self.target if np.ndim(self.target) == 0 else np.asarray(self.target)[index]
 
     def rows(self, index: NDArray[np.intp]) -> Bound:
-        """The bound at some of the positions, in their order."""
+        """Return the bound at the positions `index`."""
         return self if np.ndim(self.target) == 0 else replace(self, target=self.target_of(index))
 
 
 @dataclass(frozen=True)
 class Touch:
-    """Both flanks at unknowns x (M, 5) and rotations phi1 (M,), rad: jets in own frames and in the fixed frame, and the rotations
-    (M, 3, 3) from the one to the other."""
+    """Both flanks at M unknowns."""
 
+    #: rotations (M,) of the pinion, rad
     phi1: Array
+    #: jets (M,) of pinion and gear in the members' frames
     own: tuple[Jet, Jet]
+    #: jets (M,) of pinion and gear in the fixed frame
     fixed: tuple[Jet, Jet]
+    #: rotations (M, 3, 3) from the members' frames to the fixed frame
     turns: tuple[Array, Array]
 
     def __getitem__(self, which: NDArray[np.intp]) -> Touch:
-        """Some of the positions."""
+        """Return the flanks at some positions."""
         first, second = (tuple(jet[which] for jet in jets) for jets in (self.own, self.fixed))
         return Touch(
             self.phi1[which], (first[0], first[1]), (second[0], second[1]), (self.turns[0][which], self.turns[1][which])
@@ -154,37 +165,38 @@ class Touch:
 
 @dataclass(frozen=True)
 class _Last:
-    """The last two conditions of positions (M,), in the order bounds, normals, tangency: residuals (M, 2) and rows (M, 2, 5).
+    """Last two conditions of M positions, in the order bounds, normals, tangency, with intermediate results."""
 
-    Intermediate results: `normals`, of those on agreeing normals the positions (K,), the condition (K,) and the direction (K, 3);
-    `edges`, of those on an edge's tangency the positions (E,), tangents (E, 3), normals of the mating flanks (E, 3), and +1 (E,)
-    where the edge is the pinion's, else -1.
-    """
-
+    #: residuals (M, 2), mm
     values: Array
+    #: rows (M, 2, 5) of the Jacobian
     rows: Array
+    #: conditions on normals: positions (K,), numbers of the conditions (K,), directions (K, 3)
     normals: tuple[NDArray[np.intp], NDArray[np.intp], Array]
+    #: conditions on edge tangents: positions (E,), tangents (E, 3), normals of the mating flanks (E, 3), and +1 (E,) for an edge of
+    #: the pinion, -1 for an edge of the gear
     edges: tuple[NDArray[np.intp], Array, Array, Array]
 
 
 @dataclass(frozen=True)
 class Conditions:
-    """The five equations for a pair of flanks; `bounds` (none, one or two) select what kind of contact is meant.
+    """Five equations of contact for a pair of flanks; none, one or two bounds select the kind of contact."""
 
-    `choice` (N, 2): numbers of the bounds that count at each position, -1 for none; without it all count everywhere.
-    `across` (N, 3): with one bound, directions in which the normals must agree instead of edge tangency (line
-    contact). `length` (mm) scales the conditions on directions.
-    """
-
+    #: flanks of pinion and gear
     flanks: tuple[Flank, Flank]
+    #: rotations (N,) of the pinion, rad
     phi1: Array
+    #: length that scales conditions on directions, mm
     length: float
+    #: bounds from which positions choose
     bounds: tuple[Bound, ...] = ()
+    #: directions (N, 3) in which normals must agree in line contact, which replace edge tangency where one bound counts
     across: Array | None = None
+    #: numbers (N, 2) of the bounds that count at each position, -1 for none; None if all bounds count everywhere
     choice: NDArray[np.intp] | None = None
 
     def touch(self, x: Array, index: NDArray[np.intp]) -> Touch:
-        """Evaluate both flanks."""
+        """Evaluate both flanks at unknowns x (M, 5) of the positions `index` (M,)."""
         pinion, gear = self.flanks
         own = (pinion.surface.jet(x[:, 0], x[:, 1]), gear.surface.jet(x[:, 2], x[:, 3]))
         first, second = self.mounts(index)
@@ -193,7 +205,7 @@ class Conditions:
         return Touch(self.phi1[index], own, fixed, (placed[0].rotation, placed[1].rotation))
 
     def repeat(self, index: NDArray[np.intp]) -> Conditions:
-        """The same conditions at positions `index` (M,), which may come more than once, as positions of their own."""
+        """Return the conditions of the positions `index` (M,), with repetitions, as M new positions."""
         flanks = []
         for flank in self.flanks:
             flanks.append(flank.remount(flank.mount.rows(index)))
@@ -205,15 +217,15 @@ class Conditions:
         )
 
     def mounts(self, index: NDArray[np.intp]) -> tuple[Mount, Mount]:
-        """Mounts of both members at the positions `index`."""
+        """Return the mounts of both members at the positions `index`."""
         return self.flanks[0].mount.rows(index), self.flanks[1].mount.rows(index)
 
     def __call__(self, x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
-        """Residuals (M, 5), mm, and Jacobians (M, 5, 5) of the positions `index` (M,)."""
+        """Return residuals (M, 5), mm, and Jacobians (M, 5, 5) of the positions `index` (M,)."""
         return self._of(self.touch(x, index), index)[:2]
 
     def _of(self, at: Touch, index: NDArray[np.intp]) -> tuple[Array, Array, _Last]:
-        """Residuals and Jacobians of flanks that are known."""
+        """Compute residuals, Jacobians and the last two conditions from flanks that are evaluated."""
         one, two = at.fixed
         gear = self.flanks[1].mount.rows(index)
         f = np.empty((len(index), 5))
@@ -227,7 +239,7 @@ class Conditions:
         return f, jacobian, last
 
     def _chosen_bounds(self, index: NDArray[np.intp]) -> NDArray[np.intp]:
-        """Numbers (M, 2) of the bounds that count, -1 for none."""
+        """Return numbers (M, 2) of the bounds that count, -1 for none."""
         if self.choice is not None:
             return self.choice[index]
         numbers = [*range(len(self.bounds)), -1, -1][:2]
@@ -263,7 +275,7 @@ class Conditions:
         return _Last(values, rows, normals, edges)
 
     def with_phi1(self, x: Array, index: NDArray[np.intp]) -> tuple[Touch, Array, Array, Array]:
-        """The flanks, residuals (M, 5), Jacobians (M, 5, 5), and derivatives (M, 5) with respect to phi1."""
+        """Return flanks, residuals (M, 5), Jacobians (M, 5, 5), and derivatives (M, 5) of the residuals by phi1."""
         at = self.touch(x, index)
         f, jacobian, last = self._of(at, index)
         one, pinion = at.fixed[0], self.flanks[0].mount.rows(index)
@@ -276,7 +288,7 @@ class Conditions:
         return at, f, jacobian, by_phi1
 
     def rate(self, x: Array, index: NDArray[np.intp]) -> Array:
-        """d x / d phi1 (M, 5) of solutions; NaN where the equations are singular."""
+        """Compute d x / d phi1 (M, 5) of solutions; NaN where the equations are singular."""
         _, _, jacobian, by_phi1 = self.with_phi1(x, index)
         rates = np.full((len(x), 5), np.nan)
         with np.errstate(all="ignore"):
@@ -288,8 +300,10 @@ class Conditions:
     def _normals(
         self, at: Touch, index: NDArray[np.intp], bounded: NDArray[np.intp], spin: Array, values: Array, rows: Array
     ) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
-        """(n1 + n2) . direction, the direction, a tangent of flank 1, held fixed: exact where the normals agree. Positions, number
-        of the condition, and directions."""
+        """Put the conditions (n1 + n2) . direction into `values` and `rows`; return positions, condition numbers and directions.
+
+        The direction is a tangent of flank 1 and is held fixed in the derivatives, which is exact where the normals agree.
+        """
         one, two = at.fixed
         own = np.flatnonzero(bounded == 0)
         first = unit(one.r_u[own])
@@ -317,10 +331,10 @@ class Conditions:
         values: Array,
         rows: Array,
     ) -> tuple[NDArray[np.intp], Array, Array, Array]:
-        """t . n_mating with the edge's tangent t = n x grad g, of positions `own` (E,) on edges of members (E,).
+        """Put the conditions t . n = 0 of positions `own` (E,) on edges of members (E,) into `values` and `rows`.
 
-        `bends` (E, 3, 3): the gradients of g and their derivatives by the member's parameters. Positions, tangents, normals of the
-        mating flanks, senses.
+        t = n x grad g is the tangent of the edge, and the second n the normal of the mating flank. `bends` (E, 3, 3) are the
+        gradients of g and their derivatives by the member's parameters. Returns positions, tangents, mating normals and senses.
         """
         sense = np.where(member == 0, 1.0, -1.0)
         if not own.size:
@@ -342,11 +356,11 @@ class Conditions:
         for k in (0, 1):
             rows[own, 1, k] = self.length * np.where(member == 0, of_edge[k], of_mating[k])
             rows[own, 1, 2 + k] = self.length * np.where(member == 0, of_mating[k], of_edge[k])
-        # only the gear turns with phi2: the mating gear's normal turns with it, or the edge's tangent does
+        # only the gear turns with phi2: either its normal turns, or the tangent of its edge
         rows[own, 1, 4] = self.length * sense * dot(tangent, cross(_rows(spin, own), mating[0]))
         return own, tangent, mating[0], sense
 
 
 def _rows(vector: Array, own: NDArray[np.intp]) -> Array:
-    """Rows `own` of a vector that is one for all, (3,), or (M, 3)."""
+    """Return rows `own` of vectors (M, 3), or the common vector (3,) itself."""
     return vector if vector.ndim == 1 else vector[own]

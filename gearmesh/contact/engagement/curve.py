@@ -13,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.contact.conditions.events import TOLERANCE, root_between
+from gearmesh.contact.conditions.events import ROOT_TOLERANCE_RAD, root_between
 from gearmesh.contact.engagement.engagement import NODES_PER_PITCH as NODES
 from gearmesh.contact.engagement.engagement import Engagement
 from gearmesh.contact.engagement.surface_contact import SurfaceContact, surface_contact
@@ -66,7 +66,7 @@ class MeshCurve:
     tolerance and a slope.
     """
 
-    def __init__(self, engagement: Engagement, pitch: float, tolerance: float = TOLERANCE) -> None:
+    def __init__(self, engagement: Engagement, pitch: float, tolerance: float = ROOT_TOLERANCE_RAD) -> None:
         self.engagement, self.pair, self.pitch, self.tolerance = engagement, engagement.pair, pitch, tolerance
         self.contacts, self.phi1 = engagement.contacts, engagement.phi1
 

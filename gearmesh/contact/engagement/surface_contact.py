@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from gearmesh.contact.conditions.bent_lines import directions
 from gearmesh.contact.conditions.events import Events, reaches
 from gearmesh.contact.conditions.line_ends import line_ends
-from gearmesh.contact.conditions.lines import STEEP, on_edges, trace
+from gearmesh.contact.conditions.lines import MIN_STATION_SHARE, on_edges, trace
 from gearmesh.contact.conditions.meshing import Bound, Conditions
 from gearmesh.contact.conditions.refinement import EDGE_SLACK, EQUAL, Contacts, advances_of, margins
 from gearmesh.contact.engagement.engagement import Engagement
@@ -278,7 +278,7 @@ class _Ends:
             bound for k, bound in enumerate(pair.bounds) if k in pair.ends and bound is not None and not along_face(k)
         ]
         away = np.array([float(bound.level.value(jets[bound.member].r)[0]) for bound in across])
-        far = np.flatnonzero(np.abs(away) > STEEP * pair.length)
+        far = np.flatnonzero(np.abs(away) > MIN_STATION_SHARE * pair.length)
         count = len(far)
         y, reached = np.tile(begin, (count, 1)), np.full(count, True)
         there = Events(y[:, 5], y[:, :5], reached)
@@ -296,7 +296,7 @@ class _Ends:
     def _apart(self, event: Events, which: NDArray[np.intp]) -> bool:
         """Return True if events `which` lie at both ends of the face."""
         r = self.pair.pinion.surface.jet(event.x[which, 0], event.x[which, 1]).r
-        return bool(which.size > 1 and np.ptp(self.pair.pinion.axial.value(r)) > STEEP * self.pair.length)
+        return bool(which.size > 1 and np.ptp(self.pair.pinion.axial.value(r)) > MIN_STATION_SHARE * self.pair.length)
 
     def _goes_on(self, phi1: float, advance: float, end: _End) -> bool:
         """Return True if a line that ends at phi1 (rad) with `advance` (rad) covers nodes whose contact is less advanced."""
