@@ -1,7 +1,7 @@
-"""Arguments of public calls: what is of another type than its annotation says is refused in one line, by one place.
+"""Check of the arguments of public calls: an argument of another type than its annotation is refused in one line.
 
-Annotations are read at the first call of a function, not on importing. Classes that a module imports for types alone are known by
-their names, so that no call loads a module that it does not need.
+Annotations are read at the first call of a function, not at import. Classes that a module imports for annotations alone are
+compared by name, so no call loads a module that it does not need.
 """
 
 from __future__ import annotations
@@ -24,23 +24,23 @@ from gearmesh.errors import ArgumentError
 F = TypeVar("F", bound=Callable[..., Any])
 C = TypeVar("C", bound=type)
 
-#: characters of a refused value that messages show
-SHOWN = 60
-#: types of values that are no arrays of numbers, whatever they hold
+#: characters of a refused value in messages
+MAX_SHOWN_CHARACTERS = 60
+#: types of values that are never arrays of numbers
 NO_ARRAYS = (str, bytes, set, frozenset, dict)
-#: units of arguments that are numbers, one or several
-UNITS = {"phi1": "deg", "torque": "Nm"}
-#: mark of classes that stand for a name in an annotation
-_NAME = "_stands_for"
+#: units of numeric arguments, for messages
+ARGUMENT_UNITS = {"phi1": "deg", "torque": "Nm"}
+#: attribute of classes that stand for a name in an annotation
+_NAME_ATTRIBUTE = "_stands_for"
 
 
 def checks_arguments(function: F) -> F:
-    """The same function, which raises ArgumentError for an argument of another type than its annotation says."""
+    """Decorate a function: it raises ArgumentError for an argument of another type than its annotation."""
     return checks_arguments_with()(function)
 
 
 def checks_arguments_with(**remedies: str) -> Callable[[F], F]:
-    """The same, with what to do about some arguments that are refused, by their names."""
+    """Return the decorator `checks_arguments` with remedies, by names of arguments, for its messages."""
 
     def decorate(function: F) -> F:
         @functools.wraps(function)
@@ -57,7 +57,7 @@ def checks_arguments_with(**remedies: str) -> Callable[[F], F]:
 
 
 def checks_methods(owner: C) -> C:
-    """The same class, whose public methods check their arguments."""
+    """Decorate a class: its public methods check their arguments."""
     for name, method in list(vars(owner).items()):
         if inspect.isfunction(method) and (name == "__init__" or not name.startswith("_")):
             setattr(owner, name, checks_arguments(method))
@@ -70,9 +70,11 @@ def _refuse(name: str, hint: Any, value: Any, remedy: str) -> None:
     if fault is not None:
         words = list(dict.fromkeys(_words(fault.hint)))
         # a path may be a text
-        must_be = " or ".join(word for word in words if word != _WORDS[str] or _WORDS["PathLike"] not in words)
-        if name in UNITS:
-            must_be = must_be.replace(_WORDS["ArrayLike"], f"a number in {UNITS[name]}, or several")
+        must_be = " or ".join(
+            word for word in words if word != _TYPE_WORDS[str] or _TYPE_WORDS["PathLike"] not in words
+        )
+        if name in ARGUMENT_UNITS:
+            must_be = must_be.replace(_TYPE_WORDS["ArrayLike"], f"a number in {ARGUMENT_UNITS[name]}, or several")
         shown = _short_text(fault.value)
         raise ArgumentError(name, fault.value, entry=fault.entry, shown=shown, must_be=must_be, remedy=remedy)
 
@@ -85,7 +87,7 @@ def _short_text(value: Any) -> str:
         )
     except Exception:  # of a class that cannot be shown
         text = f"<{type(value).__name__}>"
-    return text if len(text) <= SHOWN else f"{text[: SHOWN - 3]}..."
+    return text if len(text) <= MAX_SHOWN_CHARACTERS else f"{text[: MAX_SHOWN_CHARACTERS - 3]}..."
 
 
 # ---------------------------------------------------------------- annotations
@@ -97,7 +99,7 @@ class _Names(dict[str, Any]):
     def __missing__(self, name: str) -> Any:
         if hasattr(builtins, name):
             raise KeyError(name)
-        made = self[name] = type(name, (), {_NAME: name})
+        made = self[name] = type(name, (), {_NAME_ATTRIBUTE: name})
         return made
 
 
@@ -106,7 +108,7 @@ def _signature(function: Callable[..., Any]) -> tuple[tuple[str, ...], dict[str,
     """Names of the positional parameters of a function, and the types of all that have annotations."""
     names = _Names(vars(sys.modules[function.__module__]))
     # these are unions, in which they would not be known again
-    names |= {alias: type(alias, (), {_NAME: alias}) for alias in ("ArrayLike", "Length", "Progress")}
+    names |= {alias: type(alias, (), {_NAME_ATTRIBUTE: alias}) for alias in ("ArrayLike", "Length", "Progress")}
     parameters = inspect.signature(function).parameters.values()
     hints = {}
     for one in parameters:
@@ -122,21 +124,24 @@ def _signature(function: Callable[..., Any]) -> tuple[tuple[str, ...], dict[str,
 
 @dataclass(frozen=True)
 class _Fault:
-    """A value, the argument's own or one within it, and the type that it has not; `entry`: key of a mapping."""
+    """A value of a wrong type: the argument or a value inside it."""
 
+    #: key of the mapping that holds the value
     entry: str
+    #: the value
     value: Any
+    #: the type that it should have
     hint: Any
 
 
 @functools.cache
 def _parts(hint: Any) -> tuple[Any, tuple[Any, ...]]:
-    """A type without its parameters, and these."""
+    """Return a type without its parameters, and the parameters."""
     return typing.get_origin(hint), typing.get_args(hint)
 
 
 def _fault(hint: Any, value: Any, entry: str) -> _Fault | None:
-    """What is not of a type; None where all is."""
+    """Return the value that is not of a type; None if there is none."""
     if type(value) is hint:
         return None
     origin, parts = _parts(hint)
@@ -146,7 +151,7 @@ def _fault(hint: Any, value: Any, entry: str) -> _Fault | None:
             fault = _fault(part, value, entry)
             if fault is None:
                 return None
-            # of a container the part that is wrong
+            # the wrong part of a container tells more than the container
             inner = fault if inner is None and fault.value is not value else inner
         return inner or _Fault(entry, value, hint)
     if not _is_a(origin or hint, parts, value):
@@ -193,7 +198,7 @@ def _is_a(kind: Any, parts: tuple[Any, ...], value: Any) -> bool:
         kind = abc.Mapping
     if kind is abc.Callable:
         return callable(value)
-    name = getattr(kind, _NAME, None)
+    name = getattr(kind, _NAME_ATTRIBUTE, None)
     if name is not None:
         return _has_name(name, value)
     return isinstance(value, kind)
@@ -227,7 +232,8 @@ def _is_array(value: Any) -> bool:
 
 # ---------------------------------------------------------------- words
 
-_WORDS: dict[Any, str] = {
+#: words for a value of a type
+_TYPE_WORDS: dict[Any, str] = {
     int: "a whole number",
     float: "a number",
     str: "a text",
@@ -240,12 +246,12 @@ _WORDS: dict[Any, str] = {
     "PathLike": "a path",
     abc.Callable: "a function",
 }
-#: the same of several
-_SEVERAL: dict[Any, str] = {int: "whole numbers", float: "numbers", str: "texts", bool: "truth values"}
+#: words for several values of a type
+_PLURAL_WORDS: dict[Any, str] = {int: "whole numbers", float: "numbers", str: "texts", bool: "truth values"}
 
 
 def _words(hint: Any) -> Iterator[str]:
-    """What a value of a type is called in messages."""
+    """Yield the words for a value of a type, one for each alternative."""
     origin, parts = typing.get_origin(hint), typing.get_args(hint)
     kind = origin or hint
     if origin in (typing.Union, types.UnionType):
@@ -254,7 +260,7 @@ def _words(hint: Any) -> Iterator[str]:
     elif kind is typing.Literal:
         yield ", ".join(map(repr, parts))
     elif kind is os.PathLike:
-        yield _WORDS["PathLike"]
+        yield _TYPE_WORDS["PathLike"]
     elif kind in (abc.Mapping, dict):
         yield f"a mapping of {_several(parts[0])} to {_several(parts[1])}" if parts else "a mapping"
     elif kind in (abc.Sequence, list) or (kind is tuple and parts[1:] == (...,)):
@@ -262,14 +268,14 @@ def _words(hint: Any) -> Iterator[str]:
     elif kind is tuple:
         yield f"{len(parts)} {_several(parts[0])}"
     else:
-        name = getattr(kind, _NAME, None)
-        yield str(_WORDS.get(name or kind) or f"a {name or kind.__name__}")
+        name = getattr(kind, _NAME_ATTRIBUTE, None)
+        yield str(_TYPE_WORDS.get(name or kind) or f"a {name or kind.__name__}")
 
 
 def _several(hint: Any) -> str:
-    """The same of several values."""
+    """Return the words for several values of a type."""
     if typing.get_origin(hint) in (typing.Union, types.UnionType):
         return " or ".join(dict.fromkeys(_several(part) for part in typing.get_args(hint)))
     if typing.get_origin(hint) is not None:
         return " or ".join(dict.fromkeys(_words(hint))).replace("a sequence", "sequences", 1)
-    return str(_SEVERAL.get(hint) or ("values" if hint is Any else getattr(hint, "__name__", hint)))
+    return str(_PLURAL_WORDS.get(hint) or ("values" if hint is Any else getattr(hint, "__name__", hint)))

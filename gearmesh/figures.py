@@ -1,6 +1,6 @@
-"""Figures: what an answer consists of, each with its unit, its symbol and what it means.
+"""Figures of answers, each with unit, symbol and meaning.
 
-Keys of JSON files, columns of tables and of studies, and the reference follow from these; nothing is read out of a name.
+Keys of JSON files, columns of tables and studies, and the reference come from these declarations.
 
     @dataclass(frozen=True)
     class Ellipse(Figures):
@@ -18,8 +18,8 @@ from typing import Any, TypeAlias
 
 from gearmesh.errors import UnknownFigureError
 
-#: units, and how they stand at the end of a key
-UNITS = {
+#: ending of keys by unit
+KEY_ENDINGS = {
     "": "",
     "mm": "_mm",
     "mm2": "_mm2",
@@ -37,8 +37,8 @@ UNITS = {
     "modules": "_modules",
     "s": "",
 }
-#: what counts as 0 where people read a figure, by its unit: above what rounding leaves, far below what anybody measures
-RESOLUTION = {
+#: size, by unit, below which a table shows 0: above rounding, far below any measurement
+ZERO_SIZES = {
     "": 1e-12,
     "mm": 1e-9,
     "mm2": 1e-9,
@@ -49,51 +49,58 @@ RESOLUTION = {
     "N": 1e-6,
     "Nm": 1e-9,
 }
-#: where the name of a member stands in a key
-MEMBER = "{member}"
+#: place of the name of a member in a key
+MEMBER_PLACE = "{member}"
 
 
 @dataclass(frozen=True)
 class Figure:
-    """What a figure is: its `key` in JSON, with the unit at its end and `{member}` where the name of a member stands, `unit`,
-    `symbol` (ISO 21771, ISO 23509 or the source's) and `meaning`.
+    """Declaration of a figure."""
 
-    `optional`: left out where an answer has none; `whole`: a whole number; `vector`: x, y and z, which are columns of their own in
-    a table; `nullable`: a vector that is None in JSON where it is not known; `bare`: a table of its own, whose names are columns as
-    they are; what is not `shown` has no column; `singular`: key of one number of a list, without unit
-    and its number; `timing`: a run time, which differs from run to run; `rounding`: what rounding leaves is what it reports."""
-
+    #: key in JSON, ending in the unit; `{member}` stands for the name of a member
     key: str
+    #: unit
     unit: str
+    #: symbol of ISO 21771, ISO 23509 or the source
     symbol: str
+    #: meaning in words
     meaning: str
+    #: True if answers without the figure leave it out
     optional: bool = False
+    #: True for whole numbers
     whole: bool = False
+    #: True for vectors, whose x, y and z are separate columns of a table
     vector: bool = False
+    #: True for vectors that are None in JSON while unknown
     nullable: bool = False
+    #: True for a nested table whose names are columns without a prefix
     bare: bool = False
+    #: False for figures without a column
     shown: bool = True
+    #: key, without unit and number, of one number of a list
     singular: str = ""
+    #: True for run times, which differ from run to run
     timing: bool = False
+    #: True for figures that report the size of rounding
     rounding: bool = False
 
     @property
     def resolution(self) -> float:
-        """Least size that a table shows; what is smaller is printed as 0."""
-        return 0.0 if self.rounding else RESOLUTION.get(self.unit, 0.0)
+        """Least size that a table shows; smaller values are shown as 0."""
+        return 0.0 if self.rounding else ZERO_SIZES.get(self.unit, 0.0)
 
     @property
     def stem(self) -> str:
-        """The key without its unit."""
-        return self.key.removesuffix(UNITS[self.unit])
+        """Key without its unit."""
+        return self.key.removesuffix(KEY_ENDINGS[self.unit])
 
     def item(self, k: int) -> Figure:
-        """One number of a figure that is a list.
+        """Return one number of a figure that is a list.
 
         Parameters
         ----------
         k : int
-            Counted from 1.
+            Position, from 1.
 
         Returns
         -------
@@ -107,16 +114,16 @@ class Figure:
         'mesh_te_harmonic_2_arcsec'
         """
         return replace(
-            self, key=f"{self.singular or self.stem}_{k}{UNITS[self.unit]}", meaning=f"{self.meaning}, number {k}"
+            self, key=f"{self.singular or self.stem}_{k}{KEY_ENDINGS[self.unit]}", meaning=f"{self.meaning}, number {k}"
         )
 
     def of(self, member: str) -> Figure:
-        """The figure of a member.
+        """Return the figure of a member.
 
         Parameters
         ----------
         member : str
-            Takes the place of {member} in the key.
+            Name in the place of {member} in the key.
 
         Returns
         -------
@@ -128,7 +135,7 @@ class Figure:
         >>> gm.Figure("tip_clearance_{member}_mm", "mm", "c", "tip clearance").of("gear").key
         'tip_clearance_gear_mm'
         """
-        return replace(self, key=self.key.replace(MEMBER, member))
+        return replace(self, key=self.key.replace(MEMBER_PLACE, member))
 
     def in_um(self, um: str = "um") -> Figure:
         """The same along the travel of a gear that slides, as a rack does.
@@ -149,7 +156,7 @@ class Figure:
         'te_um'
         """
         return replace(
-            self, key=f"{self.stem}{UNITS[um]}", unit=um, meaning=f"{self.meaning}, along the travel of the rack"
+            self, key=f"{self.stem}{KEY_ENDINGS[um]}", unit=um, meaning=f"{self.meaning}, along the travel of the rack"
         )
 
 
@@ -182,8 +189,8 @@ def figure(
     """A field of `Figures`. Its key is its name with the unit at the end, or the `key` given; one with {member} in it holds a
     figure for each member, by names. An `optional` one that is None is left out. With `parts` it holds figures of that kind
     that stand among the others: one, or one for each member by names, whose keys have {member} in them."""
-    if unit not in UNITS:
-        raise ValueError(f"unit {unit}: must be one of {', '.join(UNITS)}")
+    if unit not in KEY_ENDINGS:
+        raise ValueError(f"unit {unit}: must be one of {', '.join(KEY_ENDINGS)}")
     told: dict[str, Any] = {"unit": unit, "symbol": symbol, "meaning": meaning, "key": key}
     told |= {"optional": optional, "whole": whole, "vector": vector, "nullable": nullable, "bare": bare}
     told |= {"shown": shown, "singular": singular, "timing": timing, "rounding": rounding, "parts": parts}
@@ -199,39 +206,39 @@ class Entry:
 
     @property
     def key(self) -> str:
-        """The key in JSON."""
+        """Key in JSON."""
         return self.figure.key
 
     @property
     def known(self) -> Any:
-        """The value, None in the place of a vector that is not known."""
+        """Value; None for an unknown vector."""
         return None if self.figure.nullable and any(map(math.isnan, self.value)) else self.value
 
 
-#: properties of a figure beside its meaning
-_KINDS = ("optional", "whole", "vector", "nullable", "bare", "shown", "singular", "timing", "rounding")
+#: further properties of a figure
+_FIGURE_PROPERTIES = ("optional", "whole", "vector", "nullable", "bare", "shown", "singular", "timing", "rounding")
 
 
 class Figures:
-    """A frozen dataclass all of whose fields are made by `figure`."""
+    """Base of frozen dataclasses whose fields are all made by `figure`."""
 
     @property
     def known(self) -> bool:
-        """Whether there is anything to report; where there is not, figures in which these are have None in their place."""
+        """True if there is anything to report; figures that contain these have None in their place otherwise."""
         return True
 
     @classmethod
     @cache
     def _by_field(cls) -> tuple[tuple[str, Figure, type[Figures] | None], ...]:
-        """Names of fields, their figures, and what kind of figures stands in their place."""
+        """Return names of fields, their figures, and the class of nested figures."""
         return tuple(
             (
                 field.name,
                 Figure(
                     key=field.metadata["key"]
                     if field.metadata["key"] is not None
-                    else f"{field.name}{UNITS[field.metadata['unit']]}",
-                    **{name: field.metadata[name] for name in ("unit", "symbol", "meaning", *_KINDS)},
+                    else f"{field.name}{KEY_ENDINGS[field.metadata['unit']]}",
+                    **{name: field.metadata[name] for name in ("unit", "symbol", "meaning", *_FIGURE_PROPERTIES)},
                 ),
                 field.metadata["parts"],
             )
@@ -240,12 +247,12 @@ class Figures:
 
     @classmethod
     def declared_figures(cls) -> tuple[Figure, ...]:
-        """The figures that it can have, in order.
+        """Return the figures that an answer of the class can have, in order.
 
         Returns
         -------
         tuple of Figure
-            What each is: key, unit, symbol, meaning.
+            Declarations with key, unit, symbol and meaning.
 
         Examples
         --------
@@ -290,7 +297,7 @@ class Figures:
             if kind is not None:
                 own = value.entries if isinstance(value, Figures) else _of_members(value)
                 own_entries += own
-            elif MEMBER in known.key:
+            elif MEMBER_PLACE in known.key:
                 own_entries += [Entry(known.of(member), own) for member, own in value.items()]
             else:
                 own_entries.append(Entry(known, value))
@@ -369,7 +376,7 @@ def _flat(entries: Iterable[Entry], prefix: str) -> Iterator[tuple[str, Any, Fig
             own = (Entry(replace(known, key=name, bare=False), one) for name, one in value.items())
             yield from _flat(own, inner)
         elif known.vector:
-            unit = UNITS[known.unit]
+            unit = KEY_ENDINGS[known.unit]
             yield from ((f"{prefix}{known.stem}_{axis}{unit}", x, known) for axis, x in zip("xyz", value, strict=True))
         else:
             yield prefix + known.key, value, known
@@ -379,7 +386,7 @@ class Summary(Mapping[str, Any]):
     """Figures of several kinds one after the other, by their keys."""
 
     def __init__(self, *parts: Figures | Summary | Iterable[Entry] | None) -> None:
-        """Of `parts` those that are not None; of two with one key the later counts."""
+        """Join the `parts` that are not None; the later of two figures with one key counts."""
         entries: dict[str, Entry] = {}
         for part in parts:
             if part is not None:

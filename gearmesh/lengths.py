@@ -9,11 +9,11 @@ from decimal import Decimal, InvalidOperation
 
 from gearmesh.errors import ArgumentError
 
-#: mm, or a text with its unit
+#: a number of mm, or a text with a unit
 Length = float | str
 
-#: mm in a unit of length; decimal, so that 9um is 0.009 mm to the last digit
-MM: dict[str, Decimal] = {
+#: decimal, so that 9um is 0.009 mm to the last digit
+MM_PER_UNIT: dict[str, Decimal] = {
     "um": Decimal("0.001"),
     "µm": Decimal("0.001"),
     "μm": Decimal("0.001"),
@@ -21,25 +21,28 @@ MM: dict[str, Decimal] = {
     "in": Decimal("25.4"),
     "inch": Decimal("25.4"),
 }
-#: how a length with its unit looks, for messages
-EXAMPLES = "15um, 0.01mm or 0.0004in"
+#: examples of lengths with units, for messages
+LENGTH_EXAMPLES = "15um, 0.01mm or 0.0004in"
 
-#: mm: tolerances that meshes and curves can have
-FINEST, COARSEST = 1e-5, 10.0
+#: smallest tolerance of meshes and curves
+MIN_TOLERANCE_MM = 1e-5
+#: largest tolerance of meshes and curves
+MAX_TOLERANCE_MM = 10.0
 
-_LENGTH = re.compile(r"\s*([-+.0-9eE]+)\s*([a-zµμ]*)\s*")
+#: a number and a unit
+_LENGTH_PATTERN = re.compile(r"\s*([-+.0-9eE]+)\s*([a-zµμ]*)\s*")
 
 
 def length(text: str, unit: str, bare: str | None = None) -> float | None:
-    """The length that a text says, in `unit`, a text without a unit being in `bare`; None where it says none."""
-    match = _LENGTH.fullmatch(text)
+    """Return the length of a text, in `unit`; a text without a unit is in `bare`. None for any other text."""
+    match = _LENGTH_PATTERN.fullmatch(text)
     if match is None:
         return None
-    number, own = match[1], match[2] or bare
-    if own not in MM:
+    number, text_unit = match[1], match[2] or bare
+    if text_unit not in MM_PER_UNIT:
         return None
     try:
-        return float(Decimal(number) * MM[own] / MM[unit])
+        return float(Decimal(number) * MM_PER_UNIT[text_unit] / MM_PER_UNIT[unit])
     except (InvalidOperation, ArithmeticError):
         return None
 
@@ -47,9 +50,9 @@ def length(text: str, unit: str, bare: str | None = None) -> float | None:
 def in_mm(
     name: str, value: Length, low: float = -math.inf, high: float = math.inf, examples: str = "5, -2.5mm or 0.1in"
 ) -> float:
-    """A length that somebody gives, in mm: a bare number, also as a text, is one of mm.
+    """Return a given length in mm; a number without a unit, also as a text, is in mm.
 
-    Raises DesignError with `name`, value and what is allowed: a finite one from `low` to `high` (mm).
+    Raises DesignError with `name`, the value and what is allowed, if it is not a finite length from `low` to `high`, mm.
     """
     if isinstance(value, str):
         mm = length(value, "mm", bare="mm")
@@ -62,9 +65,10 @@ def in_mm(
 
 
 def tolerance_in_mm(name: str, value: Length) -> float:
-    """A tolerance that somebody gives, in mm. Raises DesignError as `in_mm`."""
-    return in_mm(name, value, FINEST, COARSEST, "10um, 0.01mm or 0.0004in")
+    """Return a given tolerance in mm. Raises DesignError as `in_mm` does."""
+    return in_mm(name, value, MIN_TOLERANCE_MM, MAX_TOLERANCE_MM, "10um, 0.01mm or 0.0004in")
 
 
 def _words(mm: float) -> str:
+    """Return a length in the unit that suits it."""
     return f"{1e3 * mm:g}um" if abs(mm) < 0.1 else f"{mm:g}mm"

@@ -1,8 +1,8 @@
-"""Gears and answers as bytes for other processes: what they are made of, functions within functions included.
+"""Gears and answers as bytes for other processes, including functions within functions.
 
-Surfaces are functions that the code builds of other functions. `pickle` knows functions by their names in a module, which these
-do not have. Here such a function is the place of its code in the module, and the values that it has taken along. Both processes
-must have the same version of the program.
+Surfaces are functions that the code builds from other functions. `pickle` finds functions by their names in a module, which
+these do not have. Here such a function is stored as the place of its code in the module and the values of its closure. Both
+processes must run the same version of the program.
 """
 
 from __future__ import annotations
@@ -19,31 +19,31 @@ from typing import Any
 from gearmesh import __version__
 from gearmesh.errors import OutputError
 
-#: what stands in the name of a function within another
-_WITHIN = ".<locals>"
-#: place of a value that a function has not taken along yet
-_EMPTY = "<empty>"
+#: part of the qualified name of a function within another
+_INNER_NAME = ".<locals>"
+#: mark of a closure cell without a value
+_EMPTY_CELL = "<empty>"
 
-#: module, name of the outermost function, and where its code has the code of those within: positions among constants
+#: module, name of the outermost function, and path to the inner code by positions among constants
 Place = tuple[str, str, tuple[int, ...]]
 
 
 def as_bytes(value: Any) -> bytes:
-    """A value that `from_bytes` makes again."""
+    """Return a value as bytes for `from_bytes`."""
     file = io.BytesIO()
     _Pickler(file, pickle.HIGHEST_PROTOCOL).dump(value)
     return file.getvalue()
 
 
 def from_bytes(version: str, content: bytes) -> Any:
-    """The value in bytes that a version of the program has made. Raises OutputError for another version."""
+    """Return the value of bytes from a version of the program. Raises OutputError for another version."""
     if version != __version__:
         raise OutputError("pickle", reason=f"made by gearmesh {version}; this is {__version__}, which cannot read it")
     return pickle.loads(content)
 
 
 class Picklable:
-    """An object that goes to other processes with all that it is made of."""
+    """Base of objects that pickle with all their parts."""
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _restore, (type(self), __version__, as_bytes(vars(self)))
@@ -56,10 +56,10 @@ def _restore(kind: type, version: str, content: bytes) -> Any:
 
 
 class _Pickler(pickle.Pickler):
-    """Pickles functions within functions, too."""
+    """Pickler that also pickles functions within functions."""
 
     def reducer_override(self, value: Any) -> Any:
-        if isinstance(value, FunctionType) and _WITHIN in value.__qualname__:
+        if isinstance(value, FunctionType) and _INNER_NAME in value.__qualname__:
             cells = value.__closure__ or ()
             state = (value.__defaults__, value.__kwdefaults__, [_content(cell) for cell in cells])
             return _function, (_place(value), len(cells)), state, None, None, _fill
@@ -70,11 +70,11 @@ def _content(cell: Any) -> Any:
     try:
         return cell.cell_contents
     except ValueError:
-        return _EMPTY
+        return _EMPTY_CELL
 
 
 def _function(place: Place, cells: int) -> FunctionType:
-    """A function without its values, which may lead to itself."""
+    """Return a function without the values of its closure, which may contain the function itself."""
     module, name, path = place
     code = _code_of(module, name)
     for k in path:
@@ -84,16 +84,16 @@ def _function(place: Place, cells: int) -> FunctionType:
 
 
 def _fill(function: FunctionType, state: tuple[Any, Any, list[Any]]) -> None:
-    """Give a function its values."""
+    """Set defaults and closure values of a function."""
     function.__defaults__, function.__kwdefaults__, contents = state
     for cell, content in zip(function.__closure__ or (), contents, strict=True):
-        if not (isinstance(content, str) and content == _EMPTY):
+        if not (isinstance(content, str) and content == _EMPTY_CELL):
             cell.cell_contents = content
 
 
 def _place(function: FunctionType) -> Place:
-    """Where the code of a function is."""
-    name = function.__qualname__.split(_WITHIN)[0]
+    """Return the place of a function's code."""
+    name = function.__qualname__.split(_INNER_NAME)[0]
     outer = _code_of(function.__module__, name)
     for code, path in _codes(outer, ()):
         if code is function.__code__:
@@ -102,7 +102,7 @@ def _place(function: FunctionType) -> Place:
 
 
 def _codes(code: CodeType, path: tuple[int, ...]) -> Iterator[tuple[CodeType, tuple[int, ...]]]:
-    """Codes of all functions within one, and their places."""
+    """Yield the codes of all functions within a code, with their paths."""
     for k, constant in enumerate(code.co_consts):
         if isinstance(constant, CodeType):
             yield constant, (*path, k)
@@ -110,7 +110,7 @@ def _codes(code: CodeType, path: tuple[int, ...]) -> Iterator[tuple[CodeType, tu
 
 
 def _code_of(module: str, name: str) -> CodeType:
-    """The code of a function by its name in a module."""
+    """Return the code of a function by its name in a module."""
     owner: Any = import_module(module)
     for part in name.split("."):
         owner = inspect.getattr_static(owner, part)

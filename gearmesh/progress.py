@@ -1,7 +1,7 @@
-"""How far a long piece of work is, and its end before it is done.
+"""Progress of long work, and its early end.
 
-A piece of work that takes a `progress` tells it. What takes none, as it is part of other work or has few stages, says `tell`:
-whoever waits for it listens with `listening`, and by default nobody does.
+Work with an argument `progress` calls it. Work without one, as part of other work or with few stages, calls `tell`; a caller
+that wants to know uses `listening`. By default nobody listens.
 """
 
 from __future__ import annotations
@@ -13,14 +13,14 @@ from contextvars import ContextVar
 from threading import Event
 from typing import Any, TypeVar
 
-#: Told how far a long piece of work is (0 to 1) and what it is doing.
+#: function that is called with the share of work done (0 to 1) and the present stage
 Progress = Callable[[float, str], None]
 
 Item = TypeVar("Item")
 
 
 def silent(fraction: float, doing: str) -> None:
-    """Progress of which nobody wants to know."""
+    """Ignore progress."""
 
 
 _listener: ContextVar[Callable[[float], None] | None] = ContextVar("listener", default=None)
@@ -28,7 +28,7 @@ _listener: ContextVar[Callable[[float], None] | None] = ContextVar("listener", d
 
 @contextmanager
 def listening(listener: Callable[[float], None] | None) -> Iterator[None]:
-    """Have a listener called with how far the work within is, 0 to 1; None: nobody."""
+    """Call a listener with the share, 0 to 1, of the work in the context that is done; None for no listener."""
     token = _listener.set(listener)
     try:
         yield
@@ -37,7 +37,7 @@ def listening(listener: Callable[[float], None] | None) -> Iterator[None]:
 
 
 def tell(fraction: float) -> None:
-    """Say how far (0 to 1) the present piece of work is."""
+    """Report the share, 0 to 1, of the present work that is done."""
     listener = _listener.get()
     if listener is not None:
         listener(fraction)
@@ -45,7 +45,7 @@ def tell(fraction: float) -> None:
 
 @contextmanager
 def part(first: float, last: float) -> Iterator[None]:
-    """A part of the present piece of work, between two fractions of it; at its end all of the part is done."""
+    """Mark a part of the present work, between two shares of it; at the end of the context the part is done."""
     whole = _listener.get()
     if whole is None:
         yield
@@ -56,7 +56,7 @@ def part(first: float, last: float) -> Iterator[None]:
 
 
 def in_turn(items: Iterable[Item]) -> Iterator[Item]:
-    """The items one after the other, each as large a part of the present piece of work as the next."""
+    """Yield items as equal parts of the present work."""
     every: Sequence[Item] = list(items)
     for k, item in enumerate(every):
         with part(k / len(every), (k + 1) / len(every)):
@@ -67,19 +67,19 @@ _ended: ContextVar[Event | None] = ContextVar("ended", default=None)
 
 
 def side_by_side(work: Callable[..., Item], *arguments: Iterable[Any]) -> list[Item]:
-    """What `work` gives for each set of arguments, as `map` has them, each in a thread of its own.
+    """Return the results of `work` for each set of arguments, as `map` takes them, each in its own thread.
 
-    Whatever ends the wait for them, as Ctrl-C or an error in one, ends the others where they next say `go_on`.
+    Ctrl-C, or an error in one thread, ends the other threads at their next call of `go_on`.
     """
     ended = Event()
 
-    def own(*values: Any) -> Item:
+    def in_thread(*values: Any) -> Item:
         _ended.set(ended)
         return work(*values)
 
     columns = list(zip(*arguments, strict=True))
     with ThreadPoolExecutor(len(columns)) as threads:
-        waiting = [threads.submit(own, *values) for values in columns]
+        waiting = [threads.submit(in_thread, *values) for values in columns]
         try:
             return [result.result() for result in waiting]
         except BaseException:
@@ -88,7 +88,7 @@ def side_by_side(work: Callable[..., Item], *arguments: Iterable[Any]) -> list[I
 
 
 def go_on() -> None:
-    """Go on with a piece of work, unless nobody waits for it any more: raises CancelledError then."""
+    """Raise CancelledError if nobody waits for the work any more."""
     ended = _ended.get()
     if ended is not None and ended.is_set():
         raise CancelledError

@@ -1,7 +1,7 @@
-"""The samples that come with the package: design files, scripts that compute a figure from some of them, guides and notebooks.
+"""Samples of the package: design files, scripts that compute a figure from them, guides and notebooks.
 
-In a checkout and in an editable install they are the folder `samples` beside the package; the wheel carries them inside it,
-as `sample_files` (see pyproject.toml), without the pictures of guides.
+In a checkout and in an editable install they are in the folder `samples` beside the package. In a wheel they are inside the
+package as `sample_files` (see pyproject.toml), without the pictures of guides.
 """
 
 from __future__ import annotations
@@ -16,36 +16,36 @@ from pathlib import Path
 
 from gearmesh.errors import ArgumentError, OutputError
 
-#: What a sample can be: a design or a script.
-SUFFIXES = (".toml", ".py")
-#: What a guide can be: a text with commands and programs, or a notebook.
-GUIDES = (".md", ".ipynb")
+#: suffixes of samples: designs and scripts
+SAMPLE_SUFFIXES = (".toml", ".py")
+#: suffixes of guides: texts with commands and programs, and notebooks
+GUIDE_SUFFIXES = (".md", ".ipynb")
 #: names of other files in a design
-_NAMED = re.compile(r'^\w+ = "([\w-]+\.csv)"', re.MULTILINE)
+_NAMED_FILES = re.compile(r'^\w+ = "([\w-]+\.csv)"', re.MULTILINE)
 
 
 def names() -> list[str]:
-    """All samples in alphabetical order, by file name without the suffix: "spur", "fig9_beveloid_ellipse"."""
-    return sorted(name for name, file in _files().items() if file.name.endswith(SUFFIXES))
+    """Return all samples in alphabetical order, by file name without the suffix: "spur", "fig9_beveloid_ellipse"."""
+    return sorted(name for name, file in _files().items() if file.name.endswith(SAMPLE_SUFFIXES))
 
 
 def guides() -> list[str]:
-    """All guides in their order, then all notebooks, by file name without the suffix: "01-spur-pair", "gears-in-3d"."""
-    return sorted(name for name, file in _files().items() if file.name.endswith(GUIDES))
+    """Return all guides in their order, then all notebooks, by file name without the suffix: "01-spur-pair", "gears-in-3d"."""
+    return sorted(name for name, file in _files().items() if file.name.endswith(GUIDE_SUFFIXES))
 
 
 def text(name: str) -> str:
-    """What is in a sample or a guide. Raises DesignError, with the name that is nearest, for one that does not exist."""
+    """Return the text of a sample or guide. Raises DesignError, with the most similar name, if it does not exist."""
     return _find(name).read_text(encoding="utf-8")
 
 
 def headline(name: str) -> str:
-    """What a sample is, in a few words: its comment or docstring up to the first colon or end of a sentence, or a guide's title."""
+    """Return a sample's first comment or docstring, up to a colon or the end of a sentence; the title of a guide."""
     lines = text(name).splitlines()
     file = _find(name).name
     if file.endswith(".ipynb"):
         lines = "".join(json.loads("\n".join(lines))["cells"][0]["source"]).splitlines()
-    if file.endswith(GUIDES):
+    if file.endswith(GUIDE_SUFFIXES):
         return lines[0].removeprefix("# ")
     if file.endswith(".py"):
         opening = ast.get_docstring(ast.parse("\n".join(lines))) or ""
@@ -56,15 +56,15 @@ def headline(name: str) -> str:
 
 
 def copy(name: str, folder: str | Path) -> Path:
-    """Write a sample or a guide into an existing folder, with the files that it names, and say where it is; the scripts want
-    their designs beside them, guides copy what they use themselves.
+    """Write a sample or guide, and the files that it names, into an existing folder; return its path.
 
-    Raises DesignError for a sample that does not exist, OutputError for a file that is there already or cannot be written.
+    Scripts need their designs beside them; guides copy their files themselves. Raises DesignError for a sample that does not
+    exist, OutputError for a file that exists already or cannot be written.
     """
     from gearmesh.io.atomic import whole_text
 
     sample = _find(name)
-    named = sorted(set(_NAMED.findall(text(name)))) if sample.name.endswith(SUFFIXES[0]) else []
+    named = sorted(set(_NAMED_FILES.findall(text(name)))) if sample.name.endswith(SAMPLE_SUFFIXES[0]) else []
     targets = {Path(folder) / file: _folder().joinpath(file) for file in named}
     targets = {Path(folder) / sample.name: sample, **targets}
     for target in targets:
@@ -76,9 +76,9 @@ def copy(name: str, folder: str | Path) -> Path:
 
 
 def _find(name: str) -> Traversable:
-    """The file of a sample or guide, named with or without its suffix."""
+    """Return the file of a sample or guide, named with or without its suffix."""
     files = _files()
-    stem = next((name.removesuffix(s) for s in (*SUFFIXES, *GUIDES) if name.endswith(s)), name)
+    stem = next((name.removesuffix(s) for s in (*SAMPLE_SUFFIXES, *GUIDE_SUFFIXES) if name.endswith(s)), name)
     if stem in files and name in (stem, files[stem].name):
         return files[stem]
     close = difflib.get_close_matches(stem, list(files), n=1, cutoff=0.55)
@@ -88,8 +88,8 @@ def _find(name: str) -> Traversable:
 
 def _files() -> dict[str, Traversable]:
     entries = [
-        *(entry for entry in _folder().iterdir() if entry.name.endswith(SUFFIXES)),
-        *(entry for entry in (_folder() / "guides").iterdir() if entry.name.endswith(GUIDES)),
+        *(entry for entry in _folder().iterdir() if entry.name.endswith(SAMPLE_SUFFIXES)),
+        *(entry for entry in (_folder() / "guides").iterdir() if entry.name.endswith(GUIDE_SUFFIXES)),
     ]
     return {entry.name.rpartition(".")[0]: entry for entry in entries if entry.name != "README.md"}
 

@@ -13,7 +13,7 @@ from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, plain
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, DesignError
-from gearmesh.figures import RESOLUTION, Content, Figures, at_resolution, figure
+from gearmesh.figures import ZERO_SIZES, Content, Figures, at_resolution, figure
 from gearmesh.systems import system as systems
 from gearmesh.systems.common.plain_sheet import (
     MASS_TITLE,
@@ -150,7 +150,7 @@ def _missing_listing(missing: list[MissingFigures]) -> list[Listing]:
 
 def _listing(table: SheetTable) -> Listing:
     """A table to print, its symbols before its items; what rounding leaves is 0."""
-    rows = [[at_resolution(plain(value), RESOLUTION.get(row[1], NOTHING)) for value in row] for row in table.rows]
+    rows = [[at_resolution(plain(value), ZERO_SIZES.get(row[1], NOTHING)) for value in row] for row in table.rows]
     if table.symbols:
         columns = ("symbol", "", "unit", *table.columns)
         return Listing(table.title, columns, [[symbol, *row] for symbol, row in zip(table.symbols, rows, strict=True)])

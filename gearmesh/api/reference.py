@@ -11,7 +11,7 @@ import gearmesh.answers
 import gearmesh.study
 import gearmesh.systems
 from gearmesh.answers.tables import Listing
-from gearmesh.figures import MEMBER, Figure, Figures
+from gearmesh.figures import MEMBER_PLACE, Figure, Figures
 
 #: packages whose modules declare figures
 PACKAGES = (gearmesh.answers, gearmesh.systems, gearmesh.study)
@@ -85,5 +85,5 @@ def _is_meant(known: Figure, word: str) -> bool:
     of three coordinates, or as travel of a rack."""
     keys = [known.key, *([known.in_um().key] if known.unit == "arcsec" else [])]
     column = COORDINATE.sub("", word) if known.vector else word
-    patterns = [re.escape(key).replace(re.escape(MEMBER), r"\w+") for key in keys if key != MEMBER]
+    patterns = [re.escape(key).replace(re.escape(MEMBER_PLACE), r"\w+") for key in keys if key != MEMBER_PLACE]
     return word in known.key or any(re.search(rf"(^|_){pattern}$", column) for pattern in patterns)

@@ -14,13 +14,13 @@ from gearmesh.answers.contact.zone import ZoneFigures
 from gearmesh.answers.load.figures import LoadedFigures
 from gearmesh.answers.sheet import MissingFigures
 from gearmesh.api.design_schema import DIALECT, JsonSchema
-from gearmesh.figures import MEMBER, UNITS, Figure, Figures
+from gearmesh.figures import KEY_ENDINGS, MEMBER_PLACE, Figure, Figures
 from gearmesh.systems.system import kinds
 
 #: what the summary of a contact consists of; gear systems add figures of their own
 CONTACT = (PathSummary, CycleSummary, ZoneFigures, SlideSummary, FitSummary, TorqueSummary, TurnsSummary)
 #: units of figures that are those of an angle, or of a travel where the gear is a rack
-ANGLE, TRAVEL = UNITS["arcsec"], UNITS["um"]
+ANGLE, TRAVEL = KEY_ENDINGS["arcsec"], KEY_ENDINGS["um"]
 NUMBER = {"type": ["number", "null"]}
 
 
@@ -87,8 +87,8 @@ def figures_schema(*kinds_of_figures: type[Figures]) -> JsonSchema:
         for figure in kind.declared_figures():
             if figure.timing:
                 continue
-            if MEMBER in figure.key:
-                name = re.escape(figure.key).replace(re.escape(MEMBER), r"[A-Za-z]\w*")
+            if MEMBER_PLACE in figure.key:
+                name = re.escape(figure.key).replace(re.escape(MEMBER_PLACE), r"[A-Za-z]\w*")
                 patterns[f"^{name}$"] = figure_schema(figure)
                 continue
             properties[figure.key] = figure_schema(figure)

@@ -18,10 +18,10 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from gearmesh.design.shown import value_text
 from gearmesh.errors import DesignError
-from gearmesh.lengths import EXAMPLES, MM, length
+from gearmesh.lengths import LENGTH_EXAMPLES, MM_PER_UNIT, length
 
 #: mm in each unit of lengths that a file may have
-MM_PER = {unit: float(MM[unit]) for unit in ("mm", "inch")}
+MM_PER = {unit: float(MM_PER_UNIT[unit]) for unit in ("mm", "inch")}
 
 #: value of a field whose default follows from other keys, until `Design.derived_values` fills it in
 DERIVED_VALUE = math.nan
@@ -173,7 +173,7 @@ class Key:
     @property
     def with_unit(self) -> str:
         """Words for a length with its unit, which such a key also accepts; empty for other keys."""
-        return f", or a length with its unit, as {EXAMPLES}" if self.power == 1 else ""
+        return f", or a length with its unit, as {LENGTH_EXAMPLES}" if self.power == 1 else ""
 
     def least(self, units: str) -> str:
         """Return the smallest size of a value but 0, in words, for the refusal of a smaller number.

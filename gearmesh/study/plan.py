@@ -19,7 +19,7 @@ from gearmesh.design.core import Design
 from gearmesh.design.shown import shown_key, value_text
 from gearmesh.errors import ArgumentError, DesignError, nearest
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.lengths import EXAMPLES, length
+from gearmesh.lengths import LENGTH_EXAMPLES, length
 from gearmesh.numerals import parse_number, parse_whole_number
 from gearmesh.study.spreads import WHOLE, Spread
 
@@ -178,7 +178,7 @@ class KeyReader:
             number = isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < MOST_NUMBER
             parsed = float(value) if number else np.nan
         if unit in ("choice", "text", "file", "flag") or not np.isfinite(parsed):
-            more = f", or a length with its unit, as {EXAMPLES}" if unit == "length" else ""
+            more = f", or a length with its unit, as {LENGTH_EXAMPLES}" if unit == "length" else ""
             raise DesignError(key, value, shown=value_text(value), must_be=f"a number{more}, to be varied over a range")
         return parsed
 

@@ -16,7 +16,7 @@ import gearmesh
 from gearmesh.answers.result import times_apart
 from gearmesh.answers.sheet import DesignSheet
 from gearmesh.answers.tables import Listing, align, figures
-from gearmesh.figures import MEMBER, UNITS, Entry, Figures, Summary, figure
+from gearmesh.figures import KEY_ENDINGS, MEMBER_PLACE, Entry, Figures, Summary, figure
 from gearmesh.systems.designs import parse
 from gearmesh.systems.system import SheetTable
 
@@ -105,13 +105,13 @@ def test_every_figure_says_what_it_is() -> None:
         for each in told:
             assert len(each.meaning) > 3, (kind, each)
             assert not each.meaning.endswith("."), each
-            assert each.key.endswith(UNITS[each.unit]) or MEMBER in each.key, each
+            assert each.key.endswith(KEY_ENDINGS[each.unit]) or MEMBER_PLACE in each.key, each
 
 
 #: methods of strings that take something off an end, or look whether it is there
 PARSING = {"endswith", "startswith", "removesuffix", "removeprefix", "partition", "rpartition", "split", "rsplit"}
 #: how units and run times stand in keys
-ENDS = {*UNITS.values(), *(end.removeprefix("_") for end in UNITS.values()), "seconds"} - {""}
+ENDS = {*KEY_ENDINGS.values(), *(end.removeprefix("_") for end in KEY_ENDINGS.values()), "seconds"} - {""}
 
 
 def parsed(source: str) -> list[int]:

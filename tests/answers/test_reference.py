@@ -12,7 +12,7 @@ from oracles.places import PACKAGE, ROOT, SAMPLES
 
 import gearmesh as gm
 from gearmesh.api.reference import declaring, figure_groups
-from gearmesh.figures import MEMBER
+from gearmesh.figures import MEMBER_PLACE
 
 
 def test_the_reference_has_every_kind_of_figures_once() -> None:
@@ -46,7 +46,7 @@ def test_what_contact_and_solids_tell_stands_in_the_reference() -> None:
     """Every key of a document's summary and meshes is a declared one, with the name of a member in the place of {member}."""
     gears = gm.build(gm.load(SAMPLES / "spur.toml"))
     known = {each.key for group in figure_groups() for each in group.figures}
-    known |= {key.replace(MEMBER, name) for key in known for name in gears.members}
+    known |= {key.replace(MEMBER_PLACE, name) for key in known for name in gears.members}
     for figures in (gears.contact().document()["summary"], gears.solid("pinion", 0.05).figures):
         assert len(figures) > 5
         assert set(figures) <= known
@@ -59,7 +59,7 @@ def test_what_contact_and_solids_tell_stands_in_the_reference() -> None:
         ("ellipse_a_mm", "a_mm"),
         ("curvature_gear_k1_per_mm", "k1_per_mm"),
         ("ellipse_major_axis_x", "major_axis"),
-        ("tip_clearance_rack_mm", f"tip_clearance_{MEMBER}_mm"),
+        ("tip_clearance_rack_mm", f"tip_clearance_{MEMBER_PLACE}_mm"),
         ("te_peak_to_peak_um", "te_peak_to_peak_arcsec"),
     ],
 )

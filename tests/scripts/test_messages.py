@@ -1,4 +1,4 @@
-"""scripts/messages.py: the list of all texts; they, docstrings and READMEs use the words of the field."""
+"""scripts/messages.py: the list of all texts, docstrings and READMEs."""
 
 from __future__ import annotations
 
@@ -13,79 +13,14 @@ import pytest
 from oracles.places import ROOT
 from oracles.scripts import script
 
-#: words that only this program's authors would understand, and what the field says; in backticks and in what is filled in they
-#: are names
-PRIVATE = {
-    r"\bg[ia]v(?:e|es|en|ing) way\b": "deflection, compliance; thinned, shortened",
-    r"\b(?:is|are|was|were|be|been|being) (?:told|said)\b": "is reported",
-    r"\btold (?:of|with|about|by|in|apart)\b": "warning; distinguished",
-    r"\b(?:dents?|dented)\b": "local contact compliance",
-    r"\bbricks?\b": "incompatible-mode hexahedra",
-    r"\bpressure has no limit\b": "pressure is singular",
-    r"\bcarr(?:y|ies) alike\b|\b(?:edges?|pairs?|who|that) carr(?:y|ies)\b(?! the)": "edge contact; load sharing",
-    r"\bprospects?\b": "contact preview",
-    r"\bto blame\b": "the key that makes the design infeasible",
-    r"\b(?:un)?settle[sd]?\b|\blooked into\b": "converge; determine; refine",
-    r"\b(?:ladders?|rungs?)\b": "strip triangulation, diagonals",
-    r"\b(?:the|a|an|its|their|no|greatest|with a) leads?\b(?! angle)": "transmission advance; lead is that of a helix",
-    r"(?<!of )\bcourses?\b|\bdrifts?\b": "joint, travel",
-    r"(?<!gear )(?<!\.)\btrains?\b": "gear set",
-    r"\bfront doors?\b": "public names",
-    r"\bma(?:ke|kes|king|de) good\b|\bmakes good errors\b": "compensate",
-    r"\b[Ww]hat \w+ stands? on\b|\bwhat (?:it|they|both) stands? on\b": "assumptions; body",
-    r"\bone dict\b": "per torque, per kind",
-    r"\bcomes? to (?!lie|rest)": "equals, reaches",
-    r"\b(?:is|are|was|were) off by\b|\bvolume off by\b": "error",
-    r"\b(?:a|the|no|any) folds?\b": "cusp",
-    r"\btouch and none\b": "contact missed by one of both",
-    r"\b(?:turn(?:s|ed|ing)?|driven) backwards\b": "coast side",
-    r"\b(?:stands?|stood|standing) (?:at|still|beside|askew)\b": "position, fixed",
-    r"\bwhere (?:it|they|both|all|(?:the )?members) stands?\b": "mounting, position",
-    r"\bmates?\b": "mating gear",
-    r"\brun(?:s|ning)? (?:most )?evenly\b|\beven running\b": "uniform transmission",
-    r"\bpairs? of teeth\b": "tooth pair",
-    r"\bhalf ax[ei]s\b": "semi-axis",
-}
-
-
 MESSAGES = script("messages")
 
 
 @cache
 def everything() -> list[Any]:
-    """All texts, docstrings and READMEs."""
+    """Return all texts, docstrings and READMEs."""
     found: list[Any] = MESSAGES.texts(kinds=MESSAGES.KINDS + MESSAGES.DOCUMENTS)
     return found
-
-
-def private(text: str) -> list[str]:
-    """The private words in a text, lines joined, and the field's instead."""
-    plain = " ".join(re.sub(r"`[^`]*`|\{[^{}]*\}", " ", text).split())
-    return [f"{found[0]!r} ({instead})" for word, instead in PRIVATE.items() if (found := re.search(word, plain))]
-
-
-@pytest.mark.quick
-def test_texts_use_the_words_of_the_field() -> None:
-    found = [f"{text.file}:{text.line}: {', '.join(words)}" for text in everything() if (words := private(text.text))]
-    # the glossary says what each word means here
-    assert not [line for line in found if not line.startswith("gearmesh/README.md:")], "\n".join(found)
-
-
-@pytest.mark.quick
-@pytest.mark.parametrize(
-    ("text", "count"),
-    [
-        ("teeth give way under load, and that is told", 2),
-        ("the mate carries alike; edges carry", 2),
-        ("the greatest lead of the gears", 1),
-        ("a lead angle of 20 deg, a step that leads beyond; of course", 0),
-        ("the mating gear carries the load; `mates` and {mate} are names", 0),
-        ("a gear train; the settings; it comes to lie on the flank", 0),
-        ("the value comes to 3 mm and is off by 2", 2),
-    ],
-)
-def test_the_words_do_not_misfire(text: str, count: int) -> None:
-    assert len(private(text)) == count
 
 
 @pytest.mark.quick
