@@ -41,7 +41,7 @@ def test_the_list_has_every_kind_of_text(tmp_path: Path) -> None:
         ("option", "gearmesh/app/commands/designs/size.py", "Gear ratio."),
         ("label", "gearmesh/view/diagrams/plots.py", "transmission error"),
         ("file", "gearmesh/fe/decks/inp.py", "** mm, N, MPa"),
-        ("docstring", "gearmesh/contact/fit/fit.py", "Whether a pair of gears fits"),
+        ("docstring", "gearmesh/contact/fit/fit.py", "Fit of a pair of gears"),
         ("readme", "README.md", "## Gear systems"),
     ):
         assert any(text.file == file and words in text.text for text in listed[kind]), words
