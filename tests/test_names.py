@@ -25,7 +25,6 @@ TO_REWRITE = {
     "systems",
     "systems/cylindrical",
     "systems/face_gear",
-    "view",
 }
 #: constants of one word that is the whole name of what they hold
 WHOLE_NAMES = {"ARCSEC", "_RELATIONSHIPS"}
