@@ -84,7 +84,7 @@ class Picture:
 
 @dataclass(frozen=True, repr=False)
 class Diagram:
-    """A figure on paper, `title` what it shows; it needs no OpenGL. `draw` writes it to a file."""
+    """A figure on paper with its `title`; it needs no OpenGL. `draw` writes it to a file."""
 
     title: str
     draw: Callable[[Path], None]

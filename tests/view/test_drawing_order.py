@@ -43,7 +43,7 @@ def test_facets_that_share_a_corner_share_its_place_in_the_picture(scene: Scene)
             assert (first[owner] == own).all()
 
 
-def test_what_is_behind_an_end_face_seen_edge_on_does_not_stand_beside_it(scene: Scene) -> None:
+def test_parts_behind_an_edge_on_end_face_stay_hidden(scene: Scene) -> None:
     """Its triangles are lines of the colour of the inside, before lines that are farther away, behind its own outline."""
     opened = next(body for body in scene.bodies if body.yields)
     assert scene.camera.front is not None
@@ -126,7 +126,7 @@ def test_lamps_shine_on_what_faces_them_and_colours_are_those_of_paint() -> None
 
 
 @pytest.mark.quick
-def test_the_border_of_an_area_is_drawn_where_the_area_comes_to_it() -> None:
+def test_border_of_an_area_is_drawn_where_it_reaches() -> None:
     """A flank 4 mm wide and 2 mm high, with an area left of x = 2.5: of three sides, those at the bottom and top up to there."""
     x, y = np.meshgrid(np.arange(5.0), np.arange(3.0))
     grid = np.stack((x, y, 0.0 * x), axis=-1)

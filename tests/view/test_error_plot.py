@@ -16,7 +16,7 @@ from gearmesh.view.diagrams import plots, turns_plot
 RACK = Path(__file__).parents[2] / "samples" / "rack.toml"
 
 
-def test_curves_of_tooth_pairs_and_of_the_gears_are_one_where_a_pair_is_ahead(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_curves_of_pairs_and_gears_coincide_where_a_pair_leads(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of reliefs, whose curve bends sharply; and no word is cut off by the edge of the figure or stands on a curve."""
     kept = []
     monkeypatch.setattr(plots, "save_figure", lambda figure, file: kept.append(figure))

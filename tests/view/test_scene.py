@@ -159,7 +159,7 @@ def test_ellipses_lie_on_the_surface_and_end_at_its_edges():
 
 
 @pytest.mark.quick
-def test_union_of_circles_moving_along_a_line_is_the_distance_to_the_line():
+def test_union_of_circles_along_a_line_is_distance_to_line():
     """Circles of radius 0.7 swept along a segment fill a capsule; edge contact in between parts it in two."""
     grid = np.stack(np.broadcast_arrays(np.linspace(17, 23, 61)[:, None], 0.0, np.linspace(-8, 8, 161)), axis=-1)
     positions = np.array([-5.0, -3.0, -1.0, 1.0, 3.0, 5.0])

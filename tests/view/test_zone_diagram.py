@@ -23,7 +23,7 @@ def figures(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
 
 
 @pytest.mark.sweep
-def test_the_legend_of_a_small_zone_is_whole_and_lines_have_no_dots(figures: list[Any]) -> None:
+def test_small_zone_has_whole_legend_and_lines_without_dots(figures: list[Any]) -> None:
     gm.build(gm.load(SAMPLES / "worm_drive.toml")).picture("zone", size=(1000, 800)).save("zone.png")
     (figure,) = figures
     FigureCanvasAgg(figure).draw()

@@ -169,7 +169,7 @@ def _common_window(panels: Sequence[ContactPanel]) -> Window:
 
 
 def _error_limits(cells: Sequence[PatternCell]) -> tuple[float, float]:
-    """Smallest and largest error of the gears in all cells; errors of tooth pairs if those of gears are unknown."""
+    """Smallest and largest error of the gears in all cells, or of the tooth pairs if the gears' errors are unknown."""
     gears, pairs = (
         np.concatenate([np.zeros(0), *(curve[1] for curve in curves if curve is not None)])
         for curves in ([cell.gears for cell in cells], [cell.pair for cell in cells])

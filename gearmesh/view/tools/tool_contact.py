@@ -40,7 +40,7 @@ def tool_contact_scene(
     lift = LIFT_SIZE_SHARE * float(np.linalg.norm(np.ptp(active.points.reshape(-1, 3), axis=0)))
     seen = _axes(active, -1.0)
     placed = _open(tool, seen, tooth)
-    # what generates the flank; along a thread no more than the line itself
+    # rim of the generating surface; along a thread only the contact lines are drawn
     rim = _rim(active.points - lift * active.normals)
     curves = [Curve(rim, colour=INK_COLOUR, width=2.0)] if tool.rolls else []
     for colour, line in zip(CURVE_COLOURS, tool.lines, strict=False):
