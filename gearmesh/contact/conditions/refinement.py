@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.conditions.meshing import Conditions, Touch
-from gearmesh.contact.conditions.summits import explained
-from gearmesh.contact.pair import COLUMNS, CORNER, NUMBERED, OF_CORNERS, Pair
+from gearmesh.contact.pair import CORNER, NUMBERED, OF_CORNERS, Pair
 from gearmesh.errors import Status
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, turn, unit
@@ -39,10 +38,6 @@ AGREE = 1e-8
 ALONG = -2
 #: edges added to what is solved for, at most: two cross, and a third may take the place of one of them
 ROUNDS = 4
-#: number of places from which on the most promising one of each position is solved for first, which leaves few of the others
-MANY = 300
-#: rounds in which the others wait for the most promising one of their position
-PATIENCE = 3
 #: evaluations of the conditions in a round; the few places that take more go on so often, together with those of the next
 EVALUATIONS, GOES = 12, 4
 
@@ -184,16 +179,6 @@ class Trial:
             goes=np.full(count, GOES),
         )
 
-    def some(self, which: NDArray[np.intp]) -> Trial:
-        """Copies of some of the places, by their numbers."""
-        return Trial(*(getattr(self, field.name)[which] for field in fields(self)))
-
-    def with_others(self, other: Trial) -> Trial:
-        """These places and others."""
-        return Trial(
-            *(np.concatenate((getattr(self, field.name), getattr(other, field.name))) for field in fields(self))
-        )
-
     def give(
         self, contacts: Contacts, position: NDArray[np.intp], which: NDArray[np.intp], part: int, advance: Array
     ) -> None:
@@ -213,23 +198,18 @@ def refine_candidates(
     *,
     edges: bool = True,
     look: Callable[[NDArray[np.intp], Array], Array] | None = None,
-) -> NDArray[np.bool_]:
+) -> None:
     """Solve for all places of part `number`, go on to edges that they lie beyond, if `edges` count, and keep what is ahead.
 
     `look` gives what advance (M,), rad, there may be at most about places inside the flanks, by their positions (M,) and unknowns
     (M, 5): asked of those that were not found at once, and may be ahead by what is known of them.
 
-    The trials record afterwards what became of them, not of those that came of them. Returns True for positions (N,) at which a
-    summit was found from which the advance rises nowhere.
+    The trials record afterwards what became of them, not of those that came of them.
     """
     tried: set[tuple[int, int, int]] = set()
     begun = trial
     begun.first[:] = np.arange(len(begun.position))
-    waiting = begun.some(begun.first[:0])
-    if edges and len(begun.position) > MANY:
-        trial, waiting = _most_promising(pair, phi1, begun)
-    settled, unsolved = np.zeros(len(phi1), dtype=bool), np.ones(len(begun.position), dtype=bool)
-    for k in range(ROUNDS + PATIENCE * (len(waiting.position) > 0)):
+    for _ in range(ROUNDS):
         if not len(trial.position):
             break
         solve(pair, phi1, trial)
@@ -245,75 +225,11 @@ def refine_candidates(
         best[position], last[position], most[position] = ahead[order], good[order], advance[order]
         better = np.flatnonzero(best > _rank(contacts.advance, contacts.edges))
         trial.give(contacts, better, last[better], number, most[better])
-        settled[better] = ~(trial.rises | trial.line | (trial.edges[:, 0] == CORNER))[last[better]]
-        own = own[unsolved[trial.first[own]]]
-        unsolved[trial.first[own]] = False
-        # lines, and what was not found, are as the first solution has it
-        begun.line[trial.first[own]], begun.good[trial.first[own]] = trial.line[own], trial.good[own]
-        if look is not None:
-            lost = own[(trial.edges[own, 0] < 0) & ~trial.good[own] & np.isfinite(trial.most[own])]
-            lost = lost[trial.most[lost] >= contacts.advance[trial.position[lost]]]
+        if look is not None and trial is begun:
+            unsolved = (trial.edges[:, 0] < 0) & ~trial.good & np.isfinite(trial.most)
+            lost = np.flatnonzero(unsolved & (trial.most >= contacts.advance[trial.position]))
             trial.most[lost] = np.minimum(trial.most[lost], look(trial.position[lost], trial.start[lost]))
-            begun.most[trial.first[own]] = trial.most[own]
         trial = _next(pair, phi1, trial, contacts, tried if edges else None)
-        if len(waiting.position):
-            left = _remaining_places(pair, phi1, waiting, contacts, settled, number)
-            begun.most[np.setdiff1d(waiting.first, waiting.first[left])] = -np.inf
-            waiting = waiting.some(left)
-            busy = np.zeros(len(phi1), dtype=bool)
-            busy[trial.position] = k + 1 < PATIENCE
-            now = busy[waiting.position]
-            trial, waiting = trial.with_others(waiting.some(np.flatnonzero(~now))), waiting.some(np.flatnonzero(now))
-    return settled
-
-
-def _most_promising(pair: Pair, phi1: Array, trial: Trial) -> tuple[Trial, Trial]:
-    """Places to be solved for in two parts: of each position the one whose sample is most advanced, of equals the one on the most
-    edges, and the others."""
-    advance = advances_of(pair, phi1, trial.start, trial.position)
-    order = np.lexsort((-(trial.edges >= 0).sum(axis=1), -advance, trial.position))
-    first = np.zeros(len(order), dtype=bool)
-    first[order[np.diff(trial.position[order], prepend=-1) > 0]] = True
-    return trial.some(np.flatnonzero(first)), trial.some(np.flatnonzero(~first))
-
-
-def _remaining_places(
-    pair: Pair, phi1: Array, trial: Trial, contacts: Contacts, settled: NDArray[np.bool_], number: int
-) -> NDArray[np.intp]:
-    """Places that may still be ahead of what is known of their positions, some of which are `settled` (N,): those that its summit
-    does not explain."""
-    left = np.flatnonzero(trial.most >= contacts.advance[trial.position])
-    return left[~explained_places(pair, phi1, trial, left, contacts, settled, number)]
-
-
-def explained_places(
-    pair: Pair,
-    phi1: Array,
-    trial: Trial,
-    which: NDArray[np.intp],
-    contacts: Contacts,
-    settled: NDArray[np.bool_],
-    number: int,
-) -> NDArray[np.bool_]:
-    """True for places `which` (M,) that the contact of their positions, of part `number` and `settled` (N,), explains."""
-    position = trial.position[which]
-    known: NDArray[np.bool_] = settled[position] & (contacts.part[position] == number)
-    there, position = which[known], position[known]
-    if not there.size:
-        return known
-    grid = pair.pinion.grid
-    step = np.array([(grid[-1] - grid[0]).mean(axis=0), (grid[:, -1] - grid[:, 0]).mean(axis=0)])
-    step /= (np.array(grid.shape[:2]) - 1.0)[:, None] / [[1.0], [COLUMNS]]
-    start = trial.start[there]
-    known[known] = explained(
-        pair,
-        phi1,
-        position,
-        (contacts.x[position], contacts.advance[position]),
-        (start, advances_of(pair, phi1, start, position)),
-        step,
-    )
-    return known
 
 
 def _rank(advance: Array, edges: NDArray[np.intp]) -> Array:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from gearmesh.contact.conditions.line_ends import touch_along_lines
 from gearmesh.contact.conditions.meshing import Conditions
-from gearmesh.contact.conditions.refinement import Contacts, Trial, advances_of, explained_places, refine_candidates
+from gearmesh.contact.conditions.refinement import Contacts, Trial, advances_of, refine_candidates
 from gearmesh.contact.first_touch.field import INTERIOR, Candidates, candidates, seen_closely, sharpen
 from gearmesh.contact.first_touch.search import UNSEEN, circle_contacts, refine_missed
 from gearmesh.contact.pair import NUMBERED, Pair
@@ -49,11 +49,10 @@ def touches(pair: Pair, phi1: Array, *, edges: bool = True) -> tuple[Contacts, C
             trial = Trial.of(places.position[worth], places.x[worth], places.edges[worth])
             trial.most = places.most[worth]
             look = partial(seen_closely, part, phi1)
-            settled = refine_candidates(part, phi1, trial, contacts, number, edges=edges, look=look)
+            refine_candidates(part, phi1, trial, contacts, number, edges=edges, look=look)
             if edges and number == 0 and part.wound:
                 _along_lines(part, phi1, trial, contacts)
             lost = _lost_candidates(part, phi1, trial, contacts)
-            lost = lost[~explained_places(part, phi1, trial, lost, contacts, settled, number)]
             if lost.size:
                 sharp = sharpen(part, phi1, trial.position[lost], trial.start[lost])
                 again = Trial.of(trial.position[lost], sharp, trial.edges[lost])
