@@ -105,7 +105,7 @@ def test_what_does_not_repeat_is_left_out_with_a_line() -> None:
 @pytest.mark.parametrize(
     ("settings", "said"),
     [
-        ({"sector": 0}, "from 1 to 19"),
+        ({"sector": 0}, "sector = 0: must be a whole number above 0"),
         ({"sector": 20}, "from 1 to 19; without it the gear is whole"),
         ({"sector": 2, "teeth": 2}, "teeth = 2: must be left out with sector"),
     ],

@@ -271,4 +271,4 @@ def test_topographies_that_are_refused() -> None:
         with pytest.raises(DesignError, match=message):
             gears.topography(*arguments)  # type: ignore[arg-type]
     with pytest.raises(DesignError, match=r"^tolerance = 1e-13 um: a topography would need more than 300 knots"):
-        flank_topography(gears.design, gears.members["pinion"], "left", 1e-16)
+        flank_topography(gears, "pinion", "left", 1e-16)
