@@ -128,7 +128,7 @@ def test_one_depth_of_both_sides_is_enough() -> None:
 @pytest.mark.sweep
 def test_what_several_keys_would_mend_names_them(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where there is effort left to look for them."""
-    monkeypatch.setattr(diagnosis, "MOST_EFFORT", 4.5)
+    monkeypatch.setattr(diagnosis, "MOST_EFFORT", 20.0)
     with pytest.raises(
         DesignError, match=r"^pinion.profile_shift = 1: .*, or pinion.cone_angle = 30 deg: allowed is at most 12.82 deg"
     ):
