@@ -1,4 +1,4 @@
-"""The two flanks of a gear pair as the contact solver wants them."""
+"""Flanks of a gear pair for the contact solver, with their numbered edges."""
 
 from __future__ import annotations
 
@@ -70,19 +70,23 @@ TOLERANCE, ROUNDING = 1e-11, 1e-12
 
 @dataclass(frozen=True)
 class Pair:
-    """What the solver needs to know of a gear pair: two mounted flanks, N1/N2, the side of first touch and delta (mm).
+    """Data of a gear pair for the contact solver."""
 
-    `fillets`: fillets of the same sides, for tips that reach them. `tips`: chamfers or roundings of the tips, None where tips are
-    sharp. Both are mounted as the flanks are. `pitch`: the pinion's pitch, rad, where it is known.
-    """
-
+    #: mounted flank of the pinion
     pinion: Flank
+    #: mounted flank of the gear
     gear: Flank
+    #: nominal ratio phi2/phi1, N1/N2
     ratio: float
+    #: sense of the drive: +1 where phi2 is greatest at first touch, -1 where it is least
     drive: int
+    #: thickness of the marking compound for contact ellipses, mm
     delta: float
+    #: fillets of the same sides with the mounts of the flanks, None if tips do not count on fillets
     fillets: tuple[Flank, Flank] | None = None
+    #: chamfers or roundings of the tips with the mounts of the flanks, None for sharp tips
     tips: tuple[Flank | None, Flank | None] = (None, None)
+    #: pitch of the pinion, rad, NaN if unknown
     pitch: float = np.nan
 
     @cached_property
@@ -108,12 +112,12 @@ class Pair:
 
     @cached_property
     def wound(self) -> bool:
-        """Whether the pinion's tooth goes so far round its axis that only a part of its face is near the gear in any position."""
+        """True if the pinion's tooth winds so far round its axis that only part of its face is near the gear in any position."""
         return self.pinion.winding > WOUND and self.gear.mount.eccentricity == (0.0, 0.0)
 
     @cached_property
     def nested(self) -> bool:
-        """Whether one member turns inside the other, about axes that are nearly parallel."""
+        """True if one member turns inside the other, about axes that are nearly parallel."""
         first, second = (flank.mount.spin for flank in self.flanks)
         return float(np.min(np.sum(first * second, axis=-1))) > INSIDE
 
@@ -140,7 +144,7 @@ class Pair:
 
     @cached_property
     def bounds(self) -> tuple[Bound | None, ...]:
-        """The edges of both flanks in the order of NUMBERED; None for those that a flank has not."""
+        """Edges of both flanks in the order of NUMBERED, None for edges that a flank does not have."""
         every = [{**flank.edges, **flank.creases, **flank.tip_corners} for flank in self.flanks]
         return tuple(Bound(member, every[member][name]) if name in every[member] else None for member, name in NUMBERED)
 
@@ -156,18 +160,21 @@ class Pair:
 
     @cached_property
     def tip_corners(self) -> tuple[tuple[int, int], ...]:
-        """The corners of tip lines, each by the numbers in `bounds` of the tip and of the corner's station."""
+        """Corners of tip lines: numbers in `bounds` of the tip and of the corner's station."""
         there = [k for k, bound in enumerate(self.bounds) if bound is not None and OF_CORNERS[k]]
         return tuple((edge_number(NUMBERED[k][0], "tip"), k) for k in there)
 
     @cached_property
     def smooth(self) -> NDArray[np.bool_]:
-        """Edges of `bounds` over which the teeth go on smoothly."""
+        """True for edges of `bounds` across which the teeth continue smoothly."""
         return np.array([name in self.flanks[member].smooth for member, name in NUMBERED])
 
     def next_winding(self, phi1: Array, r: Array) -> NDArray[np.bool_]:
-        """Which of the pinion's own points r (..., 3) rotations phi1 (...,), rad, have taken more than half round from where they
-        face the gear: what has gone round to it again does so as another tooth of it."""
+        """Return True (...,) for points r (..., 3) of the pinion that phi1 (...,), rad, has turned by more than half a turn.
+
+        The turn counts from the rotation at which the point faces the gear. A point that comes round to the gear again touches it
+        as another tooth of the pinion.
+        """
         if self.pinion.winding + np.abs(phi1).max(initial=0.0) <= np.pi:
             return np.zeros(np.broadcast_shapes(r.shape[:-1], phi1.shape), dtype=bool)
         turned = self.pinion.mount.sign * (phi1 - self.facing)
@@ -176,8 +183,10 @@ class Pair:
 
     @cached_property
     def facing(self) -> float:
-        """Rotation, rad, at which the middle of a thread's flank faces the gear's, 0 where it does so within `FACES` of that: the
-        coast flank of a single thread faces it half a turn before or after the driving one."""
+        """Rotation, rad, at which the middle of a thread's flank faces the gear's flank, 0 if that is within `FACES` of 0.
+
+        The coast flank of a single thread faces the gear half a turn before or after the driving flank.
+        """
         if not self.wound:
             return 0.0
         first, second = (_turn_towards(*flanks) for flanks in (self.flanks, self.flanks[::-1]))
@@ -189,18 +198,20 @@ class Pair:
 
     @cached_property
     def all_bounds(self) -> tuple[Bound, ...]:
-        """Those edges that there are."""
+        """Edges of `bounds` that exist."""
         return tuple(bound for bound in self.bounds if bound is not None)
 
     @cached_property
     def numbers(self) -> NDArray[np.intp]:
-        """Numbers in `all_bounds` of the edges of `bounds`, and -1 for edge -1."""
+        """Numbers in `all_bounds` of the edges of `bounds`, with -1 for edge -1."""
         there = np.array([bound is not None for bound in self.bounds])
         return np.append(np.where(there, np.cumsum(there) - 1, -1), -1)
 
     def pieces(self, x: Array) -> Iterator[tuple[NDArray[np.intp], Pair]]:
-        """Numbers of those of unknowns x (M, 5) that lie on one piece of both flanks between their corners, and the pair of these
-        pieces: corners are edges of it, and surfaces go on smoothly over them."""
+        """Yield the pieces of both flanks between creases: numbers of the unknowns x (M, 5) on them, and the pair of the pieces.
+
+        Creases are edges of a piece, and its surfaces continue smoothly across them.
+        """
         if not any(flank.creases for flank in self.flanks):
             yield np.arange(len(x)), self
             return
@@ -213,14 +224,14 @@ class Pair:
 
 
 def _piece(flank: Flank, place: Array) -> Flank:
-    """The piece of a flank about a place, parameters (2,), that its corners bound."""
+    """Return the piece of a flank between its creases that holds a place, parameters (2,)."""
     rows, columns = flank.grid.shape[:2]
     ends = {"tip": (-1, columns // 2), FORM_POINT: (0, columns // 2), "toe": (rows // 2, 0), "heel": (rows // 2, -1)}
     smooth, steps = flank.smooth_about(*place), STEP * np.ptp(flank.grid.reshape(-1, 2), axis=0)
     nearest: dict[str, tuple[float, Level]] = {}
     for name, level in flank.creases.items():
         both, axis = (("tip", FORM_POINT), 0) if name in CREASES else (("toe", "heel"), 1)
-        # on a corner itself the piece is on that side of it where the surface is the same
+        # a place on a crease belongs to the side with the same surface
         near = place + np.array([[0.0], [1.0], [-1.0]]) * steps * (np.arange(2) == axis)
         same = np.array([flank.smooth_about(*parameters) == smooth for parameters in near])
         beside, beyond = (
@@ -237,23 +248,23 @@ def _piece(flank: Flank, place: Array) -> Flank:
 
 
 def within(edges: NDArray[np.intp]) -> NDArray[np.bool_]:
-    """Which of edges (N,), numbers in `Pair.bounds`, CORNER or -1 for none, lie inside a flank."""
+    """Return True (N,) for edges, numbers in `Pair.bounds`, CORNER or -1, that lie inside a flank."""
     inside: NDArray[np.bool_] = np.append(WITHIN, False)[edges]
     return inside
 
 
 def edge_number(member: int, name: str) -> int:
-    """Number of an edge in `Pair.bounds`."""
+    """Return the number of an edge in `Pair.bounds`."""
     return NUMBERED.index((member, name))
 
 
 def along_face(number: int) -> bool:
-    """Whether an edge runs along the face, as tip, form point and root do, and not up a profile."""
+    """Return True if an edge runs along the face, as tip, form point and root do, and not up a profile."""
     return NUMBERED[number][1] not in ("toe", "heel", *RIDGES)
 
 
 def edge_name(pair: Pair, number: int) -> str:
-    """Name of an edge of a pair by its number in `Pair.bounds`, as answers have it."""
+    """Return the name in answers of an edge of a pair, by its number in `Pair.bounds`."""
     if number == CORNER:
         return "corner"
     member, name = NUMBERED[number]
@@ -261,8 +272,10 @@ def edge_name(pair: Pair, number: int) -> str:
 
 
 def _turn_towards(flank: Flank, mating: Flank) -> float:
-    """Rotation (rad) of a flank's member that turns its middle to the axis of the mating one, -pi .. pi; 0 of axes that are
-    parallel, but for errors, or meet."""
+    """Return the rotation (rad), -pi to pi, of a flank's member that turns its middle to the axis of the mating member.
+
+    The rotation is 0 where the axes meet or are parallel except for assembly errors.
+    """
     origin, axis, other, across = (
         np.reshape(vector, (-1, 3))[0]
         for vector in (flank.mount.origin, flank.mount.axis, mating.mount.origin, mating.mount.axis)

@@ -1,7 +1,7 @@
-"""Places where teeth may touch, solved exactly, many at once: what comes of each, and which of a position is ahead.
+"""Exact solution of places where teeth may touch, many places at once, and the most advanced contact of each position.
 
-Every place has edges of its own that it lies on, none, one or two. One that comes out beyond an edge goes on to where its own edge
-crosses that one.
+Every place lies on no edge, on one edge or on two edges. A solution beyond an edge leads to a new place: the edge itself, or its
+crossing with the edge on which the place lies.
 """
 
 from __future__ import annotations
@@ -28,52 +28,55 @@ FLAT = 1e-7
 RCOND = 1e-9
 #: advances (rad) that differ by less are equal
 EQUAL = 1e-12
-#: rise of the advance along an edge (1/mm) that counts as none
-RISE = 1e-12
-#: mm beside a corner of a tip line at which its directions are taken
-BESIDE = 1e-6
-#: normals that differ by less agree
-AGREE = 1e-8
-#: what marks an edge that is solved for from where an edge k crosses it: ALONG - k
-ALONG = -2
-#: edges added to what is solved for, at most: two cross, and a third may take the place of one of them
-ROUNDS = 4
-#: evaluations of the conditions in a round; the few places that take more go on so often, together with those of the next
-EVALUATIONS, GOES = 12, 4
+#: rise of the advance along an edge (rad/mm) that is rounding
+MIN_RISE = 1e-12
+#: distance (mm) from a corner of a tip line at which the directions of the line are taken
+CORNER_STEP_MM = 1e-6
+#: difference of normals that is rounding
+NORMAL_ROUNDING = 1e-8
+#: mark of an edge that is solved for from its crossing with edge k: ALONG_EDGE - k
+ALONG_EDGE = -2
+#: rounds of new places: two edges cross, and a third edge may replace one of them
+REFINING_ROUNDS = 4
+#: evaluations of the conditions in a round
+EVALUATIONS_PER_ROUND = 12
+#: rounds in which a slow place is solved for, together with the new places
+MAX_ROUNDS_PER_PLACE = 4
 
 
 @dataclass
 class Contacts:
-    """What touches first at N positions of a tooth pair.
+    """First contact at N positions of a tooth pair."""
 
-    `x` (N, 5): parameters of the pinion's surface, of the gear's, and rotation of the gear, rad; NaN where there is no contact.
-    `edges` (N, 2): numbers of the edges in contact, -1: none. `line` (N,): whether the flanks touch along a line. `status`,
-    `residual` (N,): as of every solver. `part` (N,): what touches, a number in `pair.PARTS`, 0 on the flanks. `advance` (N,):
-    by how much the gear is ahead of the nominal ratio, rad; -inf where there is no contact.
-    """
-
+    #: parameters of both surfaces and rotation of the gear (rad), (N, 5), NaN without contact
     x: Array
+    #: numbers (N, 2) of the edges in contact, -1 for none
     edges: NDArray[np.intp]
+    #: True (N,) where the flanks touch along a line
     line: NDArray[np.bool_]
+    #: codes (N,) of `errors.Status`
     status: NDArray[np.int64]
+    #: residual (N,) of the conditions, mm
     residual: Array
+    #: parts (N,) in contact, numbers in `pair.PARTS`, 0 on the flanks
     part: NDArray[np.intp]
+    #: advance (N,) of the gear over the nominal ratio, rad, -inf without contact
     advance: Array
 
     @property
     def touching(self) -> NDArray[np.bool_]:
-        """Whether there is contact at the positions (N,)."""
+        """True (N,) at positions with contact."""
         converged: NDArray[np.bool_] = self.status == Status.CONVERGED
         return converged
 
     @staticmethod
     def nothing(count: int) -> Contacts:
-        """Positions at which nothing touches.
+        """Return positions without contact.
 
         Parameters
         ----------
         count : int
-            How many, N.
+            Number N of positions.
 
         Returns
         -------
@@ -95,17 +98,17 @@ class Contacts:
         )
 
     def at(self, position: NDArray[np.intp]) -> Contacts:
-        """Those of some positions.
+        """Return the contacts of some positions.
 
         Parameters
         ----------
         position : ndarray of int
-            Their numbers (M,).
+            Numbers (M,) of the positions.
 
         Returns
         -------
         Contacts
-            Of M positions.
+            Contacts of M positions.
 
         Examples
         --------
@@ -116,14 +119,14 @@ class Contacts:
         return Contacts(*(getattr(self, field.name)[position] for field in fields(self)))
 
     def put(self, position: NDArray[np.intp], contacts: Contacts) -> None:
-        """Put other contacts in the places of some positions.
+        """Replace the contacts of some positions.
 
         Parameters
         ----------
         position : ndarray of int
-            Their numbers (M,).
+            Numbers (M,) of the positions.
         contacts : Contacts
-            Of M positions.
+            Contacts of M positions.
 
         Examples
         --------
@@ -138,25 +141,31 @@ class Contacts:
 
 @dataclass
 class Trial:
-    """Places being solved for (C,): their position, unknowns, edges; and what came of it."""
+    """C places that are solved for, and their results."""
 
+    #: positions (C,) of the places
     position: NDArray[np.intp]
+    #: unknowns (C, 5)
     x: Array
+    #: numbers (C, 2) of the edges on which the places lie, -1 for none
     edges: NDArray[np.intp]
+    #: True (C,) for solutions that are contacts
     good: NDArray[np.bool_]
+    #: True (C,) for contact along a line
     line: NDArray[np.bool_]
+    #: residual (C,), mm
     residual: Array
-    #: distance outside each edge (C, B), mm, NaN where not solved
+    #: distance (C, B) beyond each edge, mm, NaN without a solution
     beyond: Array
-    #: unknowns (C, 5) that were started from
+    #: unknowns (C, 5) at the start
     start: Array
-    #: the advance (C,), rad, that may be there at most
+    #: greatest possible advance (C,) near the place, rad
     most: Array
-    #: which of the places that were begun with (C,) it still is, -1: none
+    #: number (C,) of the place among the first places, -1 for new places
     first: NDArray[np.intp]
-    #: whether the advance rises from their edge (C,) inwards
+    #: True (C,) where the advance rises from the edge inwards
     rises: NDArray[np.bool_]
-    #: in how many more rounds (C,) it may be solved for
+    #: rounds (C,) in which the place may still be solved for
     goes: NDArray[np.intp]
 
     @staticmethod
@@ -176,13 +185,13 @@ class Trial:
             most=np.full(count, np.inf),
             first=np.full(count, -1),
             rises=nothing.copy(),
-            goes=np.full(count, GOES),
+            goes=np.full(count, MAX_ROUNDS_PER_PLACE),
         )
 
     def give(
         self, contacts: Contacts, position: NDArray[np.intp], which: NDArray[np.intp], part: int, advance: Array
     ) -> None:
-        """Put trials `which` (M,) into contacts as what touches first at positions (M,), with advances (M,)."""
+        """Put trials `which` (M,) into contacts as first contact at positions (M,), with advances (M,), rad."""
         contacts.part[position], contacts.advance[position] = part, advance
         contacts.x[position], contacts.status[position] = self.x[which], int(Status.CONVERGED)
         contacts.residual[position], contacts.line[position] = self.residual[which], self.line[which]
@@ -199,17 +208,16 @@ def refine_candidates(
     edges: bool = True,
     look: Callable[[NDArray[np.intp], Array], Array] | None = None,
 ) -> None:
-    """Solve for all places of part `number`, go on to edges that they lie beyond, if `edges` count, and keep what is ahead.
+    """Solve for all places of part `number` and keep the most advanced contact of each position.
 
-    `look` gives what advance (M,), rad, there may be at most about places inside the flanks, by their positions (M,) and unknowns
-    (M, 5): asked of those that were not found at once, and may be ahead by what is known of them.
-
-    The trials record afterwards what became of them, not of those that came of them.
+    Solutions beyond edges lead to places on these edges, if `edges` count. `look` returns the greatest possible advance (M,), rad,
+    near places inside the flanks, from their positions (M,) and unknowns (M, 5). It is called for places that were not found in the
+    first round and may be ahead. The given trials hold their own results afterwards, not the results of new places.
     """
     tried: set[tuple[int, int, int]] = set()
     begun = trial
     begun.first[:] = np.arange(len(begun.position))
-    for _ in range(ROUNDS):
+    for _ in range(REFINING_ROUNDS):
         if not len(trial.position):
             break
         solve(pair, phi1, trial)
@@ -217,7 +225,7 @@ def refine_candidates(
         begun.x[trial.first[own]], begun.beyond[trial.first[own]] = trial.x[own], trial.beyond[own]
         good = np.flatnonzero(trial.good)
         advance = advances_of(pair, phi1, trial.x[good], trial.position[good])
-        # the greatest of each position last; of equals the one on the fewest edges, of those known before too
+        # sort so that the greatest advance of each position is last; of equal advances the contact on fewer edges wins
         ahead = _rank(advance, trial.edges[good])
         order = np.argsort(ahead, kind="stable")
         position = trial.position[good][order]
@@ -233,27 +241,27 @@ def refine_candidates(
 
 
 def _rank(advance: Array, edges: NDArray[np.intp]) -> Array:
-    """Advances (N,), rad, that are less by EQUAL for each of their edges (N, 2)."""
+    """Return advances (N,), rad, less EQUAL for each edge of the contact (N, 2)."""
     rank: Array = advance - EQUAL * (edges >= 0).sum(axis=1)
     return rank
 
 
 def advances_of(pair: Pair, phi1: Array, x: Array, position: NDArray[np.intp]) -> Array:
-    """By how much (M,), rad, the gear is ahead of the nominal ratio, in the sense of the drive."""
+    """Return advances (M,), rad, of the gear over the nominal ratio, in the driving sense."""
     return pair.drive * (x[:, 4] - pair.ratio * phi1[position])
 
 
 def solve(pair: Pair, phi1: Array, trial: Trial) -> None:
-    """Solve the exact conditions of all trials, and judge what they give: on both flanks, facing, not crossing."""
+    """Solve the exact conditions of all trials, and mark solutions on both flanks with facing normals and no crossing."""
     every = np.arange(len(trial.position))
     conditions = Conditions(pair.flanks, phi1, pair.length, pair.all_bounds).repeat(trial.position)
     conditions = replace(conditions, choice=pair.numbers[trial.edges])
-    # what is slow inside the flanks may well be a line
-    lines = trial.line | ((trial.edges[:, 0] < 0) & (trial.goes < GOES))
+    # a place inside the flanks that converges slowly is probably a line
+    lines = trial.line | ((trial.edges[:, 0] < 0) & (trial.goes < MAX_ROUNDS_PER_PLACE))
     converged = np.zeros(len(every), dtype=bool)
     _solve_some(pair, conditions, trial, every, np.where(lines, RCOND, 0.0), converged)
     _judge(pair, conditions, trial, converged)
-    # along a line the solution nearest the start is wanted, not one that Newton ran to
+    # on a line take the solution nearest to the start, not a point to which Newton has run along the line
     run = np.flatnonzero(trial.line & (trial.edges[:, 0] < 0) & ~lines)
     if run.size:
         trial.x[run] = trial.start[run]
@@ -270,7 +278,7 @@ def _solve_some(
     rcond: Array,
     converged: NDArray[np.bool_],
 ) -> None:
-    """Solve trials `which` from their unknowns."""
+    """Solve trials `which` from their present unknowns."""
     solution = newton.solve(
         partial(at_positions, conditions, which),
         trial.x[which],
@@ -279,21 +287,21 @@ def _solve_some(
         max_iterations=15,
         halvings=3,
         rcond=rcond,
-        max_evaluations=EVALUATIONS,
+        max_evaluations=EVALUATIONS_PER_ROUND,
     )
     trial.x[which], trial.residual[which], converged[which] = solution.values, solution.residual, solution.converged
     trial.goes[which] = np.where(solution.status == Status.MAX_ITERATIONS, trial.goes[which] - 1, 0)
 
 
 def _judge(pair: Pair, conditions: Conditions, trial: Trial, converged: NDArray[np.bool_]) -> None:
-    """Which trials are contacts, and which of them lines."""
+    """Mark trials that are contacts, and contacts along lines."""
     touch = conditions.touch(trial.x, np.arange(len(trial.position)))
     one, two = touch.fixed
     outside, past = margins(pair, touch, trial.x)
     good = converged & (outside <= EDGE_SLACK).all(axis=1) & (past <= EDGE_SLACK)
     good &= dot(one.n, two.n) < 0.0
-    # surfaces that touch may do so along a line, which may run over an edge, and may cross each other
-    tangent = np.flatnonzero(converged & (np.abs(one.n + two.n).max(axis=1) < AGREE))
+    # tangent surfaces may touch along a line, which may run over an edge, or may cross each other
+    tangent = np.flatnonzero(converged & (np.abs(one.n + two.n).max(axis=1) < NORMAL_ROUNDING))
     line, crossing = shape(pair, touch[tangent])
     inside = trial.edges[tangent, 0] < 0
     trial.line[tangent] = line & (inside | good[tangent])
@@ -304,8 +312,10 @@ def _judge(pair: Pair, conditions: Conditions, trial: Trial, converged: NDArray[
 
 
 def _rises(pair: Pair, conditions: Conditions, trial: Trial, touch: Touch) -> NDArray[np.bool_]:
-    """Whether the advance rises towards the inside from the edge that trials (C,) lie on, or from where two edges cross along
-    one of them; only of those that are known to be near what may be ahead."""
+    """Return True (C,) where the advance rises inwards from the edge of a trial, or along one of its two edges.
+
+    Only trials with a finite `most` are examined.
+    """
     rises = np.zeros(len(trial.position), dtype=bool)
     asked = np.flatnonzero(np.isfinite(trial.most) & (trial.edges[:, 0] >= 0) & (trial.edges[:, 0] < CORNER))
     if not asked.size:
@@ -338,7 +348,7 @@ def _rises(pair: Pair, conditions: Conditions, trial: Trial, touch: Touch) -> ND
         step = np.stack((-over[edge, :, 1], over[edge, :, 0]), axis=-1)
         step *= -np.sign((step * over[other]).sum(axis=1))[:, None]
         size = np.sqrt((step**2).sum(axis=1))
-        along |= (advance * step).sum(axis=1) > RISE * size
+        along |= (advance * step).sum(axis=1) > MIN_RISE * size
     along |= _rises_from_corners(
         pair, trial.edges[asked], touch[asked], steps, angle[..., None] * way[:, None], advance
     )
@@ -349,8 +359,11 @@ def _rises(pair: Pair, conditions: Conditions, trial: Trial, touch: Touch) -> ND
 def _rises_from_corners(
     pair: Pair, edges: NDArray[np.intp], touch: Touch, steps: Array, turned: Array, advance: Array
 ) -> NDArray[np.bool_]:
-    """Whether the advance rises along the tip line, on one side or the other, from those of places (C,) that are corners of it; by
-    two steps on the pinion (C, 2, 3), by what the gear's points then turn (C, 2, 3), mm, and the advance rises (C, 2)."""
+    """Return True (C,) for places at corners of a tip line from which the advance rises along the line, on either side.
+
+    `steps` are two steps on the pinion (C, 2, 3), mm, `turned` the movements of the gear's points (C, 2, 3), mm, and `advance` the
+    rises of the advance (C, 2).
+    """
     rises = np.zeros(len(edges), dtype=bool)
     for tip, corner in pair.tip_corners:
         own = np.flatnonzero((edges[:, 0] == tip) & (edges[:, 1] == corner))
@@ -362,25 +375,27 @@ def _rises_from_corners(
         along = station.level.gradient(r)
         of_station, *of_tip = (
             (on_member @ turn(rotation, gradient)[..., None])[..., 0]
-            for gradient in (along, *(edge.level.gradient(r + side * BESIDE * along) for side in (1.0, -1.0)))
+            for gradient in (along, *(edge.level.gradient(r + side * CORNER_STEP_MM * along) for side in (1.0, -1.0)))
         )
         for side, over in zip((1.0, -1.0), of_tip, strict=True):
             step = np.stack((-over[:, 1], over[:, 0]), axis=-1)
             step *= side * np.sign((step * of_station).sum(axis=1))[:, None]
-            rises[own] |= (advance[own] * step).sum(axis=1) > RISE * np.sqrt((step**2).sum(axis=1))
+            rises[own] |= (advance[own] * step).sum(axis=1) > MIN_RISE * np.sqrt((step**2).sum(axis=1))
     return rises
 
 
 def at_positions(
     conditions: Conditions, position: NDArray[np.intp], x: Array, index: NDArray[np.intp]
 ) -> tuple[Array, Array]:
-    """Conditions for a solve at some positions only."""
+    """Return residuals and Jacobians at some of the positions of the conditions."""
     return conditions(x, position[index])
 
 
 def margins(pair: Pair, touch: Touch, x: Array) -> tuple[Array, Array]:
-    """Distance (mm) outside each edge of both flanks (M, B), -inf for those that there are not; past the ends of fillets (M,),
-    infinite of places on the next winding of the pinion's tooth."""
+    """Return distances (M, B), mm, beyond each edge, -inf for missing edges, and distances (M,), mm, past ends that are no edges.
+
+    The second distances are infinite for places on the next winding of the pinion's tooth.
+    """
     outside = np.full((len(x), len(pair.bounds)), -np.inf)
     for k in pair.ends:
         bound = pair.bounds[k]
@@ -395,7 +410,7 @@ def margins(pair: Pair, touch: Touch, x: Array) -> tuple[Array, Array]:
 
 
 def shape(pair: Pair, touch: Touch) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Whether the surfaces touch along a line (M,), and whether they cross (M,)."""
+    """Return True (M,) where the surfaces touch along a line, and True (M,) where they cross."""
     one, two = touch.fixed
     e1, e2 = tangent_basis(one)
     ellipse = contact_ellipse(relative_curvature(one, two, e1, e2), e1, e2, pair.delta, flat=FLAT)
@@ -403,14 +418,17 @@ def shape(pair: Pair, touch: Touch) -> tuple[NDArray[np.bool_], NDArray[np.bool_
 
 
 def _next(pair: Pair, phi1: Array, trial: Trial, contacts: Contacts, tried: set[tuple[int, int, int]] | None) -> Trial:
-    """What to try for places that came out beyond an edge, or nowhere, and may still be ahead: that edge alone, and its crossing
-    with their own, which is nearer to where they were started than to where their edge led them, but for what has been `tried`;
-    without that no edge. What is not solved yet goes on."""
+    """Return the trials of the next round: new places on edges, and places that are not solved yet.
+
+    A place beyond an edge, or without a solution, that may still be ahead leads to this edge alone, and to its crossing with the
+    edge of the place. The crossing is nearer to the start of the place than to its end. Places in `tried` are not repeated; None
+    stands for no edges.
+    """
     spawned: list[tuple[int, Array, int, int, float]] = []
     leading = trial.most >= contacts.advance[trial.position]
     unsolved = np.flatnonzero((trial.goes > 0) & leading)
     if tried is not None:
-        # what is ahead already may be followed upwards, even where less was expected there
+        # a contact that is already ahead may be followed upwards, even beyond the advance that was expected there
         advance = np.where(trial.good, advances_of(pair, phi1, trial.x, trial.position), -np.inf)
         ahead = trial.rises & (advance >= contacts.advance[trial.position] - EQUAL)
         trial.most = np.where(ahead, np.maximum(trial.most, advance), trial.most)
@@ -433,9 +451,9 @@ def _next(pair: Pair, phi1: Array, trial: Trial, contacts: Contacts, tried: set[
 def _edges_next(
     pair: Pair, trial: Trial, leading: NDArray[np.bool_], tried: set[tuple[int, int, int]]
 ) -> list[tuple[int, Array, int, int, float]]:
-    """Edges to try next, each with its position, start, second edge (-1: none) and the advance that may be there at most."""
+    """Return new places on edges: position, start, two edges (-1 for none) and greatest possible advance of each."""
     spawned: list[tuple[int, Array, int, int, float]] = []
-    # plain numbers: rows of arrays, one by one, take ten times as long
+    # lists of Python numbers: single rows of arrays take ten times as long
     position, edges, most = trial.position.tolist(), trial.edges.tolist(), trial.most.tolist()
     outside, smooth = (trial.beyond > EDGE_SLACK).tolist(), pair.smooth.tolist()
 
@@ -449,9 +467,9 @@ def _edges_next(
         tried.add((position[k], edges[k][0], -1))
     for k in np.flatnonzero(trial.rises & leading).tolist():
         own, crossed = edges[k]
-        # from an edge inwards; from where two cross along either of them, though that was solved for from elsewhere before: along
-        # one edge the advance may have several summits
-        ways = ((-1, own),) if crossed < 0 else ((own, ALONG - crossed), (crossed, ALONG - own))
+        # go inwards from an edge, and from a crossing along both edges; an edge may be solved for again from another place, because
+        # the advance may have several maxima along it
+        ways = ((-1, own),) if crossed < 0 else ((own, ALONG_EDGE - crossed), (crossed, ALONG_EDGE - own))
         for edge, mark in ways[: 1 if crossed >= 0 and OF_CORNERS[crossed] else 2]:
             spawn(k, trial.x[k], edge, -1, mark)
     for k in np.flatnonzero(~trial.good & leading).tolist():
@@ -459,14 +477,14 @@ def _edges_next(
         x = trial.x[k] if second >= 0 else trial.start[k]
         over = [number for number, out in enumerate(outside[k]) if out]
         if second < 0:
-            # and that one alone
+            # the edge beyond which the place lies, alone
             for other in over:
                 if not smooth[other]:
                     spawn(k, trial.x[k], other, -1, -1)
         if first < 0:
             continue
         if second < 0:
-            # past a smooth end the tooth goes on, unless its own edge is one
+            # the tooth continues beyond a smooth end, unless the edge of the place is a smooth end too
             others = [number for number in over if smooth[first] or not smooth[number]]
             if not others:
                 others = [number for number in pair.edges if smooth[first] or not smooth[number]]
