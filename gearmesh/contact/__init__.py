@@ -1,1 +1,1 @@
-"""Where two teeth touch: starts, conditions, path, mesh cycle, Hertz pressure."""
+"""Contact of two teeth: starts, conditions, path, mesh cycle, Hertz pressure."""

@@ -7,7 +7,7 @@ import pytest
 from scipy.interpolate import BSpline, PchipInterpolator, make_interp_spline
 from scipy.ndimage import map_coordinates, spline_filter
 
-from gearmesh.contact.first_touch.spline_table import BEYOND, SplineTable
+from gearmesh.contact.first_touch.spline_table import STEPS_BEYOND_RIM, SplineTable
 from gearmesh.kernel.numeric.splines import (
     SplineCurve,
     control_net,
@@ -81,7 +81,7 @@ def test_tables_are_scipys_and_go_through_their_values() -> None:
     assert table.at(*grid) == pytest.approx(values, abs=1e-13)
     own = table_filter(30) @ (plain := random.normal(size=(30, 41))) @ table_filter(41).T
     assert own == pytest.approx(spline_filter(plain, order=3), abs=1e-13)
-    places = np.stack((rows, columns)) + BEYOND
+    places = np.stack((rows, columns)) + STEPS_BEYOND_RIM
     expected = map_coordinates(table.coefficients, places, order=3, prefilter=False, mode="mirror")
     assert table.at(rows, columns) == pytest.approx(expected, abs=1e-12)
 
@@ -97,6 +97,6 @@ def test_tables_know_parabolas_beyond_their_rim_and_nothing_further_on() -> None
     assert table.at(x, y) == pytest.approx(parabola(x, y), abs=0.1)
     inner = np.meshgrid(np.linspace(0.0, 8.0, 33), np.linspace(0.0, 7.0, 29), indexing="ij")
     assert table.at(*inner) == pytest.approx(parabola(*inner), abs=5e-3)
-    over = np.array([-BEYOND - 0.01, 8.0 + BEYOND + 0.01, np.nan])
+    over = np.array([-STEPS_BEYOND_RIM - 0.01, 8.0 + STEPS_BEYOND_RIM + 0.01, np.nan])
     assert np.isnan(table.at(over, np.zeros(3))).all()
     assert np.isfinite(table.at(np.array([-6.0, 14.0]), np.array([-6.0, 13.0]))).all()

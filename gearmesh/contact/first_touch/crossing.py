@@ -1,7 +1,7 @@
-"""Flanks that cross where they are tangent: places of contact by all equations but that the bodies are on either side.
+"""Flanks that cross where they are tangent: such places fulfil the equations of contact, but the bodies overlap beside them.
 
-The rotation at which a point of the pinion meets the gear is stationary there, and greatest of what is near in one direction alone,
-least in the other: elsewhere, up to the edges, flanks are ahead, and edges touch whatever the mountings are.
+The advance of the points of the pinion is stationary there: greatest in one direction, least in the other. Other points of the
+flanks, up to their edges, are ahead, so that edges touch for any mounts.
 """
 
 from __future__ import annotations
@@ -15,15 +15,15 @@ from gearmesh.contact.first_touch.field import INTERIOR, advances
 from gearmesh.contact.pair import Pair
 from gearmesh.kernel.numeric.algebra import Array, dot
 
-#: positions of an engagement at which flanks are asked whether they cross
-POSITIONS = 33
-#: nodes of the pinion's flank between two from which tangency is solved for
-EVERY = 2
+#: positions of an engagement at which crossing is looked for
+CROSSING_POSITIONS = 33
+#: step in nodes of the pinion's flank between starts of the solution
+NODE_STEP = 2
 
 
 def crossing(pair: Pair, phi1: Array) -> NDArray[np.bool_]:
-    """Whether the flanks of one part of a pair are tangent inside both and cross there, at rotations phi1 (N,), rad."""
-    nodes = pair.pinion.grid[::EVERY, ::EVERY].reshape(-1, 2)
+    """Return True (N,) for rotations phi1 (N,), rad, at which the flanks of a part cross where they are tangent inside both."""
+    nodes = pair.pinion.grid[::NODE_STEP, ::NODE_STEP].reshape(-1, 2)
     jet = pair.pinion.surface.jet(nodes[:, 0], nodes[:, 1])
     crossed = np.zeros(len(phi1), dtype=bool)
     with np.errstate(all="ignore"):
@@ -42,7 +42,9 @@ def crossing(pair: Pair, phi1: Array) -> NDArray[np.bool_]:
 
 
 def crossing_over_a_pitch(pair: Pair, phi1: Array, pitch: float) -> bool:
-    """Whether flanks that are engaged over rotations phi1 (N,), rad, cross where they are tangent over more than a pitch (rad) of
-    the pinion: of some tooth pair at every position."""
-    phi1 = np.linspace(phi1[0], phi1[-1], POSITIONS)
+    """Return True if flanks that are engaged over phi1 (N,), rad, cross over more than a `pitch` (rad) of the pinion.
+
+    Some tooth pair then crosses at every position.
+    """
+    phi1 = np.linspace(phi1[0], phi1[-1], CROSSING_POSITIONS)
     return bool(crossing(pair, phi1).mean() * np.ptp(phi1) > pitch)

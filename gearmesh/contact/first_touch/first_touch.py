@@ -1,8 +1,8 @@
-"""First touch of two trimmed flanks, position by position: of all places where they may touch, the one that is ahead.
+"""First touch of two trimmed flanks at many positions: the most advanced of all places where the flanks may touch.
 
-`field` finds the places, over the whole of both flanks; here the exact conditions are solved from each of them. What they give
-are points that both flanks have, so none of them can be further ahead than the first touch does: the greatest is the contact,
-whether it lies inside both flanks, on an edge or where two edges cross.
+`field` finds the places, over the whole of both flanks, and the exact conditions are solved from each place. Every solution is a
+point on both flanks, so no solution can be ahead of first touch. The most advanced solution is the contact: inside both flanks, on
+an edge, or where two edges cross.
 """
 
 from __future__ import annotations

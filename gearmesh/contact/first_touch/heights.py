@@ -1,11 +1,11 @@
-"""A flank as heights over circles: the polar angle at which a circle about the member's axis meets it, as a table.
+"""Table of a flank over circles: the polar angle at which a circle about the member's axis meets the flank.
 
-Of a rack the circles are straight lines along which it slides, and angles and radii are what `Joint` makes of them.
+For a rack the circles are straight lines along which it slides; `Joint` defines their angles and radii.
 
-Every circle has a radius and a height, (rho, z). With the stations' coordinate a, linear in both, and w at right angles to it in
-the axial half plane, a flank is one function theta(a, w) between toe and heel, form point and tip. It is tabulated at exact
-points on a lattice of equal steps between these limits, continued a little beyond them, and read by cubic splines: quick enough
-to be asked for every point of a mating gear at every position. It decides where contact is looked for, never what comes out.
+Every circle has a radius and a height, (rho, z). The station coordinate a is linear in both, and w is perpendicular to it in the
+axial half plane. A flank is one function theta(a, w) between toe and heel, form point and tip. The table holds exact points on a
+lattice of equal steps between these limits, is continued a little beyond them, and is read by cubic splines: fast enough for every
+point of a mating gear at every position. The table decides where contact is looked for, never the result.
 """
 
 from __future__ import annotations
@@ -23,17 +23,21 @@ from gearmesh.kernel.surface.levels import Level, station_normal
 from gearmesh.kernel.surface.surface import Surface
 
 #: rows of the lattice from form point to tip
-ROWS = 33
-#: degree of the lattice's first and last row over the face, where they bend; part of w up to which they do not
-DEGREE, STRAIGHT = 4, 1e-12
-#: a lattice point is met to this, mm
-MET = 1e-9
+LATTICE_ROWS = 33
+#: degree of the first and last row of the lattice over the face, where they bend
+ROW_DEGREE = 4
+#: bend of a row, by w, up to which it is straight
+STRAIGHT_ROW = 1e-12
+#: error (mm) of a lattice point
+LATTICE_TOLERANCE_MM = 1e-9
 
 
 @dataclass(frozen=True)
 class Circles:
-    """What circles meet: `theta` (...,), rad, of the flank; `beyond` (4, ...): how far, mm, the place lies beyond form point,
-    tip, toe and heel (negative: inside)."""
+    """Meeting of circles with a flank: polar angle `theta` (...,), rad, of the flank, and distances `beyond` its limits.
+
+    `beyond` (4, ...), mm, counts past form point, tip, toe and heel, negative inside.
+    """
 
     theta: Array
     beyond: Array
@@ -41,26 +45,32 @@ class Circles:
 
 @dataclass(frozen=True)
 class FlankHeights:
-    """theta (rad) on the lattice, w (mm) at form point and tip by station, and the lattice's surface parameters
-    (ROWS, C, 2); `rows`: w of the lattice's first row and from there to its last, as polynomials of the place on the face from -1
-    to 1, where form point and tip are not straight. `heights` makes it."""
+    """Table of a flank over circles, made by `heights`."""
 
+    #: coefficients of the station coordinate: of rho, of z, and the constant (mm)
     station: tuple[float, float, float]
+    #: sign of w: positive towards the tip
     sign: float
+    #: stations of toe and heel, mm
     extent: tuple[float, float]
+    #: theta on the lattice, rad
     theta: SplineTable
+    #: w (C,) at the form point by station, mm
     low: Array
+    #: w (C,) at the tip by station, mm
     high: Array
+    #: w of the first row, and from first to last row, as polynomials of the place on the face from -1 to 1; None if straight
     rows: tuple[Array, Array] | None
+    #: surface parameters (LATTICE_ROWS, C, 2) of the lattice
     parameters: Array
 
     def at(self, rho: Array, z: Array) -> Circles:
-        """Where circles (...,), own frame, meet the flank."""
+        """Return the meeting of circles (...,), member's frame, with the flank."""
         a, w, row, column, low, high = self._places(rho, z)
         return Circles(self.theta.at(row, column), self._outside(a, w, low, high))
 
     def beyond(self, rho: Array, z: Array) -> Array:
-        """How far (4, ...), mm, circles (...,), own frame, lie beyond form point, tip, toe and heel."""
+        """Return distances (4, ...), mm, of circles (...,), member's frame, beyond form point, tip, toe and heel."""
         a, w, _, _, low, high = self._places(rho, z)
         return self._outside(a, w, low, high)
 
@@ -70,13 +80,13 @@ class FlankHeights:
         return np.stack((low - w, w - high, sense * (toe - a), sense * (a - heel)))
 
     def parameters_at(self, rho: Array, z: Array) -> Array:
-        """Surface parameters (C, 2) near the places where circles (C,) meet the flank, or of the nearest on its rim."""
+        """Return surface parameters (C, 2) near the meeting of circles (C,) with the flank, or nearest to it on the rim."""
         _, _, row, column, _, _ = self._places(rho, z)
         last = np.array(self.parameters.shape[:2]) - 1.0
         return bilinear(self.parameters, np.clip(np.stack((row, column), axis=-1), 0.0, last))
 
     def _places(self, rho: Array, z: Array) -> tuple[Array, ...]:
-        """Of circles (...,): station and w, mm; row and column of the lattice; w at form point and tip."""
+        """Return station and w (mm), row and column of the lattice, and w at form point and tip, of circles (...,)."""
         across, up, zero = self.station
         a, w = across * rho + up * z + zero, self.sign * (up * rho - across * z)
         toe, heel = self.extent
@@ -88,11 +98,11 @@ class FlankHeights:
         first, span = low, high - low
         if self.rows is not None:
             first, span = (np.asarray(np.polyval(row, column * (2.0 / last) - 1.0)) for row in self.rows)
-        return a, w, (w - first) * ((ROWS - 1) / span), column, low, high
+        return a, w, (w - first) * ((LATTICE_ROWS - 1) / span), column, low, high
 
 
 def bilinear(table: Array, place: Array) -> Array:
-    """Values (C, K) of a table (I, J, K) at places (C, 2) in steps of it, within its rim."""
+    """Interpolate a table (I, J, K) at places (C, 2), in steps, within its rim; return (C, K)."""
     last = np.array(table.shape[:2]) - 1
     cell = np.clip(place.astype(np.intp), 0, last - 1)
     share = place - cell
@@ -105,8 +115,11 @@ def bilinear(table: Array, place: Array) -> Array:
 
 
 def heights(surface: Surface, grid: Array, joint: Joint, *, axial: Level, extent: tuple[float, float]) -> FlankHeights:
-    """The table of a flank that moves in a joint, its columns those of the flank's `grid` (I, J, 2) of surface parameters, between
-    `extent` of the stations' coordinate `axial`. Places that the surface does not have are continued."""
+    """Make the table of a flank that moves in a joint.
+
+    The columns are the columns of the flank's `grid` (I, J, 2) of surface parameters, between `extent` of the station coordinate
+    `axial`. Places without a point of the surface are filled from their neighbours.
+    """
     across, up = station_normal(axial)
     zero = float(axial.value(np.zeros(3)))
     r = surface.jet(grid[..., 0], grid[..., 1]).r
@@ -120,15 +133,15 @@ def heights(surface: Surface, grid: Array, joint: Joint, *, axial: Level, extent
     stations = np.linspace(low_a, high_a, count)
     low, high = w[0], w[-1]
     first, span = low, high - low
-    bent = [np.abs(np.diff(ends, 2)).max() > STRAIGHT * np.abs(ends).max() for ends in (first, span)]
+    bent = [np.abs(np.diff(ends, 2)).max() > STRAIGHT_ROW * np.abs(ends).max() for ends in (first, span)]
     rows = None
     if any(bent):
-        # smooth though form point or tip line have corners: else a spline through the lattice is not near what is between
+        # smooth rows even if form point or tip line have corners: otherwise splines would be wrong between the nodes
         along = np.linspace(-1.0, 1.0, count)
-        rows = np.polyfit(along, first, DEGREE), np.polyfit(along, span, DEGREE)
+        rows = np.polyfit(along, first, ROW_DEGREE), np.polyfit(along, span, ROW_DEGREE)
         first, span = (np.polyval(row, along) for row in rows)
-    wanted = first + np.linspace(0.0, 1.0, ROWS)[:, None] * span
-    start = np.empty((ROWS, count, 2))
+    wanted = first + np.linspace(0.0, 1.0, LATTICE_ROWS)[:, None] * span
+    start = np.empty((LATTICE_ROWS, count, 2))
     for j in range(count):
         for k in range(2):
             start[:, j, k] = np.interp(wanted[:, j], w[:, j], grid[:, j, k])
@@ -143,15 +156,17 @@ def heights(surface: Surface, grid: Array, joint: Joint, *, axial: Level, extent
         return f, np.moveaxis(np.array(rows), -1, 0)
 
     spans = np.abs(np.ptp(grid.reshape(-1, 2), axis=0))
-    met = newton.solve(residual, start.reshape(-1, 2), tolerance=MET, max_step=0.5 * spans, max_iterations=12)
+    met = newton.solve(
+        residual, start.reshape(-1, 2), tolerance=LATTICE_TOLERANCE_MM, max_step=0.5 * spans, max_iterations=12
+    )
     angle = joint.angle(surface.jet(met.values[:, 0], met.values[:, 1]).r)
-    parameters = np.where(met.converged[:, None], met.values, start.reshape(-1, 2)).reshape(ROWS, count, 2)
-    theta = _without_gaps(np.where(met.converged, angle, np.nan).reshape(ROWS, count), joint)
+    parameters = np.where(met.converged[:, None], met.values, start.reshape(-1, 2)).reshape(LATTICE_ROWS, count, 2)
+    theta = _without_gaps(np.where(met.converged, angle, np.nan).reshape(LATTICE_ROWS, count), joint)
     return FlankHeights((across, up, zero), sign, (low_a, high_a), SplineTable.of(theta), low, high, rows, parameters)
 
 
 def _without_gaps(theta: Array, joint: Joint) -> Array:
-    """Angles (R, C) without jumps by full turns, and with gaps filled from along their columns, empty columns from the next."""
+    """Return angles (R, C) without jumps by full turns; gaps are filled along columns, empty columns from the nearest column."""
     rows = np.arange(len(theta))
     filled = np.full_like(theta, np.nan)
     there = np.flatnonzero(np.isfinite(theta).any(axis=0))

@@ -1,6 +1,6 @@
-"""Where a sampled advance is above what was solved for: what is there really, followed to where it is greatest.
+"""Search from samples whose advance is above the solved contact: the exact advance there, followed to its maximum.
 
-Nothing is taken for tangent here: a point of one flank meets the other where its circle about the gear's axis does.
+The search assumes no tangency: a point of the pinion meets the gear's flank where its circle about the gear's axis does.
 """
 
 from __future__ import annotations
@@ -18,21 +18,28 @@ from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.surface.surface import Jet
 from gearmesh.teeth.mount import Mount
 
-#: an advance sampled this far (rad; 0.01 arcsec) above what was found is looked into
+#: lead (rad; 0.01 arcsec) of a sample over the solved contact from which on the search starts
 UNSEEN = 5e-8
-#: steps of the search for it at most, the share of the flank that the first of them are, how they shrink, and what part of the
-#: first the last is at least
-CLIMBS, FIRST_STEP, SHRINK, LEAST_STEP = 40, 0.04, 0.4, 1e-7
-#: sizes of steps, and places, that are tried at once at most
-SIZES, AT_ONCE = 6, 512
-#: by how much (rad) what is solved for may come short of a summit that was climbed: climbing may stand outside an edge by its slack
-SUMMIT = 2e-8
+#: steps of the search at most
+MAX_CLIMBS = 40
+#: first step, by the size of the flank
+FIRST_STEP = 0.04
+#: step by the step before, where no step rises
+STEP_SHRINKAGE = 0.4
+#: last step by the first step
+LEAST_STEP = 1e-7
+#: sizes of steps that are tried at once at most
+MAX_STEP_SIZES = 6
+#: places that are tried at once at most
+MAX_TRIED_PLACES = 512
+#: difference (rad) between a climbed maximum and its solution: climbing may stand outside an edge by the edge's slack
+CLIMBING_SLACK_RAD = 2e-8
 
 
 def refine_missed(
     pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array, contacts: Contacts, number: int
 ) -> None:
-    """Positions (M,) at which places x (M, 5) seem to be further ahead than what was found: what they really do, and why."""
+    """Find the exact contact at positions (M,) whose places x (M, 5) seem to be ahead of the solved contact."""
     conditions = Conditions(pair.flanks, phi1, pair.length)
     x, advance = circle_contacts(pair, conditions, position, x)
     worth = np.flatnonzero(advance > contacts.advance[position] + UNSEEN)
@@ -44,34 +51,36 @@ def refine_missed(
     trial.edges[:, 0], trial.residual[:] = CORNER, 0.0
     better = np.flatnonzero(advance > contacts.advance[position])
     trial.give(contacts, position[better], better, number, advance[better])
-    # a summit inside the flanks, or on an edge, is solved for as such
+    # solve for the maximum as contact inside the flanks or on an edge
     numbers = [-1, *pair.edges]
     edges = np.full((len(numbers) * len(position), 2), -1)
     edges[:, 0] = np.repeat(numbers, len(position))
     again = Trial.of(np.tile(position, len(numbers)), np.tile(x, (len(numbers), 1)), edges)
-    contacts.advance[position] -= SUMMIT
+    contacts.advance[position] -= CLIMBING_SLACK_RAD
     refine_candidates(pair, phi1, again, contacts, number)
     kept = position[contacts.edges[position, 0] == CORNER]
-    contacts.advance[kept] += SUMMIT
+    contacts.advance[kept] += CLIMBING_SLACK_RAD
 
 
 def _climb(
     pair: Pair, conditions: Conditions, position: NDArray[np.intp], x: Array, advance: Array
 ) -> tuple[Array, Array]:
-    """Places x (M, 5) with advances (M,), followed upwards over points that both flanks have as long as the advances rise."""
+    """Follow places x (M, 5) with advances (M,), rad, upwards over points on both flanks while the advances rise."""
     steps = FIRST_STEP * np.ptp(pair.pinion.grid.reshape(-1, 2), axis=0)
     size, climbs = np.ones(len(position)), np.zeros(len(position), dtype=np.intp)
     ways = np.array([(a, b) for a in (-1.0, 0.0, 1.0) for b in (-1.0, 0.0, 1.0) if (a, b) != (0.0, 0.0)])
-    while (going := np.flatnonzero((size > LEAST_STEP) & (climbs < CLIMBS))).size:
-        # steps that shrink, several sizes at once while positions are few: the largest that rises counts
-        count = max(1, min(SIZES, AT_ONCE // (len(ways) * going.size)))
-        sizes = np.multiply.accumulate(np.insert(np.full((going.size, count), SHRINK), 0, size[going], axis=1), axis=1)
+    while (going := np.flatnonzero((size > LEAST_STEP) & (climbs < MAX_CLIMBS))).size:
+        # try several shrinking steps at once while positions are few; the largest step that rises counts
+        count = max(1, min(MAX_STEP_SIZES, MAX_TRIED_PLACES // (len(ways) * going.size)))
+        sizes = np.multiply.accumulate(
+            np.insert(np.full((going.size, count), STEP_SHRINKAGE), 0, size[going], axis=1), axis=1
+        )
         start = np.repeat(x[going], count * len(ways), axis=0)
         start[:, :2] += (sizes[:, :-1, None, None] * ways * steps).reshape(-1, 2)
         tried, own = circle_contacts(pair, conditions, np.repeat(position[going], count * len(ways)), start)
         own, tried = own.reshape(-1, count, len(ways)), tried.reshape(-1, count, len(ways), 5)
         higher = own.max(axis=2) > advance[going, None]
-        higher &= (sizes[:, :-1] > LEAST_STEP) & (climbs[going, None] + np.arange(count) < CLIMBS)
+        higher &= (sizes[:, :-1] > LEAST_STEP) & (climbs[going, None] + np.arange(count) < MAX_CLIMBS)
         rises, first, every = higher.any(axis=1), higher.argmax(axis=1), np.arange(going.size)
         best = own[every, first].argmax(axis=1)
         up = going[rises]
@@ -82,8 +91,10 @@ def _climb(
 
 
 def circle_contacts(pair: Pair, conditions: Conditions, position: NDArray[np.intp], x: Array) -> tuple[Array, Array]:
-    """Where the circles through the pinion's points of x (M, 5) meet the gear's flank: unknowns, and advances (M,), -inf where the
-    point is not on both flanks or does not face it."""
+    """Solve for the meeting of circles through the pinion's points of x (M, 5) with the gear's flank.
+
+    Returns unknowns (M, 5) and advances (M,), rad, -inf for points that are not on both flanks or do not face the gear.
+    """
     circles = _Circles.through(conditions, position, x)
     free = np.array([2, 3, 4])
     solution = newton.solve(
@@ -101,26 +112,31 @@ def circle_contacts(pair: Pair, conditions: Conditions, position: NDArray[np.int
 
 @dataclass(frozen=True)
 class _Circles:
-    """Points (M,) of the pinion at rotations phi1 (M,), rad, and what their circles about the gear's axis meet: the gear's flank,
-    by its parameters and phi2."""
+    """Circles of M points of the pinion about the gear's axis; unknowns are the gear's parameters and phi2."""
 
+    #: rotations (M,) of the pinion, rad
     phi1: Array
+    #: jets (M,) of the points in the pinion's frame
     own: Jet
+    #: jets (M,) of the points in the fixed frame
     fixed: Jet
+    #: rotations from the pinion's frame to the fixed frame
     turns: Array
+    #: flank of the gear
     flank: Flank
+    #: mounts of the gear
     mount: Mount
 
     @staticmethod
     def through(conditions: Conditions, position: NDArray[np.intp], x: Array) -> _Circles:
-        """The circles through the pinion's points of x (M, 5) at positions (M,)."""
+        """Return the circles through the pinion's points of x (M, 5) at positions (M,)."""
         (pinion, gear), (first, second) = conditions.flanks, conditions.mounts(position)
         own, phi1 = pinion.surface.jet(x[:, 0], x[:, 1]), conditions.phi1[position]
         placed = first.at(phi1)
         return _Circles(phi1, own, own.move(placed), placed.rotation, gear, second)
 
     def touch(self, y: Array, index: NDArray[np.intp]) -> Touch:
-        """Both flanks at the gear's parameters and phi2 (K, 3) of points `index` (K,)."""
+        """Return both flanks at the gear's parameters and phi2 (K, 3) of points `index` (K,)."""
         own = self.flank.surface.jet(y[:, 0], y[:, 1])
         placed = self.mount.rows(index).at(y[:, 2])
         turns = self.turns if self.turns.ndim == 2 else self.turns[index]
@@ -132,7 +148,7 @@ class _Circles:
         )
 
     def __call__(self, y: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
-        """By how much (K, 3), mm, the points `index` (K,) miss the flank, and Jacobians (K, 3, 3)."""
+        """Return residuals (K, 3), mm, and Jacobians (K, 3, 3) of the points `index` (K,)."""
         mount = self.mount.rows(index)
         two = self.flank.surface.jet(y[:, 0], y[:, 1]).move(mount.at(y[:, 2]))
         return self.fixed.r[index] - two.r, -np.stack((two.r_u, two.r_v, mount.velocity(two.r)), axis=-1)
