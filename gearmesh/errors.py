@@ -1,7 +1,7 @@
-"""Exceptions, and what every batched solve returns: values, a status and a residual for each of its members.
+"""Exceptions, and the result of batched solvers: values, a status and a residual for each member of the batch.
 
-Bad input raises `DesignError` at construction; a solve never raises for one bad position but returns a
-`Status` for it, and the caller decides (the command line turns "nothing converged" into `NoSolutionError`).
+Bad input raises `DesignError` when a design is built. A solver does not raise for a single bad position but returns a `Status` for
+it, and the caller decides (a command turns "nothing converged" into `NoSolutionError`).
 """
 
 from __future__ import annotations
@@ -19,63 +19,77 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-#: significant digits of lengths that a message has in another unit than mm
-DIGITS = 6
-#: words before a length that may be no more (0) or no less (1) than it
-_BOUNDS = {"at most ": 0, "less than ": 0, " to ": 0, "at least ": 1, "more than ": 1, "from ": 1, "between ": 1}
-_BOUNDS |= {"at most about ": 0, "at least about ": 1}
-_NUMBER = re.compile(rf"(?P<bound>{'|'.join(_BOUNDS)})?(?<![\w.])(?P<figure>-?\d+(?:\.\d+)?(?:e[-+]?\d+)?)")
-#: one length or several in mm, with the words before the first
-_LENGTHS = re.compile(
-    rf"((?:{'|'.join(_BOUNDS)})?(?<![\w.])-?\d[\d.]*(?:e[-+]?\d+)?(?:(?: to | and | or |, )-?\d[\d.]*(?:e[-+]?\d+)?)*) mm(?![/\w^])"
+#: significant digits of lengths in units other than mm
+LENGTH_DIGITS = 6
+#: words before a length that is an upper (0) or a lower bound (1)
+_BOUND_WORDS = {"at most ": 0, "less than ": 0, " to ": 0, "at least ": 1, "more than ": 1, "from ": 1, "between ": 1}
+_BOUND_WORDS |= {"at most about ": 0, "at least about ": 1}
+_NUMBER_PATTERN = re.compile(
+    rf"(?P<bound>{'|'.join(_BOUND_WORDS)})?(?<![\w.])(?P<figure>-?\d+(?:\.\d+)?(?:e[-+]?\d+)?)"
 )
-#: least likeness of a misspelt word and the one that it stands for
-LIKE = 0.55
-#: the same of keys of figures, which are long and which people shorten
-SHORTENED = 0.2
+#: one or several lengths in mm, with the words before the first length
+_LENGTHS_PATTERN = re.compile(
+    rf"((?:{'|'.join(_BOUND_WORDS)})?(?<![\w.])-?\d[\d.]*(?:e[-+]?\d+)?"
+    r"(?:(?: to | and | or |, )-?\d[\d.]*(?:e[-+]?\d+)?)*) mm(?![/\w^])"
+)
+#: least likeness of a misspelt word and the suggested word
+MIN_LIKENESS = 0.55
+#: least likeness of a key of a figure and the suggested key: people shorten these long keys
+MIN_KEY_LIKENESS = 0.2
 #: words before an upper and a lower bound in `allowed`
-_UPPER, _LOWER = "at most|less than|smaller than|below", "at least|more than|larger than|above"
-_FIGURE = r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?"
-_QUANTITY = (
-    rf"(?:about )?(?:[^\d;:]*? |[^;:]*?, )?(?P<{{0}}>{_FIGURE})(?: (?P<{{0}}_unit>mm/mm|1/mm|1/inch|mm|inch|deg))?"
+_UPPER_WORDS, _LOWER_WORDS = "at most|less than|smaller than|below", "at least|more than|larger than|above"
+_FIGURE_PATTERN = r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?"
+_QUANTITY_PATTERN = (
+    rf"(?:about )?(?:[^\d;:]*? |[^;:]*?, )?(?P<{{0}}>{_FIGURE_PATTERN})"
+    r"(?: (?P<{0}_unit>mm/mm|1/mm|1/inch|mm|inch|deg))?"
 )
-#: `allowed` as bounds of the value itself: a range, or one bound or two; what follows does not say that they are of something else
-_RANGE = rf"(?P<range>from|between) {_QUANTITY.format('least')},? (?:to|and) {_QUANTITY.format('most')}"
-_LOW = rf"(?P<lower>{_LOWER}) {_QUANTITY.format('low')}(?:,? and (?P<under>{_UPPER}) {_QUANTITY.format('top')})?"
-_HIGH = rf"(?P<upper>{_UPPER}) {_QUANTITY.format('high')}"
-_ALLOWED = re.compile(rf"(?:{_RANGE}|{_LOW}|{_HIGH})(?=$|[,:]| with | or | either way)")
+#: `allowed` as bounds of the value itself: a range, or one or two bounds, followed by nothing that names another quantity
+_RANGE_PATTERN = (
+    rf"(?P<range>from|between) {_QUANTITY_PATTERN.format('least')},? (?:to|and) {_QUANTITY_PATTERN.format('most')}"
+)
+_LOW_PATTERN = (
+    rf"(?P<lower>{_LOWER_WORDS}) {_QUANTITY_PATTERN.format('low')}"
+    rf"(?:,? and (?P<under>{_UPPER_WORDS}) {_QUANTITY_PATTERN.format('top')})?"
+)
+_HIGH_PATTERN = rf"(?P<upper>{_UPPER_WORDS}) {_QUANTITY_PATTERN.format('high')}"
+_ALLOWED_PATTERN = re.compile(rf"(?:{_RANGE_PATTERN}|{_LOW_PATTERN}|{_HIGH_PATTERN})(?=$|[,:]| with | or | either way)")
 _BOUND_GROUPS = (("least", "low"), ("most", "top", "high"))
-_ANY_BOUND = re.compile(rf"(?:{_UPPER}|{_LOWER}) {_QUANTITY.format('any')}")
+_ANY_BOUND = re.compile(rf"(?:{_UPPER_WORDS}|{_LOWER_WORDS}) {_QUANTITY_PATTERN.format('any')}")
 _IN_PARENTHESES = re.compile(r" \([^()]*\)")
-#: what figures are made of
-_FIGURES = str.maketrans("", "", "0123456789.-+")
+#: characters of figures
+_FIGURE_CHARACTERS = str.maketrans("", "", "0123456789.-+")
 
 
 class Bounds(NamedTuple):
-    """Least and greatest allowed value in `unit`, None where there is none; `includes_low` and `includes_high` are true where the
-    bound itself is allowed."""
+    """Bounds of an allowed value."""
 
+    #: least allowed value in `unit`, None without a lower bound
     low: float | None
+    #: greatest allowed value in `unit`, None without an upper bound
     high: float | None
+    #: unit of both bounds
     unit: str
+    #: True if the lower bound itself is allowed
     includes_low: bool = True
+    #: True if the upper bound itself is allowed
     includes_high: bool = True
 
 
 class GearmeshError(Exception):
-    """Base of every error that gearmesh raises on purpose: fields, of which the one clear line of its message is made.
+    """Base class of all errors that gearmesh raises on purpose; the message is one line made of the fields.
 
-    `key`: what was refused, a dotted key of a design, an argument of a call, or a part of the gears; `entry`: of an argument that
-    has several, the one; `value`: what it was, in `unit`, and `shown`, if it is not shown as it is; `reason`: why; `allowed`: what
-    may be there instead, or `must_be`, which says the same in other words; `remedy`: what to do; `more`: how many other things are
-    refused; `topic`: what it is about, the same for the same trouble with other figures; `remedies`: dotted keys of a design of
-    which a larger (1) or smaller (-1) value, or either (0), may mend it; `excess`: how far the checked figure is beyond its limit.
+    - `key`: refused key of a design, argument of a call, or part of the gears; `entry`: refused entry of an argument with several
+    - `value`: refused value in `unit`; `shown`: text of the value in the message, if it differs
+    - `reason`: reason of the refusal; `allowed`: allowed values, or `must_be` with the same meaning; `remedy`: advice
+    - `more`: number of other refusals; `topic`: kind of the refusal, equal for refusals that differ only in figures
+    - `remedies`: keys of a design that may mend it by a larger (1) or smaller (-1) value, or by either (0)
+    - `excess`: distance of the checked figure beyond its limit
     """
 
     exit_status = 1
-    #: whether `key` is an argument of a call
+    #: True if `key` is an argument of a call
     of_argument = False
-    #: unit in which the message has lengths, and mm in it; fields are in mm
+    #: unit of lengths in the message, and its length in mm; fields are in mm
     lengths_in = ("mm", 1.0)
 
     def __init__(
@@ -103,19 +117,19 @@ class GearmeshError(Exception):
 
     @classmethod
     def later(cls, tell: Callable[[], GearmeshError], topic: str) -> Self:
-        """A refusal whose fields are work to find out.
+        """Return a refusal whose fields are computed when they are first read.
 
         Parameters
         ----------
         tell : callable
-            Makes the refusal that has them; it is called when somebody reads any.
+            Function that makes the refusal with all fields.
         topic : str
-            What it is about.
+            Kind of the refusal.
 
         Returns
         -------
         GearmeshError
-            Of the same class.
+            Error of the same class.
 
         Examples
         --------
@@ -127,7 +141,7 @@ class GearmeshError(Exception):
         return made
 
     def __getattr__(self, name: str) -> Any:
-        """A field that is not known yet."""
+        """Compute the fields of a refusal that `later` made."""
         tell = None if name.startswith("__") else self.__dict__.pop("_tell", None)
         if tell is None:
             raise AttributeError(name)
@@ -136,17 +150,17 @@ class GearmeshError(Exception):
 
     @property
     def topic(self) -> str:
-        """What went wrong, the same for the same trouble with other figures."""
-        return f"{self.key}: {self.reason.translate(_FIGURES)}" if self._topic is None else self._topic
+        """Kind of the refusal, equal for refusals that differ only in figures."""
+        return f"{self.key}: {self.reason.translate(_FIGURE_CHARACTERS)}" if self._topic is None else self._topic
 
     @property
     def excess(self) -> float | None:
-        """How far the checked figure is beyond its limit, 0 at the limit; searches for a bound go by it.
+        """Distance of the checked figure beyond its limit, 0 at the limit; searches for a bound use it.
 
         Returns
         -------
         float or None
-            In any unit, the same for the same topic; None where no figure says how far.
+            Distance in any unit, the same unit for the same topic; None if no figure is known.
 
         Examples
         --------
@@ -167,19 +181,19 @@ class GearmeshError(Exception):
 
     @property
     def bounds(self) -> Bounds | None:
-        """Bounds of the value that `allowed` states; None where it states none, or those of something else.
+        """Bounds of the value in `allowed`; None if it has no bounds, or bounds of another quantity.
 
         Returns
         -------
         Bounds or None
-            With the unit that `allowed` names.
+            Bounds in the unit that `allowed` names.
 
         Examples
         --------
         >>> gm.DesignError("bore", 50.0, unit="mm", allowed="less than the root, 31 mm").bounds.high
         31.0
         """
-        stated = _ALLOWED.match(_IN_PARENTHESES.sub("", self.allowed))
+        stated = _ALLOWED_PATTERN.match(_IN_PARENTHESES.sub("", self.allowed))
         if stated is None:
             return None
         part = {name: text for name, text in stated.groupdict().items() if text is not None}
@@ -196,12 +210,12 @@ class GearmeshError(Exception):
 
     @property
     def bounds_another(self) -> bool:
-        """True if `allowed` begins with bounds, but of another quantity than the value; "0 or at least 5 mm" does not.
+        """True if `allowed` begins with bounds of another quantity than the value; "0 or at least 5 mm" does not.
 
         Returns
         -------
         bool
-            False also where it states none.
+            False also if `allowed` has no bounds.
 
         Examples
         --------
@@ -212,23 +226,23 @@ class GearmeshError(Exception):
 
     @property
     def subject(self) -> str:
-        """What was refused, as the message names it."""
+        """Refused key and value as in the message."""
         name = f"{self.key} {self.entry}".strip()
         shown = name if self.value is None else f"{name} = {self.shown or shown_value(self.value, self.unit)}"
         return in_unit(shown, *self.lengths_in)
 
     def rename(self, key: str) -> Self:
-        """The same refusal of what is called otherwise where it is read.
+        """Return the same refusal under another key.
 
         Parameters
         ----------
         key : str
-            How it is called there.
+            Name for the reader of the message.
 
         Returns
         -------
         GearmeshError
-            Of the same class.
+            Error of the same class.
 
         Examples
         --------
@@ -254,7 +268,7 @@ class GearmeshError(Exception):
         return f"{type(self).__name__}({told})"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """As plain fields, so that errors come back from other processes."""
+        """Return plain fields, so that errors return from other processes."""
         told = self.key is not None
         assert told, "reading a field makes all of them known"
         return _restore, (type(self), self.__dict__.copy())
@@ -267,7 +281,7 @@ def _restore(kind: type[GearmeshError], fields: dict[str, Any]) -> GearmeshError
 
 
 def shown_value(value: Any, unit: str = "") -> str:
-    """A value with its unit, as messages show it."""
+    """Return a value with its unit as text for messages."""
     if isinstance(value, bool):
         text = str(value).lower()
     elif isinstance(value, float):
@@ -279,91 +293,90 @@ def shown_value(value: Any, unit: str = "") -> str:
     return f"{text} {unit}".rstrip()
 
 
-def nearest(word: str, known: Iterable[str], likeness: float = LIKE) -> str | None:
-    """The known word that a misspelt one most likely stands for."""
+def nearest(word: str, known: Iterable[str], likeness: float = MIN_LIKENESS) -> str | None:
+    """Return the known word that is most like a misspelt word; None without a similar word."""
     import difflib
 
     return next(iter(difflib.get_close_matches(word, list(known), n=1, cutoff=likeness)), None)
 
 
 def in_unit(line: str, unit: str, mm: float) -> str:
-    """A message with its lengths, which are in mm, in another unit of so many mm; what may be at most or at least so much never
-    becomes more or less than that."""
-    return line if mm == 1.0 else _LENGTHS.sub(lambda lengths: _in_unit(lengths, unit, mm), line)
+    """Return a message with its lengths, which are in mm, in another unit of length `mm`; bounds are rounded inwards."""
+    return line if mm == 1.0 else _LENGTHS_PATTERN.sub(lambda lengths: _in_unit(lengths, unit, mm), line)
 
 
 def _in_unit(lengths: re.Match[str], unit: str, mm: float) -> str:
-    """One length or several, as "from 1 to 2.5 mm", in another unit."""
+    """Return one or several lengths, as "from 1 to 2.5 mm", in another unit."""
 
     def convert(number: re.Match[str]) -> str:
         figure = float(number["figure"]) / mm
-        step = 10.0 ** (math.floor(math.log10(abs(figure))) - DIGITS + 1) if figure else 1.0
-        # what is whole but for rounding is whole
-        whole = (math.floor, math.ceil, round)[_BOUNDS.get(number["bound"], 2)]
+        step = 10.0 ** (math.floor(math.log10(abs(figure))) - LENGTH_DIGITS + 1) if figure else 1.0
+        # a figure that is whole except for rounding errors stays whole
+        whole = (math.floor, math.ceil, round)[_BOUND_WORDS.get(number["bound"], 2)]
         nearest = round(figure / step)
         count = nearest if abs(figure / step - nearest) < 1e-4 else whole(figure / step)
-        return f"{number['bound'] or ''}{count * step:.{DIGITS}g}"
+        return f"{number['bound'] or ''}{count * step:.{LENGTH_DIGITS}g}"
 
-    return f"{_NUMBER.sub(convert, lengths[1])} {unit}"
+    return f"{_NUMBER_PATTERN.sub(convert, lengths[1])} {unit}"
 
 
 class DesignError(GearmeshError):
-    """Input that cannot be used: key, value and what is allowed."""
+    """Input that cannot be used, with key, value and allowed values."""
 
     exit_status = 2
 
 
 class ArgumentError(DesignError):
-    """An argument of a call that cannot be used; a command names its own option instead."""
+    """Argument of a call that cannot be used; a command names its option instead."""
 
     of_argument = True
 
 
 class FileError(DesignError):
-    """A file that somebody hands in cannot be read or understood: no value of another key mends that."""
+    """Input file that cannot be read or understood; no value of another key mends it."""
 
 
 class VagueError(DesignError):
-    """Geometry that cannot exist, noticed where it is not known which key makes it infeasible, or by how much."""
+    """Geometry that cannot exist, found where the responsible key or its bound is not known."""
 
 
 class OutputError(GearmeshError):
-    """A file that cannot be read or written, the `value`, or a missing component that it needs; `key` says what was tried."""
+    """File (`value`) that cannot be read or written, or a missing component for it; `key` names the attempt."""
 
     exit_status = 2
 
     @property
     def subject(self) -> str:
-        """What was tried, and with which file."""
+        """Attempt and file as in the message."""
         return super().subject if not self.key.startswith("cannot ") else f"{self.key} {self.shown or self.value}"
 
 
 class OutputArgumentError(OutputError):
-    """The same, of what an argument of a call names."""
+    """File or component, named by an argument of a call, that cannot be used."""
 
     of_argument = True
 
 
 class UnknownFigureError(ArgumentError, KeyError):
-    """A figure that a result does not have, by its key."""
+    """Key of a figure that a result does not have."""
 
     @classmethod
     def among(cls, key: Any, known: Collection[str]) -> Self:
-        """The refusal of a key that is not one of `known`, with the one that is meant."""
+        """Return the refusal of a key that is not in `known`, with the key that is probably meant."""
         begins = (name for name in known if isinstance(key, str) and key and name.startswith(key))
-        close = next(begins, None) or nearest(str(key), known, SHORTENED)
+        close = next(begins, None) or nearest(str(key), known, MIN_KEY_LIKENESS)
         hint = f"did you mean {close}?" if close else f"there are {', '.join(known) or 'none'}"
         return cls("key", key, reason=f"there is no figure of this name; {hint}")
 
 
 class NoSolutionError(GearmeshError):
-    """A well-formed design without a solution; the message says where and why."""
+    """Valid design without a solution; the message names place and reason."""
 
     exit_status = 3
 
 
 class Status(IntEnum):
-    """Outcome of one member of a batched solve."""
+    """Outcome of a solve for one member of a batch."""
 
     CONVERGED = 0
     MAX_ITERATIONS = 1
@@ -375,32 +388,31 @@ class Status(IntEnum):
 
     @property
     def advice(self) -> str:
-        """What to try when a solve ends like this."""
-        return _ADVICE[self]
+        """Advice for a solve with this outcome."""
+        return _ADVICE_BY_STATUS[self]
 
 
 @dataclass(frozen=True)
 class Solution:
-    """What a solve found for its members (...,): `values` (...,) or (..., k) of the unknowns, Status codes, residuals (...,).
+    """Result of a batched solve with members (...,)."""
 
-    A residual is the size of what the equations leave at the values, in the equations' units; CONVERGED members hold them
-    to the solver's tolerance. Values of members that did not converge are where the solve ended, and may be NaN.
-    `iterations` is the largest number used by a member.
-    """
-
+    #: unknowns (...,) or (..., k); of members that did not converge, the last values of the solve, which may be NaN
     values: NDArray[np.float64]
+    #: codes (...,) of `Status`
     status: NDArray[np.int64]
+    #: residuals (...,) of the equations at the values, in their units; below the solver's tolerance for CONVERGED members
     residual: NDArray[np.float64]
+    #: greatest number of iterations of a member
     iterations: int
 
     @property
     def converged(self) -> NDArray[np.bool_]:
-        """Members (...,) that hold their equations."""
+        """True (...,) for members whose equations hold."""
         held: NDArray[np.bool_] = self.status == Status.CONVERGED
         return held
 
 
-_ADVICE = {
+_ADVICE_BY_STATUS = {
     Status.CONVERGED: "nothing to do",
     Status.MAX_ITERATIONS: "start closer to the solution, or choose more and smaller steps of phi1",
     Status.SINGULAR: "the surfaces touch along a line or the surface is undercut here; `gearmesh limits` shows where",

@@ -18,7 +18,6 @@ TO_REWRITE = {
     "app",
     "cad",
     "contact",
-    "errors.py",
     "kernel",
     "reports",
     "study",

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from gearmesh.design.keys import Key, Table
 from gearmesh.design.shown import shown_key, value_text
-from gearmesh.errors import LIKE, DesignError, nearest, shown_value
+from gearmesh.errors import MIN_LIKENESS, DesignError, nearest, shown_value
 from gearmesh.numerals import with_point
 
 if TYPE_CHECKING:
@@ -113,7 +113,7 @@ def _suggestion(name: str, path: list[Any], table: type[Table], design: type[Tab
     if here is not None:
         return f"did you mean {'.'.join([*path, here])}?"
     # keys near the top of the file first; a key in a table needs a greater likeness to a key of another table
-    likeness = MIN_LIKENESS_ELSEWHERE if path else LIKE
+    likeness = MIN_LIKENESS_ELSEWHERE if path else MIN_LIKENESS
     for deepest in (1, max(dotted.count(".") for dotted in everywhere.values())):
         some = [leaf for leaf, dotted in everywhere.items() if dotted.count(".") <= deepest]
         elsewhere = nearest(name, some, likeness)
