@@ -19,8 +19,8 @@ from gearmesh.systems.system import kinds
 
 #: what the summary of a contact consists of; gear systems add figures of their own
 CONTACT = (PathSummary, CycleSummary, ZoneFigures, SlideSummary, FitSummary, TorqueSummary, TurnsSummary)
-#: units of figures that are those of an angle, or of a travel where the gear is a rack
-ANGLE, TRAVEL = KEY_ENDINGS["arcsec"], KEY_ENDINGS["um"]
+#: unit of figures that are angles, or travels where the gear is a rack
+ANGLE = KEY_ENDINGS["arcsec"]
 NUMBER = {"type": ["number", "null"]}
 
 

@@ -52,8 +52,6 @@ WITHIN = np.array([name in (*CREASES, *RIDGES) for _, name in NUMBERED])
 OF_CORNERS = np.array([name in TIP_CORNERS for _, name in NUMBERED])
 #: number of a place for which no condition was found that holds: corners of edges
 CORNER = len(NUMBERED)
-#: every which column of the flank's grid is sampled
-COLUMNS = 2
 #: azimuth (rad) of a pinion's tooth from where on it is sampled where it faces the gear alone
 WOUND = 0.5 * np.pi
 #: a pinion whose flank faces the gear within this rotation (rad) from 0 counts its windings from there

@@ -20,7 +20,6 @@ from numpy.typing import NDArray
 
 from gearmesh.contact.first_touch.heights import Circles, FlankHeights, bilinear
 from gearmesh.contact.pair import (
-    COLUMNS,
     EDGES,
     FORM_POINT,
     NUMBERED,
@@ -36,6 +35,8 @@ from gearmesh.kernel.surface.surface import Jet
 if TYPE_CHECKING:
     from gearmesh.contact.pair import Pair
 
+#: every which column of the flank's grid is sampled
+COLUMNS = 2
 #: points times positions that are worked on at once: arrays that stay in a processor's cache, in half the time of larger ones
 CHUNK = 40_000
 #: maxima inside the flanks that are kept at a position

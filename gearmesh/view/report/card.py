@@ -18,8 +18,6 @@ MIN_SHOWN_LENGTH_MM = 1e-4
 MIN_LENGTH_IN_MM = 0.1
 #: sign of negative numbers
 MINUS_SIGN = "\u2212"
-#: unit of angles
-DEGREE_SIGN = "\u00b0"
 #: between a number and its unit, which stay on one line
 NO_BREAK_SPACE = "\u00a0"
 #: text of a length of 0

@@ -20,9 +20,6 @@ from gearmesh.systems.common.pattern.targets import on_flank
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 
-#: distance (mm) from the sought point that counts as 0
-PITCH_LINE_TOLERANCE_MM = 1e-10
-
 
 def width_across(ends: tuple[Array, Array], tangents: Array) -> Array:
     """Return the distances (T,) of two points (T, 3) each, across a direction (T, 3)."""
