@@ -40,10 +40,16 @@ def gather(source: Path) -> None:
     folder = source / "samples" / "guides"
     for path in sorted((ROOT / "samples" / "guides").glob("*.ipynb")):
         _notebook(path, folder)
-    guides = sorted(path.stem for path in folder.glob("*.md") if path.stem != "README")
-    listing = folder / "README.md"
-    known = listing.read_text(encoding="utf-8")
-    listing.write_text("\n".join([known, "```{toctree}", ":hidden:", "", *guides, "```", ""]), encoding="utf-8")
+    _list_under(folder / "README.md", sorted(path.stem for path in folder.glob("*.md") if path.stem != "README"))
+    for page in sorted((source / "gearmesh").rglob("README.md")):
+        if page.with_name("notes.md").is_file():
+            _list_under(page, ["notes"])
+
+
+def _list_under(page: Path, names: list[str]) -> None:
+    """Put pages beside a page under it in the site's contents, which shows them only there."""
+    known = page.read_text(encoding="utf-8")
+    page.write_text("\n".join([known, "```{toctree}", ":hidden:", "", *names, "```", ""]), encoding="utf-8")
 
 
 def _notebook(path: Path, folder: Path) -> None:

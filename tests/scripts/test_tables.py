@@ -22,6 +22,7 @@ OTHERS = (
     "study_bench.py",
     "load_bench.py",
     "load_checks.py",
+    "refusals.py",
 )
 
 
@@ -94,4 +95,5 @@ def test_every_block_of_the_documents_is_written_by_a_script() -> None:
         "bevel",
         "loads",
         "truth",
+        "refusals",
     }
