@@ -17,7 +17,6 @@ TO_REWRITE = {
     "api",
     "app",
     "cad",
-    "contact",
     "kernel",
     "reports",
     "study",
@@ -26,7 +25,7 @@ TO_REWRITE = {
     "systems/face_gear",
 }
 #: constants of one word that is the whole name of what they hold
-WHOLE_NAMES = {"ARCSEC", "_RELATIONSHIPS"}
+WHOLE_NAMES = {"ARCSEC", "STEEL", "_RELATIONSHIPS"}
 #: openings that fit no verb and no noun
 NO_NOUN_NO_VERB = re.compile(r"(What|Of|Whether|How|Where|Which|As|By)\b")
 CONSTANT = re.compile(r"_?[A-Z][A-Z0-9_]+")

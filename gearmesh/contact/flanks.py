@@ -10,7 +10,16 @@ from numpy.typing import ArrayLike, NDArray
 from gearmesh.contact.conditions.ends import Between, FormPoints, root_of, tip_of
 from gearmesh.contact.conditions.meshing import Flank
 from gearmesh.contact.hertz import STEEL, Material, contact_modulus, line_contact, normal_force, point_contact
-from gearmesh.contact.pair import CREASES, FILLET, FORM_POINT, RIDGES, ROOT, TIP_CORNERS, TIP_EDGE, Pair
+from gearmesh.contact.pair import (
+    CREASE_NAMES,
+    FILLET_PART,
+    FORM_POINT,
+    RIDGE_NAMES,
+    ROOT_EDGE,
+    TIP_CORNERS,
+    TIP_EDGE,
+    Pair,
+)
 from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
 from gearmesh.errors import ArgumentError
@@ -118,7 +127,7 @@ def touching_jets(pair: GearPair, path: ContactPath) -> tuple[Jet, Jet]:
     ):
         with np.errstate(invalid="ignore"):
             jet = member.tooth.side(side).flank.jet(params[:, 0], params[:, 1])
-            for region in (FILLET, TIP_EDGE):
+            for region in (FILLET_PART, TIP_EDGE):
                 surface = _surface(member.tooth, side, region) if (regions == region).any() else None
                 if surface is not None:
                     jet = jet.where(regions != region, surface.jet(params[:, 0], params[:, 1]))
@@ -128,7 +137,7 @@ def touching_jets(pair: GearPair, path: ContactPath) -> tuple[Jet, Jet]:
 
 def _surface(tooth: Tooth, side: Side, region: str) -> Surface | None:
     """Return the surface of a fillet or tip edge."""
-    return tooth.side(side).fillet if region == FILLET else tooth.tip_edges.get(side)
+    return tooth.side(side).fillet if region == FILLET_PART else tooth.tip_edges.get(side)
 
 
 def separation_curvatures(pair: GearPair, path: ContactPath) -> Array:
@@ -243,10 +252,12 @@ def _creases(tooth: Tooth, side: Side) -> dict[str, Level]:
     """Return the levels through the creases of a flank."""
     own, middle = tooth.side(side), tooth.stations([0.5])
     levels: dict[str, Level] = {}
-    for name, p in zip(CREASES, own.creases, strict=False):
+    for name, p in zip(CREASE_NAMES, own.creases, strict=False):
         r = along(own.flank, np.full_like(middle, p), middle, tooth.blank.axial)[1].r
         levels[name] = ConeLevel.of(float(np.hypot(r[0, 0], r[0, 1])), 0.0)
-    return levels | {name: Shifted(tooth.blank.axial, place) for name, place in zip(RIDGES, own.ridges, strict=False)}
+    return levels | {
+        name: Shifted(tooth.blank.axial, place) for name, place in zip(RIDGE_NAMES, own.ridges, strict=False)
+    }
 
 
 def _tip_corners(tooth: Tooth) -> dict[str, Level]:
@@ -271,13 +282,13 @@ def contact_fillet(member: Member, side: Side) -> Flank:
         edges={
             "toe": Shifted(axial, toe, -1.0),
             "heel": Shifted(axial, heel),
-            ROOT: root_of(axial, grid, tooth.even.stations, tooth.joint),
+            ROOT_EDGE: root_of(axial, grid, tooth.even.stations, tooth.joint),
         },
         axial=axial,
         extent=(toe, heel),
         grid=grid.parameters,
         beyond_ends=Between(grid, axial, tooth.even.stations),
-        smooth=frozenset({ROOT}),
+        smooth=frozenset({ROOT_EDGE}),
     )
 
 

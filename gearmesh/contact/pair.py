@@ -14,56 +14,62 @@ from gearmesh.kernel.numeric.algebra import Array, polar_angle
 from gearmesh.kernel.surface.levels import Level, Shifted
 from gearmesh.kernel.surface.surface import Surface
 
-MEMBERS = ("pinion", "gear")
-#: edges of a flank, the ends as the face begins and ends; a fillet has a root instead of tip and form point
-EDGES = ("tip", "toe", "heel")
-FORM_POINT, ROOT = "joint", "root"
-#: corners inside a flank, along the face and up the profile: as many as linear reliefs of two tables make
-CREASES, RIDGES = (tuple(f"{kind}_{k}" for k in (1, 2, 3, 4)) for kind in ("crease", "ridge"))
-#: corners of tip lines, as where the throat of a worm wheel passes into its outside cylinder
+#: members of a pair, in the order of all arrays
+MEMBER_NAMES = ("pinion", "gear")
+#: edges of a flank beside the form point; toe and heel are the ends where the face begins and ends
+FLANK_EDGES = ("tip", "toe", "heel")
+#: edge between flank and fillet
+FORM_POINT = "joint"
+#: edge of a fillet, which has neither tip nor form point
+ROOT_EDGE = "root"
+#: corners inside a flank, along the face (creases) and up the profile (ridges): as many as linear reliefs of two tables make
+CREASE_NAMES, RIDGE_NAMES = (tuple(f"{kind}_{k}" for k in (1, 2, 3, 4)) for kind in ("crease", "ridge"))
+#: corners of tip lines, for example where the throat of a worm wheel passes into its outside cylinder
 TIP_CORNERS = tuple(f"tip_corner_{k}" for k in (1, 2, 3, 4))
 #: all edges of both members, in the order in which the solver counts them, by member and name
-NUMBERED = (
-    *((member, name) for member in (0, 1) for name in EDGES),
+NUMBERED_EDGES = (
+    *((member, name) for member in (0, 1) for name in FLANK_EDGES),
     (0, FORM_POINT),
     (1, FORM_POINT),
-    (0, ROOT),
-    (1, ROOT),
-    *((member, name) for member in (0, 1) for name in (*CREASES, *RIDGES, *TIP_CORNERS)),
+    (0, ROOT_EDGE),
+    (1, ROOT_EDGE),
+    *((member, name) for member in (0, 1) for name in (*CREASE_NAMES, *RIDGE_NAMES, *TIP_CORNERS)),
 )
 #: parts of a tooth that may touch
-FLANK, FILLET, TIP_EDGE = "flank", "fillet", "tip_edge"
-#: what of the pinion and what of the gear touch, by the number of `Contacts.part`
-PARTS = (
-    (FLANK, FLANK),
-    (FILLET, FLANK),
-    (FLANK, FILLET),
-    (TIP_EDGE, FLANK),
-    (FLANK, TIP_EDGE),
+FLANK_PART, FILLET_PART, TIP_EDGE = "flank", "fillet", "tip_edge"
+#: touching part of the pinion and of the gear, by the number of `Contacts.part`
+PART_PAIRS = (
+    (FLANK_PART, FLANK_PART),
+    (FILLET_PART, FLANK_PART),
+    (FLANK_PART, FILLET_PART),
+    (TIP_EDGE, FLANK_PART),
+    (FLANK_PART, TIP_EDGE),
     (TIP_EDGE, TIP_EDGE),
-    (TIP_EDGE, FILLET),
-    (FILLET, TIP_EDGE),
+    (TIP_EDGE, FILLET_PART),
+    (FILLET_PART, TIP_EDGE),
 )
-#: which of them have a fillet, and which a tip edge
-HAS_FILLET, HAS_TIP_EDGE = (np.array([region in both for both in PARTS]) for region in (FILLET, TIP_EDGE))
-#: which of them lie inside a flank, so that nothing is beyond them
-WITHIN = np.array([name in (*CREASES, *RIDGES) for _, name in NUMBERED])
-#: which of them are the stations of corners of tip lines: no edges but together with the tip
-OF_CORNERS = np.array([name in TIP_CORNERS for _, name in NUMBERED])
-#: number of a place for which no condition was found that holds: corners of edges
-CORNER = len(NUMBERED)
-#: azimuth (rad) of a pinion's tooth from where on it is sampled where it faces the gear alone
-WOUND = 0.5 * np.pi
-#: a pinion whose flank faces the gear within this rotation (rad) from 0 counts its windings from there
-FACES = 0.6 * np.pi
-#: share of a flank by which it is looked beside a place on which side of a corner that lies
-STEP = 1e-6
-#: sine of the angle between axes from which on they are skew, not parallel with errors
-SKEW = 0.1
-#: cosine between the rotations of members one of which turns inside the other
-INSIDE = 0.9
-#: largest residual of what counts as solved: mm, and a part of the pinion's largest coordinate, if that is more
-TOLERANCE, ROUNDING = 1e-11, 1e-12
+#: True for the pairs of parts with a fillet, and for those with a tip edge
+HAS_FILLET, HAS_TIP_EDGE = (np.array([region in both for both in PART_PAIRS]) for region in (FILLET_PART, TIP_EDGE))
+#: True for the numbered edges inside a flank, which continues beyond them
+IS_INSIDE_FLANK = np.array([name in (*CREASE_NAMES, *RIDGE_NAMES) for _, name in NUMBERED_EDGES])
+#: True for the stations of corners of tip lines, which are edges only together with the tip
+IS_TIP_CORNER = np.array([name in TIP_CORNERS for _, name in NUMBERED_EDGES])
+#: number of a place at which no condition holds: a corner of edges
+EDGE_CORNER = len(NUMBERED_EDGES)
+#: azimuth range of a pinion's tooth above which only the part that faces the gear is sampled
+WOUND_AZIMUTH_RAD = 0.5 * np.pi
+#: largest rotation at which a flank faces the gear without another count of its windings
+FACING_RANGE_RAD = 0.6 * np.pi
+#: step beside a place, as a share of the flank, that shows on which side of a corner the place lies
+CORNER_STEP_SHARE = 1e-6
+#: least sine of the angle between skew axes; below it the axes are parallel except for assembly errors
+SKEW_SINE = 0.1
+#: least cosine of the angle between the spins of members that turn inside each other
+NESTED_COSINE = 0.9
+#: largest residual of a solved contact
+SOLVED_RESIDUAL_MM = 1e-11
+#: largest residual of a solved contact of large gears, as a share of the pinion's largest coordinate
+ROUNDING_SHARE = 1e-12
 
 
 @dataclass(frozen=True)
@@ -89,19 +95,19 @@ class Pair:
 
     @cached_property
     def parts(self) -> dict[int, Pair]:
-        """Pairs of parts of the teeth by their numbers in `PARTS`: the flanks alone first, then tip edges, then fillets."""
+        """Pairs of parts of the teeth by their numbers in `PART_PAIRS`: first the flanks, then tip edges, then fillets."""
         if self.fillets is None:
             return {0: self}
         regions: tuple[dict[str, Flank], ...] = tuple(
-            {FLANK: flank, FILLET: fillet.remount(flank.mount)}
+            {FLANK_PART: flank, FILLET_PART: fillet.remount(flank.mount)}
             | ({} if tip is None else {TIP_EDGE: tip.remount(flank.mount)})
             for flank, fillet, tip in zip(self.flanks, self.fillets, self.tips, strict=True)
         )
         alone = replace(self, fillets=None, tips=(None, None))
         return {
-            number: replace(alone, pinion=regions[0][PARTS[number][0]], gear=regions[1][PARTS[number][1]])
+            number: replace(alone, pinion=regions[0][PART_PAIRS[number][0]], gear=regions[1][PART_PAIRS[number][1]])
             for number in np.argsort(HAS_FILLET, kind="stable").tolist()
-            if all(name in own for name, own in zip(PARTS[number], regions, strict=True))
+            if all(name in own for name, own in zip(PART_PAIRS[number], regions, strict=True))
         }
 
     @property
@@ -111,13 +117,13 @@ class Pair:
     @cached_property
     def wound(self) -> bool:
         """True if the pinion's tooth winds so far round its axis that only part of its face is near the gear in any position."""
-        return self.pinion.winding > WOUND and self.gear.mount.eccentricity == (0.0, 0.0)
+        return self.pinion.winding > WOUND_AZIMUTH_RAD and self.gear.mount.eccentricity == (0.0, 0.0)
 
     @cached_property
     def nested(self) -> bool:
         """True if one member turns inside the other, about axes that are nearly parallel."""
         first, second = (flank.mount.spin for flank in self.flanks)
-        return float(np.min(np.sum(first * second, axis=-1))) > INSIDE
+        return float(np.min(np.sum(first * second, axis=-1))) > NESTED_COSINE
 
     @cached_property
     def length(self) -> float:
@@ -127,7 +133,7 @@ class Pair:
     @cached_property
     def tolerance(self) -> float:
         """Residual (mm) below which a contact counts as solved; Newton goes one step further, to rounding."""
-        return max(TOLERANCE, ROUNDING * float(np.nanmax(np.abs(self._points))))
+        return max(SOLVED_RESIDUAL_MM, ROUNDING_SHARE * float(np.nanmax(np.abs(self._points))))
 
     @cached_property
     def _points(self) -> Array:
@@ -142,30 +148,32 @@ class Pair:
 
     @cached_property
     def bounds(self) -> tuple[Bound | None, ...]:
-        """Edges of both flanks in the order of NUMBERED, None for edges that a flank does not have."""
+        """Edges of both flanks in the order of NUMBERED_EDGES, None for edges that a flank does not have."""
         every = [{**flank.edges, **flank.creases, **flank.tip_corners} for flank in self.flanks]
-        return tuple(Bound(member, every[member][name]) if name in every[member] else None for member, name in NUMBERED)
+        return tuple(
+            Bound(member, every[member][name]) if name in every[member] else None for member, name in NUMBERED_EDGES
+        )
 
     @cached_property
     def ends(self) -> tuple[int, ...]:
         """Numbers in `bounds` of the edges that end a flank."""
-        return tuple(k for k in self.edges if not WITHIN[k])
+        return tuple(k for k in self.edges if not IS_INSIDE_FLANK[k])
 
     @cached_property
     def edges(self) -> tuple[int, ...]:
         """Numbers in `bounds` of the edges along which flanks may touch: those that end them, and corners inside."""
-        return tuple(k for k, bound in enumerate(self.bounds) if bound is not None and not OF_CORNERS[k])
+        return tuple(k for k, bound in enumerate(self.bounds) if bound is not None and not IS_TIP_CORNER[k])
 
     @cached_property
     def tip_corners(self) -> tuple[tuple[int, int], ...]:
         """Corners of tip lines: numbers in `bounds` of the tip and of the corner's station."""
-        there = [k for k, bound in enumerate(self.bounds) if bound is not None and OF_CORNERS[k]]
-        return tuple((edge_number(NUMBERED[k][0], "tip"), k) for k in there)
+        there = [k for k, bound in enumerate(self.bounds) if bound is not None and IS_TIP_CORNER[k]]
+        return tuple((edge_number(NUMBERED_EDGES[k][0], "tip"), k) for k in there)
 
     @cached_property
     def smooth(self) -> NDArray[np.bool_]:
         """True for edges of `bounds` across which the teeth continue smoothly."""
-        return np.array([name in self.flanks[member].smooth for member, name in NUMBERED])
+        return np.array([name in self.flanks[member].smooth for member, name in NUMBERED_EDGES])
 
     def next_winding(self, phi1: Array, r: Array) -> NDArray[np.bool_]:
         """Return True (...,) for points r (..., 3) of the pinion that phi1 (...,), rad, has turned by more than half a turn.
@@ -181,14 +189,14 @@ class Pair:
 
     @cached_property
     def facing(self) -> float:
-        """Rotation, rad, at which the middle of a thread's flank faces the gear's flank, 0 if that is within `FACES` of 0.
+        """Rotation, rad, at which the middle of a thread's flank faces the gear's flank, 0 if within `FACING_RANGE_RAD` of 0.
 
         The coast flank of a single thread faces the gear half a turn before or after the driving flank.
         """
         if not self.wound:
             return 0.0
         first, second = (_turn_towards(*flanks) for flanks in (self.flanks, self.flanks[::-1]))
-        if abs(first) <= FACES:
+        if abs(first) <= FACING_RANGE_RAD:
             return 0.0
         # the thread faces the gear once a turn, the gear's tooth says in which one
         conjugate = second / self.ratio
@@ -225,10 +233,10 @@ def _piece(flank: Flank, place: Array) -> Flank:
     """Return the piece of a flank between its creases that holds a place, parameters (2,)."""
     rows, columns = flank.grid.shape[:2]
     ends = {"tip": (-1, columns // 2), FORM_POINT: (0, columns // 2), "toe": (rows // 2, 0), "heel": (rows // 2, -1)}
-    smooth, steps = flank.smooth_about(*place), STEP * np.ptp(flank.grid.reshape(-1, 2), axis=0)
+    smooth, steps = flank.smooth_about(*place), CORNER_STEP_SHARE * np.ptp(flank.grid.reshape(-1, 2), axis=0)
     nearest: dict[str, tuple[float, Level]] = {}
     for name, level in flank.creases.items():
-        both, axis = (("tip", FORM_POINT), 0) if name in CREASES else (("toe", "heel"), 1)
+        both, axis = (("tip", FORM_POINT), 0) if name in CREASE_NAMES else (("toe", "heel"), 1)
         # a place on a crease belongs to the side with the same surface
         near = place + np.array([[0.0], [1.0], [-1.0]]) * steps * (np.arange(2) == axis)
         same = np.array([flank.smooth_about(*parameters) == smooth for parameters in near])
@@ -246,27 +254,27 @@ def _piece(flank: Flank, place: Array) -> Flank:
 
 
 def within(edges: NDArray[np.intp]) -> NDArray[np.bool_]:
-    """Return True (N,) for edges, numbers in `Pair.bounds`, CORNER or -1, that lie inside a flank."""
-    inside: NDArray[np.bool_] = np.append(WITHIN, False)[edges]
+    """Return True (N,) for edges, numbers in `Pair.bounds`, EDGE_CORNER or -1, that lie inside a flank."""
+    inside: NDArray[np.bool_] = np.append(IS_INSIDE_FLANK, False)[edges]
     return inside
 
 
 def edge_number(member: int, name: str) -> int:
     """Return the number of an edge in `Pair.bounds`."""
-    return NUMBERED.index((member, name))
+    return NUMBERED_EDGES.index((member, name))
 
 
 def along_face(number: int) -> bool:
     """Return True if an edge runs along the face, as tip, form point and root do, and not up a profile."""
-    return NUMBERED[number][1] not in ("toe", "heel", *RIDGES)
+    return NUMBERED_EDGES[number][1] not in ("toe", "heel", *RIDGE_NAMES)
 
 
 def edge_name(pair: Pair, number: int) -> str:
     """Return the name in answers of an edge of a pair, by its number in `Pair.bounds`."""
-    if number == CORNER:
+    if number == EDGE_CORNER:
         return "corner"
-    member, name = NUMBERED[number]
-    return f"{MEMBERS[member]}_{pair.flanks[member].edge_name(name)}"
+    member, name = NUMBERED_EDGES[number]
+    return f"{MEMBER_NAMES[member]}_{pair.flanks[member].edge_name(name)}"
 
 
 def _turn_towards(flank: Flank, mating: Flank) -> float:
@@ -280,7 +288,7 @@ def _turn_towards(flank: Flank, mating: Flank) -> float:
     )
     normal = np.cross(axis, across)
     towards = normal * (normal @ (other - origin))
-    if np.linalg.norm(normal) < SKEW or np.linalg.norm(towards) < TOLERANCE:
+    if np.linalg.norm(normal) < SKEW_SINE or np.linalg.norm(towards) < SOLVED_RESIDUAL_MM:
         return 0.0
     own = flank.mount.at(0.0).inverse.vector(towards)
     angle = float(np.reshape(polar_angle(own), -1)[0]) - flank.middle_angle

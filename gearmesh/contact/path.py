@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.contact.pair import PARTS
+from gearmesh.contact.pair import PART_PAIRS
 from gearmesh.kernel.numeric.algebra import Array
 
 
@@ -97,7 +97,7 @@ class ContactPath:
     @property
     def regions(self) -> tuple[NDArray[np.str_], NDArray[np.str_]]:
         """Regions (P,) of pinion and gear in contact: "flank", "fillet" or "tip_edge"; "" without contact."""
-        first, second = np.array(PARTS)[self.part].T
+        first, second = np.array(PART_PAIRS)[self.part].T
         return np.where(self.touching, first, ""), np.where(self.touching, second, "")
 
     @property

@@ -21,7 +21,7 @@ from gearmesh.contact.conditions.meshing import Conditions
 from gearmesh.contact.conditions.refinement import Contacts
 from gearmesh.contact.engagement.engagement import Engagement, follow
 from gearmesh.contact.first_touch.first_touch import first_touch, touches
-from gearmesh.contact.pair import HAS_TIP_EDGE, MEMBERS, OF_CORNERS, PARTS, TIP_EDGE, Pair, edge_name
+from gearmesh.contact.pair import HAS_TIP_EDGE, IS_TIP_CORNER, MEMBER_NAMES, PART_PAIRS, TIP_EDGE, Pair, edge_name
 from gearmesh.contact.path import ContactPath
 from gearmesh.errors import DesignError, Status
 from gearmesh.kernel.numeric.algebra import Array, dot
@@ -201,11 +201,11 @@ def _edge_names(pair: Pair, contacts: Contacts) -> NDArray[np.str_]:
     """Return names (N,) of the edges in contact, two joined by "+"; tip corners, chamfers and roundings count as tip."""
     names = np.full(len(contacts.x), "", dtype="<U32")
     # CORNER has a name, -1 none
-    named = np.concatenate((~OF_CORNERS, [True, False]))
+    named = np.concatenate((~IS_TIP_CORNER, [True, False]))
     for k in np.flatnonzero((contacts.edges[:, 0] >= 0) | (contacts.touching & HAS_TIP_EDGE[contacts.part])):
         of_tips = [
             f"{member}_tip"
-            for member, region in zip(MEMBERS, PARTS[contacts.part[k]], strict=True)
+            for member, region in zip(MEMBER_NAMES, PART_PAIRS[contacts.part[k]], strict=True)
             if region == TIP_EDGE
         ]
         own = [edge_name(pair, int(number)) for number in contacts.edges[k] if named[number]]

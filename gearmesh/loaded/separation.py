@@ -29,7 +29,7 @@ from gearmesh.contact.conditions.meshing import Flank
 from gearmesh.contact.engagement.pitch_turns import flanks_ahead
 from gearmesh.contact.flanks import solver_pair, touching_jets
 from gearmesh.contact.hertz import line_contact, point_contact
-from gearmesh.contact.pair import MEMBERS, Pair
+from gearmesh.contact.pair import MEMBER_NAMES, Pair
 from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
 from gearmesh.errors import NoSolutionError
@@ -438,7 +438,7 @@ def _common(near: NearPairs, seen: _Seen, bent: NDArray[np.bool_]) -> Array:
     edge touches first, or the ridge follows it, where `bent` (M, X).
     """
     pinion_normal, gear_normal = seen.normals[0], -seen.normals[1]
-    on_edge = [np.char.find(near.path.edge, name)[:, None] >= 0 for name in MEMBERS]
+    on_edge = [np.char.find(near.path.edge, name)[:, None] >= 0 for name in MEMBER_NAMES]
     edge_of = [
         (this_edge & ~other_edge) | (bent & (seen.over == k))
         for k, (this_edge, other_edge) in enumerate((on_edge, on_edge[::-1]))

@@ -10,17 +10,17 @@ from typing import Any
 import numpy as np
 
 from gearmesh.contact.engagement.cycle import Cycle
-from gearmesh.contact.pair import FORM_POINT, MEMBERS
+from gearmesh.contact.pair import FORM_POINT, MEMBER_NAMES
 from gearmesh.contact.path import ContactPath
 from gearmesh.figures import Entry, Figures, Summary, figure
 from gearmesh.kernel.numeric.algebra import ARCSEC
 from gearmesh.teeth.gear_train import GearPair
 
 
-def shown_edge(edge: str, names: Sequence[str] = MEMBERS) -> str:
+def shown_edge(edge: str, names: Sequence[str] = MEMBER_NAMES) -> str:
     """An edge in contact as tables and pages show it, the members by their names: "wheel heel, wheel form point" of
     "gear_heel+gear_joint"."""
-    words = {**dict(zip(MEMBERS, names, strict=True)), FORM_POINT: "form point"}
+    words = {**dict(zip(MEMBER_NAMES, names, strict=True)), FORM_POINT: "form point"}
     return ", ".join(" ".join(words.get(word, word) for word in one.split("_")) for one in edge.split("+"))
 
 

@@ -12,14 +12,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.conditions.meshing import Bound, Conditions
-from gearmesh.contact.conditions.refinement import EDGE_SLACK, EQUAL, Contacts, advances_of, at_positions, margins
-from gearmesh.contact.pair import NUMBERED, OF_CORNERS, Pair
+from gearmesh.contact.conditions.refinement import (
+    EDGE_SLACK,
+    EQUAL_ADVANCE_RAD,
+    Contacts,
+    advances_of,
+    at_positions,
+    margins,
+)
+from gearmesh.contact.pair import IS_TIP_CORNER, NUMBERED_EDGES, Pair
 from gearmesh.kernel.motion.rigid import MAX_SINE_OF_PARALLEL
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, turn
 
 #: True for edges that end a face, by number: contact on one of them is never all along it
-IS_FACE_END = np.array([name in ("toe", "heel") for _, name in NUMBERED])
+IS_FACE_END = np.array([name in ("toe", "heel") for _, name in NUMBERED_EDGES])
 
 
 def to_middle(pair: Pair, phi1: Array, contacts: Contacts, number: int) -> None:
@@ -51,7 +58,7 @@ def to_middle(pair: Pair, phi1: Array, contacts: Contacts, number: int) -> None:
     outside, past = margins(pair, touch, solution.values)
     good = parallel & solution.converged & (outside <= EDGE_SLACK).all(axis=1) & (past <= EDGE_SLACK)
     good &= dot(touch.fixed[0].n, touch.fixed[1].n) < 0.0
-    good &= advances_of(pair, phi1, solution.values, position) >= contacts.advance[position] - EQUAL
+    good &= advances_of(pair, phi1, solution.values, position) >= contacts.advance[position] - EQUAL_ADVANCE_RAD
     contacts.x[position[good]], contacts.residual[position[good]] = solution.values[good], solution.residual[good]
     contacts.edges[position[good]] = np.column_stack((edge[good], np.full(int(good.sum()), -1)))
 
@@ -60,7 +67,7 @@ def _along(contacts: Contacts, number: int) -> tuple[NDArray[np.intp], NDArray[n
     """Return positions (M,) of part `number` with contact on one edge along the face, and the numbers (M,) of the edges."""
     there = np.flatnonzero(contacts.touching & (contacts.part == number) & (contacts.edges[:, 0] >= 0))
     edges = contacts.edges[there]
-    goes_along = (edges >= 0) & (edges < len(NUMBERED))
-    goes_along &= ~(IS_FACE_END | OF_CORNERS)[np.where(goes_along, edges, 0)]
+    goes_along = (edges >= 0) & (edges < len(NUMBERED_EDGES))
+    goes_along &= ~(IS_FACE_END | IS_TIP_CORNER)[np.where(goes_along, edges, 0)]
     one = np.flatnonzero(goes_along.sum(axis=1) == 1)
     return there[one], edges[one, goes_along[one].argmax(axis=1)]

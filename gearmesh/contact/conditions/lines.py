@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from gearmesh.contact.conditions.bent_lines import directions, pieces
 from gearmesh.contact.conditions.meshing import Bound, Conditions
-from gearmesh.contact.conditions.refinement import EDGE_SLACK, RCOND, at_positions, margins
+from gearmesh.contact.conditions.refinement import EDGE_SLACK, NULL_SPACE_SHARE, at_positions, margins
 from gearmesh.contact.pair import Pair
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, dot
@@ -65,7 +65,9 @@ def trace(pair: Pair, phi1: Array, x: Array) -> ContactLines:
             points[k] = row
         middle[there] = unknowns[:, LINE_POINTS // 2]
     _bend(pair, plain, np.flatnonzero(bent), x, points, middle)
-    solution = newton.solve(partial(at_positions, plain, every), middle, tolerance=pair.tolerance, rcond=RCOND)
+    solution = newton.solve(
+        partial(at_positions, plain, every), middle, tolerance=pair.tolerance, rcond=NULL_SPACE_SHARE
+    )
     return ContactLines(points, np.where(solution.converged[:, None], solution.values, x))
 
 
@@ -158,7 +160,7 @@ def _between(
     rest = np.flatnonzero(steep[rows])
     if rest.size:
         solution = newton.solve(
-            partial(at_positions, plain, position[rest]), guess[rest], tolerance=pair.tolerance, rcond=RCOND
+            partial(at_positions, plain, position[rest]), guess[rest], tolerance=pair.tolerance, rcond=NULL_SPACE_SHARE
         )
         values[rest], good[rest] = solution.values, solution.converged
     return values.reshape(count, LINE_POINTS, 5), good.reshape(count, LINE_POINTS)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.conditions.meshing import Conditions, Touch
-from gearmesh.contact.pair import CORNER, NUMBERED, OF_CORNERS, Pair
+from gearmesh.contact.pair import EDGE_CORNER, IS_TIP_CORNER, NUMBERED_EDGES, Pair
 from gearmesh.errors import Status
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, turn, unit
@@ -22,12 +22,12 @@ from gearmesh.kernel.surface.curvature import contact_ellipse, relative_curvatur
 
 #: a point this far (mm) outside a trimmed flank still counts as on its edge
 EDGE_SLACK = 1e-7
-#: relative eigenvalue of K1 - K2 below which contact is along a line
-FLAT = 1e-7
-#: singular values below this share of the largest are taken for the null space of line contact
-RCOND = 1e-9
+#: relative eigenvalue of K1 - K2 below which the flanks touch along a line
+FLAT_EIGENVALUE = 1e-7
+#: singular values below this share of the largest one belong to the null space of line contact
+NULL_SPACE_SHARE = 1e-9
 #: advances (rad) that differ by less are equal
-EQUAL = 1e-12
+EQUAL_ADVANCE_RAD = 1e-12
 #: rise of the advance along an edge (rad/mm) that is rounding
 MIN_RISE = 1e-12
 #: distance (mm) from a corner of a tip line at which the directions of the line are taken
@@ -172,7 +172,7 @@ class Trial:
     def of(position: NDArray[np.intp], x: Array, edges: NDArray[np.intp]) -> Trial:
         count = len(position)
         nothing = np.zeros(count, dtype=bool)
-        beyond = np.full((count, len(NUMBERED)), np.nan)
+        beyond = np.full((count, len(NUMBERED_EDGES)), np.nan)
         return Trial(
             position,
             x,
@@ -241,8 +241,8 @@ def refine_candidates(
 
 
 def _rank(advance: Array, edges: NDArray[np.intp]) -> Array:
-    """Return advances (N,), rad, less EQUAL for each edge of the contact (N, 2)."""
-    rank: Array = advance - EQUAL * (edges >= 0).sum(axis=1)
+    """Return advances (N,), rad, less EQUAL_ADVANCE_RAD for each edge of the contact (N, 2)."""
+    rank: Array = advance - EQUAL_ADVANCE_RAD * (edges >= 0).sum(axis=1)
     return rank
 
 
@@ -259,13 +259,13 @@ def solve(pair: Pair, phi1: Array, trial: Trial) -> None:
     # a place inside the flanks that converges slowly is probably a line
     lines = trial.line | ((trial.edges[:, 0] < 0) & (trial.goes < MAX_ROUNDS_PER_PLACE))
     converged = np.zeros(len(every), dtype=bool)
-    _solve_some(pair, conditions, trial, every, np.where(lines, RCOND, 0.0), converged)
+    _solve_some(pair, conditions, trial, every, np.where(lines, NULL_SPACE_SHARE, 0.0), converged)
     _judge(pair, conditions, trial, converged)
     # on a line take the solution nearest to the start, not a point to which Newton has run along the line
     run = np.flatnonzero(trial.line & (trial.edges[:, 0] < 0) & ~lines)
     if run.size:
         trial.x[run] = trial.start[run]
-        _solve_some(pair, conditions, trial, run, np.full(run.size, RCOND), converged)
+        _solve_some(pair, conditions, trial, run, np.full(run.size, NULL_SPACE_SHARE), converged)
         _judge(pair, conditions, trial, converged)
     trial.edges[trial.line] = -1
 
@@ -317,7 +317,7 @@ def _rises(pair: Pair, conditions: Conditions, trial: Trial, touch: Touch) -> ND
     Only trials with a finite `most` are examined.
     """
     rises = np.zeros(len(trial.position), dtype=bool)
-    asked = np.flatnonzero(np.isfinite(trial.most) & (trial.edges[:, 0] >= 0) & (trial.edges[:, 0] < CORNER))
+    asked = np.flatnonzero(np.isfinite(trial.most) & (trial.edges[:, 0] >= 0) & (trial.edges[:, 0] < EDGE_CORNER))
     if not asked.size:
         return rises
     one, two = (jet[asked] for jet in touch.fixed)
@@ -413,7 +413,7 @@ def shape(pair: Pair, touch: Touch) -> tuple[NDArray[np.bool_], NDArray[np.bool_
     """Return True (M,) where the surfaces touch along a line, and True (M,) where they cross."""
     one, two = touch.fixed
     e1, e2 = tangent_basis(one)
-    ellipse = contact_ellipse(relative_curvature(one, two, e1, e2), e1, e2, pair.delta, flat=FLAT)
+    ellipse = contact_ellipse(relative_curvature(one, two, e1, e2), e1, e2, pair.delta, flat=FLAT_EIGENVALUE)
     return ellipse.line, ellipse.crossing
 
 
@@ -430,7 +430,7 @@ def _next(pair: Pair, phi1: Array, trial: Trial, contacts: Contacts, tried: set[
     if tried is not None:
         # a contact that is already ahead may be followed upwards, even beyond the advance that was expected there
         advance = np.where(trial.good, advances_of(pair, phi1, trial.x, trial.position), -np.inf)
-        ahead = trial.rises & (advance >= contacts.advance[trial.position] - EQUAL)
+        ahead = trial.rises & (advance >= contacts.advance[trial.position] - EQUAL_ADVANCE_RAD)
         trial.most = np.where(ahead, np.maximum(trial.most, advance), trial.most)
         spawned = _edges_next(pair, trial, leading | ahead, tried)
     count = len(spawned)
@@ -470,7 +470,7 @@ def _edges_next(
         # go inwards from an edge, and from a crossing along both edges; an edge may be solved for again from another place, because
         # the advance may have several maxima along it
         ways = ((-1, own),) if crossed < 0 else ((own, ALONG_EDGE - crossed), (crossed, ALONG_EDGE - own))
-        for edge, mark in ways[: 1 if crossed >= 0 and OF_CORNERS[crossed] else 2]:
+        for edge, mark in ways[: 1 if crossed >= 0 and IS_TIP_CORNER[crossed] else 2]:
             spawn(k, trial.x[k], edge, -1, mark)
     for k in np.flatnonzero(~trial.good & leading).tolist():
         first, second = edges[k]
@@ -490,7 +490,7 @@ def _edges_next(
                 others = [number for number in pair.edges if smooth[first] or not smooth[number]]
             pairs = [(first, other) for other in others if other != first]
             pairs += [corner for corner in pair.tip_corners if corner[0] == first]
-        elif OF_CORNERS[second]:
+        elif IS_TIP_CORNER[second]:
             pairs = []
         else:
             pairs = [(edge, other) for other in over if other not in (first, second) for edge in (first, second)]

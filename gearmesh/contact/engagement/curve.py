@@ -267,7 +267,7 @@ class MeshCurve:
         return advances
 
     def advance_as_known(self, phase: Array) -> Array:
-        """As `advance`, also of gears whose contact breaks off in the pitch: NaN only where none of the tooth pairs touches."""
+        """Return the `advance`, also for gears whose contact breaks off within the pitch: NaN only where no tooth pair touches."""
         first, last = (int(np.floor(end / self.pitch)) for end in self.phi1[[0, -1]])
         places = phase + np.arange(first - 1, last + 1)[:, None] * self.pitch
         inside = (places >= self.phi1[0]) & (places <= self.phi1[-1])

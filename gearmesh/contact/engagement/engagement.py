@@ -24,8 +24,8 @@ from gearmesh.contact.conditions.refinement import (
 )
 from gearmesh.contact.first_touch.field import Outlook, outlook
 from gearmesh.contact.first_touch.first_touch import first_touch, touches
-from gearmesh.contact.first_touch.search import UNSEEN
-from gearmesh.contact.pair import CORNER, NUMBERED, Pair
+from gearmesh.contact.first_touch.search import UNSEEN_LEAD_RAD
+from gearmesh.contact.pair import EDGE_CORNER, NUMBERED_EDGES, Pair
 from gearmesh.kernel.numeric.algebra import Array, dot
 
 #: nodes in a pitch
@@ -77,7 +77,7 @@ class Engagement:
         """True (K - 1,) where neighbouring nodes have one and the same contact."""
         c, h = self.contacts, np.diff(self.phi1)[:, None]
         same = c.touching[:-1] & c.touching[1:] & (c.part[:-1] == c.part[1:]) & (c.line[:-1] == c.line[1:])
-        same &= (c.edges[:-1] == c.edges[1:]).all(axis=1) & (c.edges[1:, 0] < CORNER)
+        same &= (c.edges[:-1] == c.edges[1:]).all(axis=1) & (c.edges[1:, 0] < EDGE_CORNER)
         with np.errstate(invalid="ignore"):
             apart = np.abs(c.x[1:] - c.x[:-1] - 0.5 * h * (self.rates[1:] + self.rates[:-1]))
             # two contacts of one kind, for instance where edges cross twice, differ in phi2 more than in place
@@ -112,7 +112,7 @@ class Engagement:
     @property
     def followable(self) -> NDArray[np.bool_]:
         """True (K,) where the contact can be followed beyond the node: neither a line nor a corner."""
-        at_points: NDArray[np.bool_] = ~self.contacts.line & (self.contacts.edges[:, 0] < CORNER)
+        at_points: NDArray[np.bool_] = ~self.contacts.line & (self.contacts.edges[:, 0] < EDGE_CORNER)
         return at_points
 
     def at(self, phi1: Array) -> Contacts:
@@ -183,7 +183,7 @@ class Engagement:
         rest = ~contacts.touching
         if checked and two.size:
             seen = tooth_outlook(self.pair, phi1[two]).best
-            rest[two[seen > contacts.advance[two] + UNSEEN]] = True
+            rest[two[seen > contacts.advance[two] + UNSEEN_LEAD_RAD]] = True
         anew = np.flatnonzero(rest)
         if anew.size:
             contacts.put(anew, first_touch(self.pair, phi1[anew]))
@@ -269,7 +269,7 @@ class Engagement:
         """Solve at positions (M,) from starts (M, 5) for the contacts of nodes (M,)."""
         for number, part in self.pair.parts.items():
             own = np.flatnonzero(self.contacts.touching[node] & (self.contacts.part[node] == number))
-            own = own[self.contacts.edges[node[own], 0] < CORNER]
+            own = own[self.contacts.edges[node[own], 0] < EDGE_CORNER]
             trial = Trial.of(position[own], start[own], self.contacts.edges[node[own]])
             trial.line = self.contacts.line[node[own]]
             refine_candidates(part, phi1, trial, contacts, number)
@@ -317,7 +317,7 @@ def follow(pair: Pair, phi1: Array) -> Engagement:
             engagement._refine(phi1, at[own], engagement._predict(phi1[at[own]], node[own]), node[own], contacts)
         better = np.flatnonzero((contacts.part == 0) & (contacts.advance > flanks.advance))
         flanks.put(better, contacts.at(better))
-        if not (contacts.advance > before + UNSEEN).any():
+        if not (contacts.advance > before + UNSEEN_LEAD_RAD).any():
             break
         engagement = Engagement(pair, phi1, contacts, flanks, step)
     return engagement
@@ -402,7 +402,7 @@ def tooth_outlook(pair: Pair, phi1: Array) -> Outlook:
 def rates(pair: Pair, phi1: Array, contacts: Contacts) -> Array:
     """Compute d x / d phi1 (N, 5) of contacts; NaN without contact, and on lines in all columns but phi2."""
     slopes = np.full(contacts.x.shape, np.nan)
-    known = contacts.touching & (contacts.edges[:, 0] < CORNER)
+    known = contacts.touching & (contacts.edges[:, 0] < EDGE_CORNER)
     for number, part in pair.parts.items():
         own = np.flatnonzero(known & (contacts.part == number))
         if not own.size:
@@ -425,7 +425,7 @@ def _turning(conditions: Conditions, contacts: Contacts, own: NDArray[np.intp], 
     A slope that differs from the `ratio` by rounding is the ratio.
     """
     touch, (pinion, gear) = conditions.touch(contacts.x[own], own), conditions.mounts(own)
-    of_gear = np.array([number < 0 or NUMBERED[number][0] == 0 for number in contacts.edges[own, 0]], dtype=bool)
+    of_gear = np.array([number < 0 or NUMBERED_EDGES[number][0] == 0 for number in contacts.edges[own, 0]], dtype=bool)
     one, two = touch.fixed
     n = np.where(of_gear[:, None], two.n, one.n)
     ahead, away = (dot(n, m.velocity(jet.r)) for m, jet in ((pinion, one), (gear, two)))

@@ -16,7 +16,7 @@ from gearmesh.contact.conditions.events import Events, reaches
 from gearmesh.contact.conditions.line_ends import line_ends
 from gearmesh.contact.conditions.lines import MIN_STATION_SHARE, on_edges, trace
 from gearmesh.contact.conditions.meshing import Bound, Conditions
-from gearmesh.contact.conditions.refinement import EDGE_SLACK, EQUAL, Contacts, advances_of, margins
+from gearmesh.contact.conditions.refinement import EDGE_SLACK, EQUAL_ADVANCE_RAD, Contacts, advances_of, margins
 from gearmesh.contact.engagement.engagement import Engagement
 from gearmesh.contact.first_touch.first_touch import first_touch
 from gearmesh.contact.pair import Pair, along_face, within
@@ -305,7 +305,7 @@ class _Ends:
         before = float(self.phi1[end.last]), float(self.flanks.advance[end.last])
         line = before[1] + (advance - before[1]) * (nodes - before[0]) / (phi1 - before[0])
         theirs = self.flanks.advance[end.beyond :: end.step]
-        return bool(passed.any() and (theirs[passed] < line[passed] - EQUAL).all())
+        return bool(passed.any() and (theirs[passed] < line[passed] - EQUAL_ADVANCE_RAD).all())
 
     def _on_flanks(self, event: Events) -> NDArray[np.bool_]:
         """Return True (M,) for events that are found and lie on both flanks."""

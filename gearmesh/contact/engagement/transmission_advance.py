@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from gearmesh.contact.conditions.refinement import Contacts
 from gearmesh.contact.engagement.engagement import Engagement, rates
-from gearmesh.contact.pair import CORNER
+from gearmesh.contact.pair import EDGE_CORNER
 from gearmesh.kernel.numeric.algebra import Array
 
 #: nodes of a polynomial at most
@@ -127,7 +127,9 @@ def _at_one_corner(engagement: Engagement) -> NDArray[np.bool_]:
     """
     c, steps = engagement.contacts, np.diff(engagement.phi1)
     same = (c.edges[1:] == c.edges[:-1]).all(axis=1) & (c.part[1:] == c.part[:-1]) & c.touching[1:] & c.touching[:-1]
-    at_corner: NDArray[np.bool_] = same & (c.edges[1:, 0] >= CORNER) & (steps < 1.5 * engagement.step / ROUGH_PARTS)
+    at_corner: NDArray[np.bool_] = (
+        same & (c.edges[1:, 0] >= EDGE_CORNER) & (steps < 1.5 * engagement.step / ROUGH_PARTS)
+    )
     return at_corner
 
 
@@ -199,7 +201,7 @@ def _with_passages(engagement: Engagement, ends: Sequence[float]) -> Engagement:
     phi1, c = engagement.phi1, engagement.contacts
     every = np.array([end for end in ends if phi1[0] < end < phi1[-1]])
     left = np.searchsorted(phi1, every) - 1
-    on_edge = (c.edges[:, 0] >= 0) & (c.edges[:, 0] < CORNER) & (c.edges[:, 1] < 0)
+    on_edge = (c.edges[:, 0] >= 0) & (c.edges[:, 0] < EDGE_CORNER) & (c.edges[:, 1] < 0)
     known = c.touching & (c.part == 0) & ~c.line
     passes = known[left] & known[left + 1] & (phi1[left + 1] > every)
     passes &= ((c.edges[left, 0] < 0) & on_edge[left + 1]) | (on_edge[left] & (c.edges[left + 1, 0] < 0))

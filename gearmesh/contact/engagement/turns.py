@@ -23,7 +23,7 @@ from gearmesh.contact.engagement.engagement import Engagement, whole_engagement
 from gearmesh.contact.first_touch.first_touch import first_touch
 from gearmesh.contact.fit.fit import play, reversed_pair
 from gearmesh.contact.flanks import solver_pair
-from gearmesh.contact.pair import CORNER, Pair
+from gearmesh.contact.pair import EDGE_CORNER, Pair
 from gearmesh.contact.tca import contact_path
 from gearmesh.errors import DesignError, NoSolutionError
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array, dot
@@ -232,7 +232,7 @@ class _Turns:
         turned: float,
     ) -> _Turns:
         contacts = followed.at(places.astype(float) * (gears.pitch / per_pitch))
-        own = np.flatnonzero(contacts.touching & (contacts.edges[:, 0] < CORNER))
+        own = np.flatnonzero(contacts.touching & (contacts.edges[:, 0] < EDGE_CORNER))
         places, contacts = places[own], contacts.at(own)
         phase, most = places % per_pitch, np.full(per_pitch, -np.inf)
         np.maximum.at(most, phase, contacts.advance)
@@ -318,7 +318,7 @@ class _Turns:
         for _ in range(DISPLACEMENT_ROUNDS):
             now = self._refine(self._displace(tooth, place, before), self._phi1(place), position, at)
             contacts.put(part, now)
-            on = now.touching & (now.edges[:, 0] < CORNER) & ~(np.abs(now.x[:, 4] - before) <= PHI2_TOLERANCE_RAD)
+            on = now.touching & (now.edges[:, 0] < EDGE_CORNER) & ~(np.abs(now.x[:, 4] - before) <= PHI2_TOLERANCE_RAD)
             if not on.any():
                 break
             part, tooth, place, at = part[on], tooth[on], place[on], now.at(np.flatnonzero(on))

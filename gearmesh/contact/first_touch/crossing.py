@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from gearmesh.contact.conditions.meshing import Conditions
 from gearmesh.contact.conditions.refinement import EDGE_SLACK, Trial, shape, solve
-from gearmesh.contact.first_touch.field import INTERIOR, advances
+from gearmesh.contact.first_touch.field import NO_EDGE, advances
 from gearmesh.contact.pair import Pair
 from gearmesh.kernel.numeric.algebra import Array, dot
 
@@ -27,13 +27,15 @@ def crossing(pair: Pair, phi1: Array) -> NDArray[np.bool_]:
     jet = pair.pinion.surface.jet(nodes[:, 0], nodes[:, 1])
     crossed = np.zeros(len(phi1), dtype=bool)
     with np.errstate(all="ignore"):
+        # solve for tangency from every node on both flanks
         field = advances(pair, phi1, jet.r, jet.n, np.arange(len(phi1)))
         position, k = np.nonzero(np.isfinite(field.advance) & (field.beyond <= 0.0).all(axis=0))
         on_gear = pair.gear.heights.parameters_at(field.rho[position, k], field.z[position, k])
         phi2 = pair.drive * field.advance[position, k] + pair.ratio * phi1[position]
         start = np.column_stack((nodes[k], on_gear, phi2))
-        trial = Trial.of(position, start, np.full((len(position), 2), INTERIOR))
+        trial = Trial.of(position, start, np.full((len(position), 2), NO_EDGE))
         solve(pair, phi1, trial)
+        # solutions inside both flanks whose normals face each other; the signs of the relative curvatures say which ones cross
         tangent = np.flatnonzero((trial.beyond <= EDGE_SLACK).all(axis=1) & ~trial.line)
         touch = Conditions(pair.flanks, phi1, pair.length).touch(trial.x[tangent], position[tangent])
         facing = dot(touch.fixed[0].n, touch.fixed[1].n) < 0.0

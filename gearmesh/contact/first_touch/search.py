@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 
 from gearmesh.contact.conditions.meshing import Conditions, Flank, Touch
 from gearmesh.contact.conditions.refinement import EDGE_SLACK, Contacts, Trial, advances_of, margins, refine_candidates
-from gearmesh.contact.pair import CORNER, Pair
+from gearmesh.contact.pair import EDGE_CORNER, Pair
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.surface.surface import Jet
 from gearmesh.teeth.mount import Mount
 
-#: lead (rad; 0.01 arcsec) of a sample over the solved contact from which on the search starts
-UNSEEN = 5e-8
+#: advance of a sample over the solved contact above which the search starts (0.01 arcsec)
+UNSEEN_LEAD_RAD = 5e-8
 #: steps of the search at most
 MAX_CLIMBS = 40
 #: first step, by the size of the flank
@@ -42,13 +42,13 @@ def refine_missed(
     """Find the exact contact at positions (M,) whose places x (M, 5) seem to be ahead of the solved contact."""
     conditions = Conditions(pair.flanks, phi1, pair.length)
     x, advance = circle_contacts(pair, conditions, position, x)
-    worth = np.flatnonzero(advance > contacts.advance[position] + UNSEEN)
+    worth = np.flatnonzero(advance > contacts.advance[position] + UNSEEN_LEAD_RAD)
     if not worth.size:
         return
     position = position[worth]
     x, advance = _climb(pair, conditions, position, x[worth], advance[worth])
     trial = Trial.of(position, x, np.full((len(position), 2), -1))
-    trial.edges[:, 0], trial.residual[:] = CORNER, 0.0
+    trial.edges[:, 0], trial.residual[:] = EDGE_CORNER, 0.0
     better = np.flatnonzero(advance > contacts.advance[position])
     trial.give(contacts, position[better], better, number, advance[better])
     # solve for the maximum as contact inside the flanks or on an edge
@@ -58,7 +58,7 @@ def refine_missed(
     again = Trial.of(np.tile(position, len(numbers)), np.tile(x, (len(numbers), 1)), edges)
     contacts.advance[position] -= CLIMBING_SLACK_RAD
     refine_candidates(pair, phi1, again, contacts, number)
-    kept = position[contacts.edges[position, 0] == CORNER]
+    kept = position[contacts.edges[position, 0] == EDGE_CORNER]
     contacts.advance[kept] += CLIMBING_SLACK_RAD
 
 

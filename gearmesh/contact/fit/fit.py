@@ -32,7 +32,7 @@ from gearmesh.contact.engagement.tip_passing import tip_meetings
 from gearmesh.contact.first_touch.first_touch import touches
 from gearmesh.contact.fit.clearance import Clearance, tip_clearance
 from gearmesh.contact.flanks import solver_pair
-from gearmesh.contact.pair import FILLET, HAS_FILLET, PARTS, Pair
+from gearmesh.contact.pair import FILLET_PART, HAS_FILLET, PART_PAIRS, Pair
 from gearmesh.kernel.motion.rigid import MAX_SINE_OF_PARALLEL
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.numeric.roots import bracketed_root, last_true
@@ -551,7 +551,7 @@ def _interference(engagement: Engagement, pitch: float, rounds: int, *, driving:
 
 def _fillet_of(contacts: Contacts, k: int) -> int:
     """Return the member whose fillet touches at position k: 0 pinion, 1 gear; 0 where no fillet touches."""
-    return int(PARTS[contacts.part[k]][1] == FILLET)
+    return int(PART_PAIRS[contacts.part[k]][1] == FILLET_PART)
 
 
 def _ahead(contacts: Contacts, flanks: Array) -> Array:
