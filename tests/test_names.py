@@ -19,7 +19,6 @@ TO_REWRITE = {
     "cad",
     "kernel",
     "reports",
-    "study",
     "systems",
     "systems/cylindrical",
     "systems/face_gear",

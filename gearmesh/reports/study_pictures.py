@@ -11,9 +11,9 @@ from gearmesh.kernel.numeric.algebra import ARCSEC, cross
 from gearmesh.kernel.numeric.algebra import unit as unit_vector
 from gearmesh.study.rows.path_figures import carries
 from gearmesh.study.rows.patterns import AssemblyContact
-from gearmesh.study.statistics import PERCENTILES
+from gearmesh.study.statistics import REPORTED_PERCENTILES
 from gearmesh.study.study import Study
-from gearmesh.study.variance import HALF
+from gearmesh.study.variance import MIN_FIRST_ORDER_SUM
 from gearmesh.view.diagrams.flank_plane import FlankPlane
 from gearmesh.view.diagrams.pattern_matrix import PatternCell, pattern_cell, plot_matrix
 from gearmesh.view.diagrams.study_plots import (
@@ -55,7 +55,7 @@ def study_pictures(study: Study, folder: Path) -> list[Path]:
         plot_tornado(file("tornado"), sensitivity_bars(study), f"{name}: sensitivities")
     if figures and len(study.plan) >= MANY:
         good = "" if study.good is None else f", yield {100.0 * study.good:.4g} %"
-        plot_histograms(file("histograms"), figures, PERCENTILES, f"{name}: {len(study.plan)} rows{good}")
+        plot_histograms(file("histograms"), figures, REPORTED_PERCENTILES, f"{name}: {len(study.plan)} rows{good}")
     if 1 <= len(study.plan.shape) <= 2 and max(study.plan.shape) <= CELLS:
         _matrix(study, file("patterns"), name)
     return made
@@ -83,7 +83,7 @@ def sensitivity_bars(study: Study) -> list[SwingBars | ShareBars]:
                 if share.figure == name
             ]
             alone = sum(first for _, first, *_ in shares)
-            hidden = shares and np.isnan(shares[0][3]) and alone < HALF
+            hidden = shares and np.isnan(shares[0][3]) and alone < MIN_FIRST_ORDER_SUM
             remark = f"first order {100.0 * max(alone, 0.0):.0f} %: most of it are interactions" if hidden else ""
             bars.append(ShareBars(name, own[0].explained, shares, remark))
     return bars

@@ -1,4 +1,4 @@
-"""How large errors may be before a criterion fails, one key at a time."""
+"""Largest errors with which all criteria hold, searched one key at a time."""
 
 from __future__ import annotations
 
@@ -17,17 +17,19 @@ from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, Summary, figure
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.study.plan import KeyReader
-from gearmesh.study.rows.largest import STEPS, largest
+from gearmesh.study.rows.largest import SEARCH_STEPS, largest
 from gearmesh.study.rows.work import StudyWork, displacing_keys, own_keys
 from gearmesh.study.statistics import Limit, limit_of
 from gearmesh.study.study import work_and_nominal
 from gearmesh.systems.designs import parse
 from gearmesh.systems.system import complete_design
 
-#: how far is looked, in the unit of a key, where nobody says
-REACH = "1"
-#: values of a key that are solved, about: steps each way, then places between two; and the part of the work that they are at most
-ROWS, MOST = 2 * STEPS + 12, 0.97
+#: distance that is searched each way from the design's own value, as a text in the unit of the key
+DEFAULT_REACH = "1"
+#: estimate of the solved values of a key, for the progress: the steps each way and the roots between two steps
+ESTIMATED_ROWS_PER_KEY = 2 * SEARCH_STEPS + 12
+#: largest progress that is reported before a key is finished
+MAX_UNFINISHED_PROGRESS = 0.97
 
 
 @dataclass(frozen=True)
@@ -52,8 +54,11 @@ class KeyRange(Figures):
 
 @dataclass(frozen=True, repr=False)
 class LargestErrors(Result):
-    """For each key and way (+1, -1) the largest value, in the design's units, with which all criteria hold, what fails beyond it,
-    and the figure of that there; None for what fails where nothing does as far as was looked."""
+    """Largest value of each key in each direction (+1, -1) with which all criteria hold, in the design's units.
+
+    A row names the criterion that fails beyond the value, and its figure there. Both are None if all criteria hold in
+    the range that is searched.
+    """
 
     design: Design
     criteria: tuple[Limit, ...]
@@ -65,7 +70,7 @@ class LargestErrors(Result):
 
     @property
     def ranges(self) -> list[KeyRange]:
-        """The values between which all criteria hold, one per key."""
+        """Values between which all criteria hold, one range per key."""
         low = {row.key: row.value for row in self.rows if row.way < 0}
         return [KeyRange(row.key, low[row.key], row.value) for row in self.rows if row.way > 0]
 
@@ -109,46 +114,49 @@ def largest_errors(
     pair: int | str = 0,
     progress: Callable[[float, str], None] | None = None,
 ) -> LargestErrors:
-    """As `Gears.largest_errors`."""
-    reaches = dict(keys) if isinstance(keys, Mapping) else dict.fromkeys(keys, REACH)
+    """Return the largest errors; arguments as for `Gears.largest_errors`."""
+    reaches = dict(keys) if isinstance(keys, Mapping) else dict.fromkeys(keys, DEFAULT_REACH)
     if not criteria:
         raise ArgumentError("criteria", [], must_be="one limit at least, as contact_ratio>1")
-    named = tuple(limit_of(text, None) for text in criteria)
+    limits = tuple(limit_of(text, None) for text in criteria)
     if torque is not None:
         required_torques(torque)
-    far = {key: _reach(design, key, reach) for key, reach in reaches.items()}
-    looked = {key: _ends(complete_design(design), key, far[key]) for key in far}
-    work, nominal = work_and_nominal(design, (), pair, tuple(dict.fromkeys(limit.figure for limit in named)), torque)
-    for limit in named:
-        own = _number(nominal[limit.figure])
-        if not limit.holds(np.array([own]))[0]:
+    distances = {key: _reach(design, key, reach) for key, reach in reaches.items()}
+    searched = {key: _ends(complete_design(design), key, distances[key]) for key in distances}
+    work, nominal = work_and_nominal(design, (), pair, tuple(dict.fromkeys(limit.figure for limit in limits)), torque)
+    for limit in limits:
+        value = _number(nominal[limit.figure])
+        if not limit.holds(np.array([value]))[0]:
             raise ArgumentError(
                 "limit",
                 entry=limit.text,
-                reason=f"the design itself does not meet it: {f'{own:.6g}' if np.isfinite(own) else 'the figure is missing'}",
+                reason=f"the design itself does not meet it: {f'{value:.6g}' if np.isfinite(value) else 'the figure is missing'}",
             )
     rows = []
-    for number, (key, (start, ends)) in enumerate(looked.items()):
+    for number, (key, (start, ends)) in enumerate(searched.items()):
 
         def after(count: int, number: int = number, key: str = key) -> None:
             if progress is not None:
-                progress((number + min(count / ROWS, MOST)) / len(looked), f"limits of {key}")
+                progress(
+                    (number + min(count / ESTIMATED_ROWS_PER_KEY, MAX_UNFINISHED_PROGRESS)) / len(searched),
+                    f"limits of {key}",
+                )
 
         after(0)
-        rows += _of_key(replace(work, keys=(key,)), nominal, named, start, ends, after)
-    return LargestErrors(design, named, rows)
+        rows += _of_key(replace(work, keys=(key,)), nominal, limits, start, ends, after)
+    return LargestErrors(design, limits, rows)
 
 
 def _reach(design: Design, key: str, reach: str | float) -> float:
-    """How far from its own value a key is looked at. Raises DesignError for what is no distance."""
-    far = KeyReader(design).number(key, reach)
-    if not far > 0.0:
+    """Return the distance that is searched from the key's own value. Raises ArgumentError if it is not above 0."""
+    distance = KeyReader(design).number(key, reach)
+    if not distance > 0.0:
         raise ArgumentError("find_limits", reach, entry=key, must_be="above 0, the distance to search")
-    return far
+    return distance
 
 
 def _ends(design: Design, key: str, far: float) -> tuple[float, Array]:
-    """The design's own value of a key, and how far down and up (2,) is looked."""
+    """Return the design's own value of a key, and the ends (2,) of the search below and above it."""
     start = dict(_all_keys(design.resolve())).get(key)
     if not isinstance(start, float):
         raise ArgumentError("find_limits", entry=key, must_be="a key of real numbers that has a value in the design")
@@ -167,11 +175,13 @@ def _of_key(
     ends: Array,
     after: Callable[[int], None],
 ) -> list[LargestFigures]:
-    """The figures of a key; `after` is called with how many values of it are solved."""
+    """Return the figures of a key; `after` is called with the number of its values solved so far."""
     known: dict[float, list[float]] = {}
 
     def rooms(values: Array) -> Array:
-        """Of every criterion (C, N), as a part of what the design itself has."""
+        """Return the distances (C, N) of all criteria from their limits, relative to the distances of the design
+        itself.
+        """
         new = [value for value in dict.fromkeys(values.tolist()) if value not in known]
         for value, row in zip(new, work([(value,) for value in new]), strict=True):
             known[value] = [_number(value) for value in row[:-1]]
@@ -188,17 +198,19 @@ def _of_key(
     bounds = largest(lambda values: rooms(values).min(axis=0), start, ends)
     rows = []
     for way, value, beyond in zip((-1, 1), bounds.values.tolist(), bounds.beyond.tolist(), strict=True):
-        fails, there = None, None
+        fails, failing_figure = None, None
         if np.isfinite(beyond):
             room = rooms(np.array([beyond]))[:, 0]
-            which = criteria[int(np.where(room > 0.0, np.inf, np.where(np.isnan(room), -np.inf, room)).argmin())]
-            fails, there = which.text, known[beyond][work.names.index(which.figure)]
-        rows.append(LargestFigures(work.keys[0], way, value, fails, there))
+            failing_criterion = criteria[
+                int(np.where(room > 0.0, np.inf, np.where(np.isnan(room), -np.inf, room)).argmin())
+            ]
+            fails, failing_figure = failing_criterion.text, known[beyond][work.names.index(failing_criterion.figure)]
+        rows.append(LargestFigures(work.keys[0], way, value, fails, failing_figure))
     return rows
 
 
 def _all_keys(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Every key of nested tables with its value, dotted."""
+    """Yield every key of nested tables, dotted, with its value."""
     for name, value in table.items():
         if isinstance(value, Mapping):
             yield from _all_keys(value, f"{prefix}{name}.")

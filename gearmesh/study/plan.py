@@ -1,8 +1,9 @@
-"""What a study varies: a grid over lists of values, or samples of ranges and tolerances, as rows in a fixed order.
+"""Plans: the values that a study varies, as a grid over lists or as samples of ranges and tolerances, in a fixed order.
 
-Rows of a grid are counted like digits: the last key that is varied changes fastest. Samples are N points of the unit cube - at
-random, as a Latin hypercube or as a Sobol sequence - put through the distribution of every key, so that seed and number of
-rows decide them. A Saltelli sample of N points and K keys has N (K + 2) rows: A, B, and for every key A with its column of B.
+Rows of a grid are counted like digits: the last varied key changes fastest. A sample has N points of the unit cube, at
+random, as a Latin hypercube or as a Sobol sequence. The distribution of each key maps the points to values, so that the
+seed and the number of rows determine them. A Saltelli sample of N points and K keys has N (K + 2) rows: A, B, and for
+every key the points A with the key's column of B.
 """
 
 from __future__ import annotations
@@ -21,29 +22,33 @@ from gearmesh.errors import ArgumentError, DesignError, nearest
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.lengths import LENGTH_EXAMPLES, length
 from gearmesh.numerals import parse_number, parse_whole_number
-from gearmesh.study.spreads import WHOLE, Spread
+from gearmesh.study.spreads import WHOLE_NUMBERS, Spread
 
-METHODS = ("lhs", "sobol", "random", "saltelli")
-#: numbers beyond which no key has any
-MOST_NUMBER = 1e300
-#: most rows of a plan
-MOST = 50_000_000
+#: methods of sampling
+SAMPLE_METHODS = ("lhs", "sobol", "random", "saltelli")
+#: limit of the size of a number in a plan
+MAX_NUMBER_SIZE = 1e300
+#: limit of the rows of a plan
+MAX_PLAN_ROWS = 50_000_000
 #: significant digits of the values between the ends of a range, so that a third of 0.3 is 0.1
-DIGITS = 12
-#: shares of a sample that are as good as 0 and 1
-TINY = 1e-12
+RANGE_DIGITS = 12
+#: distance of a sample's share from 0 and 1, at which the values of a normal distribution would be infinite
+MIN_SHARE = 1e-12
 
 Value = float | int | str | bool
 
 
 @dataclass(frozen=True)
 class Plan:
-    """`columns` (N,) of values by dotted key, in the design's units; `shape`: of a grid the number of values of every key, else ();
-    `points`: of a Saltelli sample those of A, else 0; `about`: how it was made."""
+    """Rows of a study, in a fixed order."""
 
+    #: values (N,) by dotted key, in the design's units
     columns: dict[str, list[Value]]
+    #: number of values of each key of a grid; () for samples
     shape: tuple[int, ...] = ()
+    #: number of points A of a Saltelli sample; 0 for other plans
     points: int = 0
+    #: description of the plan, as the summary of the study shows it
     about: Mapping[str, Any] = field(default_factory=dict)
 
     def __len__(self) -> int:
@@ -54,7 +59,7 @@ class Plan:
         return tuple(self.columns)
 
     def rows(self, start: int, stop: int) -> list[tuple[Value, ...]]:
-        """Values of some rows, in the order of the keys.
+        """Return the values of some rows, in the order of the keys.
 
         Parameters
         ----------
@@ -77,13 +82,13 @@ class Plan:
 
     @property
     def digest(self) -> str:
-        """A fingerprint of all rows."""
+        """Fingerprint of all rows."""
         text = json.dumps([list(self.keys), list(self.columns.values())], sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()
 
 
 def grid(lists: Mapping[str, Sequence[Value]]) -> Plan:
-    """All combinations of lists of values."""
+    """Return all combinations of lists of values."""
     for key, values in lists.items():
         if not len(values):
             raise ArgumentError("vary", entry=key, reason="no values", must_be="one value at least")
@@ -98,9 +103,12 @@ def grid(lists: Mapping[str, Sequence[Value]]) -> Plan:
 
 
 def sample_plan(spreads: Mapping[str, Spread], count: int, method: str = "lhs", seed: int = 0) -> Plan:
-    """`count` samples of spreads, of a Saltelli sample so many points. Raises DesignError for another method than METHODS."""
-    if method not in METHODS:
-        raise ArgumentError("method", method, must_be=f"one of {', '.join(METHODS)}")
+    """Return `count` samples of spreads, or a Saltelli sample of `count` points.
+
+    Raises ArgumentError if the method is not one of SAMPLE_METHODS.
+    """
+    if method not in SAMPLE_METHODS:
+        raise ArgumentError("method", method, must_be=f"one of {', '.join(SAMPLE_METHODS)}")
     if count < 1:
         raise ArgumentError("sample", count, must_be="a whole number above 0")
     if seed < 0:
@@ -111,9 +119,9 @@ def sample_plan(spreads: Mapping[str, Spread], count: int, method: str = "lhs", 
         )
     points = count if method == "saltelli" else 0
     _refuse_size("sample", count * (len(spreads) + 2) if points else count)
-    shares = np.clip(_shares(len(spreads), count, method, seed), TINY, 1.0 - TINY)
+    shares = np.clip(_shares(len(spreads), count, method, seed), MIN_SHARE, 1.0 - MIN_SHARE)
     columns: dict[str, list[Value]] = {
-        key: list(map(int if spread.distribution == WHOLE else float, spread.at(shares[:, k])))
+        key: list(map(int if spread.distribution == WHOLE_NUMBERS else float, spread.at(shares[:, k])))
         for k, (key, spread) in enumerate(spreads.items())
     }
     about = {key: [spread.distribution, *spread.parameters] for key, spread in spreads.items()}
@@ -121,7 +129,7 @@ def sample_plan(spreads: Mapping[str, Spread], count: int, method: str = "lhs", 
 
 
 def _shares(keys: int, count: int, method: str, seed: int) -> Array:
-    """Points (count, keys) of the unit cube; of a Saltelli sample (count (keys + 2), keys)."""
+    """Return points (count, keys) of the unit cube; (count (keys + 2), keys) for a Saltelli sample."""
     rng = np.random.default_rng(seed)
     if method == "random":
         return rng.random((count, keys))
@@ -141,19 +149,21 @@ def _shares(keys: int, count: int, method: str, seed: int) -> Array:
 
 
 def _latin_hypercube(keys: int, count: int, rng: np.random.Generator) -> Array:
-    """Points (count, keys) of the unit cube, one in every layer of every key: to the bit those of scipy.stats.qmc.LatinHypercube,
-    which takes half a second to load."""
-    own = rng.spawn(1)[0]
-    inside = own.uniform(size=(count, keys))
+    """Return points (count, keys) of the unit cube, one in each layer of each key.
+
+    The points equal those of scipy.stats.qmc.LatinHypercube to the last bit; that class takes half a second to load.
+    """
+    generator = rng.spawn(1)[0]
+    place_in_layer = generator.uniform(size=(count, keys))
     layers = np.tile(np.arange(1, count + 1), (keys, 1))
-    for of_key in layers:
-        own.shuffle(of_key)
-    return np.asarray((layers.T - inside) / count)
+    for key_layers in layers:
+        generator.shuffle(key_layers)
+    return np.asarray((layers.T - place_in_layer) / count)
 
 
 def _refuse_size(option: str, count: int) -> None:
-    if count > MOST:
-        raise ArgumentError(option, reason=f"{count} rows", allowed=f"up to {MOST}")
+    if count > MAX_PLAN_ROWS:
+        raise ArgumentError(option, reason=f"{count} rows", allowed=f"up to {MAX_PLAN_ROWS}")
 
 
 # ---------------------------------------------------------------- texts
@@ -161,12 +171,12 @@ def _refuse_size(option: str, count: int) -> None:
 
 @dataclass(frozen=True)
 class KeyReader:
-    """Reads values of the keys of a design; lengths may have units."""
+    """Reader of values of the keys of a design; lengths may have units."""
 
     design: Design
 
     def number(self, key: str, value: Any) -> float:
-        """A number in the key's unit. Raises DesignError naming key, value and what is allowed."""
+        """Return a number in the key's unit. Raises DesignError naming key, value and what is allowed."""
         unit = self._unit(key)
         if isinstance(value, str):
             known = parse_number(value)
@@ -175,7 +185,7 @@ class KeyReader:
             parsed = np.nan if known is None else known
         else:
             # whole numbers beyond those of floats are none either
-            number = isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < MOST_NUMBER
+            number = isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < MAX_NUMBER_SIZE
             parsed = float(value) if number else np.nan
         if unit in ("choice", "text", "file", "flag") or not np.isfinite(parsed):
             more = f", or a length with its unit, as {LENGTH_EXAMPLES}" if unit == "length" else ""
@@ -183,11 +193,11 @@ class KeyReader:
         return parsed
 
     def ends(self, key: str, low: str, high: str) -> tuple[float, float]:
-        """Both ends of a range; the one without a unit has that of the other."""
+        """Return both ends of a range; an end without a unit has the unit of the other end."""
         return self.number(key, low), self.number(key, high)
 
     def value(self, key: str, text: Any) -> Value:
-        """One value of a list, as the key takes it."""
+        """Return one value of a list in the type of the key."""
         unit = self._unit(key)
         if unit == "flag":
             if text not in ("true", "false", True, False):
@@ -198,7 +208,7 @@ class KeyReader:
         return self._whole_number(key, self.number(key, text))
 
     def values(self, key: str, text: str) -> list[Value]:
-        """The values of "low:high:count" or "a,b,c"."""
+        """Return the values of "low:high:count" or "a,b,c"."""
         low, *rest = text.split(":")
         if not rest:
             return [self.value(key, part.strip()) for part in text.split(",")]
@@ -210,10 +220,10 @@ class KeyReader:
         first, last = self.ends(key, low, rest[0])
         _refuse_size("vary", count)
         steps = np.linspace(first, last, count)
-        return [self._whole_number(key, float(f"{value:.{DIGITS}g}") + 0.0) for value in steps.tolist()]
+        return [self._whole_number(key, float(f"{value:.{RANGE_DIGITS}g}") + 0.0) for value in steps.tolist()]
 
     def range(self, key: str, text: str) -> Spread:
-        """The even spread of "low:high", of which samples are taken."""
+        """Return the uniform spread of "low:high", from which samples are drawn."""
         low, _, high = text.partition(":")
         ends = self.ends(key, low, high.partition(":")[0])
         if not ends[0] < ends[1]:
@@ -245,7 +255,7 @@ class KeyReader:
 
 
 def key_and_value(option: str, text: str) -> tuple[str, str]:
-    """Key and the rest of "key=...". Raises DesignError for another text."""
+    """Return the key and the rest of "key=...". Raises DesignError for another text."""
     key, equals, rest = text.partition("=")
     if not equals or not key.strip() or not rest.strip():
         raise ArgumentError(option, entry=value_text(text), reason="must look like dotted.key=...")

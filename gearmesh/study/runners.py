@@ -1,6 +1,6 @@
-"""Who works: this process, processes of this machine, or a Dask cluster. All hand back the same rows, chunk by chunk.
+"""Runners of chunks: this process, processes of this machine, or a Dask cluster. All return the same rows.
 
-Which rows are a chunk is the plan's to say, not the workers', so that numbers do not depend on how many there are.
+The plan divides rows into chunks, not the workers. Results therefore do not depend on the number of workers.
 """
 
 from __future__ import annotations
@@ -19,27 +19,27 @@ Work = Callable[[list[Any]], T]
 #: the number of a chunk, and its rows
 Chunk = tuple[int, list[Any]]
 
-#: chunks that wait beside those in work, for each worker: so many that none is idle, so few that 10^5 do not fill memory
-AHEAD = 3
-#: how often a chunk whose worker died is given to another
-RETRIES = 3
-#: files of TLS settings, and their names in Dask
-TLS = {"ca_file": "tls_ca_file", "client_cert": "tls_client_cert", "client_key": "tls_client_key"}
-#: seconds to wait for a scheduler
-PATIENCE = 10
+#: chunks that wait for each worker: enough to keep it busy, few enough that 10^5 chunks do not fill the memory
+WAITING_CHUNKS_PER_WORKER = 3
+#: limit of the times that a chunk is given to another worker after its worker died
+MAX_CHUNK_RETRIES = 3
+#: names of TLS_OPTIONS files in options of this program, with their names in Dask
+TLS_OPTIONS = {"ca_file": "tls_ca_file", "client_cert": "tls_client_cert", "client_key": "tls_client_key"}
+#: time to wait for a scheduler, s
+SCHEDULER_TIMEOUT_S = 10
 
 
 def in_process(work: Work[T], chunks: Iterable[Chunk]) -> Iterator[tuple[int, T]]:
-    """Chunks one after the other."""
+    """Yield the results of chunks, one after the other, in this process."""
     for number, rows in chunks:
         yield number, work(rows)
 
 
 def on_processes(work: Work[T], chunks: Iterable[Chunk], workers: int) -> Iterator[tuple[int, T]]:
-    """Chunks on so many processes of this machine, as they are finished; they end with this one, however that ends, and at once
-    where nobody waits for them any more.
+    """Yield the results of chunks from `workers` processes of this machine, in the order in which they finish.
 
-    Raises OutputError where one of them dies: what it had in work is not done.
+    The processes end with this process, however it ends. They end at once if the caller stops to read results. Raises
+    OutputError if a process dies; its chunks are then not done.
     """
     from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
     from concurrent.futures.process import BrokenProcessPool
@@ -47,12 +47,12 @@ def on_processes(work: Work[T], chunks: Iterable[Chunk], workers: int) -> Iterat
 
     waiting: dict[Future[T], int] = {}
     left = iter(chunks)
-    spawned, others = get_context("spawn"), active_children()
+    spawned, earlier_processes = get_context("spawn"), active_children()
     with _one_thread_each(), ProcessPoolExecutor(workers, mp_context=spawned, initializer=_end_with_parent) as pool:
         try:
             while True:
                 with _deaf_to_stops():
-                    for number, rows in _some(left, workers * AHEAD - len(waiting)):
+                    for number, rows in _some(left, workers * WAITING_CHUNKS_PER_WORKER - len(waiting)):
                         waiting[pool.submit(work, rows)] = number
                 if not waiting:
                     return
@@ -64,9 +64,9 @@ def on_processes(work: Work[T], chunks: Iterable[Chunk], workers: int) -> Iterat
                 reason="a worker process died (out of memory?); run the same command again to continue"
             ) from None
         except BaseException:
-            # what they have in work is lost as well if it is waited for
+            # the chunks in work are lost in any case: waiting for them would only cost time
             for process in active_children():
-                if process not in others:
+                if process not in earlier_processes:
                     process.terminate()
             raise
         finally:
@@ -75,9 +75,9 @@ def on_processes(work: Work[T], chunks: Iterable[Chunk], workers: int) -> Iterat
 
 @contextmanager
 def _deaf_to_stops() -> Iterator[None]:
-    """Processes that start meanwhile never hear of Ctrl-C, which a terminal sends to all: this one ends them.
+    """Let processes that start in this context ignore Ctrl-C, which a terminal sends to all; this process ends them.
 
-    They would answer with a traceback each while they load, and with nothing while they compute in C.
+    Otherwise each would print a traceback while it loads, and would not react while it computes in C.
     """
     import signal
     from multiprocessing import resource_tracker
@@ -85,20 +85,20 @@ def _deaf_to_stops() -> Iterator[None]:
     if not hasattr(signal, "pthread_sigmask"):  # Windows
         yield
         return
-    # that of multiprocessing itself lets signals through again once it has started
+    # the process of multiprocessing itself lets signals through again once it has started
     resource_tracker.ensure_running()
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    blocked_before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        signal.pthread_sigmask(signal.SIG_SETMASK, blocked_before)
 
 
 def _end_with_parent() -> None:
-    """In a process that another one began: end when that has ended, also by a signal that nobody can catch.
+    """End a child process when its parent has ended, even by a signal that cannot be caught.
 
-    The sentinel is the end of a pipe, on Windows a handle, that the system closes then. A worker that waits for rows would not
-    notice: the pipe that it waits at is held open by its siblings, as theirs is by it.
+    The sentinel of the parent is the end of a pipe (a handle on Windows) that the system closes when the parent ends. A
+    worker that waits for rows would not notice: its siblings hold the other end of its pipe open.
     """
     from multiprocessing import connection, parent_process
     from threading import Thread
@@ -115,9 +115,9 @@ def _end_with_parent() -> None:
 
 @dataclass(frozen=True)
 class Scheduler:
-    """The address of a Dask scheduler, and the files of its TLS settings by their names in TLS.
+    """Address of a Dask scheduler, with its TLS_OPTIONS files by their names in TLS_OPTIONS.
 
-    Without files those count that the configuration of Dask has (distributed.comm.tls).
+    Without files, the configuration of Dask (distributed.comm.tls) applies.
     """
 
     address: str
@@ -126,10 +126,10 @@ class Scheduler:
     def __post_init__(self) -> None:
         if self.tls is None:
             return
-        wrong = {*self.tls} ^ {*TLS}
+        wrong = {*self.tls} ^ {*TLS_OPTIONS}
         if wrong:
             raise ArgumentError(
-                "tls", entry=min(wrong), reason="missing or unknown", must_be=f"all of {', '.join(TLS)}"
+                "tls", entry=min(wrong), reason="missing or unknown", must_be=f"all of {', '.join(TLS_OPTIONS)}"
             )
         if not self.address.startswith("tls://"):
             raise ArgumentError("scheduler", self.address, must_be="an address that begins with tls://, to go with tls")
@@ -138,22 +138,23 @@ class Scheduler:
                 raise ArgumentError("tls", file, entry=name, reason="there is no such file")
 
     def security(self, distributed: Any) -> Any:
-        """The settings as Dask takes them, None for those of its configuration."""
+        """Return the settings for Dask; None if its configuration applies."""
         if self.tls is None:
             return None
-        files = {TLS[name]: os.fspath(file) for name, file in self.tls.items()}
+        files = {TLS_OPTIONS[name]: os.fspath(file) for name, file in self.tls.items()}
         return distributed.Security(require_encryption=True, **files)
 
 
 def on_dask(work: Work[T], chunks: Iterable[Chunk], scheduler: Scheduler) -> Iterator[tuple[int, T]]:
-    """Chunks on the workers of a Dask scheduler, as they are finished; those of a worker that dies go to another.
+    """Yield the results of chunks from a Dask scheduler, in the order in which they finish.
 
-    Raises OutputError where Dask is not installed, no scheduler answers, or a chunk has killed several workers.
+    Chunks of a worker that dies go to another worker. Raises OutputError if Dask is not installed, no scheduler
+    answers, or a chunk has killed several workers.
     """
     distributed, address = require_dask(), scheduler.address
     try:
         security = scheduler.security(distributed)
-        client = distributed.Client(address, timeout=PATIENCE, set_as_default=False, security=security)
+        client = distributed.Client(address, timeout=SCHEDULER_TIMEOUT_S, set_as_default=False, security=security)
     except (OSError, ValueError, TimeoutError, TypeError, RuntimeError) as error:
         raise OutputArgumentError(
             "scheduler", address, reason=f"no Dask scheduler answers there ({_words(error)})"
@@ -164,10 +165,10 @@ def on_dask(work: Work[T], chunks: Iterable[Chunk], scheduler: Scheduler) -> Ite
         finished = distributed.as_completed(loop=client.loop)
 
         def more() -> None:
-            room = max(sum(client.nthreads().values()), 1) * AHEAD - len(numbers)
+            room = max(sum(client.nthreads().values()), 1) * WAITING_CHUNKS_PER_WORKER - len(numbers)
             for number, rows in _some(left, room):
-                # the work is small and goes with every chunk: data that one worker holds would be lost with it
-                future = client.submit(_apply, work, rows, pure=False, retries=RETRIES)
+                # the work is small and is sent with each chunk: data held by one worker would be lost with it
+                future = client.submit(_apply, work, rows, pure=False, retries=MAX_CHUNK_RETRIES)
                 numbers[future.key] = number
                 finished.add(future)
 
@@ -194,7 +195,7 @@ def _apply(work: Work[T], rows: list[Any]) -> T:
 
 
 def require_dask() -> Any:
-    """The module `distributed`. Raises OutputError naming what to install."""
+    """Return the module `distributed`. Raises OutputError naming what to install."""
     try:
         import distributed
     except ImportError:
@@ -216,7 +217,7 @@ def _words(error: BaseException) -> str:
 
 @contextmanager
 def _one_thread_each() -> Iterator[None]:
-    """Processes that start meanwhile do linear algebra on one thread: there is one of them for every core."""
+    """Let processes that start in this context do linear algebra on one thread: each core has one process."""
     names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
     before = {name: os.environ.get(name) for name in names}
     os.environ.update(dict.fromkeys(names, "1"))

@@ -1,4 +1,6 @@
-"""How a key of a design is spread: distributions of tolerances, from texts as "normal:0:20um" and from TOML files."""
+"""Spreads of keys of a design: distributions of tolerances, read from texts such as "normal:0:20um" and from TOML
+files.
+"""
 
 from __future__ import annotations
 
@@ -14,17 +16,17 @@ from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.files.reading import BYTES_PER_MIB, read_toml
 from gearmesh.kernel.numeric.algebra import Array
 
-#: largest file of tolerances, bytes
-LARGEST = BYTES_PER_MIB
-#: distribution -> what it is given by, in the order of a text
-PARAMETERS = {
+#: limit of the size of a file of tolerances, bytes
+MAX_FILE_BYTES = BYTES_PER_MIB
+#: parameters of each distribution, in the order of a text
+DISTRIBUTION_PARAMETERS = {
     "normal": ("mean", "sigma"),
     "uniform": ("low", "high"),
     "triangular": ("low", "mode", "high"),
     "truncated": ("mean", "sigma", "low", "high"),
 }
-#: whole numbers from low up to, but not, high: of seeds, which nobody gives by hand
-WHOLE = "whole"
+#: distribution of whole numbers from low to high - 1; only seeds and classes have it, no text names it
+WHOLE_NUMBERS = "whole"
 
 #: a number that a text or a file gives, in the unit of its key; raises DesignError
 Reader = Callable[[str, Any], float]
@@ -32,21 +34,24 @@ Reader = Callable[[str, Any], float]
 
 @dataclass(frozen=True)
 class Spread:
-    """A distribution and its parameters, in the unit of the key: a "truncated" one is normal between two limits; a WHOLE one is of
-    whole numbers from the first up to, but not, the second."""
+    """Distribution of a key and its parameters, in the unit of the key.
+
+    "truncated" is normal between two limits. WHOLE_NUMBERS has whole numbers from the first parameter up to, but
+    without, the second.
+    """
 
     distribution: str
     parameters: tuple[float, ...]
 
     def at(self, share: Array) -> Array:
-        """The values (N,) below which shares (N,), 0 to 1, of all are."""
-        if self.distribution == WHOLE:
+        """Return the values (N,) at cumulative probabilities `share` (N,), 0 to 1."""
+        if self.distribution == WHOLE_NUMBERS:
             low, high = self.parameters
             return np.floor(low + share * (high - low))
-        p = dict(zip(PARAMETERS[self.distribution], self.parameters, strict=True))
+        p = dict(zip(DISTRIBUTION_PARAMETERS[self.distribution], self.parameters, strict=True))
         values: Array
         if self.distribution == "normal":
-            # all of scipy.stats takes seven times as long to load as what is needed of it
+            # scipy.stats as a whole takes seven times as long to load as this function
             from scipy.special import ndtri
 
             values = ndtri(share) * p["sigma"] + p["mean"]
@@ -66,11 +71,13 @@ class Spread:
 
 
 def spread_of(key: str, words: list[Any], read: Reader) -> Spread:
-    """The spread of a key by its distribution and parameters. Raises DesignError naming the key and what is allowed."""
+    """Return the spread of a key from its distribution and parameters. Raises ArgumentError naming the key and what is
+    allowed.
+    """
     name, *values = words
-    names = PARAMETERS.get(name) if isinstance(name, str) else None
+    names = DISTRIBUTION_PARAMETERS.get(name) if isinstance(name, str) else None
     if names is None or len(values) != len(names):
-        forms = ", ".join(":".join((form, *parts)) for form, parts in PARAMETERS.items())
+        forms = ", ".join(":".join((form, *parts)) for form, parts in DISTRIBUTION_PARAMETERS.items())
         raise ArgumentError("tolerance", ":".join(map(str, words)), entry=key, must_be=f"one of {forms}")
     parameters = dict(zip(names, (read(key, value) for value in values), strict=True))
     _refuse_disorder(key, name, parameters)
@@ -91,12 +98,12 @@ def _refuse_disorder(key: str, name: str, parameters: Mapping[str, float]) -> No
 
 
 def read_spreads(path: str, read: Reader) -> dict[str, Spread]:
-    """The spreads of a TOML file: key = { distribution = "normal", mean = 0, sigma = "20um" }; a mean left out is 0.
+    """Return the spreads of a TOML file with lines as key = { distribution = "normal", mean = 0, sigma = "20um" }.
 
-    Raises DesignError naming file or key, and what is allowed.
+    The default of `mean` is 0. Raises ArgumentError naming file or key, and what is allowed.
     """
     try:
-        tables = read_toml(path, LARGEST, "file of tolerances")
+        tables = read_toml(path, MAX_FILE_BYTES, "file of tolerances")
     except DesignError as failure:
         raise ArgumentError("tolerance", entry=failure.key, reason=failure.reason) from None
     return {key: _of_table(key, table, read) for key, table in _tables(tables, "")}
@@ -116,11 +123,13 @@ def _tables(table: Mapping[str, Any], prefix: str) -> list[tuple[str, Mapping[st
 
 def _of_table(key: str, table: Mapping[str, Any], read: Reader) -> Spread:
     name, told = table["distribution"], shown_key(key.split("."))
-    if not isinstance(name, str) or name not in PARAMETERS:
+    if not isinstance(name, str) or name not in DISTRIBUTION_PARAMETERS:
         raise ArgumentError(
-            "tolerance", entry=told, reason=f"distribution = {value_text(name)}: must be one of {', '.join(PARAMETERS)}"
+            "tolerance",
+            entry=told,
+            reason=f"distribution = {value_text(name)}: must be one of {', '.join(DISTRIBUTION_PARAMETERS)}",
         )
-    wanted = PARAMETERS[name]
+    wanted = DISTRIBUTION_PARAMETERS[name]
     known = {"mean": 0.0, **table} if "mean" in wanted else dict(table)
     for parameter in (*wanted, *known):
         if parameter not in known or parameter not in (*wanted, "distribution"):

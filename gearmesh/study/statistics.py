@@ -1,4 +1,4 @@
-"""What the rows of a study say together: percentiles, sensitivities, yield against limits."""
+"""Statistics of the rows of a study: percentiles, sensitivities, and yield against limits."""
 
 from __future__ import annotations
 
@@ -14,14 +14,15 @@ from gearmesh.errors import ArgumentError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.numerals import parse_number
 
-PERCENTILES = (1, 5, 50, 95, 99)
-#: R^2 from which on straight lines say which key matters most: what they leave is a tenth of the variance at most
-LINEAR = 0.9
+#: percentiles of each figure that the summary reports
+REPORTED_PERCENTILES = (1, 5, 50, 95, 99)
+#: smallest R^2 at which slopes rank the keys: the rest of the variance is at most a tenth
+MIN_LINEAR_R2 = 0.9
 
 
 @dataclass(frozen=True)
 class Limit:
-    """A figure that has to be below (sense -1) or above (+1) a value."""
+    """Limit of a figure, which has to be below (sense -1) or above (+1) a value."""
 
     figure: str
     sense: int
@@ -32,7 +33,7 @@ class Limit:
         return f"{self.figure} {'<' if self.sense < 0 else '>'} {self.value:g}"
 
     def room(self, values: Array) -> Array:
-        """How far values of the figure are on the right side of the limit.
+        """Return the distances of values of the figure from the limit.
 
         Parameters
         ----------
@@ -52,7 +53,7 @@ class Limit:
         return self.sense * (values - self.value)
 
     def holds(self, values: Array) -> NDArray[np.bool_]:
-        """Which values of the figure are on the right side of the limit.
+        """Return where values of the figure keep the limit.
 
         Parameters
         ----------
@@ -75,8 +76,10 @@ class Limit:
 
 
 def limit_of(text: str, names: Sequence[str] | None) -> Limit:
-    """The limit of a text as "contact_ratio>1", on a figure of `names` if these are given. Raises DesignError naming what is
-    allowed."""
+    """Return the limit of a text such as "contact_ratio>1". If `names` are given, its figure must be one of them.
+
+    Raises ArgumentError naming what is allowed.
+    """
     match = re.fullmatch(r"\s*(\w+)\s*([<>])\s*([-+.\deE]+)\s*", text, re.ASCII)
     value = parse_number(match[3]) if match else None
     if match is None or value is None:
@@ -88,7 +91,7 @@ def limit_of(text: str, names: Sequence[str] | None) -> Limit:
 
 @dataclass(frozen=True)
 class Effect(figures.Figures):
-    """What a key of a study does to a figure, by least squares over all keys at once."""
+    """Effect of a key of a study on a figure, by least squares over all keys at once."""
 
     key: str = figures.figure("key of the design")
     figure: str = figures.figure("key of the figure")
@@ -103,7 +106,7 @@ class Effect(figures.Figures):
 
 
 def effects(keys: Mapping[str, Array], figure: str, values: Array) -> list[Effect]:
-    """Effects of keys (N,) on a figure (N,), the greatest first; none where there are too few rows."""
+    """Return the effects of keys (N,) on a figure (N,), largest swing first; none if there are too few rows."""
     known = np.isfinite(values)
     table = np.stack([column[known] for column in keys.values()], axis=1)
     spread = np.ptp(table, axis=0) if known.any() else np.zeros(len(keys))
@@ -116,32 +119,32 @@ def effects(keys: Mapping[str, Array], figure: str, values: Array) -> list[Effec
     slope = np.linalg.lstsq(scaled, y - y.mean(), rcond=None)[0] / spread[free]
     left = y - y.mean() - (table[:, free] - middle) @ slope
     total = float(((y - y.mean()) ** 2).sum())
-    # of a figure that is the same in all rows nothing is left
+    # a figure that is the same in all rows leaves no residual
     explained = 1.0 - float((left**2).sum()) / total if total > 0.0 else 1.0
     rows = []
-    for k, own in enumerate(free):
-        low, high = np.percentile(table[:, own], (5, 95))
+    for k, index in enumerate(free):
+        low, high = np.percentile(table[:, index], (5, 95))
         ends = y.mean() + slope[k] * (np.array([low, high]) - middle[k])
         rows.append(
             Effect(
-                list(keys)[own],
+                list(keys)[index],
                 figure,
                 float(slope[k]),
                 float(ends[1] - ends[0]),
                 float(ends[0]),
                 float(ends[1]),
                 explained,
-                explained >= LINEAR,
+                explained >= MIN_LINEAR_R2,
             )
         )
     return sorted(rows, key=lambda effect: -abs(effect.swing))
 
 
 def percentiles(values: Array) -> list[float]:
-    """PERCENTILES of the values that are known; NaN if none is."""
+    """Return REPORTED_PERCENTILES of the known values; NaN if none is known."""
     known = values[np.isfinite(values)]
     return (
-        [float(percentile) for percentile in np.percentile(known, PERCENTILES)]
+        [float(percentile) for percentile in np.percentile(known, REPORTED_PERCENTILES)]
         if known.size
-        else [np.nan] * len(PERCENTILES)
+        else [np.nan] * len(REPORTED_PERCENTILES)
     )

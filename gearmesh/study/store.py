@@ -1,11 +1,11 @@
-"""What of a study is done: one file to which finished chunks are added, each one line with its checksum.
+"""Store of a study: one file to which finished chunks are added, each as one line with its checksum.
 
     DIR/plan.json      what is studied; another plan in the same folder is refused
-    DIR/rows.jsonl     {"done": [7, [[...], ...]], "crc": ...}, one line per chunk, in the order in which they were finished
+    DIR/rows.jsonl     {"done": [7, [[...], ...]], "crc": ...}, one line per chunk, in the order in which they finished
 
-A line is written with one call and flushed to disk, so that a process which is killed leaves whole lines and at most a torn one at
-the end, which the next run cuts off. Chunks are numbered by the plan: none is done twice, and none is lost. What else the file may
-hold is none of these: then nothing of it is touched.
+A line is written with one call and flushed to disk. A process that is killed therefore leaves whole lines and at most
+one torn line at the end, which the next run cuts off. Chunks are numbered by the plan: none is done twice, none is
+lost. If the file holds anything else, it is refused and not changed.
 """
 
 from __future__ import annotations
@@ -21,19 +21,22 @@ from typing import Any
 from gearmesh.errors import OutputError
 from gearmesh.files.reading import BYTES_PER_MIB, file_text, is_file, size_text
 
-PLAN, ROWS = "plan.json", "rows.jsonl"
-#: most bytes of a chunk, and of a plan beyond one's own; the file of chunks may be as large as it likes
-LINE = 16 * BYTES_PER_MIB
-#: whole numbers that files of figures take
-WHOLE = 2**63
+#: name of the file of the plan
+PLAN_FILE = "plan.json"
+#: name of the file of finished chunks
+ROWS_FILE = "rows.jsonl"
+#: limit of a line, and of the additional size of another plan; the whole file of chunks has no limit
+MAX_LINE_BYTES = 16 * BYTES_PER_MIB
+#: limit of the size of whole numbers, as files of figures hold them
+WHOLE_NUMBER_LIMIT = 2**63
 
 Rows = list[list[Any]]
 
 
 class StudyStore:
-    """Finished chunks of one plan: in a folder, or in memory alone (folder None).
+    """Finished chunks of one plan, in a folder or only in memory (folder None).
 
-    Of the plan its "rows", the size of a "chunk" and what is to "record" say what a chunk may be.
+    The entries "rows", "chunk" (its size) and "record" of the plan determine which chunks are valid.
     """
 
     def __init__(self, folder: Path | None, plan: Mapping[str, Any]) -> None:
@@ -44,18 +47,20 @@ class StudyStore:
 
     @contextmanager
     def open(self) -> Iterator[StudyStore]:
-        """The store, with what is done already read; nobody else may open it meanwhile.
+        """Yield the store with the finished chunks read; nobody else can open it meanwhile.
 
-        Raises OutputError for a folder that holds another plan, is in use or cannot be written.
+        Raises OutputError if the folder holds another plan, is in use, or cannot be written.
         """
         if self.folder is None:
             yield self
             return
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
-            if (self.folder / ROWS).exists() and not is_file(self.folder / ROWS):
-                raise OutputError(self.folder / ROWS, reason="is not a regular file; it must hold the rows of a study")
-            self._file = os.open(self.folder / ROWS, os.O_RDWR | os.O_CREAT, 0o666)
+            if (self.folder / ROWS_FILE).exists() and not is_file(self.folder / ROWS_FILE):
+                raise OutputError(
+                    self.folder / ROWS_FILE, reason="is not a regular file; it must hold the rows of a study"
+                )
+            self._file = os.open(self.folder / ROWS_FILE, os.O_RDWR | os.O_CREAT, 0o666)
             try:
                 self._lock()
                 self._keep_plan()
@@ -68,7 +73,7 @@ class StudyStore:
             raise OutputError("cannot write", self.folder, reason=error.strerror or str(error)) from error
 
     def add(self, chunk: int, rows: Rows) -> None:
-        """Keep a finished chunk; one that is there already stays as it is."""
+        """Add a finished chunk; a chunk that is already stored is not changed."""
         if chunk in self.chunks:
             return
         self.chunks[chunk] = rows
@@ -79,7 +84,7 @@ class StudyStore:
             while line:
                 line = line[os.write(self._file, line) :]
             os.fsync(self._file)
-            keep(self.folder / ROWS)
+            keep(self.folder / ROWS_FILE)
 
     def _lock(self) -> None:
         try:
@@ -95,42 +100,48 @@ class StudyStore:
         from gearmesh.io.atomic import whole_text
 
         assert self.folder is not None
-        file = self.folder / PLAN
+        file = self.folder / PLAN_FILE
         if os.path.lexists(file):
-            if file_text(file, LINE + len(self.plan), "plan of a study", OutputError) != self.plan:
+            if file_text(file, MAX_LINE_BYTES + len(self.plan), "plan of a study", OutputError) != self.plan:
                 raise OutputError(
                     self.folder,
                     reason="holds another study (design, plan, record or version differ); name another folder",
                 )
             return
         if os.fstat(self._descriptor).st_size:
-            raise OutputError(self.folder, reason=f"holds {ROWS} without its {PLAN}; name another folder")
+            raise OutputError(self.folder, reason=f"holds {ROWS_FILE} without its {PLAN_FILE}; name another folder")
         whole_text(file, self.plan)
 
     def _read(self) -> None:
-        """Chunks of whole lines; what is torn at the end is cut off.
+        """Read the chunks of whole lines, and cut off a torn line at the end.
 
-        Raises OutputError for a line that is not torn and not a chunk of this plan.
+        Raises OutputError for a whole line that is not a chunk of this plan.
         """
         assert self.folder is not None
         good, number = 0, 0
         with open(self._descriptor, "rb", closefd=False) as file:
-            while line := file.readline(LINE + 1):
+            while line := file.readline(MAX_LINE_BYTES + 1):
                 number += 1
                 parsed = _parse(line)
-                if parsed is None and not file.read(1) and len(line) <= LINE:
+                if parsed is None and not file.read(1) and len(line) <= MAX_LINE_BYTES:
                     break
                 if parsed is None or not self._holds(*parsed):
-                    why = f"longer than {size_text(LINE)}" if len(line) > LINE else "not a finished chunk of this study"
+                    why = (
+                        f"longer than {size_text(MAX_LINE_BYTES)}"
+                        if len(line) > MAX_LINE_BYTES
+                        else "not a finished chunk of this study"
+                    )
                     mended = "delete the line to compute its rows again, or name another folder"
-                    raise OutputError(self.folder / ROWS, reason=f"line {number}: {why}; {mended}")
+                    raise OutputError(self.folder / ROWS_FILE, reason=f"line {number}: {why}; {mended}")
                 self.chunks.setdefault(*parsed)
                 good += len(line)
         os.ftruncate(self._descriptor, good)
         os.lseek(self._descriptor, good, os.SEEK_SET)
 
     def _holds(self, chunk: int, rows: Any) -> bool:
-        """Whether the plan has such a chunk: rows of as many figures as are recorded, and a reason each."""
+        """Return True if the plan has such a chunk: the right number of rows, each with its recorded figures and a
+        reason.
+        """
         size = min(self._chunk, self._rows - chunk * self._chunk)
         return (
             chunk >= 0
@@ -154,7 +165,7 @@ def _line(chunk: int, rows: Rows) -> bytes:
 
 
 def _parse(line: bytes) -> tuple[int, Rows] | None:
-    """Chunk and rows of a line; None for a torn one."""
+    """Return chunk and rows of a line; None for a torn line."""
     if not line.endswith(b"\n"):
         return None
     try:
@@ -167,5 +178,7 @@ def _parse(line: bytes) -> tuple[int, Rows] | None:
 
 
 def _is_figure(value: Any) -> bool:
-    """Whether a row may have such a value: a number that figures can be, a text, or none."""
-    return value is None or isinstance(value, str | float) or (isinstance(value, int) and abs(value) < WHOLE)
+    """Return True if a row may have this value: a number that files hold, a text, or None."""
+    return (
+        value is None or isinstance(value, str | float) or (isinstance(value, int) and abs(value) < WHOLE_NUMBER_LIMIT)
+    )

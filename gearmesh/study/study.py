@@ -1,4 +1,4 @@
-"""Studies: a design with some of its keys varied, all rows worked through, kept, and summed up."""
+"""Studies: a design with some of its keys varied, with all rows computed, stored and summarized."""
 
 from __future__ import annotations
 
@@ -27,34 +27,37 @@ from gearmesh.study.rows.names import recordable
 from gearmesh.study.rows.path_figures import PathFigures, PathShift
 from gearmesh.study.rows.patterns import AssemblyContact, assembly_contacts
 from gearmesh.study.rows.work import (
-    GROUPS,
-    LOAD,
+    CONTACT_GROUPS,
+    LOAD_GROUP,
     NO_CONTACT,
-    TURNS,
+    TURNS_GROUP,
     StudyWork,
     displacing_keys,
     own_keys,
 )
 from gearmesh.study.spreads import Spread, read_spreads, spread_of
-from gearmesh.study.statistics import LINEAR, PERCENTILES, Effect, Limit, effects, limit_of, percentiles
+from gearmesh.study.statistics import MIN_LINEAR_R2, REPORTED_PERCENTILES, Effect, Limit, effects, limit_of, percentiles
 from gearmesh.study.store import StudyStore
 from gearmesh.study.summary import StudySummary
-from gearmesh.study.tolerance_class import CLASS, class_spreads
-from gearmesh.study.variance import FEWEST_ROWS, HALF, VarianceShare, variance_shares
+from gearmesh.study.tolerance_class import CLASS_KEY, class_spreads
+from gearmesh.study.variance import MIN_FIRST_ORDER_SUM, MIN_SAMPLE_ROWS, VarianceShare, variance_shares
 from gearmesh.systems import system as systems
 from gearmesh.systems.designs import parse
 
 if TYPE_CHECKING:
     from gearmesh.study.runners import Chunk, Scheduler
 
-#: Told how far a long piece of work is (0 to 1) and what it is doing.
+#: called with the finished share (0 to 1) of a long computation and a text on what is being computed
 Progress = Callable[[float, str], None]
 
-#: chunks from which on processes are worth their start, and those of rows under load
-WORTH, WORTH_LOADED = 8, 3
-#: figures that are plotted where they are recorded, the first PLOTTED of them
-PLOTTED = 4
-MAIN = (
+#: smallest number of chunks for which starting processes pays
+MIN_PARALLEL_CHUNKS = 8
+#: smallest number of chunks under load for which starting processes pays
+MIN_PARALLEL_LOADED_CHUNKS = 3
+#: limit of the figures that are plotted
+MAX_PLOTTED_FIGURES = 4
+#: figures that are plotted first if they are recorded
+MAIN_FIGURES = (
     "turns_te_peak_to_peak_arcsec",
     "turns_te_tooth_to_tooth_arcsec",
     "mesh_te_peak_to_peak_arcsec",
@@ -71,17 +74,20 @@ MAIN = (
 
 @dataclass(frozen=True, repr=False)
 class Study(Result):
-    """Rows of a study as `columns` of equal length: row, the keys that were varied (in the design's units), figures, status (ok, no
-    contact or failed) and reason.
+    """Rows of a study as columns of equal length."""
 
-    `nominal`: the figures of the design as it is; `limits` that a good row keeps.
-    """
-
+    #: the design whose keys are varied
     design: Design
+    #: values of the varied keys, row by row
     plan: Plan
+    #: columns (N,) by name: row, varied keys (in the design's units), figures, status (ok, no contact or failed),
+    #: reason
     columns: dict[str, list[Any]]
+    #: figures of the unchanged design
     nominal: Summary
+    #: limits that a good row keeps
     limits: tuple[Limit, ...]
+    #: function that computes rows
     _work: StudyWork
 
     @property
@@ -91,26 +97,26 @@ class Study(Result):
 
     @property
     def figures(self) -> tuple[str, ...]:
-        """Names of the figures recorded."""
+        """Names of the recorded figures."""
         return self._work.names
 
     @property
     def rows(self) -> dict[str, Array]:
-        """The columns as arrays (N,): numbers as floats, NaN where there is none."""
+        """Columns as arrays (N,): numbers as floats, NaN where there is no value."""
         return {name: self.numbers(name) if name in self.figures else np.array(v) for name, v in self.columns.items()}
 
     def numbers(self, name: str) -> Array:
-        """One column as numbers.
+        """Return one column as numbers.
 
         Parameters
         ----------
         name : str
-            Of a key that is varied, or of a figure.
+            Name of a varied key or of a figure.
 
         Returns
         -------
         ndarray, (N,)
-            NaN where there is none or it is a text.
+            NaN where there is no value or a text.
 
         Examples
         --------
@@ -124,21 +130,23 @@ class Study(Result):
 
     @property
     def plotted_figures(self) -> list[str]:
-        """Figures that the plots show: those of limits first."""
-        wanted = dict.fromkeys([*(limit.figure for limit in self.limits), *MAIN, *self.figures])
+        """Figures that the plots show: figures with limits first."""
+        wanted = dict.fromkeys([*(limit.figure for limit in self.limits), *MAIN_FIGURES, *self.figures])
         many = [name for name in wanted if name in self.figures and np.isfinite(self.numbers(name)).any()]
-        return many[:PLOTTED]
+        return many[:MAX_PLOTTED_FIGURES]
 
     @property
     def good(self) -> float | None:
-        """Yield: the share of all rows that keep every limit; None without limits."""
+        """Yield: share of all rows that keep every limit; None without limits."""
         if not self.limits:
             return None
         return float(np.all([limit.holds(self.numbers(limit.figure)) for limit in self.limits], axis=0).mean())
 
     @cached_property
     def effects(self) -> list[Effect]:
-        """What each key does to each figure that is plotted, by straight lines, the greatest first; they rank where they fit."""
+        """Effects of each key on each plotted figure by linear regression, largest first. They rank the keys if R^2 is
+        high.
+        """
         keys = self._numeric
         return (
             [effect for name in self.plotted_figures for effect in effects(keys, name, self.numbers(name))]
@@ -148,7 +156,7 @@ class Study(Result):
 
     @cached_property
     def variance(self) -> list[VarianceShare]:
-        """Which share of the variance of each figure that is plotted is a key's, the greatest first, whatever the response is."""
+        """Share of each key in the variance of each plotted figure, largest first; valid for responses of any shape."""
         keys = self._numeric
         return [
             share
@@ -158,27 +166,28 @@ class Study(Result):
 
     @property
     def _numeric(self) -> dict[str, Array]:
-        """The keys that are numbers, with their values."""
+        """Values of the varied keys that are numbers."""
         keys = {key: self.numbers(key) for key in self.plan.keys}
         return {key: values for key, values in keys.items() if np.isfinite(values).all()}
 
     @property
     def complaints(self) -> list[str]:
-        """Figures by which straight lines do not rank several keys, one line each."""
+        """Warnings, one line for each figure whose slopes do not rank several keys."""
         if len(self._numeric) < 2:
             return []
         shares = self.variance
         lines = []
         for name, share in {effect.figure: effect.explained for effect in self.effects if not effect.linear}.items():
-            told = _ranking([share for share in shares if share.figure == name])
+            advice = _ranking([share for share in shares if share.figure == name])
             lines.append(
-                f"{name} is not linear in the keys (R^2 = {share:.2g}, below {LINEAR:g}): its slopes do not rank the keys; {told}"
+                f"{name} is not linear in the keys (R^2 = {share:.2g}, below {MIN_LINEAR_R2:g}): "
+                f"its slopes do not rank the keys; {advice}"
             )
         return lines
 
     @property
     def failures(self) -> dict[str, int]:
-        """Reasons, and how many rows they are of."""
+        """Number of rows by their reason for having no figures."""
         counts: dict[str, int] = {}
         for reason in self.columns["reason"]:
             if reason:
@@ -193,14 +202,14 @@ class Study(Result):
 
     @cached_property
     def summary(self) -> StudySummary:
-        """What the rows say together."""
+        """Summary of all rows."""
         return StudySummary(
             headline=self.headline,
             plan={"rows": len(self.plan), **self.plan.about},
             torque=list(self._work.torque) or None,
             nominal=self.nominal,
             percentiles={
-                name: dict(zip(map(str, PERCENTILES), percentiles(self.numbers(name)), strict=True))
+                name: dict(zip(map(str, REPORTED_PERCENTILES), percentiles(self.numbers(name)), strict=True))
                 for name in dict.fromkeys([*self.plotted_figures, *self.figures])
             },
             sensitivities=self.effects,
@@ -223,7 +232,7 @@ class Study(Result):
         return {**header(self.design), **Summary(self.summary)}
 
     def csv(self) -> str:
-        """The rows as a table.
+        """Return the rows as a table.
 
         Returns
         -------
@@ -245,12 +254,12 @@ class Study(Result):
         (write_csv if target.suffix.lower() == ".csv" else write_parquet)(target, self.columns)
 
     def assemblies(self) -> list[AssemblyContact | str]:
-        """Contact of every row, to be drawn.
+        """Return the contact of every row, to be drawn.
 
         Returns
         -------
         list of AssemblyContact or str
-            Or why it has none.
+            A str is the reason why a row has no contact.
 
         Examples
         --------
@@ -261,14 +270,14 @@ class Study(Result):
 
 
 def _ranking(shares: Sequence[VarianceShare]) -> str:
-    """What shares of a figure's variance say of the order of keys."""
+    """Return advice on the order of keys from their shares of a figure's variance."""
     if not shares:
         return (
-            f"use a sample of which {FEWEST_ROWS} rows or more have it; "
+            f"use a sample of which {MIN_SAMPLE_ROWS} rows or more have it; "
             "so few rows, or an incomplete grid, do not rank them either"
         )
     alone = sum(share.first for share in shares)
-    if shares[0].total is None and alone < HALF:
+    if shares[0].total is None and alone < MIN_FIRST_ORDER_SUM:
         return (
             f"their first-order shares are {100.0 * max(alone, 0.0):.0f} % of its variance; for the interactions use the method "
             "saltelli"
@@ -287,8 +296,8 @@ def run_study(
     scheduler: Scheduler | None,
     progress: Progress | None,
 ) -> Study:
-    """All rows of a plan, as `Gears.study` says."""
-    wanted = tuple(limit_of(text, work.names) for text in limits)
+    """Compute all rows of a plan; arguments as for `Gears.study`."""
+    parsed_limits = tuple(limit_of(text, work.names) for text in limits)
     spec = {
         "gearmesh": __version__,
         "design": work.own,
@@ -303,7 +312,7 @@ def run_study(
     store = StudyStore(None if folder is None else Path(folder), json.loads(json.dumps(spec, default=str)))
     with store.open():
         _work(store, plan, work, workers, scheduler, progress)
-    return Study(design, plan, _columns(plan, work, store), nominal, wanted, work)
+    return Study(design, plan, _columns(plan, work, store), nominal, parsed_limits, work)
 
 
 def plan_of(
@@ -315,9 +324,9 @@ def plan_of(
     seed: int,
     pair: int | str = 0,
 ) -> Plan:
-    """The rows of a study; `pair`: the one whose flanks a tolerance class is of.
+    """Return the rows of a study; a tolerance class applies to the flanks of `pair`.
 
-    Raises DesignError naming key, value and what is allowed.
+    Raises ArgumentError naming key, value and what is allowed.
     """
     read = KeyReader(design)
     if sample is None:
@@ -356,11 +365,11 @@ def _tolerances(
 ) -> dict[str, Spread]:
     if tolerance is None:
         return {}
-    if isinstance(tolerance, str) and tolerance.startswith(f"{CLASS}:"):
-        tolerance = {CLASS: tolerance.removeprefix(f"{CLASS}:")}
+    if isinstance(tolerance, str) and tolerance.startswith(f"{CLASS_KEY}:"):
+        tolerance = {CLASS_KEY: tolerance.removeprefix(f"{CLASS_KEY}:")}
     if isinstance(tolerance, Mapping):
-        spreads = class_spreads(read.design, pair, tolerance[CLASS]) if CLASS in tolerance else {}
-        keys = {key: text for key, text in tolerance.items() if key != CLASS}
+        spreads = class_spreads(read.design, pair, tolerance[CLASS_KEY]) if CLASS_KEY in tolerance else {}
+        keys = {key: text for key, text in tolerance.items() if key != CLASS_KEY}
         given = {key: spread_of(key, list(text.split(":")), read.number) for key, text in keys.items()}
     else:
         spreads, given = {}, read_spreads(os.fspath(tolerance), read.number)
@@ -371,7 +380,7 @@ def _tolerances(
 
 
 def _refuse_impossible(design: Design, plan: Plan) -> None:
-    """Values of keys that only move members are held against their ranges here: nobody looks at them later."""
+    """Check values of keys that only move members against their ranges; no later step checks them."""
     own = own_keys(design)
     for key in set(plan.keys) & set(displacing_keys(design.kind)):
         column = plan.columns[key]
@@ -381,16 +390,19 @@ def _refuse_impossible(design: Design, plan: Plan) -> None:
 
 
 def check_record(record: str | Sequence[str], torque: Sequence[float] | None) -> tuple[tuple[float, ...], list[str]]:
-    """Torques (Nm) and what is recorded. Raises ArgumentError for torques that are none, and for figures under load without one."""
+    """Return the torques (Nm) and the names of what is recorded.
+
+    Raises ArgumentError for invalid torques, and for figures under load without a torque.
+    """
     torques = () if torque is None else tuple(required_torques(torque))
     tokens = [token.strip() for token in (record.split(",") if isinstance(record, str) else record)]
-    if LOAD in tokens and not torques:
+    if LOAD_GROUP in tokens and not torques:
         raise ArgumentError("record", entry="load", reason="needs torque, in Nm")
     return torques, tokens
 
 
 def refuse_workers(workers: int | None) -> None:
-    """Raise ArgumentError for a number of processes that is none."""
+    """Raise ArgumentError for a number of processes below 1."""
     if workers is not None and workers < 1:
         raise ArgumentError("workers", workers, must_be="a whole number above 0")
 
@@ -402,18 +414,19 @@ def work_and_nominal(
     record: str | Sequence[str],
     torque: Sequence[float] | None = None,
 ) -> tuple[StudyWork, Summary]:
-    """The work that records what is wanted, under torques (Nm) where it is of loads, and the figures of the design as it is.
+    """Return the work that records the wanted figures, under torques (Nm) if any, and the figures of the unchanged
+    design.
 
-    Raises NoSolutionError where that has no contact, DesignError for a figure that it has not, and for torques without figures
-    that need them or the other way round.
+    Raises NoSolutionError if the design has no contact. Raises ArgumentError for a figure that it does not have, for
+    torques without figures under load, and for figures under load without torques.
     """
     torques, tokens = check_record(record, torque)
-    allowed = (*GROUPS, TURNS, *([LOAD] if torques else []))
+    allowed = (*CONTACT_GROUPS, TURNS_GROUP, *([LOAD_GROUP] if torques else []))
     if design.member_names is not None:
         design.member_names.pair_number(pair)
     known = recordable(systems.build(design).pair(pair), len(torques))
     _refuse_unknown(tokens, allowed, known)
-    whole = StudyWork(own_keys(design), (), pair, GROUPS, torque=torques)
+    whole = StudyWork(own_keys(design), (), pair, CONTACT_GROUPS, torque=torques)
     by_group: dict[str, str] = {}
     nominal_figures = Summary()
 
@@ -425,22 +438,22 @@ def work_and_nominal(
             by_group.setdefault(name, known.get(name, group))
         return Summary(nominal_figures, figures)
 
-    # no more than is recorded: a mesh cycle takes as long as the paths of hundreds of rows
+    # compute no more than is recorded: a mesh cycle takes as long as the paths of hundreds of rows
     recorded = {group for name, group in known.items() if {name, group, "all"} & set(tokens)}
-    last = max((GROUPS.index(group) for group in recorded - {LOAD, TURNS}), default=0)
-    nominal_figures = ask(GROUPS[last], GROUPS[: last + 1])
-    by_group = dict(sorted(by_group.items(), key=lambda item: GROUPS.index(item[1])))
-    turning = {TURNS, *(name for name, group in known.items() if group == TURNS)}
+    last = max((CONTACT_GROUPS.index(group) for group in recorded - {LOAD_GROUP, TURNS_GROUP}), default=0)
+    nominal_figures = ask(CONTACT_GROUPS[last], CONTACT_GROUPS[: last + 1])
+    by_group = dict(sorted(by_group.items(), key=lambda item: CONTACT_GROUPS.index(item[1])))
+    turning = {TURNS_GROUP, *(name for name, group in known.items() if group == TURNS_GROUP)}
     if turning & set(tokens):
-        nominal_figures = ask(TURNS, (GROUPS[0], TURNS))
+        nominal_figures = ask(TURNS_GROUP, (CONTACT_GROUPS[0], TURNS_GROUP))
     if torques:
-        if set(tokens) <= {*GROUPS, TURNS, *by_group}:
+        if set(tokens) <= {*CONTACT_GROUPS, TURNS_GROUP, *by_group}:
             told = ",".join(f"{torque:g}" for torque in torques)
             raise ArgumentError("torque", entry=told, reason="needs figures under load; record = load has them")
-        nominal_figures = ask(LOAD, (GROUPS[0], LOAD))
+        nominal_figures = ask(LOAD_GROUP, (CONTACT_GROUPS[0], LOAD_GROUP))
     _refuse_unknown(tokens, allowed, by_group)
     names = tuple(name for name, group in by_group.items() if {name, group, "all"} & set(tokens))
-    groups = (*GROUPS[: last + 1], *sorted({by_group[name] for name in names} & {LOAD, TURNS}))
+    groups = (*CONTACT_GROUPS[: last + 1], *sorted({by_group[name] for name in names} & {LOAD_GROUP, TURNS_GROUP}))
     length, height = map(PathFigures.key_of, ("contact_length", "contact_height"))
     middle = nominal_figures[length], nominal_figures[height]
     work = replace(whole, keys=keys, groups=groups, names=names, reference=middle)
@@ -451,13 +464,13 @@ def work_and_nominal(
 
 
 def _refuse_unknown(tokens: Sequence[str], allowed: Sequence[str], names: Iterable[str]) -> None:
-    """Raise DesignError for what is to be recorded and is neither a group that is allowed nor the name of a figure."""
+    """Raise ArgumentError for a token of `record` that is neither an allowed group nor the name of a figure."""
     names = tuple(names)
     for token in tokens:
         if token not in (*allowed, "all", *names):
             close = nearest(token, (*allowed, *names))
             hint = f"; did you mean {close}?" if close else ""
-            more = "" if LOAD in allowed else f", {LOAD} with torque"
+            more = "" if LOAD_GROUP in allowed else f", {LOAD_GROUP} with torque"
             raise ArgumentError(
                 "record", entry=token, must_be=f"{', '.join(allowed)}{more}, all or a figure ({', '.join(names)}){hint}"
             )
@@ -471,7 +484,7 @@ def _work(
     scheduler: Scheduler | None,
     progress: Progress | None,
 ) -> None:
-    """All chunks that are not done yet."""
+    """Compute all chunks that are not done yet."""
     from gearmesh.study import runners
 
     size = work.chunk
@@ -485,7 +498,7 @@ def _work(
     if scheduler is not None:
         results = runners.on_dask(work, chunks(), scheduler)
     else:
-        worth = WORTH_LOADED if LOAD in work.groups else WORTH
+        worth = MIN_PARALLEL_LOADED_CHUNKS if LOAD_GROUP in work.groups else MIN_PARALLEL_CHUNKS
         many = workers if workers is not None else (os.cpu_count() or 1) if len(left) >= worth else 1
         many = min(many, len(left))
         results = runners.on_processes(work, chunks(), many) if many > 1 else runners.in_process(work, chunks())

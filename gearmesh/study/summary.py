@@ -1,4 +1,4 @@
-"""The summary of a study: what all its rows say together, as figures, tables and in JSON."""
+"""Summary of a study: figures of all its rows together, as tables and in JSON."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from typing import Any, TypeVar
 
 from gearmesh.answers.tables import Listing, round_to
 from gearmesh.figures import Figures, Summary, at_resolution, figure
-from gearmesh.study.statistics import PERCENTILES, Effect
+from gearmesh.study.statistics import REPORTED_PERCENTILES, Effect
 from gearmesh.study.variance import VarianceShare
 
 #: figures of a row, or an effect of keys on them
 Row = TypeVar("Row", bound=Figures)
-#: most reasons that are reported
-REASONS = 10
+#: limit of the reasons that are reported
+MAX_REPORTED_REASONS = 10
 
 
 @dataclass(frozen=True)
 class StudySummary(Figures):
-    """What the rows of a study say together."""
+    """Summary of all rows of a study."""
 
     headline: str = figure("the study in one line")
     plan: Mapping[str, Any] = figure("how the rows were made")
@@ -35,17 +35,17 @@ class StudySummary(Figures):
 
     @staticmethod
     def read(document: Mapping[str, Any]) -> StudySummary:
-        """The summary in the JSON document of a study.
+        """Return the summary in the JSON document of a study.
 
         Parameters
         ----------
         document : mapping
-            As study.json has it.
+            Content of study.json.
 
         Returns
         -------
         StudySummary
-            What the rows say together.
+            Summary of all rows.
 
         Raises
         ------
@@ -74,13 +74,13 @@ class StudySummary(Figures):
 
     @property
     def tables(self) -> list[Listing]:
-        """Figures over all rows, sensitivities, yield, why rows have none."""
+        """Tables of percentiles, sensitivities, yield, and reasons for rows without figures."""
         rows = [
             [name, *at_resolution([self.nominal.get(name), *values.values()], self._resolution(name))]
             for name, values in self.percentiles.items()
         ]
-        heads = ["figure", "design", *(f"{p} %" for p in PERCENTILES)]
-        reasons = list(self.failures.items())[:REASONS]
+        heads = ["figure", "design", *(f"{p} %" for p in REPORTED_PERCENTILES)]
+        reasons = list(self.failures.items())[:MAX_REPORTED_REASONS]
         return [
             Listing(f"Study: {self.headline}", heads, rows),
             *self._rankings,
@@ -89,13 +89,13 @@ class StudySummary(Figures):
         ]
 
     def _resolution(self, name: str) -> float:
-        """What counts as 0 of a figure; nothing where the study was read from a file, which has no units."""
+        """Return the size below which a figure is shown as 0; 0 if the study was read from a file, which has no units."""
         entry = self.nominal.entry(name) if isinstance(self.nominal, Summary) else None
         return 0.0 if entry is None else entry.figure.resolution
 
     @property
     def _rankings(self) -> list[Listing]:
-        """What keys do to figures."""
+        """Tables of slopes and of shares of the variance."""
         slopes = []
         for effect in self.sensitivities:
             swing = at_resolution(effect.swing, self._resolution(effect.figure))
@@ -122,11 +122,11 @@ class StudySummary(Figures):
 
     @property
     def _yield(self) -> Listing:
-        """Rows that keep the limits."""
+        """Table of the rows that keep the limits."""
         rows = [[text, 100.0 * share] for text, share in self.limits.items()]
         return Listing("Yield, % of all rows", ["limit", "%"], [*rows, ["all", 100.0 * (self.good or 0.0)]])
 
 
 def _read(kind: type[Row], row: Mapping[str, Any]) -> Row:
-    """Figures of a row of JSON."""
+    """Return the figures of a row of JSON."""
     return kind(*(row[declared_figure.key] for declared_figure in kind.declared_figures()))

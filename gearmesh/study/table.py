@@ -1,4 +1,4 @@
-"""The rows of a study as a file: CSV, or Parquet where pyarrow is installed."""
+"""Rows of a study as a file: CSV, or Parquet if pyarrow is installed."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from gearmesh.io.atomic import whole_file, whole_text
 
 
 def csv_text(columns: Mapping[str, list[Any]]) -> str:
-    """One row per row of the study, empty where there is nothing; numbers give back exactly what they were."""
+    """Return one line per row of the study, empty where there is no value; numbers are read back exactly."""
     return csv_table.csv_text(list(columns), zip(*columns.values(), strict=True))
 
 
@@ -22,7 +22,7 @@ def write_csv(path: Path, columns: Mapping[str, list[Any]]) -> None:
 
 
 def write_parquet(path: Path, columns: Mapping[str, list[Any]]) -> None:
-    """Raises OutputError where pyarrow is not installed."""
+    """Write the columns as Parquet. Raises OutputError if pyarrow is not installed."""
     pyarrow, parquet = require_pyarrow()
     arrays = {name: pyarrow.array(list(map(_finite, values)), type=_type(values)) for name, values in columns.items()}
     with whole_file(path) as temporary:
@@ -30,7 +30,7 @@ def write_parquet(path: Path, columns: Mapping[str, list[Any]]) -> None:
 
 
 def require_pyarrow() -> tuple[Any, Any]:
-    """The modules `pyarrow` and `pyarrow.parquet`. Raises OutputError naming what to install."""
+    """Return the modules `pyarrow` and `pyarrow.parquet`. Raises OutputError naming what to install."""
     try:
         import pyarrow
         from pyarrow import parquet
@@ -46,7 +46,7 @@ def _finite(value: Any) -> Any:
 
 
 def _type(values: list[Any]) -> Any:
-    """The type of a column: columns without any value are numbers."""
+    """Return the Parquet type of a column; a column without any value is a column of numbers."""
     import pyarrow
 
     kinds = {type(value) for value in values if value is not None}

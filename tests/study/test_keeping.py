@@ -224,7 +224,7 @@ def test_what_is_not_installed_is_named(missing: str, more: list[str], monkeypat
 @pytest.mark.sweep
 def test_a_scheduler_that_is_not_there_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("distributed")
-    monkeypatch.setattr("gearmesh.study.runners.PATIENCE", 0.5)
+    monkeypatch.setattr("gearmesh.study.runners.SCHEDULER_TIMEOUT_S", 0.5)
     assert "--scheduler = tcp://127.0.0.1:9: no Dask scheduler answers there" in refused(
         *WORDS, "--scheduler", "tcp://127.0.0.1:9"
     )
@@ -250,7 +250,7 @@ def test_a_scheduler_with_tls_takes_clients_of_its_authority_alone(
     whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     distributed = pytest.importorskip("distributed")
-    monkeypatch.setattr("gearmesh.study.runners.PATIENCE", 5)
+    monkeypatch.setattr("gearmesh.study.runners.SCHEDULER_TIMEOUT_S", 5)
     (tmp_path / "other").mkdir()
     own, other = certificates(tmp_path), certificates(tmp_path / "other")
     security = distributed.Security(

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from gearmesh.errors import DesignError
-from gearmesh.study.rows.largest import STEPS, largest
-from gearmesh.study.statistics import PERCENTILES, effects, limit_of, percentiles
+from gearmesh.study.rows.largest import SEARCH_STEPS, largest
+from gearmesh.study.statistics import REPORTED_PERCENTILES, effects, limit_of, percentiles
 from gearmesh.view.diagrams.study_plots import percentile_marks
 
 pytestmark = pytest.mark.quick
@@ -33,7 +33,7 @@ def test_limits_hold_strictly_and_never_for_what_is_not_known() -> None:
     limit = limit_of(" contact_ratio > 1.5 ", ["contact_ratio"])
     assert limit.holds(np.array([1.4, 1.5, 1.6, np.nan])).tolist() == [False, False, True, False]
     assert limit_of("te<2e1", None).holds(np.array([19.0, 21.0])).tolist() == [True, False]
-    assert percentiles(np.array([np.nan])) != percentiles(np.arange(101.0)) == [float(p) for p in PERCENTILES]
+    assert percentiles(np.array([np.nan])) != percentiles(np.arange(101.0)) == [float(p) for p in REPORTED_PERCENTILES]
     for text in ("contact_ratio=1", "te<1", "contact_ratio>e"):
         with pytest.raises(DesignError, match=r"^limit "):
             limit_of(text, ["contact_ratio"])
@@ -64,7 +64,7 @@ def test_the_largest_error_is_where_the_condition_ends(room: object, low: float,
         else:
             assert abs(value) - 1e-12 <= abs(wanted) <= abs(beyond) + 1e-12
             assert abs(value - beyond) < 1.1e-4
-    assert sum(calls) < 2 * STEPS + 50
+    assert sum(calls) < 2 * SEARCH_STEPS + 50
 
 
 def test_a_figure_that_never_changes_follows_the_keys_and_has_one_mark() -> None:
@@ -74,5 +74,5 @@ def test_a_figure_that_never_changes_follows_the_keys_and_has_one_mark() -> None
     unchanged = effects(keys, "converged", values)
     assert all(effect.linear and effect.explained == 1.0 and effect.swing == 0.0 for effect in unchanged)
     assert len(unchanged) == 2
-    assert percentile_marks(values, PERCENTILES) == [(19.0, "1, 5, 50, 95, 99 %")]
+    assert percentile_marks(values, REPORTED_PERCENTILES) == [(19.0, "1, 5, 50, 95, 99 %")]
     assert percentile_marks(np.array([0.0] * 11 + [18.0] * 10), (5, 50, 95)) == [(0.0, "5, 50 %"), (18.0, "95 %")]

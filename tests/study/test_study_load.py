@@ -22,7 +22,7 @@ from gearmesh.errors import DesignError, OutputError, Status
 from gearmesh.loaded.compliance.compliance import FlankCompliance, flank_compliance
 from gearmesh.loaded.sharing import loaded_mesh
 from gearmesh.mesh.hexahedra.hexahedra import Cells
-from gearmesh.study.rows.load_figures import POSITIONS, load_figures, loaded_contact_ratio
+from gearmesh.study.rows.load_figures import POSITIONS_PER_PITCH, load_figures, loaded_contact_ratio
 from gearmesh.study.rows.work import _build
 from gearmesh.teeth.gear_train import GearPair
 
@@ -61,7 +61,7 @@ def test_a_row_is_what_the_design_has_under_these_torques(bodies: list[str]) -> 
     assert bodies == ["pinion-gear"]
     assert set(study.columns["status"]) == {"ok"}
     alone = gm.build(gm.load(SPUR, [*own, "assembly.gamma_v=0.02"]))
-    phi1 = np.degrees(alone.pairs[0].pitch) * np.arange(POSITIONS) / POSITIONS
+    phi1 = np.degrees(alone.pairs[0].pitch) * np.arange(POSITIONS_PER_PITCH) / POSITIONS_PER_PITCH
     found = alone.loaded_contact([10.0, 40.0], phi1)
     for k, total in enumerate([each.row for each in found.totals], start=1):
         row = {name: values[1] for name, values in study.columns.items()}
@@ -85,7 +85,7 @@ def test_a_row_is_what_the_design_has_under_these_torques(bodies: list[str]) -> 
         stiffness = np.mean([each["stiffness_nm_per_arcsec"] for each in own_rows])
         assert row[f"mean_stiffness_{k}_nm_per_arcsec"] == pytest.approx(stiffness, rel=1e-6)
         assert 1.0 < row[f"loaded_contact_ratio_{k}"] < 2.0
-        assert row[f"loaded_converged_positions_{k}"] == POSITIONS
+        assert row[f"loaded_converged_positions_{k}"] == POSITIONS_PER_PITCH
     assert study.columns["gear_root_stress_2_mpa"][0] != pytest.approx(
         study.columns["gear_root_stress_2_mpa"][1], rel=1e-4
     )
@@ -134,8 +134,10 @@ def test_the_contact_ratio_under_load_is_how_long_a_pair_carries(first: float, l
     moment = np.clip(np.minimum(at - first, first + length - at) / 4.0, 0.0, 1.0)
     # both halves of double helical gears are one pair
     near = np.random.default_rng(1).permutation(np.tile(np.flatnonzero((at > -2) & (at < 30)), 2))
-    load = SimpleNamespace(position=at[near] % POSITIONS, number=-(at[near] // POSITIONS), moment=moment[near])
-    assert loaded_contact_ratio(load, POSITIONS) == pytest.approx(length / POSITIONS, rel=1e-12)  # type: ignore[arg-type]
+    load = SimpleNamespace(
+        position=at[near] % POSITIONS_PER_PITCH, number=-(at[near] // POSITIONS_PER_PITCH), moment=moment[near]
+    )
+    assert loaded_contact_ratio(load, POSITIONS_PER_PITCH) == pytest.approx(length / POSITIONS_PER_PITCH, rel=1e-12)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ import gearmesh as gm
 from gearmesh.answers.load import loaded
 from gearmesh.loaded.sharing import loaded_mesh
 from gearmesh.study.rows.names import recordable
-from gearmesh.study.rows.work import TURNS, StudyWork
+from gearmesh.study.rows.work import TURNS_GROUP, StudyWork
 from gearmesh.study.study import work_and_nominal
 
 
@@ -35,7 +35,7 @@ def test_what_rows_have_is_known_of_the_pair(
     assert len(work.names) > 30
     assert [name for name in known if name in work.names] == list(work.names)
     # whole turns are recorded by their own name alone
-    others = {name for name, group in known.items() if group != TURNS}
+    others = {name for name, group in known.items() if group != TURNS_GROUP}
     assert others - set(work.names) <= {"transverse_contact_ratio", "overlap_ratio"}
 
 

@@ -1,1 +1,1 @@
-"""What one row of a study is: built, solved, and its figures."""
+"""Rows of a study: building and solving the design of one row, and its figures."""

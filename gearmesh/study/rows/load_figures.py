@@ -1,4 +1,4 @@
-"""Figures of a row of a study under load: values of a mesh cycle under each torque, in lists with one number per torque."""
+"""Figures of a row of a study under load: values of a mesh cycle, in lists with one number per torque."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from gearmesh.figures import Figures, Summary, figure
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.loaded.sharing import PairLoad
 
-#: positions in a pitch
-POSITIONS = 9
+#: positions of a mesh cycle in one pitch
+POSITIONS_PER_PITCH = 9
 
 
 @dataclass(frozen=True)
@@ -39,53 +39,67 @@ class LoadFigures(Figures):
 
 
 def load_figures(loaded: LoadedContact) -> Summary:
-    """Figures of a loaded mesh whose positions are even in one pitch: at how many it converged, and None for all others under a
-    torque with which it did not at all of them."""
+    """Return the figures of a loaded mesh whose positions divide one pitch equally.
+
+    They include the number of converged positions. All other figures are None under a torque for which any position did
+    not converge.
+    """
     mesh = loaded.mesh
     converged = (mesh.status == Status.CONVERGED).sum(axis=1).tolist()
     totals, count = loaded.totals, len(mesh.phi1)
 
-    def sure(values: Iterable[Any]) -> list[Any]:
-        return [value if good == count else None for value, good in zip(values, converged, strict=True)]
+    def if_converged(values: Iterable[Any]) -> list[Any]:
+        return [
+            value if converged_count == count else None
+            for value, converged_count in zip(values, converged, strict=True)
+        ]
 
     def of_members(stress: Callable[[FilletFigures], float]) -> dict[str, list[float | None]]:
-        return {name: sure(stress(total.fillets[name]) for total in totals) for name in loaded.pair.members}
+        return {name: if_converged(stress(total.fillets[name]) for total in totals) for name in loaded.pair.members}
 
     return Summary(
         LoadFigures(
-            loaded_te_peak_to_peak=sure(total.te_peak_to_peak for total in totals),
-            max_pressure=sure(total.max_pressure for total in totals),
-            root_stress=of_members(lambda own: own.root_stress),
-            root_stress_30=of_members(lambda own: own.root_stress_30),
-            max_pair_share=sure(
+            loaded_te_peak_to_peak=if_converged(total.te_peak_to_peak for total in totals),
+            max_pressure=if_converged(total.max_pressure for total in totals),
+            root_stress=of_members(lambda fillet: fillet.root_stress),
+            root_stress_30=of_members(lambda fillet: fillet.root_stress_30),
+            max_pair_share=if_converged(
                 float((load.moment / torque).max()) for load, torque in zip(mesh.loads, mesh.torque, strict=True)
             ),
-            loaded_edge_positions=sure(len(np.unique(load.position[load.on_edge])) for load in mesh.loads),
-            mean_stiffness=sure((1e-3 * ARCSEC * mesh.stiffness.mean(axis=1)).tolist()),
-            loaded_contact_ratio=sure(loaded_contact_ratio(load, count) for load in mesh.loads),
+            loaded_edge_positions=if_converged(len(np.unique(load.position[load.on_edge])) for load in mesh.loads),
+            mean_stiffness=if_converged((1e-3 * ARCSEC * mesh.stiffness.mean(axis=1)).tolist()),
+            loaded_contact_ratio=if_converged(loaded_contact_ratio(load, count) for load in mesh.loads),
             loaded_converged_positions=converged,
         )
     )
 
 
 def loaded_contact_ratio(load: PairLoad, count: int) -> float:
-    """Pitches over which one tooth pair is loaded, with `count` positions even in a pitch: to where its moment, beyond the last
-    positions at which it is loaded, has vanished if it goes on falling as between them; half a step where it does not fall."""
+    """Return the number of pitches over which one tooth pair is loaded, for `count` positions per pitch.
+
+    Beyond the last loaded position at each end the moment is extrapolated to zero along its last slope. If it does not
+    fall towards the end, half a step is added.
+    """
     moment = _moments(load, count)
     moment = moment[moment > 0.0]
     return (len(moment) - 1 + _run_out(moment[:2]) + _run_out(moment[:-3:-1])) / count
 
 
 def _moments(load: PairLoad, count: int) -> Array:
-    """Moments, N mm, of one tooth pair, both halves of double helical gears together, one after the other as it goes through the
-    mesh: what pair k does at a position is what pair 0 does k pitches before."""
-    at, own = np.unique(load.position - count * load.number, return_inverse=True)
-    moments: Array = np.bincount(own, load.moment, len(at)).astype(float)
+    """Return the moments, N mm, of one tooth pair, in order, as it goes through the mesh.
+
+    Pair k has at a position the moment that pair 0 has k pitches earlier. Both halves of double helical gears are
+    summed.
+    """
+    at, inverse = np.unique(load.position - count * load.number, return_inverse=True)
+    moments: Array = np.bincount(inverse, load.moment, len(at)).astype(float)
     return moments
 
 
 def _run_out(moment: Array) -> float:
-    """Steps from the last of two moments to nothing, the one before it second."""
+    """Return the steps from the last loaded position to zero moment; `moment` has the last value first, then the one
+    before it.
+    """
     if len(moment) < 2 or not moment[1] > moment[0]:
         return 0.5
     return float(np.clip(moment[0] / (moment[1] - moment[0]), 0.0, 1.0))

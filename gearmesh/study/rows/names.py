@@ -1,4 +1,4 @@
-"""Figures that a row of a study can have, by the names under which they are recorded: known without solving contact."""
+"""Names of the figures that a row of a study can have; no contact is solved to know them."""
 
 from __future__ import annotations
 
@@ -13,29 +13,32 @@ from gearmesh.figures import Summary
 from gearmesh.study.rows.load_figures import LoadFigures
 from gearmesh.study.rows.path_figures import PathFigures, PathShift
 from gearmesh.study.rows.turns_figures import RowPitch
-from gearmesh.study.rows.work import GROUPS, LOAD, TURNS, cycle_figures
+from gearmesh.study.rows.work import CONTACT_GROUPS, LOAD_GROUP, TURNS_GROUP, cycle_figures
 from gearmesh.teeth.gear_train import GearPair
 
 
 def recordable(pair: GearPair, torques: int = 0) -> dict[str, str]:
-    """The group of every figure that rows of a pair can have, by names in the order of the rows; those of `torques`, too.
+    """Return the group of each figure that rows of a pair can have, by name in the order of the rows.
 
-    Ratios of line contact are among them, whether or not the contact proves to be along lines.
+    Figures under load are included for `torques` above 0. Ratios of line contact are always included, also where the
+    contact proves to be at points.
     """
     path = [declared_figure.key for kind in (PathFigures, PathShift) for declared_figure in kind.declared_figures()]
-    own = () if pair.figures is None else pair.figures.row
+    kind_figures = () if pair.figures is None else pair.figures.row
     cycle = cycle_figures(pair, _cycle(), None)
     fit = cycle_figures(pair, _cycle(), _fit(pair))
     turns = Summary(_turns(), RowPitch(*[dict.fromkeys(pair.members, math.nan)] * 2))
     load = Summary(_load(pair, torques)).flat if torques else ()
     groups: dict[str, str] = {}
-    for group, names in zip((*GROUPS, TURNS, LOAD), ([*path, *own], cycle, fit, turns, load), strict=True):
+    for group, names in zip(
+        (*CONTACT_GROUPS, TURNS_GROUP, LOAD_GROUP), ([*path, *kind_figures], cycle, fit, turns, load), strict=True
+    ):
         groups |= {name: group for name in names if name not in groups}
     return groups
 
 
 def _cycle() -> CycleSummary:
-    """A mesh cycle of which nothing is known but its names."""
+    """Return a mesh cycle with unknown values, which gives the names of its figures."""
     none = math.nan
     return CycleSummary(
         contact_ratio=none,

@@ -1,8 +1,9 @@
-"""Figures of many assemblies from their paths of contact alone, all in one batch: what costs milliseconds an assembly.
+"""Figures of many assemblies from their paths of contact alone, in one batch: milliseconds per assembly.
 
-Lengths and heights are those of the pinion's flank, from its middle (`teeth.flank_frame`). The transmission error of the gears is
-estimated: the greatest advance of all tooth pairs at even phases of a pitch, by cubics through the positions and their slopes;
-so is the contact ratio, by how the distance to the edges runs out. The exact ones, with every change a root, are of the mesh cycle.
+Lengths and heights are on the pinion's flank, measured from its middle (`teeth.flank_frame`). The transmission error of
+the gears is an estimate: the largest advance of all tooth pairs at equally spaced phases of a pitch, from cubics
+through the positions and their slopes. The contact ratio is estimated by extrapolating the distance to the edges. The
+mesh cycle has the exact values, with each change of pairs solved as a root.
 """
 
 from __future__ import annotations
@@ -17,10 +18,10 @@ from gearmesh.figures import Figures, figure
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.teeth.flank_frame import FlankFrame
 
-#: phases of a pitch at which the advance of the gears is taken
-PHASES = 96
-#: rad by which a tooth pair is ahead of another: advances that are level differ by rounding
-AHEAD = 1e-12
+#: phases of a pitch at which the advance of the gears is computed
+PHASES_PER_PITCH = 96
+#: difference of advances, rad, that is only rounding: below it two tooth pairs are level
+LEVEL_ADVANCE_RAD = 1e-12
 
 
 @dataclass(frozen=True)
@@ -46,14 +47,14 @@ class PathFigures(Figures):
 
 @dataclass(frozen=True)
 class PathShift(Figures):
-    """How far the contact is from where the design as it is has it."""
+    """Shift of the contact from its place in the unchanged design."""
 
     length: Array | float = figure("shift of the contact along the flank", "mm", key="path_shift_length_mm")
     height: Array | float = figure("shift of the contact across the flank", "mm", key="path_shift_height_mm")
 
 
 def path_figures(paths: AssemblyPaths, frame: FlankFrame, pitch: float) -> PathFigures:
-    """Figures (M,); NaN where there is none."""
+    """Return the figures (M,) of M assemblies; NaN where there is no value."""
     with np.errstate(all="ignore"):
         inside = paths.surface & ~paths.line
         places = frame.places(paths.point)
@@ -77,7 +78,9 @@ def path_figures(paths: AssemblyPaths, frame: FlankFrame, pitch: float) -> PathF
 
 
 def pattern_box(paths: AssemblyPaths, frame: FlankFrame, places: Array) -> tuple[Array, Array]:
-    """Least and greatest length and height (M, 2) of the contact ellipses inside both flanks, cut off at the flank's extent."""
+    """Return smallest and largest length and height (M, 2) of the contact ellipses inside both flanks, clipped to the
+    flank.
+    """
     half = np.linalg.norm(frame.directions(paths.point[:, :, None], paths.axes), axis=2)
     inside = (paths.surface & ~paths.line)[..., None] & np.isfinite(half)
     low, high = frame.extent
@@ -88,54 +91,67 @@ def pattern_box(paths: AssemblyPaths, frame: FlankFrame, places: Array) -> tuple
 
 
 def surface_length(paths: AssemblyPaths) -> Array:
-    """phi1 (M,), rad, over which the surface contact about the middle of its positions goes on: to where, beyond its last
-    positions, the distance to an edge has run out if it goes on changing as between them; NaN without any, where it goes on beyond
-    the positions, and along lines, which end otherwise."""
+    """Return the range of phi1 (M,), rad, over which the surface contact about the middle of its positions lasts.
+
+    Beyond its last positions the distance to an edge is extrapolated to zero along its last slope. NaN without surface
+    contact, if it lasts beyond the positions, and along lines of contact, which end in another way.
+    """
     count, surface = len(paths.phi1), paths.surface
     step = float(np.diff(paths.phi1).mean()) if count > 1 else np.nan
-    # at the first and last position of all nothing is known of what comes beyond
+    # nothing is known beyond the first and last of all positions
     known = surface.any(axis=1) & ~surface[:, 0] & ~surface[:, -1] & ~paths.line.any(axis=1)
     first, last = surface.argmax(axis=1), count - 1 - surface[:, ::-1].argmax(axis=1)
-    every = np.arange(len(surface))
+    assemblies = np.arange(len(surface))
     steps = (last - first).astype(float)
     for end, before in ((first, np.minimum(first + 1, count - 1)), (last, np.maximum(last - 1, 0))):
-        here, there = paths.inside[every, end], paths.inside[every, before]
-        run = np.where(there > here, here / (there - here), np.inf).min(axis=1, initial=np.inf)
+        edge_distance, distance_before = paths.inside[assemblies, end], paths.inside[assemblies, before]
+        run = np.where(distance_before > edge_distance, edge_distance / (distance_before - edge_distance), np.inf).min(
+            axis=1, initial=np.inf
+        )
         steps += np.clip(np.where(np.isfinite(run), run, 0.5), 0.0, 1.0)
     return np.asarray(np.where(known, step * steps, np.nan))
 
 
 def gears_advance(paths: AssemblyPaths, pitch: float) -> Array:
-    """Advance (M, PHASES), rad, of the gears at even phases of a pitch; NaN where no position is near that touches, and for
-    assemblies in which the tooth pair is still in contact at the first or last position: contact beyond it is not known."""
+    """Return the advance (M, PHASES_PER_PITCH), rad, of the gears at equally spaced phases of a pitch.
+
+    NaN at phases near which no position has contact. NaN for all phases of an assembly whose tooth pair is still in
+    contact at the first or last position: contact beyond them is not known.
+    """
     phi1 = paths.phi1
     if len(phi1) < 2 or phi1[-1] - phi1[0] < pitch:
-        return np.full((len(paths.advance), PHASES), np.nan)
-    phase = np.linspace(0.0, pitch, PHASES, endpoint=False)
+        return np.full((len(paths.advance), PHASES_PER_PITCH), np.nan)
+    phase = np.linspace(0.0, pitch, PHASES_PER_PITCH, endpoint=False)
     first, last = (int(np.floor(end / pitch)) for end in (phi1[0], phi1[-1]))
-    best = np.full((len(paths.advance), PHASES), -np.inf)
+    # the gears follow the tooth pair that is farthest ahead; pair k at a phase is pair 0 k pitches later
+    best = np.full((len(paths.advance), PHASES_PER_PITCH), -np.inf)
     for k in range(first, last + 1):
-        at = phase + k * pitch
-        own = np.flatnonzero((at >= phi1[0]) & (at <= phi1[-1]))
-        if own.size:
-            best[:, own] = np.fmax(best[:, own], _cubic(phi1, paths.advance, paths.slope, at[own]))
-    beside = _cubic(phi1, paths.advance, paths.slope, np.array([phi1[0] + pitch, phi1[-1] - pitch]))
-    open_end = np.any(paths.advance[:, [0, -1]] > beside + AHEAD, axis=1, keepdims=True)
+        rotation = phase + k * pitch
+        known_phases = np.flatnonzero((rotation >= phi1[0]) & (rotation <= phi1[-1]))
+        if known_phases.size:
+            best[:, known_phases] = np.fmax(
+                best[:, known_phases], _cubic(phi1, paths.advance, paths.slope, rotation[known_phases])
+            )
+    # at the first and last position the neighbouring pair should be ahead: if it is not, contact continues beyond them
+    neighbour_advance = _cubic(phi1, paths.advance, paths.slope, np.array([phi1[0] + pitch, phi1[-1] - pitch]))
+    open_end = np.any(paths.advance[:, [0, -1]] > neighbour_advance + LEVEL_ADVANCE_RAD, axis=1, keepdims=True)
     return np.where(np.isfinite(best) & ~open_end, best, np.nan)
 
 
 def carries(paths: AssemblyPaths, pitch: float) -> NDArray[np.bool_]:
-    """Positions (M, P) at which the pair is ahead of both its neighbours, as far as the positions show it."""
+    """Return positions (M, P) at which the pair is ahead of both neighbouring pairs, as far as the positions show."""
     phi1 = paths.phi1
     ahead = np.ones(paths.advance.shape, dtype=bool)
     for at in (phi1 - pitch, phi1 + pitch) if len(phi1) > 1 else ():
-        own = np.flatnonzero((at >= phi1[0]) & (at <= phi1[-1]))
-        ahead[:, own] &= ~(paths.advance[:, own] < _cubic(phi1, paths.advance, paths.slope, at[own]))
+        known_positions = np.flatnonzero((at >= phi1[0]) & (at <= phi1[-1]))
+        ahead[:, known_positions] &= ~(
+            paths.advance[:, known_positions] < _cubic(phi1, paths.advance, paths.slope, at[known_positions])
+        )
     return ahead
 
 
 def _cubic(phi1: Array, value: Array, slope: Array, at: Array) -> Array:
-    """Cubics (M, N) through values and slopes (M, P) at phi1 (P,); straight where a slope is not known."""
+    """Return cubics (M, N) through values and slopes (M, P) at phi1 (P,); straight where a slope is not known."""
     k = np.clip(np.searchsorted(phi1, at, "right") - 1, 0, len(phi1) - 2)
     h = phi1[k + 1] - phi1[k]
     t = (at - phi1[k]) / h
@@ -147,13 +163,13 @@ def _cubic(phi1: Array, value: Array, slope: Array, at: Array) -> Array:
 
 
 def _means(places: Array, inside: NDArray[np.bool_]) -> Array:
-    """Means (M, 2) of the places (M, P, 2) that are inside."""
+    """Return the means (M, 2) of the places (M, P, 2) that are inside."""
     count = inside.sum(axis=1)[:, None]
     return np.asarray(np.where(inside[..., None], places, 0.0).sum(axis=1) / np.where(count, count, np.nan))
 
 
 def _ptp(values: Array, *, whole: bool = False) -> Array:
-    """Greatest less least of values (M, N), of those that are known, or none if `whole` and one is not."""
+    """Return the range (largest less smallest) of the known values (M, N); NaN if `whole` and a value is not known."""
     known = np.isfinite(values)
     none = ~known.any(axis=1) | (whole & ~known.all(axis=1))
     spread = np.where(known, values, -np.inf).max(axis=1) - np.where(known, values, np.inf).min(axis=1)

@@ -1,4 +1,4 @@
-"""Contact of every row of a small study, to be drawn beside each other."""
+"""Contact of every row of a small study, to be drawn side by side."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from gearmesh.contact.assemblies import AssemblyPaths
 from gearmesh.contact.tca import contact_path
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.study.rows.path_figures import PHASES, gears_advance
+from gearmesh.study.rows.path_figures import PHASES_PER_PITCH, gears_advance
 from gearmesh.study.rows.work import NO_CONTACT, StudyWork
 from gearmesh.teeth.flank_frame import FlankFrame
 from gearmesh.teeth.gear_train import GearPair
@@ -19,23 +19,27 @@ from gearmesh.teeth.gear_train import GearPair
 
 @dataclass(frozen=True)
 class AssemblyContact:
-    """A pair as one row has it, its `frame` and paths (one assembly), the `lines` of contact (P) in the pinion's own frame where it
-    has such, and the gears' `advance` (PHASES,), rad, over a pitch."""
+    """Contact of a pair in the assembly of one row."""
 
+    #: pair with the members mounted as in the row
     pair: GearPair
+    #: frame of the pinion's flank
     frame: FlankFrame
+    #: paths of contact of this one assembly
     paths: AssemblyPaths
+    #: line of contact at each of P positions, in the pinion's own frame; None for contact at a point
     lines: tuple[Array | None, ...]
+    #: advance (PHASES_PER_PITCH,) of the gears over a pitch, rad
     advance: Array
 
     @property
     def phase(self) -> Array:
-        """Rotations (PHASES + 1,), rad, at which `advance` and its first again are."""
-        return np.arange(PHASES + 1) * self.pair.pitch / PHASES
+        """Rotations (PHASES_PER_PITCH + 1,), rad, of `advance`, with the first value repeated at the end."""
+        return np.arange(PHASES_PER_PITCH + 1) * self.pair.pitch / PHASES_PER_PITCH
 
 
 def assembly_contacts(work: StudyWork, rows: Sequence[Sequence[Any]]) -> list[AssemblyContact | str]:
-    """Of each row its contact, or why there is none."""
+    """Return the contact of each row, or the reason why it has none."""
     contacts: list[AssemblyContact | str] = []
     for row in work.paths(rows):
         if isinstance(row, str):

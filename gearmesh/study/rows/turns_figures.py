@@ -1,4 +1,6 @@
-"""Figures of a row of a study over whole turns: the long transmission error, and the pitch deviations that make it."""
+"""Figures of a row of a study over whole turns: the long-period transmission error and the pitch deviations that cause
+it.
+"""
 
 from __future__ import annotations
 
@@ -16,8 +18,8 @@ from gearmesh.metrology.pitch import PitchDeviations
 from gearmesh.systems import system as systems
 from gearmesh.teeth.gear_train import GearPair, GearTrain
 
-#: um of a mm
-UM = 1e3
+#: micrometres per millimetre
+UM_PER_MM = 1e3
 
 
 @dataclass(frozen=True)
@@ -33,12 +35,12 @@ class RowPitch(Figures):
 
 
 def turns_figures(design: Design, train: GearTrain, pair: GearPair) -> Summary:
-    """Of a pair over the turns after which it repeats. Raises as `whole_turns`."""
+    """Return the figures of a pair over the turns after which it repeats. Raises the errors of `whole_turns`."""
     inspection = systems.system_of(design).inspection
     single, total = {}, {}
     for member, side in zip(pair.both, pair.flanks, strict=True):
         basis = None if inspection is None else inspection(design, train, member.name)
         angles = member.index.of(side, member.tooth.teeth)
         pitch = PitchDeviations(np.asarray(angles * pitch_radius(member.tooth, basis)))
-        single[member.name], total[member.name] = UM * pitch.single_pitch, UM * pitch.cumulative
+        single[member.name], total[member.name] = UM_PER_MM * pitch.single_pitch, UM_PER_MM * pitch.cumulative
     return Summary(TurnsSummary.of(pair, whole_turns(pair)), RowPitch(single, total))

@@ -1,18 +1,18 @@
-"""Rows of a study: what one worker does of a chunk. It holds plain data only, so that it can be sent anywhere.
+"""Rows of a study: the work of one worker on a chunk. It holds only plain data, so that it can be sent to any worker.
 
-Keys that only move members (`System.displacements`) are put through one pair of built members, all rows in one batch; any other key
-builds its design anew, as `--set` would. What is computed is what the figures asked for need, in three groups, each with all
-figures of those before it at hand, and two apart:
+All rows that vary only keys that move members (`System.displacements`) go through one pair of built members in one
+batch. Each other key builds its design anew, as `--set` does. Only the groups of the wanted figures are computed. The
+first three groups build on each other; the last two are separate:
 
-    path    paths of contact at the design's positions, batched: milliseconds a row
-    cycle   the mesh cycle of every row: exact transmission error of the gears, harmonics, contact ratio: tenths of a second; none
-            of gears that jam
-    fit     backlash, clearance, interference besides, which the cycle has looked at
+    path    paths of contact at the design's positions, batched: milliseconds per row
+    cycle   the mesh cycle of every row: exact transmission error of the gears, harmonics, contact ratio: tenths of a second;
+            no transmission error for gears that jam
+    fit     backlash, clearance and interference, which the cycle has computed already
 
-    turns   transmission error over whole turns of members that are eccentric or have pitch deviations, until the same teeth meet
-            again: a second
-    load    a mesh cycle under each of some torques: a second or two a row and torque, and seconds for how the members of each
-            design deflect, wherever they are mounted
+    turns   transmission error over whole turns of members with eccentricity or pitch deviations, until the same teeth
+            meet again: a second
+    load    a mesh cycle under each torque: one to two seconds per row and torque, and some seconds per design for the
+            compliance of its members, which is the same in all mountings
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ from gearmesh.figures import Figures, Summary, figure
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.compliance.compliance import FlankCompliance
-from gearmesh.study.rows.load_figures import POSITIONS, load_figures
+from gearmesh.study.rows.load_figures import POSITIONS_PER_PITCH, load_figures
 from gearmesh.study.rows.path_figures import PathShift, path_figures
 from gearmesh.study.rows.turns_figures import turns_figures
 from gearmesh.systems import system as systems
@@ -53,19 +53,24 @@ from gearmesh.systems.designs import parse
 from gearmesh.teeth.flank_frame import FlankFrame
 from gearmesh.teeth.gear_train import GearPair, GearTrain
 
-#: each needs what those before it do
-GROUPS = ("path", "cycle", "fit")
-#: the group of whole turns, and the one that needs torques
-TURNS, LOAD = "turns", "load"
-#: rows of a chunk: of those that are batched, and of others
-BATCHED, SINGLE = 50, 4
-#: pitches by which positions go on beyond the engagement either way: errors move it
-WIDER = 0.5
-#: designs that a process keeps built
-KEPT = 8
+#: groups of figures; each needs the groups before it
+CONTACT_GROUPS = ("path", "cycle", "fit")
+#: group of figures over whole turns
+TURNS_GROUP = "turns"
+#: group of figures under load, which needs torques
+LOAD_GROUP = "load"
+#: rows of a chunk whose rows are computed in one batch
+BATCHED_CHUNK_ROWS = 50
+#: rows of any other chunk
+SINGLE_CHUNK_ROWS = 4
+#: pitches that are added to the engagement at both ends, because errors shift it
+EXTRA_PITCHES = 0.5
+#: limit of the built designs that a process keeps
+MAX_KEPT_DESIGNS = 8
+#: reason of a row whose flanks do not touch
 NO_CONTACT = "no contact at any position"
 
-#: figures of a row by their names, and why there are none ("": there are)
+#: figures of a row, and the reason why it has none ("" if it has figures)
 Row = tuple[Summary, str]
 
 
@@ -88,26 +93,31 @@ class BreakCount(Figures):
 
 @dataclass(frozen=True)
 class StudyWork:
-    """What is done of each row: `own`, the design's own keys as nested tables; `keys` that are varied; which mesh; `groups` of
-    figures that are computed and `names` of those that are kept; `reference`: length and height (mm) of the contact of the design
-    as it is; `torque` (T,), Nm, on the pinion, of the group load."""
+    """Function that computes rows of a study."""
 
+    #: keys that the design sets, as nested tables
     own: Mapping[str, Any]
+    #: varied keys, dotted
     keys: tuple[str, ...]
+    #: name or number of the pair
     pair: int | str
+    #: groups of figures that are computed
     groups: tuple[str, ...]
+    #: figures that are kept
     names: tuple[str, ...] = ()
+    #: length and height (mm) of the contact of the unchanged design
     reference: tuple[float, float] | None = None
+    #: torques (T,), Nm, on the pinion, for the group "load"
     torque: tuple[float, ...] = ()
 
     def __call__(self, rows: Sequence[Sequence[Any]]) -> list[list[Any]]:
-        """Values of `names` of each row, None where there is none, and last the reason."""
+        """Return the values of `names` of each row, None where there is no value, and last the reason."""
         return [[*(_value(figures, name) for name in self.names), reason] for figures, reason in self.figures(rows)]
 
     @property
     def chunk(self) -> int:
-        """Rows that are done together."""
-        return BATCHED if self.groups == ("path",) and self._moving else SINGLE
+        """Number of rows that are computed together."""
+        return BATCHED_CHUNK_ROWS if self.groups == ("path",) and self._moving else SINGLE_CHUNK_ROWS
 
     @property
     def kind(self) -> str:
@@ -115,69 +125,78 @@ class StudyWork:
 
     @property
     def _moving(self) -> tuple[str, ...]:
-        """The keys that only move members."""
+        """Varied keys that only move members."""
         return tuple(key for key in self.keys if key in displacing_keys(self.kind))
 
     def figures(self, rows: Sequence[Sequence[Any]]) -> list[Row]:
-        """All figures of the groups, row by row; what fails is a reason."""
+        """Return all figures of the groups, row by row; a row that fails has only its reason."""
         results_by_row: list[Row] = [(Summary(), "")] * len(rows)
-        for variant, which, errors in self._variants(rows):
+        for variant, row_numbers, errors in self._variants(rows):
             if isinstance(variant, str):
-                results: list[Row] = [(Summary(), variant)] * len(which)
+                results: list[Row] = [(Summary(), variant)] * len(row_numbers)
             else:
                 results = self._of_variant(variant, errors)
-            for k, result in zip(which, results, strict=True):
+            for k, result in zip(row_numbers, results, strict=True):
                 results_by_row[k] = result
         return results_by_row
 
     def paths(self, rows: Sequence[Sequence[Any]]) -> list[tuple[Variant, AssemblyPaths] | str]:
-        """Paths of contact of each row, one assembly each, with the design they are of, with its mounting; or why there is none."""
+        """Return the paths of contact of each row (one assembly) with its mounted design, or the reason why there are
+        none.
+        """
         by_row: list[tuple[Variant, AssemblyPaths] | str] = [""] * len(rows)
-        for variant, which, errors in self._variants(rows):
+        for variant, row_numbers, errors in self._variants(rows):
             if isinstance(variant, str):
-                for k in which:
+                for k in row_numbers:
                     by_row[k] = variant
                 continue
-            # half way between the positions of the rows too
+            # the positions of the rows and the points half way between them
             phi1 = np.linspace(variant.phi1[0], variant.phi1[-1], 2 * len(variant.phi1) - 1)
             bases = variant.bases(errors)
-            every = assembly_paths(variant.flanks, bases, phi1)
-            for m, k in enumerate(which):
-                one = {name: value[m : m + 1] for name, value in vars(every).items() if name != "phi1"}
-                by_row[k] = variant.standing(bases, m), AssemblyPaths(every.phi1, **one)
+            all_paths = assembly_paths(variant.flanks, bases, phi1)
+            for m, k in enumerate(row_numbers):
+                single_assembly = {name: value[m : m + 1] for name, value in vars(all_paths).items() if name != "phi1"}
+                by_row[k] = variant.standing(bases, m), AssemblyPaths(all_paths.phi1, **single_assembly)
         return by_row
 
     def _variants(self, rows: Sequence[Sequence[Any]]) -> Iterator[tuple[Variant | str, list[int], dict[str, Array]]]:
-        """Rows of one design each: it, or why it cannot be, their numbers, and their errors (M,) by key, in the design's units."""
+        """Yield the rows of each design: the design or the reason why it fails, row numbers, and errors (M,) by key.
+
+        Errors are in the design's units.
+        """
         moving = self._moving
         still = [k for k, key in enumerate(self.keys) if key not in moving]
         groups: dict[tuple[Any, ...], list[int]] = {}
         for k, row in enumerate(rows):
             groups.setdefault(tuple(row[i] for i in still), []).append(k)
-        for values, which in groups.items():
-            own = with_keys(self.own, ((self.keys[i], value) for i, value in zip(still, values, strict=True)))
+        for values, row_numbers in groups.items():
+            keys_of_variant = with_keys(
+                self.own, ((self.keys[i], value) for i, value in zip(still, values, strict=True))
+            )
             errors = {
-                key: np.array([float(rows[k][self.keys.index(key)]) for k in which]).reshape(-1) for key in moving
+                key: np.array([float(rows[k][self.keys.index(key)]) for k in row_numbers]).reshape(-1) for key in moving
             }
             variant: Variant | str
             try:
-                variant = _build(json.dumps(own, sort_keys=True), self.pair)
-            except Exception as failure:  # whatever is wrong with one design is a row, not the end of the study
+                variant = _build(json.dumps(keys_of_variant, sort_keys=True), self.pair)
+            except Exception as failure:  # an invalid design is a failed row, not the end of the study
                 variant = _reason(failure)
-            yield variant, which, errors if errors else {"": np.zeros(len(which))}
+            yield variant, row_numbers, errors if errors else {"": np.zeros(len(row_numbers))}
 
     def _of_variant(self, variant: Variant, errors: Mapping[str, Array]) -> list[Row]:
         count = len(next(iter(errors.values())))
         bases = variant.bases(errors)
         paths = assembly_paths(variant.flanks, bases, variant.phi1)
-        every = path_figures(paths, variant.frame, variant.pair.pitch)
-        columns, (length, height) = every.entries, self.reference or (math.nan, math.nan)
+        all_figures = path_figures(paths, variant.frame, variant.pair.pitch)
+        columns, (length, height) = all_figures.entries, self.reference or (math.nan, math.nan)
         rows: list[Row] = []
         for m in range(count):
-            own = [replace(column, value=float(column.value[m])) for column in columns]
-            shift = PathShift(float(every.contact_length[m]) - length, float(every.contact_height[m]) - height)
-            figures = Summary(own, shift, variant.pair.figures)
-            reason = "" if every.converged[m] else NO_CONTACT
+            row_entries = [replace(column, value=float(column.value[m])) for column in columns]
+            shift = PathShift(
+                float(all_figures.contact_length[m]) - length, float(all_figures.contact_height[m]) - height
+            )
+            figures = Summary(row_entries, shift, variant.pair.figures)
+            reason = "" if all_figures.converged[m] else NO_CONTACT
             if not reason and self.groups != ("path",):
                 try:
                     figures = Summary(figures, self._of_assembly(variant.standing(bases, m)))
@@ -187,12 +206,12 @@ class StudyWork:
         return rows
 
     def _of_assembly(self, variant: Variant) -> Summary:
-        """Figures of the mesh cycle, of the fit and of loads, as they are asked for."""
+        """Return the figures of mesh cycle, fit, whole turns and loads, as far as their groups are wanted."""
         cycle, figures = self._of_cycle(variant) if "cycle" in self.groups else (None, Summary())
-        if TURNS in self.groups:
+        if TURNS_GROUP in self.groups:
             figures = Summary(figures, turns_figures(variant.design, variant.train, variant.pair))
-        if LOAD in self.groups:
-            phi1 = variant.pair.pitch * np.arange(POSITIONS) / POSITIONS
+        if LOAD_GROUP in self.groups:
+            phi1 = variant.pair.pitch * np.arange(POSITIONS_PER_PITCH) / POSITIONS_PER_PITCH
             loaded = loaded_contact_of(
                 variant.design, variant.pair, self.torque, cycle=cycle, phi1=phi1, bodies=variant.bodies.both
             )
@@ -200,12 +219,12 @@ class StudyWork:
         return figures
 
     def _of_cycle(self, variant: Variant) -> tuple[Cycle | None, Summary]:
-        """The mesh cycle, None where nothing touches, and its figures."""
+        """Return the mesh cycle (None if nothing touches) and its figures."""
         pair = variant.pair
         curve = gears_curve(variant.flanks, pair.pitch)
         if curve is None:
             return None, Summary()
-        # gears that jam have no transmission error, whether or not it is asked how they fit
+        # gears that jam have no transmission error, also where the fit is not recorded
         fits = fit(pair, curve)
         jammed = fits is not None and fits.jammed
         cycle = mesh_cycle(variant.flanks, pair.pitch, curve=curve, jammed=jammed)
@@ -215,93 +234,103 @@ class StudyWork:
 
 
 def cycle_figures(pair: GearPair, known: CycleSummary, fitted: FitSummary | None, *, jammed: bool = False) -> Summary:
-    """Figures of a row about a mesh cycle and the fit of the gears: breaks by their number, lists number by number."""
-    told = (entry for entry in known.entries if entry.value is not known.te_breaks_phi1)
+    """Return the figures of a mesh cycle and the fit of the gears: the number of breaks, and lists number by number."""
+    shown = (entry for entry in known.entries if entry.value is not known.te_breaks_phi1)
     breaks = BreakCount(len(known.te_breaks_phi1))
-    figures = Summary(told, breaks, PathErrors(math.nan, math.nan) if jammed else None, fitted)
+    figures = Summary(shown, breaks, PathErrors(math.nan, math.nan) if jammed else None, fitted)
     return Summary(figures, slid_summary(pair, figures)).flat
 
 
 @dataclass(frozen=True)
 class Bodies:
-    """The members of a pair as elastic bodies, the same in every mounting."""
+    """Members of a pair as elastic bodies, the same in every mounting."""
 
     design: Design
     pair: GearPair
 
     @cached_property
     def both(self) -> tuple[FlankCompliance, FlankCompliance]:
-        """Of pinion and gear: seconds, when first asked for."""
+        """Compliance of pinion and gear, computed at the first use, which takes seconds."""
         return bodies_of(self.design, self.pair)
 
 
 @dataclass(frozen=True)
 class Variant:
-    """A design that is built: with the members mounted without errors (or `standing` with them), and the `errors` that
-    the design itself has, by key, in its own units; `phi1` (P,), rad, of the rows."""
+    """Built design, with its members mounted without errors; `standing` returns it with errors."""
 
+    #: the design without its assembly errors
     design: Design
+    #: its built gears
     train: GearTrain
+    #: the pair whose contact is computed
     pair: GearPair
+    #: flanks of the pair as the contact solver takes them
     flanks: Pair
+    #: frame of the pinion's flank
     frame: FlankFrame
+    #: assembly errors that the design itself sets, by dotted key, in its own units
     errors: Mapping[str, float]
+    #: rotations (P,), rad, of the positions
     phi1: Array
+    #: members as elastic bodies
     bodies: Bodies
 
     def bases(self, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
-        """Bases of pinion and gear in M assemblies, with errors (M,) by dotted key in the place of the design's own."""
+        """Return the bases of pinion and gear in M assemblies; errors (M,) by dotted key replace those of the design."""
         return _bases(self.design, self.train, self.pair, self.errors, errors)
 
     def standing(self, bases: tuple[Rigid, Rigid], m: int) -> Variant:
-        """The same with the members mounted as in the m-th of M assemblies."""
+        """Return the design with its members mounted as in the m-th of M assemblies."""
         pinion, gear = (Rigid(basis.rotation[m], basis.translation[m]) for basis in bases)
         pair = _place(self.pair, pinion, gear)
         return replace(self, pair=pair, flanks=remount(self.flanks, pair))
 
 
 def displacing_keys(kind: str) -> tuple[str, ...]:
-    """Dotted keys of a kind that only move its members."""
+    """Return the dotted keys of a kind that only move its members."""
     known = systems.system(kind).displacements
     return () if known is None else tuple(f"assembly.{key}" for key in known.keys)
 
 
 def own_keys(design: Design) -> Mapping[str, Any]:
-    """The keys that a design sets, as nested tables."""
+    """Return the keys that a design sets, as nested tables."""
     return with_keys({}, design.own())
 
 
 def remount(flanks: Pair, pair: GearPair) -> Pair:
-    """The flanks of a pair in other places."""
+    """Return the flanks of a pair with the members in the positions of another pair."""
     first, second = (flank.remount(mount) for flank, mount in zip(flanks.flanks, pair.mounts, strict=True))
     return replace(flanks, pinion=first, gear=second)
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=MAX_KEPT_DESIGNS)
 def _build(text: str, which: int | str) -> Variant:
-    """The design of a JSON text, built. Raises DesignError, and NoSolutionError where the flanks never meet."""
-    own = json.loads(text)
-    keys = displacing_keys(own["kind"])
-    design = parse(own)
+    """Build the design of a JSON text. Raises DesignError, and NoSolutionError if the flanks never meet."""
+    tables = json.loads(text)
+    keys = displacing_keys(tables["kind"])
+    design = parse(tables)
     given = dict(design.own())
     errors = {key: float(given.get(key, 0.0)) for key in keys}
-    still = parse(with_keys(own, ((key, 0.0) for key in keys))) if any(errors.values()) else design
-    train = systems.build(still)
+    aligned = parse(with_keys(tables, ((key, 0.0) for key in keys))) if any(errors.values()) else design
+    train = systems.build(aligned)
     pair = train.pair(which)
     flanks = solver_pair(pair)
     if any(errors.values()):
-        bases = _bases(still, train, pair, errors, {"": np.zeros(1)})
+        bases = _bases(aligned, train, pair, errors, {"": np.zeros(1)})
         placed = _place(pair, *(Rigid(basis.rotation[0], basis.translation[0]) for basis in bases))
-        there = remount(flanks, placed)
+        mounted_flanks = remount(flanks, placed)
     else:
-        there = flanks
-    phi1 = _positions(design, pair, there)
+        mounted_flanks = flanks
+    phi1 = _positions(design, pair, mounted_flanks)
     frame = FlankFrame.of(pair.pinion, pair.flanks[0])
-    return Variant(still, train, pair, flanks, frame, errors, phi1, Bodies(still, pair))
+    return Variant(aligned, train, pair, flanks, frame, errors, phi1, Bodies(aligned, pair))
 
 
 def _positions(design: Design, pair: GearPair, flanks: Pair) -> Array:
-    """Rotations (P,), rad, of a design's positions: those it sets, else over its engagement and WIDER than that."""
+    """Return the rotations (P,), rad, of a design's positions.
+
+    These are the positions that it sets; else they cover its engagement and EXTRA_PITCHES beyond both ends.
+    """
     wanted = design.contact.phi1
     ends = wanted.start, wanted.stop
     if by_engagement(design, pair):
@@ -309,7 +338,7 @@ def _positions(design: Design, pair: GearPair, flanks: Pair) -> Array:
         if followed is None or not followed.contacts.touching.any():
             raise NoSolutionError(reason="the flanks never meet", remedy="reduce the assembly errors")
         first, last = engagement_range(followed, pair.pitch)
-        ends = tuple(np.degrees((first - WIDER * pair.pitch, last + WIDER * pair.pitch)).tolist())
+        ends = tuple(np.degrees((first - EXTRA_PITCHES * pair.pitch, last + EXTRA_PITCHES * pair.pitch)).tolist())
     phi1 = np.radians(np.linspace(*ends, wanted.count))
     return phi1 if pair.generation is None else contact_path(flanks, phi1, pair.generation).rotation
 
@@ -343,13 +372,13 @@ def _place(pair: GearPair, pinion: Rigid, gear: Rigid) -> GearPair:
 
 
 def _value(summary: Summary, name: str) -> Any:
-    """The value of a figure, None where there is none."""
+    """Return the value of a figure; None if there is none."""
     entry = summary.entry(name)
     value = None if entry is None else plain(entry.value)
     return int(value) if entry is not None and entry.figure.whole and value is not None else value
 
 
 def _reason(failure: Exception) -> str:
-    """Why a row failed, in one line."""
+    """Return why a row failed, in one line."""
     text = str(failure) if isinstance(failure, GearmeshError) else f"{type(failure).__name__}: {failure}"
     return " ".join(text.split()) or type(failure).__name__
