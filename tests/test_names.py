@@ -18,7 +18,6 @@ TO_REWRITE = {
     "app",
     "cad",
     "kernel",
-    "reports",
     "systems",
     "systems/cylindrical",
     "systems/face_gear",

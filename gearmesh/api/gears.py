@@ -957,11 +957,11 @@ class Gears(ModelledGears):
         """
         from gearmesh.answers.load.loaded import required_torques
         from gearmesh.answers.questions import loaded_meshes
-        from gearmesh.reports.report import SHOWN, report_page, study_section
+        from gearmesh.reports.report import SHOWN_TOLERANCE_MM, report_page, study_section
         from gearmesh.view.load.loaded_pictures import LoadedPictures
 
         # what is wrong with arguments is refused before anything is solved
-        shown = self.within(tolerance, SHOWN)
+        shown = self.within(tolerance, SHOWN_TOLERANCE_MM)
         for study in studies:
             study_section(Path(study))
         if torque is not None:

@@ -1,1 +1,1 @@
-"""What answers become for people: pictures by name, the report page, the folder of a whole run."""
+"""Reports of answers for people: pictures by name, the report page, and the folder of a whole run."""

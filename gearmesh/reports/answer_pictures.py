@@ -16,10 +16,10 @@ from gearmesh.view.load.loaded_pictures import LoadedPictures
 from gearmesh.view.picture import Diagram, Picture
 from gearmesh.view.tools.path_scene import path_scene
 
-#: what a picture of a solved model of finite elements shows
-STRESS = "stress"
-#: what a picture of a tool path shows
-TOOL_PATH = "toolpath"
+#: view of a solved finite-element model
+STRESS_VIEW = "stress"
+#: view of a tool path
+TOOL_PATH_VIEW = "toolpath"
 
 
 def picture_of_answer(
@@ -31,20 +31,20 @@ def picture_of_answer(
     dpi: int,
     note: str,
 ) -> Picture | Diagram:
-    """The picture that `Gears.picture` promises of an answer."""
+    """Return the picture of an answer, as `Gears.picture` describes it."""
     if isinstance(answer, LoadedContact):
         return LoadedPictures(answer).picture(view, member, torque=torque, size=size, dpi=dpi, note=note)
     if isinstance(answer, ToolPathAnswer):
-        if view != TOOL_PATH:
-            raise ArgumentError("view", view, must_be=f"{TOOL_PATH}, for a tool path")
+        if view != TOOL_PATH_VIEW:
+            raise ArgumentError("view", view, must_be=f"{TOOL_PATH_VIEW}, for a tool path")
         return Picture(path_scene(answer, size or pictures.PICTURE_SIZE, note))
-    if view != STRESS:
-        raise ArgumentError("view", view, must_be=f"{STRESS}, for a solved finite-element model")
+    if view != STRESS_VIEW:
+        raise ArgumentError("view", view, must_be=f"{STRESS_VIEW}, for a solved finite-element model")
     return solution_picture(answer)
 
 
 def save_pictures(answer: LoadedContact | Study, folder: Path) -> tuple[Path, ...]:
-    """The files that `Gears.save_pictures` promises."""
+    """Write the pictures of an answer and return their files, as `Gears.save_pictures` describes them."""
     if isinstance(answer, Study):
         return tuple(study_pictures(answer, folder))
     return LoadedPictures(answer).save(folder)

@@ -1,6 +1,6 @@
-"""Which answers a picture of gears needs, and what draws them.
+"""Pictures of gears by the name of their view: the answers that each picture needs, and the functions that draw it.
 
-Pictures of a tooth load neither what makes whole solids, nor what checks them, nor what draws diagrams.
+Pictures of a tooth load no module for whole solids, for their checks, or for diagrams.
 """
 
 from __future__ import annotations
@@ -35,12 +35,14 @@ if TYPE_CHECKING:
     from gearmesh.view.mesh_section import MeshSection
 
 #: views that need no mating gear
-ALONE = ("pair", "tool", "contact_lines")
-#: what the worm that grinds a member is called where members are
-WORM = "worm"
+VIEWS_WITHOUT_MATE = ("pair", "tool", "contact_lines")
+#: name of the worm that grinds a member, where names of members are given
+WORM_NAME = "worm"
 
-#: resolution of figures, pixels per inch
-LEAST_DPI, LARGEST_DPI = 20, 1200
+#: smallest resolution of diagrams, pixels per inch
+MIN_DPI = 20
+#: largest resolution of diagrams, pixels per inch
+MAX_DPI = 1200
 
 
 def picture(
@@ -53,16 +55,16 @@ def picture(
     dpi: int,
     note: str,
 ) -> Picture | Diagram:
-    """The picture that `Gears.picture` promises of gears alone."""
+    """Return a picture of gears alone, as `Gears.picture` describes it."""
     if view not in PICTURE_VIEWS:
         raise ArgumentError("view", view, must_be=f"one of {', '.join(PICTURE_VIEWS)}")
     if size is not None:
         refuse_size(size)
-    if not LEAST_DPI <= dpi <= LARGEST_DPI:
-        raise ArgumentError("dpi", dpi, must_be=f"a whole number from {LEAST_DPI} to {LARGEST_DPI}")
+    if not MIN_DPI <= dpi <= MAX_DPI:
+        raise ArgumentError("dpi", dpi, must_be=f"a whole number from {MIN_DPI} to {MAX_DPI}")
     if phi1 is not None:
         position_list(phi1)
-    if view in ALONE and not gears.names.pairs:
+    if view in VIEWS_WITHOUT_MATE and not gears.names.pairs:
         _refuse_position(view, phi1)
         return _picture_alone(
             gears, view, member, size or pictures.PICTURE_SIZE, gears.title + (f", {note}" if note else "")
@@ -70,22 +72,25 @@ def picture(
     if not gears.names.pairs:
         lacking = gears.names.lacking
         raise ArgumentError(
-            "view", view, reason=f"needs a mating gear: add the table [{lacking}]", allowed=", ".join(ALONE)
+            "view",
+            view,
+            reason=f"needs a mating gear: add the table [{lacking}]",
+            allowed=", ".join(VIEWS_WITHOUT_MATE),
         )
     names = gears.names.pairs[gears.names.pair_number(pair)]
-    grinding = view == "tool" and member == WORM and WORM not in names
+    grinding = view == "tool" and member == WORM_NAME and WORM_NAME not in names
     if member not in (None, *names) and not grinding:
         raise ArgumentError("member", member, must_be=f"one of {', '.join(names)}")
     mesh = gears.pair(pair)
     name = mesh.pinion.name if member is None else member
-    worm = gears.part(name) if (view, name) == ("tool", WORM) and name not in mesh.members else None
+    worm = gears.part(name) if (view, name) == ("tool", WORM_NAME) and name not in mesh.members else None
     if worm is not None:
         name = worm.ground
     title = gears.title + (f", {note}" if note else "")
     if view in ("tool", "contact_lines"):
         _refuse_position(view, phi1)
-        own, side = mesh.members[name], mesh.flanks[mesh.index(name)]
-        return _tool_picture(gears, view, own, side, worm, size or pictures.PICTURE_SIZE, title)
+        tool_member, side = mesh.members[name], mesh.flanks[mesh.index(name)]
+        return _tool_picture(gears, view, tool_member, side, worm, size or pictures.PICTURE_SIZE, title)
     contact = gears.contact(phi1, cycle=view in ("te", "backlash"), turns=view == "turns", pair=pair)
     path = contact.path
     if not path.touching.any():
@@ -93,7 +98,7 @@ def picture(
     if view in FIGURE_VIEWS:
         return _figure(view, contact, None if member is None else (name,), title, size, dpi)
     size = size or pictures.PICTURE_SIZE
-    # of positions that are asked for nothing but these is shown
+    # if positions are given, only these are shown
     whole = contact.whole if phi1 is None and view in ("contact", "pattern", "gap") else None
     if view == "contact":
         return Picture(pictures.contact_picture(mesh, name, path, size, title=title, whole=whole))
@@ -120,7 +125,7 @@ def picture(
 def animation(
     gears: SolvedGears, phi1: ArrayLike | None, size: tuple[int, int], pair: int | str, note: str
 ) -> Animation:
-    """The section through a mesh, rolling through one pitch, as `Gears.animation` says."""
+    """Return the section through a mesh, rolling through one pitch, as `Gears.animation` describes it."""
     from gearmesh.answers.contact.rolling import rolling_contact
     from gearmesh.view.mesh_section import FRAMES_PER_PITCH
 
@@ -135,14 +140,14 @@ def animation(
 
 
 def refuse_size(size: tuple[int, int]) -> None:
-    """Raise ArgumentError for a size (pixels) that no picture has."""
+    """Raise ArgumentError for a size (pixels) outside the limits of pictures."""
     if not all(MIN_SIDE_PIXELS <= side <= MAX_SIDE_PIXELS for side in size):
         must_be = f"width and height in pixels, each from {MIN_SIDE_PIXELS} to {MAX_SIDE_PIXELS}"
         raise ArgumentError("size", list(size), must_be=must_be)
 
 
 def _refuse_position(view: str, phi1: ArrayLike | None) -> None:
-    """Raise DesignError for a position where none is shown."""
+    """Raise ArgumentError for a position in a view that shows none."""
     if phi1 is not None:
         shown = "gears that do not mesh" if view == "pair" else "how a tooth is generated"
         raise ArgumentError(
@@ -151,14 +156,18 @@ def _refuse_position(view: str, phi1: ArrayLike | None) -> None:
 
 
 def _picture_alone(gears: SolvedGears, view: str, member: str | None, size: tuple[int, int], title: str) -> Picture:
-    """A member that meshes with none, or its right flank with the tool that generates it."""
-    own = gears.member(next(iter(gears.members)) if member is None else member)
+    """Return the picture of a member that meshes with no other, or of its right flank with the tool that generates it."""
+    shown_member = gears.member(next(iter(gears.members)) if member is None else member)
     if view == "pair":
         from gearmesh.answers.bodies.solid import member_solid
 
-        placed = {own.name: member_solid(gears.design, own, gears.within(None)).mesh.move(gears.places[own.name])}
-        return Picture(pictures.members_picture(placed, own.mount.axis, size, title))
-    return _tool_picture(gears, view, own, Side.RIGHT, None, size, title)
+        placed = {
+            shown_member.name: member_solid(gears.design, shown_member, gears.within(None)).mesh.move(
+                gears.places[shown_member.name]
+            )
+        }
+        return Picture(pictures.members_picture(placed, shown_member.mount.axis, size, title))
+    return _tool_picture(gears, view, shown_member, Side.RIGHT, None, size, title)
 
 
 def _tool_picture(
@@ -170,7 +179,9 @@ def _tool_picture(
     size: tuple[int, int],
     title: str,
 ) -> Picture:
-    """A member with the tool that generates a flank, or with its `worm`, or their lines of contact."""
+    """Return the picture of a member with the tool that generates a flank or with its `worm`, or of their lines of
+    contact.
+    """
     if view == "contact_lines":
         return Picture(pictures.tool_contact_picture(member, side, size, title))
     from gearmesh.mesh.solid import gear_solid
@@ -180,10 +191,12 @@ def _tool_picture(
     tool, part = tool_in_place(tooth, side), None
     if worm is not None and not tool.as_part:
         raise ArgumentError(
-            "member", WORM, reason=f"the {name} is generated by a {tool.name}, not by a worm; give the member {name}"
+            "member",
+            WORM_NAME,
+            reason=f"the {name} is generated by a {tool.name}, not by a worm; give the member {name}",
         )
     if tool.as_part:
-        worm = worm or gears.part(WORM)
+        worm = worm or gears.part(WORM_NAME)
         assert worm.own_to_tool is not None
         part = gear_solid(worm.member, pictures.WHOLE_TOLERANCE_MM).move(worm.own_to_tool)
     return Picture(pictures.tool_picture(member, side, tool, part, size, title))
@@ -192,7 +205,7 @@ def _tool_picture(
 def _section(
     gears: SolvedGears, mesh: GearPair, rolling: RollingContact, size: tuple[int, int], title: str
 ) -> MeshSection:
-    """The section through a mesh, of a set with its name, so fine that no facets are seen."""
+    """Return the section through a mesh, fine enough to hide facets; its title names the mesh if there are several."""
     from gearmesh.view.mesh_section import facet, mesh_section
 
     what = f"section of the mesh {mesh.name}" if len(gears.pairs) > 1 else "section"
@@ -201,7 +214,9 @@ def _section(
 
 
 def _meshes(gears: SolvedGears, mesh: GearPair, tolerance: float | None = None) -> dict[str, TriangleMesh]:
-    """Both members of a pair within a tolerance (mm), by default the design's, own frames."""
+    """Return the meshes of both members of a pair, in their own frames, within a tolerance (mm; by default the
+    design's).
+    """
     from gearmesh.mesh.solid import gear_solid
     from gearmesh.teeth.micro_geometry.placed_teeth import placed_teeth
 
@@ -243,7 +258,7 @@ def _figure(
 
 
 def _zone(contact: Contact) -> ZoneOfContact:
-    """The zone of contact of a pair, with all its tooth pairs at the middle one of the positions that touch."""
+    """Return the zone of contact of a pair, with all tooth pairs at the middle one of the positions with contact."""
     from gearmesh.answers.contact.rolling import rolling_contact
     from gearmesh.answers.contact.zone import zone_of_contact
 

@@ -1,4 +1,6 @@
-"""The report page of a design: one HTML file with a view that turns and rolls, figures, plots, the sheet and the design itself."""
+"""Report page of a design: one HTML file with a view that turns and rolls, figures, plots, the sheet and the design
+itself.
+"""
 
 from __future__ import annotations
 
@@ -44,41 +46,49 @@ from gearmesh.view.report.page import PageSection, drawing, listing, picture, th
 from gearmesh.view.report.stage import StagedMember, StagedPair, stage
 from gearmesh.view.scene import Scene
 
-#: mm: distance of the meshes shown from the exact surfaces
-SHOWN = 0.01
-#: share of the tolerance of the meshes shown from which on a finer mesh that is there is taken
-FINER = 0.25
-#: width and height of pictures, in pixels
+#: largest distance, mm, of the shown meshes from the exact surfaces
+SHOWN_TOLERANCE_MM = 0.01
+#: smallest tolerance of an existing mesh that is shown, relative to the tolerance asked for; a finer mesh is too large
+MIN_TOLERANCE_RATIO = 0.25
+#: width and height of pictures, pixels
 PICTURE_SIZE = (800, 600)
-#: of plots that hold maps
-DPI = 80
-#: of JPEG files, in per cent
-QUALITY = 80
-#: whose versions a page tells, beside gearmesh, Python and three.js
-LIBRARIES = ("numpy", "scipy", "manifold3d", "matplotlib", "pyvista", "vtk")
-SUFFIX = ".html"
-#: largest file of a study that is shown, bytes
-LARGEST = 64 * BYTES_PER_MIB
+#: resolution of plots that contain maps, pixels per inch
+MAP_DPI = 80
+#: quality of JPEG files, per cent
+JPEG_QUALITY_PERCENT = 80
+#: libraries whose versions a page lists, beside gearmesh, Python and three.js
+LISTED_LIBRARIES = ("numpy", "scipy", "manifold3d", "matplotlib", "pyvista", "vtk")
+#: suffix of the page
+PAGE_SUFFIX = ".html"
+#: limit of a file of a study that is shown, bytes
+MAX_STUDY_FILE_BYTES = 64 * BYTES_PER_MIB
 
 
 @dataclass(frozen=True)
 class PagePlots:
-    """Plots of a page, each as its caption and the bytes of a PNG or SVG file: of contact and teeth, and of `loaded` contact."""
+    """Plots of a page, each as its caption and the bytes of a PNG or SVG file."""
 
+    #: plots of contact and of teeth
     contact: list[tuple[str, bytes]] = field(default_factory=list)
+    #: plots of loaded contact
     loaded: list[tuple[str, bytes]] = field(default_factory=list)
 
 
 @dataclass(frozen=True, repr=False)
 class ReportPage:
-    """A page as HTML text; `skipped` says why it has no pictures, None where it has; `stuck`: whether the gears of a mesh are
-    jammed at all positions; `complaints`: failures of the check and of loaded contact, where they are on the page."""
+    """Report page as HTML text."""
 
+    #: title of the page
     title: str
+    #: the whole page
     html: str
+    #: warnings about gears and figures, one line each
     warnings: tuple[str, ...] = ()
+    #: reason why the page has no pictures; None if it has pictures
     skipped: str | None = None
+    #: True if the gears of a mesh are jammed at all positions
     stuck: bool = False
+    #: failures of the check and of loaded contact, if the page contains them
     complaints: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
@@ -108,8 +118,8 @@ class ReportPage:
         'report.html'
         """
         target = Path(path)
-        if target.suffix.lower() != SUFFIX:
-            raise OutputError("cannot write", target, reason=f"its suffix must be {SUFFIX}")
+        if target.suffix.lower() != PAGE_SUFFIX:
+            raise OutputError("cannot write", target, reason=f"its suffix must be {PAGE_SUFFIX}")
         whole_text(target, self.html)
         return target
 
@@ -117,7 +127,7 @@ class ReportPage:
 def report_page(
     gears: GearSet,
     contacts: Mapping[int, Contact],
-    tolerance: float = SHOWN,
+    tolerance: float = SHOWN_TOLERANCE_MM,
     check: Check | None = None,
     images: Sequence[tuple[str, Image]] | None = None,
     source: str | None = None,
@@ -126,14 +136,20 @@ def report_page(
     plots: PagePlots | None = None,
     sheet: DesignSheet | None = None,
 ) -> ReportPage:
-    """The page of gears with solved contacts, by the numbers of their pairs.
+    """Return the page of gears with solved contacts, which are given by the numbers of their pairs.
 
-    Of gears that do not mesh there are no contacts, but a workshop drawing and limits. `tolerance` (mm) is that of the meshes
-    shown; with a `check` its verdicts are in it; `images` (captions and RGB pixels, all gears first) are drawn where they are not
-    given; `source` is the design's file, by default the keys that the design sets; `studies` are the folders of finished ones;
-    `loaded` is the contact under torque of pairs, by their numbers; `plots`, like `images`, are drawn where they are not given, and
-    so is the `sheet` made. The solids of the check are shown where they are meshed about as finely as asked for. Raises
-    OutputError for a folder without a study, NoSolutionError where a pair that is not jammed has no contact at any position.
+    Gears that do not mesh have no contacts, but a workshop drawing and limits. Arguments:
+
+    - `tolerance` (mm) applies to the shown meshes
+    - `check`: its verdicts are added, and its solids are shown if their tolerance is about the one asked for
+    - `images`: captions and RGB pixels, all gears first; drawn if not given
+    - `source`: text of the design file, by default the keys that the design sets
+    - `studies`: folders of finished studies
+    - `loaded`: contact under torque, by the numbers of the pairs
+    - `plots`, `sheet`: made if not given
+
+    Raises OutputError for a folder without a study, and NoSolutionError if a pair has no contact at any position and is
+    not jammed.
     """
     for contact in contacts.values():
         if not contact.path.touching.any() and not contact.stuck:
@@ -141,7 +157,7 @@ def report_page(
                 contact.pair.name,
                 reason="no position has contact; set contact.phi1 to other positions or reduce the assembly errors",
             )
-    # of gears that are jammed at all positions there are figures, but no contact in pictures
+    # gears that are jammed at all positions have figures, but no contact in pictures
     moving = {k: contact for k, contact in contacts.items() if not contact.stuck}
     solids = {} if check is None else check.solids
     members = [_staged_member(member, tolerance, solids.get(name)) for name, member in gears.members.items()]
@@ -169,8 +185,8 @@ def report_page(
     lines = (*gears.warnings, *(line for contact in contacts.values() for line in contact.warnings))
     complaints = list[str]()
     for under in (load.contact for load in loads.values()):
-        of = f"{under.pair.name}: " if len(loads) > 1 else ""
-        failures = [f"{of}{line}" for line in under.complaints]
+        pair_prefix = f"{under.pair.name}: " if len(loads) > 1 else ""
+        failures = [f"{pair_prefix}{line}" for line in under.complaints]
         complaints += failures
         lines = (*lines, *under.warnings, *failures)
     if check is not None:
@@ -195,19 +211,24 @@ def report_page(
 def _worst(
     gears: GearSet, contacts: Mapping[int, Contact], check: Check | None, loads: Mapping[int, LoadedPictures]
 ) -> str | None:
-    """The warning that matters most: a check that failed, gears that do not fit, what did not converge, gears of which that is not
-    known, then contact, contact under torque, and the design itself. None where there is none."""
+    """Return the most important warning, None if there is none.
+
+    The order is: failed checks, gears that do not fit, loads that did not converge, gears whose fit is not known, then
+    warnings of contact, of loaded contact, of the design, and of the check.
+    """
     verdicts = {k: None if contact.fit is None else contact.fit.fits for k, contact in contacts.items()}
-    # of each contact what interferes stands first, after what is said of the gears
-    own = {k: [line for line in contact.warnings if line not in gears.warnings] for k, contact in contacts.items()}
-    under = [load.contact for load in loads.values()]
+    # warnings of the gears are left out here, so that interference comes first among the warnings of each contact
+    contact_lines = {
+        k: [line for line in contact.warnings if line not in gears.warnings] for k, contact in contacts.items()
+    }
+    loaded_contacts = [load.contact for load in loads.values()]
     ordered = [
         *([] if check is None else check.complaints),
-        *(line for k, lines in own.items() if verdicts[k] is False for line in lines),
-        *(line for loaded in under for line in loaded.complaints),
-        *(line for k, lines in own.items() if verdicts[k] is None for line in lines),
-        *(line for lines in own.values() for line in lines),
-        *(line for loaded in under for line in loaded.warnings),
+        *(line for k, lines in contact_lines.items() if verdicts[k] is False for line in lines),
+        *(line for loaded in loaded_contacts for line in loaded.complaints),
+        *(line for k, lines in contact_lines.items() if verdicts[k] is None for line in lines),
+        *(line for lines in contact_lines.values() for line in lines),
+        *(line for loaded in loaded_contacts for line in loaded.warnings),
         *gears.warnings,
         *([] if check is None else check.warnings),
     ]
@@ -215,7 +236,7 @@ def _worst(
 
 
 def _overview(gears: GearSet, contacts: Mapping[int, Contact], meshes: Mapping[str, TriangleMesh]) -> Scene:
-    """All gears, in mesh where they do."""
+    """Return the picture of all gears, in mesh if they mesh."""
     if 0 not in contacts:
         axis = next(iter(gears.members.values())).mount.axis
         return pictures.members_picture(gears.place(meshes), axis, PICTURE_SIZE)
@@ -226,16 +247,18 @@ def _overview(gears: GearSet, contacts: Mapping[int, Contact], meshes: Mapping[s
 
 
 def _staged_member(member: Member, tolerance: float, solid: Solid | None) -> StagedMember:
-    """A member for the view, of a solid that is there if its mesh is within the tolerance (mm) and not far more than that."""
+    """Return a member for the view; the mesh of `solid` is reused if it is within the tolerance (mm) but not far finer."""
     if solid is not None and solid.member is member and len(solid.teeth) == 1:
         (tooth,) = solid.teeth
-        if FINER * tolerance <= tooth.tolerance <= tolerance:
+        if MIN_TOLERANCE_RATIO * tolerance <= tooth.tolerance <= tolerance:
             return StagedMember.of_mesh(member, solid.mesh, tooth)
     return StagedMember.of(member, tolerance)
 
 
 def _stage(train: GearTrain, contact: Contact, check: Check | None, loaded: LoadedPictures | None = None) -> StagedPair:
-    """A pair for the view, its contact at as many positions as the slider wants, those without contact left out."""
+    """Return a pair for the view, with its contact at the positions of the slider; positions without contact are left
+    out.
+    """
     patches = {} if check is None else {name: check.roll.patches(contact.pair, name) for name in contact.pair.members}
     return StagedPair(staged_contact(train, contact), patches, None if loaded is None else loaded.pattern)
 
@@ -243,7 +266,7 @@ def _stage(train: GearTrain, contact: Contact, check: Check | None, loaded: Load
 def _draw(
     gears: GearSet, contacts: Mapping[int, Contact], members: Sequence[StagedMember], overview: Scene
 ) -> list[tuple[str, Image]]:
-    """All gears in mesh, then the members' teeth with their contact."""
+    """Draw all gears in mesh, then the teeth of the members with their contact."""
     scenes = [overview]
     for contact in contacts.values():
         scenes += [
@@ -254,14 +277,14 @@ def _draw(
 
 
 def _jpeg(image: Image) -> bytes:
-    """RGB pixels as a JPEG file, larger ones at half or less of their size."""
+    """Return RGB pixels as a JPEG file; larger pictures are reduced by a whole number."""
     from PIL import Image as pillow
 
     fewer = max(1, image.shape[1] // PICTURE_SIZE[0])
     rows, columns = (size // fewer * fewer for size in image.shape[:2])
     file = BytesIO()
     small = pillow.fromarray(image[:rows, :columns]).reduce(fewer)
-    small.save(file, format="jpeg", quality=QUALITY, optimize=True)
+    small.save(file, format="jpeg", quality=JPEG_QUALITY_PERCENT, optimize=True)
     return file.getvalue()
 
 
@@ -291,7 +314,7 @@ def _sections(
         sections.append(PageSection("Under load", tables + body))
     if check is not None:
         sections.append(PageSection("Checks", _tables(check.listings)))
-    # the first one has its place in the view
+    # the view already shows the first picture
     if shots[1:]:
         body = "".join(picture(*shot) for shot in shots[1:])
         sections.append(PageSection("Pictures", f'<div class="pictures">{body}</div>'))
@@ -306,7 +329,7 @@ def _sections(
 
 
 def _sections_alone(gears: GearSet) -> list[PageSection]:
-    """What there is of gears that do not mesh, in place of contact."""
+    """Return the sections of gears that do not mesh, in place of contact."""
     body = "".join(drawing(f"Drawing of the {name}", _svg(drawing_of(gears, name))) for name in gears.members)
     return [
         PageSection("Drawing", body),
@@ -319,9 +342,9 @@ def _svg(made: WorkshopDrawing) -> bytes:
 
 
 def study_section(folder: Path) -> PageSection:
-    """What a folder has of a finished study: its tables and its figures. Raises OutputError for one without."""
+    """Return the tables and pictures of a finished study in a folder. Raises OutputError if the folder holds none."""
     try:
-        document = read_json(folder / "study.json", LARGEST, "finished study", OutputError)
+        document = read_json(folder / "study.json", MAX_STUDY_FILE_BYTES, "finished study", OutputError)
         summary = StudySummary.read(document)
         remarks = [[line] for line in summary.warnings]
         tables = _tables([*summary.tables, *([Listing("Warnings", ("",), remarks)] if remarks else [])])
@@ -334,7 +357,7 @@ def study_section(folder: Path) -> PageSection:
             allowed=f"the folder that a study wrote{why}",
         ) from None
     drawings = [
-        drawing(f"Study: {file.stem}", file_bytes(file, LARGEST, "picture", OutputError))
+        drawing(f"Study: {file.stem}", file_bytes(file, MAX_STUDY_FILE_BYTES, "picture", OutputError))
         for file in sorted(folder.glob("*.png"))
     ]
     return PageSection(f"Study {folder.name}", tables + "".join(drawings))
@@ -343,7 +366,7 @@ def study_section(folder: Path) -> PageSection:
 def draw_plots(
     gears: GearSet, contacts: Mapping[int, Contact], loaded: Mapping[int, LoadedPictures] | None = None
 ) -> PagePlots:
-    """The plots of a page: SVG, and PNG where there are maps, whose contours are long."""
+    """Return the plots of a page: SVG, but PNG for maps, whose contours are long."""
     made = PagePlots()
     with scratch_folder() as folder:
         te, maps, curves = (folder / file for file in ("te.svg", "maps.png", "curves.svg"))
@@ -351,7 +374,7 @@ def draw_plots(
             of = contact.pair.name if len(contacts) > 1 else ""
             pictures.plot_errors(contact, te)
             rows = pictures.all_flank_rows(contact)
-            plot_flanks(maps, rows or pictures.driving_flanks(contact, rows), "", dpi=DPI)
+            plot_flanks(maps, rows or pictures.driving_flanks(contact, rows), "", dpi=MAP_DPI)
             made.contact.append((te_caption(of), te.read_bytes()))
             made.contact.append((flanks_caption(of), maps.read_bytes()))
             made.contact.extend(turns_plots(contact, of))
@@ -361,8 +384,8 @@ def draw_plots(
                 made.contact.append((modifications_caption(member.name), maps.read_bytes()))
         for under_torque in (loaded or {}).values():
             note = under_torque.contact.pair.name if loaded and len(loaded) > 1 else ""
-            for view, diagram in under_torque.diagrams(DPI, note).items():
-                # maps are pictures anyhow
+            for view, diagram in under_torque.diagrams(MAP_DPI, note).items():
+                # the diagram of flanks is a PNG file: maps
                 file = diagram.save(maps if view == "loaded_flank" else curves)
                 made.loaded.append((diagram.title, file.read_bytes()))
     return made
@@ -384,12 +407,12 @@ def modifications_caption(name: str) -> str:
 
 
 def turns_plots(contact: Contact, of: str) -> list[tuple[str, bytes]]:
-    """The transmission error over whole turns, with its caption; none of gears whose teeth are alike."""
+    """Return the transmission error over whole turns with its caption; nothing for gears whose teeth are alike."""
     if (turns := contact.unlike_turns) is None:
         return []
     with scratch_folder() as folder:
         file = folder / "turns.png"
-        plot_turns(file, turns, "", contact.pair.output.reading.error, dpi=DPI)
+        plot_turns(file, turns, "", contact.pair.output.reading.error, dpi=MAP_DPI)
         return [(f"Transmission error over whole turns{_of(of)}", file.read_bytes())]
 
 
@@ -398,7 +421,7 @@ def _of(name: str) -> str:
 
 
 def given_keys(design: Design) -> str:
-    """The keys that a design sets, as TOML."""
+    """Return the keys that a design sets, as TOML."""
     return with_version(with_keys({}, design.own()))
 
 
@@ -410,7 +433,7 @@ def _contact_tables(contact: Contact) -> list[Listing]:
 
 def _versions() -> Listing:
     rows = [("gearmesh", __version__), ("Python", platform.python_version())]
-    for name in LIBRARIES:
+    for name in LISTED_LIBRARIES:
         # some have a wheel of another name
         with suppress(PackageNotFoundError):
             rows.append((name, version(name)))
@@ -418,5 +441,5 @@ def _versions() -> Listing:
 
 
 def _tables(listings: Sequence[Listing]) -> str:
-    """Tables, each to be scrolled by itself, without run times."""
+    """Return tables as HTML, without run times; each scrolls by itself."""
     return "\n".join(f'<div class="scroll" tabindex="0">{as_html([listing.timeless])}</div>' for listing in listings)

@@ -1,4 +1,4 @@
-"""The main job: everything about a design into one folder, with a report of what was found and written."""
+"""Run: everything about a design into one folder, with a report of what was found and written."""
 
 from __future__ import annotations
 
@@ -47,44 +47,51 @@ from gearmesh.view.load.loaded_pictures import LoadedPictures
 from gearmesh.view.offscreen.letters import Image
 from gearmesh.view.render import render
 
-#: the report, which also lists the files that belong to it, and the page beside it
-REPORT, PAGE = "report.json", "report.html"
-#: the files that a run has written, with their digests: what the next run into the folder may remove
-MANIFEST = ".gearmesh-run.json"
-_MEMBER = r"(?:pinion|gear|rack|sun|ring|worm|wheel|planet(?:_\d+)?)"
-#: names of the files of a run, those of a mesh behind its members' names; no other file is ever removed
+#: file of the report, which also lists the other files of the run
+REPORT_FILE = "report.json"
+#: file of the report page
+PAGE_FILE = "report.html"
+#: list of the files that a run has written, with their digests: only these may the next run remove
+MANIFEST_FILE = ".gearmesh-run.json"
+#: pattern of the names of members
+_MEMBER_PATTERN = r"(?:pinion|gear|rack|sun|ring|worm|wheel|planet(?:_\d+)?)"
+#: pattern of the files of a run; names of files of a mesh begin with its members. No other file is ever removed
 RUN_FILE = re.compile(
-    rf"(?:{_MEMBER}_){{0,2}}(?:(?:contact|loaded)\.json|contact\.csv|(?:transmission_error|path_of_contact|flank|contact|pattern|gap"
+    rf"(?:{_MEMBER_PATTERN}_){{0,2}}(?:(?:contact|loaded)\.json|contact\.csv|(?:transmission_error|path_of_contact|flank|contact|pattern|gap"
     rf"|loaded|loaded_(?:flank|te|share|stress|pair)|modifications)\.png)|(?:sheet|limits)\.json|report\.html|pair\.(?:vtm|png)"
-    rf"|{_MEMBER}\.(?:stl|png)",
+    rf"|{_MEMBER_PATTERN}\.(?:stl|png)",
     re.ASCII,
 )
-#: largest manifest that is read, bytes
-LARGEST = BYTES_PER_MIB
+#: limit of a manifest that is read, bytes
+MAX_MANIFEST_BYTES = BYTES_PER_MIB
 
 
 @dataclass(frozen=True, repr=False)
 class Report(Result):
-    """What `run` found and wrote; `skipped` says why there are no pictures, None where there are.
+    """Results and files of `run`."""
 
-    `contact`: of the first mesh, None of gears that do not mesh; `meshes`: of every different mesh of a gear set that has several;
-    `sheet`: the sheet of kinds that have one of their own; `loaded`: the first mesh under torque, where one was asked for;
-    `loaded_meshes`: likewise all of them.
-    """
-
+    #: deviation of the solids, and the roll test
     check: Check
+    #: contact of the first mesh; None for gears that do not mesh
     contact: Contact | None
+    #: folder of the files
     folder: Path
+    #: all files of the run
     files: tuple[Path, ...]
+    #: reason why there are no pictures; None if there are pictures
     skipped: str | None
+    #: sheet of kinds that have one
     sheet: DesignSheet | None = None
+    #: contact of each different mesh, if a gear set has several
     meshes: tuple[Contact, ...] = ()
+    #: first mesh under torque, if a torque was given
     loaded: LoadedContact | None = None
+    #: each different mesh under torque, if a gear set has several
     loaded_meshes: tuple[LoadedContact, ...] = ()
 
     @property
     def stuck(self) -> bool:
-        """Whether the gears of a mesh are jammed at all positions."""
+        """True if the gears of a mesh are jammed at all positions."""
         return any(mesh.stuck for mesh in (self.contact, *self.meshes) if mesh is not None)
 
     @property
@@ -93,10 +100,10 @@ class Report(Result):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What to know of gears and figures, one line each."""
+        """Warnings about gears and figures, one line each."""
         solved = (self.check if self.contact is None else self.contact, *self.meshes)
-        told = [mesh.warnings for mesh in solved] + [under_load.warnings for under_load in self._under_load]
-        return tuple(dict.fromkeys(line for lines in told for line in lines))
+        warning_lists = [mesh.warnings for mesh in solved] + [under_load.warnings for under_load in self._under_load]
+        return tuple(dict.fromkeys(line for lines in warning_lists for line in lines))
 
     @property
     def complaints(self) -> list[str]:
@@ -129,7 +136,7 @@ class Report(Result):
 
     @property
     def sections(self) -> Mapping[str, Content]:
-        """As those of the check, with the contact's summary, the files and the frames that their coordinates are in."""
+        """Sections of the check, with the summary of contact, the files, and the frames of their coordinates."""
         members = tuple(self.check.solids)
         meshes = {mesh.pair.name: mesh.summary for mesh in self.meshes}
         under_load = {loaded_mesh.pair.name: loaded_mesh.figures for loaded_mesh in self.loaded_meshes}
@@ -146,11 +153,12 @@ class Report(Result):
             **({} if self.sheet is None or not self.sheet.missing else {"sheet_missing": self.sheet.missing}),
             "warnings": self.warnings,
             "files": [file.name for file in self.files],
-            "frames": {file.name: _frame(file, members) for file in self.files if file.suffix in _MESHES},
+            "frames": {file.name: _frame(file, members) for file in self.files if file.suffix in _MESH_SUFFIXES},
         }
 
 
-_MESHES = (".stl", ".vtm")
+#: suffixes of files with coordinates
+_MESH_SUFFIXES = (".stl", ".vtm")
 
 
 def _frame(file: Path, members: tuple[str, ...]) -> str:
@@ -159,49 +167,54 @@ def _frame(file: Path, members: tuple[str, ...]) -> str:
 
 @dataclass
 class RunFolder:
-    """The files of a run of gears, in their order, and the `solids` among them.
+    """Files of a run in the order in which they are written."""
 
-    `folder`: where they are written; `target`: where they appear together once all of them are there.
-    """
-
+    #: the gears
     gears: SolvedGears
+    #: temporary folder to which the files are written
     folder: Path
+    #: folder in which all files appear together at the end
     target: Path
+    #: True if files contain run times
     timing: bool
+    #: files written so far
     files: list[Path] = field(default_factory=list)
+    #: solids written so far, by members
     solids: dict[str, Solid] = field(default_factory=dict)
 
     @cached_property
     def teeth(self) -> pictures.ToothViews:
-        """Teeth to look at, which are those of the solids where these are fine enough."""
+        """Teeth for pictures: those of the solids if these are fine enough."""
         return pictures.ToothViews(self.solids)
 
     def file(self, name: str, pair: GearPair | None = None) -> Path:
-        """A file that is written now; where there are several meshes, the names of those of a `pair` begin with its members."""
+        """Return the path of a file that is written next; with several meshes, names of files of a `pair` begin with
+        its members.
+        """
         self.files.append(self.folder / f"{'' if pair is None else self.prefix(pair)}{name}")
         return self.files[-1]
 
     def prefix(self, pair: GearPair) -> str:
-        """What the names of a mesh's files begin with: nothing, where there is but one."""
+        """Return the beginning of the names of files of a mesh; empty if there is only one mesh."""
         return f"{pair.pinion.name}_{pair.gear.name}_" if self.several else ""
 
     def finish(self, report: Callable[[tuple[Path, ...]], Report]) -> Report:
-        """Write the report of all files, which is made of their final paths, and the manifest."""
+        """Write the report, which lists all files by their final paths, and the manifest."""
         written = report(
-            tuple(self.target / file.relative_to(self.folder) for file in (*self.files, self.folder / REPORT))
+            tuple(self.target / file.relative_to(self.folder) for file in (*self.files, self.folder / REPORT_FILE))
         )
-        written.save(self.folder / REPORT, timing=self.timing)
+        written.save(self.folder / REPORT_FILE, timing=self.timing)
         manifest = {"gearmesh": __version__, "sha256": _digests(self.files)}
-        whole_text(self.folder / MANIFEST, json.dumps(manifest, indent=2) + "\n")
+        whole_text(self.folder / MANIFEST_FILE, json.dumps(manifest, indent=2) + "\n")
         return written
 
     @property
     def several(self) -> bool:
-        """Whether there are several meshes."""
+        """True if there are several meshes."""
         return len(self.gears.pairs) > 1
 
     def write_answers(self, contacts: Mapping[int, Contact], loaded: Mapping[int, LoadedContact]) -> None:
-        """Contact and loaded contact as JSON and CSV."""
+        """Write contact and loaded contact as JSON and CSV."""
         for under in loaded.values():
             under.save(self.file("loaded.json", under.pair), timing=self.timing)
         for contact in contacts.values():
@@ -209,7 +222,7 @@ class RunFolder:
             contact.save(self.file("contact.csv", contact.pair))
 
     def write_solids(self, tolerance: float, progress: Progress) -> dict[str, Solid]:
-        """All members as STL, within `tolerance` (mm)."""
+        """Write all members as STL, within `tolerance` (mm)."""
         solids = self.solids
         for k, name in enumerate(self.gears.members):
             progress(0.15 + 0.3 * k / len(self.gears.members), f"solid of the {name}")
@@ -221,7 +234,7 @@ class RunFolder:
     def write_plots(
         self, contacts: Mapping[int, Contact], drawn: Mapping[int, LoadedPictures], progress: Progress
     ) -> None:
-        """Figures of contact, of loaded contact and of modifications."""
+        """Write the plots of contact, of loaded contact and of modifications."""
         progress(0.6, "plots")
         for contact in contacts.values():
             te_file, path_file = (
@@ -239,16 +252,18 @@ class RunFolder:
                 plot_modifications(self.file(f"{name}_modifications.png"), member)
 
     def page_plots(self, contacts: Mapping[int, Contact], drawn: Mapping[int, LoadedPictures]) -> PagePlots:
-        """The plots that `write_plots` has written, for the page; what the folder has none of is drawn."""
+        """Return the plots of `write_plots` for the page; missing plots are drawn."""
         made = PagePlots()
         for contact in contacts.values():
-            before, of = self.prefix(contact.pair), contact.pair.name if len(contacts) > 1 else ""
-            flanks = self.folder / f"{before}flank.png"
-            made.contact.append((te_caption(of), (self.folder / f"{before}transmission_error.png").read_bytes()))
+            name_prefix, pair_name = self.prefix(contact.pair), contact.pair.name if len(contacts) > 1 else ""
+            flanks = self.folder / f"{name_prefix}flank.png"
+            made.contact.append(
+                (te_caption(pair_name), (self.folder / f"{name_prefix}transmission_error.png").read_bytes())
+            )
             if flanks not in self.files:
-                flanks = self.folder / f"{before}path_of_contact.png"
-            made.contact.append((flanks_caption(of), flanks.read_bytes()))
-            made.contact.extend(turns_plots(contact, of))
+                flanks = self.folder / f"{name_prefix}path_of_contact.png"
+            made.contact.append((flanks_caption(pair_name), flanks.read_bytes()))
+            made.contact.extend(turns_plots(contact, pair_name))
         for name, member in self.gears.members.items():
             if is_modified(member):
                 file = self.folder / f"{name}_modifications.png"
@@ -262,7 +277,9 @@ class RunFolder:
     def write_pictures(
         self, contacts: Mapping[int, Contact], check: Check, meshes: dict[str, TriangleMesh]
     ) -> list[tuple[str, Image]]:
-        """Pictures of teeth and gears, with `meshes` of the members; their captions and pixels, all gears first."""
+        """Write pictures of teeth and gears, with `meshes` of the members. Return their captions and pixels, all gears
+        first.
+        """
         images = []
         for contact, rolled in zip(contacts.values(), (check, *check.others), strict=True):
             if contact.stuck:
@@ -290,12 +307,12 @@ def run(
     source: str | None,
     torque: ArrayLike | None = None,
 ) -> Report:
-    """Solids, contact, roll test, plots and pictures of gears into `folder`, and their `page`, with the `source` of the design.
+    """Write solids, contact, roll test, plots, pictures and the `page` of gears into `folder`; the page shows `source`.
 
-    With a `torque` or several (Nm) on the pinion of the first mesh loaded contact, too, of every mesh that differs.
-    The files appear together: where any cannot be had, none is written, and those of an earlier run stay. Files of an earlier
-    run that this one does not write are removed: those that its manifest lists. Raises NoSolutionError where nothing touches,
-    unless the gears are jammed.
+    With one or several values of `torque` (Nm) on the pinion of the first mesh, loaded contact of each different mesh
+    is added. All files appear together: if one cannot be made, none is written, and files of an earlier run stay. Files
+    in the manifest of an earlier run that this run does not write are removed. Raises NoSolutionError if nothing
+    touches, unless the gears are jammed.
     """
     if torque is not None:
         required_torques(number_list("torque", torque, "Nm").tolist())
@@ -318,14 +335,14 @@ def run(
 def _run_meshes(
     written: RunFolder, tolerance: float, progress: Progress, page: bool, source: str | None, torque: ArrayLike | None
 ) -> Report:
-    """Everything about gears that mesh."""
+    """Write everything about gears that mesh."""
     gears = written.gears
     sheet = sheet_of(gears) if system_of(gears.design).sheet is not None else None
     contacts, loaded = _solve(gears, torque, progress)
     written.write_answers(contacts, loaded)
     solids = written.write_solids(tolerance, progress)
     meshes, contact = {name: solid.mesh for name, solid in solids.items()}, contacts[0]
-    # of gears that are jammed at all positions there is no contact to show
+    # gears that are jammed at all positions have no contact to show
     moving = {k: contact for k, contact in contacts.items() if not contact.stuck}
     alone = written.several or contact.stuck
     placed = gears.place(meshes) if alone else pictures.in_mesh(contact.pair, meshes, contact.path)
@@ -350,7 +367,7 @@ def _run_meshes(
             plots=written.page_plots(moving, drawn),
             sheet=sheet,
         )
-        html.save(written.file(PAGE))
+        html.save(written.file(PAGE_FILE))
     several = tuple(contacts.values()) if written.several else ()
     under_load = tuple(loaded.values()) if several else ()
     return written.finish(
@@ -359,7 +376,9 @@ def _run_meshes(
 
 
 def _run_alone(written: RunFolder, tolerance: float, progress: Progress, page: bool, source: str | None) -> Report:
-    """The same of gears that do not mesh: solids, sheet, limits, plots of modifications, pictures, page and report."""
+    """Write everything about gears that do not mesh: solids, sheet, limits, plots of modifications, pictures, page and
+    report.
+    """
     gears, timing = written.gears, written.timing
     sheet = sheet_of(gears)
     solids = written.write_solids(tolerance, progress)
@@ -379,7 +398,7 @@ def _run_alone(written: RunFolder, tolerance: float, progress: Progress, page: b
         progress(0.9, "report page")
         plots = written.page_plots({}, {})
         report_page(gears, {}, check=check, images=images, source=source, plots=plots, sheet=sheet).save(
-            written.file(PAGE)
+            written.file(PAGE_FILE)
         )
     return written.finish(lambda files: Report(check, None, written.target, files, skipped, sheet))
 
@@ -387,7 +406,9 @@ def _run_alone(written: RunFolder, tolerance: float, progress: Progress, page: b
 def _solve(
     gears: SolvedGears, torque: ArrayLike | None, progress: Progress
 ) -> tuple[dict[int, Contact], dict[int, LoadedContact]]:
-    """Contact of every mesh that differs, and under torques (Nm) where they are given, by the numbers of the pairs."""
+    """Return the contact of each different mesh, and the loaded contact if torques (Nm) are given, by the numbers of
+    the pairs.
+    """
     progress(0.05, "tooth contact")
     contacts = {k: gears.contact(pair=k) for k in gears.train.different}
     if not all(contact.path.touching.any() or contact.stuck for contact in contacts.values()):
@@ -402,10 +423,12 @@ def _solve(
 
 
 def _listed_files(folder: Path) -> set[str]:
-    """Names of the files in the folder that an earlier run wrote and nobody has changed: those that its manifest lists, whose names
-    are those of a run's files, and whose bytes are what the manifest says."""
+    """Return the names of files in the folder that an earlier run wrote and that have not been changed since.
+
+    Their names are in the manifest and match RUN_FILE, and their bytes have the digest of the manifest.
+    """
     try:
-        digests = read_json(folder / MANIFEST, LARGEST, error=OutputError)["sha256"]
+        digests = read_json(folder / MANIFEST_FILE, MAX_MANIFEST_BYTES, error=OutputError)["sha256"]
     except (OutputError, KeyError, TypeError):
         return set()
     files = [
@@ -417,7 +440,7 @@ def _listed_files(folder: Path) -> set[str]:
 
 
 def _digests(files: Iterable[Path]) -> dict[str, str]:
-    """SHA-256 of files by their names."""
+    """Return the SHA-256 of files by their names."""
     digests = {}
     for path in filter(is_file, files):
         with open(path, "rb") as file:

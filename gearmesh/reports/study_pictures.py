@@ -1,4 +1,4 @@
-"""Which pictures suit a study, and what is in them."""
+"""Pictures of a study: a selection that suits its plan, and their contents."""
 
 from __future__ import annotations
 
@@ -26,18 +26,22 @@ from gearmesh.view.diagrams.study_plots import (
 )
 from gearmesh.view.scene import MemberContact
 
-#: the figure of rows that is exact where it is recorded
-MESH_TE = "mesh_te_peak_to_peak_arcsec"
-#: values of a key up to which a grid is a matrix of patterns
-CELLS = 9
-#: points across and along the flank, by which its patterns are drawn
-GRID = (61, 121)
-#: rows from which on a histogram says something
-MANY = 20
+#: exact transmission error of the gears, if the study records it
+MESH_TE_KEY = "mesh_te_peak_to_peak_arcsec"
+#: limit of the values of each key of a grid that is drawn as a matrix of patterns
+MAX_MATRIX_VALUES = 9
+#: points across and along the flank on which its patterns are drawn
+PATTERN_GRID = (61, 121)
+#: smallest number of rows for a histogram
+MIN_HISTOGRAM_ROWS = 20
 
 
 def study_pictures(study: Study, folder: Path) -> list[Path]:
-    """Responses, sensitivities of two keys or more, histograms of many rows, the matrix of patterns of small grids."""
+    """Write the pictures of a study and return their files.
+
+    These are responses, sensitivities of two keys or more, histograms of many rows, and the matrix of patterns of small
+    grids.
+    """
     name = study.design.title
     figures = [_figure(study, name_of_figure) for name_of_figure in study.plotted_figures]
     numeric = {key: study.numbers(key) for key in study.plan.keys}
@@ -53,10 +57,10 @@ def study_pictures(study: Study, folder: Path) -> list[Path]:
         plot_responses(file("responses"), keys, figures, shape, f"{name}: response to {', '.join(study.plan.keys)}")
     if len({effect.key for effect in study.effects}) > 1:
         plot_tornado(file("tornado"), sensitivity_bars(study), f"{name}: sensitivities")
-    if figures and len(study.plan) >= MANY:
+    if figures and len(study.plan) >= MIN_HISTOGRAM_ROWS:
         good = "" if study.good is None else f", yield {100.0 * study.good:.4g} %"
         plot_histograms(file("histograms"), figures, REPORTED_PERCENTILES, f"{name}: {len(study.plan)} rows{good}")
-    if 1 <= len(study.plan.shape) <= 2 and max(study.plan.shape) <= CELLS:
+    if 1 <= len(study.plan.shape) <= 2 and max(study.plan.shape) <= MAX_MATRIX_VALUES:
         _matrix(study, file("patterns"), name)
     return made
 
@@ -69,14 +73,14 @@ def _figure(study: Study, name: str) -> StudyFigure:
 
 
 def sensitivity_bars(study: Study) -> list[SwingBars | ShareBars]:
-    """Of every figure that keys have effects on: swings where straight lines describe it, else shares of its variance."""
+    """Return bars for every figure with effects of keys: swings if it is nearly linear, else shares of its variance."""
     bars: list[SwingBars | ShareBars] = []
     for name in study.plotted_figures:
-        own = [effect for effect in study.effects if effect.figure == name]
-        if own and own[0].linear:
+        figure_effects = [effect for effect in study.effects if effect.figure == name]
+        if figure_effects and figure_effects[0].linear:
             middle = float(np.nanmean(study.numbers(name)))
-            bars.append(SwingBars(name, middle, [(effect.key, effect.low, effect.high) for effect in own]))
-        elif own:
+            bars.append(SwingBars(name, middle, [(effect.key, effect.low, effect.high) for effect in figure_effects]))
+        elif figure_effects:
             shares = [
                 (share.key, share.first, share.first_error, _number(share.total), _number(share.total_error))
                 for share in study.variance
@@ -85,7 +89,7 @@ def sensitivity_bars(study: Study) -> list[SwingBars | ShareBars]:
             alone = sum(first for _, first, *_ in shares)
             hidden = shares and np.isnan(shares[0][3]) and alone < MIN_FIRST_ORDER_SUM
             remark = f"first order {100.0 * max(alone, 0.0):.0f} %: most of it are interactions" if hidden else ""
-            bars.append(ShareBars(name, own[0].explained, shares, remark))
+            bars.append(ShareBars(name, figure_effects[0].explained, shares, remark))
     return bars
 
 
@@ -94,18 +98,18 @@ def _number(value: float | None) -> float:
 
 
 def _label(study: Study, key: str) -> str:
-    """A key with its unit."""
+    """Return the name of a key with its unit."""
     known = type(study.design).key_at(key)
     unit = "" if known is None else {"length": study.design.units, "angle": "deg"}.get(known.unit, "")
     return f"{key} ({unit})" if unit else key
 
 
 def _matrix(study: Study, file: Path, name: str) -> None:
-    """The first key from left to right, the second upwards."""
+    """Draw the matrix of patterns: the first key from left to right, the second upwards."""
     plan = study.plan
     given = plan.rows(0, len(plan))
     planes: dict[int, FlankPlane] = {}
-    exact = study.numbers(MESH_TE).tolist() if MESH_TE in study.figures else [None] * len(given)
+    exact = study.numbers(MESH_TE_KEY).tolist() if MESH_TE_KEY in study.figures else [None] * len(given)
     cells = [
         PatternCell(reason=assembly) if isinstance(assembly, str) else _cell(assembly, planes, peak_to_peak)
         for assembly, peak_to_peak in zip(study.assemblies(), exact, strict=True)
@@ -121,25 +125,25 @@ def _matrix(study: Study, file: Path, name: str) -> None:
 
 
 def _cell(contact: AssemblyContact, planes: dict[int, FlankPlane], peak_to_peak: float | None) -> PatternCell:
-    """One assembly as it is drawn; transmission errors are counted from that of the gears at its greatest advance; `peak_to_peak`,
-    arcsec: of the exact mesh cycle, None where the study has not recorded it.
+    """Return one cell of the matrix. Transmission errors are relative to the largest advance of the gears.
 
-    `planes` are those of the designs so far: members only moved have the same.
+    `peak_to_peak` (arcsec) is the exact value of the mesh cycle, None if the study has not recorded it. `planes` caches
+    the planes of designs; assemblies of the same built design share them.
     """
     pair, frame, advance = contact.pair, contact.frame, contact.advance
-    plane = planes.setdefault(id(frame), FlankPlane(pair.pinion, pair.flanks[0], frame.as_drawn, GRID))
+    plane = planes.setdefault(id(frame), FlankPlane(pair.pinion, pair.flanks[0], frame.as_drawn, PATTERN_GRID))
     top = float(np.nanmax(advance)) if np.isfinite(advance).any() else float(np.nanmax(contact.paths.advance))
     rad, unit = pair.output.reading.error
-    own, gears = (
+    tooth_pair, gears = (
         pair.drive * (values - top) / rad for values in (contact.paths.advance[0], np.append(advance, advance[0]))
     )
-    curves = np.stack((np.degrees(contact.paths.phi1), own)), np.stack((np.degrees(contact.phase), gears))
+    curves = np.stack((np.degrees(contact.paths.phi1), tooth_pair)), np.stack((np.degrees(contact.phase), gears))
     mesh_te = None if peak_to_peak is None else peak_to_peak * ARCSEC / rad
     return pattern_cell(plane, _on_pinion(contact), *curves, unit, mesh_te)
 
 
 def _on_pinion(contact: AssemblyContact) -> MemberContact:
-    """Contact of one assembly as its pinion sees it, where it is inside of both flanks or on an edge in contact."""
+    """Return the contact of one assembly on its pinion: inside both flanks, or on an edge that carries load."""
     paths = contact.paths
     surface = paths.surface[0]
     edge = (paths.touching & ~paths.surface & carries(paths, contact.pair.pitch))[0]

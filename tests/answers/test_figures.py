@@ -193,7 +193,7 @@ class Noisy(Figures):
     residual: float = figure("residual", "mm", rounding=True)
 
 
-def test_tables_print_what_is_below_the_resolution_as_0_and_json_keeps_it() -> None:
+def test_tables_print_values_below_resolution_as_0_and_json_keeps_them() -> None:
     noisy = Noisy(9.16e-11, [2.9e-11, 0.4], -8.3e-16, 1e-13, 2e-14)
     assert [row[1] for row in figures("", noisy).rows] == [0.0, "0, 0.4", 0.0, 0.0, 2e-14]
     assert noisy.row["error_arcsec"] == 9.16e-11

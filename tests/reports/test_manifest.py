@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 import gearmesh as gm
-from gearmesh.reports.run import MANIFEST, REPORT, RUN_FILE, _listed_files
+from gearmesh.reports.run import MANIFEST_FILE, REPORT_FILE, RUN_FILE, _listed_files
 
 pytestmark = pytest.mark.quick
 
@@ -19,7 +19,7 @@ pytestmark = pytest.mark.quick
 def write_manifest(folder: Path, names: Iterable[str], **changed: Any) -> None:
     """A manifest as a run writes it, of files that are there."""
     digests = {name: hashlib.sha256((folder / name).read_bytes()).hexdigest() for name in names}
-    (folder / MANIFEST).write_text(json.dumps({"gearmesh": gm.__version__, "sha256": digests | changed}))
+    (folder / MANIFEST_FILE).write_text(json.dumps({"gearmesh": gm.__version__, "sha256": digests | changed}))
 
 
 def test_only_files_of_the_manifest_are_removed(tmp_path: Path) -> None:
@@ -44,9 +44,9 @@ def test_only_files_of_the_manifest_are_removed(tmp_path: Path) -> None:
 )
 def test_what_is_no_manifest_removes_nothing(tmp_path: Path, text: str) -> None:
     (tmp_path / "pinion.stl").write_text("solid")
-    (tmp_path / MANIFEST).write_text(text)
+    (tmp_path / MANIFEST_FILE).write_text(text)
     # nor does a report, whoever wrote it
-    (tmp_path / REPORT).write_text(json.dumps({"files": ["pinion.stl", REPORT]}))
+    (tmp_path / REPORT_FILE).write_text(json.dumps({"files": ["pinion.stl", REPORT_FILE]}))
     assert _listed_files(tmp_path) == set()
 
 

@@ -73,7 +73,7 @@ def test_a_run_meshes_its_members_once_and_draws_its_plots_once(
     assert (len(sheets), len(wholes)) == (1, 2)
 
 
-def test_teeth_of_pictures_are_not_thinned_and_solids_too_coarse_are_not_shown(
+def test_teeth_in_pictures_are_not_thinned_and_coarse_solids_not_shown(
     meshed: list[tuple[int, bool]],
 ) -> None:
     gears = gm.build(gm.load(SAMPLE))

@@ -22,7 +22,7 @@ BEVEL = load(SAMPLES / "spiral_bevel_basic.toml")
 READ = KeyReader(BEVEL)
 
 
-def test_rows_of_a_grid_count_like_digits_in_the_units_of_the_keys() -> None:
+def test_grid_rows_count_like_digits_in_units_of_keys() -> None:
     lists = {
         "assembly.dV": READ.values("assembly.dV", "-100um:0.1mm:3"),
         "pinion.teeth": READ.values("pinion.teeth", "13,14"),

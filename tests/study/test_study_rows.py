@@ -117,7 +117,7 @@ def test_what_cannot_be_known_from_the_positions_is_not_told() -> None:
 
 
 @pytest.mark.sweep
-def test_jammed_rows_have_no_transmission_error_whether_or_not_it_is_asked_how_they_fit() -> None:
+def test_jammed_rows_have_no_transmission_error_with_and_without_fit() -> None:
     design = gm.load(SAMPLES / "spiral_bevel_geometry1.toml", ["contact.phi1.count=3"])
     keys, rows = ("assembly.d_delta",), [(-0.3,), (0.0,)]
     for groups in (("path", "cycle"), ("path", "cycle", "fit")):
