@@ -95,6 +95,7 @@ COMMANDS = {
 }
 COLUMNS = {
     "command": "command",
+    "version": "version before",
     "cpu_before": "CPU before, s",
     "cpu": "now, s",
     "ratio": "before / now",
@@ -252,14 +253,18 @@ def row(name: str, command: Command, pythons: tuple[Path, Path], rounds: int, fo
     return found
 
 
-def block(version: str, rows: Sequence[Mapping[str, Any]], before: str) -> str:
-    """Text of the README's block with the rows; of the block `before` the rows of other commands stay, if it is of that version."""
-    said = f"Version {version} and this one."
-    head, rule, *lines = tables.table(rows, COLUMNS).splitlines()
-    old = before.splitlines() if before.startswith(said) else []
-    by_command = {line.split(" | ")[0].removeprefix("| "): line for line in [*old, *lines] if line.startswith("| ")}
-    ordered = [by_command[name] for name in COMMANDS if name in by_command]
-    return "\n".join([said, "", head, rule, *ordered])
+def keep(rows: Sequence[Mapping[str, Any]]) -> None:
+    """Keep rows in scripts/measured; the rows of other commands stay there if they are of the same version."""
+    try:
+        known = tables.kept("against")
+    except ValueError:
+        known = []
+    keys = [*COLUMNS]
+    old = [dict(zip(keys, row.values(), strict=True)) for row in known]
+    versions = {row["version"] for row in rows}
+    by_command: dict[str, tables.Row] = {row["command"]: row for row in old if row["version"] in versions}
+    by_command |= {row["command"]: row for row in rows}
+    tables.keep("against", [by_command[name] for name in COMMANDS if name in by_command], COLUMNS)
 
 
 def compare(version: str, names: Sequence[str], rounds: int) -> Iterator[dict[str, Any]]:
@@ -277,4 +282,4 @@ def compare(version: str, names: Sequence[str], rounds: int) -> Iterator[dict[st
         for k, command in enumerate(names):
             work = folder / f"work-{k}"
             work.mkdir()
-            yield row(command, COMMANDS[command], pythons, rounds, work)
+            yield {"version": version, **row(command, COMMANDS[command], pythons, rounds, work)}

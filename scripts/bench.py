@@ -3,7 +3,7 @@
 python scripts/bench.py [-o out/bench] [--quick] [--write] [--only TABLE ...]
 python scripts/bench.py --against 0.17.0 [--rounds 5] [--write] [--only COMMAND ...]
 
-With --write the tables of scripts/README.md and the figures of README.md become those of this run, with --only some of the tables.
+With --write the tables in scripts/measured and the figures of README.md become those of this run, with --only some of the tables.
 With --against another version and this one run the same commands in turns ([against.py](against.py)).
 """
 
@@ -612,7 +612,8 @@ def show(title: str, rows: list[dict[str, Any]]) -> None:
 
 
 STEPS = {"step": "step", "seconds": "time, s", "error": "error"}
-#: block of scripts/README.md: columns of its table
+MACHINE = {"cores": "cores", "processor": "processor", "python": "Python", "numpy": "numpy"}
+#: columns of each table of scripts/measured
 COLUMNS: dict[str, dict[str, str]] = {
     "contact": {
         "what": "contact, LT02 crossed pair",
@@ -682,18 +683,15 @@ COLUMNS: dict[str, dict[str, str]] = {
 }
 
 
-def documents(result: dict[str, list[dict[str, Any]]]) -> dict[Path, dict[str, str]]:
-    """What a run says in each document: its blocks. The machine is that of a run of all of them."""
-    blocks = {name: tables.table(rows, COLUMNS[name]) for name, rows in result.items()}
+def keep(result: dict[str, list[dict[str, Any]]]) -> None:
+    """Keep the tables of a run, and write the figures of README.md. The machine is that of a run of all tables."""
+    for name, rows in result.items():
+        tables.keep(name, rows, COLUMNS[name])
     if result.keys() >= COLUMNS.keys():
-        blocks["machine"] = (
-            f"Measured on {os.cpu_count()} cores ({platform.machine()}), Python {platform.python_version()}, numpy"
-            f" {np.__version__}."
-        )
-    written = {ROOT / "scripts" / "README.md": blocks}
+        machine = (os.cpu_count(), platform.machine(), platform.python_version(), np.__version__)
+        tables.keep("machine", [dict(zip(MACHINE, machine, strict=True))], MACHINE)
     if result.keys() >= {"solid", "contact"}:
-        written[ROOT / "README.md"] = {"figures": sentences(result["solid"][0], result["contact"][0])}
-    return written
+        tables.rewrite(ROOT / "README.md", {"figures": sentences(result["solid"][0], result["contact"][0])})
 
 
 def sentences(solid: Mapping[str, Any], batch: Mapping[str, Any]) -> str:
@@ -729,7 +727,7 @@ def measures(folder: Path, quick: bool) -> dict[str, Callable[[], list[dict[str,
 
 
 def versions_side_by_side(options: argparse.Namespace) -> None:
-    """Table of two versions, printed row by row, written as against.json and, if asked for, into scripts/README.md."""
+    """Table of two versions, printed row by row, written as against.json and, if asked for, kept in scripts/measured."""
     rows = []
     for row in against.compare(options.against, options.only, options.rounds):
         rows.append(row)
@@ -743,9 +741,7 @@ def versions_side_by_side(options: argparse.Namespace) -> None:
         path = options.output / "against.json"
         io.whole_text(path, json.dumps(rows, indent=1) + "\n")
         if options.write:
-            readme = ROOT / "scripts" / "README.md"
-            before = readme.read_text(encoding="utf-8").split("<!-- bench:against -->\n")[1].split("<!-- /bench -->")[0]
-            tables.rewrite(readme, {"against": against.block(options.against, rows, before)})
+            against.keep(rows)
     print(f"\nwritten: {path}")
 
 
@@ -753,7 +749,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("-o", "--output", type=Path, default=Path("out/bench"))
     parser.add_argument("--quick", action="store_true", help="leave out 0.1 um")
-    parser.add_argument("--write", action="store_true", help="write the tables of README.md and scripts/README.md")
+    parser.add_argument(
+        "--write", action="store_true", help="keep the tables in scripts/measured, figures in README.md"
+    )
     parser.add_argument("--against", metavar="VERSION", help="commands of another version and of this one in turns")
     parser.add_argument("--rounds", type=int, default=5, help="with --against: how often each command runs")
     parser.add_argument("--only", nargs="+", metavar="TABLE", help="these tables; with --against these commands")
@@ -781,9 +779,8 @@ def main() -> None:
         written.append(options.output / "mesh_cost.png")
         plot_cost(written[-1], cost_runs(result["meshes"]))
     if options.write:
-        for path, blocks in documents(result).items():
-            tables.rewrite(path, blocks)
-            written.append(path)
+        keep(result)
+        written.append(tables.MEASURED)
     print(f"\nwritten: {', '.join(map(str, written))}")
 
 

@@ -7,7 +7,7 @@ face width 0.2 to 0.35 outer cone distances, module 0.8 to 12, both hands; and s
 5.5, offset 0.05 to 0.25 of the gear's mean diameter, spiral angle 35 to 50 deg. Of each side: does surface contact last longer than
 a pitch and pass from pair to pair without a break, is the transmission error within 15 % of the lag asked for, is the path in the
 middle of the flank, are roots and tips clear, is nothing undercut. Both solids at 20 um are proved. Prints a line for what fails
-and a table; with --write that of scripts/README.md becomes it. Exit 1 if a solid is no solid.
+and a table; with --write it is kept in scripts/measured. Exit 1 if a solid is no solid.
 """
 
 from __future__ import annotations
@@ -17,7 +17,6 @@ import sys
 import time
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -187,7 +186,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0, help="of the first")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--no-solids", dest="solids", action="store_false", help="contact only")
-    parser.add_argument("--write", action="store_true", help="put the table into scripts/README.md")
+    parser.add_argument("--write", action="store_true", help="keep the table in scripts/measured")
     asked = parser.parse_args()
     found = []
     tasks = [("spiral_bevel", asked.seed + k, asked.solids) for k in range(asked.count)]
@@ -200,10 +199,10 @@ def main() -> int:
                     [each.refused] if each.refused else [f"{fault}: {figure}" for fault, figure in each.faults.items()]
                 )
                 print(f"{each.kind} {each.seed}: {each.pinion} teeth; {'; '.join(lines)}", flush=True)
-    shown = tables.table(summary(found), COLUMNS)
-    print(shown)
+    rows = summary(found)
+    print(tables.table(rows, COLUMNS))
     if asked.write:
-        tables.rewrite(Path(__file__).with_name("README.md"), {"bevel": shown})
+        tables.keep("bevel", rows, COLUMNS)
     return 1 if any("bad solids" in each.faults for each in found) else 0
 
 

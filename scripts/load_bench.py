@@ -2,8 +2,8 @@
 
     python scripts/load_bench.py [--write]
 
-Each row runs in a process of its own, for its memory; CPU seconds do not depend on what else the machine does. `--write` puts the
-table into scripts/README.md, and that of the sample `te_under_torque` into gearmesh/loaded/README.md.
+Each row runs in a process of its own, for its memory; CPU seconds do not depend on what else the machine does. `--write` keeps
+the table in scripts/measured, and with it the table of the sample `te_under_torque`.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ COLUMNS = {
     "pressure": "pressure, %",
     "stress": "root stress, %",
 }
-#: columns of gearmesh/loaded/README.md
+#: columns of the table of transmission error under growing torque
 UNDER_TORQUE = {
     "pair": "pair",
     "torque": "torque, Nm",
@@ -155,20 +155,17 @@ def under_torque() -> list[dict[str, Any]]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument(
-        "--write", action="store_true", help="write the tables of scripts/README.md and gearmesh/loaded"
-    )
+    parser.add_argument("--write", action="store_true", help="keep both tables in scripts/measured")
     parser.add_argument("--pair", choices=[pair.sample for pair in PAIRS], help="one of the pairs only")
     options = parser.parse_args()
     if options.write and options.pair:
         parser.error("--write: not with --pair, which leaves rows out")
     started = time.perf_counter()
-    found = tables.table(growth(tuple(p for p in PAIRS if options.pair in (None, p.sample))), COLUMNS)
-    print(found)
+    found = growth(tuple(p for p in PAIRS if options.pair in (None, p.sample)))
+    print(tables.table(found, COLUMNS))
     if options.write:
-        tables.rewrite(ROOT / "scripts" / "README.md", {"loads": found})
-        design = tables.table(under_torque(), UNDER_TORQUE)
-        tables.rewrite(ROOT / "gearmesh" / "loaded" / "README.md", {"design_torque": design})
+        tables.keep("loads", found, COLUMNS)
+        tables.keep("design_torque", under_torque(), UNDER_TORQUE)
     print(f"{time.perf_counter() - started:.0f} s")
 
 

@@ -3,7 +3,7 @@
 Usage: python scripts/load_checks.py [--only CASE ...] [--resume FOLDER [--kept]] [--write]
 
 Positions over a pitch of each case: rotation under load, share of the load of each tooth pair, peak pressure, root stress.
-`--resume` keeps what was solved in a folder and does not solve it again; `--write` puts the table into scripts/README.md. Needs
+`--resume` keeps what was solved in a folder and does not solve it again; `--write` keeps the table in scripts/measured. Needs
 CalculiX (ccx).
 """
 
@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from tables import rewrite, table
+from tables import keep
 
 import gearmesh as gm
 from gearmesh.contact.hertz import STEEL
@@ -312,7 +312,7 @@ def main() -> None:
     args = parser.parse_args()
     rows = [row for name in args.only or CASES for row in rows_of(name, args.resume, not args.kept)]
     if args.write:
-        rewrite(ROOT / "scripts" / "README.md", {"truth": table(rows, COLUMNS)})
+        keep("truth", rows, COLUMNS)
 
 
 if __name__ == "__main__":

@@ -3,10 +3,10 @@ value, the bound that it states builds, and a value 5 % beyond is refused.
 
     python scripts/refusals.py                                      all kinds
     python scripts/refusals.py --kinds rack planetary               some of them
-    python scripts/refusals.py --keep out/refusals.jsonl --write    goes on where it was stopped, and puts the table into a README
+    python scripts/refusals.py --keep out/refusals.jsonl --write    goes on where it was stopped, and keeps the table
 
 Prints a line for each key, with its faults, and a table by kind. Exits with 1 if there is a fault. With --keep keys are kept in a
-file as they are pushed, and those in it are not pushed again. --write puts the rows of the kinds into scripts/README.md. A seeded
+file as they are pushed, and those in it are not pushed again. --write keeps the table in scripts/measured. A seeded
 choice of keys is in tests/systems/test_refusals.py.
 """
 
@@ -24,7 +24,6 @@ from oracles.refusals import numeric_keys, verdict
 
 import gearmesh as gm
 
-README = Path(__file__).with_name("README.md")
 COLUMNS = {
     "kind": "kind",
     "keys": "keys",
@@ -78,7 +77,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--kinds", nargs="+", choices=gm.kinds(), default=gm.kinds(), metavar="KIND")
     parser.add_argument("--keep", type=Path, metavar="FILE", help="JSON lines of the keys that have been pushed")
-    parser.add_argument("--write", action="store_true", help="put the table into scripts/README.md")
+    parser.add_argument("--write", action="store_true", help="keep the table in scripts/measured")
     asked = parser.parse_args()
     pushed = kept(asked.keep)
     for kind in asked.kinds:
@@ -92,10 +91,10 @@ def main() -> int:
                 with asked.keep.open("a", encoding="utf-8") as file:
                     file.write(json.dumps(asdict(found)) + "\n")
     shown = [pushed[kind, key] for kind in asked.kinds for key in numeric_keys(kind)]
-    table = tables.table(rows(shown), COLUMNS)
-    print(f"\n{table}")
+    found = rows(shown)
+    print(f"\n{tables.table(found, COLUMNS)}")
     if asked.write:
-        tables.rewrite(README, {"refusals": table})
+        tables.keep("refusals", found, COLUMNS)
     return 1 if any(key.faults for key in shown) else 0
 
 

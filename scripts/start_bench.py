@@ -3,8 +3,8 @@
     python scripts/start_bench.py [--rounds 9] [--write]
 
 CPU seconds of whole processes, the median of rounds in which every command runs once beside numpy, so that other work on the
-machine counts for all alike; the compiled files of the package are there, as after an installation. `--write` puts the tables
-`start` and `dependencies` into scripts/README.md.
+machine counts for all alike; the compiled files of the package are there, as after an installation. `--write` keeps the tables
+`start` and `dependencies` in scripts/measured.
 """
 
 from __future__ import annotations
@@ -166,16 +166,13 @@ def _name(requirement: str) -> str:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--rounds", type=int, default=9)
-    parser.add_argument("--write", action="store_true", help="write the tables of scripts/README.md")
+    parser.add_argument("--write", action="store_true", help="keep the tables in scripts/measured")
     options = parser.parse_args()
-    blocks = {
-        name: tables.table(measure(options.rounds), COLUMNS[name])
-        for name, measure in {"start": start, "dependencies": dependencies}.items()
-    }
-    for block in blocks.values():
-        print(block, end="\n\n")
-    if options.write:
-        tables.rewrite(ROOT / "scripts" / "README.md", blocks)
+    for name, measure in {"start": start, "dependencies": dependencies}.items():
+        rows = measure(options.rounds)
+        print(tables.table(rows, COLUMNS[name]), end="\n\n")
+        if options.write:
+            tables.keep(name, rows, COLUMNS[name])
 
 
 if __name__ == "__main__":

@@ -5,8 +5,8 @@ python scripts/stress.py [--count 300] [--seed 0] [--kind KIND] [--range sensibl
 
 Of every design: is it built, or refused over a key that it sets; are its solids closed and within their tolerance; does the
 contact of one tooth pair agree with the roll of exact flanks, and that of the gears with the roll of whole members; do the solids
-overlap without a word. Prints a table by kind; every failure is written as a design that loads again. With --write the tables of
-scripts/README.md become those of this run. Exit 1 if anything failed.
+overlap without a word. Prints a table by kind; every failure is written as a design that loads again. With --write the table is
+kept in scripts/measured. Exit 1 if anything failed.
 """
 
 from __future__ import annotations
@@ -397,7 +397,7 @@ def main() -> int:
     parser.add_argument("--results", type=Path, default=Path("out/stress.jsonl"), help="one line of JSON a design")
     parser.add_argument("--failures", type=Path, default=Path("out/stress"), help="folder for designs that failed")
     parser.add_argument("--resume", action="store_true", help="keep the results that are there, do what is missing")
-    parser.add_argument("--write", action="store_true", help="put the table into scripts/README.md")
+    parser.add_argument("--write", action="store_true", help="keep the table in scripts/measured")
     args = parser.parse_args()
     unknown = set(gm.kinds()) - set(KINDS)
     if unknown:
@@ -428,10 +428,10 @@ def main() -> int:
                 flush=True,
             )
     wanted = {(task.kind, task.seed, task.range) for task in tasks}
-    text = tables.table(summary([o for o in outcomes if (o.kind, o.seed, o.range) in wanted]), COLUMNS)
-    print(text)
+    rows = summary([o for o in outcomes if (o.kind, o.seed, o.range) in wanted])
+    print(tables.table(rows, COLUMNS))
     if args.write:
-        tables.rewrite(ROOT / "scripts" / "README.md", {"stress": text})
+        tables.keep("stress", rows, COLUMNS)
     return 1 if any(o.failures for o in outcomes) else 0
 
 

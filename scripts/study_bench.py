@@ -2,8 +2,8 @@
 
     python scripts/study_bench.py [--rows 2000] [--loads] [--write]
 
-CPU seconds are those of all processes together, so that they do not depend on what else the machine does; `--write` puts the tables
-into gearmesh/study/README.md. With `--loads` only studies under load are measured.
+CPU seconds are those of all processes together, so that they do not depend on what else the machine does; `--write` keeps the
+tables in scripts/measured. With `--loads` only studies under load are measured.
 """
 
 from __future__ import annotations
@@ -40,19 +40,27 @@ TORQUES, LOADED = (20.0, 40.0, 80.0), 6
 #: tasks by which the overhead of Dask is measured
 TASKS = 1000
 COLUMNS = {
-    "what": "study of spiral_bevel_basic, 21 positions",
-    "rows": "rows",
-    "wall": "time, s",
-    "cpu": "CPU, s",
-    "each": "CPU, ms per row",
-    "efficiency": "efficiency",
-}
-LOAD_COLUMNS = {
-    "what": "study of spiral_bevel_basic under load, in process",
-    "rows": "rows",
-    "cpu": "CPU, s",
-    "first": "of it the design as it is, s",
-    "more": "CPU, s each further row",
+    "study": {
+        "what": "study of spiral_bevel_basic, 21 positions",
+        "rows": "rows",
+        "wall": "time, s",
+        "cpu": "CPU, s",
+        "each": "CPU, ms per row",
+        "efficiency": "efficiency",
+    },
+    "study_loads": {
+        "what": "study of spiral_bevel_basic under load, in process",
+        "rows": "rows",
+        "cpu": "CPU, s",
+        "first": "of it the design as it is, s",
+        "more": "CPU, s each further row",
+    },
+    "dask": {
+        "task": "time of Dask for a task, ms",
+        "tasks": "tasks without work",
+        "chunk": "work in a chunk of 50 misalignments, s",
+        "share": "time of Dask over the work, %",
+    },
 }
 
 
@@ -97,8 +105,8 @@ def overhead() -> float:
         return (time.perf_counter() - started) / TASKS
 
 
-def measured(rows: int, designs: int) -> tuple[list[dict[str, Any]], str]:
-    """The table, and what Dask takes in words."""
+def measured(rows: int, designs: int) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+    """Rows of studies, and one row of what Dask takes."""
     gears = gm.build(gm.load(BEVEL))
     path: dict[str, Any] = {"record": "path"}
     sampled: dict[str, Any] = {"sample": rows, "tolerance": SPREAD, **path}
@@ -126,11 +134,7 @@ def measured(rows: int, designs: int) -> tuple[list[dict[str, Any]], str]:
     ]
     task = overhead()
     chunk = 50 * 1e-3 * found[0]["each"]
-    words = (
-        f"Dask takes {1e3 * task:.1f} ms a task, measured with {TASKS:,} tasks without work; a chunk of 50 misalignments is "
-        f"{chunk:.2g} s, so that it is {100.0 * task / chunk:.1f} % of the work."
-    )
-    return found, words
+    return found, [{"task": 1e3 * task, "tasks": TASKS, "chunk": chunk, "share": 100.0 * task / chunk}]
 
 
 def loads() -> list[dict[str, Any]]:
@@ -157,16 +161,16 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--rows", type=int, default=2000)
     parser.add_argument("--designs", type=int, default=40)
-    parser.add_argument("--write", action="store_true", help="write the table of gearmesh/study/README.md")
+    parser.add_argument("--write", action="store_true", help="keep the tables in scripts/measured")
     parser.add_argument("--loads", action="store_true", help="only studies under load")
     options = parser.parse_args()
-    blocks = {"study_loads": tables.table(loads(), LOAD_COLUMNS)}
+    found = {"study_loads": loads()}
     if not options.loads:
-        found, words = measured(options.rows, options.designs)
-        blocks |= {"study": tables.table(found, COLUMNS), "dask": words}
-    print("\n\n".join(blocks.values()))
-    if options.write:
-        tables.rewrite(ROOT / "gearmesh" / "study" / "README.md", blocks)
+        found["study"], found["dask"] = measured(options.rows, options.designs)
+    for name, rows in found.items():
+        print(tables.table(rows, COLUMNS[name]), end="\n\n")
+        if options.write:
+            tables.keep(name, rows, COLUMNS[name])
 
 
 if __name__ == "__main__":

@@ -1,22 +1,28 @@
-"""Tables of figures in Markdown files, written by the scripts that measured them.
+"""Tables that scripts measured: kept as CSV in scripts/measured, shown in pages by a line that is a link to the file.
 
-A block of a file that a script may rewrite stands between two comments, which Markdown does not show:
+    [Contact, one batch against scipy](measured/contact.csv)
 
-    <!-- bench:contact -->
-    | contact | time, s |
-    | --- | ---: |
-    | one batch | 0.017 |
+The site shows such a line as the table. Sentences with figures stand in a page between two comments, which Markdown does not show:
+
+    <!-- bench:figures -->
+    Contact at 201 positions takes 0.03 s.
     <!-- /bench -->
 """
 
 from __future__ import annotations
 
+import csv
 import os
 import re
 from collections.abc import Mapping, Sequence
+from io import StringIO
 from pathlib import Path
 
 Row = Mapping[str, object]
+#: the folder of all kept tables
+MEASURED = Path(__file__).resolve().parent / "measured"
+#: a line of a page that is nothing but a link to a kept table
+SHOWN = re.compile(r"^\[([^][]*)\]\((?:[\w./]*/)?measured/(\w+)\.csv\)$", re.MULTILINE)
 
 
 def table(rows: Sequence[Row], columns: Mapping[str, str]) -> str:
@@ -40,6 +46,66 @@ def cell(value: object) -> str:
     return f"{value:,}" if isinstance(value, int) else str(value).replace("|", "\\|")
 
 
+def keep(name: str, rows: Sequence[Row], columns: Mapping[str, str]) -> None:
+    """Write a table to its file: titles first, floats to three digits, empty cells where a row lacks a key."""
+    if not rows or not columns:
+        raise ValueError("a table needs rows and columns")
+    text = StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns.values())
+    writer.writerows([_plain(row.get(key, "")) for key in columns] for row in rows)
+    MEASURED.mkdir(exist_ok=True)
+    _whole(MEASURED / f"{name}.csv", text.getvalue())
+
+
+def kept(name: str) -> list[dict[str, str]]:
+    """Rows of a kept table by the titles of their columns; a title that occurs again has its number behind it.
+
+    Raises ValueError if there is no such table.
+    """
+    titles, *lines = _lines(name)
+    numbered = [
+        title if title not in titles[:k] else f"{title} {titles[: k + 1].count(title)}"
+        for k, title in enumerate(titles)
+    ]
+    return [dict(zip(numbered, line, strict=True)) for line in lines]
+
+
+def shown(text: str) -> str:
+    """The text of a page with kept tables in the place of the lines that link to them."""
+    return SHOWN.sub(lambda link: _markdown(link[2]), text)
+
+
+def _markdown(name: str) -> str:
+    titles, *lines = _lines(name)
+    columns = {str(k): title for k, title in enumerate(titles)}
+    rows = [{str(k): _value(cell) for k, cell in enumerate(line) if cell} for line in lines]
+    return table(rows, columns)
+
+
+def _lines(name: str) -> list[list[str]]:
+    path = MEASURED / f"{name}.csv"
+    if not path.is_file():
+        raise ValueError(f"{MEASURED.name} has no table {name}")
+    return list(csv.reader(StringIO(path.read_text(encoding="utf-8"))))
+
+
+def _plain(value: object) -> str:
+    return f"{value:.3g}" if isinstance(value, float) else str(value)
+
+
+def _value(text: str) -> int | float | str:
+    """The number that a cell holds; a text with a sign before it, as +3.1, stays as it is."""
+    if text[:1] == "+":
+        return text
+    for number in (int, float):
+        try:
+            return number(text)
+        except ValueError:
+            pass
+    return text
+
+
 def replaced(text: str, name: str, content: str) -> str:
     """`text` with `content` in its block of that name. Raises ValueError unless there is exactly one such block."""
     pattern = re.compile(rf"(^<!-- bench:{re.escape(name)} -->\n)(.*?)(^<!-- /bench -->$)", re.DOTALL | re.MULTILINE)
@@ -54,6 +120,11 @@ def rewrite(path: Path, blocks: Mapping[str, str]) -> None:
     text = path.read_text(encoding="utf-8")
     for name, content in blocks.items():
         text = replaced(text, name, content)
+    _whole(path, text)
+
+
+def _whole(path: Path, text: str) -> None:
+    """Write a file, or leave the one that is there."""
     temporary = path.with_name(path.name + ".new")
     temporary.write_text(text, encoding="utf-8")
     os.replace(temporary, path)

@@ -3,7 +3,7 @@
 Usage: python scripts/validation.py [NAME ...] [--write]
 
 Each function whose name begins with `of_` computes one line or several: published tables, samples of standards, closed forms,
-second routes that share no equation with the solver; and from the tables of scripts/README.md, which other scripts measured,
+second routes that share no equation with the solver; and from the tables in scripts/measured, which other scripts wrote,
 those against CalculiX and over random designs. Printed figures are those of the tests, which hold every line within a stated
 tolerance (`pip install ".[test]"`). NAME is the name of such a function without `of_`. All take two minutes of a processor.
 """
@@ -11,7 +11,6 @@ tolerance (`pip install ".[test]"`). NAME is the name of such a function without
 from __future__ import annotations
 
 import argparse
-import re
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass, replace
@@ -21,11 +20,10 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
-from tables import rewrite, table
+from tables import kept, rewrite, table
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "scripts" / "site" / "pages" / "validation.md"
-MEASURED = ROOT / "scripts" / "README.md"
 #: the tests have the printed figures, and routes of their own
 for folder in ("", "systems", "contact", "check", "metrology", "study", "loaded"):
     sys.path.append(str(ROOT / "tests" / folder))
@@ -476,7 +474,7 @@ def of_volume() -> Iterator[Line]:
 
 def of_calculix() -> Iterator[Line]:
     """Loaded contact: extremes of the table of load_checks.py, by pairs."""
-    rows = measured("truth")
+    rows = kept("truth")
     groups: dict[str, list[dict[str, str]]] = {}
     for row in rows:
         groups.setdefault(row["pair"], []).append(row)
@@ -501,8 +499,8 @@ def of_calculix() -> Iterator[Line]:
 
 def of_random_designs() -> Iterator[Line]:
     """Seeded designs of every kind, each answer checked by another route: the table of stress.py."""
-    rows = measured("stress")
-    count = sum(int(row["designs"].replace(",", "")) for row in rows)
+    rows = kept("stress")
+    count = sum(int(row["designs"]) for row in rows)
     refused = sum(int(row["refused, set key"]) for row in rows)
     faults = [
         key
@@ -523,19 +521,6 @@ def of_random_designs() -> Iterator[Line]:
 def furthest(texts: Any) -> float:
     """Of figures as texts, some of them empty, the one that is furthest from 0."""
     return max((float(text) for text in texts if text), key=abs, default=0.0)
-
-
-def measured(block: str) -> list[dict[str, str]]:
-    """A table of scripts/README.md: its rows by their columns, those of one title numbered."""
-    text = MEASURED.read_text(encoding="utf-8")
-    match = re.search(rf"<!-- bench:{block} -->\n(.*?)<!-- /bench -->", text, re.DOTALL)
-    if match is None:
-        raise ValueError(f"{MEASURED.name} has no table {block}")
-    head, _, *lines = ([cell.strip() for cell in line.strip("| ").split("|")] for line in match[1].splitlines())
-    titles = [
-        title if title not in head[:k] else f"{title} {head[: k + 1].count(title)}" for k, title in enumerate(head)
-    ]
-    return [dict(zip(titles, [*cells, *[""] * (len(titles) - len(cells))], strict=True)) for cells in lines]
 
 
 PARTS: dict[str, Callable[[], Iterator[Line]]] = {

@@ -77,8 +77,8 @@ def test_an_installed_package_has_them_inside(tmp_path: Path) -> None:
     """Laid out as the wheel is, by the rules of pyproject.toml."""
     wheel = PYPROJECT["tool"]["hatch"]["build"]["targets"]["wheel"]
     assert set(wheel["only-include"]) == {"gearmesh", "samples"}
-    assert set(wheel["exclude"]) == {"README.md", "samples/pictures", "samples/guides/pictures"}
-    hidden = shutil.ignore_patterns("__pycache__", "README.md", "pictures")
+    assert set(wheel["exclude"]) == {"README.md", "notes.md", "*.svg", "samples/pictures", "samples/guides/pictures"}
+    hidden = shutil.ignore_patterns("__pycache__", "README.md", "notes.md", "*.svg", "pictures")
     shutil.copytree(PACKAGE, tmp_path / "gearmesh", ignore=hidden)
     ((source, target),) = wheel["sources"].items()
     shutil.copytree(ROOT / source, tmp_path / target, ignore=hidden)

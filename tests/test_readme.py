@@ -20,7 +20,8 @@ from gearmesh.app import cli
 
 FILES = sorted(
     path.relative_to(ROOT).as_posix()
-    for path in (ROOT / "README.md", *(p for top in ("gearmesh", "samples", "scripts") for p in (ROOT / top).rglob("README.md")))
+    for path in (ROOT / "README.md", *(p for top in ("gearmesh", "samples", "scripts") for p in (ROOT / top).rglob("*.md")))
+    if path.name in ("README.md", "notes.md", "measured.md") and "pages" not in path.parts
 )  # fmt: skip
 #: this checkout, wherever a program runs
 OWN = {**os.environ, "PYTHONPATH": str(ROOT)}

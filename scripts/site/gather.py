@@ -1,27 +1,32 @@
 """The pages that stand in the checkout, in a scratch folder laid out as it is, so that links between them hold.
 
 Pages of packages and samples keep their paths, those of scripts/site/pages go to the top. Files that pages link to, as pictures,
-sources and designs, are copied with them. The table of all figures, a page of the generated reference, is left out.
+sources and designs, are copied with them. A line that links to a table of scripts/measured becomes the table.
 """
 
 from __future__ import annotations
 
 import json
+import os
 import re
 import shutil
+import sys
 from base64 import b64decode
 from pathlib import Path
+
+sys.path.append(str(Path(__file__).resolve().parents[1]))
+from tables import shown
 
 from gearmesh import __version__
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 PAGES = HERE / "pages"
+#: pages beside a README that the site lists under it
+BESIDE = ("measured", "notes")
 #: targets of links and pictures in Markdown and in HTML
 LINK = re.compile(r"(?<=\]\()([^)\s#]+)|(?<=src=\")([^\"]+)")
 MARKDOWN_LINK = re.compile(r"\[([^][]*)\]\(([^)\s#]+)\)")
-#: the table of all figures in gearmesh/answers/README.md, which is a page of the reference
-FIGURES = re.compile(r"^<!-- figures -->.*^<!-- /figures -->\n", re.DOTALL | re.MULTILINE)
 #: languages of fenced blocks that are followed by the name of their file
 NAMED = re.compile(r"^```(\w+) (\S+)$", re.MULTILINE)
 #: the rows of a table that a notebook shows
@@ -41,9 +46,9 @@ def gather(source: Path) -> None:
     for path in sorted((ROOT / "samples" / "guides").glob("*.ipynb")):
         _notebook(path, folder)
     _list_under(folder / "README.md", sorted(path.stem for path in folder.glob("*.md") if path.stem != "README"))
-    for page in sorted((source / "gearmesh").rglob("README.md")):
-        if page.with_name("notes.md").is_file():
-            _list_under(page, ["notes"])
+    for page in sorted(path for top in ("gearmesh", "scripts") for path in (source / top).rglob("README.md")):
+        if beside := sorted(path.stem for path in page.parent.glob("*.md") if path.stem in BESIDE):
+            _list_under(page, beside)
 
 
 def _list_under(page: Path, names: list[str]) -> None:
@@ -88,9 +93,11 @@ def _stage(path: Path, place: Path, source: Path) -> None:
     # the page of the checkout itself is the site's first
     up = "../" * (len(place.parts) - 1)
     text = re.sub(rf"\]\((?:{re.escape(up)}|\./)README\.md(#\S*?)?\)", f"]({up}index.md)", text) if up else text
-    # folders have no page
-    text = FIGURES.sub(f"All of them: [figures]({up}reference/figures.md).\n", text)
+    # the site's own pages are at its top
+    text = text.replace(f"]({os.path.relpath(PAGES, path.parent)}/", f"]({up}")
+    text = shown(text)
     text = NAMED.sub(_captioned, text)
+    # folders have no page
     text = MARKDOWN_LINK.sub(lambda link: link[1] if (path.parent / link[2]).is_dir() else link[0], text)
     target = source / place
     target.parent.mkdir(parents=True, exist_ok=True)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import importlib
 import json
 
 import pytest
 from answers.test_figures import kinds
 from oracles.command_line import refused, run
-from oracles.places import PACKAGE, ROOT, SAMPLES
+from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh.api.reference import declaring, figure_groups
@@ -19,13 +18,6 @@ def test_the_reference_has_every_kind_of_figures_once() -> None:
     assert set(declaring()) == set(kinds())
     titles = [each.of for each in figure_groups()]
     assert len(set(titles)) == len(titles)
-
-
-def test_the_table_of_figures_is_current(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.syspath_prepend(str(ROOT / "scripts"))
-    script = importlib.import_module("figures_reference")
-    text = (PACKAGE / "answers" / "README.md").read_text(encoding="utf-8")
-    assert script.current(text) == text, "run scripts/figures_reference.py"
 
 
 def test_describe_prints_what_figures_mean() -> None:

@@ -38,12 +38,16 @@ def test_a_command_beside_itself_has_the_same_figures(tmp_path: Path) -> None:
         against.revision("no such version")
 
 
-def test_rows_of_commands_that_are_not_measured_again_stay() -> None:
+def test_rows_of_commands_that_are_not_measured_again_stay(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """In the order of the commands, once each; of another version none stays."""
+    monkeypatch.setattr(against.tables, "MEASURED", tmp_path / "measured")
     names = [*against.COMMANDS]
-    rows = [{"command": name, "cpu_before": 3.0, "cpu": 1.5, "ratio": 2.0, "rounds": 1} for name in names[:4]]
-    first = against.block("0.17.0", [rows[3], rows[0]], "")
-    again = against.block("0.17.0", [rows[1], {**rows[3], "ratio": 2.5}], first + "\n")
-    assert [line.split(" | ")[0] for line in again.splitlines()[4:]] == [f"| {names[k]}" for k in (0, 1, 3)]
-    assert "| 2.5 |" in again.splitlines()[-1]
-    assert len(against.block("0.16.0", rows[:1], again).splitlines()) == 5
+    row = {"version": "0.17.0", "cpu_before": 3.0, "cpu": 1.5, "ratio": 2.0, "rounds": 1}
+    rows = [{"command": name, **row} for name in names[:4]]
+    against.keep([rows[3], rows[0]])
+    against.keep([rows[1], {**rows[3], "ratio": 2.5}])
+    known = against.tables.kept("against")
+    assert [line["command"] for line in known] == [names[k] for k in (0, 1, 3)]
+    assert [line["before / now"] for line in known] == ["2", "2", "2.5"]
+    against.keep([{**rows[0], "version": "0.16.0"}])
+    assert [line["version before"] for line in against.tables.kept("against")] == ["0.16.0"]

@@ -19,6 +19,7 @@ from oracles.places import ROOT
 
 import gearmesh as gm
 from gearmesh import io
+from gearmesh.api.reference import figure_groups
 from gearmesh.app import cli
 
 pytestmark = pytest.mark.sweep
@@ -118,10 +119,21 @@ def test_the_reference_has_all_that_the_program_has(pages: dict[Path, Page], sit
     assert "gearmesh.Gears.loaded_contact" in python
     commands: Any = typer.main.get_command(cli.command_line())
     assert set(commands.commands) <= pages[site / "reference/commands.html"].places
+    figures = (site / "reference/figures.html").read_text(encoding="utf-8")
+    assert not [figure.key for group in figure_groups() for figure in group.figures if f">{figure.key}<" not in figures]
     for kind in gm.kinds():
         keys = (site / f"reference/keys/{kind}.html").read_text(encoding="utf-8")
         assert not [line.key for line in gm.system(kind).design.key_lines() if line.key.rpartition(".")[2] not in keys]
         assert f"../schema/{kind}.json" in keys or "_downloads" in keys
+
+
+def test_pages_show_measured_tables_and_no_link_to_a_file(site: Path) -> None:
+    for page in ("scripts/measured", "gearmesh/study/notes", "gearmesh/loaded/notes"):
+        text = (site / f"{page}.html").read_text(encoding="utf-8")
+        assert "<table" in text
+        assert ".csv</a>" not in text
+    measured = (site / "scripts/measured.html").read_text(encoding="utf-8")
+    assert "one batch is faster, times" in measured
 
 
 def test_the_page_of_files_names_all_formats() -> None:

@@ -13,17 +13,6 @@ TEXT = "before\n<!-- bench:a -->\nold\n<!-- /bench -->\nbetween\n<!-- bench:b --
 
 
 tables = script("tables")
-#: scripts beside the bench that write tables
-OTHERS = (
-    "stress.py",
-    "bevel_sweep.py",
-    "worm_sweep.py",
-    "start_bench.py",
-    "study_bench.py",
-    "load_bench.py",
-    "load_checks.py",
-    "refusals.py",
-)
 
 
 def test_a_table_has_the_columns_asked_for_and_numbers_at_the_right() -> None:
@@ -73,27 +62,37 @@ def test_a_file_is_rewritten_whole_or_not_at_all(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_every_block_of_the_documents_is_written_by_a_script() -> None:
-    blocks = {
-        name: re.findall(r"^<!-- bench:(\w+) -->$", (ROOT / name).read_text(encoding="utf-8"), re.MULTILINE)
-        for name in ("README.md", "scripts/README.md", "gearmesh/study/README.md", "gearmesh/loaded/README.md")
-    }
-    source = (ROOT / "scripts" / "bench.py").read_text(encoding="utf-8")
-    others = "".join((ROOT / "scripts" / name).read_text(encoding="utf-8") for name in OTHERS)
-    for found in blocks.values():
-        assert len(found) == len(set(found)) > 0
-        assert all(f'"{name}"' in source + others for name in found)
-    columns = re.search(r"^COLUMNS.*?^\}", source, re.MULTILINE | re.DOTALL)
-    assert columns is not None
-    assert set(re.findall(r'^    "(\w+)":', columns[0], re.MULTILINE)) == set(blocks["scripts/README.md"]) - {
-        "machine",
-        "against",
-        "stress",
-        "worm",
-        "start",
-        "dependencies",
-        "bevel",
-        "loads",
-        "truth",
-        "refusals",
-    }
+def test_a_kept_table_is_shown_where_a_line_links_to_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(tables, "MEASURED", tmp_path / "measured")
+    rows = [{"what": "a, b|c", "count": 1054560, "off": "+3.1"}, {"what": "d", "count": 7, "seconds": 1234.6}]
+    columns = {"what": "step", "count": "triangles", "seconds": "time, s", "off": "time, s"}
+    tables.keep("times", rows, columns)
+    assert tables.kept("times") == [
+        {"step": "a, b|c", "triangles": "1054560", "time, s": "", "time, s 2": "+3.1"},
+        {"step": "d", "triangles": "7", "time, s": "1.23e+03", "time, s 2": ""},
+    ]
+    page = "before\n[Times](../../scripts/measured/times.csv)\nSee [times](measured/times.csv).\n"
+    assert tables.shown(page) == f"before\n{tables.table(rows, columns)}\nSee [times](measured/times.csv).\n"
+    with pytest.raises(ValueError, match="no table nothing"):
+        tables.shown("[Nothing](measured/nothing.csv)")
+
+
+def test_every_kept_table_is_written_by_a_script_and_shown_on_a_page() -> None:
+    source = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "scripts").glob("*.py"))
+    pages = [*(ROOT / "scripts").glob("*.md"), *(ROOT / "gearmesh").rglob("*.md")]
+    shown = [name for path in pages for _, name in tables.SHOWN.findall(path.read_text(encoding="utf-8"))]
+    kept = [path.stem for path in tables.MEASURED.iterdir()]
+    assert sorted(shown) == sorted(kept)
+    assert [name for name in kept if f'"{name}"' not in source] == []
+
+
+def test_every_block_of_figures_is_written_by_a_script() -> None:
+    source = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "scripts").glob("*.py"))
+    pages = [ROOT / "README.md", *(ROOT / "scripts").rglob("*.md"), *(ROOT / "gearmesh").rglob("*.md")]
+    found = [
+        name
+        for path in pages
+        for name in re.findall(r"^<!-- bench:(.+) -->$", path.read_text(encoding="utf-8"), re.MULTILINE)
+    ]
+    assert len(found) == len(set(found)) > 0
+    assert [name for name in found if f'"{name}"' not in source] == []

@@ -36,9 +36,5 @@ def test_lines_are_those_that_are_computed(part: str) -> None:
 
 
 @pytest.mark.quick
-def test_tables_of_other_scripts_are_read_by_their_columns() -> None:
-    rows = validation.measured("truth")
-    assert {row["pair"] for row in rows} >= {"spur", "helical", "face_gear"}
+def test_the_furthest_figure_is_the_largest_by_amount() -> None:
     assert validation.furthest(["", "-3", "2.5"]) == -3.0
-    with pytest.raises(ValueError, match="no table nothing"):
-        validation.measured("nothing")
