@@ -17,7 +17,7 @@ from gearmesh import __version__
 from gearmesh.design.changes import unknown_version
 from gearmesh.design.dotted import with_keys
 from gearmesh.design.explain import explain
-from gearmesh.design.keys import DERIVED_VALUE, MM_PER, Key, KeyLine, Table, conflict, key_lines
+from gearmesh.design.keys import DERIVED_VALUE, MM_PER, Key, KeyLine, Table, conflict, key_lines, usual_keys
 from gearmesh.design.measured import PairMeasured
 from gearmesh.design.shown import html_table, value_text
 from gearmesh.member_names import MemberNames
@@ -421,6 +421,8 @@ class NumberOfTeeth(Table):
 class TurnedBody(Table):
     """Body of revolution under the teeth, with keyway, steps, holes and spokes."""
 
+    usual: ClassVar[tuple[str, ...]] = ("bore",)
+
     bore: Annotated[
         float | None,
         Key(
@@ -474,6 +476,8 @@ class GearBody(MemberBody, NumberOfTeeth):
 class MemberTable(GearBody):
     """A member between plane end faces."""
 
+    usual: ClassVar[tuple[str, ...]] = ("face_width",)
+
     face_width: Annotated[float, Key("length", "width of the gear blank along its axis", low=0, above=True)]
     web: Web | None = None
     holes: Holes | None = None
@@ -481,6 +485,8 @@ class MemberTable(GearBody):
 
 class Phi1(Table):
     """Positions of the pinion, evenly spaced; phi1 = 0 is defined by the kind."""
+
+    usual: ClassVar[tuple[str, ...]] = ("start", "stop", "count")
 
     start: Annotated[
         float, Key("angle", "first position", low=-3600, high=3600, default="where a tooth pair begins contact")
@@ -627,6 +633,8 @@ class Design(Table):
 
     Raises DesignError, one line with key, value and allowed values.
     """
+
+    usual: ClassVar[tuple[str, ...]] = ("units", "name", "module", "backlash")
 
     #: one line about the kind
     about: ClassVar[str] = ""
@@ -1076,6 +1084,22 @@ class Design(Table):
         'kind'
         """
         return key_lines(cls)
+
+    @classmethod
+    def usual_keys(cls) -> tuple[str, ...]:
+        """Return the keys that most designs of the kind set.
+
+        Returns
+        -------
+        tuple of str
+            Dotted keys in the order of the file: required keys, keys of the example, and keys that are usual in designs.
+
+        Examples
+        --------
+        >>> "pinion.bore" in gm.CylindricalDesign.usual_keys()
+        True
+        """
+        return tuple(usual_keys(cls, {"kind": cls.own_kind, **cls.example}))
 
     @classmethod
     def key_groups(cls) -> dict[str, list[KeyLine]]:

@@ -339,6 +339,8 @@ class Table(BaseModel):
     absent: ClassVar[Mapping[str, str]] = {}
     #: keys whose sign has a meaning for the table, as negative teeth of an internal gear
     signed: ClassVar[tuple[str, ...]] = ()
+    #: keys that most designs set; each class names those that it declares
+    usual: ClassVar[tuple[str, ...]] = ()
     #: place in a file: tables of lower rank come first
     rank: ClassVar[int] = 1
     #: title of the list of keys of a table that occurs in several places; empty: its keys are listed at each place
@@ -644,6 +646,22 @@ def key_lines(
                 about=key.about,
                 source=key.source,
             )
+
+
+def usual_keys(table: type[Table], example: Mapping[str, Any], prefix: str = "") -> Iterator[str]:
+    """Yield the dotted keys of a table that most designs set, in the order of the file.
+
+    They are the required keys, those of `Table.usual` and those of the example. Optional tables have none, unless the
+    example has them.
+    """
+    usual = {name for base in table.__mro__ if issubclass(base, Table) for name in base.usual}
+    for name in table.names():
+        field, below, given = table.model_fields[name], table.table_of(name), example.get(name)
+        if below is None:
+            if field.is_required() or name in usual or given is not None:
+                yield prefix + name
+        elif field.default is not None or given is not None:
+            yield from usual_keys(below, given or {}, f"{prefix}{name}.")
 
 
 def _default_text(default: Any) -> str:

@@ -91,13 +91,15 @@ def parse_as_stated(mapping: Mapping[str, Any]) -> Design:
 
 
 @checks_arguments
-def new(kind: str) -> str:
+def new(kind: str, *, short: bool = False) -> str:
     """Return a commented design file of a kind: required keys with initial values, every other key with its default.
 
     Parameters
     ----------
     kind : str
         One of `kinds`.
+    short : bool, optional
+        Leave out the keys that few designs set.
 
     Returns
     -------
@@ -114,4 +116,4 @@ def new(kind: str) -> str:
     >>> print(gm.new("hypoid").splitlines()[0])
     # hypoid gears: bevel gears on offset axes, cut by head cutters on a cradle [ISO 23509; AB]
     """
-    return template(design_class(kind))
+    return template(design_class(kind), short=short)

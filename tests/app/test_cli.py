@@ -7,9 +7,12 @@ import io
 import json
 import math
 import os
+import re
 import signal
 import subprocess
 import sys
+import tomllib
+from collections import Counter
 from collections.abc import Sequence
 from contextlib import nullcontext, redirect_stdout, suppress
 from dataclasses import replace
@@ -566,7 +569,7 @@ def test_describe() -> None:
     # what goes on below a kind is indented
     assert [line.split()[0] for line in out.splitlines()[1:] if line[0] != " "] == list(kinds())
     for kind, sample, fewest in (("beveloid", INTERSECTED, "1"), ("circular_arc", CIRCULAR_ARC, "3")):
-        lines = rows(run("describe", kind)[1].splitlines()[1:])
+        lines = rows(run("describe", kind, "--all")[1].splitlines()[1:])
         resolved = full(sample)
         stated = {
             f"{a}.{b}" if isinstance(x, dict) else a
@@ -588,14 +591,14 @@ def test_describe() -> None:
 def test_describe_has_a_line_for_a_key_where_there_is_room(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "1000")
     groups = system("hypoid").design.key_groups()
-    printed = run("describe", "hypoid")[1].splitlines()
+    printed = run("describe", "hypoid", "--all")[1].splitlines()
     # titles and blank lines of groups
     assert len(printed) == sum(map(len, groups.values())) + 2 * len(groups) - 1
     # in a pipe there always is
     monkeypatch.delenv("COLUMNS")
-    assert run("describe", "hypoid")[1].splitlines() == printed
+    assert run("describe", "hypoid", "--all")[1].splitlines() == printed
     monkeypatch.setenv("COLUMNS", "60")
-    narrow = run("describe", "hypoid")[1].splitlines()
+    narrow = run("describe", "hypoid", "--all")[1].splitlines()
     assert max(map(len, narrow)) <= 60
     assert " ".join(" ".join(narrow).split()) == " ".join(" ".join(printed).split())
 
@@ -605,13 +608,88 @@ def test_describe_says_the_same_as_json(tmp_path: Path) -> None:
     status, text, _ = run("describe", "beveloid", "--json", "-")
     assert status == 0
     document = json.loads(text)
-    printed = rows(run("describe", "beveloid", "--json", tmp_path / "keys.json")[1].splitlines())
+    printed = rows(run("describe", "beveloid", "--all", "--json", tmp_path / "keys.json")[1].splitlines())
     assert json.loads((tmp_path / "keys.json").read_text()) == document
     lines = [*document["keys"], *(line for table in document["tables"].values() for line in table)]
     assert {line["key"] for line in lines} <= printed.keys()
     (teeth,) = (line for line in document["keys"] if line["key"] == "pinion.teeth")
     assert (teeth["unit"], teeth["range"], teeth["default"]) == ("count", "1 .. 10000", "required")
     assert set(json.loads(run("describe", "--json", "-")[1])["kinds"]) == set(kinds())
+
+
+def merged(key: str) -> str:
+    """A key without the name of its member."""
+    return re.sub(r"^(pinion|gear|sun|planet|ring|rack|worm|wheel)\.", "", key)
+
+
+@pytest.mark.quick
+def test_the_short_list_has_the_keys_that_samples_set() -> None:
+    """Keys that half of the samples set that could; at most 30 of the 167 to 587 keys of a kind."""
+    could, do = Counter[str](), Counter[str]()
+    shown, by_kind = dict[str, set[str]](), dict[str, set[str]]()
+    for sample in SAMPLES.glob("*.toml"):
+        design = gm.load(sample, complete=False)
+        usual = type(design).usual_keys()
+        could.update({merged(line.key) for line in type(design).key_lines()})
+        own = {merged(key) for key, _ in design.own()}
+        do.update(own)
+        by_kind.setdefault(design.kind, set()).update(own)
+        shown[design.kind] = {merged(key) for key in usual}
+        assert len(usual) <= 30
+    assert shown.keys() == set(kinds())
+    often = {key for key, count in do.items() if count >= 0.5 * could[key] and could[key] >= 4}
+    assert len(often) > 15
+    for kind, keys in shown.items():
+        required = {merged(line.key) for line in system(kind).design.key_lines() if line.default == "required"}
+        assert (often & by_kind[kind]) | required <= keys
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("kind", kinds())
+def test_describe_is_short_and_says_how_much_it_leaves_out(kind: str) -> None:
+    design = system(kind).design
+    usual, every = design.usual_keys(), [line.key for line in design.key_lines()]
+    status, out, _ = run("describe", kind)
+    listed, _, rest = out.partition("\n\n")
+    assert status == 0
+    assert [line.split()[0] for line in listed.splitlines()[1:]] == list(usual)
+    assert rest.startswith(f"{len(every) - len(usual)} more keys, ")
+    assert f"gearmesh describe {kind} --all" in rest
+    # a file of these keys is a design
+    text = gm.new(kind, short=True)
+    assert f"# {len(set(every) - {'gearmesh', *usual})} more keys: gearmesh new {kind} --all" in text
+    assert run("new", kind)[1] == text
+    assert run("new", kind, "--all")[1] == gm.new(kind)
+    assert gm.parse(tomllib.loads(text)) == gm.parse(tomllib.loads(gm.new(kind)))
+    assert len(re.findall(r"^(?:# )?\w+ = ", text, re.MULTILINE)) == len({"gearmesh", *usual})
+
+
+@pytest.mark.quick
+def test_describe_shows_one_table() -> None:
+    status, out, _ = run("describe", "cylindrical", "pinion.keyway")
+    assert (status, out.splitlines()[0]) == (0, 'kind = "cylindrical"')
+    assert [line.split()[0] for line in out.splitlines()[1:]] == [
+        f"pinion.keyway.{key}" for key in ("standard", "width", "depth")
+    ]
+    assert run("describe", "cylindrical", "pinion.keyway.width")[1].split()[3:4] == ["pinion.keyway.width"]
+    # tables in several places: by their place, and by their title
+    (count,) = (line for line in run("describe", "rack", "pinion.spokes")[1].splitlines() if ".count " in line)
+    assert count.startswith("pinion.spokes.count ")
+    assert run("describe", "rack", "spokes")[1].splitlines()[1].startswith("count ")
+    document = json.loads(run("describe", "hypoid", "pinion.hub", "--json", "-")[1])
+    assert (document["table"], [line["key"] for line in document["keys"]]) == (
+        "pinion.hub",
+        ["pinion.hub.diameter", "pinion.hub.length"],
+    )
+    wrong = refused("describe", "hypoid", "pinion.keywy")
+    assert wrong == "TABLE = pinion.keywy: no table or key of hypoid; did you mean pinion.keyway?"
+    assert refused("describe", "hypoid", "weave") == (
+        "TABLE = weave: no table or key of hypoid; gearmesh describe hypoid lists its tables"
+    )
+    assert refused("describe", INTERSECTED, "pinion") == "TABLE: needs a kind"
+    assert refused("describe", "--all") == "--all: needs a kind"
+    assert refused("describe", "hypoid", "--all", "--schema") == "--all: must be left out with --schema"
+    assert refused("describe", "hypoid", "pinion", "--all").startswith("--all: must be left out with a table")
 
 
 @pytest.mark.sweep

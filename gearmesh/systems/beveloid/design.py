@@ -27,6 +27,7 @@ STANDARD_TIP_RADIUS = 0.38
 class BeveloidMember(TurnedTip, MemberTable, Modified):
     """One gear of a beveloid pair; flanks may be modified where its cone angle is 0."""
 
+    usual: ClassVar[tuple[str, ...]] = ("helix_angle", "cone_angle")
     replaces: ClassVar = (("tip_diameter", "addendum"), ("root_diameter", "dedendum"))
 
     teeth: Annotated[int, Key("count", "number of teeth; one is a thread", low=1, high=10000)]
@@ -120,6 +121,7 @@ class BeveloidAssembly(PairRunout):
 class BeveloidDesign(PairDesign):
     """A beveloid pair on intersected, crossed or parallel axes."""
 
+    usual: ClassVar[tuple[str, ...]] = ("pressure_angle",)
     own_kind: ClassVar[str] = "beveloid"
     example: ClassVar[Mapping[str, Any]] = {
         "module": 2,

@@ -159,6 +159,7 @@ NOT_INSIDE = ("keyway", "hub", "web", "toe_hub", "heel_shaft", "toe_shaft", "spo
 class CylindricalMember(TurnedTip, MemberTable, Modified):
     """One gear of a cylindrical pair."""
 
+    usual: ClassVar[tuple[str, ...]] = ("profile_shift",)
     replaces: ClassVar = (
         ("tip_diameter", "addendum"),
         ("tip_diameter", "tip_alteration"),
@@ -393,6 +394,8 @@ class CylindricalMember(TurnedTip, MemberTable, Modified):
 class CylindricalAssembly(PairRunout, CenterDistanceAllowance):
     """Position of the gear against its nominal one: assembly errors."""
 
+    usual: ClassVar[tuple[str, ...]] = ("center_distance",)
+
     center_distance: Annotated[
         float | None,
         Key("length", "centre distance", low=0, above=True, default="nominal teeth mesh without backlash"),
@@ -412,6 +415,8 @@ AccuracyClass = Annotated[
 
 class ToothingKeys(Design):
     """Keys of the designs of all cylindrical gears and racks: size, basic rack, helix, backlash."""
+
+    usual: ClassVar[tuple[str, ...]] = ("pressure_angle", "helix_angle", "hand")
 
     #: Names of the tables of members.
     toothed: ClassVar[tuple[str, ...]] = ("pinion", "gear")

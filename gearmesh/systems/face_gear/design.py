@@ -128,6 +128,8 @@ class FaceGearMachine(Table):
 class FaceGearGear(GearBody):
     """The face gear: teeth on a ring between two cylinders, on a web."""
 
+    usual: ClassVar[tuple[str, ...]] = ("inner_radius", "outer_radius")
+
     inner_radius: Annotated[
         float,
         Key(
@@ -171,6 +173,8 @@ class FaceGearGear(GearBody):
 
 class ShaperTool(Table):
     """The involute shaper."""
+
+    usual: ClassVar[tuple[str, ...]] = ("teeth",)
 
     teeth: Annotated[
         int | None,
@@ -233,6 +237,7 @@ class FaceGearAssembly(PairRunout):
 class FaceGearDesign(PairDesign):
     """A face gear drive."""
 
+    usual: ClassVar[tuple[str, ...]] = ("pressure_angle", "shaft_angle", "offset")
     own_kind: ClassVar[str] = "face_gear"
     example: ClassVar[Mapping[str, Any]] = {
         "module": 3,

@@ -91,6 +91,8 @@ class ParabolicMember(TurnedTip, MemberTable):
 class ParabolicPinion(ParabolicMember):
     """Pinion, crowned across and along the teeth."""
 
+    usual: ClassVar[tuple[str, ...]] = ("crowning",)
+
     crowning: Annotated[
         str,
         Key(
@@ -194,6 +196,8 @@ EXAMPLE_KEYS = {
 
 class ParabolicHelicalDesign(PairDesign):
     """Keys that both kinds have in common."""
+
+    usual: ClassVar[tuple[str, ...]] = ("pressure_angle", "rack_parameter")
 
     #: sign of the gear's parabola: +1 if its rack's profile removes material from the tooth away from the pitch plane
     gear_parabola_sign: ClassVar[float] = 1.0

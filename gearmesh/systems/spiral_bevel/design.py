@@ -554,6 +554,8 @@ DrivingSide = Annotated[str, Key("choice", "driving side of the pinion", choices
 class BevelContact(ContactTable):
     """Contact, on one of the pinion's sides."""
 
+    usual: ClassVar[tuple[str, ...]] = ("side",)
+
     side: DrivingSide = "pinion_concave"
 
     @property
@@ -570,6 +572,8 @@ class SpiralBevelContact(BevelContact):
 
 class BevelDesign(PairDesign):
     """Keys of all pairs of bevel gears."""
+
+    usual: ClassVar[tuple[str, ...]] = ("shaft_angle", "pressure_angle", "face_width", "hand")
 
     pinion: BevelBody
     gear: BevelBody
@@ -665,6 +669,8 @@ ROLLING_KEYS = (
 
 class FaceMilledDesign(BevelDesign):
     """Keys of all pairs cut by face-milling head cutters, with or without offset."""
+
+    usual: ClassVar[tuple[str, ...]] = ("spiral_angle", "process")
 
     process: Annotated[
         str,

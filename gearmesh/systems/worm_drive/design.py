@@ -72,6 +72,7 @@ class ThreadCount(Table):
 class WormTable(MemberBody, ThreadCount):
     """The worm. Its diameter follows from one of reference_diameter, quotient and lead_angle."""
 
+    usual: ClassVar[tuple[str, ...]] = ("form", "reference_diameter", "length")
     replaces = (("reference_diameter", "quotient"), ("reference_diameter", "lead_angle"))
 
     form: Annotated[
@@ -319,6 +320,7 @@ class WormDriveAssembly(Table):
 class WormDriveDesign(Design):
     """A worm and its wheel."""
 
+    usual: ClassVar[tuple[str, ...]] = ("pressure_angle", "center_distance")
     own_kind: ClassVar[str] = "worm_drive"
     example: ClassVar[Mapping[str, Any]] = {"module": 4, "worm": {"threads": 2}, "wheel": {"teeth": 40}}
     about: ClassVar[str] = OWN_KINDS["worm_drive"].about

@@ -5,10 +5,11 @@ from __future__ import annotations
 import os
 import sys
 import textwrap
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict
 from pathlib import Path
 from shutil import get_terminal_size
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -26,10 +27,20 @@ KEY, INDENT = 28, "    "
 if TYPE_CHECKING:
     from gearmesh import Gears
     from gearmesh.answers.sheet import DesignSheet
+    from gearmesh.design.keys import KeyLine
 
 
 def describe(
     what: Annotated[str | None, typer.Argument(metavar="[KIND|DESIGN]", show_default=False)] = None,
+    table: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="[TABLE]", help="Only the keys of this table of the kind, as pinion.keyway.", show_default=False
+        ),
+    ] = None,
+    every_key: Annotated[
+        bool, typer.Option("--all", help="Every key of the kind, not only those that most designs set.")
+    ] = False,
     json_file: Json = None,
     torque: SheetTorque = None,
     speed: SheetSpeed = None,
@@ -53,14 +64,15 @@ def describe(
         ),
     ] = False,
 ) -> None:
-    """The gear systems, every key of one of them, the data sheet of a design, or the meaning of figures."""
+    """The gear systems, the keys of one of them, the data sheet of a design, or the meaning of figures."""
+    of_sheet = (("--torque", torque), ("--speed", speed), ("--member", member), ("--set", settings))
+    of_kind = (("TABLE", table), ("--all", every_key))
     if figures:
-        for option, given in (("--torque", torque), ("--speed", speed), ("--member", member), ("--set", settings)):
-            if given:
-                raise ArgumentError(option, must_be="left out with --figures")
+        _refuse((*of_sheet, *of_kind), must_be="left out with --figures")
         _figures(what or "", json_file)
         return
     if schema:
+        _refuse(of_kind, must_be="left out with --schema")
         if what not in (*gm.kinds(), REPORT):
             allowed = f"{', '.join(gm.kinds())}, or {REPORT} for report.json"
             raise ArgumentError("--schema", reason="needs a kind", allowed=allowed)
@@ -68,6 +80,7 @@ def describe(
         write_text(json_file or "-", lambda: _schema(str(what)))
         return
     if what is not None and (what == "-" or Path(what).suffix in (".toml", ".json")):
+        _refuse(of_kind, reason="needs a kind")
         refuse_torque(torque)
         refuse_speed(speed)
         refuse_unwritable(json_file)
@@ -77,22 +90,29 @@ def describe(
             show(sheet.listings)
         warn(sheet.warnings)
         return
-    for option, given in (
-        ("--torque", torque),
-        ("--speed", speed),
-        ("--member", member),
-        ("--set", settings),
-    ):
-        if given:
-            raise ArgumentError(option, reason="needs a design file to describe")
+    _refuse(of_sheet, reason="needs a design file to describe")
+    if what is None:
+        _refuse(of_kind, reason="needs a kind")
+    elif table is not None:
+        _refuse((("--all", every_key),), must_be="left out with a table, whose keys are all listed")
+    groups = {} if what is None else _groups(what, table)
     refuse_unwritable(json_file)
-    write_text(json_file, lambda: _document(what))
+    write_text(json_file, lambda: _document(what, table, groups))
     if json_file == "-":
         return
     if what is None:
         show([_kinds()])
+    elif every_key or table is not None:
+        sys.stdout.write(_keys(what, groups, _width()))
     else:
-        sys.stdout.write(_keys(what, _width()))
+        sys.stdout.write(_usual_keys(what, groups, _width()))
+
+
+def _refuse(options: Iterable[tuple[str, object]], *, reason: str = "", must_be: str = "") -> None:
+    """Raise ArgumentError for the first option that is given."""
+    for option, given in options:
+        if given:
+            raise ArgumentError(option, reason=reason, must_be=must_be)
 
 
 def _figures(word: str, json_file: str | None) -> None:
@@ -142,24 +162,37 @@ def _schema(kind: str) -> str:
     return json_text(design_schema(design_class(kind), kind))
 
 
-def _document(kind: str | None) -> str:
-    """The kinds, or all keys of one of them and of the tables that stand in several places of it, as JSON."""
+def _groups(kind: str, table: str | None) -> dict[str, list[KeyLine]]:
+    """Keys of a kind by the title of their table, or those of one table or title alone. Raises ArgumentError."""
+    from gearmesh.errors import nearest
+    from gearmesh.systems.system import design_class
+
+    groups = design_class(kind).key_groups()
+    if table is None:
+        return groups
+    lines = list(design_class(kind).key_lines())
+    found = [line for line in lines if line.key == table or line.key.startswith(f"{table}.")] or groups.get(table)
+    if found:
+        return {"": found}
+    paths = [line.key.split(".") for line in lines]
+    known = {".".join(path[:depth]) for path in paths for depth in range(1, len(path) + 1)} | groups.keys()
+    close = nearest(table, sorted(known))
+    hint = f"did you mean {close}?" if close else f"gearmesh describe {kind} lists its tables"
+    raise ArgumentError("TABLE", table, reason=f"no table or key of {kind}; {hint}")
+
+
+def _document(kind: str | None, table: str | None, groups: Mapping[str, list[KeyLine]]) -> str:
+    """The kinds, or all keys of a kind or of one table of it, as JSON; tables in several places of the kind once."""
     from gearmesh.answers.tables import json_text
-    from gearmesh.systems.system import about, design_class
+    from gearmesh.systems.system import about
 
     if kind is None:
         return json_text({"gearmesh": gm.__version__, "kinds": {name: about(name) for name in gm.kinds()}})
-    design = design_class(kind)
-    groups = {name: [asdict(line) for line in lines] for name, lines in design.key_groups().items()}
-    return json_text(
-        {
-            "gearmesh": gm.__version__,
-            "kind": kind,
-            "about": design.about,
-            "keys": groups.pop(""),
-            "tables": groups,
-        }
-    )
+    document: dict[str, Any] = {"gearmesh": gm.__version__, "kind": kind, "about": about(kind)}
+    keys = {name: [asdict(line) for line in lines] for name, lines in groups.items()}
+    if table is not None:
+        return json_text({**document, "table": table, "keys": keys[""]})
+    return json_text({**document, "keys": keys.pop(""), "tables": keys})
 
 
 def _width() -> int:
@@ -169,12 +202,10 @@ def _width() -> int:
     return sys.maxsize
 
 
-def _keys(kind: str, width: int) -> str:
-    """Every key of a kind, and of tables that stand in several places of it, a line each where the width has room for it."""
-    from gearmesh.systems.system import design_class
-
+def _keys(kind: str, groups: Mapping[str, list[KeyLine]], width: int) -> str:
+    """Keys of a kind by the titles of their tables, a line each where the width has room for it."""
     text = []
-    for name, lines in design_class(kind).key_groups().items():
+    for name, lines in groups.items():
         text.append(name or f'kind = "{kind}"')
         column = min(max(len(line.key) for line in lines), KEY)
         for line in lines:
@@ -182,6 +213,43 @@ def _keys(kind: str, width: int) -> str:
             allowed = ", ".join(part for part in (line.unit, line.range) if part)
             source = f" {line.source}" if "[" in line.source else f" [{line.source}]" if line.source else ""
             said = f"{line.key.ljust(column)}  ({allowed}; {default}) {line.about}{source}"
-            text += textwrap.wrap(said, width, subsequent_indent=INDENT, break_long_words=False, break_on_hyphens=False)
+            text += _wrapped(said, width)
         text.append("")
     return "\n".join(text)
+
+
+def _usual_keys(kind: str, groups: Mapping[str, list[KeyLine]], width: int) -> str:
+    """The keys that most designs of a kind set, how many are left out, and the tables that these are in."""
+    from gearmesh.systems.system import design_class
+
+    design = design_class(kind)
+    usual = set(design.usual_keys())
+    shown = [line for line in groups[""] if line.key in usual]
+    left_out = [line.key for line in design.key_lines() if line.key not in usual]
+    notes = (
+        f"{len(left_out)} more keys, which few designs set, are listed by gearmesh describe {kind} --all, "
+        f"and those of one table by gearmesh describe {kind} TABLE.",
+        *_tables(left_out),
+    )
+    return "\n".join([_keys(kind, {"": shown}, width), *(line for note in notes for line in _wrapped(note, width)), ""])
+
+
+def _tables(keys: Iterable[str]) -> Iterator[str]:
+    """Yield the names of the tables that keys are in: of the file, then of each of its tables; members alike share a line."""
+    inner: dict[str, dict[str, None]] = {}
+    for key in keys:
+        table, *rest = key.split(".")[:-1] or [""]
+        if table:
+            inner.setdefault(table, {}).update(dict.fromkeys(rest[:1]))
+    yield f"Tables: {', '.join(inner)}."
+    alike: dict[tuple[str, ...], list[str]] = {}
+    for table, inside in inner.items():
+        alike.setdefault(tuple(inside), []).append(table)
+    for names, tables in alike.items():
+        if names:
+            yield f"Tables in {', '.join(tables)}: {', '.join(names)}."
+
+
+def _wrapped(text: str, width: int) -> list[str]:
+    """Lines of a text; all but the first are indented."""
+    return textwrap.wrap(text, width, subsequent_indent=INDENT, break_long_words=False, break_on_hyphens=False)

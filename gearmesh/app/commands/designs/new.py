@@ -15,13 +15,14 @@ from gearmesh.errors import OutputError
 
 def new(
     kind: Annotated[str, typer.Argument(metavar="KIND", show_default=False, help="A kind of design, see describe.")],
+    every_key: Annotated[bool, typer.Option("--all", help="Every key, not only those that most designs set.")] = False,
     output: Annotated[
         Path | None,
         typer.Option("-o", "--output", metavar="FILE.toml", help="File to write. [default: standard output]"),
     ] = None,
 ) -> None:
-    """A commented design file of a kind: the required keys with starting values, and every other key with its default."""
-    text = gm.new(kind)
+    """A commented design file of a kind: the required keys with starting values, and usual keys with their defaults."""
+    text = gm.new(kind, short=not every_key)
     if output is None:
         sys.stdout.write(text)
         return

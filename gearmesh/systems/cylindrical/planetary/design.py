@@ -69,6 +69,7 @@ class PlanetaryAssembly(CenterDistanceAllowance):
 class PlanetaryDesign(HalvesKeys):
     """A planetary gear set on coaxial sun and ring."""
 
+    usual: ClassVar[tuple[str, ...]] = ("planets", "fixed")
     own_kind: ClassVar[str] = "planetary"
     toothed: ClassVar[tuple[str, ...]] = (SUN_NAME, PLANET_NAME, RING_NAME)
     example: ClassVar[Mapping[str, Any]] = {

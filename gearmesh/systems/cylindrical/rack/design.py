@@ -63,6 +63,8 @@ class BoltRow(Table):
 class BarKeys(Modified):
     """Keys of a bar with teeth, as many pitches long as it has teeth, or longer."""
 
+    usual: ClassVar[tuple[str, ...]] = ("teeth", "height")
+
     teeth: Annotated[
         int | None, Key("count", "number of teeth", low=1, high=10000, default="as many as the length has room for")
     ] = None

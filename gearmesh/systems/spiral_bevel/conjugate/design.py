@@ -37,6 +37,7 @@ class ConjugateContact(BevelContact):
 class ConjugateDesign(BevelDesign):
     """A pair of conjugate spiral bevel gears."""
 
+    usual: ClassVar[tuple[str, ...]] = ("psi_c", "beta")
     own_kind: ClassVar[str] = "spiral_bevel_conjugate"
     example: ClassVar[Mapping[str, Any]] = {
         "module": 4,
