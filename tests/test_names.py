@@ -16,7 +16,6 @@ TO_REWRITE = {
     "answers",
     "api",
     "app",
-    "cad",
     "kernel",
     "systems",
     "systems/cylindrical",

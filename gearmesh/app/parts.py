@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, tolerance_in_mm, warn, working
-from gearmesh.cad.suffixes import AXIAL, DXF, SECTIONS, STEP
+from gearmesh.cad.suffixes import AXIAL_PLANE, DXF_SUFFIX, SECTION_SUFFIXES, STEP_SUFFIXES
 from gearmesh.errors import ArgumentError, OutputError
 from gearmesh.lengths import in_mm
 
@@ -47,14 +47,14 @@ class PartFile:
     @property
     def is_whole(self) -> bool:
         """Whether the format holds whole gears alone."""
-        return self.suffix in SECTIONS
+        return self.suffix in SECTION_SUFFIXES
 
     def refuse(self, member: str, others: tuple[str, ...] = ()) -> None:
         """Raise DesignError or OutputError for what can be refused before the design is read; `others`: further suffixes."""
         from gearmesh import io
 
-        suffix, several = self.suffix, (*io.formats(several=True), *STEP)
-        known = (*io.formats(), *STEP, *SECTIONS)
+        suffix, several = self.suffix, (*io.formats(several=True), *STEP_SUFFIXES)
+        known = (*io.formats(), *STEP_SUFFIXES, *SECTION_SUFFIXES)
         if suffix not in known:
             names = ", ".join((*known, *others))
             raise OutputError("cannot write", self.output, reason=f"its suffix must be one of {names}")
@@ -64,17 +64,19 @@ class PartFile:
                 "member", member, reason=f"{suffix} holds one part; for {member} use {', '.join(several)}"
             )
         for name, value in (("section", self.section), ("curves", self.curves)):
-            if value is not None and suffix not in SECTIONS:
+            if value is not None and suffix not in SECTION_SUFFIXES:
                 raise ArgumentError(
-                    name, value, must_be=f"left out for {suffix}; formats of sections are {', '.join(SECTIONS)}"
+                    name, value, must_be=f"left out for {suffix}; formats of sections are {', '.join(SECTION_SUFFIXES)}"
                 )
-        if self.names is not None and suffix not in STEP:
-            raise ArgumentError("names", self.names, must_be=f"left out for {suffix}; faces are named in {STEP[0]}")
+        if self.names is not None and suffix not in STEP_SUFFIXES:
+            raise ArgumentError(
+                "names", self.names, must_be=f"left out for {suffix}; faces are named in {STEP_SUFFIXES[0]}"
+            )
         if self.phi1 is not None and member not in (BOTH, ALL):
             raise ArgumentError(
                 "phi1", self.phi1, must_be=f"left out for --member = {member}, which is in its own frame"
             )
-        if suffix == DXF:
+        if suffix == DXF_SUFFIX:
             from gearmesh.cad.dxf import require_ezdxf
 
             require_ezdxf()
@@ -103,16 +105,16 @@ class PartFile:
 
     def _lengths(self) -> tuple[float | None, float | str | None, float]:
         """Tolerance, place and offset of the section, mm. Raises DesignError for texts that are no lengths."""
-        z = self.section if self.section in (None, AXIAL) else in_mm("--section", self.section)
+        z = self.section if self.section in (None, AXIAL_PLANE) else in_mm("--section", self.section)
         return tolerance_in_mm(self.tol), z, 0.0 if self.offset is None else in_mm("--offset", self.offset)
 
     def make(self, gears: Gears, member: str) -> Cad | Section | Solid | Solids:
         """Make a member, or all, for the file."""
         tolerance, z, away = self._lengths()
         every = member in (BOTH, ALL)
-        if self.suffix in SECTIONS:
+        if self.suffix in SECTION_SUFFIXES:
             return gears.section(member, z, tolerance, curves=self.curves or "splines", offset=away)
-        if self.suffix in STEP:
+        if self.suffix in STEP_SUFFIXES:
             return gears.cad(
                 None if every else member,
                 tolerance,
@@ -140,7 +142,7 @@ class PartFile:
         """Make a member, or all, write the file, and print the figures."""
         every = member in (BOTH, ALL)
         of = "space" if self.space else "flanks" if self.flank_only else "solid"
-        if self.suffix in SECTIONS:
+        if self.suffix in SECTION_SUFFIXES:
             of = "section"
         with working("solids" if every else f"{of} of the {member}"):
             made = self.make(gears, member)

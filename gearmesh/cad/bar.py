@@ -1,13 +1,13 @@
-r"""A rack as a solid with named faces for CAD: planes and cylinders, as they are, or spline patches where flanks are modified.
+r"""A rack as a solid with named faces for CAD: exact planes and cylinders, or spline patches if flanks are modified.
 
-                 __ land __                      columns: where links of the section begin, from end to end of the bar
+                 __ land __                      columns: beginnings of the links of the section, from end to end of the bar
     flank_right /          \ flank_left          rows: toe and heel, planes across z
     ___________/            \___________
-    root    fillet          fillet    root       along the tooth traces every edge is straight
+    root    fillet          fillet    root       every edge along the tooth traces is straight
 
-What a plane across z cuts of a root fillet is an arc, of helical teeth that of an ellipse; the fillet is that arc drawn along the
-trace, of spur teeth a cylinder by name. Teeth with modified flanks or rounded tip edges are patches as those of gears, between bars
-of planes.
+A plane across z cuts a root fillet in an arc: of a circle for spur teeth, of an ellipse for helical teeth. The fillet is this arc
+extruded along the trace, for spur teeth a cylinder. Teeth with modified flanks or rounded tip edges consist of patches, like the
+teeth of gears; the faces of the bar under them are planes.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from typing import Any
 
 import numpy as np
 
-from gearmesh.cad.brep import NARROWEST, Patch, SplineTooth
+from gearmesh.cad.brep import MIN_LINK_WIDTH_MM, Patch, SplineTooth
 from gearmesh.cad.faces.bar_end import BarEnd
 from gearmesh.cad.faces.drawn_face import DrawnFace, Sides
 from gearmesh.cad.occ import (
-    PRECISION,
+    PRECISION_MM,
     edge,
     face,
     point,
@@ -42,47 +42,51 @@ from gearmesh.teeth.blank.end_edge import SHARP_ENDS
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import FILLET_REGIONS, Region
 
-#: s along a link at which its distance from what is drawn is measured
-SAMPLES = np.linspace(0.0, 1.0, 17)
+#: s along a link at which its distance from the drawn face is measured
+LINK_SAMPLES = np.linspace(0.0, 1.0, 17)
 
 
 @dataclass(frozen=True)
 class BarArc:
-    """An arc in the plane of the toe: its centre (3,), directions (3,) of its axes, along the bar and out of or into it, their
-    halves, mm, and the angles between which it goes, growing, from column to column."""
+    """An arc of a circle or an ellipse in the plane of the toe, between two columns."""
 
+    #: centre (3,), mm
     centre: Array
+    #: unit vectors (2, 3) of the axes: along the bar, and out of it or into it
     axes: Array
+    #: half axes (2,), mm
     halves: Array
+    #: angle of the first end, rad
     first: float
+    #: angle of the last end, rad, larger than the first
     last: float
 
     @staticmethod
     def of(toe: Array, normals: Array, trace: Array) -> BarArc:
-        """Of a root fillet with points and normals (K, 3) on the toe, drawn along the unit vector `trace`."""
+        """Return the arc of a root fillet with points and normals (K, 3) on the toe, extruded along the unit vector `trace`."""
         middle, radius = rounding(toe, normals, trace)
         centre = middle + trace * (toe[0, 2] - middle[2]) / trace[2]
         halves = radius * np.array([1.0 / trace[2], 1.0])
         begin, end = toe[0], toe[-1]
         axes = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
-        # the shorter way round, and so that angles grow
+        # take the shorter way round, and mirror an axis if the angles fall
         (first, last) = _angles(np.stack((begin, end)) - centre, axes, halves)
         if (last - first) % (2.0 * np.pi) > np.pi:
             axes = axes * [[1.0], [-1.0]]
             (first, last) = _angles(np.stack((begin, end)) - centre, axes, halves)
-        # from 0 on, as edges on closed curves are counted
+        # OpenCASCADE counts the parameters of edges on closed curves from 0
         low = float(first % (2.0 * np.pi))
         return BarArc(centre, axes, halves, low, low + float((last - first) % (2.0 * np.pi)))
 
     def miss(self, r: Array) -> float:
-        """Largest distance (mm) of points (K, 3) in its plane from the ellipse, to first order."""
+        """Return the largest distance (mm) of points (K, 3) in the plane from the ellipse, to first order."""
         u = (r - self.centre) @ self.axes.T / self.halves
         rho = np.linalg.norm(u, axis=-1)
         slope = np.linalg.norm(u / self.halves, axis=-1) / rho
         return float(np.abs((rho - 1.0) / slope).max())
 
     def curve(self, way: Array) -> Any:
-        """Geom_Ellipse, or Geom_Circle, moved by `way` (3,)."""
+        """Return the Geom_Ellipse or Geom_Circle, moved by `way` (3,)."""
         from OCP.Geom import Geom_Circle, Geom_Ellipse
 
         place = self._frame(way).Ax2()
@@ -91,7 +95,7 @@ class BarArc:
         return Geom_Ellipse(place, float(self.halves[0]), float(self.halves[1]))
 
     def surface(self, trace: Array) -> tuple[Any, float]:
-        """What the arc is drawn to along the unit vector `trace`, and the sense in which its second parameter grows with it."""
+        """Return the surface of the arc extruded along the unit vector `trace`, and the sign of its second parameter along it."""
         from OCP.Geom import Geom_CylindricalSurface, Geom_SurfaceOfLinearExtrusion
         from OCP.gp import gp_Dir
 
@@ -108,8 +112,10 @@ class BarArc:
 
 
 def rounding(r: Array, normals: Array, trace: Array) -> tuple[Array, float]:
-    """A point (3,) on the axis, and the radius, of the cylinder along a unit vector `trace` on which points r (K, 3) with normals
-    (K, 3) lie, by the first and the last of them."""
+    """Return a point (3,) on the axis and the radius of a cylinder along the unit vector `trace`.
+
+    The points r (K, 3) with normals (K, 3) lie on the cylinder; the first and the last point determine it.
+    """
     across, turned = r[-1] - r[0], normals[-1] - normals[0]
     across = across - (across @ trace) * trace
     radius = float(across @ turned / (turned @ turned))
@@ -117,29 +123,34 @@ def rounding(r: Array, normals: Array, trace: Array) -> tuple[Array, float]:
 
 
 def _angles(r: Array, axes: Array, halves: Array) -> Array:
-    """Angles (K,), rad, of points (K, 3) from the centre of an ellipse."""
+    """Return angles (K,), rad, of points (K, 3) relative to the centre of an ellipse."""
     u = r @ axes.T / halves
     return np.asarray(np.arctan2(u[:, 1], u[:, 0]))
 
 
 @dataclass(frozen=True)
 class BarLink:
-    """A link of the section of the whole bar: its region, name, corner (2, 3), mm, on toe and heel where it begins, its arc,
-    None where it is a plane, and the number of its tooth, None for the roots at the ends of the bar."""
+    """A link of the section of the whole bar."""
 
+    #: region of its face
     region: Region
+    #: name of its face
     name: str
+    #: points (2, 3) on toe and heel where the link begins, mm
     corner: Array
+    #: arc of a fillet, None for planes
     arc: BarArc | None = None
+    #: number of its tooth, None for the roots at the ends of the bar
     tooth: int | None = None
 
 
 def bar_part(member: Member) -> tuple[Part, float]:
-    """The whole rack, its faces named by region and number of the tooth, and how far (mm) it is from the exact surfaces.
+    """Build the whole rack of planes and cylinders, and return it with its distance (mm) from the exact surfaces.
 
-    Raises DesignError for what is no solid, OutputError where OpenCASCADE is missing.
+    Faces are named by region and number of the tooth. Raises DesignError for an invalid solid, OutputError without OpenCASCADE.
     """
     require_occ()
+    # vertices of the section on toe and heel, and under them on the back
     links, last, miss = _links(member)
     corners = np.stack([*(link.corner for link in links), last])
     vertices = [[vertex(r) for r in column] for column in corners]
@@ -151,16 +162,18 @@ def bar_part(member: Member) -> tuple[Part, float]:
         tuple(_across(link, vertices[n][row], vertices[n + 1][row], corners[n, row] - corners[n, 0]) for row in (0, 1))
         for n, link in enumerate(links)
     ]
+    # a face for each link: a plane, or the extruded arc of a fillet
     faces = []
     for n, link in enumerate(links):
         sides = [(across[n][0], True), (along[n + 1], True), (across[n][1], False), (along[n], False)]
         way = corners[n, 1] - corners[n, 0]
         if link.arc is None:
-            # out of the material: along the chain times from toe to heel
+            # the outward normal is the direction along the chain times the direction from toe to heel
             shape = _plane(corners[n, 0], np.cross(corners[n + 1, 0] - corners[n, 0], way), sides)
         else:
             shape = _extrude(link.arc, way, sides)
         faces.append(NamedFace(shape, link.name, link.region, tooth=link.tooth))
+    # the bar under the teeth: toe, heel, both ends and back
     down = [[straight_edge(vertices[n][row], under[n][row]) for row in (0, 1)] for n in (0, -1)]
     across_back = [straight_edge(*column) for column in under]
     along_back = [straight_edge(under[0][row], under[1][row]) for row in (0, 1)]
@@ -182,27 +195,28 @@ def bar_part(member: Member) -> tuple[Part, float]:
 
 
 def has_straight_faces(member: Member) -> bool:
-    """Whether all faces of a rack are planes and cylinders along the tooth traces."""
+    """Return True if all faces of a rack are planes and cylinders along the tooth traces."""
     tooth = member.tooth
     rounded = tooth.tip_edge is not None and tooth.tip_edge.rounded
     return tooth.unmodified_tooth is tooth and not rounded and tooth.blank.ends == SHARP_ENDS
 
 
 def spline_bar_part(member: Member, teeth: SplineTooth) -> Part:
-    """The whole rack with spline patches on its teeth, its faces named by region and number of the tooth.
+    """Build the whole rack with spline patches on its teeth; faces are named by region and number of the tooth.
 
-    Raises DesignError for what is no solid, OutputError where OpenCASCADE is missing.
+    Raises DesignError for an invalid solid, OutputError without OpenCASCADE.
     """
     require_occ()
     tooth, links, rows = teeth.tooth, len(teeth.links), range(len(teeth.bounds))
     rooted = teeth.links[0].region is Region.ROOT
     places, curves = tooth.joint.places(tooth.teeth), [LinkCurves.of(teeth, i) for i in range(links)]
     ways = [np.asarray(tooth.joint.to(place * tooth.pitch_angle).translation) for place in places.tolist()]
-    # the first root is half of one, and behind the last tooth is another
+    # the first root is only half, and belongs to the bar's end; another half root follows the last tooth
     columns = [(k, i) for k in range(tooth.teeth) for i in range(links)][1 if rooted else 0 :]
     last_corner = [patch.control[-1, end] for patch, end in _row_ends(teeth)]
     corners = np.array([teeth.corners[i] + ways[k] for k, i in columns] + [np.array(last_corner) + ways[-1]])
     vertices = [[vertex(r) for r in column] for column in corners]
+    # edges along the face where links begin, and edges of the links on toe and heel
     borders = [*curves, LinkCurves({}, [spline_curve(*border) for border in link_border(teeth, links)])]
     starts = [*columns, (tooth.teeth - 1, links)]
     along = [
@@ -219,6 +233,7 @@ def spline_bar_part(member: Member, teeth: SplineTooth) -> Part:
         }
         for n, (k, i) in enumerate(columns)
     ]
+    # the faces of tooth 1, moved to all teeth
     drawn = [drawn_faces(teeth, i, DrawnFace.of_net) for i in range(links)]
     faces = []
     for n, (k, i) in enumerate(columns):
@@ -235,13 +250,13 @@ def spline_bar_part(member: Member, teeth: SplineTooth) -> Part:
 
 
 def _row_ends(teeth: SplineTooth) -> list[tuple[Patch, int]]:
-    """For every bound a patch of the last link that reaches it, and which end of the patch it is."""
+    """Return, for every bound, a patch of the last link that reaches it and the end of the patch there, 0 or -1."""
     row = teeth.patches[teeth.links[-1]]
     return [*((patch, 0) for patch in row), (row[-1], -1)]
 
 
 def _move(shape: Any, way: Array) -> Any:
-    """A curve or surface moved by `way` (3,)."""
+    """Return a curve or surface moved by `way` (3,)."""
     return shape.Transformed(translation(way))
 
 
@@ -251,11 +266,12 @@ def _closed_bar(
     teeth: tuple[Array, list[list[Any]], list[list[Any]]],
     sides: tuple[BarEnd, BarEnd],
 ) -> Part:
-    """The part of the faces of all teeth, the roots at both ends and the bar under them.
+    """Build the part from the faces of all teeth, the roots at both ends and the bar under them.
 
-    `teeth`: corners (N, G, 3), mm, their vertices and the edges along the face where columns begin, the last where the teeth end;
-    `sides`: toe and heel.
+    - `teeth`: corners (N, G, 3), mm, their vertices, and the edges along the face, where columns begin; last where the teeth end
+    - `sides`: toe and heel
     """
+    # the ends of the bar are planes through the roots, moved outwards by the overhang
     tooth, (corners, vertices, along) = member.tooth, teeth
     ways = [tooth.joint.to(place * tooth.pitch_angle).translation[1] for place in tooth.joint.places(tooth.teeth)]
     far = float(ways[-1] + tooth.joint.to(tooth.pitch_angle).translation[1])
@@ -265,7 +281,7 @@ def _closed_bar(
         end[:, 1] = tooth.root_middle(end[:, 2]) + beyond
     top = [[vertex(r) for r in column] for column in ends]
     up = np.array([1.0, 0.0, 0.0])
-    # from the first end to the first tooth, and from the last tooth to the last end
+    # half roots from the first end to the first tooth, and from the last tooth to the last end
     halves = [
         [
             side.half_root(n, (top[n][row], ends[n, row]), (vertices[-n][-row], corners[-n, -row]), moved[n])
@@ -279,6 +295,7 @@ def _closed_bar(
     across_top, across_back = ([straight_edge(*column) for column in places] for places in (top, under))
     down = [[straight_edge(halves[n][row].corner, under[n][row]) for row in (0, 1)] for n in (0, 1)]
     along_back = [straight_edge(under[0][row], under[1][row]) for row in (0, 1)]
+    # faces of the half roots, then of holes, toe and heel, both ends and the back
     roots = (
         Sides(halves[0][0].root, along[0], halves[0][1].root, [across_top[0]]),
         Sides(halves[1][0].root, [across_top[1]], halves[1][1].root, along[-1]),
@@ -308,12 +325,13 @@ def _closed_bar(
 
 
 def _links(member: Member) -> tuple[list[BarLink], Array, float]:
-    """The links of the bar from end to end, where they end (2, 3), and how far (mm) they are from the exact surfaces."""
+    """Return the links of the bar from end to end, their end (2, 3), mm, and their distance (mm) from the exact surfaces."""
+    # arcs of fillets and planes of the other links of one tooth, with the distance of exact points from them
     tooth = member.tooth
     ends = tooth.sections(np.array([0.0, 1.0]))
-    drawn = {region: tooth.grid(region, SAMPLES, ends) for region in tooth.regions}
+    drawn = {region: tooth.grid(region, LINK_SAMPLES, ends) for region in tooth.regions}
     grids = {region: grid.points for region, grid in drawn.items()}
-    wide = [r for r in tooth.regions if np.linalg.norm(grids[r][-1] - grids[r][0], axis=-1).max() > NARROWEST]
+    wide = [r for r in tooth.regions if np.linalg.norm(grids[r][-1] - grids[r][0], axis=-1).max() > MIN_LINK_WIDTH_MM]
     arcs: dict[Region, BarArc] = {}
     miss = 0.0
     for region in wide:
@@ -325,13 +343,14 @@ def _links(member: Member) -> tuple[list[BarLink], Array, float]:
         else:
             normal = unit(np.cross(toe[-1] - toe[0], grids[region][0, 1] - toe[0]))
             miss = max(miss, float(np.abs((grids[region] - toe[0]) @ normal).max()))
+    # the links of all teeth, with a half root at either end
     places, pitch = tooth.joint.places(tooth.teeth), tooth.pitch_angle
     half = np.array(
         [0.0, 0.5 * float(np.linalg.norm(grids[Region.ROOT][-1] - grids[Region.ROOT][0], axis=-1).max()), 0.0]
     )
     half[1] += member.overhang
     links: list[BarLink] = []
-    roots = half[1] > NARROWEST
+    roots = half[1] > MIN_LINK_WIDTH_MM
     for k, place in enumerate(places.tolist(), 1):
         way = tooth.joint.to(place * pitch).translation
         for region in wide:
@@ -352,27 +371,29 @@ def _links(member: Member) -> tuple[list[BarLink], Array, float]:
 
 
 def _across(link: BarLink, begin: Any, end: Any, way: Array) -> Any:
-    """The edge of a link on toe or heel, `way` (3,) from the toe."""
+    """Return the edge of a link on toe or heel, `way` (3,) from the toe."""
     if link.arc is None:
         return straight_edge(begin, end)
     return edge(link.arc.curve(way), begin, end, link.arc.first, link.arc.last)
 
 
 def _reverse(sides: list[tuple[Any, bool]]) -> list[tuple[Any, bool]]:
-    """A closed line the other way round."""
+    """Return a closed line in the opposite direction."""
     return [(edge, not forward) for edge, forward in reversed(sides)]
 
 
 def _bolt_holes(member: Member) -> tuple[list[NamedFace], tuple[list[Any], list[Any]]]:
-    """The walls and floors of the holes across a bar, and the wires of their mouths, clockwise about the outward normals of toe and
-    heel."""
+    """Return the walls and floors of the holes across a bar, and the wires of the holes in toe and heel.
+
+    The wires go clockwise about the outward normals of toe and heel.
+    """
     cuts = [(opening, Prism.of(opening.curves, (opening.low, opening.high))) for opening in member.openings]
     toe = [wire(*((edge, True) for edge in cut.edges[0])) for opening, cut in cuts if opening.floor is None]
     return opening_faces(cuts), (toe, [cut.wire_at(1) for _, cut in cuts])
 
 
 def _plane(origin: Array, normal: Array, sides: list[tuple[Any, bool]], holes: Sequence[Any] = ()) -> Any:
-    """A plane face with edges counterclockwise about its outward normal, and the wires of holes in it."""
+    """Return a plane face with edges counterclockwise about its outward normal, and with holes by their wires."""
     from OCP.Geom import Geom_Plane
     from OCP.gp import gp_Dir
 
@@ -380,7 +401,7 @@ def _plane(origin: Array, normal: Array, sides: list[tuple[Any, bool]], holes: S
 
 
 def _extrude(arc: BarArc, way: Array, sides: list[tuple[Any, bool]]) -> Any:
-    """The face of an arc drawn by `way` (3,) from toe to heel; its sides are toe, far, heel, near."""
+    """Return the face of an arc extruded by `way` (3,) from toe to heel; its sides are toe, far, heel, near."""
     from OCP.BRep import BRep_Builder
     from OCP.TopLoc import TopLoc_Location
 
@@ -390,5 +411,5 @@ def _extrude(arc: BarArc, way: Array, sides: list[tuple[Any, bool]]) -> Any:
     curves.append(((arc.first, 0.0), (0.0, sense)))
     builder, here = BRep_Builder(), TopLoc_Location()
     for (side, _), (start, direction) in zip(sides, curves, strict=True):
-        builder.UpdateEdge(side, straight2d(start, direction), surface, here, PRECISION)
+        builder.UpdateEdge(side, straight2d(start, direction), surface, here, PRECISION_MM)
     return face(surface, [wire(*(sides if sense > 0.0 else _reverse(sides)))], sense > 0.0)

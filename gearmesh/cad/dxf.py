@@ -1,5 +1,7 @@
-"""DXF files of sections in mm, a layer for every kind of contour: ARC, CIRCLE, LINE and SPLINE entities, or a closed LWPOLYLINE
-round each contour, its arcs as bulges."""
+"""DXF files of sections in mm, with a layer for every kind of contour.
+
+The entities are ARC, CIRCLE, LINE and SPLINE, or a closed LWPOLYLINE round each contour with its arcs as bulges.
+"""
 
 from __future__ import annotations
 
@@ -17,27 +19,27 @@ from gearmesh.io.atomic import PathLike, whole_file
 from gearmesh.io.digits import angle_on_grid, curve_on_grid
 from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve
 
-#: the oldest version that has splines, which most programs read
-VERSION = "R2000"
+#: the oldest version with splines: most programs read it
+DXF_VERSION = "R2000"
 
 
 def require_ezdxf() -> None:
-    """Raise OutputError, naming what to install, where ezdxf cannot be loaded."""
+    """Raise OutputError with the package to install if ezdxf cannot be loaded."""
     require("ezdxf", "DXF needs ezdxf", "cad")
 
 
 def write_dxf(section: MemberSection, path: PathLike, description: str, joined: bool = False) -> None:
-    """Write a section, its contours one after the other, the curves of each in order, on layers named after member and contour.
+    """Write the contours of a section, curve by curve, on layers named after member and contour.
 
-    `description` is a comment at the beginning; `joined`: contours are of arcs and lines, and one polyline each. Raises
-    OutputError for a file that cannot be written and where ezdxf is missing.
+    `description` is a comment at the beginning. `joined` contours consist of arcs and lines, and each becomes one polyline.
+    Raises OutputError for a file that cannot be written, and without ezdxf.
     """
     require_ezdxf()
     from ezdxf import units
     from ezdxf.filemanagement import new
 
     with _without_dates():
-        document = new(VERSION)
+        document = new(DXF_VERSION)
         document.units = units.MM
         space, reach = document.modelspace(), float(curve_on_grid(np.asarray(section.reach)))
         space.reset_extents((-reach, -reach, 0.0), (reach, reach, 0.0))
@@ -70,7 +72,7 @@ def _add(space: Any, curve: PlaneCurve, layer: str) -> None:
     if curve.closed:
         space.add_circle(centre, radius, dxfattribs=attributes)
     else:
-        # DXF knows counterclockwise arcs only
+        # DXF has counterclockwise arcs only
         first, last = angle_on_grid(np.sort(np.degrees((curve.first, curve.first + curve.width)))).tolist()
         space.add_arc(centre, radius, first, last, dxfattribs=attributes)
 
@@ -93,7 +95,7 @@ def _add_joined(space: Any, contour: Contour, layer: str) -> None:
 
 @contextmanager
 def _without_dates() -> Iterator[None]:
-    """Let ezdxf write neither the time nor a new identifier: the same command writes the same bytes."""
+    """Keep ezdxf from writing the time or a new identifier: the same command writes the same bytes."""
     from ezdxf._options import options
 
     before = options.write_fixed_meta_data_for_testing

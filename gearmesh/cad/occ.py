@@ -1,4 +1,4 @@
-"""Elementary OpenCASCADE shapes from arrays: points, edges, wires, faces, splines. mm, as everywhere."""
+"""Elementary OpenCASCADE shapes from arrays in mm: points, edges, wires, faces, splines."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from gearmesh.cad.nodes import DEGREE
+from gearmesh.cad.nodes import SPLINE_DEGREE
 from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 
-#: edges and vertices are this exact (mm) where nothing else is known: what OpenCASCADE takes for the same point
-PRECISION = 1e-7
+#: default tolerance of edges and vertices: OpenCASCADE treats closer points as equal
+PRECISION_MM = 1e-7
 
-#: what OpenCASCADE 7, with which CadQuery 2.8 comes, calls the collections of OpenCASCADE 8, and in which modules it has them
+#: modules and names in OpenCASCADE 7 (CadQuery 2.8) of the collections of OpenCASCADE 8
 _COLLECTIONS_OF_7 = {
     "Array1_double": ("TColStd", "TColStd_Array1OfReal"),
     "Array1_int": ("TColStd", "TColStd_Array1OfInteger"),
@@ -55,7 +55,7 @@ def edge(curve: Any, start: Any, end: Any, first: float, last: float) -> Any:
 
 
 def point_edge(at: Any, last: float) -> Any:
-    """TopoDS_Edge of no length at a vertex, where a surface has a side that is a point; its parameter goes from 0 to `last`."""
+    """TopoDS_Edge without length at a vertex, for a side of a surface that is a point; its parameter goes from 0 to `last`."""
     from OCP.BRep import BRep_Builder
     from OCP.TopAbs import TopAbs_Orientation
     from OCP.TopoDS import TopoDS_Edge
@@ -70,7 +70,7 @@ def point_edge(at: Any, last: float) -> Any:
 
 
 def straight_edge(start: Any, end: Any) -> Any:
-    """TopoDS_Edge on the line between two vertices, its parameter the length from the first."""
+    """TopoDS_Edge on the line between two vertices; its parameter is the length from the first."""
     from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge
 
     return BRepBuilderAPI_MakeEdge(start, end).Edge()
@@ -90,12 +90,12 @@ def wire(*parts: tuple[Any, bool]) -> Any:
 
 
 def face(surface: Any, wires: Sequence[Any], outward: bool) -> Any:
-    """TopoDS_Face with wires that are counterclockwise (holes clockwise) on the surface; turned over if not `outward`."""
+    """TopoDS_Face with counterclockwise wires (holes clockwise) on the surface, reversed if not `outward`."""
     from OCP.BRep import BRep_Builder
     from OCP.TopoDS import TopoDS_Face
 
     builder, made = BRep_Builder(), TopoDS_Face()
-    builder.MakeFace(made, surface, PRECISION)
+    builder.MakeFace(made, surface, PRECISION_MM)
     for wire in wires:
         builder.Add(made, wire)
     if not outward:
@@ -138,7 +138,7 @@ def spline_curve(control: Array, knots: Array) -> Any:
 
 
 def translation(way: Array) -> Any:
-    """gp_Trsf by a way (3,)."""
+    """gp_Trsf that moves by `way` (3,), mm."""
     from OCP.gp import gp_Trsf, gp_Vec
 
     made = gp_Trsf()
@@ -154,11 +154,11 @@ def spline_curve2d(control: Array, knots: Array) -> Any:
     poles = collection("Array1_gp_Pnt2d")(1, len(control))
     for i, (u, v) in enumerate(control.tolist()):
         poles.SetValue(i + 1, gp_Pnt2d(u, v))
-    return Geom2d_BSplineCurve(poles, *_knots(knots), DEGREE)
+    return Geom2d_BSplineCurve(poles, *_knots(knots), SPLINE_DEGREE)
 
 
 def straight2d(start: tuple[float, float], direction: tuple[float, float]) -> Any:
-    """Geom2d_Line from a point, its parameter the length from there."""
+    """Geom2d_Line from a point; its parameter is the length from this point."""
     from OCP.Geom2d import Geom2d_Line
     from OCP.gp import gp_Dir2d, gp_Pnt2d
 
@@ -179,7 +179,7 @@ def spline_surface(control: Array, s_knots: Array, t_knots: Array) -> Any:
 
 
 def _knots(knots: Array) -> tuple[Any, Any]:
-    """Different knots and how often each occurs."""
+    """Return the different knots and their multiplicities."""
     values, counts = np.unique(knots, return_counts=True)
     different, often = (collection(name)(1, values.size) for name in ("Array1_double", "Array1_int"))
     for i, (value, count) in enumerate(zip(values.tolist(), counts.tolist(), strict=True)):
@@ -189,7 +189,7 @@ def _knots(knots: Array) -> tuple[Any, Any]:
 
 
 def mapped_shapes(shape: Any, kind: str) -> Any:
-    """Map of the solids or faces (`kind` "SOLID" or "FACE") of a shape, each once, in the order in which they are found.
+    """Map of the solids or faces (`kind` "SOLID" or "FACE") of a shape, each once, in their order in the shape.
 
     `FindKey` and `FindIndex` count from 1.
     """
@@ -202,7 +202,7 @@ def mapped_shapes(shape: Any, kind: str) -> Any:
 
 
 def collection(name: str) -> Any:
-    """Class of OpenCASCADE's collections, by its name in OpenCASCADE 8."""
+    """Return a collection class of OpenCASCADE by its name in OpenCASCADE 8."""
     try:
         return getattr(import_module("OCP.collections"), name)
     except ModuleNotFoundError:

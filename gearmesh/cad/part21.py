@@ -1,10 +1,11 @@
-"""STEP's text, ISO 10303-21, said once: equal geometry is one instance, and planes do without curves in their parameters.
+"""Compact text of STEP files (ISO 10303-21): equal geometry is one instance, and edges on planes have no parameter curves.
 
-OpenCASCADE writes every point, direction and context where it is needed, a border's control points with the edge and again
-with the surfaces on both sides, and for every edge on a plane a curve that every reader projects itself. Without these a gear
-is three fifths of its size. Points are on the grid of CAD solids, other numbers have
-eleven decimals (`io/digits.py`): last digits, which differ between processors, do not decide which are equal. Topology (vertices,
-edges, faces) is left alone.
+OpenCASCADE repeats every point, direction and context wherever it is needed. It writes the control points of a border with the
+edge and again with the surfaces on both sides. It also writes a curve for every edge on a plane, although every reader projects
+such edges itself. Without these repetitions a gear has three fifths of the size.
+
+Points lie on the grid of CAD solids, and other numbers have eleven decimals (`io/digits.py`). The last digits differ between
+processors and must not decide which instances are equal. Topology (vertices, edges, faces) is not changed.
 """
 
 from __future__ import annotations
@@ -18,8 +19,8 @@ from itertools import chain
 
 from gearmesh.io.digits import PARAMETER_STEPS_PER_UNIT, POINT_STEPS_PER_MM, STEPS_PER_UNIT, reals_on_grid
 
-#: instances without an identity of their own, each kind after those that it refers to: equal values are one
-_VALUES = (
+#: kinds of instances that are merged if their values are equal; each kind follows the kinds that it refers to
+_VALUE_KINDS = (
     "CARTESIAN_POINT",
     "DIRECTION",
     "( GEOMETRIC_REPRESENTATION_CONTEXT",
@@ -36,42 +37,52 @@ _VALUES = (
     "SURFACE_STYLE_USAGE",
     "PRESENTATION_STYLE_ASSIGNMENT",
 )
-#: how kinds of instances begin that colour others
-_COLOURED = "MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION"
-_INSTANCE = re.compile(r"#(\d+) = ((?:[^';]++|'[^']*')*+);\n")
-_FOLD = re.compile(r"\n\s*")
+#: beginning of the kinds of instances that colour other instances
+_COLOURING_KIND = "MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION"
+#: number and value of an instance, whose strings may contain semicolons
+_INSTANCE_PATTERN = re.compile(r"#(\d+) = ((?:[^';]++|'[^']*')*+);\n")
+#: break of a long line
+_FOLD_PATTERN = re.compile(r"\n\s*")
+#: string, or break of a long line
 _STRING_OR_FOLD = re.compile(r"'[^']*'|\n\s*")
-_REFERENCE = re.compile(r"#(\d+)")
+#: reference to an instance
+_REFERENCE_PATTERN = re.compile(r"#(\d+)")
+#: string, or reference to an instance
 _STRING_OR_REFERENCE = re.compile(r"'[^']*'|#(\d+)")
-#: instances with reals, and no text but an empty name: points, and others
-_POINT, _PLACEMENT = "CARTESIAN_POINT", "AXIS2_PLACEMENT_3D"
+#: kind of points
+_POINT_KIND = "CARTESIAN_POINT"
+#: kind of positions of planes, cylinders and cones
+_PLACEMENT_KIND = "AXIS2_PLACEMENT_3D"
+#: other kinds of instances with reals, and no text but an empty name
 _WITH_REALS = (
     *("DIRECTION", "VECTOR", "B_SPLINE_CURVE_WITH_KNOTS", "B_SPLINE_SURFACE_WITH_KNOTS", "CIRCLE", "ELLIPSE"),
     *("CYLINDRICAL_SURFACE", "CONICAL_SURFACE", "TOROIDAL_SURFACE"),
 )
-#: commas of a point in space, beside those of two parameters
+#: number of commas of a point in space; a point of two parameters has fewer
 _COMMAS_IN_SPACE = 3
-#: what no text of a file has: between instances, and between the pieces of one
-_APART, _BETWEEN = "\x01", "\x02"
-#: long lists are broken into lines of about so many characters
-_LINE = re.compile(r"(.{400}[^,]*#\d+,)(?=#)")
+#: marks between instances and between pieces of an instance, which no file contains
+_INSTANCE_MARK, _PIECE_MARK = "\x01", "\x02"
+#: place after about 400 characters at which a long list is broken into lines
+_LONG_LINE = re.compile(r"(.{400}[^,]*#\d+,)(?=#)")
 
-#: characters that a string of the standard does not have as they are [ISO 10303-21 6.4.3]
-_BEYOND = re.compile(r"[^\x20-\x7e]+")
+#: characters outside the basic alphabet of strings [ISO 10303-21 6.4.3]
+_OUTSIDE_ALPHABET = re.compile(r"[^\x20-\x7e]+")
 
-#: numbers of instances, rising, by their kinds
+#: rising numbers of instances, by their kinds
 Numbers = dict[str, list[int]]
 
 
 @dataclass(slots=True)
 class _Instance:
-    """A value that refers to others: its `text` in pieces, between which are the `references`, numbers of instances."""
+    """A value that refers to other instances: pieces of text, with a reference between neighbouring pieces."""
 
+    #: pieces of text, one more than references
     text: list[str]
+    #: numbers of the instances
     references: list[int]
 
     def text_with(self, names: Mapping[int, int]) -> str:
-        """The value with other numbers."""
+        """Return the text of the value with other numbers."""
         pieces = [self.text[0]]
         for number, text in zip(self.references, self.text[1:], strict=True):
             pieces += ("#", str(names[number]), text)
@@ -79,23 +90,26 @@ class _Instance:
 
 
 class _Instances:
-    """What a file has, by numbers: texts of `plain` values, most of them points, and `compound` values; the numbers by `kinds`."""
+    """Instances of a file by their numbers."""
 
     def __init__(self) -> None:
+        #: texts of values without references, most of them points
         self.plain: dict[int, str] = {}
+        #: values with references
         self.compound: dict[int, _Instance] = {}
+        #: numbers of the instances of each kind
         self.kinds: Numbers = defaultdict(list)
 
     def add(self, number: int, value: str) -> None:
-        """Take a value, the lines of whose text may be folded."""
+        """Add an instance; the lines of its value may be broken."""
         quoted = "'" in value.replace("''", "")
         if "\n" in value:
-            value = _FOLD.sub("", value) if not quoted else _STRING_OR_FOLD.sub(_unfold, value)
+            value = _FOLD_PATTERN.sub("", value) if not quoted else _STRING_OR_FOLD.sub(_unfold, value)
         self.kinds[value[: value.index("(", 1)]].append(number)
         if "#" not in value:
             self.plain[number] = value
         elif not quoted:
-            parts = _REFERENCE.split(value)
+            parts = _REFERENCE_PATTERN.split(value)
             self.compound[number] = _Instance(parts[::2], list(map(int, parts[1::2])))
         else:
             matches = [match for match in _STRING_OR_REFERENCE.finditer(value) if match[1]]
@@ -104,28 +118,28 @@ class _Instances:
             self.compound[number] = _Instance(texts, [int(match[1]) for match in matches])
 
     def references(self, number: int) -> list[int]:
-        """Numbers of what an instance refers to."""
+        """Return the numbers of the instances that an instance refers to."""
         return self.compound[number].references if number in self.compound else []
 
 
 def _unfold(match: re.Match[str]) -> str:
-    """A string, which goes on where its line is broken, or nothing for a break between."""
+    """Return a string without its line breaks, or nothing for a line break between strings."""
     return match[0].replace("\n", "") if match[0][0] == "'" else ""
 
 
 def condense(text: str) -> str:
-    """A whole file as OpenCASCADE writes it, with equal instances merged and numbered anew from 1.
+    """Return a file of OpenCASCADE with equal instances merged and numbered from 1.
 
-    A text that is written otherwise is returned as it is.
+    A text in another form is returned unchanged.
     """
     head, data = text.split("DATA;\n", 1)
     data, tail = data.rsplit("ENDSEC;", 1)
     collecting = gc.isenabled()
-    # none of 100,000 objects is garbage, and those of OpenCASCADE would be gone through again and again
+    # garbage collection would visit 100,000 objects and all objects of OpenCASCADE again and again, for nothing
     gc.disable()
     try:
         instances, end = _Instances(), 0
-        for match in _INSTANCE.finditer(data):
+        for match in _INSTANCE_PATTERN.finditer(data):
             if match.start() != end and data[end : match.start()].strip():
                 return text
             instances.add(int(match[1]), match[2])
@@ -144,41 +158,41 @@ def condense(text: str) -> str:
 
 
 def basic_alphabet(text: str) -> str:
-    """A text with all but the characters of the basic alphabet as \\X2\\ or \\X4\\ and their numbers [ISO 10303-21 6.4.3.3]."""
+    """Return a text with characters outside the basic alphabet as \\X2\\ or \\X4\\ and their codes [ISO 10303-21 6.4.3.3]."""
 
     def numbers(match: re.Match[str]) -> str:
         wide = max(match[0]) > "\uffff"
         codes = match[0].encode("utf-32-be" if wide else "utf-16-be").hex().upper()
         return f"\\X{4 if wide else 2}\\{codes}\\X0\\"
 
-    return _BEYOND.sub(numbers, text)
+    return _OUTSIDE_ALPHABET.sub(numbers, text)
 
 
 def _put_on_grid(instances: _Instances) -> None:
-    """Put numbers on the grids of files; places of planes, cylinders and cones are known better than points on them."""
+    """Round numbers to the grids of files; the positions of planes, cylinders and cones have a finer grid than points."""
     kinds, plain = instances.kinds, instances.plain
-    places = {instances.references(number)[0] for number in kinds[_PLACEMENT]}
-    points = [number for number in kinds[_POINT] if number not in places]
+    places = {instances.references(number)[0] for number in kinds[_PLACEMENT_KIND]}
+    points = [number for number in kinds[_POINT_KIND] if number not in places]
     in_space = [number for number in points if plain[number].count(",") == _COMMAS_IN_SPACE]
     on_surfaces = [number for number in points if plain[number].count(",") != _COMMAS_IN_SPACE]
     others = [number for kind in _WITH_REALS for number in kinds[kind]]
     beside = [number for number in others if number in plain]
-    beside += [number for number in kinds[_POINT] if number in places]
+    beside += [number for number in kinds[_POINT_KIND] if number in places]
     for numbers, per_unit in (
         (in_space, POINT_STEPS_PER_MM),
         (on_surfaces, PARAMETER_STEPS_PER_UNIT),
         (beside, STEPS_PER_UNIT),
     ):
-        joined = reals_on_grid(_APART.join(plain[number] for number in numbers), per_unit)
-        plain.update(zip(numbers, joined.split(_APART), strict=False))
+        joined = reals_on_grid(_INSTANCE_MARK.join(plain[number] for number in numbers), per_unit)
+        plain.update(zip(numbers, joined.split(_INSTANCE_MARK), strict=False))
     compound = [instances.compound[number] for number in others if number in instances.compound]
-    joined = reals_on_grid(_APART.join(_BETWEEN.join(value.text) for value in compound), STEPS_PER_UNIT)
-    for value, text in zip(compound, joined.split(_APART), strict=False):
-        value.text = text.split(_BETWEEN)
+    joined = reals_on_grid(_INSTANCE_MARK.join(_PIECE_MARK.join(value.text) for value in compound), STEPS_PER_UNIT)
+    for value, text in zip(compound, joined.split(_INSTANCE_MARK), strict=False):
+        value.text = text.split(_PIECE_MARK)
 
 
 def _drop_curves_on_planes(instances: _Instances) -> None:
-    """Leave edges with their curves in the parameters of other surfaces only, and those between planes with the curve itself."""
+    """Remove parameter curves on planes: edges between two planes keep the curve in space only."""
     kinds, compound = instances.kinds, instances.compound
     planes = set(kinds["PLANE"])
     on_planes = {number for number in kinds["PCURVE"] if compound[number].references[0] in planes}
@@ -197,9 +211,9 @@ def _drop_curves_on_planes(instances: _Instances) -> None:
 
 
 def _merge(instances: _Instances) -> None:
-    """Leave the first of equal `_VALUES`, and refer to it."""
+    """Keep the first of equal instances of `_VALUE_KINDS`, and make all references refer to it."""
     first: dict[int, int] = {}
-    for kind in _VALUES:
+    for kind in _VALUE_KINDS:
         known: dict[str | tuple[str | int, ...], int] = {}
         for number in instances.kinds[kind]:
             value = instances.compound.get(number)
@@ -215,11 +229,11 @@ def _merge(instances: _Instances) -> None:
 
 
 def _renumber(instances: _Instances, whole: list[int]) -> str:
-    """The text of `whole` and all that they refer to, each before what it refers to first.
+    """Return the text of the instances `whole` and of all that they refer to, each followed by its references.
 
-    OpenCASCADE gathers the colours of the parts of an assembly in no fixed order; here it is that of what they colour.
+    OpenCASCADE writes the colours of an assembly's parts in no fixed order; here they follow the order of the parts.
     """
-    coloured = {n for kind, own in instances.kinds.items() if kind.startswith(_COLOURED) for n in own}
+    coloured = {n for kind, own in instances.kinds.items() if kind.startswith(_COLOURING_KIND) for n in own}
 
     def place(number: int) -> tuple[bool, int]:
         if number not in coloured:
@@ -238,5 +252,5 @@ def _renumber(instances: _Instances, whole: list[int]) -> str:
     for old, new in names.items():
         value = instances.compound.get(old)
         line = f"#{new}={instances.plain[old] if value is None else value.text_with(names)};\n"
-        lines.append(_LINE.sub(r"\1\n", line) if len(line) > 500 else line)
+        lines.append(_LONG_LINE.sub(r"\1\n", line) if len(line) > 500 else line)
     return "".join(lines)

@@ -1,8 +1,8 @@
 """A member as a solid with named faces for CAD: the teeth's spline patches on a body of planes, cones and cylinders.
 
-Vertices and edges are made once and the faces built on them, so the shell is closed by construction and nothing has to
-be sewn. Columns are where links of the chain begin, counted on round all teeth; rows are toe, breaks and heel. Hub,
-web and bore belong to the profile that is turned to the body.
+Each vertex and edge is made once and the faces are built on them, so the shell is closed by construction, without sewing. Columns
+are the beginnings of the links of the chain, counted round all teeth; rows are toe, breaks and heel. Hub, web and bore are parts
+of the profile of the body of revolution.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import numpy as np
 from gearmesh.cad.brep import SplineTooth
 from gearmesh.cad.faces.drawn_face import DrawnFace, Sides
 from gearmesh.cad.faces.strip_faces import strip_faces
-from gearmesh.cad.occ import PRECISION, edge, frame, spline_curve, vertex
+from gearmesh.cad.occ import PRECISION_MM, edge, frame, spline_curve, vertex
 from gearmesh.cad.step import NamedFace, Part, require_occ
 from gearmesh.cad.turned import Loop, Prism, Trace, TurnedSurface, circle, plane_face, turned_face
 from gearmesh.errors import DesignError
@@ -30,14 +30,13 @@ from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Region
 
 #: relative error of a face's share of the volume
-QUADRATURE = 1e-8
+QUADRATURE_ERROR = 1e-8
 
 
 def solid_part(member: Member, teeth: SplineTooth) -> Part:
-    """The whole member, its faces named by region and, on the teeth, number of the tooth (1 is the tooth on +x).
+    """Build the whole member; faces are named by region, and faces of teeth also by number (1 is the tooth on +x).
 
-    Raises DesignError where hub, bore and keyway do not make a valid solid and where teeth differ, OutputError where OpenCASCADE is
-    missing.
+    Raises DesignError if hub, bore and keyway make no valid solid, and for teeth that differ; OutputError without OpenCASCADE.
     """
     require_occ()
     member.check_alike()
@@ -47,7 +46,7 @@ def solid_part(member: Member, teeth: SplineTooth) -> Part:
 
 
 def whole_part(member: Member, faces: tuple[NamedFace, ...], regions: tuple[str, ...]) -> Part:
-    """The part that faces make which have all edges in common. Raises DesignError where that is no valid solid."""
+    """Build the part from faces that share all their edges. Raises DesignError for an invalid solid."""
     from OCP.BRep import BRep_Builder
     from OCP.BRepCheck import BRepCheck_Analyzer
     from OCP.TopoDS import TopoDS_Shell, TopoDS_Solid
@@ -68,7 +67,7 @@ def whole_part(member: Member, faces: tuple[NamedFace, ...], regions: tuple[str,
 
 
 def _faces(member: Member, teeth: SplineTooth) -> list[NamedFace]:
-    """All faces of a member: of the teeth of all halves and the gaps between, and of its body."""
+    """Return all faces of a member: of the teeth of all rows, of the gaps between rows, and of the body."""
     faces, loops, rows = list[NamedFace](), list[tuple[Loop, Loop]](), list[tuple[_Row, _Row]]()
     for half in member.halves:
         toothed, ends, outlines = tooth_faces(teeth.place(half), {-end: rows[0][end] for end in half.shared})
@@ -87,7 +86,7 @@ def _faces(member: Member, teeth: SplineTooth) -> list[NamedFace]:
 
 
 def _gap_faces(gap: Body, outline: tuple[Loop, Loop], teeth: SplineTooth) -> list[NamedFace]:
-    """The cylinder in the gap, and the end faces of the teeth that look into it: a toe, and a heel."""
+    """Return the cylinder in a gap, and the end faces of the teeth on both sides of the gap, a toe and a heel."""
     up = station_normal(teeth.tooth.blank.axial)[1] > 0.0
     loops = [circle(rho, z, 0.0) for rho, z in gap.profile]
     (_, first), (_, last) = gap.profile
@@ -100,9 +99,10 @@ def _gap_faces(gap: Body, outline: tuple[Loop, Loop], teeth: SplineTooth) -> lis
 
 
 def volume(part: Part) -> float:
-    """Volume of a part (mm^3), by OpenCASCADE: from the origin to each face, with its turned copies at once.
+    """Return the volume of a part (mm^3) by OpenCASCADE: the sum of the volumes between the origin and each face.
 
-    With its default order of quadrature the error of OpenCASCADE is 3e-7 on a fillet, more than that of the fillet itself.
+    A face with turned copies is integrated once. With its default order of quadrature, OpenCASCADE has an error of 3e-7 on a
+    fillet, more than the error of the fillet itself; therefore QUADRATURE_ERROR is given.
     """
     from OCP.BRepGProp import BRepGProp_Domain, BRepGProp_Face, BRepGProp_Vinert
     from OCP.gp import gp_Pnt
@@ -110,22 +110,25 @@ def volume(part: Part) -> float:
     origin, total = gp_Pnt(0.0, 0.0, 0.0), 0.0
     for named in part.faces:
         if named.copies:
-            below = BRepGProp_Vinert(BRepGProp_Face(named.shape), BRepGProp_Domain(named.shape), origin, QUADRATURE)
+            below = BRepGProp_Vinert(
+                BRepGProp_Face(named.shape), BRepGProp_Domain(named.shape), origin, QUADRATURE_ERROR
+            )
             total += named.copies * float(below.Mass())
     return total
 
 
-#: vertices and edges of the outline of all teeth at one of the bounds, from column to column
+#: vertices and edges of the outline of all teeth at a bound, from column to column
 _Row = tuple[list[Any], list[Any]]
 
 
 def tooth_faces(
     teeth: SplineTooth, shared: Mapping[int, _Row] | None = None
 ) -> tuple[list[NamedFace], tuple[Loop, Loop], tuple[_Row, _Row]]:
-    """The faces of all teeth, the loops of their outline on toe and heel, and what these are made of.
+    """Return the faces of all teeth, the loops of their outlines on toe and heel, and vertices and edges of these outlines.
 
-    `shared`: the outline at toe (0) or heel (-1), where other teeth have it already.
+    `shared`: outlines at toe (0) or heel (-1) that another row of teeth has made already.
     """
+    # vertices of all columns and rows, with the shared ones
     links, count = len(teeth.links), teeth.count * len(teeth.links)
     turns = [turn_about_z(k * teeth.step) for k in range(teeth.count)]
     rotations = Rigid.about_z(np.arange(teeth.count) * teeth.step).rotation
@@ -138,6 +141,7 @@ def tooth_faces(
     def place(curve: Any, n: int) -> Any:
         return curve.Transformed(turns[n // links])
 
+    # edges of links at the bounds, with the shared ones, and edges along the face where links begin
     across = [
         {
             row: edge(place(curve, n), vertices[n][row], vertices[(n + 1) % count][row], 0.0, last)
@@ -156,6 +160,7 @@ def tooth_faces(
         ]
         for n in range(count)
     ]
+    # the faces of tooth 1, turned to all teeth on their vertices and edges
     drawn = [drawn_faces(teeth, i) for i in range(links)]
     faces = []
     for n in range(count):
@@ -170,6 +175,7 @@ def tooth_faces(
             shape = part.face(place(part.surface, n), sides)
             name = f"{part.region}_{k + 1}{teeth.half.suffix}"
             faces.append(NamedFace(shape, name, part.region, 0 if k else teeth.count, k + 1))
+    # outlines of the end faces: of the teeth, or of their chamfers
     ends = [
         Loop(
             tuple(edges[row] for edges in across),
@@ -191,7 +197,7 @@ def tooth_faces(
 
 
 def turn_about_z(angle: float) -> Any:
-    """gp_Trsf about z by an angle (rad)."""
+    """gp_Trsf that turns about z by an angle (rad)."""
     from OCP.gp import gp_Ax1, gp_Dir, gp_Pnt, gp_Trsf
 
     made = gp_Trsf()
@@ -201,26 +207,31 @@ def turn_about_z(angle: float) -> Any:
 
 @dataclass(frozen=True)
 class _Arc:
-    """The end of a turned link on a circle about z, from a polar angle on, back where the width is negative; mm and rad."""
+    """The end of a turned link at a bound: an arc of a circle about z."""
 
+    #: radius, mm
     rho: float
+    #: height, mm
     z: float
+    #: polar angle of the beginning, rad
     start: float
+    #: angle from beginning to end, rad, negative for clockwise arcs
     width: float
 
     @staticmethod
     def of(teeth: SplineTooth, link: int, row: int) -> _Arc:
-        """Of a link of tooth 1, at one of the bounds."""
+        """Return the arc of a link of tooth 1 at a bound."""
         first, width = teeth.corner(link, row), teeth.arc_width(link, row)
         return _Arc(float(np.hypot(first[0], first[1])), float(first[2]), float(np.arctan2(first[1], first[0])), width)
 
 
 @dataclass(frozen=True)
 class LinkCurves:
-    """The curves of a link of tooth 1: `across` at those bounds where it has any, with the last parameter of each, and where it
-    begins, `along` the face between the bounds."""
+    """The curves of a link of tooth 1."""
 
+    #: curves of the link at the bounds that have one, with the last parameter of each
     across: dict[int, tuple[Any, float]]
+    #: curves along the face where the link begins, from bound to bound
     along: list[Any]
 
     @staticmethod
@@ -246,15 +257,15 @@ class LinkCurves:
 
 
 def _row(teeth: SplineTooth, i: int, row: int) -> Array:
-    """Control polygon (S, 3) of a spline link's curve at one of the bounds."""
+    """Return the control polygon (S, 3), mm, of a spline link at a bound."""
     patches = teeth.patches[teeth.links[i]]
     return patches[row].control[:, 0] if row < len(patches) else patches[-1].control[:, -1]
 
 
 def link_border(teeth: SplineTooth, i: int) -> list[tuple[Array, Array]]:
-    """Control polygons (T, 3) and knots, from bound to bound, of the curve where link i of tooth 1 begins.
+    """Return control polygons (T, 3), mm, and knots, from bound to bound, of the curve where link i of tooth 1 begins.
 
-    It may be one more than the last: where the next tooth begins.
+    i may be one beyond the last link, where the next tooth begins.
     """
     joint, pitch = teeth.tooth.joint, teeth.step
     turn = joint.to(pitch * (i // len(teeth.links)))
@@ -269,7 +280,7 @@ def link_border(teeth: SplineTooth, i: int) -> list[tuple[Array, Array]]:
 
 
 def drawn_faces(teeth: SplineTooth, i: int, face_of: Callable[..., DrawnFace] = DrawnFace.of_spline) -> list[DrawnFace]:
-    """The faces of a link of tooth 1, its patches drawn by `face_of`."""
+    """Return the faces of a link of tooth 1; `face_of` makes the faces of its patches."""
     if teeth.links[i] not in teeth.patches:
         return [_turned_link(teeth, i)]
     return [
@@ -279,7 +290,7 @@ def drawn_faces(teeth: SplineTooth, i: int, face_of: Callable[..., DrawnFace] = 
 
 
 def _turned_link(teeth: SplineTooth, i: int) -> DrawnFace:
-    """The land or root of tooth 1 as a plane, cylinder or cone."""
+    """Return the land or root of tooth 1 as a plane, cylinder or cone."""
     from OCP.Geom import Geom_Plane
 
     rows = (0, len(teeth.bounds) - 1)
@@ -289,12 +300,12 @@ def _turned_link(teeth: SplineTooth, i: int) -> DrawnFace:
         with_chain = (heel.rho < toe.rho) == (toe.width > 0.0)
         return DrawnFace(teeth.links[i].region, rows, plane, (), with_chain, teeth.outward)
     ends = np.array([(toe.rho, toe.z), (heel.rho, heel.z)])
-    # far from where the surface is cut open
+    # the seam of the surface lies opposite to the link
     middle = toe.start + 0.5 * toe.width
     turned = TurnedSurface.through(ends[0], ends[1], middle - np.pi)
 
     def curve(trace: Trace) -> tuple[Any, float]:
-        return turned.curve(trace, np.pi), max(PRECISION, trace.miss)
+        return turned.curve(trace, np.pi), max(PRECISION_MM, trace.miss)
 
     near, far = (
         [curve(Trace.of(knots, control, middle)) for control, knots in link_border(teeth, column)]
@@ -314,7 +325,7 @@ def _within_half_turn(angle: float) -> float:
 
 
 def _traces(teeth: SplineTooth, row: int) -> tuple[Trace, ...]:
-    """The outline of all teeth at one of the bounds, in cylindrical coordinates; none on a plane, which needs none."""
+    """Return the outline of all teeth at a bound in cylindrical coordinates, nothing for plane end faces."""
     if station_normal(teeth.tooth.blank.axial)[0] == 0.0:
         return ()
     angle, links = float(np.arctan2(*teeth.corners[0, row, 1::-1])), []
@@ -328,19 +339,21 @@ def _traces(teeth: SplineTooth, row: int) -> tuple[Trace, ...]:
 
 
 def _body(member: Member, outline: tuple[Loop, Loop], outward: bool) -> list[NamedFace]:
-    """The faces under the teeth: end faces between the outline and the profile, and one for each step of the profile.
+    """Return the faces of the body: end faces between outline and profile, and a face for each segment of the profile.
 
-    The material is on the right of the profile, in (rho, z), where `outward` (see `SplineTooth`), else on its left: inside the
-    outline of an external gear and outside that of an internal ring.
+    The material is on the right of the profile in (rho, z) if `outward` (see `SplineTooth`), else on its left. It is inside the
+    outline of an external gear, and outside the outline of an internal ring.
     """
+    # a circle for each corner of the profile
     blank = member.tooth.blank
     profile, names = member.body.profile, member.body.bands
     across, up = station_normal(blank.axial)
     loops: list[Loop | None] = []
     for k, (rho, z) in enumerate(profile):
-        # the two loops of a cone or cylinder begin on one generatrix
+        # both loops of a cone or cylinder must begin on the same generatrix
         angle = outline[k > 0].angle if across != 0.0 and k in (0, len(profile) - 1) else 0.0
         loops.append(circle(rho, z, angle) if rho > 0.0 else None)
+    # a keyway replaces the bore and its two circles by a prism
     faces, keyed = [], -1
     if member.keyway is not None:
         keyed = names.index(Region.BORE)
@@ -356,7 +369,7 @@ def _body(member: Member, outline: tuple[Loop, Loop], outward: bool) -> list[Nam
     faces += opening_faces(cuts)
 
     def holes_in(z: float, inner: float, outer: float) -> list[Any]:
-        """Wires of the openings in a plane face at z between two radii."""
+        """Return the wires of the openings in a plane face at z between two radii."""
         return [
             cut.wire_at(row)
             for opening, cut in cuts
@@ -364,6 +377,7 @@ def _body(member: Member, outline: tuple[Loop, Loop], outward: bool) -> list[Nam
             if level == z and level != opening.floor and inner <= opening.reach[0] and opening.reach[1] <= outer
         ]
 
+    # faces of the profile: planes across the axis, cylinders and cones
     for k, name in enumerate(names):
         first, second = loops[k], loops[k + 1]
         (rho, z), (next_rho, next_z) = profile[k : k + 2]
@@ -379,8 +393,9 @@ def _body(member: Member, outline: tuple[Loop, Loop], outward: bool) -> list[Nam
         else:
             shape = turned_face(first, second, (next_z < z) == outward)
         faces.append(NamedFace(shape, name, name))
+    # end faces between the outline of the teeth and the profile
     for end, (loop, ring) in enumerate(zip(outline, (loops[0], loops[-1]), strict=True)):
-        # the station's normal leaves the material at the heel
+        # the station's normal points out of the material at the heel
         if across != 0.0:
             assert ring is not None
             shape = turned_face(ring, loop, (across > 0.0) == (end == 1))
@@ -395,7 +410,7 @@ def _body(member: Member, outline: tuple[Loop, Loop], outward: bool) -> list[Nam
 
 
 def opening_faces(cuts: list[tuple[Opening, Prism]]) -> list[NamedFace]:
-    """The walls and floors of all openings, counted by their regions."""
+    """Return the walls and floors of all openings, numbered within their regions."""
     faces, counts = list[NamedFace](), dict[Region, int]()
     for opening, cut in cuts:
         counts[opening.region] = number = counts.get(opening.region, 0) + 1

@@ -1,7 +1,7 @@
 """STEP AP242 files of solids whose faces have names and colours; several solids make an assembly of placed parts.
 
-What is written are OpenCASCADE shapes, made elsewhere; this module knows how a STEP file is put together. It is no
-format of the registry, which holds meshes.
+Other modules make the OpenCASCADE shapes; this module composes the STEP file. STEP is not in the registry of formats, which
+holds formats of meshes.
 """
 
 from __future__ import annotations
@@ -22,44 +22,48 @@ from gearmesh.io.atomic import PathLike, whole_file
 from gearmesh.io.palette import region_colours
 from gearmesh.kernel.motion.rigid import Rigid
 
-#: settings of the writer: AP242, names on faces too, and every edge's curve on its faces: a third more file,
-#: but readers that project instead go astray where undercut begins, where the flank has a singular corner
-_SCHEMA = {"write.step.schema": "AP242DIS"}
-_SWITCHES = {"write.stepcaf.subshapes.name": 1, "write.surfacecurve.mode": 1}
-#: the unit of length of all documents
+#: setting of the writer: AP242
+_SCHEMA_SETTINGS = {"write.step.schema": "AP242DIS"}
+#: settings of the writer: names of faces, and parameter curves of edges. Parameter curves make files a third larger, but readers
+#: that project edges themselves fail at the singular corner of a flank where undercut begins
+_SWITCH_SETTINGS = {"write.stepcaf.subshapes.name": 1, "write.surfacecurve.mode": 1}
+#: unit of length of all documents
 MM_IN_METRES = 1e-3
 
 
 @dataclass(frozen=True)
 class NamedFace:
-    """A TopoDS_Face, its name in the file, and its region, by which it is coloured.
+    """A TopoDS_Face with its name in the file."""
 
-    `copies` counts the faces of the part that are this one turned about the axis, itself among them; 0 is one of these.
-    `tooth` is the number of the tooth that has the face, from 1; None for faces of the body.
-    """
-
+    #: TopoDS_Face
     shape: Any
+    #: name in the file
     name: str
+    #: region, by which the face is coloured
     region: str
+    #: number of faces of the part that are this face turned about the axis, itself included; 0 for the turned copies
     copies: int = 1
+    #: number of the tooth that has the face, from 1; None for faces of the body
     tooth: int | None = None
 
 
 @dataclass(frozen=True)
 class Part:
-    """A named TopoDS_Solid with all its faces; `regions` are the regions that share out the colours.
+    """A named solid, or open shells, with all faces."""
 
-    One that is not `closed` has a TopoDS_Compound of open shells instead.
-    """
-
+    #: name in the file
     name: str
+    #: TopoDS_Solid, or TopoDS_Compound of open shells
     solid: Any
+    #: all faces
     faces: tuple[NamedFace, ...]
+    #: regions that have a colour each
     regions: tuple[str, ...]
+    #: True for a solid, False for open shells
     closed: bool = True
 
     def move(self, place: Rigid) -> Part:
-        """The same part in another frame.
+        """Return the part in another frame.
 
         Parameters
         ----------
@@ -84,7 +88,7 @@ class Part:
 
 @dataclass(frozen=True)
 class Occurrence:
-    """A part in an assembly: what it is called there, and where it is (its own frame to the common one)."""
+    """A part in an assembly, with its name there and its position (part's frame to common frame)."""
 
     name: str
     part: Part
@@ -93,34 +97,34 @@ class Occurrence:
 
 @dataclass(frozen=True)
 class PartAssembly:
-    """Parts in a common frame; a part may occur several times."""
+    """Parts in a common frame, which may occur several times."""
 
     name: str
     occurrences: tuple[Occurrence, ...]
 
     @property
     def parts(self) -> tuple[Part, ...]:
-        """Every part once."""
+        """All parts, each once."""
         return tuple({id(occurrence.part): occurrence.part for occurrence in self.occurrences}.values())
 
     @property
     def colours(self) -> tuple[tuple[float, float, float], ...]:
-        """An sRGB colour for every occurrence, one for all of a part."""
+        """sRGB colours of the occurrences; occurrences of one part have the same colour."""
         parts = self.parts
         palette = dict(zip(map(id, parts), region_colours(len(parts)), strict=True))
         return tuple(palette[id(occurrence.part)] for occurrence in self.occurrences)
 
 
 def require_occ() -> None:
-    """Raise OutputError, naming what to install, where OpenCASCADE cannot be loaded."""
+    """Raise OutputError with the package to install if OpenCASCADE cannot be loaded."""
     require("OCP.STEPCAFControl", "STEP needs OpenCASCADE", "step")
 
 
 def write_step(made: Part | PartAssembly, path: PathLike, description: str) -> None:
-    """Write one part in its own frame, or an assembly, which has each of its parts once, however often they occur.
+    """Write one part in its own frame, or an assembly, whose file has each part once.
 
-    Lengths are mm; `description` goes into the header. Raises OutputError for a file that cannot be written and where
-    OpenCASCADE is missing.
+    Lengths are in mm; `description` is written in the header. Raises OutputError for a file that cannot be written, and without
+    OpenCASCADE.
     """
     require_occ()
     from OCP.IFSelect import IFSelect_ReturnStatus
@@ -135,18 +139,18 @@ def write_step(made: Part | PartAssembly, path: PathLike, description: str) -> N
     if not writer.Transfer(document):
         raise OutputError("cannot write", path, reason="OpenCASCADE does not translate the solid")
     _write_header(writer.ChangeWriter().Model(), Path(path).name, description)
-    # into memory: OpenCASCADE does not say why a file cannot be written
+    # write to memory first: OpenCASCADE does not report why a file cannot be written
     stream = BytesIO()
     if writer.WriteStream(stream) != IFSelect_ReturnStatus.IFSelect_RetDone:
         raise OutputError("cannot write", path, reason="OpenCASCADE does not write the file")
-    # names come in whatever bytes they went in
+    # OpenCASCADE returns the bytes of names unchanged
     text = condense(stream.getvalue().decode("latin-1"))
     with whole_file(path) as temporary:
         temporary.write_bytes(text.encode("latin-1"))
 
 
 def _silence() -> None:
-    """Take away OpenCASCADE's statistics on standard output."""
+    """Suppress OpenCASCADE's statistics on standard output."""
     from OCP.Message import Message
 
     messenger = Message.DefaultMessenger_s()
@@ -155,19 +159,22 @@ def _silence() -> None:
 
 
 def _configure() -> None:
-    """The settings are global and exist only after a writer has been made; OpenCASCADE 7.8 has them for the next one."""
+    """Set the global settings of the writer.
+
+    They exist only after a first writer has been made; OpenCASCADE 7.8 uses them from the next writer on.
+    """
     from OCP.Interface import Interface_Static
     from OCP.STEPCAFControl import STEPCAFControl_Writer
 
     STEPCAFControl_Writer()
-    accepted = [Interface_Static.SetCVal_s(name, value) for name, value in _SCHEMA.items()]
-    accepted += [Interface_Static.SetIVal_s(name, value) for name, value in _SWITCHES.items()]
+    accepted = [Interface_Static.SetCVal_s(name, value) for name, value in _SCHEMA_SETTINGS.items()]
+    accepted += [Interface_Static.SetIVal_s(name, value) for name, value in _SWITCH_SETTINGS.items()]
     if not all(accepted):
         raise OutputError(reason="this OpenCASCADE does not know AP242 with named faces: install version 7.8 or later")
 
 
 def _document(made: Part | PartAssembly) -> Any:
-    """Document with every part, its faces' names and colours, and the assembly if it is one."""
+    """Return a document with all parts, names and colours of their faces, and the assembly if there is one."""
     from OCP.TCollection import TCollection_ExtendedString
     from OCP.TDocStd import TDocStd_Document
     from OCP.XCAFDoc import XCAFDoc_DocumentTool
@@ -191,9 +198,9 @@ def _document(made: Part | PartAssembly) -> Any:
 
 
 def _add_part(part: Part, own_colour: tuple[float, float, float], shapes: Any, colours: Any) -> Any:
-    """Label of a part in a document, with names and colours.
+    """Add a part with names and colours to a document, and return its label.
 
-    The solid has a colour of its own, for readers that have one colour a part: they took that of a face.
+    The solid has its own colour for readers with one colour per part, which would take the colour of a face otherwise.
     """
     from OCP.Quantity import Quantity_Color, Quantity_TypeOfColor
     from OCP.XCAFDoc import XCAFDoc_ColorType
@@ -229,14 +236,14 @@ def _write_header(model: Any, name: str, description: str) -> None:
     header.SetName(TCollection_HAsciiString(basic_alphabet(name)))
     header.SetTimeStamp(TCollection_HAsciiString(_time_stamp()))
     header.SetOriginatingSystem(TCollection_HAsciiString(f"gearmesh {__version__}"))
-    # instead of "Author" and the like
+    # clear the default texts, as "Author"
     for clear in (header.SetAuthorValue, header.SetOrganizationValue):
         clear(1, TCollection_HAsciiString(""))
     header.SetAuthorisation(TCollection_HAsciiString(""))
 
 
 def _time_stamp() -> str:
-    """The time of SOURCE_DATE_EPOCH, else the beginning of 1970: the same command writes the same bytes."""
+    """Return the time of SOURCE_DATE_EPOCH, by default the beginning of 1970: the same command writes the same bytes."""
     seconds = os.environ.get("SOURCE_DATE_EPOCH", "0")
     try:
         return datetime.fromtimestamp(int(seconds), UTC).strftime("%Y-%m-%dT%H:%M:%S")

@@ -1,10 +1,10 @@
-"""Suffixes of the files that hold CAD solids and sections."""
+"""Suffixes of files with CAD solids and sections."""
 
-#: of STEP files
-STEP = (".step", ".stp")
-#: of drawings of a section, one each
-DXF, SVG = ".dxf", ".svg"
-#: of all of them
-SECTIONS = (DXF, SVG)
-#: the section through the axis, in the place of z
-AXIAL = "axial"
+#: suffixes of STEP files
+STEP_SUFFIXES = (".step", ".stp")
+#: suffixes of section drawings
+DXF_SUFFIX, SVG_SUFFIX = ".dxf", ".svg"
+#: suffixes of all section drawings
+SECTION_SUFFIXES = (DXF_SUFFIX, SVG_SUFFIX)
+#: word in the place of z for the section through the axis
+AXIAL_PLANE = "axial"

@@ -1,4 +1,4 @@
-"""SVG files of sections: closed paths of arcs, lines and cubic Bezier curves; a unit is a millimetre."""
+"""SVG files of sections: closed paths of arcs, lines and cubic Bezier curves; one unit is a millimetre."""
 
 from __future__ import annotations
 
@@ -13,13 +13,15 @@ from gearmesh.io.digits import curve_on_grid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve
 
-#: width of the lines, mm, and of the margin round the drawing as a share of its radius
-LINE, MARGIN = 0.1, 0.02
+#: width of the lines
+LINE_WIDTH_MM = 0.1
+#: margin round the drawing, as a share of its radius
+MARGIN_SHARE = 0.02
 
 
 def write_svg(section: MemberSection, path: PathLike, description: str) -> None:
     """Write a section with a path for each contour, named after member and contour. Raises OutputError."""
-    reach = (1.0 + MARGIN) * section.reach
+    reach = (1.0 + MARGIN_SHARE) * section.reach
     size, corner = _number(2.0 * reach), _number(-reach)
     names = section.layers
     paths = [
@@ -32,7 +34,7 @@ def write_svg(section: MemberSection, path: PathLike, description: str) -> None:
         f'viewBox="{corner} {corner} {size} {size}">',
         f"<title>{escape(section.name)}</title>",
         f"<desc>{escape(description)}</desc>",
-        f'<g id="{escape(section.name)}" fill="none" stroke="black" stroke-width="{LINE}">',
+        f'<g id="{escape(section.name)}" fill="none" stroke="black" stroke-width="{LINE_WIDTH_MM}">',
         *paths,
         "</g>",
         "</svg>",
@@ -50,7 +52,7 @@ def _command(curve: PlaneCurve) -> str:
         return " ".join("C " + " ".join(_point(point) for point in bezier[1:]) for bezier in curve.beziers)
     if not isinstance(curve, PlaneArc):
         return f"L {_point(curve.end)}"
-    # an arc between equal ends is none: circles go in halves
+    # SVG draws no arc between equal ends: circles are two halves
     steps = np.linspace(0.0, 1.0, 3 if curve.closed else 2)[1:]
     large, back = int(abs(curve.width) / len(steps) > np.pi), int(curve.width < 0.0)
     radius = _number(curve.radius)
@@ -58,7 +60,7 @@ def _command(curve: PlaneCurve) -> str:
 
 
 def _point(point: Array) -> str:
-    """SVG counts y downwards."""
+    """Return the text of a point, with y downwards as in SVG."""
     return f"{_number(point[0])} {_number(-point[1])}"
 
 

@@ -1,8 +1,8 @@
 """Faces of revolution as OpenCASCADE faces: planes, cylinders and cones between closed loops round the z axis.
 
-A loop is a list of edges in the sense of growing polar angle. On a cylinder or cone the face is cut open along a seam
-from the first vertex of one loop to that of the other, which must lie on one generatrix; every edge then gets its curve
-in the surface's parameters (u, v): u the polar angle from the seam, v the length along the generatrix.
+A loop is a list of edges in the sense of growing polar angle. A face on a cylinder or cone is cut open along a seam between the
+first vertices of its two loops, which must lie on one generatrix. Every edge gets a curve in the surface's parameters (u, v): u is
+the polar angle from the seam, v the length along the generatrix.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from gearmesh.cad.nodes import DEGREE
+from gearmesh.cad.nodes import SPLINE_DEGREE
 from gearmesh.cad.occ import (
-    PRECISION,
+    PRECISION_MM,
     edge,
     face,
     frame,
@@ -32,60 +32,70 @@ from gearmesh.kernel.numeric.splines import SplineCurve
 from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve
 from gearmesh.teeth.blank.features import ClosedLine
 
-#: a trace is refined until it is this close (mm) to its curve, each span of which is cut at most into so many
-TRACED, FINEST = 1e-8, 8
-#: places on a span of a traced curve at which its distance is measured, and an edge's tolerance over the largest: OpenCASCADE
-#: looks at other places
-PLACES, MARGIN = 16, 2.0
+#: distance of a trace from its curve down to which it is refined
+TRACE_TOLERANCE_MM = 1e-8
+#: largest number of parts into which a span of a curve is divided for its trace
+MAX_PARTS_PER_SPAN = 8
+#: places on a span of a curve at which the distance of the trace is measured
+PLACES_PER_SPAN = 16
+#: tolerance of an edge over the largest measured distance: OpenCASCADE measures at other places
+TOLERANCE_MARGIN = 2.0
 
 
 @dataclass(frozen=True)
 class Trace:
-    """A curve in cylindrical coordinates: a spline with control points (K, 3) of (polar angle, rho, z), rad and mm.
+    """A curve in cylindrical coordinates.
 
-    Two control points are the ends of an arc, whose parameter is the polar angle. The angle is counted from a direction that
-    whoever uses the trace knows. `miss` (mm): the curve itself is nowhere farther from it.
+    Two control points are the ends of an arc, whose parameter is the polar angle. The user of a trace knows the direction from
+    which its angles count.
     """
 
+    #: knots of the spline; of an arc 0 and its width, rad
     knots: Array
+    #: control points (K, 3): polar angle, rho, z; rad and mm
     control: Array
+    #: bound of the distance of the curve from the trace, mm
     miss: float = 0.0
 
     @staticmethod
     def arc(width: float, rho: float, z: float, start: float) -> Trace:
-        """The arc of a width (rad) from a polar angle on."""
+        """Return an arc of a width (rad) that starts at a polar angle."""
         return Trace(np.array([0.0, width]), np.array([(start, rho, z), (start + width, rho, z)]))
 
     @staticmethod
     def of(knots: Array, control: Array, angle: float) -> Trace:
-        """The trace of a spline with control points (K, 3), mm, its polar angles counted from `angle`, -pi to pi.
+        """Return the trace of a spline with control points (K, 3), mm, with polar angles from -pi to pi relative to `angle`.
 
-        Its spans are cut into more and more until it is `TRACED`.
+        Its spans are divided into more and more parts until it is within TRACE_TOLERANCE_MM.
         """
-        curve = SplineCurve(knots, control, DEGREE)
+        curve = SplineCurve(knots, control, SPLINE_DEGREE)
         spans = np.unique(knots)
-        places = np.unique(spans[:-1, None] + np.diff(spans)[:, None] * np.linspace(0.0, 1.0, PLACES + 1))
+        places = np.unique(spans[:-1, None] + np.diff(spans)[:, None] * np.linspace(0.0, 1.0, PLACES_PER_SPAN + 1))
         wanted = curve(places)
         miss, trace = np.inf, None
-        for pieces in range(1, FINEST + 1):
+        for pieces in range(1, MAX_PARTS_PER_SPAN + 1):
             inner = (spans[:-1, None] + np.diff(spans)[:, None] * np.arange(pieces) / pieces).ravel()[1:]
-            refined = np.concatenate((np.repeat(spans[0], DEGREE + 1), inner, np.repeat(spans[-1], DEGREE + 1)))
-            # the spline's own centres of gravity: collocation there is stable for any knots
-            at = np.array([refined[k + 1 : k + DEGREE + 1].mean() for k in range(len(refined) - DEGREE - 1)])
+            refined = np.concatenate(
+                (np.repeat(spans[0], SPLINE_DEGREE + 1), inner, np.repeat(spans[-1], SPLINE_DEGREE + 1))
+            )
+            # interpolate at the means of neighbouring knots (Greville points), which is stable for any knots
+            at = np.array(
+                [refined[k + 1 : k + SPLINE_DEGREE + 1].mean() for k in range(len(refined) - SPLINE_DEGREE - 1)]
+            )
             at[0], at[-1] = spans[0], spans[-1]
-            drawn = SplineCurve.through(at, _cylindrical(curve(at), angle), DEGREE, refined)
+            drawn = SplineCurve.through(at, _cylindrical(curve(at), angle), SPLINE_DEGREE, refined)
             polar, rho, z = np.moveaxis(drawn(places), -1, 0)
             there = np.stack((rho * np.cos(angle + polar), rho * np.sin(angle + polar), z), axis=-1)
-            was, miss = miss, MARGIN * float(np.linalg.norm(there - wanted, axis=-1).max())
+            was, miss = miss, TOLERANCE_MARGIN * float(np.linalg.norm(there - wanted, axis=-1).max())
             if trace is None or miss < was:
                 trace = Trace(refined, drawn.control, miss)
-            if miss <= TRACED:
+            if miss <= TRACE_TOLERANCE_MM:
                 break
         assert trace is not None
         return trace
 
     def turn(self, angle: float) -> Trace:
-        """The same farther round the axis."""
+        """Return the trace turned round the axis by an angle (rad)."""
         return Trace(self.knots, self.control + np.array([angle, 0.0, 0.0]), self.miss)
 
 
@@ -97,24 +107,25 @@ def _cylindrical(r: Array, angle: float) -> Array:
 
 @dataclass(frozen=True)
 class TurnedSurface:
-    """The cylinder or cone about z on which two circles lie, as an OpenCASCADE surface with parameters (u, v).
+    """The cylinder or cone about z through two circles, as an OpenCASCADE surface with parameters (u, v)."""
 
-    v is the length along the generatrix from `foot` (rho, z) on, which goes in the direction `generatrix`: away from the
-    axis, on a cylinder up. u is the polar angle from `angle` on (rad), clockwise where `axis` is -1.
-    """
-
+    #: OpenCASCADE surface
     surface: Any
+    #: point (rho, z) from which v counts the length along the generatrix, mm
     foot: Array
+    #: unit vector (2,) of the generatrix in (rho, z): away from the axis, on a cylinder upwards
     generatrix: Array
+    #: sense of u: 1 counterclockwise, -1 clockwise
     axis: float
+    #: polar angle from which u counts, rad
     angle: float
 
     @staticmethod
     def through(one: Array, other: Array, angle: float) -> TurnedSurface:
-        """The one through circles (rho, z), u counted from a polar angle."""
+        """Return the surface through two circles (rho, z), mm, with u counted from a polar angle, rad."""
         from OCP.Geom import Geom_ConicalSurface, Geom_CylindricalSurface
 
-        cylinder = abs(one[0] - other[0]) <= PRECISION
+        cylinder = abs(one[0] - other[0]) <= PRECISION_MM
         place = 1 if cylinder else 0
         low, high = (one, other) if one[place] < other[place] else (other, one)
         rise, widening = float(high[1] - low[1]), 0.0 if cylinder else float(high[0] - low[0])
@@ -127,12 +138,14 @@ class TurnedSurface:
         return TurnedSurface(surface, np.array(low), np.array([widening, rise]) / np.hypot(widening, rise), axis, angle)
 
     def length(self, rho: float, z: float) -> float:
-        """v of a circle."""
+        """Return v of a circle."""
         return float((np.array([rho, z]) - self.foot) @ self.generatrix)
 
     def curve(self, trace: Trace, offset: float = 0.0) -> Any:
-        """The curve in (u, v) of a trace whose angles are counted from `angle` + `offset`; u is that of the trace, from 0 on
-        or, clockwise, back from a full turn."""
+        """Return the curve in (u, v) of a trace whose angles are counted from `angle` + `offset`.
+
+        For a clockwise surface u counts back from a full turn.
+        """
         polar, v = trace.control[:, 0] + offset, (trace.control[:, 1:] - self.foot) @ self.generatrix
         u = polar if self.axis > 0.0 else 2.0 * np.pi - polar
         if len(u) == 2:
@@ -142,22 +155,24 @@ class TurnedSurface:
 
 @dataclass(frozen=True)
 class Loop:
-    """Edges round the axis, growing polar angle, and their `start` vertex at polar angle `angle` (rad).
+    """A closed line of edges round the axis, in the sense of growing polar angle."""
 
-    `traces` has one entry per edge, its angles counted from `angle`, or is empty for a circle. `rho`, `z` (mm): of the circle,
-    or of the start vertex.
-    """
-
+    #: edges in order
     edges: tuple[Any, ...]
+    #: first vertex
     start: Any
+    #: radius of the circle, or of the first vertex, mm
     rho: float
+    #: height of the circle, or of the first vertex, mm
     z: float
+    #: polar angle of the first vertex, rad
     angle: float
+    #: a trace for each edge, with angles relative to `angle`; empty for a circle
     traces: tuple[Trace, ...] = ()
 
 
 def circle(rho: float, z: float, angle: float) -> Loop:
-    """A full circle that starts at a polar angle."""
+    """Return a full circle that starts at a polar angle."""
     from OCP.Geom import Geom_Circle
 
     start = vertex((rho * np.cos(angle), rho * np.sin(angle), z))
@@ -166,7 +181,10 @@ def circle(rho: float, z: float, angle: float) -> Loop:
 
 
 def plane_face(outer: Loop, inner: Loop | None, up: bool, holes: Sequence[Any] = ()) -> Any:
-    """The plane across the axis between two loops, or within one, less `holes` (wires); `up`: the material is below it."""
+    """Return the plane face across the axis between two loops, or within one loop.
+
+    `up`: True if the material is below the face; `holes`: wires of holes in it.
+    """
     from OCP.Geom import Geom_Plane
 
     wires = [wire(*((edge, True) for edge in outer.edges))]
@@ -177,9 +195,9 @@ def plane_face(outer: Loop, inner: Loop | None, up: bool, holes: Sequence[Any] =
 
 
 def turned_face(near: Loop, far: Loop, outward: bool) -> Any:
-    """The cylinder or cone between two loops; `outward`: the material is on the axis' side.
+    """Return the face on a cylinder or cone between two loops; `outward`: True if the material is on the side of the axis.
 
-    Raises DesignError where the loops do not begin on one generatrix.
+    Raises DesignError if the loops do not begin on one generatrix.
     """
     from OCP.BRep import BRep_Builder
     from OCP.Geom import Geom_Line
@@ -191,17 +209,18 @@ def turned_face(near: Loop, far: Loop, outward: bool) -> Any:
     turned = TurnedSurface.through(np.array([near.rho, near.z]), np.array([far.rho, far.z]), near.angle)
     low, high = sorted((near, far), key=lambda loop: turned.length(loop.rho, loop.z))
     length = turned.length(high.rho, high.z)
+    # parameter curves of both loops, then of the seam, which has two: at u = 2 pi and at u = 0
     builder, here = BRep_Builder(), TopLoc_Location()
     for loop in (low, high):
         traces = loop.traces or (Trace.arc(2.0 * np.pi, loop.rho, loop.z, 0.0),)
         for drawn, trace in zip(loop.edges, traces, strict=True):
-            builder.UpdateEdge(drawn, turned.curve(trace), turned.surface, here, max(PRECISION, trace.miss))
+            builder.UpdateEdge(drawn, turned.curve(trace), turned.surface, here, max(PRECISION_MM, trace.miss))
     across, up = turned.generatrix
     direction = np.array([across * np.cos(low.angle), across * np.sin(low.angle), up])
     foot = (low.rho * np.cos(low.angle), low.rho * np.sin(low.angle), low.z)
     seam = edge(Geom_Line(point(foot), gp_Dir(*map(float, direction))), low.start, high.start, 0.0, length)
     sides = [straight2d((u, 0.0), (0.0, 1.0)) for u in (2.0 * np.pi, 0.0)]
-    builder.UpdateEdge(seam, *sides, turned.surface, here, PRECISION)
+    builder.UpdateEdge(seam, *sides, turned.surface, here, PRECISION_MM)
     with_u = turned.axis > 0.0
     round_low = [(edge, with_u) for edge in (low.edges if with_u else low.edges[::-1])]
     round_high = [(edge, not with_u) for edge in (high.edges[::-1] if with_u else high.edges)]
@@ -210,15 +229,21 @@ def turned_face(near: Loop, far: Loop, outward: bool) -> Any:
 
 @dataclass(frozen=True)
 class Prism:
-    """The walls of a prism along the axis between two levels: its edges round either, their first vertices, and its faces."""
+    """The walls of an opening along the axis between two levels."""
 
+    #: edges round the lower and the upper level
     edges: tuple[tuple[Any, ...], tuple[Any, ...]]
+    #: first vertices at both levels
     starts: tuple[Any, Any]
+    #: walls
     faces: tuple[Any, ...]
 
     @staticmethod
     def of(outline: ClosedLine, levels: tuple[float, float]) -> Prism:
-        """Of an outline of lines and arcs, counterclockwise, with material round it, between two z (mm), the lower first."""
+        """Build the walls over a counterclockwise outline of lines and arcs, with material round it.
+
+        `levels` are the lower and the upper z, mm.
+        """
         rise = levels[1] - levels[0]
         posts = [[vertex((*curve.start, z)) for curve in outline] for z in levels]
         walls = [_wall(curve, levels[0]) for curve in outline]
@@ -234,17 +259,17 @@ class Prism:
             clockwise = isinstance(curve, PlaneArc) and curve.width < 0.0
             if isinstance(curve, PlaneArc):
                 _unroll(curve, surface, rise, (edges[0][k], edges[1][k]), (rises[k], rises[after]))
-            # a plane's normal and that of a cylinder go into the material, but where the outline goes round the axis clockwise
+            # normals of planes and cylinders point into the material, except for cylinders over clockwise arcs
             ordered = [(side, not forward) for side, forward in reversed(sides)] if clockwise else sides
             faces.append(face(surface, [wire(*ordered)], clockwise))
         return Prism((edges[0], edges[1]), (posts[0][0], posts[1][0]), tuple(faces))
 
     def wire_at(self, row: int) -> Any:
-        """The hole that it makes in a plane face at the lower (0) or upper (1) level."""
+        """Return the wire of the hole in a plane face at the lower (0) or upper (1) level."""
         return wire(*((edge, False) for edge in reversed(self.edges[row])))
 
     def floor(self, row: int, z: float) -> Any:
-        """Its plane end at the lower (0) or upper (1) level z (mm), with the material beyond."""
+        """Return the plane floor at the lower (0) or upper (1) level z (mm), with the material beyond it."""
         from OCP.Geom import Geom_Plane
 
         return face(
@@ -253,7 +278,7 @@ class Prism:
 
 
 def _wall(curve: PlaneCurve, z: float) -> Any:
-    """The surface of a line or arc moved along the axis from z on."""
+    """Return the surface of a line or arc extruded along the axis from z."""
     from OCP.Geom import Geom_CylindricalSurface, Geom_Plane
     from OCP.gp import gp_Ax3, gp_Dir
 
@@ -262,30 +287,29 @@ def _wall(curve: PlaneCurve, z: float) -> Any:
             frame((*curve.centre, z), 1.0, min(curve.first, curve.first + curve.width)), curve.radius
         )
     x, y = curve.end - curve.start
-    # the normal of a loop that goes along the edge and then up
+    # normal of a loop that goes along the edge and then upwards
     return Geom_Plane(gp_Ax3(point((*curve.start, z)), gp_Dir(y, -x, 0.0), gp_Dir(x, y, 0.0)))
 
 
 def _unroll(curve: PlaneArc, surface: Any, rise: float, edges: tuple[Any, Any], rises: tuple[Any, Any]) -> None:
-    """Give the edges of a cylinder's wall their lines in its parameters: those at both levels, and where the arc
-    begins and ends."""
+    """Set the parameter lines of the edges of a cylindrical wall: at both levels, and at both ends of the arc."""
     from OCP.BRep import BRep_Builder
     from OCP.TopLoc import TopLoc_Location
 
     builder, here, width = BRep_Builder(), TopLoc_Location(), abs(curve.width)
     first, sense = (0.0, 1.0) if curve.width > 0.0 else (width, -1.0)
     for made, v in zip(edges, (0.0, rise), strict=True):
-        builder.UpdateEdge(made, straight2d((first, v), (sense, 0.0)), surface, here, PRECISION)
+        builder.UpdateEdge(made, straight2d((first, v), (sense, 0.0)), surface, here, PRECISION_MM)
     begin, end = (straight2d((u, 0.0), (0.0, 1.0)) for u in (first, width - first))
     if rises[0] is rises[1]:
-        builder.UpdateEdge(rises[0], end, begin, surface, here, PRECISION)
+        builder.UpdateEdge(rises[0], end, begin, surface, here, PRECISION_MM)
         return
     for made, line in zip(rises, (begin, end), strict=True):
-        builder.UpdateEdge(made, line, surface, here, PRECISION)
+        builder.UpdateEdge(made, line, surface, here, PRECISION_MM)
 
 
 def _round_edge(curve: PlaneCurve, z: float, start: Any, end: Any) -> Any:
-    """The edge of an outline at z, its parameter the length of a line, of an arc the angle from its beginning."""
+    """Return the edge of an outline at z; its parameter is the length of a line, or the angle from the beginning of an arc."""
     from OCP.Geom import Geom_Circle
     from OCP.gp import gp_Ax2, gp_Dir
 

@@ -22,7 +22,7 @@ from oracles.examples import some
 from oracles.places import SAMPLES
 
 from gearmesh.app.cli import main
-from gearmesh.cad.brep import TOLERANCE, Piece, SplineTooth, exact_volume, spline_tooth
+from gearmesh.cad.brep import DEFAULT_TOLERANCE_MM, Piece, SplineTooth, exact_volume, spline_tooth
 from gearmesh.cad.nodes import plan, samples
 from gearmesh.cad.part21 import condense
 from gearmesh.cad.solid_part import solid_part, volume
@@ -445,7 +445,7 @@ def test_lands_and_roots_are_planes_cylinders_and_cones(file: str, folder: Path)
 def test_a_face_gear_takes_few_points() -> None:
     """Its fillets are almost singular at the inner end: evenly graded nodes were 78 x 37 on each, and the file 122 MB."""
     teeth = spline_tooth(pair_of("face_gear", []).gear.tooth)
-    assert max(teeth.deviation.values()) <= TOLERANCE
+    assert max(teeth.deviation.values()) <= DEFAULT_TOLERANCE_MM
     assert sum(patch.control[..., 0].size for link in teeth.patches.values() for patch in link) <= 500
 
 
@@ -468,7 +468,7 @@ def test_exact_points_lie_on_the_faces_read(file: str, folder: Path) -> None:
     """Flanks and fillets of tooth 1 within the default tolerance at points between the nodes, by OpenCASCADE's projection."""
     for found in read_by_occ(folder, file)["parts"].values():
         assert len(found["off"]) >= 4
-        assert max(found["off"].values()) <= TOLERANCE
+        assert max(found["off"].values()) <= DEFAULT_TOLERANCE_MM
 
 
 @pytest.mark.sweep
@@ -494,7 +494,7 @@ def test_the_pair_stands_in_mesh(folder: Path) -> None:
         read = Rigid(rows[:, :3], rows[:, 3])
         np.testing.assert_allclose(read.point(points[name]), path.point[0], atol=1e-9)
         np.testing.assert_allclose(read.point(np.eye(3)), place.point(np.eye(3)), atol=1e-9)
-        assert found["parts"][name]["off"]["contact"] <= TOLERANCE
+        assert found["parts"][name]["off"]["contact"] <= DEFAULT_TOLERANCE_MM
 
 
 def test_header_names_schema_and_unit(folder: Path) -> None:
@@ -519,7 +519,7 @@ def test_cones_fit_their_edges_at_any_tolerance(sample: str, tolerance: float) -
 # ---------------------------------------------------------------- the splines
 
 
-def spline(sample: str, tolerance: float = TOLERANCE) -> SplineTooth:
+def spline(sample: str, tolerance: float = DEFAULT_TOLERANCE_MM) -> SplineTooth:
     """Of the sample's pinion; two breaks, one next to an end face, with 18 teeth."""
     changes = ["pinion.teeth=18"] if sample == "beveloid_crossed" else []
     return spline_tooth(pair_of(sample, changes).pinion.tooth, tolerance)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from gearmesh.cad.brep import TOLERANCE, exact_volume, spline_tooth
+from gearmesh.cad.brep import DEFAULT_TOLERANCE_MM, exact_volume, spline_tooth
 from gearmesh.cad.solid_part import solid_part, volume
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
 from gearmesh.kernel.surface.levels import ConeLevel, ConeSurface
@@ -223,7 +223,7 @@ def test_cad_solid_is_valid_and_has_the_volume(gear: Member, closed_form: float)
     names = {face.name for face in part.faces}
     assert {"inner_cylinder", "outer_cylinder", "face_toe", "bore", "face_heel"} <= names
     featured = replace(gear, features=BodyFeatures(keyway=Slot(5.0, 2.0), hub=Boss(32.0, 6.0)))
-    assert volume(solid_part(featured, spline_tooth(gear.tooth, TOLERANCE))) == pytest.approx(
+    assert volume(solid_part(featured, spline_tooth(gear.tooth, DEFAULT_TOLERANCE_MM))) == pytest.approx(
         exact_volume(featured), rel=1e-6
     )
 

@@ -14,7 +14,7 @@ from gearmesh.answers.gearset import GearSet
 from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, figures
 from gearmesh.cad.step import require_occ
-from gearmesh.cad.suffixes import STEP
+from gearmesh.cad.suffixes import STEP_SUFFIXES
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, Summary, figure
@@ -91,7 +91,7 @@ class Cad(Result):
     @property
     def suffixes(self) -> tuple[str, ...]:
         """Suffixes of the files that `save` writes."""
-        return (*STEP, ".json")
+        return (*STEP_SUFFIXES, ".json")
 
     @property
     def headline(self) -> str:

@@ -211,10 +211,10 @@ class ModelledGears(SolvedGears):
         """
         from gearmesh.answers.bodies.cad import cad_of
         from gearmesh.answers.bodies.extract import Extract
-        from gearmesh.cad.brep import TOLERANCE
+        from gearmesh.cad.brep import DEFAULT_TOLERANCE_MM
 
         extract = Extract.of(offset, space=space, flank_only=flank_only, sector=sector, teeth=teeth)
-        return cad_of(self, member, self.within(tolerance, TOLERANCE), extract, phi1, teeth)
+        return cad_of(self, member, self.within(tolerance, DEFAULT_TOLERANCE_MM), extract, phi1, teeth)
 
     def to_build123d(self, tolerance: Length | None = None, *, phi1: float = 0.0) -> build123d.Compound:
         """All members as an assembly for build123d: `cad(tolerance=tolerance, phi1=phi1).to_build123d()`.
@@ -321,12 +321,12 @@ class ModelledGears(SolvedGears):
         'pinion.dxf'
         """
         from gearmesh.answers.bodies.section import section_of
-        from gearmesh.cad.brep import TOLERANCE
-        from gearmesh.cad.suffixes import AXIAL
+        from gearmesh.cad.brep import DEFAULT_TOLERANCE_MM
+        from gearmesh.cad.suffixes import AXIAL_PLANE
 
-        axial = z == AXIAL
+        axial = z == AXIAL_PLANE
         place = None if z is None or axial else in_mm("z", z)
-        within = self.within(tolerance, TOLERANCE)
+        within = self.within(tolerance, DEFAULT_TOLERANCE_MM)
         return section_of(self, member, place, within, curves, in_mm("offset", offset), axial=axial)
 
     def topography(self, member: str, flank: str = "right", tolerance: Length | None = None) -> FlankTopography:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from gearmesh.answers.gearset import GearSet
 from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, figures
-from gearmesh.cad.suffixes import DXF, SECTIONS
+from gearmesh.cad.suffixes import DXF_SUFFIX, SECTION_SUFFIXES
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, Summary, figure
@@ -63,7 +63,7 @@ class Section(Result):
     @property
     def suffixes(self) -> tuple[str, ...]:
         """Suffixes of the files that `save` writes."""
-        return (*SECTIONS, ".json")
+        return (*SECTION_SUFFIXES, ".json")
 
     @property
     def loops(self) -> tuple[Contour, ...]:
@@ -127,7 +127,7 @@ class Section(Result):
         return {**header(self.design), "section": {self.cut.name: self.measured}, "warnings": self.warnings}
 
     def _write(self, target: Path) -> None:
-        if target.suffix.lower() == DXF:
+        if target.suffix.lower() == DXF_SUFFIX:
             from gearmesh.cad import dxf
 
             dxf.write_dxf(self.cut, target, self.description, joined=self.curves != "splines")

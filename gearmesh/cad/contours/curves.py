@@ -1,6 +1,6 @@
-"""Curves in the plane of a section: cubic splines beside lines and arcs, and the closed contours that they make.
+"""Curves in the plane of a section: cubic splines, beside lines and arcs, and closed contours of such curves.
 
-Points are (x, y), mm; contours go counterclockwise, whether material is inside or not.
+Points are (x, y), mm; contours go counterclockwise, with material inside or outside.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ import numpy as np
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.plane.curves import PlaneCurve, rotation
 
-#: degree of the splines: what DXF readers and SVG take
-DEGREE = 3
+#: degree of the splines, which DXF readers and SVG support
+CUBIC_DEGREE = 3
 
 
 @dataclass(frozen=True)
@@ -36,17 +36,17 @@ class PlaneSpline:
     def swept(self) -> float:
         # Bernstein polynomials of degree 3: the integrals of b_i b_j' - b_j b_i' over 0..1
         x, y = np.moveaxis(self.beziers, -1, 0)
-        i, j = np.triu_indices(DEGREE + 1, 1)
+        i, j = np.triu_indices(CUBIC_DEGREE + 1, 1)
         crossed = x[:, i] * y[:, j] - x[:, j] * y[:, i]
-        return 0.5 * float((crossed @ _WRONSKIANS).sum())
+        return 0.5 * float((crossed @ _BERNSTEIN_WRONSKIANS).sum())
 
     @cached_property
     def beziers(self) -> Array:
-        """The same curve as Bezier segments, control points (N, 4, 2), mm, neighbours' ends the same."""
+        """The curve as Bezier segments: control points (N, 4, 2), mm, with equal ends of neighbouring segments."""
         from scipy.interpolate import BSpline
 
         ends = np.unique(self.knots)
-        wide, spline = np.diff(ends)[:, None], BSpline(self.knots, self.control, DEGREE)
+        wide, spline = np.diff(ends)[:, None], BSpline(self.knots, self.control, CUBIC_DEGREE)
         place, slope = spline(ends[:-1]), wide * spline(ends[:-1], 1)
         square, cubic = wide**2 / 2.0 * spline(ends[:-1], 2), wide**3 / 6.0 * spline(ends[:-1], 3)
         control = np.stack(
@@ -59,15 +59,15 @@ class PlaneSpline:
     def at(self, s: Array) -> Array:
         from scipy.interpolate import BSpline
 
-        return np.asarray(BSpline(self.knots, self.control, DEGREE)(s))
+        return np.asarray(BSpline(self.knots, self.control, CUBIC_DEGREE)(s))
 
     def slope(self, s: Array) -> Array:
         from scipy.interpolate import BSpline
 
-        return np.asarray(BSpline(self.knots, self.control, DEGREE)(s, 1))
+        return np.asarray(BSpline(self.knots, self.control, CUBIC_DEGREE)(s, 1))
 
     def between(self, start: Array, end: Array) -> PlaneSpline:
-        """The same with its ends moved a little."""
+        """Return the spline with its ends moved a little."""
         return PlaneSpline(np.concatenate(([start], self.control[1:-1], [end])), self.knots)
 
     def turn(self, angle: float) -> PlaneSpline:
@@ -77,15 +77,15 @@ class PlaneSpline:
         return PlaneSpline(self.control + way, self.knots)
 
 
-#: by pairs i < j of the Bernstein polynomials, in the order of `np.triu_indices`
-_WRONSKIANS = np.array([0.6, 0.3, 0.1, 0.3, 0.3, 0.6])
+#: integrals of b_i b_j' - b_j b_i' of Bernstein polynomials for i < j, in the order of `np.triu_indices`
+_BERNSTEIN_WRONSKIANS = np.array([0.6, 0.3, 0.1, 0.3, 0.3, 0.6])
 
 
 @dataclass(frozen=True)
 class Contour:
-    """A closed loop of curves, counterclockwise, each beginning where the one before ends.
+    """A closed counterclockwise loop of curves, each of which begins at the end of the curve before.
 
-    `material`: whether that is inside. `name` is "teeth" or what part of the body it bounds.
+    `material` is True if the material is inside. `name` is "teeth" or the bounded part of the body.
     """
 
     name: str

@@ -1,16 +1,16 @@
-"""Parallels of contours at a distance: the path of a wire's or a beam's centre, trimmed where it would cut into the part.
+"""Parallels of contours at a distance: the path of the centre of a wire or beam, trimmed so that it does not cut into the part.
 
-Every curve is moved along its normals, an arc about each corner joins the parallels that part there, and where parallels cross
-the path is cut open and joined anew, always changing over to the other branch:
+Every curve is moved along its normals. At a corner that opens a gap, an arc about the corner joins the parallels. Where parallels
+cross, the path is cut and continues on the other branch:
 
-       ___     ___              crossing: in along one branch, out along the other; the loop behind it
-          \\   /                 is a path of its own, and nearer to the part than the distance: dropped
+       ___     ___              crossing: in along one branch, out along the other; the loop behind the
+          \\   /                 crossing is nearer to the part than the distance and is dropped
            \\ /
             X                   [Chen & McMains, ASME DETC2005-85513: loops of winding number 1]
            / \\
           (   )
 
-What is left has the distance everywhere. Where a wire does not reach, in corners sharper than itself, stock stays.
+The remaining path has the distance everywhere. Stock stays in corners that are sharper than the wire.
 """
 
 from __future__ import annotations
@@ -29,29 +29,41 @@ from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve, PlaneLine
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
-#: arcs that would join parallels of splines are left out where the path then misses their distance by less than this share of
-#: the tolerance, and always where the curves turn by less (rad): that much their fit is off
-SHORT, TANGENT = 0.05, 1e-4
-#: rad: arcs and lines are tangent to this
-ROUNDING = 1e-9
-#: points on every curve, at least, and their distance (mm) at most, as a share of the offset and of the contour's size
-FEWEST, APART, OF_SIZE = 48, 0.1, 2e-3
-#: a path is nearer than the distance where it is so by this share of it; points of the contour so far from each other, as a share
-#: of the distance, show that: between them it looks larger by the square of an eighth
-NEARER, SAMPLED = 2e-2, 0.25
-#: rounds of Newton's method from a crossing of chords, and the gap (mm) that ends them
-ROUNDS, EXACT = 30, 1e-13
+#: error of the distance, as a share of the tolerance, below which an arc that joins parallels of splines is left out
+SHORT_ARC_SHARE = 0.05
+#: angle between splines below which no arc joins their parallels: the error of fitted splines
+TANGENT_ANGLE_RAD = 1e-4
+#: angle between arcs and lines below which they are tangent
+ROUNDING_ANGLE_RAD = 1e-9
+#: least number of points on a curve
+MIN_POINTS_PER_CURVE = 48
+#: largest spacing of points, as a share of the offset
+SPACING_PER_OFFSET = 0.1
+#: largest spacing of points, as a share of the size of the contour
+SPACING_PER_SIZE = 2e-3
+#: share of the distance by which a dropped path is nearer to the contour
+NEARER_SHARE = 2e-2
+#: spacing of the points that measure the distance of a path, as a share of the distance: the error is below 1/64 of the distance
+SAMPLING_SHARE = 0.25
+#: largest number of Newton steps from a crossing of chords to a crossing of curves
+MAX_NEWTON_STEPS = 30
+#: gap between two curves at which Newton's method ends
+MEETING_GAP_MM = 1e-13
 
 
 @dataclass(frozen=True)
 class ParallelCurve:
-    """The parallel of a spline at a distance (mm) to the right of its direction; `first`, `last`: its stretch of the spline;
-    its ends are moved by `shifts` (2, 2), mm, a rounding error."""
+    """The parallel of a spline, or of a part of it."""
 
+    #: spline
     spline: PlaneSpline
+    #: distance to the right of the spline's direction, mm
     right: float
+    #: parameter of the spline at the beginning
     first: float = 0.0
+    #: parameter of the spline at the end
     last: float = 1.0
+    #: movements (2, 2) of both ends, mm, of the size of rounding errors
     shifts: tuple[tuple[float, float], tuple[float, float]] = ((0.0, 0.0), (0.0, 0.0))
 
     def at(self, s: Array) -> Array:
@@ -65,14 +77,14 @@ class ParallelCurve:
         return self.spline.slope(self.first + s * (self.last - self.first))
 
 
-#: the parallel of a curve as it is, and whether it is there to join others only, and never part of a path
+#: untrimmed parallel of a curve, and True for a line that only joins others and is never part of a path
 _Raw: TypeAlias = tuple[Smooth, bool]
 
 
 def parallels(contour: Contour, offset: float, kind: Curves, tolerance: float) -> tuple[tuple[Contour, ...], float]:
-    """The contours at a distance `offset` (mm) from one, positive away from the material, and their deviation (mm).
+    """Return the contours at a distance `offset` (mm) from a contour, positive away from the material, and their deviation (mm).
 
-    Of a contour that leaves no room for it there are none. `tolerance` (mm) is that of what is not an arc or line.
+    There are none if the contour has no room for the offset. `tolerance` (mm) applies to curves that are no arcs or lines.
     """
     from scipy.spatial import cKDTree
 
@@ -82,24 +94,24 @@ def parallels(contour: Contour, offset: float, kind: Curves, tolerance: float) -
         paths = [] if whole.radius <= 0.0 else [redraw(whole, kind, tolerance)]
     else:
         loops = _loops(_raw(contour.curves, right, tolerance), _spacing(contour, offset))
-        near = cKDTree(points_along(contour.curves, SAMPLED * abs(offset)))
+        near = cKDTree(points_along(contour.curves, SAMPLING_SHARE * abs(offset)))
         paths = [_path(loop, kind, tolerance) for loop in loops if _is_path(loop, near, abs(offset))]
     contours = tuple(Contour(contour.name, curves, contour.material) for curves, _ in paths)
     return contours, max((miss for _, miss in paths), default=0.0)
 
 
 def points_along(curves: Sequence[PlaneCurve], apart: float) -> Array:
-    """Points (N, 2) of curves, `apart` (mm) at most."""
+    """Return points (N, 2) of curves, at most `apart` (mm) from each other."""
     return np.concatenate([curve.at(_parameters(curve, apart)[:-1]) for curve in curves])
 
 
 def _spacing(contour: Contour, offset: float) -> float:
     size = float(np.ptp(np.concatenate([curve.at(np.linspace(0.0, 1.0, 9)) for curve in contour.curves]), axis=0).max())
-    return max(min(APART * abs(offset), OF_SIZE * size), 1e-4 * size)
+    return max(min(SPACING_PER_OFFSET * abs(offset), SPACING_PER_SIZE * size), 1e-4 * size)
 
 
 def _whole_circle(contour: Contour, right: float) -> PlaneArc | None:
-    """Of a circle another one, which has a positive radius if there is room for it; None of anything else."""
+    """Return the parallel of a whole circle, None for other contours; its radius is positive if there is room for it."""
     first = contour.curves[0]
     if not isinstance(first, PlaneArc) or not first.closed:
         return None
@@ -107,18 +119,22 @@ def _whole_circle(contour: Contour, right: float) -> PlaneArc | None:
 
 
 def _raw(curves: Sequence[PlaneCurve], right: float, tolerance: float) -> list[_Raw]:
-    """Parallels of all curves in their order, with what joins them at corners."""
+    """Return the untrimmed parallels of all curves in order, with the arcs and lines that join them at corners."""
     raw: list[_Raw] = []
     for curve, after in zip(curves, (*curves[1:], curves[0]), strict=True):
         raw.append((_parallel(curve, right), False))
         before, behind = curve.slope(np.ones(1))[0], after.slope(np.zeros(1))[0]
         turn = float(np.arctan2(plane_cross(before, behind), before @ behind))
         spline = isinstance(curve, PlaneSpline) or isinstance(after, PlaneSpline)
-        if abs(turn) <= (max(TANGENT, np.sqrt(8.0 * SHORT * tolerance / abs(right))) if spline else ROUNDING):
+        if abs(turn) <= (
+            max(TANGENT_ANGLE_RAD, np.sqrt(8.0 * SHORT_ARC_SHARE * tolerance / abs(right)))
+            if spline
+            else ROUNDING_ANGLE_RAD
+        ):
             continue
         heading = float(np.arctan2(before[1], before[0]))
         corner = PlaneArc(curve.end, abs(right), heading - 0.5 * np.pi if right > 0.0 else heading + 0.5 * np.pi, turn)
-        # away from an inner corner the parallels cross, and what joins their ends is nearer than the distance
+        # an arc at a corner that opens a gap; parallels at an inner corner cross, and a line joins their ends, too near to the part
         raw.append((corner, False) if turn * right > 0.0 else (PlaneLine(corner.start, corner.end), True))
     return raw
 
@@ -135,28 +151,36 @@ def _parallel(curve: PlaneCurve, right: float) -> Smooth:
 def _parameters(curve: Smooth, apart: float) -> Array:
     rough = curve.at(np.linspace(0.0, 1.0, 17))
     length = float(np.linalg.norm(np.diff(rough, axis=0), axis=-1).sum())
-    return np.linspace(0.0, 1.0, max(FEWEST if not isinstance(curve, PlaneLine) else 2, int(length / apart) + 1) + 1)
+    return np.linspace(
+        0.0, 1.0, max(MIN_POINTS_PER_CURVE if not isinstance(curve, PlaneLine) else 2, int(length / apart) + 1) + 1
+    )
 
 
 @dataclass(frozen=True)
 class _ParallelStretch:
-    """A curve from one parameter to another, and its ends (2,), mm, where these are crossings."""
+    """A part of a curve between two crossings, or between an end of the curve and a crossing."""
 
+    #: curve
     curve: Smooth
+    #: parameter of the beginning
     first: float
+    #: parameter of the end
     last: float
+    #: crossing (2,) at the beginning, mm, None at an end of the curve
     start: Array | None = None
+    #: crossing (2,) at the end, mm, None at an end of the curve
     end: Array | None = None
+    #: True for a line that only joins others
     joining: bool = False
 
     @property
     def ends(self) -> tuple[Array, Array]:
-        """Its ends (2,), mm."""
+        """Points (2,) of the beginning and the end, mm."""
         own = self.curve.at(np.array([self.first, self.last]))
         return (own[0] if self.start is None else self.start), (own[1] if self.end is None else self.end)
 
     def between(self, start: Array, end: Array) -> tuple[Smooth, float]:
-        """The curve of the stretch alone, between these ends, and how far (mm) it was moved for them, but for along itself."""
+        """Return the curve between these ends, and the distance (mm) by which its ends were moved across its direction."""
         curve = self.curve
         if isinstance(curve, ParallelCurve):
             first, last = (_nearest(curve, s, to) for s, to in ((self.first, start), (self.last, end)))
@@ -173,7 +197,7 @@ class _ParallelStretch:
 
 
 def _nearest(curve: ParallelCurve, s: float, to: Array) -> float:
-    """Where on a curve, near s and a little beyond its ends too, it is nearest to a point (2,) close to that."""
+    """Return the parameter, near s, of the point of a curve nearest to the point `to` (2,); it may be slightly beyond the ends."""
     for _ in range(3):
         rate = _rate(curve, s)
         s += float((to - curve.at(np.array([s]))[0]) @ rate / (rate @ rate))
@@ -181,7 +205,8 @@ def _nearest(curve: ParallelCurve, s: float, to: Array) -> float:
 
 
 def _loops(raw: list[_Raw], apart: float) -> list[list[_ParallelStretch]]:
-    """The closed paths into which crossings cut the parallels."""
+    """Return the closed paths into which crossings cut the parallels."""
+    # chords of all curves in order, and their crossings
     places = [_parameters(curve, apart) for curve, _ in raw]
     count = [len(s) - 1 for s in places]
     owner, s = np.repeat(np.arange(len(raw)), count), np.concatenate([p[:-1] for p in places])
@@ -191,7 +216,7 @@ def _loops(raw: list[_Raw], apart: float) -> list[list[_ParallelStretch]]:
     one, other, u, v = _crossings(start, end)
     total, crossings = float(len(owner)), len(one)
     cuts = np.concatenate((one + u, other + v))
-    # cut k of branch one is where cut k + crossings of the other is
+    # cut k of one branch is the same point as cut k + crossings of the other branch: solve for it on the curves
     meeting_points = np.empty((crossings, 2))
     parameters = np.empty(2 * crossings)
     for k in range(crossings):
@@ -199,6 +224,7 @@ def _loops(raw: list[_Raw], apart: float) -> list[list[_ParallelStretch]]:
         a, b = raw[owner[i]][0], raw[owner[j]][0]
         guess = np.array([s[i] + u[k] * (s_next[i] - s[i]), s[j] + v[k] * (s_next[j] - s[j])])
         (parameters[k], parameters[k + crossings]), meeting_points[k] = _meeting(a, b, guess)
+    # follow the parallels from each cut to the next cut, and continue on the other branch, until the path is closed
     order = np.argsort(cuts, kind="stable")
     if not crossings:
         return [[_ParallelStretch(curve, 0.0, 1.0, joining=joining) for curve, joining in raw]]
@@ -224,7 +250,7 @@ def _stretches(
     beyond: bool,
     meeting_points: tuple[Array, Array],
 ) -> list[_ParallelStretch]:
-    """What lies between two cuts, each the number of a curve and a parameter on it."""
+    """Return the parts of the curves between two cuts; each cut is a curve's number and a parameter on it."""
     (first, s), (last, t) = ends
     if first == last and not beyond:
         curve, joining = raw[first]
@@ -262,12 +288,12 @@ def _crossings(start: Array, end: Array) -> tuple[Array, Array, Array, Array]:
 
 
 def _meeting(one: Smooth, other: Smooth, guess: Array) -> tuple[Array, Array]:
-    """Parameters (2,) and place (2,) of a crossing, near those of chords."""
+    """Solve for the parameters (2,) and the point (2,) of a crossing, from the guess by its chords."""
     best = guess
-    for _ in range(ROUNDS):
+    for _ in range(MAX_NEWTON_STEPS):
         a, b = one.at(best[:1])[0], other.at(best[1:])[0]
         gap = a - b
-        if np.linalg.norm(gap) <= EXACT:
+        if np.linalg.norm(gap) <= MEETING_GAP_MM:
             break
         slopes = np.stack((_rate(one, best[0]), -_rate(other, best[1])), axis=-1)
         best = best - np.linalg.solve(slopes, gap)
@@ -275,26 +301,30 @@ def _meeting(one: Smooth, other: Smooth, guess: Array) -> tuple[Array, Array]:
 
 
 def _rate(curve: Smooth, s: float) -> Array:
-    """Derivative (2,) of the point by the parameter."""
+    """Return the derivative (2,) of the point by the parameter."""
     step = 1e-5
     ends = curve.at(np.array([s - step, s + step]))
     return np.asarray(ends[1] - ends[0]) / (2.0 * step)
 
 
 def _is_path(loop: list[_ParallelStretch], contour: cKDTree, distance: float) -> bool:
-    """Whether a path has the distance from the points of its contour everywhere, and runs as the contour does: a pocket that it
-    closes off is out of a wire's reach."""
-    points = np.concatenate([piece.curve.at(np.linspace(piece.first, piece.last, FEWEST)) for piece in loop])
+    """Return True if a path has the distance from its contour everywhere and runs in the sense of the contour.
+
+    A path in the opposite sense encloses a pocket that the wire cannot reach.
+    """
+    points = np.concatenate(
+        [piece.curve.at(np.linspace(piece.first, piece.last, MIN_POINTS_PER_CURVE)) for piece in loop]
+    )
     x, y = points.T
     if float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) <= 0.0:
         return False
-    return float(contour.query(points)[0].min()) > (1.0 - NEARER) * distance
+    return float(contour.query(points)[0].min()) > (1.0 - NEARER_SHARE) * distance
 
 
 def _path(loop: list[_ParallelStretch], kind: Curves, tolerance: float) -> tuple[tuple[PlaneCurve, ...], float]:
-    """A path as curves of a kind, which meet."""
+    """Return a path as curves of a kind, which meet, and its deviation (mm)."""
     own = [piece.ends for piece in loop]
-    # what is free to move is moved by arcs and lines beside it, and to half to another
+    # parallels of splines may move: to the ends of neighbouring arcs and lines, and half-way to a neighbouring parallel of a spline
     free = [isinstance(piece.curve, ParallelCurve) for piece in loop]
     joints = []
     for k in range(len(loop)):

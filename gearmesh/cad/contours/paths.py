@@ -1,4 +1,4 @@
-"""What machines are given of a section: its contours as tangent arcs, splines or chords, or their parallels at an offset."""
+"""Contours of a section for machines: as tangent arcs, splines or chords, or as parallels at an offset."""
 
 from __future__ import annotations
 
@@ -13,21 +13,23 @@ from gearmesh.cad.section import MemberSection
 from gearmesh.errors import ArgumentError
 from gearmesh.kernel.numeric.algebra import Array
 
-#: share of the tolerance within which the section itself is known where normals are asked of it, and the most of it, mm
-EXACT, SMOOTH = 0.25, 2.5e-5
-#: smallest offset, mm
-LEAST = 0.01
-#: mm between the points by which stock is measured that is left in corners
-APART = 0.01
-#: the offset that a contour has room for is looked for so many times, by halves
-HALVINGS = 14
-#: parameters of points of a curve by which the extent of a contour is measured
-SAMPLES = np.linspace(0.0, 1.0, 9)
+#: tolerance of a section whose normals are used, as a share of the tolerance of the drawn contours
+BASE_TOLERANCE_SHARE = 0.25
+#: largest tolerance of such a section
+MAX_BASE_TOLERANCE_MM = 2.5e-5
+#: smallest offset
+MIN_OFFSET_MM = 0.01
+#: spacing of the points that measure the stock left in corners
+STOCK_SPACING_MM = 0.01
+#: halvings in the search for the largest offset for which a contour has room
+ROOM_HALVINGS = 14
+#: parameters of the points of a curve that measure the extent of a contour
+EXTENT_PLACES = np.linspace(0.0, 1.0, 9)
 
 
 @dataclass(frozen=True)
 class DrawnSection:
-    """A section as it is written: its contours, and the largest distance (mm) from it of what a tool with that offset leaves."""
+    """A section as written to a file, with its offset and the largest height (mm) of stock that a tool with this offset leaves."""
 
     cut: MemberSection
     offset: float
@@ -35,19 +37,24 @@ class DrawnSection:
 
 
 def base_tolerance(kind: Curves, offset: float, tolerance: float) -> float:
-    """Tolerance (mm) that a section needs to be drawn with `kind` at `offset` within `tolerance`."""
-    return tolerance if kind is Curves.SPLINES and not offset else min(EXACT * tolerance, SMOOTH)
+    """Return the tolerance (mm) of the section that is drawn with curves of a kind at an offset within `tolerance`."""
+    return (
+        tolerance
+        if kind is Curves.SPLINES and not offset
+        else min(BASE_TOLERANCE_SHARE * tolerance, MAX_BASE_TOLERANCE_MM)
+    )
 
 
 def drawn_section(section: MemberSection, kind: Curves, offset: float, tolerance: float) -> DrawnSection:
-    """The contours of a section, known within `base_tolerance`, drawn anew within `tolerance` (mm) of the exact ones, or of
-    their parallels.
+    """Draw the contours of a section, or their parallels, with curves of a kind within `tolerance` (mm) of the exact ones.
 
-    `offset`: mm, positive away from the material. Raises ArgumentError for an offset without room for it, NoSolutionError
-    where the tolerance is not met.
+    - `section`: known within `base_tolerance`
+    - `offset`: mm, positive away from the material
+
+    Raises ArgumentError if there is no room for the offset, NoSolutionError if the tolerance is not met.
     """
-    if offset and abs(offset) < LEAST:
-        raise ArgumentError("offset", offset, unit="mm", must_be=f"0, or at least {LEAST:g} mm either way")
+    if offset and abs(offset) < MIN_OFFSET_MM:
+        raise ArgumentError("offset", offset, unit="mm", must_be=f"0, or at least {MIN_OFFSET_MM:g} mm either way")
     allowed = tolerance - section.deviation
     if not offset:
         if kind is Curves.SPLINES:
@@ -74,7 +81,7 @@ def _redraw_contour(contour: Contour, kind: Curves, tolerance: float) -> tuple[C
 
 
 def _refuse_large(section: MemberSection, offset: float) -> None:
-    """Raise for an offset without room in the extent of a contour, and for one larger than the section itself."""
+    """Raise for an offset without room in the extent of a contour, and for an offset larger than the section."""
     extents = [_extent(contour) for contour in section.contours]
     full = [
         contour
@@ -86,7 +93,7 @@ def _refuse_large(section: MemberSection, offset: float) -> None:
         _refuse(section, full, float(np.copysign(least, offset)), offset)
     size = max(float(extent.max()) for extent in extents)
     if abs(offset) > size:
-        # parallels farther away are all but circles
+        # parallels at a larger distance are nearly circles
         raise ArgumentError(
             "offset",
             offset,
@@ -97,14 +104,14 @@ def _refuse_large(section: MemberSection, offset: float) -> None:
 
 
 def _extent(contour: Contour) -> Array:
-    """Width and height (2,) of a contour, mm."""
-    return np.asarray(np.ptp(np.concatenate([curve.at(SAMPLES) for curve in contour.curves]), axis=0))
+    """Return width and height (2,) of a contour, mm."""
+    return np.asarray(np.ptp(np.concatenate([curve.at(EXTENT_PLACES) for curve in contour.curves]), axis=0))
 
 
 def _refuse(section: MemberSection, full: list[Contour], high: float, offset: float) -> None:
-    """Raise for contours that have no room for an offset up to `high`, with the largest for which all of them have."""
+    """Raise for contours without room for an offset up to `high`, with the largest offset for which all have room."""
     low, contour = 0.0, full[0]
-    for _ in range(HALVINGS):
+    for _ in range(ROOM_HALVINGS):
         middle = 0.5 * (low + high)
         without = next((c for c in full if not parallels(c, middle, Curves.ARCS, 0.1 * abs(high))[0]), None)
         low, high = (middle, high) if without is None else (low, middle)
@@ -120,7 +127,7 @@ def _refuse(section: MemberSection, full: list[Contour], high: float, offset: fl
 
 
 def _refuse_thin(section: MemberSection, offset: float) -> None:
-    """Raise where two contours are nearer to each other than twice an offset into the material between them."""
+    """Raise if two contours are closer to each other than twice an offset into the material between them."""
     from scipy.spatial import cKDTree
 
     if offset > 0.0 or len(section.contours) < 2:
@@ -142,18 +149,18 @@ def _refuse_thin(section: MemberSection, offset: float) -> None:
 
 
 def _floor(value: float) -> float:
-    """The value to three digits, towards 0."""
+    """Round a value to three digits, towards 0."""
     scale = 10.0 ** (np.floor(np.log10(abs(value))) - 2.0) if value else 1.0
     return float(np.trunc(value / scale) * scale)
 
 
 def _stock(section: MemberSection, cut: MemberSection, distance: float) -> float:
-    """How much farther than `distance` (mm) a place of the section may be from the path of the tool."""
+    """Return a bound of the height (mm) of left stock: the distance of the section from the tool's path beyond `distance`."""
     from scipy.spatial import cKDTree
 
     points, path = (
-        points_along([c for contour in of.contours for c in contour.curves], APART) for of in (section, cut)
+        points_along([c for contour in of.contours for c in contour.curves], STOCK_SPACING_MM) for of in (section, cut)
     )
     near, _ = cKDTree(path).query(points)
-    # points of the path are so far from each other
-    return max(0.0, float(near.max()) - distance - 0.5 * APART**2 / distance)
+    # subtract the error of the distance between points of the path
+    return max(0.0, float(near.max()) - distance - 0.5 * STOCK_SPACING_MM**2 / distance)

@@ -1,15 +1,15 @@
-"""Smooth curves drawn anew for machines: as tangent arcs, as cubic splines or as chords, within a tolerance of themselves.
+"""Approximation of smooth curves for machines: by tangent arcs, cubic splines or chords, within a tolerance.
 
-Every stretch between two nodes of a curve with a tangent at both becomes two arcs that touch there and where they meet, the
-joint J half-way between the corners of the tangents, which are d from the ends:
+Every stretch between two nodes becomes a biarc: two arcs that are tangent to the curve at the nodes and to each other at the
+joint J. J lies half-way between the corners of the tangents, which are d from the nodes:
 
           J                   d = v.v / (v.t + sqrt((v.t)^2 + 2 (1 - t0.t1) v.v)),  v = P1 - P0,  t = t0 + t1
         _-*-_
-    P0 /     \\ P1             of all biarcs the one with equal tangents [Bolton, Comput.-Aided Des. 7 (1975) 29]
+    P0 /     \\ P1             the biarc with tangents of equal length [Bolton, Comput.-Aided Des. 7 (1975) 29]
     t0        t1
 
-Nodes are spread so that every stretch has the same error: that of arcs goes with the third power of the length, that of chords
-with the second.
+Nodes are placed so that every stretch has the same error. The error of arcs falls with the third power of the length, the error of
+chords with the second power.
 """
 
 from __future__ import annotations
@@ -21,22 +21,26 @@ from typing import Protocol, TypeAlias
 
 import numpy as np
 
-from gearmesh.cad.contours.curves import DEGREE, PlaneSpline
+from gearmesh.cad.contours.curves import CUBIC_DEGREE, PlaneSpline
 from gearmesh.cad.nodes import Nodes
 from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array, plane_cross
 from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve, PlaneLine
 
-#: share of the tolerance that is used where it is measured, at so many places in every stretch
-SHARE, PLACES = 0.95, 12
-#: rounds of spreading, and most nodes of one curve
-ROUNDS, MOST = 12, 5000
-#: arcs that are so flat (mm) are lines
-FLAT = 1e-9
+#: share of the tolerance that curves keep at the measured places
+TOLERANCE_SHARE = 0.95
+#: measured places of a stretch
+PLACES_PER_STRETCH = 12
+#: largest number of rounds of placing nodes
+MAX_ROUNDS = 12
+#: largest number of nodes of a curve
+MAX_NODES = 5000
+#: height of an arc below which it is drawn as a line
+FLAT_ARC_MM = 1e-9
 
 
 class Curves(StrEnum):
-    """What the flanks and fillets of a section are drawn with."""
+    """Kind of the curves that draw flanks and fillets of a section."""
 
     SPLINES = "splines"
     ARCS = "arcs"
@@ -47,26 +51,32 @@ class Smooth(Protocol):
     """A curve without corners over s from 0 to 1."""
 
     def at(self, s: Array) -> Array:
-        """Points (K, 2), mm."""
+        """Return points (K, 2), mm."""
 
     def slope(self, s: Array) -> Array:
-        """Along the curve (K, 2), of any length."""
+        """Return tangent vectors (K, 2) of any length."""
 
 
-#: curves one after the other and their largest distance (mm) from what they stand for
+#: curves in order, and their largest distance (mm) from the exact curve
 Redrawn: TypeAlias = tuple[tuple[PlaneCurve, ...], float]
 
-#: a curve, and parameters of nodes (N,) -> its pieces, and distances (N - 1, PLACES), mm, between the nodes
+#: function of a curve and parameters of nodes (N,); it returns a function that makes the pieces of the curve, and distances
+#: (N - 1, PLACES_PER_STRETCH), mm, between the nodes
 _Fit = Callable[[Smooth, Array], tuple[Callable[[], tuple[PlaneCurve, ...]], Array]]
 
 
 def redraw(curve: Smooth, kind: Curves, tolerance: float) -> Redrawn:
-    """A smooth curve as curves of a kind within `tolerance` (mm) of it, both ways. Raises NoSolutionError where it is not met."""
+    """Draw a smooth curve by curves of a kind within `tolerance` (mm). Raises NoSolutionError if the tolerance is not met."""
     if isinstance(curve, PlaneLine) or (isinstance(curve, PlaneArc) and kind is not Curves.POLYLINE):
         return (curve,), 0.0
-    fit, degree = {Curves.ARCS: (_biarcs, 2), Curves.POLYLINE: (_chords, 1), Curves.SPLINES: (_spline, DEGREE)}[kind]
-    nodes, allowed = Nodes(np.linspace(0.0, 1.0, degree + 1), degree=degree, most=MOST), SHARE * tolerance
-    for turn in range(ROUNDS):
+    fit, degree = {Curves.ARCS: (_biarcs, 2), Curves.POLYLINE: (_chords, 1), Curves.SPLINES: (_spline, CUBIC_DEGREE)}[
+        kind
+    ]
+    nodes, allowed = (
+        Nodes(np.linspace(0.0, 1.0, degree + 1), degree=degree, most=MAX_NODES),
+        TOLERANCE_SHARE * tolerance,
+    )
+    for turn in range(MAX_ROUNDS):
         pieces, miss = fit(curve, nodes.y)
         if miss.max() <= allowed:
             return pieces(), float(miss.max())
@@ -78,8 +88,8 @@ def redraw(curve: Smooth, kind: Curves, tolerance: float) -> Redrawn:
 
 
 def _between(y: Array) -> Array:
-    """Parameters (N - 1, PLACES) between neighbouring nodes (N,)."""
-    return y[:-1, None] + np.diff(y)[:, None] * (np.arange(1, PLACES + 1) / (PLACES + 1))
+    """Return parameters (N - 1, PLACES_PER_STRETCH) between neighbouring nodes (N,)."""
+    return y[:-1, None] + np.diff(y)[:, None] * (np.arange(1, PLACES_PER_STRETCH + 1) / (PLACES_PER_STRETCH + 1))
 
 
 def _points(curve: Smooth, s: Array) -> Array:
@@ -102,7 +112,7 @@ def _chords(curve: Smooth, y: Array) -> tuple[Callable[[], tuple[PlaneCurve, ...
 def _spline(curve: Smooth, y: Array) -> tuple[Callable[[], tuple[PlaneCurve, ...]], Array]:
     from scipy.interpolate import make_interp_spline
 
-    spline = make_interp_spline(y, curve.at(y), k=DEGREE)
+    spline = make_interp_spline(y, curve.at(y), k=CUBIC_DEGREE)
     s = _between(y)
     miss = np.linalg.norm(spline(s) - _points(curve, s), axis=-1)
     return lambda: (PlaneSpline(spline.c, spline.t),), miss
@@ -116,7 +126,7 @@ def _biarcs(curve: Smooth, y: Array) -> tuple[Callable[[], tuple[PlaneCurve, ...
     turn = 1.0 - (first * last).sum(-1)
     reach = (square / (way + np.sqrt(way**2 + 2.0 * turn * square)))[:, None]
     joint = 0.5 * (start + reach * first + end - reach * last)
-    # the second arc is that back from the end
+    # both arcs go from a node to the joint; the second one is reversed afterwards
     arcs = (_Arcs(start, first, joint), _Arcs(end, -last, joint))
     exact = _points(curve, _between(y))
     along = end - reach * last - start - reach * first
@@ -137,7 +147,7 @@ class _Arcs:
         self.curvature = 2.0 * np.sin(self.half) / self.length
 
     def distance(self, points: Array) -> Array:
-        """Of points (N, K, 2) from the circles (N, K), mm; right for nearly straight ones too."""
+        """Return distances (N, K), mm, of points (N, K, 2) from the circles; exact for nearly straight arcs, too."""
         to = points - self.start[:, None]
         k = self.curvature[:, None]
         # a point at distance h inside a circle of curvature k: k |to|^2 - 2 to.n = -2 h + k h^2
@@ -145,9 +155,9 @@ class _Arcs:
         return np.asarray(np.abs(q / (1.0 + np.sqrt(np.maximum(1.0 + k * q, 0.0)))))
 
     def curve(self, k: int, back: bool = False) -> PlaneCurve:
-        """Arc number k, or the same from its end to its start."""
+        """Return arc number k, or the reversed arc."""
         start, end = (self.end[k], self.start[k]) if back else (self.start[k], self.end[k])
-        if abs(0.5 * self.length[k] * np.tan(0.5 * self.half[k])) <= FLAT:
+        if abs(0.5 * self.length[k] * np.tan(0.5 * self.half[k])) <= FLAT_ARC_MM:
             return PlaneLine(start, end)
         centre = self.start[k] + self.normal[k] / self.curvature[k]
         arm, width = start - centre, 2.0 * float(self.half[k]) * (-1.0 if back else 1.0)

@@ -1,4 +1,4 @@
-"""A sector of a member for CAD: its whole solid, split by a spline surface through the middles of roots and by the same, turned."""
+"""A sector of a member for CAD: the whole solid, split by a spline surface through the middles of roots, in two positions."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gearmesh.cad.brep import SplineTooth
-from gearmesh.cad.nodes import DEGREE
-from gearmesh.cad.occ import PRECISION, collection, mapped_shapes, spline_surface
+from gearmesh.cad.nodes import SPLINE_DEGREE
+from gearmesh.cad.occ import PRECISION_MM, collection, mapped_shapes, spline_surface
 from gearmesh.cad.solid_part import turn_about_z
 from gearmesh.cad.step import NamedFace, Part
 from gearmesh.errors import DesignError
@@ -20,22 +20,24 @@ from gearmesh.teeth.region import CUT_REGIONS, Region
 if TYPE_CHECKING:
     from scipy.interpolate import Akima1DInterpolator
 
-#: how far the surface goes beyond the member, over its largest radius
-BEYOND = 0.2
-#: angle (rad) that it turns by between nodes at most, and its least number of nodes
-TURN, LEAST = 0.05, 8
+#: overhang of the cut surface beyond the member, over the member's largest radius
+OVERHANG_SHARE = 0.2
+#: largest turn of the cut surface between nodes
+MAX_TURN_RAD = 0.05
+#: least number of nodes of the cut surface
+MIN_NODES = 8
 
 
 def sector_part(whole: Part, member: Member, teeth: SplineTooth, pitches: int) -> Part:
-    """The first `pitches` pitches of a whole member without keyway; its cut faces are called cut_right and cut_left.
+    """Cut the first `pitches` pitches from a whole member without keyway; the cut faces are cut_right and cut_left.
 
-    The cut surface goes on beyond the teeth as it ends there. Raises DesignError where OpenCASCADE does not make a valid solid.
+    Beyond the teeth the cut surface continues straight. Raises DesignError if OpenCASCADE makes no valid solid.
     """
     from OCP.BRepAlgoAPI import BRepAlgoAPI_Splitter
     from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace, BRepBuilderAPI_Transform
     from OCP.BRepCheck import BRepCheck_Analyzer
 
-    first = BRepBuilderAPI_MakeFace(_cut_surface(member, teeth), PRECISION).Face()
+    first = BRepBuilderAPI_MakeFace(_cut_surface(member, teeth), PRECISION_MM).Face()
     last = BRepBuilderAPI_Transform(first, turn_about_z(pitches * member.tooth.pitch_angle), True).Shape()
     solids, cuts = (collection("List_TopoDS_Shape")() for _ in range(2))
     solids.Append(whole.solid)
@@ -56,24 +58,28 @@ def sector_part(whole: Part, member: Member, teeth: SplineTooth, pitches: int) -
 
 
 def _cut_surface(member: Member, teeth: SplineTooth) -> Any:
-    """Geom_BSplineSurface through the middles of the roots before tooth 0, straight from the axis or from inside the bore."""
+    """Geom_BSplineSurface through the middles of the roots before tooth 0, ruled from the axis or from inside the bore."""
     from scipy.interpolate import make_interp_spline
 
     cut, (across, up) = CutSurface.of(member), station_normal(member.tooth.blank.axial)
     base = float(cut.level.value(np.zeros(3)))
     corners = teeth.corners.reshape(-1, 3)
     corners = np.concatenate([half.points(corners) for half in member.halves])
+    # range of stations of the member with an overhang
     rho, z = np.concatenate(
         (np.array(member.body.profile), np.stack((np.hypot(*corners[:, :2].T), corners[:, 2]), 1))
     ).T
-    margin = BEYOND * float(rho.max())
+    margin = OVERHANG_SHARE * float(rho.max())
     value = across * rho + up * z + base
     low, high = value.min() - margin, value.max() + margin
     if up == 0.0:
-        # of cylinders the rows begin at the axis
+        # cylinders as stations: the rows begin at the axis
         low, high = sorted((base, base + across * (rho.max() + margin)))
+    # border curves at an inner and an outer radius, or at both ends; the surface is straight between them
     angle = _angles(cut, low, high)
-    count = LEAST + int(np.ceil(np.abs(np.diff(angle(np.linspace(low, high, cut.stations.size)))).sum() / TURN))
+    count = MIN_NODES + int(
+        np.ceil(np.abs(np.diff(angle(np.linspace(low, high, cut.stations.size)))).sum() / MAX_TURN_RAD)
+    )
     stations = np.linspace(low, high, count)
     sides = (z.min() - margin, z.max() + margin) if up == 0.0 else (0.5 * _inner(member), rho.max() + margin)
     borders = []
@@ -81,19 +87,19 @@ def _cut_surface(member: Member, teeth: SplineTooth) -> Any:
         rhos = (stations - base) / across if up == 0.0 else np.full(count, side)
         zs = np.full(count, side) if up == 0.0 else (stations - base - across * side) / up
         points = np.stack((rhos * np.cos(angle(stations)), rhos * np.sin(angle(stations)), zs), axis=-1)
-        borders.append(make_interp_spline(np.linspace(0.0, 1.0, count), points, k=DEGREE))
-    share = np.linspace(0.0, 1.0, DEGREE + 1)[:, None, None]
+        borders.append(make_interp_spline(np.linspace(0.0, 1.0, count), points, k=SPLINE_DEGREE))
+    share = np.linspace(0.0, 1.0, SPLINE_DEGREE + 1)[:, None, None]
     control = (1.0 - share) * borders[0].c + share * borders[1].c
-    return spline_surface(control, np.repeat([0.0, 1.0], DEGREE + 1), borders[0].t)
+    return spline_surface(control, np.repeat([0.0, 1.0], SPLINE_DEGREE + 1), borders[0].t)
 
 
 def _inner(member: Member) -> float:
-    """Least radius (mm) of the body."""
+    """Return the least radius (mm) of the body."""
     return min(rho for rho, _ in member.body.profile)
 
 
 def _angles(cut: CutSurface, low: float, high: float) -> Akima1DInterpolator:
-    """Polar angle (rad) by station coordinate from `low` to `high`, straight on beyond the teeth."""
+    """Return the polar angle (rad) as a function of the station coordinate from `low` to `high`, linear beyond the teeth."""
     from scipy.interpolate import Akima1DInterpolator
 
     stations, theta = cut.stations, cut.theta
@@ -106,7 +112,7 @@ def _angles(cut: CutSurface, low: float, high: float) -> Akima1DInterpolator:
 
 
 def _face_names(splitter: Any, solid: Any, sources: tuple[NamedFace, ...]) -> tuple[NamedFace, ...]:
-    """The faces of a solid that a splitter made, with the names of what they are parts of."""
+    """Return the faces of a solid made by a splitter, each with the name of the face that it is part of."""
     from OCP.TopoDS import TopoDS
 
     faces, named = mapped_shapes(solid, "FACE"), []
@@ -120,6 +126,6 @@ def _face_names(splitter: Any, solid: Any, sources: tuple[NamedFace, ...]) -> tu
 
 
 def _shapes(shape: Any, kind: str) -> list[Any]:
-    """Its solids or faces, each once."""
+    """Return the solids or faces of a shape, each once."""
     parts = mapped_shapes(shape, kind)
     return [parts.FindKey(k) for k in range(1, parts.Extent() + 1)]

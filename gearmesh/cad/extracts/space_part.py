@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from gearmesh.cad.brep import Patch, SplineTooth, spline_tooth
-from gearmesh.cad.occ import PRECISION, face, frame, wire
+from gearmesh.cad.occ import PRECISION_MM, face, frame, wire
 from gearmesh.cad.solid_part import tooth_faces, whole_part
 from gearmesh.cad.step import NamedFace, Part, require_occ
 from gearmesh.cad.turned import Loop, TurnedSurface
@@ -20,7 +20,7 @@ from gearmesh.teeth.space import Space
 
 
 def spline_space(space: Space, tolerance: float) -> SplineTooth:
-    """Patches of a space within `tolerance` (mm) of its exact surfaces, those of the left side on the tooth before."""
+    """Fit patches to a space within `tolerance` (mm) of its exact surfaces; its left side lies on the tooth before."""
     drawn, back = spline_tooth(space, tolerance), space.joint.to(-space.pitch_angle)
     regions = [link.region for link in drawn.links]
     before = regions.index(Region.TIP_SURFACE) + 1
@@ -35,7 +35,7 @@ def spline_space(space: Space, tolerance: float) -> SplineTooth:
 
 
 def space_part(member: Member, space: SplineTooth) -> Part:
-    """The solid of a member's space. Raises DesignError where it is none, OutputError where OpenCASCADE is missing."""
+    """Build the solid of a member's space. Raises DesignError for an invalid solid, OutputError without OpenCASCADE."""
     require_occ()
     faces, loops, _ = tooth_faces(space)
     regions = end_regions(space.tooth.blank.axial)
@@ -46,13 +46,13 @@ def space_part(member: Member, space: SplineTooth) -> Part:
 
 
 def _end_face(space: SplineTooth, loop: Loop, end: int) -> Any:
-    """The plane, cone or cylinder inside the outline at toe (0) or heel (1)."""
+    """Return the plane, cone or cylinder inside the outline at toe (0) or heel (1)."""
     from OCP.BRep import BRep_Builder
     from OCP.Geom import Geom_Plane
     from OCP.TopLoc import TopLoc_Location
 
     across, up = station_normal(space.tooth.blank.axial)
-    # where links begin, in (polar angle or y, height), goes round as the loop does
+    # the beginnings of links, in (u, v) of the surface, show the sense of the loop
     corners = space.corners[:, -end]
     if across == 0.0:
         surface, u, v = Geom_Plane(frame((0.0, 0.0, loop.z), 1.0, 0.0)), corners[:, 0], corners[:, 1]
@@ -61,11 +61,11 @@ def _end_face(space: SplineTooth, loop: Loop, end: int) -> Any:
         rho = np.hypot(corners[:, 0], corners[:, 1])
         far = int(np.argmax(np.abs(rho - rho[0]) + np.abs(corners[:, 2] - corners[0, 2])))
         first, last = (np.array([rho[k], corners[k, 2]]) for k in (0, far))
-        # far from where the surface is cut open
+        # the seam of the surface lies opposite to the outline
         turned = TurnedSurface.through(first, last, loop.angle - np.pi)
         builder, here, surface = BRep_Builder(), TopLoc_Location(), turned.surface
         for drawn, trace in zip(loop.edges, loop.traces, strict=True):
-            builder.UpdateEdge(drawn, turned.curve(trace, np.pi), surface, here, max(PRECISION, trace.miss))
+            builder.UpdateEdge(drawn, turned.curve(trace, np.pi), surface, here, max(PRECISION_MM, trace.miss))
         angle = np.arctan2(corners[:, 1], corners[:, 0]) - loop.angle
         u = turned.axis * ((angle + np.pi) % (2.0 * np.pi) - np.pi)
         v = np.array([turned.length(*place) for place in zip(rho, corners[:, 2], strict=True)])

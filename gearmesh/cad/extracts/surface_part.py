@@ -1,7 +1,6 @@
-"""Flanks, or all surfaces of some teeth, for CAD: open shells of spline faces with nothing between or under them.
+"""Flanks, or all surfaces of some teeth, for CAD: open shells of spline faces without a body.
 
-A shell holds the faces that have edges in common: of flanks those of one flank, which are one for each smooth part of it, of teeth
-those of a whole row.
+A shell holds faces that share edges: the smooth parts of one flank, or all faces of a row of teeth.
 """
 
 from __future__ import annotations
@@ -13,7 +12,7 @@ from typing import Any
 from gearmesh.cad.brep import SplineTooth
 from gearmesh.cad.faces.drawn_face import Sides
 from gearmesh.cad.occ import edge, transformation, vertex
-from gearmesh.cad.solid_part import QUADRATURE, LinkCurves, drawn_faces
+from gearmesh.cad.solid_part import QUADRATURE_ERROR, LinkCurves, drawn_faces
 from gearmesh.cad.step import NamedFace, Part, require_occ
 from gearmesh.errors import DesignError
 from gearmesh.teeth.blank.halves import HalfGear
@@ -24,11 +23,11 @@ from gearmesh.teeth.region import Region
 def surface_part(
     member: Member, teeth: SplineTooth, count: int, regions: Sequence[Region] | None, rows: Sequence[HalfGear]
 ) -> Part:
-    """The flanks (`regions`) of the first `count` teeth of some rows of a member as open shells, or, without regions, all surfaces
-    of these teeth as one shell a row.
+    """Build open shells of the first `count` teeth of some rows of a member.
 
-    Faces are named as in `solid_part`; normals point out of the material. Raises DesignError for shells that are not valid,
-    OutputError where OpenCASCADE is missing.
+    With `regions` each flank in these regions is a shell; without regions all surfaces of the teeth of a row are one shell. Faces
+    are named as in `solid_part`; normals point out of the material. Raises DesignError for invalid shells, OutputError without
+    OpenCASCADE.
     """
     require_occ()
     from OCP.BRepCheck import BRepCheck_Analyzer
@@ -50,19 +49,19 @@ def surface_part(
 
 
 def area(part: Part) -> float:
-    """Area (mm^2) of all faces of a part, by OpenCASCADE."""
+    """Return the area (mm^2) of all faces of a part, by OpenCASCADE."""
     from OCP.BRepGProp import BRepGProp_Domain, BRepGProp_Face, BRepGProp_Sinert
     from OCP.gp import gp_Pnt
 
     origin, total = gp_Pnt(0.0, 0.0, 0.0), 0.0
     for named in part.faces:
-        own = BRepGProp_Sinert(BRepGProp_Face(named.shape), BRepGProp_Domain(named.shape), origin, QUADRATURE)
+        own = BRepGProp_Sinert(BRepGProp_Face(named.shape), BRepGProp_Domain(named.shape), origin, QUADRATURE_ERROR)
         total += float(own.Mass())
     return total
 
 
 def _shell(faces: Sequence[NamedFace]) -> Any:
-    """TopoDS_Shell of faces that have edges in common."""
+    """TopoDS_Shell of faces that share edges."""
     from OCP.BRep import BRep_Builder
     from OCP.TopoDS import TopoDS_Shell
 
@@ -86,7 +85,7 @@ def _compound(shapes: Sequence[Any]) -> Any:
 
 
 class _Row:
-    """Faces of the first teeth of a row: tooth k from 0, link i of the chain. Neighbours have vertices and edges in common."""
+    """Faces of the first teeth of a row, by tooth k from 0 and link i of the chain. Neighbours share vertices and edges."""
 
     def __init__(self, teeth: SplineTooth, count: int) -> None:
         self.teeth, self.links = teeth, len(teeth.links)
@@ -102,7 +101,7 @@ class _Row:
         )
 
     def faces(self, k: int, i: int) -> list[NamedFace]:
-        """The faces of link i of tooth k, from toe to heel."""
+        """Return the faces of link i of tooth k, from toe to heel."""
         n = k * self.links + i
         made = []
         for part in self._drawn(i):

@@ -1,1 +1,1 @@
-"""Faces of teeth as CAD has them: their shapes in parameters, and the chamfers of end faces."""
+"""Faces of teeth for CAD: surfaces with the parameter curves of their edges, and chamfers of end faces."""

@@ -1,4 +1,4 @@
-"""The faces of the chamfers along an end face, between the edges in which the teeth end and those of the end face's outline."""
+"""Faces of the chamfers along an end face, between the ends of the teeth and the outline of the end face."""
 
 from __future__ import annotations
 
@@ -18,27 +18,30 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.teeth.blank.body import end_edges
 
-#: where a tooth is: a gp_Trsf, and the same motion of points
+#: position of a tooth: a gp_Trsf, and the same motion for points
 Place = tuple[Any, Rigid]
 
 
 @dataclass(frozen=True)
 class StripRow:
-    """Chamfers along an end face: their `faces`; `outer` and `lines`, by the numbers of the patches that begin there: vertices of
-    the end face's outline, and edges from toe to heel; `edges`: those of the outline in order."""
+    """Chamfers along an end face."""
 
+    #: faces of the chamfers
     faces: list[NamedFace]
+    #: vertices of the end face's outline, by the number of the patch that begins there
     outer: dict[int, Any]
+    #: edges between outline and section, by the number of the patch that begins there
     lines: dict[int, Any]
+    #: edges of the outline in order
     edges: list[Any]
 
 
 def strip_faces(
     teeth: SplineTooth, end: int, under: tuple[list[Any], list[Any]], places: Sequence[Place]
 ) -> tuple[list[NamedFace], Loop]:
-    """The faces of the chamfers of all teeth at the toe (0) or heel (1), and the loop of the end face's outline.
+    """Return the faces of the chamfers of all teeth at the toe (0) or heel (1), and the outline of the end face.
 
-    `under`: vertices and edges of the section under them, round all teeth.
+    `under`: vertices and edges of the section under the chamfers, round all teeth.
     """
     region = end_edges(teeth.tooth.blank.axial)[end]
     drawn = [DrawnFace.of_spline(region, (0, 1), patch.net, outward=teeth.outward) for patch in teeth.strips[end]]
@@ -54,10 +57,12 @@ def strip_row(
     drawn: Sequence[DrawnFace],
     span: range | None = None,
 ) -> StripRow:
-    """The chamfers of teeth at `places` at the toe (0) or heel (1), as tooth 1 has them `drawn`, round all teeth.
+    """Build the chamfers of all teeth at the toe (0) or heel (1).
 
-    `under`: vertices and edges of the section under them. `span`: numbers of the patches that are there, of a bar, which ends where
-    the next one begins.
+    - `under`: vertices and edges of the section under the chamfers
+    - `places`: positions of the teeth
+    - `drawn`: faces of the chamfer of tooth 1
+    - `span`: numbers of the patches of a bar, which does not close round; None for all patches of a gear
     """
     patches, (corners, below) = teeth.strips[end], under
     count, links = len(patches), len(teeth.links)
@@ -65,6 +70,7 @@ def strip_row(
     own = numbers if span is None else span
     region = end_edges(teeth.tooth.blank.axial)[end]
     every = _outline_vertices(patches, [rigid for _, rigid in places])
+    # edges between section and outline where patches begin
     inner, outer, lines = dict[int, Any](), {n: every[n] for n in numbers}, dict[int, Any]()
     for n in numbers:
         k, j = divmod(n, count)
@@ -72,6 +78,7 @@ def strip_row(
         ends = (inner[n], outer[n]) if end else (outer[n], inner[n])
         curve = spline_curve(patches[j].net[0][0], patches[j].t_knots).Transformed(places[k][0])
         lines[n] = edge(curve, *ends, 0.0, 1.0)
+    # faces with their edges along the chain; a side that is a point gets an edge without length
     faces, edges = list[NamedFace](), list[Any]()
     for n in own:
         k, j = divmod(n, count)
@@ -92,7 +99,7 @@ def strip_row(
 
 
 def _outline_vertices(patches: tuple[StripPatch, ...], places: Sequence[Rigid]) -> list[Any]:
-    """Where every patch of every tooth begins in the outline: one that is a point there where the next one does."""
+    """Return the vertices of the outline where the patches of all teeth begin; a pointed patch shares its vertex with the next."""
     wide = [patch for patch in patches if not patch.pointed]
     numbers = np.cumsum([0, *(not patch.pointed for patch in patches[:-1])])
     vertices = [vertex(place.point(patch.control[0, 0])) for place in places for patch in wide]
@@ -101,7 +108,7 @@ def _outline_vertices(patches: tuple[StripPatch, ...], places: Sequence[Rigid]) 
 
 
 def _loop(teeth: SplineTooth, patches: tuple[StripPatch, ...], edges: list[Any], start: Any) -> Loop:
-    """The outline round all teeth."""
+    """Return the outline round all teeth."""
     wide = [patch for patch in patches if not patch.pointed]
     first: Array = wide[0].control[0, 0]
     angle, traces = float(np.arctan2(first[1], first[0])), tuple[Trace, ...]()

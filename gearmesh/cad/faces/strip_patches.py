@@ -1,13 +1,14 @@
-r"""The chamfers along end faces as B-spline patches: between the tooth's section, where the teeth's patches end, and the outline.
+r"""Chamfers along end faces as B-spline patches, between the section where the teeth's patches end and the outline of the end face.
 
     toe side                                            heel side
-    outline of the end face   o-----o--o----o           (at the heel the other way round)
-                              |     | / \   |           one patch a piece of the strip; where a piece ends in a point,
+    outline of the end face   o-----o--o----o           (upside down at the heel)
+                              |     | / \   |           one patch for each piece of the strip; if a piece ends in a point,
     section under it          o-----o----o--o           so does its patch
 
-Along the chain a patch has the knots of the curve in which the tooth's own patch ends, which it has in common with it exactly,
-and more of them where the outline needs them. From toe to heel a chamfer is straight between plane stations; it is a quintic on
-cones and cylinders, and so is a rounding; its knots all patches of a strip have in common, and so the curves between them.
+Along the chain, a patch has the knots of the curve at the end of the tooth's patch, so that both share this curve exactly. It has
+more knots where the outline needs them. From toe to heel, a chamfer between plane stations is straight; chamfers on cones and
+cylinders and all roundings are quintics. All patches of a strip have the same knots from toe to heel, so they share the curves
+between them.
 """
 
 from __future__ import annotations
@@ -17,24 +18,26 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gearmesh.cad.brep import NARROWEST, ON_LEVEL, SHARE, Piece, SplineTooth, StripPatch
-from gearmesh.cad.nodes import DEGREE, MOST, warp
+from gearmesh.cad.brep import LEVEL_TOLERANCE_MM, MIN_LINK_WIDTH_MM, TOLERANCE_SHARE, Piece, SplineTooth, StripPatch
+from gearmesh.cad.nodes import MAX_NODES, SPLINE_DEGREE, warp
 from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.splines import SplineCurve, control_net, tensor_product
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.teeth.end_strip import EndStrip, StripPiece
 
-#: places in every span of a patch where it is measured, and in every second of which it is drawn first
-PLACES = 6
-#: rounds of halving spans, and most spans from outline to section
-ROUNDS, SPANS = 12, 8
+#: places of a span at which a patch is measured
+PLACES_PER_SPAN = 6
+#: largest number of rounds of halving spans
+MAX_HALVINGS = 12
+#: largest number of spans from outline to section
+MAX_SPANS = 8
 
 
 def with_strips(teeth: SplineTooth, tolerance: float) -> SplineTooth:
-    """The tooth with the patches of the chamfers at its ends, within `tolerance` (mm) of them.
+    """Add the patches of the chamfers at both ends to a tooth, within `tolerance` (mm).
 
-    Raises TrimError where they have no room, NoSolutionError where the tolerance is not met.
+    Raises TrimError if the chamfers have no room, NoSolutionError if the tolerance is not met.
     """
     toe, heel = (
         () if strip is None else _patches(teeth, strip, end, tolerance)
@@ -44,7 +47,7 @@ def with_strips(teeth: SplineTooth, tolerance: float) -> SplineTooth:
 
 
 def _patches(teeth: SplineTooth, strip: EndStrip, end: int, tolerance: float) -> tuple[StripPatch, ...]:
-    """Of the chamfer at the toe (0) or the heel (1)."""
+    """Return the patches of the chamfer at the toe (0) or heel (1)."""
     patches, column = list[StripPatch](), 0
     numbers: dict[Piece | None, int] = {link: k for k, link in enumerate(teeth.links)}
     fits = [_PieceFit.of(teeth, strip, piece, end, tolerance) for piece in strip.pieces]
@@ -62,19 +65,25 @@ def _patches(teeth: SplineTooth, strip: EndStrip, end: int, tolerance: float) ->
 
 @dataclass(frozen=True)
 class _PieceFit:
-    """A piece of a strip, and what its patch ends in on the section: a curve of the tooth's patch, or none.
+    """Fit of the patch of a piece of a strip."""
 
-    `own` takes the curve's parameter to the piece's sigma; `last`: the parameter's end, 1 or the angle (rad) of an arc.
-    """
-
+    #: faces of the tooth
     teeth: SplineTooth
+    #: strip along the end face
     strip: EndStrip
+    #: piece of the strip
     piece: StripPiece
+    #: 0 at the toe, 1 at the heel
     end: int
+    #: allowed deviation, mm
     tolerance: float
+    #: link of the tooth under the piece, None at a corner
     link: Piece | None
+    #: curve at the end of the tooth's patch, None without a patch
     curve: SplineCurve | None
+    #: function from the curve's parameter to sigma of the piece
     own: Callable[[Array], Array]
+    #: last parameter of the curve: 1, or the angle (rad) of an arc
     last: float
 
     @staticmethod
@@ -86,26 +95,26 @@ class _PieceFit:
             return replace(made, link=None)
         patches = teeth.patches.get(link)
         if patches is None:
-            # of a land or root, which is turned: its border is an arc
+            # the border of a land or root is an arc
             width = abs(teeth.arc_width(teeth.links.index(link), -end))
             return replace(made, own=lambda y: y / width, last=width)
         patch, bend = patches[-end], patches[-end].s.bend
-        curve = SplineCurve(patch.s_knots, patch.control[:, -end], DEGREE)
+        curve = SplineCurve(patch.s_knots, patch.control[:, -end], SPLINE_DEGREE)
         return replace(made, curve=curve, own=lambda y: warp(y, bend))
 
     @property
     def is_point(self) -> bool:
-        """Whether it has no width, neither in the section nor in the outline."""
-        points = self._at(np.linspace(0.0, self.last, PLACES), np.array([0.0, 1.0]))
-        return bool(np.linalg.norm(np.diff(points, axis=0), axis=-1).sum(axis=0).max() <= NARROWEST)
+        """True if the piece has no width in the section and in the outline."""
+        points = self._at(np.linspace(0.0, self.last, PLACES_PER_SPAN), np.array([0.0, 1.0]))
+        return bool(np.linalg.norm(np.diff(points, axis=0), axis=-1).sum(axis=0).max() <= MIN_LINK_WIDTH_MM)
 
     def _at(self, y: Array, tau: Array) -> Array:
-        """Exact points (y.size, tau.size, 3), tau from the outline to the section."""
+        """Return exact points (y.size, tau.size, 3), mm; tau goes from the outline (0) to the section (1)."""
         sigma = self.own(y)[:, None]
         return self.strip.at(self.piece, sigma, np.broadcast_to(tau, (y.size, tau.size)))
 
     def _control_net(self, knots: Array, lines: Array) -> Array:
-        """Control net (S, T, 3) of the spline through exact points, on the section through those of the tooth's patch."""
+        """Return the control net (S, T, 3), mm, through exact points, and through the tooth's patch on the section."""
         s, t = _nodes(knots), _nodes(lines)
         exact = self._at(s, t)
         if self.curve is not None:
@@ -113,20 +122,20 @@ class _PieceFit:
         return control_net((s, t), exact, (knots, lines))
 
     def fit(self, lines: Array) -> tuple[Array, Array, float]:
-        """Control net (S, T, 3) from the outline to the section, knots along the chain, and the deviation (mm)."""
+        """Return the control net (S, T, 3), mm, from outline to section, the knots along the chain, and the deviation (mm)."""
         knots = self._clamped_knots(np.array([0.0, self.last])) if self.curve is None else self.curve.knots
         tau = _places(lines)
-        for _ in range(ROUNDS):
+        for _ in range(MAX_HALVINGS):
             net = self._control_net(knots, lines)
             y = _places(knots)
             drawn = tensor_product((knots, lines), net, (y, tau))
             miss = np.linalg.norm(drawn - self._at(y, tau), axis=-1)
-            excess = np.maximum(miss.max(axis=1) / (SHARE * self.tolerance), self._off(drawn, miss))
-            worst = np.maximum.reduceat(excess[:-1], np.arange(0, y.size - 1, PLACES))
+            excess = np.maximum(miss.max(axis=1) / (TOLERANCE_SHARE * self.tolerance), self._off(drawn, miss))
+            worst = np.maximum.reduceat(excess[:-1], np.arange(0, y.size - 1, PLACES_PER_SPAN))
             if worst.max() <= 1.0:
                 return net, knots, float(miss.max())
             spans = np.unique(knots)
-            if spans.size > MOST:
+            if spans.size > MAX_NODES:
                 break
             knots = np.sort(np.concatenate((knots, (0.5 * (spans[1:] + spans[:-1]))[worst > 1.0])))
         raise NoSolutionError(
@@ -135,47 +144,49 @@ class _PieceFit:
         )
 
     def _off(self, drawn: Array, miss: Array) -> Array:
-        """How far (Y,) points (Y, T, 3) of the outline are from the end face, and of the section from an arc, as multiples of what
-        is allowed."""
+        """Return distances (Y,) of drawn points (Y, T, 3) on the outline from the end face, over the allowed distance.
+
+        They include the distances of points on the section from the arc of a land or root.
+        """
         blank = self.teeth.tooth.blank
         off = np.abs(blank.axial.value(drawn[:, 0]) - blank.faces[self.end])
         if self.link is not None and self.curve is None:
             off = np.maximum(off, miss[:, -1])
-        return np.asarray(off / ON_LEVEL)
+        return np.asarray(off / LEVEL_TOLERANCE_MM)
 
     def across(self, lines: Array) -> float:
-        """How far (mm) curves from outline to section are from exact ones."""
-        y, tau = np.linspace(0.0, self.last, 2 * PLACES), _places(lines)
+        """Return the deviation (mm) of curves from outline to section."""
+        y, tau = np.linspace(0.0, self.last, 2 * PLACES_PER_SPAN), _places(lines)
         nodes = _nodes(lines)
         exact = self._at(y, nodes).swapaxes(0, 1)
         drawn = SplineCurve.through(nodes, exact, _degree(lines), lines)(tau).swapaxes(0, 1)
         return float(np.linalg.norm(drawn - self._at(y, tau), axis=-1).max())
 
     @staticmethod
-    def _clamped_knots(spans: Array, degree: int = DEGREE) -> Array:
+    def _clamped_knots(spans: Array, degree: int = SPLINE_DEGREE) -> Array:
         return np.concatenate((np.repeat(spans[0], degree), spans, np.repeat(spans[-1], degree)))
 
 
 def _lines(fits: list[_PieceFit]) -> Array:
-    """Knots from outline (0) to section (1) that all pieces of a strip have in common."""
+    """Return the knots from outline (0) to section (1) of all pieces of a strip."""
     axial = fits[0].teeth.tooth.blank.axial
     if station_normal(axial)[0] == 0.0 and not fits[0].strip.chamfer.rounded:
         return _PieceFit._clamped_knots(np.array([0.0, 1.0]), 1)
     spans, tolerance = 1, fits[0].tolerance
     lines = _PieceFit._clamped_knots(np.linspace(0.0, 1.0, spans + 1))
-    while spans < SPANS and max(one.across(lines) for one in fits) > 0.5 * SHARE * tolerance:
+    while spans < MAX_SPANS and max(one.across(lines) for one in fits) > 0.5 * TOLERANCE_SHARE * tolerance:
         spans *= 2
         lines = _PieceFit._clamped_knots(np.linspace(0.0, 1.0, spans + 1))
     return lines
 
 
 def _degree(knots: Array) -> int:
-    """Of a clamped spline with these knots."""
+    """Return the degree of a clamped spline with these knots."""
     return int((knots == knots[0]).sum()) - 1
 
 
 def _nodes(knots: Array) -> Array:
-    """Where a spline with these knots is interpolated: its own centres of gravity, which is stable for any knots."""
+    """Return the interpolation nodes of a spline: means of neighbouring knots (Greville points), stable for any knots."""
     degree = _degree(knots)
     nodes = np.array([knots[k + 1 : k + degree + 1].mean() for k in range(len(knots) - degree - 1)])
     nodes[0], nodes[-1] = knots[0], knots[-1]
@@ -183,6 +194,8 @@ def _nodes(knots: Array) -> Array:
 
 
 def _places(knots: Array) -> Array:
-    """PLACES in each of the spans, and the end."""
+    """Return the measured places: PLACES_PER_SPAN in each span, and the end."""
     spans = np.unique(knots)
-    return np.append((spans[:-1, None] + np.diff(spans)[:, None] * np.arange(PLACES) / PLACES).ravel(), spans[-1])
+    return np.append(
+        (spans[:-1, None] + np.diff(spans)[:, None] * np.arange(PLACES_PER_SPAN) / PLACES_PER_SPAN).ravel(), spans[-1]
+    )

@@ -1,1 +1,1 @@
-"""Parts and assemblies as CAD programs have them."""
+"""Parts and assemblies as objects of CAD programs."""

@@ -13,16 +13,15 @@ if TYPE_CHECKING:
 
 
 def require_build123d() -> None:
-    """Raise OutputError, naming what to install, where build123d cannot be loaded."""
+    """Raise OutputError with the package to install if build123d cannot be loaded."""
     require("build123d", "to_build123d needs build123d", "build123d")
 
 
 def build123d_shape(made: Part | PartAssembly) -> build123d.Solid | build123d.Compound:
-    """A part as a Solid in its own frame, open shells as a Compound, or an assembly as a Compound of placed Solids; with names and
-    colours.
+    """Return a part as a Solid in its own frame, open shells as a Compound, or an assembly as a Compound of placed Solids.
 
-    Occurrences of one part have one colour and the same surfaces, and each a topology of its own. Raises OutputError where
-    build123d is missing.
+    Shapes have names; Solids of an assembly also have colours. Occurrences of one part have the same colour and the same surfaces,
+    but separate topologies. Raises OutputError without build123d.
     """
     require_build123d()
     import build123d

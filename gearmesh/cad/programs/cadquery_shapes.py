@@ -13,15 +13,15 @@ if TYPE_CHECKING:
 
 
 def require_cadquery() -> None:
-    """Raise OutputError, naming what to install, where CadQuery cannot be loaded."""
+    """Raise OutputError with the package to install if CadQuery cannot be loaded."""
     require("cadquery", "to_cadquery needs CadQuery", "cadquery")
 
 
 def cadquery_shape(made: Part | PartAssembly) -> cadquery.Workplane | cadquery.Assembly:
-    """A part as a Workplane with its solid or open shells, or an assembly as an Assembly of placed Workplanes, with names and
-    colours.
+    """Return a part as a Workplane with its solid or open shells, or an assembly as an Assembly of placed Workplanes.
 
-    The faces of each region are tagged by its name. Raises OutputError where CadQuery is missing.
+    Members of an assembly have names and colours. The faces of each region are tagged by its name. Raises OutputError without
+    CadQuery.
     """
     require_cadquery()
     import cadquery

@@ -1,4 +1,4 @@
-"""Libraries that are installed only where they are asked for."""
+"""Optional libraries."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ from gearmesh.errors import OutputError
 
 
 def require(module: str, need: str, extra: str) -> None:
-    """Raise OutputError where a module cannot be loaded: `need`, as "DXF needs ezdxf", and the `extra` of the package to install.
+    """Raise OutputError if a module cannot be loaded.
 
-    A library of the system that the module itself lacks is named instead.
+    The message has the `need`, for example "DXF needs ezdxf", and the `extra` of the package to install. If the module lacks a
+    library of the system, the message names this library instead.
     """
     try:
         import_module(module)
