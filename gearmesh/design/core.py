@@ -311,7 +311,7 @@ class MemberMount(Table):
 
 
 #: tables of members that describe the body under the teeth
-BODY_TABLES = (
+BODY_TABLES: tuple[str, ...] = (
     "keyway", "hub", "web", "holes", "toe_hub", "heel_shaft", "toe_shaft", "heel_bore", "toe_bore", "bolts", "spokes"
 )  # fmt: skip
 #: keys of the broken edges of one end face

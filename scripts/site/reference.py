@@ -19,6 +19,8 @@ from gearmesh.api.report_schema import report_schema
 from gearmesh.app import cli
 from gearmesh.deprecated import Deprecated
 from gearmesh.design.core import Design
+from gearmesh.design.keys import Table
+from gearmesh.figures import Figures
 
 #: pages of public names: file, title, what is on it, and its names; kinds of design have a page of their keys instead
 PYTHON = (
@@ -30,14 +32,14 @@ PYTHON = (
     ),
     ("gears", "Gears", "The object from which every question is asked.", ("Gears",)),
     ("sizing", "Sizing", "Gears for a ratio and a space.", ("size", "size_planetary", "Sizing", "PlanetarySizing")),
-    ("results", "What every answer can do", "", ("Result",)),
+    ("results", "What every answer can do", "", ("Result", "Summary")),
     ("contact", "Tooth contact", "", ("Contact", "EaseOffMap", "VHCheck", "Limits", "Check", "RollTest")),
     ("load", "Contact under load", "", ("LoadedContact", "FlexibleMount")),
     (
         "bodies",
         "Solids, sections, drawings, tool paths",
         "",
-        ("Solid", "Solids", "Cad", "FaceNames", "Section", "WorkshopDrawing", "ToolPathAnswer", "ToolMotion"),
+        ("Solid", "Solids", "Cad", "FaceNames", "Section", "WorkshopDrawing", "ToolPathAnswer"),
     ),
     (
         "finite_elements",
@@ -49,7 +51,6 @@ PYTHON = (
             "FiniteElementDecks",
             "FiniteElementSolution",
             "UnloadedFiniteElements",
-            "HexMesh",
         ),
     ),
     (
@@ -58,41 +59,12 @@ PYTHON = (
         "",
         ("MeasuringGrids", "FlankTopography", "Inspection", "CompositeTest", "Correction", "Compensation"),
     ),
-    ("studies", "Studies", "", ("Study", "LargestErrors")),
+    ("studies", "Studies", "", ("Study", "StudySummary", "LargestErrors")),
     (
         "teeth",
-        "Teeth and gear bodies",
+        "Members and pairs",
         "What gears consist of. `gears.train` has the pairs, `gears.members` each member by its name.",
-        (
-            *("GearTrain", "GearPair", "Member", "Mount", "HalfGear", "AxialGap"),
-            *("Tooth", "ToothSide", "Side", "Region", "Sections", "Ends", "Link", "Grid"),
-            *("EndChamfer", "EndStrip", "StripPiece", "SharpOutline"),
-            *("Body", "Disc", "TurnedStep", "PlaneFace", "Slot", "Boss", "Drilling", "Opening", "Outline"),
-            "Blank",
-        ),
-    ),
-    (
-        "engagement",
-        "Engagement and path of contact",
-        "What contact analysis solves, position by position: attributes of `gears.contact()`.",
-        ("ContactPath", "Engagement", "Contacts", "FullTurns", "BacklashCurve", "SideContact"),
-    ),
-    (
-        "surfaces",
-        "Surfaces, curves and motions",
-        "Geometry within teeth, bodies, sections and meshes.",
-        (
-            *("Surface", "GeneratedSurface", "Jet", "Level", "LandLevel", "LandSurface", "ConeLevel", "ConeSurface"),
-            *("TriangleMesh", "Part"),
-            *("PlaneCurve", "PlaneLine", "PlaneArc", "Contour", "RackLine", "Parabola", "ArcRack"),
-            *("Rigid", "Joint", "MotionUnits"),
-        ),
-    ),
-    (
-        "tables",
-        "Keys, figures and tables",
-        "What keys of designs, figures of answers and printed tables consist of.",
-        ("Key", "KeyLine", "Table", "Figure", "Entry", "Summary", "Listing"),
+        ("GearTrain", "GearPair", "Member", "Rigid"),
     ),
     (
         "sheets",
@@ -123,7 +95,6 @@ INTERNAL = {
     "System": {"of_keys"},
     "FlexibleMount": {"wrenches", "displace"},
     "RollTest": {"patches"},
-    "BacklashCurve": {"of"},
 }
 #: members of a design that people use; what else it has is how files are read
 OF_DESIGNS = ("title", "kind_in_words", "resolve", "in_mm", "given_module", "mm_per_unit", "key_lines", "key_groups")
@@ -195,36 +166,41 @@ def directive(name: str) -> list[str]:
     return [*lines, "```", ""]
 
 
-def fields_of(name: str) -> str:
-    """The public fields of a public class, in their order; of a table of a design its keys."""
-    value = getattr(gm, name)
-    fields = value.model_fields if issubclass(value, gm.Table) else getattr(value, "__dataclass_fields__", {})
+def fields_of(value: type) -> str:
+    """Return the fields of a class, in their order; the keys of a table of a design."""
+    fields = value.model_fields if issubclass(value, Table) else getattr(value, "__dataclass_fields__", {})
     return ", ".join(code(field) for field in fields if not field.startswith("_"))
 
 
-#: types within answers: title, what they are, and which
+#: types within answers: their base, title, and what they are
 PARTS = (
     (
+        Figures,
         "Figures",
         "Rows of answers and what is in them, each field a figure; units and meanings are on [their page](../figures.md).",
-        lambda value: issubclass(value, gm.Figures),
     ),
     (
+        Table,
         "Tables of designs",
         "`design.pinion`, `design.assembly` and all other tables of a design; what keys mean is on the page of their kind.",
-        lambda value: issubclass(value, gm.Table),
     ),
-    ("Others", "What attributes of gears and answers are besides.", lambda value: True),
 )
 
 
-def parts_of(names: Sequence[str]) -> list[str]:
-    """Tables of types within answers, by what they are."""
-    body, left = [], list(names)
-    for title, about, belongs in PARTS:
-        group = [name for name in left if belongs(getattr(gm, name))]
-        left = [name for name in left if name not in group]
-        rows = ((code(name), summary(getattr(gm, name)), fields_of(name)) for name in group)
+def loaded_classes_of(base: type) -> dict[str, type]:
+    """Return the classes of the package that are loaded and have a base, by their names; no designs."""
+    found = {one.__name__: one for one in base.__subclasses__() if one.__module__.startswith("gearmesh.")}
+    for one in list(found.values()):
+        found |= loaded_classes_of(one)
+    shown = {name: one for name, one in found.items() if not name.startswith("_") and not issubclass(one, Design)}
+    return dict(sorted(shown.items()))
+
+
+def parts() -> list[str]:
+    """Return tables of the types within answers and designs."""
+    body: list[str] = []
+    for base, title, about in PARTS:
+        rows = ((code(name), summary(one), fields_of(one)) for name, one in loaded_classes_of(base).items())
         body += [f"## {title}", "", about, "", *table(("class", "what", "fields"), rows)]
     return body
 
@@ -249,8 +225,7 @@ def python_pages(folder: Path) -> None:
     """One page for each group of public names, and their index."""
     assigned = [name for *_, names in PYTHON for name in names]
     designs = kinds_of_design()
-    parts = [name for name in gm.__all__ if name not in {*assigned, *designs} and inspect.isclass(getattr(gm, name))]
-    missing = set(gm.__all__) - {*assigned, *designs, *parts}
+    missing = set(gm.__all__) - {*assigned, *designs}
     if missing or len(assigned) != len(set(assigned)):
         raise ValueError(f"public names on no page, or on two: {sorted(missing)}")
     for file, title, about, names in PYTHON:
@@ -273,9 +248,9 @@ def python_pages(folder: Path) -> None:
         folder / "parts.md",
         "Types within answers",
         [
-            "What attributes of gears and answers are, for annotations.",
+            "What attributes of answers and designs are. They are no public names: their fields stay, their modules may change.",
             "",
-            *parts_of(parts),
+            *parts(),
         ],
     )
     listed = [*(file for file, *_ in PYTHON), "designs", "parts"]

@@ -22,6 +22,7 @@ import gearmesh as gm
 from gearmesh import pickling
 from gearmesh.arguments import checks_arguments
 from gearmesh.errors import ArgumentError, OutputError
+from gearmesh.teeth.region import Side
 
 #: a narrow pair and coarse elements: answers in a moment
 SMALL: dict[str, Any] = {
@@ -260,9 +261,7 @@ def test_gears_pickle(sample: str) -> None:
     assert repr(other.design.plain()) == repr(gears.design.plain())
     for name, member in gears.members.items():
         shares = np.linspace(0.2, 0.8, 3)
-        mine, theirs = (
-            one.one_tooth.flank_grid(gm.Side.RIGHT, shares, shares) for one in (member, other.members[name])
-        )
+        mine, theirs = (one.one_tooth.flank_grid(Side.RIGHT, shares, shares) for one in (member, other.members[name]))
         assert np.isfinite(mine.points).all()
         assert np.array_equal(theirs.points, mine.points)
 

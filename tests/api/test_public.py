@@ -12,8 +12,8 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from functools import cached_property
 from html.parser import HTMLParser
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +24,7 @@ from oracles.places import PACKAGE, ROOT, SAMPLES
 from oracles.sources import nodes
 
 import gearmesh as gm
+from gearmesh import former_names
 from gearmesh.answers.result import Result
 from gearmesh.view.opengl import missing_opengl_message
 
@@ -51,27 +52,21 @@ def test_every_name_is_there_and_no_other_is_shown() -> None:
         thing = getattr(gm, name)
         assert thing.__module__.startswith("gearmesh.")
         assert thing.__doc__, name
-    with pytest.raises(AttributeError, match="no attribute 'job'"):
+    with pytest.raises(AttributeError, match="attribute job"):
         gm.job  # noqa: B018
 
 
-#: of collections.abc, though classes of the package have these names too
-COLLECTIONS = {"Mapping"}
-
-
-def annotated(name: str) -> Iterator[str]:
-    """What a public function, or the methods and properties of a class that users ask, are said to return."""
-    thing = getattr(gm, name)
-    asked = isinstance(thing, type) and (issubclass(thing, (gm.Result, gm.Gears, gm.Design)) or hasattr(thing, "save"))
-    members = [member for owner in thing.__mro__ for member in vars(owner).items()] if asked else [(name, thing)]
-    for key, member in members:
-        plain = getattr(member, "fget", None) or getattr(member, "func", None) or getattr(member, "__func__", member)
-        if not key.startswith("_") and str(getattr(plain, "__module__", "")).startswith("gearmesh"):
-            yield str(getattr(plain, "__annotations__", {}).get("return", ""))
+#: beside verbs, designs, errors and answers: what gears consist of, what calls take, and how figures and studies are read
+PARTS_OF_GEARS = {
+    *("Gears", "GearTrain", "GearPair", "Member", "Design", "System"),
+    *("Rigid", "FlexibleMount", "Summary", "StudySummary"),
+}
+#: what gears are built of: given back by `Gears`, internal all the same
+INTERNAL = {"MemberNames", "TriangleMesh", "Mapping"}
 
 
 def own_classes() -> set[str]:
-    """Names of all classes of the package."""
+    """Return the names of all classes of the package."""
     return {
         node.name
         for path in PACKAGE.rglob("*.py")
@@ -80,47 +75,69 @@ def own_classes() -> set[str]:
     }
 
 
-def given_back(name: str) -> Iterator[tuple[str, str]]:
-    """What a public function, and all public methods and properties of a public class, are said to return, each by its name."""
+def version(words: str) -> tuple[int, ...]:
+    return tuple(map(int, words.split(".")))
+
+
+@pytest.mark.quick
+def test_former_public_names_work_until_their_version_and_warn() -> None:
+    assert not set(former_names.MODULE_OF_FORMER_NAME) & set(gm.__all__)
+    assert len(former_names.MODULE_OF_FORMER_NAME) > 280
+    assert version(gm.__version__) < version(former_names.GOES_WITH_VERSION)
+    for name, module in former_names.MODULE_OF_FORMER_NAME.items():
+        with pytest.warns(DeprecationWarning, match=rf"^gearmesh\.{name} is deprecated .* {re.escape(module)}") as told:
+            assert getattr(gm, name) is getattr(import_module(module), name)
+        assert told[0].filename == __file__
+
+
+def given_back(name: str) -> set[str]:
+    """Return the words of classes in what a public function, or the methods and properties of a public class, return."""
     thing = getattr(gm, name)
-    owners = thing.__mro__ if inspect.isclass(thing) else ()
-    ours = [owner for owner in owners if owner.__module__.startswith("gearmesh.")]
-    members = [member for owner in ours for member in vars(owner).items()] if ours else [(name, thing)]
+    owners = (
+        [owner for owner in thing.__mro__ if owner.__module__.startswith("gearmesh.")] if inspect.isclass(thing) else []
+    )
+    members = [member for owner in owners for member in vars(owner).items()] or [(name, thing)]
+    words: set[str] = set()
     for key, member in members:
-        plain = inspect.unwrap(getattr(member, "__func__", member))
-        if isinstance(member, property):
-            plain = member.fget
-        elif isinstance(member, cached_property):
-            plain = member.func
-        if not key.startswith("_") and inspect.isfunction(plain):
-            yield f"{name}.{key}", str(plain.__annotations__.get("return", ""))
+        plain = getattr(member, "fget", None) or getattr(member, "func", None) or getattr(member, "__func__", member)
+        if not key.startswith("_") and str(getattr(plain, "__module__", "")).startswith("gearmesh"):
+            words |= {*re.findall(r"(?<![.\w])[A-Z]\w+", str(getattr(plain, "__annotations__", {}).get("return", "")))}
+    return words
+
+
+def answers() -> set[str]:
+    """Return the names of all classes of the package that can be saved, but for bases and for what only one command makes."""
+    found = set()
+    for path in PACKAGE.rglob("*.py"):
+        for node in nodes(path.read_text(encoding="utf-8")):
+            if isinstance(node, ast.ClassDef):
+                bases = {ast.unparse(base).partition("[")[0] for base in node.bases}
+                methods = {part.name for part in node.body if isinstance(part, ast.FunctionDef)}
+                if not node.name.startswith("_") and ("save" in methods or bases & {"Result"}):
+                    found.add(node.name)
+    return found
 
 
 @pytest.mark.quick
-def test_methods_of_all_public_classes_return_what_can_be_annotated() -> None:
-    """Even of those that are no answers, such as teeth and members, and of what these give back in their turn."""
-    ours = own_classes() - COLLECTIONS
-    returned = {
-        word: place
-        for name in gm.__all__
-        for place, text in given_back(name)
-        for word in re.findall(r"(?<![.\w])[A-Z]\w+", text)
-        if word in ours
-    }
-    assert {"Tooth", "Sections", "Body", "Contacts", "EndStrip", "Joint", "Link", "Jet"} <= set(returned)
-    assert {word: place for word, place in returned.items() if word not in gm.__all__} == {}
+def test_public_names_are_verbs_gears_answers_designs_and_errors() -> None:
+    verbs = {name for name in gm.__all__ if not inspect.isclass(getattr(gm, name))}
+    classes = {name: getattr(gm, name) for name in gm.__all__ if name not in verbs}
+    designs = {gm.system(kind).design.__name__ for kind in gm.kinds()}
+    errors = {name for name, value in classes.items() if issubclass(value, Exception)}
+    saved = {name for name, value in classes.items() if hasattr(value, "save")}
+    asked = {word for name in (*verbs, "Gears") for word in given_back(name)} & own_classes()
+    assert verbs == {word for word in verbs if word.islower()}
+    assert designs <= set(classes)
+    assert {*classes} - designs - errors - saved <= PARTS_OF_GEARS
+    assert len(gm.__all__) <= 80
+    assert asked - INTERNAL <= set(gm.__all__)
 
 
 @pytest.mark.quick
-def test_all_that_a_user_gets_back_has_a_public_name() -> None:
-    """Types of the package that functions, answers, gears and designs return, and the designs of all kinds."""
-    ours = own_classes()
-    returned = {
-        word for name in gm.__all__ for text in annotated(name) for word in re.findall(r"(?<![.\w])[A-Z]\w+", text)
-    }
-    assert len(returned & ours) > 90
-    assert (returned & ours) - COLLECTIONS <= set(gm.__all__)
-    assert {gm.system(kind).design.__name__ for kind in gm.kinds()} <= set(gm.__all__)
+def test_every_answer_that_another_answer_gives_is_public() -> None:
+    given = {word for name in gm.__all__ for word in given_back(name)}
+    assert given & answers() - INTERNAL <= set(gm.__all__)
+    assert len(given & answers()) > 25
 
 
 @pytest.mark.quick

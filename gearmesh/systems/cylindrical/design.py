@@ -31,7 +31,7 @@ from gearmesh.systems.cylindrical.measure_keys import BallMeasurement, SpanMeasu
 from gearmesh.systems.kinds import OWN_KINDS
 
 #: basic racks of ISO 53: addendum, dedendum and rounding of the tool's tip, in normal modules
-BASIC_RACKS = {
+BASIC_RACKS: dict[str, tuple[float, float, float]] = {
     "A": (1.0, 1.25, 0.38),
     "B": (1.0, 1.25, 0.30),
     "C": (1.0, 1.25, 0.25),
