@@ -13,9 +13,6 @@ PACKAGE = Path(__file__).parents[1] / "gearmesh"
 #: packages and modules whose docstrings and constants are still to be rewritten
 TO_REWRITE = {
     "answers",
-    "api",
-    "app",
-    "kernel",
     "systems",
     "systems/cylindrical",
     "systems/face_gear",

@@ -1,1 +1,1 @@
-"""What people import: designs, the gears built from them, and the answers to questions about them."""
+"""Public interface: designs, gears built from them, and answers to questions about gears."""

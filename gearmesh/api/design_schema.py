@@ -1,4 +1,4 @@
-"""Design files of a kind as a JSON Schema, by which editors complete and check them."""
+"""JSON Schema of the design files of a kind, with which editors complete and check them."""
 
 from __future__ import annotations
 
@@ -11,22 +11,25 @@ from gearmesh.design.keys import Key, Table, key_lines
 
 #: a JSON Schema, or a part of one
 JsonSchema: TypeAlias = dict[str, Any]
-DIALECT = "https://json-schema.org/draft/2020-12/schema"
-#: characters of a text at most, and numbers of a stiffness: its diagonal, or its rows
-TEXT, STIFFNESS = 80, 6
+#: version of JSON Schema
+SCHEMA_DIALECT = "https://json-schema.org/draft/2020-12/schema"
+#: largest number of characters of a text
+MAX_TEXT_LENGTH = 80
+#: number of values of a stiffness: of its diagonal, or of its rows
+STIFFNESS_SIZE = 6
 
 
 def design_schema(design: type[Design], kind: str) -> JsonSchema:
-    """The schema of the files of a kind, draft 2020-12; `$id` has the version of gearmesh.
+    """Return the schema of the files of a kind, draft 2020-12; `$id` has the version of gearmesh.
 
-    It knows names, types, choices and the limits that no unit changes. What keys say of each other, and limits of lengths, which
-    are in the file's units, are checked when the file is loaded.
+    The schema has names, types, choices, and limits that do not depend on units. Relations between keys, and limits of lengths,
+    which are in the file's units, are checked when the file is loaded.
     """
     tables: JsonSchema = {}
     schema = _table(design, tables)
     schema["properties"]["kind"] = {"const": kind, "description": "gear system"}
     return {
-        "$schema": DIALECT,
+        "$schema": SCHEMA_DIALECT,
         "$id": f"urn:gearmesh:{__version__}:{kind}",
         "title": f"gearmesh design, {kind}",
         "description": design.about,
@@ -36,7 +39,7 @@ def design_schema(design: type[Design], kind: str) -> JsonSchema:
 
 
 def _table(table: type[Table], tables: JsonSchema) -> JsonSchema:
-    """A table; those within it go to `tables` once each, by the names of their classes."""
+    """Return the schema of a table; nested tables are added to `tables` once each, by the names of their classes."""
     properties, required = {}, []
     said = {line.key: line for line in key_lines(table)}
     for name in table.names():
@@ -60,9 +63,9 @@ def _table(table: type[Table], tables: JsonSchema) -> JsonSchema:
 
 
 def _value(key: Key) -> JsonSchema:
-    """What a key accepts; also a list of it."""
+    """Return the schema of the values of a key, or of a list of values."""
     if key.unit == "stiffness":
-        return {"type": "array", "minItems": STIFFNESS, "maxItems": STIFFNESS}
+        return {"type": "array", "minItems": STIFFNESS_SIZE, "maxItems": STIFFNESS_SIZE}
     one = _one_value(key)
     return {"type": "array", "items": one, "maxItems": key.most} if key.most else one
 
@@ -72,7 +75,7 @@ def _one_value(key: Key) -> JsonSchema:
         case "choice":
             return {"enum": list(key.choices)}
         case "text":
-            return {"type": "string", "maxLength": TEXT}
+            return {"type": "string", "maxLength": MAX_TEXT_LENGTH}
         case "file":
             return {"type": "string", "minLength": 1}
         case "flag":

@@ -1,4 +1,4 @@
-"""One gear, or a rack, in one call: its design from a few figures, and the gears built of it."""
+"""One gear or rack in one call: its design from a few values, and the gears built from the design."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from gearmesh.design.keys import MM_PER
 from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.lengths import Length, in_mm
 
-#: face width, in normal modules, of a gear whose face width is not given
-WIDTH = 10.0
-#: tables of members in designs of one gear or of a pair
-MEMBERS = ("gear", "rack", "pinion")
+#: default of the face width, in normal modules
+FACE_WIDTH_MODULES = 10.0
+#: tables of the members of a design of one gear or of a pair
+MEMBER_TABLES = ("gear", "rack", "pinion")
 
 
 @checks_arguments
@@ -33,39 +33,39 @@ def gear(
     rack: bool = False,
     settings: Sequence[str] = (),
 ) -> Gears:
-    """One spur or helical gear without a mating gear, or a rack.
+    """Build one spur or helical gear without a mating gear, or a rack.
 
     Parameters
     ----------
     teeth : int
         Number of teeth.
     module, diametral_pitch
-        Normal module, mm, or instead normal diametral pitch, 1/inch.
+        Normal module, mm, or normal diametral pitch, 1/inch.
     helix, hand
         Helix angle, deg, and its hand, "right" or "left".
     face
-        Face width, mm; 10 modules.
+        Face width, mm; by default 10 modules.
     bore
-        Diameter of the bore, mm; 0: none; 40 % of the root diameter.
+        Diameter of the bore, mm, 0 for none; by default 40 % of the root diameter.
     shift
         Profile shift coefficient x.
     pressure_angle
         Normal pressure angle, deg.
     internal, rack
-        An internal gear; a rack with so many teeth.
+        True for an internal gear; True for a rack.
     settings
-        Any other keys of the design, as of `gm.load`: "gear.tip_chamfer=0.2", of a rack "rack.height=20".
+        Other keys of the design, as in `gm.load`: "gear.tip_chamfer=0.2", for a rack "rack.height=20".
 
     Returns
     -------
     Gears
-        `gear(...).solid("gear")`, `.section("gear")`, `.sheet()`, `.limits()`, ...; a rack is the member "rack". What needs a
-        mating gear raises DesignError.
+        Gears with the member "gear" or "rack": `gear(...).solid("gear")`, `.section("gear")`, `.sheet()`, `.limits()`, ...
+        Questions about a mating gear raise DesignError.
 
     Raises
     ------
     DesignError
-        One line with key, value and what is allowed, of a gear that cannot exist.
+        With key, value and limit in one line, for a gear that cannot exist.
 
     Examples
     --------
@@ -90,14 +90,14 @@ def gear(
 
 
 def gear_of(keys: dict[str, Any], settings: Sequence[str] = ()) -> Gears:
-    """The gears of the keys of a design, with `settings` put in. Raises DesignError as `gear`."""
+    """Build the gears from the keys of a design with `settings`. Raises DesignError as `gear`."""
     from gearmesh.design.files import overridden_keys, override
     from gearmesh.systems.designs import parse_as_stated
 
-    table = next(name for name in MEMBERS if name in keys)
+    table = next(name for name in MEMBER_TABLES if name in keys)
     for key in overridden_keys(settings):
         member, dot, rest = key.partition(".")
-        if member in MEMBERS and member != table:
+        if member in MEMBER_TABLES and member != table:
             raise DesignError(key, reason=f"there is only one member, {table}; did you mean {table}{dot}{rest}?")
     return build(parse_as_stated(override(keys, settings)).with_changed_keys(overridden_keys(settings)))
 
@@ -116,7 +116,7 @@ def gear_keys(
     internal: bool = False,
     rack: bool = False,
 ) -> dict[str, Any]:
-    """The keys of the design of `gear`. Raises DesignError for arguments that exclude each other."""
+    """Return the keys of the design of `gear`. Raises ArgumentError for arguments that exclude each other."""
     sizes = {"module": module, "diametral_pitch": diametral_pitch}
     given = {name: value for name, value in sizes.items() if value is not None}
     if len(given) != 1:
@@ -132,8 +132,10 @@ def gear_keys(
         millimetres = MM_PER["inch"] / _pitch(diametral_pitch)
     table: dict[str, Any] = {
         "teeth": teeth,
-        # of a module that will be refused, none that would be refused beside it
-        "face_width": WIDTH * (millimetres if millimetres > 0.0 else 1.0) if face is None else in_mm("face", face),
+        # a module that is not positive is refused later: give a face width that is not refused before it
+        "face_width": FACE_WIDTH_MODULES * (millimetres if millimetres > 0.0 else 1.0)
+        if face is None
+        else in_mm("face", face),
     }
     if internal:
         table["internal"] = True
@@ -150,7 +152,7 @@ def gear_keys(
 
 
 def _pitch(diametral_pitch: float | None) -> float:
-    """A diametral pitch. Raises DesignError for one that is none."""
+    """Return the diametral pitch, 1/inch. Raises ArgumentError unless it is a finite number above 0."""
     if not isinstance(diametral_pitch, int | float) or not 0.0 < diametral_pitch < float("inf"):
         raise ArgumentError("diametral_pitch", diametral_pitch, must_be="a number per inch above 0")
     return float(diametral_pitch)

@@ -1,4 +1,4 @@
-"""Gears built from a design: the one object from which everything else is asked."""
+"""Gears built from a design: the object that answers all questions."""
 
 from __future__ import annotations
 
@@ -46,11 +46,11 @@ if TYPE_CHECKING:
 class Gears(ModelledGears):
     """The gears of a design: exact teeth of all members, their mounting, and the pairs that mesh.
 
-    Nothing is computed before it is asked for. Angles are in deg, torques in Nm, lengths in mm, as in the results, or texts with
-    their unit, as "10um" or "0.5in".
+    Results are computed on first use. Angles are in deg, torques in Nm, lengths in mm, as in the results. Lengths may also be texts
+    with a unit, as "10um" or "0.5in".
     """
 
-    # ---------------------------------------------------------------- flanks as they are
+    # ---------------------------------------------------------------- measured flanks
 
     def with_deviations(
         self,
@@ -62,36 +62,35 @@ class Gears(ModelledGears):
         t: ArrayLike | None = None,
         teeth: Sequence[int] | None = None,
     ) -> Gears:
-        """The same gears with deviations on a flank of a member, of any kind.
+        """Return the gears with deviations on a flank of a member, for gears of any kind.
 
         Parameters
         ----------
         member : str
-            Its name.
+            Name of the member.
         flank : str
             "right" or "left".
         values : (I, J)
-            mm along the flank's normals, positive where there is more material than nominal, at the points of a grid of 2 x 2 or
-            more, as of `members[member].tooth.flank_grid(flank, s, t)`.
+            Deviations, mm, along the flank's normals, positive for more material than nominal. The points are those of
+            `members[member].tooth.flank_grid(flank, s, t)`, at least 2 x 2.
         s, t : (I,), (J,)
-            Shares of the way from root to tip and from toe to heel at which they are, ascending in 0..1; by default evenly
-            spaced from 0.1 to 0.9.
+            Positions of the points from root to tip and from toe to heel, ascending in 0..1; by default evenly spaced from
+            0.1 to 0.9.
         teeth : (K,)
-            Numbers of the teeth that have them, by default all of a member whose teeth are alike; 0 is on the x axis, they are
-            counted by growing polar angle. `values` may then be (K, I, J), a grid for each.
+            Numbers of the teeth with deviations, by default all teeth of a member whose teeth are alike. Tooth 0 is on the x
+            axis, and numbers grow with the polar angle. `values` may then be (K, I, J), a grid for each tooth.
 
         Returns
         -------
         Gears
-            Their flank goes through all points, a bicubic spline between them. Beyond the grid it goes on straight, on the
-            fillet it fades; every answer is about it. What starts from the design again, as studies and data sheets do, is as
-            designed.
+            Gears whose flank goes through all points, as a bicubic spline. Beyond the grid the deviation continues straight, and
+            on the fillet it fades. All answers use this flank, except for answers that start from the design again, as studies
+            and data sheets do.
 
         Raises
         ------
         DesignError
-            For a member, flank or tooth that there is not, and for deviations that are no grid of numbers, too steep or too
-            large.
+            For an unknown member, flank or tooth, and for deviations that are no grid of numbers, too steep or too large.
 
         Examples
         --------
@@ -111,16 +110,16 @@ class Gears(ModelledGears):
         return Gears(self.design, self.as_built.with_member(made))
 
     def with_teeth_like(self, member: str, tooth: int) -> Gears:
-        """The same gears with all teeth of a member as its tooth of that number, of one whose teeth differ.
+        """Return gears in which all teeth of a member are equal to one of its teeth, for a member whose teeth differ.
 
-        Every answer is then possible; without the `cycle`, contact is that of the one tooth pair.
+        These gears give every answer; contact without the `cycle` is the contact of this tooth.
 
         Parameters
         ----------
         member : str
-            Its name, as "pinion".
+            Name of the member, as "pinion".
         tooth : int
-            Number of the tooth; 0 is on the x axis, they are counted by growing polar angle.
+            Number of the tooth. Tooth 0 is on the x axis, and numbers grow with the polar angle.
 
         Returns
         -------
@@ -130,7 +129,7 @@ class Gears(ModelledGears):
         Raises
         ------
         DesignError
-            For a member or tooth that there is not.
+            For an unknown member or tooth.
 
         Examples
         --------
@@ -143,7 +142,7 @@ class Gears(ModelledGears):
     # ---------------------------------------------------------------- contact
 
     def ease_off(self, *, pair: int | str = 0) -> EaseOffMap:
-        """How far the pinion's flank stays from the gear's, over its whole face, when the gears turn at their nominal ratio.
+        """Ease-off: gap between the flanks over the pinion's face when the gears turn at their nominal ratio.
 
         Parameters
         ----------
@@ -153,12 +152,12 @@ class Gears(ModelledGears):
         Returns
         -------
         EaseOffMap
-            Distances, um, on a grid over the flank.
+            Gaps, um, on a grid over the flank.
 
         Raises
         ------
         NoSolutionError
-            Where the flanks never meet.
+            If the flanks never meet.
 
         Examples
         --------
@@ -172,23 +171,23 @@ class Gears(ModelledGears):
     # ---------------------------------------------------------------- drawings, measured gears
 
     def drawing(self, member: str) -> WorkshopDrawing:
-        """A workshop drawing of one member: axial section, view along the axis, dimensions, gear data, title block.
+        """Return a workshop drawing of one member: axial section, view along the axis, dimensions, gear data, title block.
 
         Parameters
         ----------
         member : str
-            Its name.
+            Name of the member.
 
         Returns
         -------
         WorkshopDrawing
-            On A4 where it fits at full size or larger, else on A3, at a scale of ISO 5455; `save("pinion.pdf")` writes a .pdf,
-            .svg or .png file.
+            Sheet A4 if the drawing fits at full size or larger, else A3, at a scale of ISO 5455; `save("pinion.pdf")` writes a
+            .pdf, .svg or .png file.
 
         Raises
         ------
         DesignError
-            For a member that there is not.
+            For an unknown member.
 
         Examples
         --------
@@ -207,28 +206,28 @@ class Gears(ModelledGears):
         flank: str = "both",
         pitch: str | PathLike[str] | None = None,
     ) -> Inspection:
-        r"""What was measured of a member, evaluated against its nominal teeth, with the tolerance classes that it has.
+        r"""Evaluate measured deviations of a member against its nominal teeth, with their tolerance classes.
 
         Parameters
         ----------
         member : str
-            Its name, as "pinion".
+            Name of the member, as "pinion".
         measured : str or os.PathLike, optional
-            File of deviations or points; by default those of the table `measured` of the design.
+            File of deviations or points; by default the file in the table `measured` of the design.
         flank : str
-            The "right" or "left" flank that the file is about, or "both", as its column flank says.
+            Flank in the file, "right" or "left", or "both" for a file with a column flank.
         pitch : str or os.PathLike, optional
-            CSV file with columns tooth, right_um, left_um (index deviations) and runout_um; by default what that table says.
+            CSV file with columns tooth, right_um, left_um (index deviations) and runout_um; by default the file in that table.
 
         Returns
         -------
         Inspection
-            Deviations, um, and classes; `inspection_chart` draws it.
+            Deviations, um, and classes; `inspection_chart` draws them.
 
         Raises
         ------
         DesignError, FileError
-            Naming what cannot be used.
+            For measured values that cannot be used.
 
         Examples
         --------
@@ -252,29 +251,29 @@ class Gears(ModelledGears):
         settings: Sequence[str] = (),
         noise: float | None = None,
     ) -> Correction:
-        """Machine settings of a bevel or hypoid gear that take measured deviations away; `save("new.toml")` writes the design.
+        """Compute machine settings of a gear that remove measured deviations; `save("new.toml")` writes the design.
 
         Parameters
         ----------
         member : str
-            Its name, as "pinion".
+            Name of the member, as "pinion".
         measured, flank
-            As of `evaluate`.
+            As in `evaluate`.
         settings : sequence of str
-            Those that may move, as "radial", of one side "concave.radial", of a motion "helical_motion.2"; by default the
-            usual ones.
+            Settings that may change: "radial", "concave.radial" for one side, "helical_motion.2" for a motion; by default the
+            usual settings.
         noise : float, optional
-            Standard deviation of a measured deviation, um; by default what no setting takes away.
+            Standard deviation of a measured deviation, um; by default estimated from the deviations that no setting removes.
 
         Returns
         -------
         Correction
-            Changes of the settings, and the deviations that they leave.
+            Changes of the settings, and the remaining deviations.
 
         Raises
         ------
         DesignError, FileError
-            Naming what cannot be used.
+            For measured values or settings that cannot be used.
 
         Examples
         --------
@@ -289,7 +288,7 @@ class Gears(ModelledGears):
         return correct_settings(self.design, member, file, flank, settings, noise)
 
     def composite(self, *, pair: int | str = 0) -> CompositeTest:
-        """Single-flank and double-flank test of a pair with the pitch deviations, or the eccentricities, that its design has.
+        """Simulate the single-flank and double-flank test of a pair with the pitch deviations or eccentricities of its design.
 
         Parameters
         ----------
@@ -299,14 +298,14 @@ class Gears(ModelledGears):
         Returns
         -------
         CompositeTest
-            Over the turns after which the same teeth meet again; `composite_chart` draws it.
+            Test over the turns after which the same teeth meet again; `composite_chart` draws it.
 
         Raises
         ------
         DesignError
-            Where turns are too many, and for eccentric members with pitch deviations, which contain the eccentricity.
+            For too many turns, and for eccentric members with pitch deviations, which contain the eccentricity.
         NoSolutionError
-            Where the teeth do not meet all the time.
+            If the teeth are not in mesh all the time.
 
         Examples
         --------
@@ -318,12 +317,12 @@ class Gears(ModelledGears):
         return composite_test(self.design, self.train, mesh=self.pair(pair))
 
     def composite_chart(self, test: CompositeTest) -> Diagram:
-        """The charts of a composite test: transmission error and centre distance over whole turns.
+        """Return the charts of a composite test: transmission error and centre distance over whole turns.
 
         Parameters
         ----------
         test : CompositeTest
-            As `composite` gives it.
+            Result of `composite`.
 
         Returns
         -------
@@ -341,12 +340,12 @@ class Gears(ModelledGears):
         return Diagram(test.headline, lambda file: plot_composite(file, test))
 
     def inspection_chart(self, inspection: Inspection) -> Diagram:
-        r"""The chart of a measured gear: traces with tolerances, deviations over the flanks, pitch deviations.
+        r"""Return the chart of a measured gear: traces with tolerances, deviations over the flanks, pitch deviations.
 
         Parameters
         ----------
         inspection : Inspection
-            As `evaluate` gives it.
+            Result of `evaluate`.
 
         Returns
         -------
@@ -366,12 +365,12 @@ class Gears(ModelledGears):
         return Diagram(inspection.headline, lambda file: plot_inspection(file, inspection))
 
     def theoretical_chart(self, member: str) -> Diagram:
-        """Profile and helix charts of the exact flanks of a cylindrical gear, with the band of its tolerance class (K charts).
+        """Return profile and helix charts of the exact flanks of a cylindrical gear, with the band of its class (K charts).
 
         Parameters
         ----------
         member : str
-            Its name, as "pinion".
+            Name of the member, as "pinion".
 
         Returns
         -------
@@ -381,7 +380,7 @@ class Gears(ModelledGears):
         Raises
         ------
         DesignError
-            When it is drawn, for gears without modifications and for other gears.
+            On drawing, for gears without modifications and for gears of other kinds.
 
         Examples
         --------
@@ -399,19 +398,19 @@ class Gears(ModelledGears):
     # ---------------------------------------------------------------- checks and limits
 
     def check(self, tolerance: Length | None = None, *, pair: int | None = None) -> Check:
-        """Meshes of all members against the exact surfaces, and the roll test of their flanks against the contact solver.
+        """Check the meshes of all members against the exact surfaces, and the contact solver against a roll test of the meshes.
 
         Parameters
         ----------
         tolerance : float or str, optional
-            Of the meshes, mm, or with a unit; by default the design's.
+            Tolerance of the meshes, mm, or with a unit; by default the design's.
         pair : int, optional
-            Only this mesh; by default every different mesh of the gear set.
+            Number of the only pair to check; by default every different pair of the gear set.
 
         Returns
         -------
         Check
-            A verdict on each.
+            A verdict on each comparison.
 
         Examples
         --------
@@ -426,17 +425,17 @@ class Gears(ModelledGears):
         return self.check_solved(contacts, solids)
 
     def roll(self, contact: Contact) -> RollTest:
-        """The roll test of the meshed flanks at positions of a solved contact.
+        """Roll the meshed flanks at the positions of a solved contact.
 
         Parameters
         ----------
         contact : Contact
-            Of a pair of these gears.
+            Contact of a pair of these gears.
 
         Returns
         -------
         RollTest
-            Rotations of first touch by the meshes alone, beside those of the solver.
+            Rotations of first touch, by the meshes alone and by the solver.
 
         Examples
         --------
@@ -448,7 +447,7 @@ class Gears(ModelledGears):
         return roll_test(contact.pair, contact.path)
 
     def limits(self, land: float = 0.0) -> Limits:
-        """Undercut and pointing of all members.
+        """Compute the limits against undercut and pointing of all members.
 
         Parameters
         ----------
@@ -474,16 +473,16 @@ class Gears(ModelledGears):
     def sheet(
         self, *, torque: float | None = None, speed: float | None = None, member: str | None = None
     ) -> DesignSheet:
-        """What is derived from the design: the sheet of kinds that have one of their own, else members and pairs.
+        """Data sheet: values derived from the design, of members and pairs, in the form of the kind.
 
         Parameters
         ----------
         torque : float, optional
-            Nm on the pinion, or on the driving member of a planetary set: then also the forces on the members.
+            Torque, Nm, on the pinion or on the driving member of a planetary set; adds the forces on the members.
         speed : float, optional
-            1/min of the same member: then also the powers.
+            Speed, 1/min, of the same member; adds the powers.
         member : str, optional
-            Only what needs no mating gear: of gears built with `alone` none is then made.
+            The only member of the sheet, without values that need a mating gear. Gears built with `alone` build no other member.
 
         Returns
         -------
@@ -493,7 +492,7 @@ class Gears(ModelledGears):
         Raises
         ------
         DesignError
-            For kinds that do not know forces, for a member that there is not, for both at once, and for a speed without a torque.
+            For a torque with a kind without forces, an unknown member, a member with a torque, and a speed without a torque.
 
         Examples
         --------
@@ -511,7 +510,7 @@ class Gears(ModelledGears):
         return member_sheet_of(self, member)
 
     def pin(self) -> Pinned:
-        """The design with every default and derived value given: it builds the same gears in later versions, to 1e-12 mm.
+        """Return the design with all defaults and derived values given: later versions build the same gears, to 1e-12 mm.
 
         Returns
         -------
@@ -528,25 +527,25 @@ class Gears(ModelledGears):
         return pin(self.design, systems.pin(self.design, self.train), self.pairs)
 
     def rexs(self, folder: str | PathLike[str] = ".", *, torque: float | None = None) -> RexsExport:
-        """The REXS model of the gears (version 1.7).
+        """Return the REXS model of the gears (version 1.7).
 
         Parameters
         ----------
         folder : str or os.PathLike
-            Where the model is to be, from which names of files in the design are counted.
+            Folder of the model; names of files in the design are relative to it.
         torque : float, optional
-            Nm on the pinion: a load case with results of loaded contact.
+            Torque, Nm, on the pinion; adds a load case with results of loaded contact.
 
         Returns
         -------
         RexsExport
-            `save("gears.rexs")` writes it, as .rexsj or .rexsz too. A design that was read from a REXS file keeps all that the file
-            has besides.
+            `save("gears.rexs")` writes the model, also as .rexsj or .rexsz. A design that was read from a REXS file keeps the whole
+            content of this file.
 
         Raises
         ------
         DesignError
-            For kinds that REXS does not have.
+            For kinds that are not in REXS.
 
         Examples
         --------
@@ -560,12 +559,12 @@ class Gears(ModelledGears):
         return rexs_of(self.pin(), Path(folder), results)
 
     def compensate(self, refinish: str | None = None) -> Compensation:
-        """Settings that compensate the assembly errors of the design.
+        """Compute settings that compensate the assembly errors of the design.
 
         Parameters
         ----------
         refinish : str, optional
-            The member whose settings move, where the kind leaves the choice.
+            Member whose settings change, for kinds with a choice.
 
         Returns
         -------
@@ -575,7 +574,7 @@ class Gears(ModelledGears):
         Raises
         ------
         DesignError
-            For kinds that have none, and for a member that cannot be chosen.
+            For kinds without such settings, and for a member that cannot be chosen.
 
         Examples
         --------
@@ -588,27 +587,33 @@ class Gears(ModelledGears):
         return compensation_of(self, refinish)
 
     def vh(self, moved: tuple[str, ...] | None = None) -> VHCheck:
-        """The V-H check: displacements that bring the contact to toe, middle and heel, on both sides.
+        """V-H check: displacements that move the contact to toe, middle and heel, on both sides.
 
-        Of worm drives to the entering side, the middle and the leaving side of the wheel's face.
+        For worm drives the places are the entering side, the middle and the leaving side of the wheel's face.
 
         Parameters
         ----------
         moved : tuple of str or None, default None
-            Two of "V", "H", "J" and "alpha": the pinion across both axes, or along its own, the gear along its axis, or the shaft
-            angle; None is V and H. Of worm drives one of "V", "J" and "alpha"; None is J. The others stay what the design says.
+            Two displacements for bevel gears, None for V and H; one for worm drives, not H, None for J. The other displacements
+            keep the values of the design.
+
+            - "V": pinion across both axes
+            - "H": pinion along its axis
+            - "J": gear along its axis
+            - "alpha": shaft angle
 
         Returns
         -------
         VHCheck
-            Every place is where the displaced members touch first; of a place that is out of reach, the nearest that is not.
+            Displacements, each proved by first touch of the displaced members. A place that is out of reach is replaced by the
+            nearest place within reach.
 
         Raises
         ------
         DesignError
-            For kinds that have none, and for other displacements.
+            For kinds without this check, and for other displacements.
         NoSolutionError
-            Where the contact cannot be brought anywhere between toe and heel.
+            If the contact cannot be moved to any place between toe and heel.
 
         Examples
         --------
@@ -635,41 +640,54 @@ class Gears(ModelledGears):
         dpi: int = 150,
         note: str = "",
     ) -> Picture | Diagram:
-        """A picture, drawn when it is saved.
+        """Return a picture, which is drawn when it is saved.
 
         Parameters
         ----------
         view : str
-            In three dimensions: "contact" (path and ellipses on a member's tooth), "pattern" (their union), "gap" (the
-            pattern that the roll test finds), "pair" (all in mesh), "section" (the mesh cut open across the teeth),
-            "tool" (a member with the tool
-            that generates it, in its position when it generates the middle of the flank; `member` "worm": with the worm that grinds
-            it), "contact_lines" (the tooth and its tool, with the lines along which they touch at several generating rotations),
-            "loaded" (a member's tooth with the largest pressure that each place of its flank sees), "stress" (contact pressure and
-            tension in colours), "toolpath" (passes in the space, with the tool).
-            As diagrams: "flank" (both flanks, of one member or of all, laid into their planes: path, ellipses and pattern, and the
-            ease-off of the pinion), "sliding" (with its sliding velocity instead), "zone" (contact lines of all tooth pairs on the
-            flanks and in the plane of action, with their limit lines), "te" (transmission error), "backlash" (over a pitch),
-            "turns" (transmission error over whole turns of eccentric members), and of all torques "loaded_flank" (pressure on the
-            flanks laid into their planes), "loaded_te" (transmission error with and without load), "loaded_share" (load share of a
-            tooth pair over its engagement), "loaded_stress" (bending stress), "loaded_pair" (pressure and bending stress of a tooth
-            pair over its engagement).
+            Views in three dimensions:
+
+            - "contact": path and contact ellipses on a member's tooth
+            - "pattern": union of the contact ellipses
+            - "gap": contact pattern found by the roll test
+            - "pair": all members in mesh
+            - "section": mesh cut open across the teeth
+            - "tool": member with its tool, in the position that generates the middle of the flank; with the grinding worm for
+              `member` "worm"
+            - "contact_lines": tooth and tool, with the lines along which they touch at several generating rotations
+            - "loaded": member's tooth with the largest pressure at each place of its flank
+            - "stress": contact pressure and tension in colours
+            - "toolpath": passes in the space, with the tool
+
+            Diagrams; those beginning with "loaded_" show all torques:
+
+            - "flank": both flanks, of one member or of all, in their planes: path, ellipses, pattern, ease-off of the pinion
+            - "sliding": the same with the sliding velocity in place of the ease-off
+            - "zone": contact lines of all tooth pairs on the flanks and in the plane of action, with limit lines
+            - "te": transmission error
+            - "backlash": backlash over a pitch
+            - "turns": transmission error over whole turns of eccentric members
+            - "loaded_flank": pressure on the flanks in their planes
+            - "loaded_te": transmission error with and without load
+            - "loaded_share": load share of a tooth pair over its engagement
+            - "loaded_stress": bending stress
+            - "loaded_pair": pressure and bending stress of a tooth pair over its engagement
         member : str, optional
-            The member shown.
+            Member of the picture.
         of : LoadedContact, FiniteElementSolution or ToolPathAnswer, optional
-            What the views "loaded...", "stress" and "toolpath" show.
+            Answer shown by the views "loaded...", "stress" and "toolpath".
         torque : float, optional
-            Which torque of "loaded", Nm; the largest.
+            Torque, Nm, of the view "loaded"; by default the largest.
         phi1 : array_like, optional
             Positions, deg; by default the design's.
         size : (int, int), optional
-            Pixels; 1600 x 1200, or what a figure needs at so many `dpi`.
+            Width and height in pixels; by default 1600 x 1200, or the size of a diagram at `dpi`.
         pair : int or str
             Number of the mesh, or its members as "sun-planet_1".
         dpi : int
-            Of diagrams.
+            Resolution of diagrams, pixels per inch.
         note : str
-            Shown beside the design's name.
+            Text beside the design's name.
 
         Returns
         -------
@@ -679,9 +697,9 @@ class Gears(ModelledGears):
         Raises
         ------
         DesignError
-            For another view, member or torque.
+            For an unknown view, member or torque.
         NoSolutionError
-            Where there is no contact to show.
+            If there is no contact to show.
 
         Examples
         --------
@@ -697,14 +715,14 @@ class Gears(ModelledGears):
         return picture(self, view, member, phi1, size, pair, dpi, note)
 
     def save_pictures(self, of: LoadedContact | Study, folder: str | PathLike[str]) -> tuple[Path, ...]:
-        """All pictures of contact under load, or all that suit a study, as PNG files; those on teeth only where there is OpenGL.
+        """Save all pictures of contact under load, or of a study, as PNG files; pictures of teeth need OpenGL.
 
         Parameters
         ----------
         of : LoadedContact or Study
-            What is shown.
+            Answer to draw.
         folder : str or os.PathLike
-            A folder that exists.
+            Existing folder.
 
         Returns
         -------
@@ -714,7 +732,7 @@ class Gears(ModelledGears):
         Raises
         ------
         OutputError
-            Where one cannot be written.
+            If a file cannot be written.
 
         Examples
         --------
@@ -734,18 +752,18 @@ class Gears(ModelledGears):
         pair: int | str = 0,
         note: str = "",
     ) -> Animation:
-        """The section through a mesh, rolling through one pitch with the contact moving; drawn when it is saved.
+        """Return an animation of the section through a mesh over one pitch, with the moving contact; drawn when it is saved.
 
         Parameters
         ----------
         phi1 : array_like, optional
-            Positions, deg, through the contact in whose middle the section goes; by default the design's.
+            Positions, deg; the section goes through the middle of the contact at these positions. By default the design's.
         size : (int, int)
-            Pixels.
+            Width and height in pixels.
         pair : int or str
             Number of the mesh, or its members as "sun-planet_1".
         note : str
-            Shown beside the design's name.
+            Text beside the design's name.
 
         Returns
         -------
@@ -755,7 +773,7 @@ class Gears(ModelledGears):
         Raises
         ------
         NoSolutionError
-            Where flanks never meet.
+            If the flanks never meet.
 
         Examples
         --------
@@ -786,42 +804,42 @@ class Gears(ModelledGears):
         pair: int | str = 0,
         progress: Progress | None = None,
     ) -> Study:
-        """Many assemblies or designs: the figures of every row.
+        """Study many assemblies or designs: compute figures for every row.
 
         Parameters
         ----------
         vary : mapping of str to list or str, optional
-            By dotted key a list of values or a text "low:high:count" (all combinations are rows), or with `sample`
-            "low:high", to be sampled evenly.
+            Values of dotted keys. Each is a list or a text "low:high:count", and all combinations are rows; with `sample` it is
+            "low:high", sampled evenly.
         tolerance : mapping of str to str, or str or os.PathLike, optional
-            By key a text as "normal:0:20um", or a TOML file of them. "class:6", or of the key class, is that of flanks in
+            Distributions of keys, as "normal:0:20um", or a TOML file of them. "class:6", or the key class, stands for flanks in
             this class of ISO 1328-1.
         sample : int, optional
             Number of sampled rows.
         method : str
             "lhs", "sobol", "random", or "saltelli", which has N (keys + 2) rows and finds Sobol indices.
         seed : int
-            Of the sample.
+            Seed of the sample.
         record : str or sequence of str
             Groups of figures (path, cycle, fit; load, which needs `torque`) or names of figures.
         torque : array_like, optional
-            One or several, Nm, on the pinion.
+            One or several torques on the pinion, Nm.
         limits : sequence of str
-            What a good row keeps, as "contact_ratio>1".
+            Criteria of a good row, as "contact_ratio>1".
         folder : str or os.PathLike, optional
-            Where finished rows are kept: the same call goes on where it was stopped.
+            Folder for finished rows; after a stop, the same call continues.
         workers : int, optional
-            Processes of this machine; None: as many as are worth it (a script that calls this must be importable, with
-            `if __name__ == "__main__"`).
+            Number of processes on this machine; None for a number that fits the work. A calling script must be importable, with
+            `if __name__ == "__main__"`.
         scheduler : str, optional
-            Address of a Dask scheduler, whose workers do it.
+            Address of a Dask scheduler, whose workers compute the rows.
         tls : mapping of str to str or os.PathLike, optional
-            Files "ca_file", "client_cert" and "client_key" for a scheduler at "tls://..."; by default those of the configuration
-            of Dask.
+            Files "ca_file", "client_cert" and "client_key" for a scheduler at "tls://..."; by default from the configuration of
+            Dask.
         pair : int or str
             Number of the mesh, or its members as "sun-planet_1".
         progress : callable, optional
-            Is told how far the work is (0 to 1) and what it is doing.
+            Function of the progress (0 to 1) and the name of the stage.
 
         Returns
         -------
@@ -831,9 +849,9 @@ class Gears(ModelledGears):
         Raises
         ------
         DesignError
-            For what cannot be varied.
+            For keys that cannot be varied.
         NoSolutionError
-            Where the design itself has no contact.
+            If the design itself has no contact.
         OutputError
             For a folder with another study.
 
@@ -847,7 +865,7 @@ class Gears(ModelledGears):
         from gearmesh.study.statistics import limit_of
         from gearmesh.study.study import check_record, plan_of, refuse_workers, run_study, work_and_nominal
 
-        # what is wrong with arguments is refused before anything is built
+        # refuse wrong arguments before anything is built
         if tls is not None and scheduler is None:
             raise ArgumentError("tls", reason="needs a scheduler")
         refuse_workers(workers)
@@ -870,22 +888,22 @@ class Gears(ModelledGears):
         pair: int | str = 0,
         progress: Progress | None = None,
     ) -> LargestErrors:
-        """The largest values of keys, one at a time and either way from the design's own, with which all criteria hold.
+        """Find the largest values of keys with which all criteria hold, one key at a time, above and below the design's value.
 
-        What fails and holds again farther off counts as failing, if 16 steps show it.
+        If a criterion fails and holds again farther away, the value ends at the failure, if 16 steps show it.
 
         Parameters
         ----------
         keys : sequence of str, or mapping of str to float or str
-            Dotted keys, or with each how far from the design's own value is looked, as "0.5mm" (1 mm, inch or deg).
+            Dotted keys, optionally with the searched distance from the design's value, as "0.5mm"; by default 1 mm, inch or deg.
         criteria : sequence of str
-            What has to hold, as "contact_ratio>1".
+            Criteria that must hold, as "contact_ratio>1".
         torque : array_like, optional
-            Nm on the pinion, for criteria under load.
+            Torques on the pinion, Nm, for criteria under load.
         pair : int or str
             Number of the mesh, or its members as "sun-planet_1".
         progress : callable, optional
-            Is told how far the work is (0 to 1) and what it is doing.
+            Function of the progress (0 to 1) and the name of the stage.
 
         Returns
         -------
@@ -895,7 +913,7 @@ class Gears(ModelledGears):
         Raises
         ------
         DesignError
-            Where a criterion fails for the design itself.
+            If a criterion fails for the design itself.
 
         Examples
         --------
@@ -917,24 +935,24 @@ class Gears(ModelledGears):
         torque: ArrayLike | None = None,
         progress: Progress = silent,
     ) -> ReportPage:
-        """Everything about the gears as one HTML page that needs no network, with a view that turns and rolls.
+        """Return all results of the gears as one HTML page that needs no network, with a view that turns and rolls.
 
-        Of a gear without a mating gear: solid, workshop drawing, limits and data sheet.
+        The page of a gear without a mating gear has its solid, workshop drawing, limits and data sheet.
 
         Parameters
         ----------
         tolerance : float or str, optional
-            Of the meshes shown, mm, or with a unit; 0.01 mm.
+            Tolerance of the shown meshes, mm, or with a unit; by default 0.01 mm.
         check : bool
-            Check meshes and contact, and have the verdicts in it.
+            True to check meshes and contact, with the verdicts on the page.
         source : str, optional
             Text of the design's file.
         studies : sequence of str or os.PathLike
             Folders of finished studies.
         torque : array_like, optional
-            One or several, Nm, on the first pair's pinion: the contact of all pairs that differ under load, too.
+            One or several torques, Nm, on the first pair's pinion; adds loaded contact of all different pairs.
         progress : callable, optional
-            Is told how far the work is (0 to 1) and what it is doing.
+            Function of the progress (0 to 1) and the name of the stage.
 
         Returns
         -------
@@ -944,11 +962,11 @@ class Gears(ModelledGears):
         Raises
         ------
         NoSolutionError
-            Where a pair has no contact at any position.
+            If a pair has no contact at any position.
         OutputError
             For a folder without a study.
         DesignError
-            For a torque where there is no mating gear.
+            For a torque without a mating gear.
 
         Examples
         --------
@@ -960,7 +978,7 @@ class Gears(ModelledGears):
         from gearmesh.reports.report import SHOWN_TOLERANCE_MM, report_page, study_section
         from gearmesh.view.load.loaded_pictures import LoadedPictures
 
-        # what is wrong with arguments is refused before anything is solved
+        # refuse wrong arguments before anything is solved
         shown = self.within(tolerance, SHOWN_TOLERANCE_MM)
         for study in studies:
             study_section(Path(study))
@@ -987,7 +1005,7 @@ class Gears(ModelledGears):
             },
         )
 
-    # ---------------------------------------------------------------- all of it
+    # ---------------------------------------------------------------- the main job
 
     def run(
         self,
@@ -1000,25 +1018,25 @@ class Gears(ModelledGears):
         source: str | None = None,
         torque: ArrayLike | None = None,
     ) -> Report:
-        """The main job: solids, contact, roll test, plots and pictures into a folder, and a report of them.
+        """Do the main job: write solids, contact, roll test, plots and pictures to a folder, with a report.
 
         Parameters
         ----------
         folder : str or os.PathLike
-            Where the files are written.
+            Folder of the files.
         tolerance : float or str, optional
-            Of the meshes, mm, or with a unit; by default the design's.
+            Tolerance of the meshes, mm, or with a unit; by default the design's.
         progress : callable, optional
-            Is told how far the work is (0 to 1) and what it is doing.
+            Function of the progress (0 to 1) and the name of the stage.
         timing : bool
-            Whether run times are in the report.
+            True for run times in the report.
         page : bool
-            Whether there is a report.html.
+            True for a report.html.
         source : str, optional
             Text of the design's file, for report.html.
         torque : array_like, optional
-            One or several, Nm, on the pinion of the first mesh: also contact under load, under the report's key "loaded" and in
-            loaded.json, and in a set of every mesh that differs, under "loaded_meshes".
+            One or several torques, Nm, on the pinion of the first mesh. Adds loaded contact, in loaded.json and under the report's
+            key "loaded"; for gear sets also of every different mesh, under "loaded_meshes".
 
         Returns
         -------
@@ -1028,7 +1046,7 @@ class Gears(ModelledGears):
         Raises
         ------
         NoSolutionError
-            Where no position has contact.
+            If no position has contact.
 
         Examples
         --------
@@ -1041,25 +1059,24 @@ class Gears(ModelledGears):
 
 @checks_arguments_with(design="gm.load reads a file, gm.parse a mapping")
 def build(design: Design, *, alone: bool = False) -> Gears:
-    """The gears of a design.
+    """Build the gears of a design.
 
     Parameters
     ----------
     design : Design
-        Of any kind, as `load` or `parse` give it, or its class.
+        Design of any kind, from `load`, `parse` or its class.
     alone : bool
-        Make nothing before it is asked for, and members that do not need each other one without the other: what is wrong with
-        them, and with the pair, is raised then.
+        True to build members on first use, independent members separately. Errors of members and of the pair are raised then.
 
     Returns
     -------
     Gears
-        The exact teeth of all members, and all that can be asked of them.
+        The exact teeth of all members, and the answers to all questions.
 
     Raises
     ------
     DesignError
-        With key, value and limit, for geometry that cannot exist, and for what is no design.
+        With key, value and limit, for geometry that cannot exist, and for an argument that is no design.
 
     Examples
     --------

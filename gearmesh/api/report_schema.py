@@ -1,4 +1,4 @@
-"""The report.json of a run as a JSON Schema: every figure with its unit, symbol and meaning, as it is declared."""
+"""JSON Schema of report.json: every figure of a run with its declared unit, symbol and meaning."""
 
 from __future__ import annotations
 
@@ -13,24 +13,24 @@ from gearmesh.answers.contact.turns import TurnsSummary
 from gearmesh.answers.contact.zone import ZoneFigures
 from gearmesh.answers.load.figures import LoadedFigures
 from gearmesh.answers.sheet import MissingFigures
-from gearmesh.api.design_schema import DIALECT, JsonSchema
+from gearmesh.api.design_schema import SCHEMA_DIALECT, JsonSchema
 from gearmesh.figures import KEY_ENDINGS, MEMBER_PLACE, Figure, Figures
 from gearmesh.systems.system import kinds
 
-#: what the summary of a contact consists of; gear systems add figures of their own
-CONTACT = (PathSummary, CycleSummary, ZoneFigures, SlideSummary, FitSummary, TorqueSummary, TurnsSummary)
+#: parts of the summary of a contact; gear systems add more figures
+CONTACT_SUMMARIES = (PathSummary, CycleSummary, ZoneFigures, SlideSummary, FitSummary, TorqueSummary, TurnsSummary)
 #: unit of figures that are angles, or travels where the gear is a rack
-ANGLE = KEY_ENDINGS["arcsec"]
-NUMBER = {"type": ["number", "null"]}
+ANGLE_ENDING = KEY_ENDINGS["arcsec"]
+#: schema of a number that may be unknown
+NUMBER_OR_NULL = {"type": ["number", "null"]}
 
 
 def report_schema() -> JsonSchema:
-    """The schema of report.json, draft 2020-12; `$id` has the version of gearmesh.
+    """Return the schema of report.json, draft 2020-12; `$id` has the version of gearmesh.
 
-    Names of sections are complete. Within them a kind of gears may have figures beside those that are described here: the
-    page of all figures has them.
+    All sections are listed. A kind of gears may have more figures in a section than listed here: see the page of all figures.
     """
-    contact, loaded = figures_schema(*CONTACT), figures_schema(LoadedFigures)
+    contact, loaded = figures_schema(*CONTACT_SUMMARIES), figures_schema(LoadedFigures)
     sections: JsonSchema = {
         "gearmesh": {"type": "string", "description": "version that wrote the report"},
         "design": {
@@ -58,7 +58,7 @@ def report_schema() -> JsonSchema:
         },
     }
     return {
-        "$schema": DIALECT,
+        "$schema": SCHEMA_DIALECT,
         "$id": f"urn:gearmesh:{__version__}:report",
         "title": "gearmesh report.json",
         "description": "what gearmesh run found and wrote",
@@ -70,17 +70,17 @@ def report_schema() -> JsonSchema:
 
 
 def by_name(description: str, of: JsonSchema) -> JsonSchema:
-    """An object whose keys are names."""
+    """Return the schema of an object whose keys are names."""
     return {"type": "object", "description": description, "additionalProperties": of}
 
 
 def rows(description: str, kind: type[Figures]) -> JsonSchema:
-    """A list of figures of one kind."""
+    """Return the schema of a list of figures of one kind."""
     return {"type": "array", "description": description, "items": figures_schema(kind)}
 
 
 def figures_schema(*kinds_of_figures: type[Figures]) -> JsonSchema:
-    """Figures of some kinds beside each other, those of members by a pattern of their keys."""
+    """Return the schema of an object with figures of some kinds; keys of members are patterns."""
     properties: JsonSchema = {}
     patterns: JsonSchema = {}
     for kind in kinds_of_figures:
@@ -99,12 +99,12 @@ def figures_schema(*kinds_of_figures: type[Figures]) -> JsonSchema:
 
 
 def figure_schema(figure: Figure) -> JsonSchema:
-    """A figure: what is a number of a unit, a whole number or a vector says so; null is what is not known."""
+    """Return the schema of a figure: its type if it has a unit, is whole or is a vector; null stands for unknown."""
     unit = f" [{figure.unit}]" if figure.unit else ""
     symbol = f", {figure.symbol}" if figure.symbol else ""
     described = {"description": f"{figure.meaning}{symbol}{unit}"}
     if figure.vector:
-        return {"type": ["array", "null"], "items": NUMBER} | described
+        return {"type": ["array", "null"], "items": NUMBER_OR_NULL} | described
     if figure.whole:
         return {"type": ["integer", "array", "null"]} | described
     if figure.unit:

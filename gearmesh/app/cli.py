@@ -1,6 +1,6 @@
-"""The command line. Commands load what they need when they run, so that `--help` and `describe` answer at once.
+"""The command line. Commands load their modules when they run, so that `--help` and `describe` answer at once.
 
-Exit statuses: 0 done, 2 bad input or output, 3 no solution, 130 stopped by Ctrl-C, 143 by SIGTERM; failures are one line on
+Exit statuses: 0 done, 2 bad input or output, 3 no solution, 130 stopped by Ctrl-C, 143 stopped by SIGTERM. A failure is one line on
 standard error.
 """
 
@@ -22,11 +22,11 @@ from gearmesh.app.stopping import Stopping
 from gearmesh.app.terminal import one_line
 from gearmesh.errors import GearmeshError
 
-#: Parent of every complaint about the command line itself, wherever the installed typer keeps it.
+#: base class of all errors of the command line itself, whose module depends on the installed typer
 _UsageError: Any = typer.BadParameter.__mro__[1]
 
-#: modules of the commands, in the order in which they are listed
-COMMANDS = {
+#: folders of the modules of commands, in the order of the list of commands
+COMMAND_FOLDERS = {
     "run": "outputs",
     "report": "outputs",
     "tca": "contact",
@@ -57,7 +57,7 @@ COMMANDS = {
 }
 
 
-#: what else commands are looked for under
+#: words that are tried for commands, with the command that is meant
 OTHER_NAMES = {
     "sheet": "describe",
     "info": "describe",
@@ -79,12 +79,14 @@ OTHER_NAMES = {
     "vtk": "solid",
 }
 
-#: exit status after Ctrl-C, and files that are named then
-INTERRUPTED, NAMED = 130, 8
+#: exit status after Ctrl-C
+INTERRUPTED_STATUS = 130
+#: largest number of kept files that are named after Ctrl-C
+MAX_NAMED_FILES = 8
 
 
-def command_line(names: Iterable[str] = COMMANDS) -> typer.Typer:
-    """The program with the commands of some names, whose modules are loaded."""
+def command_line(names: Iterable[str] = COMMAND_FOLDERS) -> typer.Typer:
+    """Return the program with some commands, by their names; loads the modules of these commands."""
     app = typer.Typer(
         name="gearmesh",
         help="Exact gear tooth surfaces, their contact, and meshes proved against both.",
@@ -94,25 +96,25 @@ def command_line(names: Iterable[str] = COMMANDS) -> typer.Typer:
     )
     app.callback()(_program)
     for name in names:
-        module = import_module(f"gearmesh.app.commands.{COMMANDS[name]}.{name}")
+        module = import_module(f"gearmesh.app.commands.{COMMAND_FOLDERS[name]}.{name}")
         app.command()(naming_options(getattr(module, name)))
     return app
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line and return its exit status; expected failures become one line on standard error."""
+    """Run the command line and return its exit status; an expected failure is one line on standard error."""
     _stand_in_for_closed_streams()
     given = sys.argv[1:] if arguments is None else list(arguments)
-    if given and given[0] not in COMMANDS and not given[0].startswith("-"):
+    if given and given[0] not in COMMAND_FOLDERS and not given[0].startswith("-"):
         return _fail(_no_command(given[0]), 2)
-    # of the one that is asked for alone the module is loaded
-    names = [given[0]] if given and given[0] in COMMANDS else [*COMMANDS]
+    # load only the module of the wanted command
+    names = [given[0]] if given and given[0] in COMMAND_FOLDERS else [*COMMAND_FOLDERS]
     stopping = Stopping()
     try:
         with stopping:
             status = _group(names).main(args=given, prog_name="gearmesh", standalone_mode=False)
             sys.stdout.flush()
-        if status == INTERRUPTED or stopping.asked:
+        if status == INTERRUPTED_STATUS or stopping.asked:
             return _fail(_interruption(), stopping.status)
     except GearmeshError as error:
         return _fail(str(error), error.exit_status)
@@ -134,20 +136,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _no_command(name: str) -> str:
-    """The refusal of a first argument that is no command, with the one that may be meant."""
+    """Return the refusal of a first argument that is no command, with the probable command."""
     from pathlib import Path
 
     from gearmesh.errors import nearest
 
     if Path(name).suffix in (".toml", ".json") or Path(name).is_file():
         return f"{name} is a design file, no command: gearmesh run {name} does the main job (see gearmesh --help)"
-    other = OTHER_NAMES.get(name.lower()) or nearest(name, COMMANDS)
+    other = OTHER_NAMES.get(name.lower()) or nearest(name, COMMAND_FOLDERS)
     hint = f"; did you mean {other}?" if other else ""
     return f"No such command {name!r}{hint} (see gearmesh --help)"
 
 
 def _interruption() -> str:
-    """What of an interrupted command is kept: files are whole, or not there."""
+    """Return the message of an interrupted command with the files that it has written whole."""
     from pathlib import Path
 
     from gearmesh.io.atomic import written_whole
@@ -155,30 +157,30 @@ def _interruption() -> str:
     kept = written_whole()
     if not kept:
         return "stopped: no file was written"
-    names = ", ".join(path.name for path in kept[:NAMED]) + (
-        f" and {len(kept) - NAMED} more" if len(kept) > NAMED else ""
+    names = ", ".join(path.name for path in kept[:MAX_NAMED_FILES]) + (
+        f" and {len(kept) - MAX_NAMED_FILES} more" if len(kept) > MAX_NAMED_FILES else ""
     )
     folder = kept[0].parent
-    # some paths are as they were given, others what these lead to
+    # paths may be given ones or resolved ones: compare the folders that they resolve to
     in_one = len({os.path.realpath(path.parent) for path in kept}) == 1
     where = f" in {folder}" if folder != Path() and in_one else ""
     return f"stopped: kept{where}, each of them whole: {names}"
 
 
 def _group(names: Iterable[str]) -> Any:
-    """The program as a group of commands: even of a single one."""
+    """Return the program as a group of commands, also for a single command."""
     return typer.main.get_command(command_line(names))
 
 
 class _ClosedOutput(io.TextIOBase):
-    """Stands in for a standard output that was closed before the program began: what is written to it is lost, and reported."""
+    """Stand-in for a standard output that was closed before the program began; writing to it is reported as an error."""
 
     def write(self, text: str) -> int:
         raise OSError(errno.EBADF, os.strerror(errno.EBADF), "standard output")
 
 
 def _stand_in_for_closed_streams() -> None:
-    """With a stream closed Python has None for it, and the next file opened takes its place in the system."""
+    """Replace closed standard streams: Python has None for them, and the next opened file would take their file descriptors."""
     if sys.stdout is None:
         os.open(os.devnull, os.O_WRONLY)
         sys.stdout = _ClosedOutput()
@@ -192,7 +194,7 @@ def _fail(message: str, status: int) -> int:
 
 
 def _drop_output() -> None:
-    """Let nothing more be written to a standard output that is closed or full: Python tries once more on exit."""
+    """Redirect a standard output that is closed or full to nowhere: Python writes to it once more on exit."""
     try:
         descriptor = sys.stdout.fileno()
     except (OSError, ValueError):  # not a file

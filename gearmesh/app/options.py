@@ -19,7 +19,10 @@ if TYPE_CHECKING:
 
 
 def present(path: Path) -> Path:
-    """A design file that is there: before options that are missing, which name what to make of it. Raises FileError."""
+    """Return the path of a design file that exists. Raises FileError.
+
+    A missing file is refused before missing options, which say what to make of the design.
+    """
     from gearmesh.design.files import is_input
     from gearmesh.files.reading import refuse_missing
 
@@ -108,24 +111,24 @@ SheetSpeed = Annotated[
 
 
 def sector_option(about: str) -> Any:
-    """The option --sector of a command."""
+    """Return the option --sector of a command."""
     return typer.Option("--sector", metavar="K", help=about)
 
 
 def refuse_torque(torque: float | None) -> None:
-    """Raises DesignError for a torque that is none."""
+    """Raise ArgumentError for a torque that is not a finite number above 0."""
     if torque is not None and not 0.0 < torque < math.inf:
         raise ArgumentError("torque", torque, must_be="a finite number of Nm above 0")
 
 
 def refuse_speed(speed: float | None) -> None:
-    """Raises DesignError for a speed that is none."""
+    """Raise ArgumentError for a speed that is not a finite number above 0."""
     if speed is not None and not 0.0 < speed < math.inf:
         raise ArgumentError("speed", speed, must_be="a finite number of revolutions per minute above 0")
 
 
 def torques_in_nm(text: str) -> list[float]:
-    """The torques of --torque. Raises DesignError for what are none."""
+    """Return the torques of --torque, Nm. Raises ArgumentError for other texts."""
     try:
         torques = parse_numbers(text.split(","))
     except ValueError:
@@ -138,15 +141,15 @@ def torques_in_nm(text: str) -> list[float]:
 
 
 def refuse_one_stream(json_file: str | None, csv_file: str | None) -> None:
-    """Raises DesignError where document and table would both go to standard output."""
+    """Raise ArgumentError if document and table would both go to standard output."""
     if json_file == csv_file == "-":
         raise ArgumentError("csv", "-", reason="--json already uses standard output")
 
 
 def positions_in_degrees(text: str | None) -> list[float] | None:
-    """The rotations of --phi1, evenly spaced, both ends among them; None where none are asked for.
+    """Return the rotations of --phi1, deg, evenly spaced with both ends, or None without the option.
 
-    Raises DesignError for a range that is none or that ends where it starts or before.
+    Raises ArgumentError for other texts, and for a range whose end is not above its start.
     """
     if text is None:
         return None
@@ -170,7 +173,7 @@ def positions_in_degrees(text: str | None) -> list[float] | None:
 
 
 def _positions_remedy(text: str) -> str:
-    """What to write instead of positions with commas, or with a unit."""
+    """Return the remedy for positions with commas or with a unit, "" for others."""
     parts = text.split(",")
     if len(parts) > 1 and all(parse_number(part) is not None for part in parts):
         pointed = with_point(text)
@@ -179,12 +182,12 @@ def _positions_remedy(text: str) -> str:
 
 
 def stem(path: Path) -> str:
-    """What files are called that are made of a design, by its own name; that on standard input has none."""
+    """Return the stem of the files made from a design: the stem of its file, or "design" for standard input."""
     return "design" if str(path) == "-" else path.stem
 
 
 def load_design(path: Path, overrides: list[str] | None, ask: Callable[[Gears], object] | None = None) -> Design:
-    """The design of the command line, complete unless what its gears are asked refuses its arguments."""
+    """Load the design of the command line and complete it, after `ask` has refused bad arguments."""
     from gearmesh.systems.system import complete_design
 
     with working("design"):
@@ -195,14 +198,14 @@ def load_design(path: Path, overrides: list[str] | None, ask: Callable[[Gears], 
 
 
 def load_gears(path: Path, overrides: list[str] | None, ask: Callable[[Gears], object]) -> Gears:
-    """The gears of the design of the command line, built unless what they are asked refuses its arguments."""
+    """Load and build the gears of the command line, after `ask` has refused bad arguments."""
     design = load_design(path, overrides, ask)
     with working("gears"):
         return gm.build(design)
 
 
 def load_alone(path: Path, overrides: list[str] | None, ask: Callable[[Gears], object]) -> Gears:
-    """The same, of which nothing is made that is not asked for."""
+    """Load the gears of the command line without building members that the command does not need."""
     with working("gears"):
         design = gm.load(path, overrides or [], complete=False)
         refuse_arguments(design, ask)
@@ -210,7 +213,7 @@ def load_alone(path: Path, overrides: list[str] | None, ask: Callable[[Gears], o
 
 
 def refuse_arguments(design: Design, ask: Callable[[Gears], object]) -> None:
-    """Raise GearmeshError for options that what gears are asked refuses before they have to be built."""
+    """Raise GearmeshError for options that the question `ask` refuses before gears are built."""
     from gearmesh.systems.system import without_building
 
     with without_building():
@@ -218,18 +221,18 @@ def refuse_arguments(design: Design, ask: Callable[[Gears], object]) -> None:
 
 
 def design_text(path: Path, overrides: list[str] | None) -> str:
-    """The design file of the command line as it stands, or, with keys set anew, as TOML that has them."""
+    """Return the text of the design file of the command line, or TOML with the overridden keys."""
     from gearmesh.design.files import override, read, text_of, toml
 
     return toml(override(read(path), overrides)) if overrides else text_of(path)
 
 
 def chosen_pair(gears: Gears, names: str | None) -> str:
-    """Name of the mesh that --pair names, of the first one without it. Raises DesignError for another."""
+    """Return the name of the mesh chosen by --pair, by default the first mesh. Raises DesignError for other names."""
     return gears.names.pair_names[gears.names.pair_number(0 if names is None else names)]
 
 
 def other_meshes(gears: Gears, mesh: str) -> list[str]:
-    """Which meshes a gear set has beside the one whose contact was asked for, in one line."""
+    """Return one line with the other meshes of a gear set, nothing for a pair."""
     others = [pair.name for pair in gears.pairs if pair.name != mesh]
     return [f"the contact is that of {mesh}; --pair has the others: {', '.join(others)}"] if others else []

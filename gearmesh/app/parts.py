@@ -1,4 +1,4 @@
-"""Files of parts that several commands write: meshes, CAD solids and sections, by their suffixes."""
+"""Files of parts, which several commands write: meshes, CAD solids and sections, by their suffixes."""
 
 from __future__ import annotations
 
@@ -19,38 +19,49 @@ if TYPE_CHECKING:
     from gearmesh.answers.bodies.section import Section
     from gearmesh.answers.bodies.solid import Solid, Solids
 
-#: what a mesh or CAD solid is called that holds all members
-BOTH, ALL = "both", "all"
+#: values of --member for a mesh or CAD solid with all members
+BOTH_MEMBERS, ALL_MEMBERS = "both", "all"
 
 
 @dataclass(frozen=True)
 class PartFile:
-    """A file of one member, or of all, and how it is asked for: texts of the options as they were given."""
+    """A file of one member, or of all members, with the values of the options; lengths are texts."""
 
+    #: file to write
     output: Path
+    #: tolerance, with an optional unit
     tol: str | None = None
+    #: position of a section with an optional unit, or "axial"
     section: str | None = None
+    #: kind of curves of a section
     curves: str | None = None
+    #: offset of surfaces or contours, with an optional unit
     offset: str | None = None
+    #: number of teeth of a mesh or solid
     teeth: int | None = None
+    #: flanks of open surfaces: right, left or both
     flank_only: str | None = None
+    #: True for the space between two teeth
     space: bool = False
+    #: rotation of the pinion for members in mesh, deg
     phi1: float | None = None
+    #: number of pitches of a sector
     sector: int | None = None
+    #: table of the faces of a STEP file
     names: Path | None = None
 
     @property
     def suffix(self) -> str:
-        """The suffix, in small letters."""
+        """Suffix of the file in lower case."""
         return self.output.suffix.lower()
 
     @property
     def is_whole(self) -> bool:
-        """Whether the format holds whole gears alone."""
+        """True if the format holds only whole gears."""
         return self.suffix in SECTION_SUFFIXES
 
     def refuse(self, member: str, others: tuple[str, ...] = ()) -> None:
-        """Raise DesignError or OutputError for what can be refused before the design is read; `others`: further suffixes."""
+        """Raise ArgumentError or OutputError for options that are wrong for any design; `others`: further suffixes."""
         from gearmesh import io
 
         suffix, several = self.suffix, (*io.formats(several=True), *STEP_SUFFIXES)
@@ -59,7 +70,7 @@ class PartFile:
             names = ", ".join((*known, *others))
             raise OutputError("cannot write", self.output, reason=f"its suffix must be one of {names}")
         self._refuse_extract(member)
-        if member in (BOTH, ALL) and suffix not in several:
+        if member in (BOTH_MEMBERS, ALL_MEMBERS) and suffix not in several:
             raise ArgumentError(
                 "member", member, reason=f"{suffix} holds one part; for {member} use {', '.join(several)}"
             )
@@ -72,7 +83,7 @@ class PartFile:
             raise ArgumentError(
                 "names", self.names, must_be=f"left out for {suffix}; faces are named in {STEP_SUFFIXES[0]}"
             )
-        if self.phi1 is not None and member not in (BOTH, ALL):
+        if self.phi1 is not None and member not in (BOTH_MEMBERS, ALL_MEMBERS):
             raise ArgumentError(
                 "phi1", self.phi1, must_be=f"left out for --member = {member}, which is in its own frame"
             )
@@ -87,11 +98,11 @@ class PartFile:
         self._lengths()
 
     def _refuse_extract(self, member: str) -> None:
-        """Raise DesignError for a space, a sector or flanks of what is always made whole."""
+        """Raise ArgumentError for a space, a sector or flanks of a part that is always whole."""
         for name, value in (("space", self.space or None), ("flank_only", self.flank_only), ("sector", self.sector)):
             if value is not None and self.is_whole:
                 raise ArgumentError(name, value, must_be=f"left out for {self.suffix}, which holds whole gears")
-            if value is not None and member in (BOTH, ALL):
+            if value is not None and member in (BOTH_MEMBERS, ALL_MEMBERS):
                 raise ArgumentError(
                     name, value, must_be=f"left out for --member = {member}, which is always made whole"
                 )
@@ -104,14 +115,14 @@ class PartFile:
             raise ArgumentError("teeth", self.teeth, must_be="left out for --space, which is between two teeth")
 
     def _lengths(self) -> tuple[float | None, float | str | None, float]:
-        """Tolerance, place and offset of the section, mm. Raises DesignError for texts that are no lengths."""
+        """Return tolerance, position of the section and offset, mm. Raises DesignError for texts that are no lengths."""
         z = self.section if self.section in (None, AXIAL_PLANE) else in_mm("--section", self.section)
         return tolerance_in_mm(self.tol), z, 0.0 if self.offset is None else in_mm("--offset", self.offset)
 
     def make(self, gears: Gears, member: str) -> Cad | Section | Solid | Solids:
-        """Make a member, or all, for the file."""
+        """Make the part of a member, or of all members, for the file."""
         tolerance, z, away = self._lengths()
-        every = member in (BOTH, ALL)
+        every = member in (BOTH_MEMBERS, ALL_MEMBERS)
         if self.suffix in SECTION_SUFFIXES:
             return gears.section(member, z, tolerance, curves=self.curves or "splines", offset=away)
         if self.suffix in STEP_SUFFIXES:
@@ -139,8 +150,8 @@ class PartFile:
         )
 
     def write(self, gears: Gears, member: str) -> None:
-        """Make a member, or all, write the file, and print the figures."""
-        every = member in (BOTH, ALL)
+        """Make the part of a member, or of all members, write the file, and print the figures."""
+        every = member in (BOTH_MEMBERS, ALL_MEMBERS)
         of = "space" if self.space else "flanks" if self.flank_only else "solid"
         if self.suffix in SECTION_SUFFIXES:
             of = "section"

@@ -1,9 +1,9 @@
-"""Ctrl-C, SIGTERM and SIGHUP: a stop that no finaliser, callback or library may swallow.
+"""Ctrl-C, SIGTERM and SIGHUP: a stop that no finaliser, callback or library can swallow.
 
-Python raises KeyboardInterrupt wherever it happens to be. In a finaliser, a weak reference's callback or a callback from C the
-exception is "unraisable": printed, dropped, and the work goes on. Some libraries clear exceptions, too, or make others of them: a
-module in C that is stopped while it loads ends in ImportError, as if it were not installed. So a stop that was dropped is asked
-for anew, one that was cleared is remembered, and what fails after it is a stop.
+Python raises KeyboardInterrupt at any place of the program. In a finaliser, a callback of a weak reference or a callback from C
+the exception is "unraisable": Python prints and drops it, and the work continues. Some libraries also clear exceptions, or turn
+them into others: a C module that is stopped while it loads ends in ImportError, as if it were not installed. Therefore a dropped
+stop is raised again, a cleared stop is remembered, and an error after a stop counts as the stop.
 """
 
 from __future__ import annotations
@@ -15,37 +15,36 @@ from _thread import interrupt_main
 from types import FrameType, TracebackType
 from typing import Any, Self
 
-#: signals that stop a command, and what Python does about each where nobody has changed that
-STOPS = {signal.SIGINT: signal.default_int_handler, signal.SIGTERM: signal.SIG_DFL}
+#: signals that stop a command, with Python's default handlers
+STOP_SIGNALS = {signal.SIGINT: signal.default_int_handler, signal.SIGTERM: signal.SIG_DFL}
 if hasattr(signal, "SIGHUP"):  # not on Windows
-    STOPS[signal.SIGHUP] = signal.SIG_DFL
-#: exit status of a command that a signal has stopped, less the signal's number
-STOPPED = 128
-#: seconds after which a stop that was dropped is raised again
-AGAIN = 0.01
+    STOP_SIGNALS[signal.SIGHUP] = signal.SIG_DFL
+#: exit status of a command stopped by a signal, minus the number of the signal
+SIGNAL_STATUS = 128
+#: delay after which a dropped stop is raised again
+RAISE_AGAIN_S = 0.01
 
 
 class Stopping:
-    """While it is entered: KeyboardInterrupt for every signal that stops a command, raised again where it was dropped, or another
-    error took its place.
+    """Context in which every stopping signal raises KeyboardInterrupt, again if it was dropped or replaced by another error.
 
-    Does nothing in other threads than the main one; a signal that has another handler than Python's own keeps it.
+    It does nothing outside the main thread. A signal with a handler other than Python's default keeps its handler.
     """
 
     def __init__(self) -> None:
-        #: number of the first signal that asked for a stop, 0 before
+        #: number of the first stopping signal, 0 before
         self.asked = 0
         self._before: dict[int, Any] = {}
         self._unraisable_before: Any = None
 
     @property
     def status(self) -> int:
-        """Exit status of the command, that of Ctrl-C where no signal was seen."""
-        return STOPPED + (self.asked or signal.SIGINT)
+        """Exit status of the command; without a signal it is the status of Ctrl-C."""
+        return SIGNAL_STATUS + (self.asked or signal.SIGINT)
 
     def __enter__(self) -> Self:
         if threading.current_thread() is threading.main_thread():
-            self._before = {number: own for number, own in STOPS.items() if signal.getsignal(number) is own}
+            self._before = {number: own for number, own in STOP_SIGNALS.items() if signal.getsignal(number) is own}
         for number in self._before:
             signal.signal(number, self._stop)
         if self._before:
@@ -69,8 +68,8 @@ class Stopping:
 
     def _unraisable(self, dropped: Any) -> None:
         if self.asked and dropped.exc_type is KeyboardInterrupt:
-            # not here: what is raised within this hook is dropped, too
-            again = threading.Timer(AGAIN, interrupt_main)
+            # raise it later from a timer: exceptions raised within this hook are dropped, too
+            again = threading.Timer(RAISE_AGAIN_S, interrupt_main)
             again.daemon = True
             again.start()
         else:

@@ -1,4 +1,4 @@
-"""What commands share: lengths and sizes in words, files that can be written, progress, warnings."""
+"""Functions that commands share: lengths and sizes as texts, files that can be written, progress, warnings."""
 
 from __future__ import annotations
 
@@ -19,25 +19,27 @@ from gearmesh.progress import listening
 if TYPE_CHECKING:
     from gearmesh.contact.path import ContactPath
 
-#: Told how far a long piece of work is (0 to 1) and what it is doing.
+#: function of the progress of long work (0 to 1) and the name of its stage
 Progress = Callable[[float, str], None]
 
+#: largest width or height of a picture, pixels
 _LARGEST_PICTURE = 16384
-#: seconds over which the speed of work is averaged
-_EVER = 1e9
-#: characters in a line of a window that is wide enough for anything
-_ENDLESS = 100_000
+#: time over which the speed of work is averaged: all of it
+_AVERAGING_SECONDS = 1e9
+#: number of characters in a line that is wide enough for any table
+_ENDLESS_LINE = 100_000
 
 
 # ---------------------------------------------------------------- input
 
 
 def tolerance_in_mm(text: str | None) -> float | None:
-    """The tolerance asked for, in mm, None where none is."""
+    """Return the tolerance of --tol in mm, None without the option."""
     return None if text is None else lengths.tolerance_in_mm("--tol", text)
 
 
 def picture_size(text: str) -> tuple[int, int]:
+    """Return width and height of --size in pixels. Raises ArgumentError for other texts."""
     match = re.fullmatch(r"(\d{1,5})x(\d{1,5})", text, re.ASCII)
     width, height = (int(match[1]), int(match[2])) if match else (0, 0)
     if not (16 <= width <= _LARGEST_PICTURE and 16 <= height <= _LARGEST_PICTURE):
@@ -49,7 +51,7 @@ def picture_size(text: str) -> tuple[int, int]:
 
 
 def refuse_unwritable(path: str | Path | None) -> None:
-    """Find out before the work, not after it, that its result has no place to go."""
+    """Raise OutputError, before the work, for a file that cannot be written."""
     if path is None or path == "-":
         return
     folder = Path(path).parent
@@ -62,11 +64,13 @@ def refuse_unwritable(path: str | Path | None) -> None:
 
 
 def refuse_suffix(path: Path, *suffixes: str) -> None:
+    """Raise OutputError for a file with another suffix."""
     if path.suffix.lower() not in map(str.lower, suffixes):
         raise OutputError("cannot write", path, reason=f"its suffix must be {' or '.join(suffixes)}")
 
 
 def write_text(target: str | None, text: Callable[[], str]) -> None:
+    """Write a text to a file, or to standard output for "-"; None writes nothing."""
     if target is None:
         return
     if target == "-":
@@ -79,7 +83,7 @@ def write_text(target: str | None, text: Callable[[], str]) -> None:
 
 @contextmanager
 def output_folder(path: Path) -> Iterator[None]:
-    """An output folder, made if need be, and gone again if nothing was put into it."""
+    """Make an output folder if it does not exist, and remove it again if it stays empty."""
     made = not path.exists()
     try:
         path.mkdir(parents=True, exist_ok=True)
@@ -94,9 +98,12 @@ def output_folder(path: Path) -> Iterator[None]:
 
 @contextmanager
 def working(what: str, *, at_once: bool = False) -> Iterator[Progress]:
-    """A progress bar on a terminal, with the time that it took and, once the progress is known, that which remains; until then the
-    bar pulses. Elsewhere one line per stage. What the work itself tells on its way counts where the command tells nothing: then
-    `what` is the stage, of work that tells anything, which no clock decides, or of any work `at_once`."""
+    """Show the progress of work: a bar on a terminal, one line per stage elsewhere.
+
+    The bar shows the elapsed time and the remaining time, and pulses until the progress is known. The command reports stages by the
+    yielded function. Without such reports, the progress reported by the work itself moves the bar, and `what` is the only stage.
+    Elsewhere than on a terminal this stage has a line as soon as the work reports progress, or immediately for work `at_once`.
+    """
     if not sys.stderr.isatty():
         stage = ""
 
@@ -120,8 +127,10 @@ def working(what: str, *, at_once: bool = False) -> Iterator[Progress]:
 
     words = TextColumn("{task.description}", markup=False)
     columns = (words, BarColumn(), TimeElapsedColumn(), TextColumn("remaining"), TimeRemainingColumn())
-    # the speed is that since the beginning: stages are few
-    with Progress(*columns, console=Console(stderr=True), transient=True, speed_estimate_period=_EVER) as bar:
+    # average the speed from the beginning, because there are few stages
+    with Progress(
+        *columns, console=Console(stderr=True), transient=True, speed_estimate_period=_AVERAGING_SECONDS
+    ) as bar:
         task = bar.add_task(what, total=None)
         most = 0.0
 
@@ -167,34 +176,37 @@ def _show_ruled(listing: Listing) -> None:
     for row in listing.cells:
         table.add_row(*(Text(text) for text in row))
     console = Console()
-    needed = console.measure(table, options=console.options.update(width=_ENDLESS)).minimum
-    # a window too narrow for the numbers breaks lines; it never cuts a number short
+    needed = console.measure(table, options=console.options.update(width=_ENDLESS_LINE)).minimum
+    # a window that is too narrow for the numbers breaks lines; numbers are never cut
     console.width = max(console.width, needed)
     console.print(table, soft_wrap=True)
 
 
 def warn(*sources: Iterable[str]) -> None:
+    """Print warnings on standard error, each once."""
     for line in dict.fromkeys(line for source in sources for line in source):
         print(f"gearmesh: warning: {one_line(line)}", file=sys.stderr)
 
 
 def require_contact(path: ContactPath) -> None:
-    """NoSolutionError if no position of a contact path has contact, saying where and why."""
+    """Raise NoSolutionError, with positions and reason, if no position of a contact path has contact."""
     if not path.touching.any():
         raise NoSolutionError(reason=f"no contact at any position: {_nowhere(path)}")
 
 
 def without_contact(path: ContactPath) -> list[str]:
+    """Return a warning about positions without contact, nothing if all positions have contact."""
     missing = int((~path.touching).sum())
     return [f"no contact at {missing} of {path.touching.size} positions: {_nowhere(path)}"] if missing else []
 
 
 def _nowhere(path: ContactPath) -> str:
-    """Where a contact path has no contact, and what to try, judged by the first such position."""
+    """Return the range of positions without contact, with reason and advice for the first of them."""
     phi1 = path.phi1[~path.touching] * (180.0 / math.pi)
     status = Status(int(path.status[~path.touching][0]))
     return f"phi1 = {phi1.min():g} to {phi1.max():g} deg, {status.name.lower()}; {status.advice}"
 
 
 def one_line(message: str) -> str:
+    """Return a message in one line of printable characters."""
     return "".join(c if c.isprintable() else "?" for c in " ".join(message.split()))

@@ -15,7 +15,7 @@ import numpy as np
 
 from gearmesh.kernel.envelope.helicoid import half_plane
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import AXIS, Array, components, unit
+from gearmesh.kernel.numeric.algebra import Z_AXIS, Array, components, unit
 from gearmesh.kernel.surface.surface import GeneratedSurface, Jet
 
 #: points across a tool's flank
@@ -140,7 +140,7 @@ class TurnedDrawing:
         if len(sections) == 2:
             first_section, second_section = sections
             ring = np.linspace(first_section[-1], second_section[-1], 2)
-            flat = Jet(ring, np.broadcast_to(AXIS, ring.shape), *(np.zeros_like(ring),) * 4)
+            flat = Jet(ring, np.broadcast_to(Z_AXIS, ring.shape), *(np.zeros_like(ring),) * 4)
             sheets.append(_sheet("land", _revolve(flat, np.linspace(0.0, 2.0 * np.pi, POINTS_AROUND) - section_angle)))
             sections = [np.concatenate((first_section, second_section[::-1]))]
         return tuple(sheets), tuple(sections)

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gearmesh.kernel.envelope.helicoid import Generatrix, swept
-from gearmesh.kernel.numeric.algebra import AXIS, Array, about_axis, components, dot
+from gearmesh.kernel.numeric.algebra import Z_AXIS, Array, about_axis, components, dot
 from gearmesh.tools.profile import Profile
 
 
@@ -120,7 +120,7 @@ class DiskLine:
         r_p = tangents[..., :1] * inward - tangents[..., 1:] * across
         n_p = turned[..., :1] * inward - turned[..., 1:] * across
         # the derivative of the angle by p follows from df = 0 along the line
-        path = about_axis(r) + self.screw * AXIS
+        path = about_axis(r) + self.screw * Z_AXIS
         f_d = dot(n_d, path) + dot(n, about_axis(r_d))
         rate = -((dot(n_p, path) + dot(n, about_axis(r_p))) / f_d)[..., None]
         return Generatrix(r, n, r_p + rate * r_d, n_p + rate * n_d)

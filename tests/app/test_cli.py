@@ -779,7 +779,7 @@ def test_interrupted_commands_say_what_is_kept(aborts: bool, tmp_path: Path, mon
             ):
                 half.write_bytes(b"half of it")
                 raise KeyboardInterrupt
-            return cli.INTERRUPTED
+            return cli.INTERRUPTED_STATUS
 
         return SimpleNamespace(main=main)
 

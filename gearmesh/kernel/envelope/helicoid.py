@@ -13,7 +13,7 @@ from typing import Protocol
 
 import numpy as np
 
-from gearmesh.kernel.numeric.algebra import AXIS, Array, about_axis, about_z, broadcast_pair, cross, dot
+from gearmesh.kernel.numeric.algebra import Z_AXIS, Array, about_axis, about_z, broadcast_pair, cross, dot
 from gearmesh.kernel.surface.surface import Jet
 
 #: factors of x, y and z in a reflection
@@ -47,7 +47,7 @@ def swept(c: Array, along: tuple[Array, Array], c_p: Array, screw: float) -> Gen
     `along` holds its unit tangents and their derivatives. The normal is tangent x (e_z x c + P e_z), with P = `screw`
     in mm/rad.
     """
-    (t, t_p), path = along, about_axis(c) + screw * AXIS
+    (t, t_p), path = along, about_axis(c) + screw * Z_AXIS
     normal = cross(t, path)
     size = 1.0 / np.sqrt(dot(normal, normal))[..., None]
     n = normal * size
@@ -78,13 +78,13 @@ class Helicoid:
         """Return the jet of points of the curve after the screw motion by angles v (...,)."""
         moved = np.empty((4, *at.c.shape))
         moved[0], moved[1], moved[2], moved[3] = (
-            at.c + self.lift * AXIS,
+            at.c + self.lift * Z_AXIS,
             at.c_p,
             self.outward * at.n,
             self.outward * at.n_p,
         )
         r, r_u, n, n_u = about_z(np.cos(v), np.sin(v), np.array(self.signs) * moved)
-        rise = self.screw * AXIS
+        rise = self.screw * Z_AXIS
         return Jet(r + v[..., None] * rise, n, r_u, about_axis(r) + rise, n_u, about_axis(n))
 
     def axial_section(self, p: Array) -> tuple[Array, Array]:

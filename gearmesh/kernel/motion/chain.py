@@ -10,7 +10,7 @@ import numpy as np
 from gearmesh.kernel.motion.motion import MachineAxis, MotionState, SeveralStates, Twist
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.motion.two_turns import TwoTurns
-from gearmesh.kernel.numeric.algebra import AXIS, Array, cross, rotation_about, turn
+from gearmesh.kernel.numeric.algebra import Z_AXIS, Array, cross, rotation_about, turn
 
 
 @dataclass(frozen=True)
@@ -152,7 +152,12 @@ def _accumulate(
         angle, rate, rate_phi = step.turning(phi)
         offset, velocity, velocity_phi = step.shift(phi)
         joint = Rigid(rotation_about("z", angle), offset)
-        omega, omega_phi, tau, tau_phi = rate[..., None] * AXIS, rate_phi[..., None] * AXIS, np.zeros(3), np.zeros(3)
+        omega, omega_phi, tau, tau_phi = (
+            rate[..., None] * Z_AXIS,
+            rate_phi[..., None] * Z_AXIS,
+            np.zeros(3),
+            np.zeros(3),
+        )
         if step.moves:
             back = np.swapaxes(joint.rotation, -1, -2)
             tau = turn(back, velocity)

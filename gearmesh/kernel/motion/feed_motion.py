@@ -22,7 +22,7 @@ from numpy.polynomial import Polynomial
 
 from gearmesh.kernel.motion.motion import MachineAxis, SeveralStates
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import AXIS, Array, about_z, broadcast_pair, cross, rotation_about
+from gearmesh.kernel.numeric.algebra import Z_AXIS, Array, about_z, broadcast_pair, cross, rotation_about
 
 
 @dataclass(frozen=True)
@@ -46,13 +46,13 @@ class FeedMotion:
         """Return the state at psi, s (...,); parameter 0 is the roll, parameter 1 the feed."""
         psi, s = broadcast_pair(psi, s)
         # rotation of vectors that are fixed in the machine, seen from the turning tool
-        spin = -self.tool_turn * AXIS
+        spin = -self.tool_turn * Z_AXIS
         cosine, sine = np.cos(self.tool_turn * psi), np.sin(self.tool_turn * psi)
         place, along, bend = self._path(s)
         theta, rate, rate_s = (p(s)[..., None] for p in self._feed_turn)
         back = self.base.rotation
         # blank axis a, point c = p, feed d = p' and its change e = p'' in the tool frame
-        a, c, d, e = (about_z(cosine, -sine, vector @ back) for vector in (AXIS, place, along, bend))
+        a, c, d, e = (about_z(cosine, -sine, vector @ back) for vector in (Z_AXIS, place, along, bend))
         # the twists of roll and feed, and their derivatives by roll and feed
         arm, lever = cross(a, c), cross(a, d)
         a_psi, arm_psi, d_psi = cross(spin, a), cross(spin, arm), cross(spin, d)

@@ -10,7 +10,7 @@ import numpy as np
 from gearmesh.kernel.motion.motion import MachineAxis, MotionState
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.motion.two_turns import TwoTurns
-from gearmesh.kernel.numeric.algebra import AXIS, Array, about_z, cross, rotation_about, turn
+from gearmesh.kernel.numeric.algebra import Z_AXIS, Array, about_z, cross, rotation_about, turn
 
 Vector = tuple[float, float, float]
 
@@ -43,7 +43,7 @@ class RackRoll:
         shift[..., 0], shift[..., 1], shift[..., 2] = r * (c + phi * s), r * (s - phi * c), -self.advance * phi
         tau[..., 0], tau[..., 2] = r * phi, -self.advance
         along_x = np.array([r, 0.0, 0.0])
-        return MotionState(Rigid(rotation, shift), AXIS, tau, np.zeros(3), along_x)
+        return MotionState(Rigid(rotation, shift), Z_AXIS, tau, np.zeros(3), along_x)
 
     def axes(self, phi: Array) -> tuple[MachineAxis, ...]:
         return ()
@@ -94,13 +94,13 @@ class CradleRoll:
 
     def axes(self, phi: Array) -> tuple[MachineAxis, ...]:
         machine = self.machine_to_blank(phi)
-        return (MachineAxis("cradle axis", machine.translation, machine.vector(AXIS)),)
+        return (MachineAxis("cradle axis", machine.translation, machine.vector(Z_AXIS)),)
 
     @cached_property
     def _blank(self) -> tuple[Array, Array]:
         """Direction of the blank's axis and a point on it, (3,) each, in the machine frame."""
         back = self.base.inverse
-        return back.vector(AXIS), back.translation
+        return back.vector(Z_AXIS), back.translation
 
     @cached_property
     def _turn(self) -> tuple[Array, Array, Array]:
@@ -124,7 +124,7 @@ class CradleRoll:
         c, s = np.cos(self.sense * phi), np.sin(self.sense * phi)
         # axis and origin of the blank in the frame that turns with the cradle, and their derivatives
         axis, origin = (about_z(c, -s, vector) for vector in self._blank)
-        spin, centre = self.sense * AXIS, np.array(self.centre)
+        spin, centre = self.sense * Z_AXIS, np.array(self.centre)
         axis_phi, origin_phi = -cross(spin, axis), -cross(spin, origin)
         # slide moves the tool in the cradle's frame; feed moves the blank's origin, seen from the turning cradle
         moving, fed = bool(self.slide or self.feed), np.zeros(3)
@@ -181,9 +181,9 @@ class CradleRoll:
         c, s = np.cos(swivel), np.sin(swivel)
         # the tool turns on the carrier about the z axis and about the swivelled y axis
         y = about_z(c, s, np.array([0.0, 1.0, 0.0]))
-        turning = swivel_phi[..., None] * AXIS + tilt_phi[..., None] * y
-        turning_phi = swivel_2[..., None] * AXIS + tilt_2[..., None] * y
-        turning_phi = turning_phi + (tilt_phi * swivel_phi)[..., None] * cross(AXIS, y)
+        turning = swivel_phi[..., None] * Z_AXIS + tilt_phi[..., None] * y
+        turning_phi = swivel_2[..., None] * Z_AXIS + tilt_2[..., None] * y
+        turning_phi = turning_phi + (tilt_phi * swivel_phi)[..., None] * cross(Z_AXIS, y)
         omega, tau = carried.omega + turning, carried.tau
         omega_phi = carried.omega_phi + turning_phi - cross(turning, omega)
         tau_phi = carried.tau_phi - cross(turning, tau)

@@ -9,7 +9,7 @@ import numpy as np
 
 from gearmesh.kernel.motion.motion import MotionState
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import AXIS, Array, components, cross
+from gearmesh.kernel.numeric.algebra import Z_AXIS, Array, components, cross
 
 #: parts of a rotation about z: the constant part, the factor of the cosine, the factor of the sine
 ROTATION_PARTS = np.array(
@@ -65,8 +65,8 @@ class TwoTurns:
         # the outer turn in the frame between the turns, then rotated back by the inner angle
         back = ROTATION_PARTS * np.array([1.0, 1.0, -1.0])[:, None, None]
         seen = self.outer[1] * self.between.rotation.T
-        omega, tau = back @ (seen @ AXIS), back @ (seen @ cross(AXIS, self.between.translation))
-        omega[0] += self.inner[1] * AXIS
+        omega, tau = back @ (seen @ Z_AXIS), back @ (seen @ cross(Z_AXIS, self.between.translation))
+        omega[0] += self.inner[1] * Z_AXIS
         tau = tau + cross(omega, self.last.translation)
         twist = np.concatenate((omega @ self.last.rotation, tau @ self.last.rotation), axis=1)
         return np.concatenate((twist, self.inner[1] * PART_DERIVATIVES.T @ twist), axis=1)

@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 #: one arc second in rad
 ARCSEC = np.pi / 648000.0
 #: unit vector of the z axis
-AXIS = np.array([0.0, 0.0, 1.0])
+Z_AXIS = np.array([0.0, 0.0, 1.0])
 
 
 def dot(a: Array, b: Array) -> Array:

@@ -1,7 +1,7 @@
-"""Division of an interval between an allowed and a refused value, where refused values know how far a figure is beyond its limit.
+"""Division of an interval between an allowed and a refused value, by the excess of a figure over its limit at refused values.
 
-The root of the excess is looked for from the refused side alone: an allowed value says only that it is allowed. Values are tried on
-either side of the root in turn, so that both ends of the interval close in on it.
+Allowed values have no excess. The root of the excess is therefore extrapolated from refused values. Values are tried on both sides
+of the root in turn, so that both ends of the interval approach it.
 """
 
 from __future__ import annotations
@@ -9,30 +9,36 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-#: distance from the root at which a value is tried: part of that from the root to the nearest refused value while only two of them
-#: are known, then times the difference of two estimates; and part of the width that is wanted, at least
-OF_DISTANCE, OF_DIFFERENCE, OF_WANTED = 0.1, 2.0, 0.4
-#: divisions towards a root that must halve an interval
-HALVING = 2
+#: distance of a tried value from the root, over the distance of the root from the nearest refused value, for two refused values
+DISTANCE_SHARE = 0.1
+#: distance of a tried value from the root, over the difference of two estimates of the root, for three refused values
+DIFFERENCE_FACTOR = 2.0
+#: least distance of a tried value from the root, over the wanted width of the interval
+MIN_WANTED_SHARE = 0.4
+#: number of divisions towards a root that must halve the interval
+HALVING_DIVISIONS = 2
 
-#: A refused value and its excess, None where no figure says so.
+#: refused value and its excess, None if unknown
 Refused = tuple[float, float | None]
 
 
 class Division:
-    """Divides one interval again and again."""
+    """Repeated division of one interval."""
 
     def __init__(self) -> None:
         #: widths before the last divisions towards a root
         self._widths: list[float] = []
-        #: whether the last value that was tried was refused
+        #: True if the last tried value was refused
         self.last_refused = False
 
     def beside_root(self, good: float, bad: float, refused: Sequence[Refused], wanted: float) -> float | None:
-        """Value next to the root of the excess between both ends, on the side that was not tried last.
+        """Return a value beside the root of the excess, on the side that was not tried last.
 
-        `refused`: values from `bad` on, away from `good`; `wanted`: width of the interval in the end. None where no root is known
-        between the ends, or going by it did not narrow the interval.
+        - `good`, `bad`: allowed and refused end of the interval
+        - `refused`: refused values from `bad` on, away from `good`
+        - `wanted`: final width of the interval
+
+        Returns None if no root between the ends is known, or if the last divisions did not halve the interval.
         """
         aim = self._aim(good, bad, refused, wanted)
         if aim is None:
@@ -42,21 +48,23 @@ class Division:
         return aim
 
     def _aim(self, good: float, bad: float, refused: Sequence[Refused], wanted: float) -> float | None:
-        if len(self._widths) >= HALVING and abs(good - bad) > 0.5 * self._widths[-HALVING]:
+        if len(self._widths) >= HALVING_DIVISIONS and abs(good - bad) > 0.5 * self._widths[-HALVING_DIVISIONS]:
             return None
+        # root by a secant through two refused values, or by inverse interpolation through three
         points = _falling(refused)
         if len(points) < 2 or points[0][0] != bad:
             return None
         (x0, e0), (x1, e1) = points[:2]
         root = x0 - e0 * (x0 - x1) / (e0 - e1)
-        apart = OF_DISTANCE * abs(root - x0)
+        apart = DISTANCE_SHARE * abs(root - x0)
         if len(points) > 2:
             closer = _inverse_quadratic(points[:3])
-            root, apart = closer, OF_DIFFERENCE * abs(closer - root)
-        apart = max(apart, OF_WANTED * wanted)
+            root, apart = closer, DIFFERENCE_FACTOR * abs(closer - root)
+        apart = max(apart, MIN_WANTED_SHARE * wanted)
         inwards = math.copysign(1.0, good - bad)
         if not 0.0 < (root - bad) * inwards < (good - bad) * inwards:
             return None
+        # try beyond the root after a refused value, else short of the root
         if self.last_refused:
             aim = root + inwards * apart
             return aim if (good - aim) * inwards > 0.0 else None
@@ -65,7 +73,7 @@ class Division:
 
 
 def _falling(refused: Sequence[Refused]) -> list[tuple[float, float]]:
-    """The first of the refused values as far as the excess rises from one to the next."""
+    """Return the first refused values, up to the first value whose excess does not rise."""
     points: list[tuple[float, float]] = []
     for value, excess in refused:
         if excess is None or not 0.0 < excess < math.inf or (points and excess <= points[-1][1]):
@@ -75,7 +83,7 @@ def _falling(refused: Sequence[Refused]) -> list[tuple[float, float]]:
 
 
 def _inverse_quadratic(points: Sequence[tuple[float, float]]) -> float:
-    """Value at which the excess is 0, by the quadratic through three points of the value over the excess."""
+    """Return the value with zero excess, by the quadratic of value over excess through three points."""
     total = 0.0
     for k, (value, excess) in enumerate(points):
         others = [other for j, (_, other) in enumerate(points) if j != k]

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gearmesh.kernel.numeric.algebra import AXIS, Array, dot
+from gearmesh.kernel.numeric.algebra import Z_AXIS, Array, dot
 from gearmesh.kernel.surface.surface import Jet, Surface
 
 #: displacement (...,), mm, at z (...,), mm, and its first two derivatives with respect to z
@@ -67,7 +67,7 @@ class Withdrawn:
         out = dot(base.n, e)[..., None]
         k = rho / (rho + h)
         # the normal of the moved surface in the frame (e_rho, e_phi, e_z), then normalised
-        normal = k * flat + (1.0 - k) * out * e + (base.n[..., 2:] - rate * out) * AXIS
+        normal = k * flat + (1.0 - k) * out * e + (base.n[..., 2:] - rate * out) * Z_AXIS
         size = 1.0 / np.sqrt(dot(normal, normal))[..., None]
         n = size * normal
 
@@ -78,7 +78,7 @@ class Withdrawn:
             out_q = (dot(n_q, e) + dot(base.n, e_q))[..., None]
             k_q = (h * rho_q - rho * rate * z_q) / (rho + h) ** 2
             changed = k_q * (flat - out * e) + k * plane * n_q + (1.0 - k) * (out_q * e + out * e_q)
-            changed = size * (changed + (n_q[..., 2:] - bend * z_q * out - rate * out_q) * AXIS)
+            changed = size * (changed + (n_q[..., 2:] - bend * z_q * out - rate * out_q) * Z_AXIS)
             return r_q + rate * z_q * e + h * e_q, changed - n * dot(n, changed)[..., None]
 
         r_u, n_u = change(base.r_u, base.n_u)

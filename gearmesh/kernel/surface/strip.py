@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.polynomial import Chebyshev
 
-from gearmesh.kernel.numeric.algebra import AXIS, Array, broadcast_pair, cross, dot, polar_angle
+from gearmesh.kernel.numeric.algebra import Z_AXIS, Array, broadcast_pair, cross, dot, polar_angle
 from gearmesh.kernel.surface.levels import Level, station_normal
 from gearmesh.kernel.surface.surface import Jet
 
@@ -81,7 +81,7 @@ class Strip:
         around = np.stack((-out[..., 1], out[..., 0], np.zeros_like(t)), axis=-1)
 
         def vector(radial: Array, turning: Array, axial: Array) -> Array:
-            sum_of_parts: Array = radial[..., None] * out + turning[..., None] * around + axial[..., None] * AXIS
+            sum_of_parts: Array = radial[..., None] * out + turning[..., None] * around + axial[..., None] * Z_AXIS
             return sum_of_parts
 
         r_h = vector(rho_h, rho * t_h, across * w_h)
@@ -98,4 +98,4 @@ class Strip:
             (rate - n * dot(n, rate)[..., None]) / size
             for rate in (cross(r_hh, r_v) + cross(r_h, r_hv), cross(r_hv, r_v) + cross(r_h, r_vv))
         )
-        return Jet(rho[..., None] * out + z[..., None] * AXIS, n, r_h, r_v, n_h, n_v)
+        return Jet(rho[..., None] * out + z[..., None] * Z_AXIS, n, r_h, r_v, n_h, n_v)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gearmesh.kernel.numeric.algebra import AXIS, Array, about_axis, dot, rotation_about, turn
+from gearmesh.kernel.numeric.algebra import Z_AXIS, Array, about_axis, dot, rotation_about, turn
 from gearmesh.kernel.surface.surface import Jet, Surface
 
 #: angle (...,), rad, at z (...,), mm, and its first two derivatives with respect to z
@@ -38,13 +38,13 @@ class Twisted:
         around = k[..., None] * swept
         lean = dot(flat.n, around)
         shorter = 1.0 / np.sqrt(1.0 + lean * (lean - 2.0 * n_z))
-        normal = (flat.n - lean[..., None] * AXIS) * shorter[..., None]
+        normal = (flat.n - lean[..., None] * Z_AXIS) * shorter[..., None]
 
         def carry(r_q: Array, n_q: Array) -> tuple[Array, Array]:
             """Derivatives of point and normal, seen in the turned section, for those of the cylinder."""
             z_q = r_q[..., 2:]
             lean_q = dot(n_q, around) + k * dot(flat.n, about_axis(r_q)) + bend * z_q[..., 0] * dot(flat.n, swept)
-            normal_q = (n_q - lean_q[..., None] * AXIS) * shorter[..., None]
+            normal_q = (n_q - lean_q[..., None] * Z_AXIS) * shorter[..., None]
             # derivative of the normalisation
             longer = lean * lean_q - lean_q * n_z - lean * n_q[..., 2]
             normal_q = normal_q - (longer * shorter**2)[..., None] * normal

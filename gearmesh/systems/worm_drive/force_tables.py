@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gearmesh.kernel.numeric.algebra import AXIS, Array, cross, dot, unit
+from gearmesh.kernel.numeric.algebra import Z_AXIS, Array, cross, dot, unit
 from gearmesh.systems.common.running import running_rows
 from gearmesh.systems.common.symbol_table import Row, table
 from gearmesh.systems.system import SheetTable, complete_design
@@ -73,7 +73,7 @@ class PitchForces:
         return {
             "F_t": (abs(float(force[1])), abs(float(force @ across))),
             "F_r": (x, x),
-            "F_a": (-float(force @ AXIS), float(force @ self.mesh.wheel_axis)),
+            "F_a": (-float(force @ Z_AXIS), float(force @ self.mesh.wheel_axis)),
         }
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.kernel.motion.motion import MachineAxis
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import AXIS, Array
+from gearmesh.kernel.numeric.algebra import Z_AXIS, Array
 from gearmesh.kernel.surface.surface import GeneratedSurface, Jet
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
@@ -75,7 +75,7 @@ def tool_in_place(tooth: Tooth, which: Side) -> ToolInPlace:
     own_axes: tuple[MachineAxis, ...] = ()
     if drawing.axis is not None:
         axis_frame = tool_to_own @ drawing.axis
-        own_axes = (MachineAxis(f"axis of the {side.tool.name}", axis_frame.translation, axis_frame.vector(AXIS)),)
+        own_axes = (MachineAxis(f"axis of the {side.tool.name}", axis_frame.translation, axis_frame.vector(Z_AXIS)),)
     return ToolInPlace(
         side.tool,
         tool_to_own,

@@ -9,7 +9,7 @@ import numpy as np
 
 from gearmesh.kernel.motion.motion import MachineAxis
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import AXIS, Array, cross, dot, unit
+from gearmesh.kernel.numeric.algebra import Z_AXIS, Array, cross, dot, unit
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.generation.tool_in_place import ToolInPlace
 from gearmesh.tools.drawing import ToolSheet
@@ -58,7 +58,7 @@ def tool_scene(
     )
     seen = np.concatenate((member.vertices, tool.tool_to_own.point(mesh.vertices)))
     lines = [(axis, _along(axis, tool.tool_to_own.point(mesh.vertices))) for axis in tool.axes]
-    own = MachineAxis(f"axis of the {member.name}", np.zeros(3), AXIS)
+    own = MachineAxis(f"axis of the {member.name}", np.zeros(3), Z_AXIS)
     lines.append((own, _along(own, member.vertices)))
     curves = [Curve(ends, colour=MEMBER_COLOUR if axis is own else MACHINE_COLOUR, width=2.5) for axis, ends in lines]
     outline = [tool.tool_to_own.point(outline) for outline in tool.outlines]
@@ -79,7 +79,7 @@ def _axis_name(axis: MachineAxis, ends: Array, camera: Camera) -> Word:
     """Word with the name of an axis, at its upper end; the member's axis, which is z, has it at the end towards the
     viewer.
     """
-    k = int(np.argmax(ends @ camera.axes[2 if axis.direction is AXIS else 1]))
+    k = int(np.argmax(ends @ camera.axes[2 if axis.direction is Z_AXIS else 1]))
     return Word(axis.name, ends[k], ends[1 - k])
 
 

@@ -1,4 +1,4 @@
-"""The command `limits`: how deep the tools may cut and how high the tips may be."""
+"""The command `limits`: largest depth of the tools and largest height of the tips."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from gearmesh.app.options import DesignFile, Json, Set
 from gearmesh.app.terminal import refuse_unwritable, show, warn, working, write_text
 from gearmesh.errors import ArgumentError, DesignError
 
-#: normal modules; no tooth is wider at its tip
-_WIDEST = 3.0
+#: largest top land, in normal modules: no tooth is wider at its tip
+_MAX_LAND_MODULES = 3.0
 
 
 def limits(
@@ -27,8 +27,8 @@ def limits(
     from gearmesh.design import files
     from gearmesh.systems.designs import parse_as_stated
 
-    if not 0.0 <= land <= _WIDEST:
-        raise ArgumentError("land", land, must_be=f"a number of modules from 0 to {_WIDEST:g}")
+    if not 0.0 <= land <= _MAX_LAND_MODULES:
+        raise ArgumentError("land", land, must_be=f"a number of modules from 0 to {_MAX_LAND_MODULES:g}")
     refuse_unwritable(json_file)
     design = parse_as_stated(files.override(files.read(design_file), settings or []))
     with working("limits", at_once=True):

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from gearmesh.study.largest_errors import LargestErrors
     from gearmesh.study.study import Study
 
-#: shares of the work after which a pipe gets a line
-SHARE = 0.1
+#: share of the work between two lines of progress in a pipe
+REPORTED_SHARE = 0.1
 
 
 def study(
@@ -198,7 +198,7 @@ def study(
 
 
 def _save(gears: Gears, answer: Study, folder: Path, parquet: bool, pictures: bool) -> None:
-    """Rows, summary and figures of a study as files."""
+    """Write rows, summary and figures of a study to files."""
     with output_folder(folder):
         answer.save(folder / "study.csv")
         answer.save(folder / "study.json")
@@ -209,7 +209,7 @@ def _save(gears: Gears, answer: Study, folder: Path, parquet: bool, pictures: bo
 
 
 def _show(answer: Study, json_file: str | None) -> None:
-    """The tables of a study, and what is wrong with it."""
+    """Print the tables of a study, and warn of its faults."""
     write_text(json_file, answer.json)
     if json_file != "-":
         show(answer.listings)
@@ -240,13 +240,13 @@ def _tolerance(texts: list[str] | None) -> dict[str, str] | str | None:
 
 
 def _at_times(progress: Progress) -> Callable[[float, str], None]:
-    """On a terminal always, in a pipe now and then."""
+    """Return a progress that reports always on a terminal, and after each REPORTED_SHARE in a pipe."""
     if sys.stderr.isatty():
         return progress
     told = [0.0]
 
     def tell(fraction: float, doing: str) -> None:
-        if fraction >= told[0] + SHARE or fraction == 1.0:
+        if fraction >= told[0] + REPORTED_SHARE or fraction == 1.0:
             told[0] = fraction
             progress(fraction, f"{doing}, {100.0 * fraction:.0f} %")
 

@@ -1,1 +1,1 @@
-"""Commands about designs: new ones, samples, what is derived, settings."""
+"""Commands about designs: new designs, samples, derived values, settings."""

@@ -1,4 +1,4 @@
-"""The command `describe`: gear systems, their keys, the figures of answers, and what is derived from a design."""
+"""The command `describe`: gear systems, their keys, the figures of answers, and the data sheet of a design."""
 
 from __future__ import annotations
 
@@ -19,10 +19,12 @@ from gearmesh.app.options import Json, Set, SheetSpeed, SheetTorque, load_alone,
 from gearmesh.app.terminal import refuse_unwritable, show, warn, write_text
 from gearmesh.errors import ArgumentError
 
-#: what --schema takes beside kinds
-REPORT = "report"
-#: characters that keys are padded to, and by which a key's lines below its first are indented
-KEY, INDENT = 28, "    "
+#: name of the schema of report.json, beside the kinds
+REPORT_SCHEMA = "report"
+#: width of the column of keys, characters
+KEY_COLUMN_WIDTH = 28
+#: indentation of the second and later lines of a key
+KEY_INDENT = "    "
 
 if TYPE_CHECKING:
     from gearmesh import Gears
@@ -73,8 +75,8 @@ def describe(
         return
     if schema:
         _refuse(of_kind, must_be="left out with --schema")
-        if what not in (*gm.kinds(), REPORT):
-            allowed = f"{', '.join(gm.kinds())}, or {REPORT} for report.json"
+        if what not in (*gm.kinds(), REPORT_SCHEMA):
+            allowed = f"{', '.join(gm.kinds())}, or {REPORT_SCHEMA} for report.json"
             raise ArgumentError("--schema", reason="needs a kind", allowed=allowed)
         refuse_unwritable(json_file)
         write_text(json_file or "-", lambda: _schema(str(what)))
@@ -116,7 +118,7 @@ def _refuse(options: Iterable[tuple[str, object]], *, reason: str = "", must_be:
 
 
 def _figures(word: str, json_file: str | None) -> None:
-    """What figures mean whose key contains a word. Raises DesignError where there are none."""
+    """Print the meaning of figures whose key contains a word. Raises ArgumentError if there are none."""
     from gearmesh.answers.tables import json_text
     from gearmesh.api.reference import figure_groups, figures_document
 
@@ -132,7 +134,7 @@ def _figures(word: str, json_file: str | None) -> None:
 def _sheet(
     design_file: Path, settings: list[str] | None, asked: tuple[float | None, float | None], member: str | None
 ) -> DesignSheet:
-    """The sheet of a design, or of one of its members; `asked`: torque and speed."""
+    """Return the data sheet of a design or of one member; `asked`: torque and speed."""
     torque, speed = asked
 
     def ask(gears: Gears) -> DesignSheet:
@@ -143,19 +145,19 @@ def _sheet(
 
 
 def _kinds() -> Listing:
-    """The kinds of design, one per line."""
+    """Return the list of the kinds of design, one per line."""
     from gearmesh.systems.system import about
 
     return Listing("", ("kind", "what"), [(kind, about(kind)) for kind in gm.kinds()])
 
 
 def _schema(kind: str) -> str:
-    """The JSON Schema of a kind's files, or of report.json."""
+    """Return the JSON Schema of the files of a kind, or of report.json."""
     from gearmesh.answers.tables import json_text
     from gearmesh.api.design_schema import design_schema
     from gearmesh.systems.system import design_class
 
-    if kind == REPORT:
+    if kind == REPORT_SCHEMA:
         from gearmesh.api.report_schema import report_schema
 
         return json_text(report_schema())
@@ -163,7 +165,7 @@ def _schema(kind: str) -> str:
 
 
 def _groups(kind: str, table: str | None) -> dict[str, list[KeyLine]]:
-    """Keys of a kind by the title of their table, or those of one table or title alone. Raises ArgumentError."""
+    """Return the keys of a kind by the titles of their tables, or only the keys of one table or title. Raises ArgumentError."""
     from gearmesh.errors import nearest
     from gearmesh.systems.system import design_class
 
@@ -182,7 +184,7 @@ def _groups(kind: str, table: str | None) -> dict[str, list[KeyLine]]:
 
 
 def _document(kind: str | None, table: str | None, groups: Mapping[str, list[KeyLine]]) -> str:
-    """The kinds, or all keys of a kind or of one table of it, as JSON; tables in several places of the kind once."""
+    """Return, as JSON, the kinds, all keys of a kind, or the keys of one table; a table used several times is listed once."""
     from gearmesh.answers.tables import json_text
     from gearmesh.systems.system import about
 
@@ -196,18 +198,18 @@ def _document(kind: str | None, table: str | None, groups: Mapping[str, list[Key
 
 
 def _width() -> int:
-    """Characters in a line: those of the terminal or of COLUMNS; in a pipe each key has a line for itself."""
+    """Return the characters in a line: of the terminal, of COLUMNS, or unlimited in a pipe."""
     if sys.stdout.isatty() or "COLUMNS" in os.environ:
         return get_terminal_size((WIDTH, 24)).columns
     return sys.maxsize
 
 
 def _keys(kind: str, groups: Mapping[str, list[KeyLine]], width: int) -> str:
-    """Keys of a kind by the titles of their tables, a line each where the width has room for it."""
+    """Return the lines of keys by the titles of their tables, broken at the width."""
     text = []
     for name, lines in groups.items():
         text.append(name or f'kind = "{kind}"')
-        column = min(max(len(line.key) for line in lines), KEY)
+        column = min(max(len(line.key) for line in lines), KEY_COLUMN_WIDTH)
         for line in lines:
             default = line.default if line.default == "required" else f"default {line.default}"
             allowed = ", ".join(part for part in (line.unit, line.range) if part)
@@ -219,7 +221,7 @@ def _keys(kind: str, groups: Mapping[str, list[KeyLine]], width: int) -> str:
 
 
 def _usual_keys(kind: str, groups: Mapping[str, list[KeyLine]], width: int) -> str:
-    """The keys that most designs of a kind set, how many are left out, and the tables that these are in."""
+    """Return the lines of the keys that most designs of a kind set, with the number and the tables of the other keys."""
     from gearmesh.systems.system import design_class
 
     design = design_class(kind)
@@ -235,7 +237,7 @@ def _usual_keys(kind: str, groups: Mapping[str, list[KeyLine]], width: int) -> s
 
 
 def _tables(keys: Iterable[str]) -> Iterator[str]:
-    """Yield the names of the tables that keys are in: of the file, then of each of its tables; members alike share a line."""
+    """Yield the names of the tables of keys: of the file, then in each table; tables with the same contents share a line."""
     inner: dict[str, dict[str, None]] = {}
     for key in keys:
         table, *rest = key.split(".")[:-1] or [""]
@@ -251,5 +253,5 @@ def _tables(keys: Iterable[str]) -> Iterator[str]:
 
 
 def _wrapped(text: str, width: int) -> list[str]:
-    """Lines of a text; all but the first are indented."""
-    return textwrap.wrap(text, width, subsequent_indent=INDENT, break_long_words=False, break_on_hyphens=False)
+    """Return the lines of a text, broken at the width; all lines but the first are indented."""
+    return textwrap.wrap(text, width, subsequent_indent=KEY_INDENT, break_long_words=False, break_on_hyphens=False)

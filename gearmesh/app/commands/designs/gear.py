@@ -15,10 +15,10 @@ from gearmesh.errors import ArgumentError, GearmeshError
 if TYPE_CHECKING:
     from gearmesh import Gears
 
-#: suffix of the file of a design
-DESIGN = ".toml"
-#: options by the keys of the design that they give, those of a member by their last name
-OPTIONS = {
+#: suffix of a design file
+DESIGN_SUFFIX = ".toml"
+#: options by the keys of the design that they set; keys of a member without the name of the member
+KEY_OPTIONS = {
     "teeth": "--teeth",
     "face_width": "--face",
     "bore": "--bore",
@@ -83,13 +83,13 @@ def gear(
     from gearmesh.api.gear import gear_keys
 
     name = "rack" if rack else "gear"
-    is_design = output is not None and output.suffix.lower() == DESIGN
+    is_design = output is not None and output.suffix.lower() == DESIGN_SUFFIX
     file = None if output is None or is_design else PartFile(output, tol, curves=curves, offset=offset)
     for option, value in (("tol", tol), ("curves", curves), ("offset", offset)):
         if value is not None and file is None:
             raise ArgumentError(option, value, reason="needs -o with the file of a mesh, a CAD solid or a section")
     if file is not None:
-        file.refuse(name, (DESIGN,))
+        file.refuse(name, (DESIGN_SUFFIX,))
     refuse_unwritable(output)
     keys = gear_keys(
         teeth,
@@ -119,13 +119,13 @@ def gear(
 
 
 def _gears(name: str, keys: dict[str, Any], settings: list[str]) -> Gears:
-    """The gears; what is refused is named by the option that gave it."""
+    """Build the gears; refusals name the options of the command."""
     from gearmesh.api.gear import gear_of
 
     try:
         return gear_of(keys, settings)
     except GearmeshError as failure:
-        option = OPTIONS.get(failure.key.removeprefix(f"{name}."))
+        option = KEY_OPTIONS.get(failure.key.removeprefix(f"{name}."))
         if option is None or any(setting.partition("=")[0].strip() == failure.key for setting in settings):
             raise
         raise failure.rename(option) from failure

@@ -1,6 +1,6 @@
-"""The command `pin`: the design with everything given that its gears are built of.
+"""The command `pin`: a design with all values given from which its gears are built.
 
-The gears show how far they are; what is left is to ask them for their values, a second at most in which the bar pulses.
+Building the gears reports progress. Reading their values takes a second at most, during which the bar pulses.
 """
 
 from __future__ import annotations

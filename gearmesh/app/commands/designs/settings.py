@@ -1,7 +1,7 @@
-"""The command `settings`: machine settings that give the contact asked for.
+"""The command `settings`: machine settings that give the requested contact.
 
-The gears show how far they are; a sheet or a compensation takes less than a second and has no steps of which the number is known,
-as equations are solved to their end: its bar pulses.
+Building the gears reports progress. A sheet or a compensation takes less than a second and solves equations in an unknown number of
+steps; its bar pulses.
 """
 
 from __future__ import annotations
@@ -59,10 +59,10 @@ def settings(
 
     def ask(gears: Gears) -> DesignSheet | Compensation:
         own = gm.system(gears.design.kind)
-        # the settings of gears that are refinished are those of compensation alone
+        # refinished gears have only the settings of the compensation
         has_sheet = own.sheet is not None and own.refinish is None and not compensate
         sheet = gears.sheet(torque=torque) if has_sheet or torque is not None else None
-        # a sheet without values for the design's keys has no settings: it is for `describe`
+        # a sheet without values for keys of the design has no settings: `describe` prints it
         return sheet if sheet is not None and sheet.values else gears.compensate(refinish)
 
     gears = load_gears(design_file, settings, ask)

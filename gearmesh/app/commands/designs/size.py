@@ -132,12 +132,17 @@ def size(
 
 @dataclass(frozen=True)
 class Shared:
-    """Wishes for pairs and sets alike."""
+    """Requirements for pairs and for planetary sets."""
 
+    #: normal pressure angle, deg
     pressure_angle: float
+    #: range of the helix angle, deg
     helix: tuple[float, float]
+    #: range of the sum of the profile shift coefficients, for sets of sun and planet
     shifts: tuple[float, float]
+    #: permissible relative error of the ratio
     tolerance: float
+    #: width of all faces, mm, None for the default
     face_width: float | None
 
 

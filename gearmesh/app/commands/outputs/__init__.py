@@ -1,1 +1,1 @@
-"""Commands that write what is made: solids, models, pictures, reports."""
+"""Commands that write files: solids, models, pictures, reports."""

@@ -1,4 +1,4 @@
-"""The command `correct`: settings of machines that take measured deviations away."""
+"""The command `correct`: machine settings that remove measured deviations."""
 
 from __future__ import annotations
 

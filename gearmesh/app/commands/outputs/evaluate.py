@@ -1,4 +1,4 @@
-"""The command `evaluate`: what was measured of a member, its deviations and tolerance classes."""
+"""The command `evaluate`: deviations and tolerance classes of a measured member."""
 
 from __future__ import annotations
 

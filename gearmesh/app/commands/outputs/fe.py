@@ -32,14 +32,14 @@ if TYPE_CHECKING:
 
 
 class FiniteElementProgram(StrEnum):
-    """A program that an .inp is written for."""
+    """Program for which an .inp file is written."""
 
     calculix = "calculix"
     abaqus = "abaqus"
 
 
-#: what --member takes beside the names of the members
-BOTH = "both"
+#: value of --member for both members
+BOTH_MEMBERS = "both"
 
 
 def fe(
@@ -77,7 +77,7 @@ def fe(
     ] = None,
     member: Annotated[
         str, typer.Option("--member", metavar="pinion|gear|both", help="One member, or both in mesh.")
-    ] = BOTH,
+    ] = BOTH_MEMBERS,
     pair: Pair = None,
     solve: Annotated[bool, typer.Option("--solve", help="Run CalculiX and read back stress and pressure.")] = False,
     json_file: Json = None,
@@ -108,7 +108,7 @@ def fe(
         )
 
     def modelled_members(gears: gm.Gears) -> tuple[str | int, tuple[str, ...] | None]:
-        """The pair and the members that are modelled."""
+        """Return the pair and the modelled members."""
         if not gears.names.pairs:
             _refuse_unpaired(gears, phi1=phi1, rotation=rotation, friction=friction, pair=pair, solve=solve or None)
         mesh = chosen_pair(gears, pair) if gears.names.pairs else 0
@@ -149,31 +149,31 @@ def fe(
 
 
 def _refuse_unpaired(gears: gm.Gears, **options: object) -> None:
-    """Refuse options that are given and need a mating gear."""
+    """Refuse given options that need a mating gear."""
     for option, value in options.items():
         if value is not None:
             raise gears.names.needs_pair(option, value)
 
 
 def _members(gears: gm.Gears, names: tuple[str, ...], member: str, friction: float | None) -> tuple[str, ...] | None:
-    """Which of the members with these names, those of the chosen pair, are modelled; None for both."""
-    if member not in (BOTH, *names):
+    """Return the names of the modelled members of the chosen pair, None for both members."""
+    if member not in (BOTH_MEMBERS, *names):
         elsewhere = next(
             (f"{first}-{second}" for first, second in gears.names.pairs if member in (first, second)), None
         )
         remedy = "" if elsewhere is None else f"it is in --pair {elsewhere}"
-        raise ArgumentError("member", member, must_be=f"one of {', '.join((*names, BOTH))}", remedy=remedy)
-    if friction and member != BOTH:
+        raise ArgumentError("member", member, must_be=f"one of {', '.join((*names, BOTH_MEMBERS))}", remedy=remedy)
+    if friction and member != BOTH_MEMBERS:
         raise ArgumentError(
             "friction", friction, must_be=f"left out with --member {member}, which has no contact alone"
         )
-    return None if member == BOTH else (member,)
+    return None if member == BOTH_MEMBERS else (member,)
 
 
 def _solve(
     gears: gm.Gears, model: FiniteElements | UnloadedFiniteElements, picture: Path | None, progress: Progress
 ) -> FiniteElementSolution:
-    """A model solved by CalculiX, with a picture of it where one is asked for."""
+    """Solve a model by CalculiX, and save a picture of the solution if one is wanted."""
     solution = model.solve(progress)
     if picture is not None:
         gears.picture("stress", of=solution).save(picture)
@@ -181,7 +181,7 @@ def _solve(
 
 
 def _refuse_fe_options(output: Path | None, picture: Path | None, solve: bool) -> None:
-    """What of `fe`'s options can be refused before the design is read."""
+    """Refuse options of `fe` that are wrong for any design."""
     if output is None and not solve:
         raise ArgumentError("output", reason="missing; name a file to write, or give --solve")
     if picture is not None and not solve:
@@ -191,7 +191,7 @@ def _refuse_fe_options(output: Path | None, picture: Path | None, solve: bool) -
 
 
 def _refuse_for_several(phi1: str, output: Path | None, solve: bool) -> None:
-    """What does not go with several positions."""
+    """Refuse options that exclude several positions."""
     if solve:
         raise ArgumentError("phi1", phi1, must_be="one position with --solve; run.sh in the folder -o solves several")
     if output is not None and (output.suffix or output.is_file()):
@@ -199,7 +199,7 @@ def _refuse_for_several(phi1: str, output: Path | None, solve: bool) -> None:
 
 
 def _refuse_for_sector(sector: int, teeth: str | None, positions: int) -> None:
-    """What does not go with a sector."""
+    """Refuse options that exclude a sector."""
     if teeth is not None:
         raise ArgumentError("teeth", teeth, must_be="left out with --sector")
     if positions > 1:
@@ -207,7 +207,7 @@ def _refuse_for_sector(sector: int, teeth: str | None, positions: int) -> None:
 
 
 def _fe_overrides(teeth: str | None, torque: float | None) -> list[str]:
-    """Options of `fe` as keys of the design, which checks them."""
+    """Return options of `fe` as overridden keys of the design, which checks them."""
     count = 0 if teeth in (None, "all") else parse_whole_number(str(teeth)) or 0
     if teeth not in (None, "all") and (count < 0 or count % 2 == 0):
         raise ArgumentError("teeth", teeth, must_be="an odd number, or all")

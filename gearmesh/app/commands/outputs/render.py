@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class View(StrEnum):
-    """What a picture shows."""
+    """View of a picture."""
 
     contact = "contact"
     pattern = "pattern"
@@ -46,17 +46,17 @@ class View(StrEnum):
 
 
 #: views of contact under torque
-LOADED = (View.loaded, View.loaded_flank, View.loaded_te, View.loaded_share, View.loaded_stress, View.loaded_pair)
-#: views that are figures on paper
-FIGURES = (View.flank, View.sliding, View.zone, View.te, View.backlash, View.turns, *LOADED[1:])
-#: the grinding worm among the members
-WORM = "worm"
-#: what a cutter may leave where nobody says
-SCALLOP = "10um"
-#: pixels of an animation
-ANIMATED = (640, 480)
-#: suffixes of pictures, and of figures
-SUFFIXES = {False: (".png",), True: (".png", ".svg", ".pdf")}
+LOADED_VIEWS = (View.loaded, View.loaded_flank, View.loaded_te, View.loaded_share, View.loaded_stress, View.loaded_pair)
+#: views that are diagrams
+DIAGRAM_VIEWS = (View.flank, View.sliding, View.zone, View.te, View.backlash, View.turns, *LOADED_VIEWS[1:])
+#: value of --member for the grinding worm
+WORM_MEMBER = "worm"
+#: default of --scallop
+DEFAULT_SCALLOP = "10um"
+#: width and height of an animation, pixels
+ANIMATION_SIZE = (640, 480)
+#: suffixes of pictures (False) and of diagrams (True)
+PICTURE_SUFFIXES = {False: (".png",), True: (".png", ".svg", ".pdf")}
 
 
 def render(
@@ -144,7 +144,7 @@ def render(
     if output is None and animate is None:
         raise ArgumentError("output", reason="name a file for the picture, or for an animation with --animate")
     if output is not None:
-        refuse_suffix(output, *SUFFIXES[view in FIGURES])
+        refuse_suffix(output, *PICTURE_SUFFIXES[view in DIAGRAM_VIEWS])
     if animate is not None:
         refuse_suffix(animate, ".gif")
     for target in (output, animate):
@@ -153,32 +153,32 @@ def render(
         raise ArgumentError("phi1", phi1, must_be="a finite number of degrees")
     torques = _torques(view, torque, animate)
     _refuse_for_path(view, tool, scallop, animate)
-    if output is None or view not in FIGURES:
+    if output is None or view not in DIAGRAM_VIEWS:
         begin_drawing()
-    # how fine meshes are changes nothing that is shown, a name is shown anyway
+    # the note leaves out settings of meshes, which change nothing visible, and the name, which the picture shows anyway
     note = ", ".join(text for text in settings or () if not text.startswith(("mesh.", "name=")))
 
     def mesh_and_names(gears: Gears) -> tuple[str | int, tuple[str, ...]]:
-        """The pair and its members, or the members that mesh with none."""
+        """Return the pair and its members, or all members of a design without pairs."""
         if not gears.names.pairs:
             return 0, gears.names.members
         return chosen_pair(gears, pair), gears.names.pairs[gears.names.pair_number(chosen_pair(gears, pair))]
 
     def picture(gears: Gears) -> tuple[Picture | Diagram, tuple[str, ...]]:
-        """The picture, and the warnings about what it shows."""
+        """Return the picture and its warnings."""
         mesh, names = mesh_and_names(gears)
         if torques:
             loaded = gears.loaded_contact(torques, phi1, pair=mesh)
             shown = gears.picture(view.value, member, of=loaded, size=pixels, dpi=dpi, note=note)
             return shown, loaded.warnings
         if tool is not None:
-            path = gears.toolpath(member or names[0], tool, scallop or SCALLOP)
+            path = gears.toolpath(member or names[0], tool, scallop or DEFAULT_SCALLOP)
             return gears.picture(view.value, of=path, size=pixels, note=note), gears.warnings
         shown = gears.picture(view.value, member, phi1=phi1, size=pixels, pair=mesh, dpi=dpi, note=note)
         return shown, gears.warnings
 
     def animation(gears: Gears) -> Animation:
-        return gears.animation(phi1=phi1, size=pixels or ANIMATED, pair=mesh_and_names(gears)[0], note=note)
+        return gears.animation(phi1=phi1, size=pixels or ANIMATION_SIZE, pair=mesh_and_names(gears)[0], note=note)
 
     def ask(gears: Gears) -> object:
         _refuse_member(gears, view, member, mesh_and_names(gears)[1])
@@ -198,13 +198,13 @@ def render(
 
 
 def _refuse_member(gears: Gears, view: View, member: str | None, names: tuple[str, ...]) -> None:
-    """Refuse a member that the pair has not, and that is no worm in the view of tools."""
-    if member is not None and member not in (*names, *((WORM,) if view == View.tool else ())):
+    """Refuse a member that is not in the pair, except for the grinding worm in the view of tools."""
+    if member is not None and member not in (*names, *((WORM_MEMBER,) if view == View.tool else ())):
         raise ArgumentError("member", member, must_be=f"one of {', '.join(names)}")
 
 
 def _refuse_for_path(view: View, tool: str | None, scallop: str | None, animate: Path | None) -> None:
-    """Refuse what does not go with the passes of a cutter, or only with them."""
+    """Refuse options that exclude the view of tool paths, and options that need it."""
     if view == View.toolpath:
         if tool is None:
             raise ArgumentError("tool", reason="missing; the view toolpath needs a cutter, as ball:3mm")
@@ -216,10 +216,10 @@ def _refuse_for_path(view: View, tool: str | None, scallop: str | None, animate:
 
 
 def _torques(view: View, text: str | None, animate: Path | None) -> list[float]:
-    """The torques of a view of loaded contact; none for others. Raises DesignError for what does not go together."""
-    if view not in LOADED:
+    """Return the torques of a view of loaded contact, none for other views. Raises ArgumentError for wrong combinations."""
+    if view not in LOADED_VIEWS:
         if text is not None:
-            raise ArgumentError("torque", text, reason=f"is for the views {', '.join(LOADED)}; --view is {view}")
+            raise ArgumentError("torque", text, reason=f"is for the views {', '.join(LOADED_VIEWS)}; --view is {view}")
         return []
     if text is None:
         raise ArgumentError("torque", reason=f"missing; the view {view} needs NM[,NM...] on the pinion")

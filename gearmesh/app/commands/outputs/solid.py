@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from gearmesh.app.options import Curves, DesignFile, Offset, Set, load_alone, load_gears, sector_option
-from gearmesh.app.parts import ALL, BOTH, PartFile
+from gearmesh.app.parts import ALL_MEMBERS, BOTH_MEMBERS, PartFile
 from gearmesh.errors import ArgumentError
 
 if TYPE_CHECKING:
     from gearmesh import Gears
 
-#: what --member takes beside the names of the members and all of them
-WORM = "worm"
+#: value of --member for the grinding worm
+WORM_MEMBER = "worm"
 
 
 def solid(
@@ -95,7 +95,7 @@ def solid(
     between two teeth, flanks alone, or a sector."""
     file = PartFile(output, tol, section, curves, offset, teeth, flank_only, space, phi1, sector, names)
     file.refuse(member)
-    together = member in (BOTH, ALL, WORM)
+    together = member in (BOTH_MEMBERS, ALL_MEMBERS, WORM_MEMBER)
 
     def ask(gears: Gears) -> object:
         _refuse_member(gears, member)
@@ -112,13 +112,13 @@ def _refuse_member(gears: Gears, member: str) -> None:
 
     ground = system_of(gears.design).worm is not None
     names = gears.names.members
-    allowed = [*names, BOTH, ALL, *([WORM] if ground and WORM not in names else [])]
+    allowed = [*names, BOTH_MEMBERS, ALL_MEMBERS, *([WORM_MEMBER] if ground and WORM_MEMBER not in names else [])]
     if member not in allowed:
         raise ArgumentError("member", member, must_be=f"one of {', '.join(allowed)}")
 
 
 def _refuse_teeth(gears: Gears, member: str, suffix: str, teeth: int, whole: bool) -> None:
-    """Refuse --teeth where the part is made whole, or has not so many."""
+    """Refuse --teeth for a part that is always whole, and more teeth than the part has."""
     if whole:
         raise ArgumentError("teeth", teeth, must_be=f"left out for {suffix}, which holds whole gears")
     if member not in gears.names.members:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from gearmesh.answers.bodies.toolpath import ToolPathAnswer
 
 #: suffix of a picture
-PICTURE = ".png"
+PICTURE_SUFFIX = ".png"
 
 
 def toolpath(
@@ -93,7 +93,7 @@ def toolpath(
     """Finishing passes of a ball-end cutter on a five-axis machine, with step-over by the scallop, tool axes clear of all teeth,
     and what they leave measured on the exact surfaces."""
     if output is not None:
-        refuse_suffix(output, ".cls", ".csv", ".vtp", PICTURE)
+        refuse_suffix(output, ".cls", ".csv", ".vtp", PICTURE_SUFFIX)
     for file in (output, json_file):
         refuse_unwritable(file)
 
@@ -116,7 +116,7 @@ def toolpath(
     gears = load_alone(design_file, settings, ask)
     with working("tool path"):
         path = ask(gears)
-        if output is not None and output.suffix.lower() == PICTURE:
+        if output is not None and output.suffix.lower() == PICTURE_SUFFIX:
             gears.picture("toolpath", of=path).save(output)
         elif output is not None:
             path.save(output)

@@ -1,4 +1,4 @@
-"""The command `topography`: what is removed of a flank, as the file that a design reads."""
+"""The command `topography`: the material removed from a flank, as a file for designs."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ from gearmesh.contact.flanks import analyse, touching_jets
 from gearmesh.design.keys import DERIVED_VALUE
 from gearmesh.errors import DesignError, NoSolutionError
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import AXIS
+from gearmesh.kernel.numeric.algebra import Z_AXIS
 from gearmesh.kernel.surface.curvature import shape_operator, tangent_basis
 from gearmesh.kernel.surface.surface import Jet
 from gearmesh.systems.spiral_bevel.build import build
@@ -192,7 +192,7 @@ def _base_free(own: FaceMilledDesign, design: FaceMilledDesign, name: str) -> Fa
 def _as_it_touches(gear: Jet, base: Rigid, sense: int, apex: float) -> MeanContact:
     """Return the gear's data at its actual contact with the ratio at that contact: n . v12 = 0."""
     axis, origin = base.rotation[:, 2], base.translation
-    pinion_arm = gear.n @ np.cross(AXIS, gear.r)
+    pinion_arm = gear.n @ np.cross(Z_AXIS, gear.r)
     gear_arm = gear.n @ np.cross(-axis, gear.r - origin)
     return contact_at(gear, base, sense, float(pinion_arm / gear_arm), apex)
 

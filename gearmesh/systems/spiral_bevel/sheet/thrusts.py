@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import AXIS, Array
+from gearmesh.kernel.numeric.algebra import Z_AXIS, Array
 from gearmesh.systems.common.symbol_table import Row, table
 from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank, MemberBlank
 from gearmesh.systems.spiral_bevel.machine.pair import BLADE_SIDES
@@ -59,7 +59,7 @@ def along_normal(torque: float, point: Array, normal: Array, gear_base: Rigid) -
     - `normal`: normal of the flanks (3,) out of the pinion
     - `gear_base`: position of the gear's frame in the pinion's
     """
-    arm = abs(float(normal @ np.cross(AXIS, point)))
+    arm = abs(float(normal @ np.cross(Z_AXIS, point)))
     force = -torque / arm * normal
     back = gear_base.inverse
     return _parts(force, point), _parts(back.vector(-force), back.point(point))
@@ -68,7 +68,7 @@ def along_normal(torque: float, point: Array, normal: Array, gear_base: Rigid) -
 def _parts(force: Array, point: Array) -> ToothForces:
     """Return the components of a force (3,) on a member at a point (3,), in its frame."""
     outward = np.array([point[0], point[1], 0.0]) / np.hypot(point[0], point[1])
-    return ToothForces(abs(float(force @ np.cross(AXIS, outward))), float(force @ AXIS), -float(force @ outward))
+    return ToothForces(abs(float(force @ np.cross(Z_AXIS, outward))), float(force @ Z_AXIS), -float(force @ outward))
 
 
 def thrust_table(blank: BevelBlank, means: dict[str, MeanPoint], gear_base: Rigid, torque: float) -> SheetTable:

@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from gearmesh.kernel.numeric.algebra import AXIS, Array, cross, dot, polar_angle
+from gearmesh.kernel.numeric.algebra import Z_AXIS, Array, cross, dot, polar_angle
 from gearmesh.kernel.numeric.algebra import unit as unit_vector
 from gearmesh.kernel.surface.levels import ConeLevel, Level, SlantedLevel, station_normal
 from gearmesh.kernel.surface.stations import along
@@ -66,7 +66,7 @@ class PitchLines:
         They are > 0 in the sense of the hand.
         """
         direction, jet = self.lengthwise(side), self.jets[side]
-        around = dot(direction, unit_vector(cross(AXIS, jet.r)))
+        around = dot(direction, unit_vector(cross(Z_AXIS, jet.r)))
         angles: Array = np.arctan2(self.hand * around, dot(direction, self.levels[0].gradient(jet.r)))
         return angles
 

@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 from gearmesh.errors import NoSolutionError
 from gearmesh.figures import Figures, figure
 from gearmesh.kernel.envelope.envelope import Envelope
-from gearmesh.kernel.numeric.algebra import AXIS, Array, cross, dot, unit
+from gearmesh.kernel.numeric.algebra import Z_AXIS, Array, cross, dot, unit
 from gearmesh.kernel.surface.stations import follow
 from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank
@@ -170,7 +170,7 @@ def _start(
     """
     active, r, n = ActiveFlank(blank), contact.point, contact.normal
     # slopes and second derivatives of the ease-off in the tangent plane, by central differences
-    e1 = unit(cross(n, AXIS))
+    e1 = unit(cross(n, Z_AXIS))
     basis = np.stack((e1, cross(n, e1)))
     h = FLANK_STEP_MODULES * blank.mean_normal_module
     grid = h * np.array([[(s, t) for t in (-1, 0, 1)] for s in (-1, 0, 1)]) @ basis
@@ -398,7 +398,7 @@ class _Fit:
     @cached_property
     def _across(self) -> tuple[Array, Array]:
         """Unit vectors (K, 3) across the normals."""
-        e1 = unit(cross(self._n, AXIS))
+        e1 = unit(cross(self._n, Z_AXIS))
         return e1, cross(self._n, e1)
 
     @cached_property
@@ -409,7 +409,7 @@ class _Fit:
     @cached_property
     def _turning(self) -> Array:
         """Ease-off (K,) of a flank that turns about the pinion's axis, 1 in the middle."""
-        lever = dot(self.conjugate.normals, cross(AXIS, self.conjugate.points))
+        lever = dot(self.conjugate.normals, cross(Z_AXIS, self.conjugate.points))
         i, j = lever.shape
         ease_off: Array = (lever / lever[i // 2, j // 2])[self.used]
         return ease_off

@@ -27,7 +27,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gearmesh.errors import NoSolutionError
-from gearmesh.kernel.numeric.algebra import AXIS, Array
+from gearmesh.kernel.numeric.algebra import Z_AXIS, Array
 
 
 @dataclass(frozen=True)
@@ -202,7 +202,7 @@ def tool_settings(
     if axis is not None:
         by_cradle = np.cross(cradle, normal)
         along1, turning1, turning2 = (float(x) for x in (e1 @ cradle, by_cradle @ e1, by_cradle @ e2))
-    velocity1, turned = np.cross(AXIS, point), np.cross(AXIS, normal)
+    velocity1, turned = np.cross(Z_AXIS, point), np.cross(Z_AXIS, normal)
     # Sliding velocity (s1, s2) and vector (a1, a2) of the rank-one part, both linear in m. Conditions: the sliding along
     # the cradle axis is that of the pinion alone, since the cradle has none; and a1 / a2 = k12 / k22.
     level, share = -(velocity1 @ cradle) / along2, along1 / along2
@@ -212,8 +212,8 @@ def tool_settings(
     s2, s2_m = level - share * s1, -share * s1_m
     a2, a2_m = blade_curvature * s2 - turned @ e2, blade_curvature * s2_m + turning2
     a1, a1_m = a2 * k12 / k22, a2_m * k12 / k22
-    lever1, lever2 = a1 - normal @ np.cross(AXIS, e1), normal @ np.cross(AXIS, e2)
-    constant = -normal @ np.cross(AXIS, velocity1) - lever2 * s2 + a2 * s2 + lever1 * s1
+    lever1, lever2 = a1 - normal @ np.cross(Z_AXIS, e1), normal @ np.cross(Z_AXIS, e2)
+    constant = -normal @ np.cross(Z_AXIS, velocity1) - lever2 * s2 + a2 * s2 + lever1 * s1
     slope = normal @ np.cross(cradle, velocity1) + lever1 * s1_m
     # size of the rank-one part: square m^2 + slope m + constant = 0; square is 0 for an upright cutter
     constant = a2**2 / k22 + constant

@@ -17,7 +17,7 @@ import numpy as np
 from gearmesh.design.keys import given_or
 from gearmesh.errors import DesignError, NoSolutionError
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import ARCSEC, AXIS, Array, cross, unit
+from gearmesh.kernel.numeric.algebra import ARCSEC, Z_AXIS, Array, cross, unit
 from gearmesh.kernel.surface.curvature import principal, shape_operator, tangent_basis
 from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.systems.common.bounds import at_least, at_most
@@ -592,7 +592,7 @@ def contact_at(at: Jet, gear_to_pinion: Rigid, sense: int, ratio: float, apex: f
         gear_operator=-(basis.T @ operator @ basis),
         lengthwise=-directions[0] * np.sign(directions[0] @ pitch_line),
         profilewise=directions[1] * np.sign(directions[1] @ to_axis),
-        spin1=sense * AXIS,
+        spin1=sense * Z_AXIS,
         spin2=-sense * ratio * axis,
         origin2=origin,
     )
@@ -604,7 +604,7 @@ def meshing_turns(jet: Jet, gear_to_pinion: Rigid, sense: int, ratio: float, nea
     `jet`: points in the gear's frame; `sense`, `ratio` as for `mean_contact`. The rotation is NaN for a point that is
     never in contact. n and r turn with the gear, so that the equation is A cos + B sin + C = 0.
     """
-    spin1, spin2 = sense * AXIS, -sense * ratio * gear_to_pinion.rotation[:, 2]
+    spin1, spin2 = sense * Z_AXIS, -sense * ratio * gear_to_pinion.rotation[:, 2]
     values = []
     for turn in _THIRD_TURNS:
         placed = gear_to_pinion @ Rigid.about_z(turn)

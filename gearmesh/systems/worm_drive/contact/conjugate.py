@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gearmesh.kernel.numeric.algebra import AXIS, Array, cross, dot
+from gearmesh.kernel.numeric.algebra import Z_AXIS, Array, cross, dot
 from gearmesh.systems.worm_drive.thread import WormThread
 
 
@@ -77,7 +77,7 @@ class ThreadMesh:
     @property
     def speeds(self) -> tuple[Array, Array]:
         """Angular velocities (3,) of worm and wheel per rad/s of the worm, which turns clockwise about z."""
-        return -AXIS, self.thread.hand * self.thread.threads / self.teeth * self.wheel_axis
+        return -Z_AXIS, self.thread.hand * self.thread.threads / self.teeth * self.wheel_axis
 
     def at(self, p: Array, angle: Array) -> ContactField:
         """Return the contact at profile parameters p and polar angles (rad) about the worm's axis, from x."""
@@ -87,8 +87,8 @@ class ThreadMesh:
         (w1, w2), centre = self.speeds, np.array([self.distance, 0.0, 0.0])
         w12, n = w1 - w2, jet.n
         # slide along the axis to the position at which the point meets the equation of meshing
-        shift = dot(n, cross(w1, jet.r) - cross(w2, jet.r - centre)) / dot(n, cross(w2, AXIS))
-        r = jet.r + shift[..., None] * AXIS
+        shift = dot(n, cross(w1, jet.r) - cross(w2, jet.r - centre)) / dot(n, cross(w2, Z_AXIS))
+        r = jet.r + shift[..., None] * Z_AXIS
         v1 = cross(w1, r)
         v12 = v1 - cross(w2, r - centre)
         normal = cross(jet.r_u, jet.r_v)
@@ -98,7 +98,7 @@ class ThreadMesh:
         bent = along_u[..., None] * jet.n_u + along_v[..., None] * jet.n_v
         b = cross(w12, n) - bent
         over_worm = dot(cross(w1, n), v12) + dot(n, cross(w12, v1))
-        over_thread = over_worm + dot(b, v1 - flank.screw * AXIS)
+        over_thread = over_worm + dot(b, v1 - flank.screw * Z_AXIS)
         return ContactField(r, n, v12, b, shift, over_worm, over_worm + dot(b, v12), over_thread, np.sqrt(area))
 
     def at_reference(self) -> ContactField:
