@@ -1,4 +1,4 @@
-"""What meshio and VTK make of our finite-element files, as the README's table says it."""
+"""What meshio and VTK make of our finite-element files, as the table of gearmesh/fe/notes.md says it."""
 
 from __future__ import annotations
 
