@@ -1,1 +1,1 @@
-"""One typed result for every question about gears, each figure with unit, symbol and meaning; solved once, shown by others."""
+"""Answers: one typed result for every question about gears."""

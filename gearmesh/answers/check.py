@@ -1,4 +1,4 @@
-"""The check: meshes against the exact surfaces, and the roll test of meshed flanks against the contact solver."""
+"""Check: meshes compared with the exact surfaces, and a roll test of meshed flanks compared with the contact solver."""
 
 from __future__ import annotations
 
@@ -28,16 +28,21 @@ from gearmesh.systems.system import Reserve
 from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.region import FLANK_REGIONS
 
-#: facet tolerance (mm) of the flanks that the roll test turns against each other, and over the height of teeth so large that this
-#: is more
-ROLL_TOLERANCE, OF_HEIGHT = 1e-4, 3e-6
-#: the rolled ellipse against the solver's: relative difference of the axes, angle (deg), distance of the centres over semi_major
-AXES_LIMIT, ANGLE_LIMIT, CENTRE_LIMIT = 0.1, 2.0, 0.1
-#: ellipses rounder than this have no direction
-ROUND = 1.2
-#: transmission error of facets within a tolerance, over tolerance / lever: both members' facets, seen obliquely
-FACETS = 2.5
-#: positions at which the roll test is made, spread over those with contact inside both flanks
+#: facet tolerance of the flanks in the roll test
+ROLL_TOLERANCE_MM = 1e-4
+#: smallest facet tolerance in the roll test, relative to the tooth height; it counts for large teeth
+ROLL_TOLERANCE_PER_HEIGHT = 3e-6
+#: limit of the relative difference between the axes of the rolled ellipse and of the solver's
+AXES_LIMIT = 0.1
+#: limit of the angle between the major axes of both ellipses, deg
+ANGLE_LIMIT_DEG = 2.0
+#: limit of the distance of both centres, in semi-major axes
+CENTRE_LIMIT = 0.1
+#: ratio of the axes below which an ellipse has no definite direction
+ROUND_AXES_RATIO = 1.2
+#: limit of the transmission error from facets, over tolerance / lever: facets of both members, seen obliquely
+FACET_ERROR_FACTOR = 2.5
+#: positions of the roll test, spread over the positions with contact inside both flanks
 ROLL_POSITIONS = 3
 
 
@@ -68,7 +73,7 @@ class RollRow(Figures):
 
     @property
     def difference(self) -> float:
-        """Of the transmission error, in the unit of the gear's errors."""
+        """Difference of the transmission error, in the unit of the gear's errors."""
         return self.te_difference if self.along is None else self.along
 
 
@@ -82,17 +87,20 @@ class MeshRoll(Figures):
 
 @dataclass(frozen=True, repr=False)
 class RollTest(Result):
-    """Comparison rows of `check --json`, the rolled contacts themselves, and the largest difference of each kind with its limit."""
+    """Roll test of a pair, compared with the contact solver."""
 
+    #: comparison at each position, as `check --json` writes it
     rows: list[RollRow]
+    #: rolled contacts of the meshed flanks
     contacts: tuple[RollContact, ...]
+    #: largest difference of each kind, with its limit
     verdicts: tuple[Verdict, ...] = ()
 
     @property
     def headline(self) -> str:
         unit = "um" if any(row.along is not None for row in self.rows) else "arcsec"
-        off = [abs(row.difference) for row in self.rows if np.isfinite(row.difference)]
-        rolled = f", TE within {max(off):.2g} {unit}" if off else ""
+        differences = [abs(row.difference) for row in self.rows if np.isfinite(row.difference)]
+        rolled = f", TE within {max(differences):.2g} {unit}" if differences else ""
         return f"{len(self.rows)} positions{rolled}"
 
     @property
@@ -117,7 +125,7 @@ class RollTest(Result):
         pair : GearPair
             The pair that rolled.
         name : str
-            Of the member in whose own frame they are.
+            Name of the member in whose own frame the points are.
 
         Returns
         -------
@@ -143,21 +151,25 @@ class RollTest(Result):
 
 @dataclass(frozen=True, repr=False)
 class Check(Result):
-    """Solids of all members with their measured deviation, and the roll test of the pair against the solver.
+    """Solids of all members with their measured deviation, and the roll test of the pair compared with the solver."""
 
-    Of a gear set with several meshes `others` holds what was found of the meshes beside the first, without solids; `mesh` names the
-    members of a mesh; `turns`: the pair over whole turns where no two tooth pairs are alike, and it is known; `reserves`: what the
-    mesh has left until its teeth interfere, in closed form.
-    """
-
+    #: the design of the gears
     design: Design
+    #: solids, by names of their members
     solids: dict[str, Solid]
+    #: roll test of the first mesh
     roll: RollTest
+    #: warnings about gears and figures, one line each
     warnings: tuple[str, ...] = ()
+    #: clearances and interference of the first mesh; None if unknown
     fit: Fit | None = None
+    #: checks of the further meshes of a gear set, without solids
     others: tuple[Check, ...] = ()
+    #: the pair over whole turns, if its tooth pairs differ and the turns are known
     turns: FullTurns | None = None
+    #: names of the members of the mesh
     mesh: tuple[str, ...] = ()
+    #: reserves of the mesh against interference of its teeth, in closed form
     reserves: tuple[Reserve, ...] = ()
 
     @property
@@ -178,18 +190,18 @@ class Check(Result):
 
     @property
     def verdicts(self) -> list[Verdict]:
-        """Everything that was compared, with its limit."""
+        """All comparisons, with their limits."""
         compared = []
         for name, solid in self.solids.items():
             value, limit = solid.measured.max_deviation, solid.measured.tolerance
             compared.append(Verdict(f"{name}: max_deviation_um", value, limit, value <= limit))
             compared.append(Verdict(f"{name}: defects", float(len(solid.complaints)), 0.0, not solid.complaints))
         compared += self.roll.verdicts
-        meet = "fit: sides on which the flanks meet"
+        meeting_sides = "fit: sides on which the flanks meet"
         if self.fit is None and UNMET in self.warnings:
-            compared.append(Verdict(meet, float(bool(self.roll.rows)), 2.0, ok=False))
+            compared.append(Verdict(meeting_sides, float(bool(self.roll.rows)), 2.0, ok=False))
         if self.fit is not None:
-            compared.append(Verdict(meet, 2.0, 2.0, ok=True))
+            compared.append(Verdict(meeting_sides, 2.0, 2.0, ok=True))
             play, depth = (
                 self.fit.normal_backlash[0],
                 max((overlap.depth for overlap in self.fit.interference), default=0.0),
@@ -197,15 +209,15 @@ class Check(Result):
             compared.append(
                 Verdict("fit: parts of the cycle without contact", float(len(self.fit.gaps)), 0.0, not self.fit.gaps)
             )
-            known = bool(np.isfinite(play))
-            compared.append(Verdict("fit: least backlash_normal_mm", play, 0.0, known and not play < -ROUNDING_MM))
+            is_known = bool(np.isfinite(play))
+            compared.append(Verdict("fit: least backlash_normal_mm", play, 0.0, is_known and not play < -ROUNDING_MM))
             compared.append(Verdict("fit: interference_um", 1e3 * depth, 0.0, depth == 0.0))
             collided = max((tips.depth for tips in self.fit.collisions), default=0.0)
             compared.append(Verdict("fit: tip_collision_um", 1e3 * collided, 0.0, collided == 0.0))
             for name, clearance in zip(self.mesh or self.solids, self.fit.clearances, strict=False):
                 if clearance is not None:
-                    apart = clearance.distance
-                    compared.append(Verdict(f"fit: tip_clearance_{name}_mm", apart, 0.0, apart >= -ROUNDING_MM))
+                    distance = clearance.distance
+                    compared.append(Verdict(f"fit: tip_clearance_{name}_mm", distance, 0.0, distance >= -ROUNDING_MM))
         if self.turns is not None:
             play = float(np.degrees(self.turns.backlash.min()))
             compared.append(Verdict("fit: least turns_backlash_deg", play, 0.0, self.turns.runs_free))
@@ -265,12 +277,16 @@ class Check(Result):
 def roll_test(
     pair: GearPair, path: ContactPath, positions: int = ROLL_POSITIONS, tolerance: float | None = None
 ) -> RollTest:
-    """Roll the meshed flanks (facets within `tolerance`, mm) at some positions of a solved path and compare; and, as fillets are no
-    part of them, exact whole teeth of the pair at some of those where the solver finds a tip on a fillet."""
+    """Roll the meshed flanks at some positions of a solved path, and compare the result with the path.
+
+    The facets are within `tolerance` (mm). Flank meshes have no fillets. Where the solver finds a tip on a fillet,
+    exact whole teeth are rolled at some of these positions.
+    """
     if tolerance is None:
-        tolerance = max(ROLL_TOLERANCE, OF_HEIGHT * min(member.tooth.height for member in pair.both))
+        tolerance = max(ROLL_TOLERANCE_MM, ROLL_TOLERANCE_PER_HEIGHT * min(member.tooth.height for member in pair.both))
     if not path.touching.any():
         return RollTest([], ())
+    # positions with contact inside both flanks; if there are none, with contact on an edge of a flank
     inside = np.flatnonzero(np.isin(path.kind, ("point", "line")))
     chosen = spread(inside if inside.size else np.flatnonzero(path.touching & (path.part == 0)), positions)
     contacts: tuple[RollContact, ...] = ()
@@ -287,29 +303,40 @@ def roll_test(
         )
     rows, smooth = list[RollRow](), smooth_under(pair, path)
     for k, contact in zip(chosen, contacts, strict=True):
-        turned = _rotation_row(path, k, contact.phi2, pair.output, "flanks")
-        within = bool(path.kind[k] == "point") and not contact.cut_by_edge and bool(smooth[k])
-        rows.append(_with_ellipse(turned, contact, path, k) if within else turned)
+        flank_row = _rotation_row(path, k, contact.phi2, pair.output, "flanks")
+        comparable = bool(path.kind[k] == "point") and not contact.cut_by_edge and bool(smooth[k])
+        rows.append(_with_ellipse(flank_row, contact, path, k) if comparable else flank_row)
+    # positions at which a tip touches a fillet: whole teeth are rolled, because the meshes are of flanks only
     filleted = spread(np.flatnonzero(path.touching & (path.part > 0)), positions)
     if filleted.size:
         whole = roll_teeth(pair, path.rotation[filleted], guess_phi2=path.phi2[filleted])
         for k, touch in zip(filleted, whole, strict=True):
             rows.append(_rotation_row(path, k, np.nan if touch is None else touch.phi2, pair.output, "whole teeth"))
+    # facets within the tolerance turn the gear by up to tolerance / lever about its axis
     compared, mount = np.concatenate((chosen, filleted)), pair.gear.mount
     arms = np.abs(dot(path.normal[compared], mount.velocity(path.point[compared])))
-    limits = (FACETS * tolerance / arms / pair.output.reading.error[0]).tolist()
+    limits = (FACET_ERROR_FACTOR * tolerance / arms / pair.output.reading.error[0]).tolist()
     rolled = (*contacts, *[None] * len(filleted))
     return RollTest(rows, contacts, tuple(_rolled_verdicts(rows, rolled, limits)))
 
 
 def _rotation_row(path: ContactPath, k: int, phi2: float, output: Joint, rolled: str) -> RollRow:
-    """Error of the gear's rotation against the path at its k-th position; and what was rolled."""
-    off = float(phi2 - path.phi2[k])
-    return RollRow(float(np.degrees(path.phi1[k])), rolled, off / ARCSEC, output.way(1e3 * off), None, None, None, None)
+    """Return the difference of the gear's rotation from the path at its k-th position, and what was rolled."""
+    difference = float(phi2 - path.phi2[k])
+    return RollRow(
+        float(np.degrees(path.phi1[k])),
+        rolled,
+        difference / ARCSEC,
+        output.way(1e3 * difference),
+        None,
+        None,
+        None,
+        None,
+    )
 
 
 def _with_ellipse(row: RollRow, rolled: RollContact, path: ContactPath, k: int) -> RollRow:
-    """The same with the contact ellipse, as it was rolled, against that of the path."""
+    """Return the row with the rolled contact ellipse compared with the ellipse of the path."""
     return replace(
         row,
         a_ratio=float(rolled.semi_major / path.semi_major[k]),
@@ -322,7 +349,7 @@ def _with_ellipse(row: RollRow, rolled: RollContact, path: ContactPath, k: int) 
 def _rolled_verdicts(
     rows: list[RollRow], contacts: tuple[RollContact | None, ...], te_limits: list[float]
 ) -> Iterator[Verdict]:
-    """The largest difference of each kind that was compared, over all positions."""
+    """Yield the largest difference of each kind over all positions, relative to its limit."""
     kinds: dict[str, list[tuple[float, float]]] = {}
     for row, te_limit, contact in zip(rows, te_limits, contacts, strict=True):
         for what, value, limit in _comparisons(row, te_limit, contact):
@@ -333,20 +360,22 @@ def _rolled_verdicts(
 
 
 def _comparisons(row: RollRow, te_limit: float, contact: RollContact | None) -> Iterator[tuple[str, float, float]]:
-    """What is compared at a position, its error, and the limit of that."""
+    """Yield each quantity that is compared at a position, its difference, and the limit of the difference."""
     yield RollRow.key_of("te_difference" if row.along is None else "along"), abs(row.difference), te_limit
     if row.a_ratio is None or row.b_ratio is None or contact is None:
         return
     yield f"{RollRow.key_of('a_ratio')} off 1", abs(row.a_ratio - 1.0), AXES_LIMIT
     yield f"{RollRow.key_of('b_ratio')} off 1", abs(row.b_ratio - 1.0), AXES_LIMIT
-    if row.angle_difference is not None and contact.semi_major > ROUND * contact.semi_minor:
-        yield RollRow.key_of("angle_difference"), row.angle_difference, ANGLE_LIMIT
+    if row.angle_difference is not None and contact.semi_major > ROUND_AXES_RATIO * contact.semi_minor:
+        yield RollRow.key_of("angle_difference"), row.angle_difference, ANGLE_LIMIT_DEG
     if row.centre_distance is not None:
         yield RollRow.key_of("centre_distance"), row.centre_distance, 1e3 * CENTRE_LIMIT * contact.semi_major
 
 
 def flank_meshes(pair: GearPair, tolerance: float) -> tuple[TriangleMesh, TriangleMesh]:
-    """The touching flanks of one tooth each, meshed within `tolerance` (mm), in the members' own frames."""
+    """Return the touching flanks of one tooth of each member, meshed within `tolerance` (mm), in the members' own
+    frames.
+    """
     from gearmesh.mesh.solid import teeth_mesh
     from gearmesh.mesh.tessellate import tessellate
 

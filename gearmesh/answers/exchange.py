@@ -1,4 +1,4 @@
-"""Designs from REXS models, and REXS models of designs."""
+"""Exchange of designs with REXS: designs from REXS models, and REXS models of designs."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ from gearmesh.numerals import parse_whole_number
 from gearmesh.systems.designs import parse_as_stated
 from gearmesh.systems.system import System, complete_design, kinds, system, system_of
 
-#: date of a new model: the same design gives the same file
-UNDATED = "1970-01-01T00:00:00+00:00"
+#: date of a new model; it is fixed, so that the same design gives the same file
+DEFAULT_DATE = "1970-01-01T00:00:00+00:00"
 
 
 @dataclass(frozen=True)
@@ -52,16 +52,22 @@ class TorqueFigures(Figures):
 
 @dataclass(frozen=True, repr=False)
 class RexsReading(Result):
-    """The `design` of a stage of a REXS file: `keys` as the file states them; what of the file it does not say, and `torques`.
+    """Design of a stage of a REXS file.
 
-    As ".toml" the design file is saved.
+    A file with the suffix ".toml" is the design file.
     """
 
+    #: the design of the stage
     design: Design
+    #: keys of the design as the file states them
     keys: Mapping[str, Any]
+    #: type and id of the stage
     stage: str
+    #: attributes of the file that no key of the design represents
     unused: tuple[UnusedAttributeFigures, ...]
+    #: torques on the gears
     torques: tuple[TorqueFigures, ...]
+    #: notes of the reader, one line each
     warnings: tuple[str, ...] = ()
 
     @property
@@ -75,18 +81,18 @@ class RexsReading(Result):
 
     @property
     def listings(self) -> list[Listing]:
-        torques = [[one.gear, one.load_case, one.torque_Nm] for one in self.torques]
+        torques = [[entry.gear, entry.load_case, entry.torque_Nm] for entry in self.torques]
         unused: dict[str, list[str]] = {}
-        for one in self.unused:
-            unused.setdefault(one.component, []).append(one.attribute)
+        for entry in self.unused:
+            unused.setdefault(entry.component, []).append(entry.attribute)
         listings = [Listing("Torques", ("gear", "load case", "torque Nm"), torques)] if torques else []
         rows = [[component, attribute] for component, attributes in unused.items() for attribute in attributes]
         return [*listings, Listing("Not used", ("component", "attribute"), rows)]
 
     def to_dict(self) -> dict[str, list[Any]]:
         return {
-            "component": [one.component for one in self.unused],
-            "attribute": [one.attribute for one in self.unused],
+            "component": [entry.component for entry in self.unused],
+            "attribute": [entry.attribute for entry in self.unused],
         }
 
     @property
@@ -104,7 +110,7 @@ class RexsReading(Result):
         Parameters
         ----------
         folder : pathlib.Path
-            Where it is to be, from which names of other files in it are counted.
+            Folder of the file; paths of other files in it are relative to this folder.
 
         Returns
         -------
@@ -118,8 +124,8 @@ class RexsReading(Result):
         'kind = "cylindrical"'
         """
         lines = [
-            f"# torque on {one.gear}{f', load case {one.load_case}' if one.load_case else ''}: {one.torque_Nm:.12g} Nm\n"
-            for one in self.torques
+            f"# torque on {entry.gear}{f', load case {entry.load_case}' if entry.load_case else ''}: {entry.torque_Nm:.12g} Nm\n"
+            for entry in self.torques
         ]
         return "".join(lines) + stated_text(self.keys, type(self.design), folder)
 
@@ -133,17 +139,17 @@ def load_rexs(file: str | os.PathLike[str], stage: str | None = None) -> RexsRea
     file : str or os.PathLike[str]
         The file.
     stage : str, optional
-        Id of the stage; it may be left out where the file has one.
+        Id of the stage; not needed if the file has only one stage.
 
     Returns
     -------
     RexsReading
-        Its `design`, the torques of the file, and all of the file that the design does not say.
+        The `design`, the torques of the file, and all attributes of the file that the design does not represent.
 
     Raises
     ------
     DesignError
-        One line: a file that cannot be read, a stage that is not there, gears that are impossible.
+        One line: a file that cannot be read, a stage that does not exist, or gears that are impossible.
 
     Examples
     --------
@@ -154,9 +160,9 @@ def load_rexs(file: str | os.PathLike[str], stage: str | None = None) -> RexsRea
     """
     path = Path(file)
     model = read_rexs(path)
-    own, reader = _stage(model, path, stage)
-    assert own.rexs is not None
-    dotted = own.rexs.read(reader)
+    kind_system, reader = _stage(model, path, stage)
+    assert kind_system.rexs is not None
+    dotted = kind_system.rexs.read(reader)
     keys: dict[str, Any] = {}
     for key, value in {**dotted, "rexs.file": path.name, "rexs.stage": reader.stage.id}.items():
         *tables, last = key.split(".")
@@ -166,25 +172,27 @@ def load_rexs(file: str | os.PathLike[str], stage: str | None = None) -> RexsRea
             if not isinstance(table, dict):
                 raise FileError(path, reason=f"{reader.stage.in_full}: {key}: {name} is not a table of a design")
         table[last] = value
-    keys = anchor(keys, own.of_keys(keys).design, path.parent)
+    keys = anchor(keys, kind_system.of_keys(keys).design, path.parent)
     try:
         design = complete_design(parse_as_stated(keys))
     except DesignError as refusal:
         raise reader.name_origin(refusal) from None
     torques = tuple(
         TorqueFigures(str(gear), case, torque)
-        for one, gear in _gears(reader)
-        for case, torque in one.torques(gear).items()
+        for stage_reader, gear in _gears(reader)
+        for case, torque in stage_reader.torques(gear).items()
     )
     unused = tuple(UnusedAttributeFigures(component, attribute) for component, attribute in reader.unused_attributes())
     return RexsReading(design, keys, str(reader.stage), unused, torques, tuple(dict.fromkeys(reader.notes)))
 
 
 def _gears(reader: StageReader) -> Iterator[tuple[StageReader, Component]]:
-    """The gears of a stage, or of the stages that are its parts, each with the stage that is asked for its torque."""
+    """Yield the gears of a stage or of its part stages, each with the reader of the stage that has its torque."""
     seen: set[str] = set()
-    own = [reader.stage] if any(reader.model.relations_of("stage", "stage", reader.stage.id)) else reader.part_stages()
-    for stage in map(reader.of, own):
+    stages = (
+        [reader.stage] if any(reader.model.relations_of("stage", "stage", reader.stage.id)) else reader.part_stages()
+    )
+    for stage in map(reader.of, stages):
         for gear in stage.gears():
             if gear.id not in seen:
                 seen.add(gear.id)
@@ -193,50 +201,57 @@ def _gears(reader: StageReader) -> Iterator[tuple[StageReader, Component]]:
 
 def _forms() -> Iterator[tuple[System[Any], StageForm]]:
     for kind in kinds():
-        own = system(kind)
-        if own.rexs is not None:
-            yield own, own.rexs
+        kind_system = system(kind)
+        if kind_system.rexs is not None:
+            yield kind_system, kind_system.rexs
 
 
 def _stage(model: RexsModel, path: Path, wanted: str | None) -> tuple[System[Any], StageReader]:
-    """The system of a stage, and its reader."""
+    """Return the system of a stage, and its reader."""
     types = tuple(dict.fromkeys(type for _, form in _forms() for type in form.stages))
-    stages = [one for one in model.components if one.type in types]
+    stages = [component for component in model.components if component.type in types]
     inside = {
         relation.in_role("part")
         for relation in model.relations
-        if relation.type == "assembly" and relation.in_role("assembly") in [one.id for one in stages]
+        if relation.type == "assembly" and relation.in_role("assembly") in [component.id for component in stages]
     }
-    offered = [one for one in stages if one.id not in inside]
+    offered = [component for component in stages if component.id not in inside]
     listed = ", ".join(
-        f'{one.id} ({one.type} "{one.name}")' if one.name else f"{one.id} ({one.type})" for one in offered
+        f'{component.id} ({component.type} "{component.name}")'
+        if component.name
+        else f"{component.id} ({component.type})"
+        for component in offered
     )
     if not stages:
         raise FileError(path, reason=f"has no stage of these types: {', '.join(types)}")
     if wanted is None and len(offered) > 1:
         raise ArgumentError("stage", reason=f"the file has {len(offered)} stages; name one", allowed=listed)
-    chosen = [one for one in stages if one.id == wanted or (wanted is None and one in offered)]
+    chosen = [component for component in stages if component.id == wanted or (wanted is None and component in offered)]
     if not chosen:
         raise ArgumentError("stage", wanted, reason="the file has no such stage", allowed=listed)
     reader = StageReader(str(path), model, chosen[0])
-    for own, form in _forms():
+    for kind_system, form in _forms():
         if chosen[0].type in form.stages and form.is_of(StageReader(str(path), model, chosen[0])):
-            return own, reader
+            return kind_system, reader
     raise FileError(path, reason=f"{chosen[0].in_full}: gears of this form are not read")
 
 
 @dataclass(frozen=True, repr=False)
 class RexsExport(Result):
-    """A REXS model of a design: a new one, or that of the file that the design was read from, with the gears as they are now.
+    """REXS model of a design: a new model, or the model from which the design was read, with its gears updated.
 
-    `own_keys`: keys of the design that the format has no attribute for, and that are written as attributes of this program. As
-    ".rexs" it is saved as XML, as ".rexsj" as JSON, as ".rexsz" zipped.
+    The suffix selects the format: ".rexs" is XML, ".rexsj" is JSON, ".rexsz" is zipped.
     """
 
+    #: the design
     design: Design
+    #: the model
     _model: RexsModel
+    #: type and id of the stage
     stage: str
+    #: keys of the design without an attribute in the format; they are written as attributes of this program
     own_keys: tuple[str, ...]
+    #: warnings, one line each
     warnings: tuple[str, ...] = ()
 
     @property
@@ -267,19 +282,21 @@ class RexsExport(Result):
 
 
 def refuse_kind(design: Design) -> StageForm:
-    """How stages of the kind of a design are written. Raises DesignError for kinds that the format does not have."""
+    """Return how stages of the kind of a design are written. Raises DesignError for kinds that the format does not
+    have.
+    """
     form = system_of(design).rexs
     if form is None:
-        having = ", ".join(f'"{one.kind}"' for one, _ in _forms())
+        having = ", ".join(f'"{kind_system.kind}"' for kind_system, _ in _forms())
         raise DesignError("kind", design.kind, reason="REXS has no such stage", allowed=having)
     return form
 
 
 def rexs_of(pinned: Pinned, folder: Path, loaded: LoadedContact | None = None) -> RexsExport:
-    """The REXS model of a pinned design, for a file in `folder`.
+    """Return the REXS model of a pinned design, for a file in `folder`.
 
-    What is `loaded` is written as load cases, one for each torque. Raises DesignError for kinds that the format does not have, and
-    FileError for the file that the design was read from.
+    Loaded contact is written as load cases, one per torque. Raises DesignError for kinds that the format does not have,
+    and FileError for an unreadable source file of the design.
     """
     form = refuse_kind(pinned.design)
     design = pinned.design.in_mm()
@@ -289,7 +306,7 @@ def rexs_of(pinned: Pinned, folder: Path, loaded: LoadedContact | None = None) -
     if source is not None and known is None:
         raise DesignError("rexs.stage", source.stage, reason=f"{source.file} has no component of this id")
     model.version, model.application, model.application_version = WRITTEN_VERSION, "gearmesh", __version__
-    model.date = model.date or UNDATED
+    model.date = model.date or DEFAULT_DATE
     plain = counted_from(every_key(design, RANGE), type(design), folder)
     keys = {key: value for key, value in leaves_of(plain) if not key.startswith("rexs.")}
     writer = StageWriter(model, keys)
@@ -302,22 +319,24 @@ def rexs_of(pinned: Pinned, folder: Path, loaded: LoadedContact | None = None) -
 
 
 def _put_results(writer: StageWriter, stage: Component, loaded: LoadedContact) -> None:
-    """A load case for each torque: the torques on both gears, and of the stage what loaded contact gives over the mesh cycle."""
+    """Add a load case for each torque: the torques on both gears, and the results of loaded contact over the mesh
+    cycle.
+    """
     model = writer.model
     first, second = next(
-        (model.component(one.in_role("gear_1")), model.component(one.in_role("gear_2")))
-        for one in model.relations_of("stage", "stage", stage.id)
+        (model.component(relation.in_role("gear_1")), model.component(relation.in_role("gear_2")))
+        for relation in model.relations_of("stage", "stage", stage.id)
     )
     model.spectrum = model.spectrum or "1"
-    taken = max((parse_whole_number(one.id) or 0 for one in model.load_cases), default=0)
+    taken = max((parse_whole_number(relation.id) or 0 for relation in model.load_cases), default=0)
     for number, rows in enumerate(_by_torque(loaded.rows), start=taken + 1):
-        own, te = Component(stage.id, stage.type), [row.te for row in rows]
+        case_stage, te = Component(stage.id, stage.type), [row.te for row in rows]
         for name, value, unit in (
             ("loaded_transmission_error_peak_to_peak", (max(te) - min(te)) / 3600.0, "deg"),
             ("largest_contact_pressure", max(row.peak_pressure for row in rows), "N / mm^2"),
         ):
-            writer.put_custom(own, name, value, unit)
-        components = [own]
+            writer.put_custom(case_stage, name, value, unit)
+        components = [case_stage]
         for gear, torque in ((first, rows[0].torque), (second, rows[0].gear_torque)):
             if gear is not None:
                 data = writer.partner(

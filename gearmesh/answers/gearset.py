@@ -1,4 +1,4 @@
-"""Gears built from a design: members, their mounting, and the pairs that mesh; the subject of all answers."""
+"""Gears built from a design: members, their mounting, and the pairs that mesh. All answers are about these gears."""
 
 from __future__ import annotations
 
@@ -23,7 +23,9 @@ from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
 
 
 def number_list(argument: str, values: ArrayLike, unit: str) -> Array:
-    """Values (N,) of an argument that is a number or several. Raises ArgumentError for what are none, or not finite."""
+    """Return the values (N,) of an argument that is one number or several. Raises ArgumentError if any is not a finite
+    number.
+    """
     try:
         numbers = np.atleast_1d(np.asarray(values, dtype=float))
     except (TypeError, ValueError):
@@ -33,25 +35,25 @@ def number_list(argument: str, values: ArrayLike, unit: str) -> Array:
     return numbers
 
 
-#: positions of one call at most
-MOST_POSITIONS = 100_000
+#: limit of the positions of one call
+MAX_POSITIONS = 100_000
 #: largest rotation of the pinion, deg: beyond it angles are rounded by more than 1e-7 deg
-LARGEST_ROTATION = 1e9
+MAX_ROTATION_DEG = 1e9
 
 
 def refuse_rotation(phi1: float) -> None:
     """Raise ArgumentError for a rotation (deg) of the pinion that is no number or too large."""
-    if not abs(phi1) <= LARGEST_ROTATION:
+    if not abs(phi1) <= MAX_ROTATION_DEG:
         raise ArgumentError(
-            "phi1", phi1, must_be=f"a finite number of degrees, {LARGEST_ROTATION:g} either way at most"
+            "phi1", phi1, must_be=f"a finite number of degrees, {MAX_ROTATION_DEG:g} either way at most"
         )
 
 
 def position_list(phi1: ArrayLike) -> Array:
-    """Rotations (N,) of the pinion, deg, one at least. Raises ArgumentError for none, and as `number_list`."""
-    if isinstance(phi1, Sized) and len(phi1) > MOST_POSITIONS:
+    """Return rotations (N,) of the pinion, deg. Raises ArgumentError if there is none, or any is invalid."""
+    if isinstance(phi1, Sized) and len(phi1) > MAX_POSITIONS:
         raise ArgumentError(
-            "phi1", shown=f"{len(phi1)} positions", value=len(phi1), must_be=f"{MOST_POSITIONS} positions at most"
+            "phi1", shown=f"{len(phi1)} positions", value=len(phi1), must_be=f"{MAX_POSITIONS} positions at most"
         )
     positions = number_list("phi1", phi1, "deg")
     for end in (positions.min(initial=0.0), positions.max(initial=0.0)):
@@ -62,7 +64,7 @@ def position_list(phi1: ArrayLike) -> Array:
 
 
 class PartsAlone(Mapping[str, systems.ToolPart]):
-    """The members of a design by their names, each built when it is asked for, without the others."""
+    """Members of a design by their names; each is built alone at its first use."""
 
     def __init__(self, design: Design) -> None:
         self._design = design
@@ -86,7 +88,7 @@ class PartsAlone(Mapping[str, systems.ToolPart]):
 
 
 class MembersAlone(Mapping[str, Member]):
-    """The same without their warnings."""
+    """Members of a design by their names without their warnings; each is built alone at its first use."""
 
     def __init__(self, parts: PartsAlone) -> None:
         self._parts = parts
@@ -108,24 +110,25 @@ class MembersAlone(Mapping[str, Member]):
 class GearSet(Picklable):
     """The gears of a design: exact teeth of all members, their mounting, and the pairs that mesh.
 
-    Nothing is computed before it is asked for.
+    Everything is computed at its first use.
     """
 
     def __init__(self, design: Design, train: GearTrain | None = None) -> None:
-        """Without the `train` of the design it is built when it is asked for, and members that do not need each other are built one
-        without the other."""
+        """Keep the design. The `train` is built at its first use if not given; independent members are built
+        separately.
+        """
         self._design, self._train = design, train
 
     @property
     def design(self) -> Design:
-        """The design; defaults that only geometry knows are filled in where the whole gear set has been built."""
+        """The design. When the whole gear set has been built, it contains the defaults that depend on geometry."""
         return self._design
 
     @property
     def train(self) -> GearTrain:
-        """All members and the pairs that mesh, each of teeth that are alike, as most answers take them to be.
+        """All members and the pairs that mesh, with equal teeth on each member, as most answers assume.
 
-        Raises DesignError where teeth of a member differ, and as `build` where it is still to be built.
+        Raises DesignError if the teeth of a member differ, and the errors of `build` if it is not built yet.
         """
         for member in self.as_built.members.values():
             member.check_alike()
@@ -133,7 +136,9 @@ class GearSet(Picklable):
 
     @property
     def as_built(self) -> GearTrain:
-        """All members and the pairs that mesh, whose teeth may differ. Raises as `build` where it is still to be built."""
+        """All members and the pairs that mesh; their teeth may differ. Raises the errors of `build` if it is not built
+        yet.
+        """
         if self._train is None:
             self._design = systems.complete_design(self._design)
             self._train = systems.build(self._design)
@@ -146,13 +151,13 @@ class GearSet(Picklable):
 
     @cached_property
     def _parts(self) -> PartsAlone | None:
-        """Members that are built one without the other, None where the gear set is built, or the kind has none."""
+        """Members that are built separately; None if the gear set is built, or the kind has no such members."""
         alone = self._train is None and systems.system_of(self.design).members
         return PartsAlone(self.design) if alone else None
 
     @property
     def names(self) -> MemberNames:
-        """Names of members and pairs, which most designs tell before anything is built."""
+        """Names of members and pairs; most designs know them before anything is built."""
         known = self.design.member_names if self._train is None else None
         return self.as_built.names if known is None else known
 
@@ -163,12 +168,12 @@ class GearSet(Picklable):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Warnings about the geometry, one line each; solids of members that are built alone have their own."""
+        """Warnings about the geometry, one line each; solids of members that are built alone have their own warnings."""
         return self.as_built.warnings if self._parts is None or self._train is not None else ()
 
     @property
     def title(self) -> str:
-        """What heads pages and pictures: the title of the design."""
+        """Title of the design, for pages and pictures."""
         return self.design.title
 
     def __repr__(self) -> str:
@@ -187,17 +192,17 @@ class GearSet(Picklable):
         return [name for name in super().__dir__() if not name.startswith("_")]
 
     def place(self, meshes: Mapping[str, TriangleMesh]) -> dict[str, TriangleMesh]:
-        """Meshes of the members where they mesh at phi1 = 0 (fixed frame).
+        """Meshes of the members in mesh at phi1 = 0 (fixed frame).
 
         Parameters
         ----------
         meshes : mapping of str to TriangleMesh
-            In the members' own frames, mm, by their names.
+            Meshes in the members' own frames, mm, by names of members.
 
         Returns
         -------
         dict of str to TriangleMesh
-            The same, moved.
+            The moved meshes.
 
         Examples
         --------
@@ -214,7 +219,7 @@ class GearSet(Picklable):
         tolerance : float or str or None
             mm, or with a unit.
         default : float, optional
-            What counts where none is given, mm; by default the design's.
+            Tolerance, mm, if none is given; by default the design's.
 
         Returns
         -------
@@ -224,7 +229,7 @@ class GearSet(Picklable):
         Raises
         ------
         DesignError
-            For what is no length above 0.
+            If it is not a length above 0.
 
         Examples
         --------
@@ -241,7 +246,7 @@ class GearSet(Picklable):
         Parameters
         ----------
         name : str
-            As "pinion", or "worm".
+            Name, for example "pinion" or "worm".
 
         Returns
         -------
@@ -269,17 +274,17 @@ class GearSet(Picklable):
         Parameters
         ----------
         name : str
-            As "pinion".
+            Name, for example "pinion".
 
         Returns
         -------
         Member
-            Its teeth, in its own frame, and how it is mounted.
+            Its teeth, in its own frame, and its mounting.
 
         Raises
         ------
         DesignError
-            For one that there is not.
+            For a member that does not exist.
 
         Examples
         --------
@@ -295,7 +300,7 @@ class GearSet(Picklable):
         Parameters
         ----------
         which : int or str
-            Its number, or its members' names in either order, as "sun-planet_1".
+            Its number, or its members' names in either order, for example "sun-planet_1".
 
         Returns
         -------
@@ -305,7 +310,7 @@ class GearSet(Picklable):
         Raises
         ------
         DesignError
-            For another, and where no members mesh.
+            For a pair that does not exist, and if no members mesh.
 
         Examples
         --------
@@ -317,14 +322,14 @@ class GearSet(Picklable):
 
     @cached_property
     def places(self) -> dict[str, Rigid]:
-        """Own frames of all members to the fixed frame, at the contact of phi1 = 0.
+        """Transformations from the own frames of all members to the fixed frame, in contact at phi1 = 0.
 
-        Raises NoSolutionError where a pair has none there.
+        Raises NoSolutionError if a pair has no contact there.
         """
         return self.places_at(0.0)
 
     def places_at(self, phi1: float) -> dict[str, Rigid]:
-        """Where the members are at a contact (fixed frame).
+        """Positions of the members in contact at a rotation of the pinion (fixed frame).
 
         Parameters
         ----------
@@ -334,14 +339,14 @@ class GearSet(Picklable):
         Returns
         -------
         dict of str to Rigid
-            From the own frame of each member to the fixed one.
+            Transformation from the own frame of each member to the fixed frame.
 
         Raises
         ------
         DesignError
-            For what is no angle.
+            For an invalid angle.
         NoSolutionError
-            Where the pair has no contact there.
+            If the pair has no contact there.
 
         Examples
         --------
@@ -357,7 +362,8 @@ class GearSet(Picklable):
         for pair in self.pairs:
             if pair.gear.name in places:
                 continue
-            # a pinion that another pair has placed stands as that has turned it, whole pitches from where its first tooth touches
+            # a pinion that another pair has placed keeps its rotation; its first tooth touches whole pitches away from
+            # it
             turn = turns.get(pair.pinion.name, start)
             rotation, phi2 = (
                 float(leading_turn[0]) for leading_turn in leading_turns(pair, np.array([turn]), 1 if turn else 0)

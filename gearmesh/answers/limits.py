@@ -1,4 +1,4 @@
-"""Undercut and pointing of the members of a gear set, as a document and as tables."""
+"""Limits of the members of a gear set, undercut and pointing, as a document and as tables."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ from gearmesh.systems.system import build_without_one
 from gearmesh.teeth.gear_train import GearTrain, Member
 from gearmesh.teeth.limits import MemberLimits, SideLimits, member_limits
 
-#: decimals of the tables, mm
-DIGITS = 5
-#: headings of keys that have kept an older word
-HEADINGS = {"joint_depth_mm": "form point depth mm"}
+#: decimals of lengths (mm) in tables
+TABLE_DECIMALS = 5
+#: headings of keys that still contain an older word
+COLUMN_HEADINGS = {"joint_depth_mm": "form point depth mm"}
 
 
 @dataclass(frozen=True)
@@ -68,20 +68,20 @@ class SideLimitFigures(Figures):
 
     @property
     def columns(self) -> dict[str, NDArray[Any]]:
-        """What there is of each station, by keys."""
+        """Values per station, by keys."""
         return _by_station(self)
 
     @property
     def table(self) -> dict[str, NDArray[Any]]:
-        """The same and the parameters of the limiting line."""
+        """Values per station and the parameters of the limiting line, by keys."""
         return {**self.columns, **self.limiting_line.parameters}
 
     @property
     def losses(self) -> dict[str, float]:
-        """What undercut takes away over the whole face, by keys."""
+        """Parts of the flank that undercut removes over the whole face, by keys."""
         keys = ("lost_share", "undercut_face_share", "greatest_lost_share", "greatest_lost_at_mm")
-        own = {entry.key: entry.value for entry in self.entries}
-        return {key: own[key] for key in keys}
+        values = {entry.key: entry.value for entry in self.entries}
+        return {key: values[key] for key in keys}
 
 
 @dataclass(frozen=True)
@@ -111,12 +111,12 @@ class MemberLimitFigures(Figures):
 
     @property
     def single(self) -> list[Entry]:
-        """What is of the whole member."""
+        """Figures of the whole member."""
         return [entry for entry in self.entries if not isinstance(entry.value, np.ndarray | Mapping)]
 
     @property
     def columns(self) -> dict[str, NDArray[Any]]:
-        """What there is of each station, by keys."""
+        """Values per station, by keys."""
         return {key: values for key, values in _by_station(self).items() if values is not self.stations}
 
 
@@ -126,11 +126,15 @@ def _by_station(figures: Figures) -> dict[str, NDArray[Any]]:
 
 @dataclass(frozen=True, repr=False)
 class Limits(Result):
-    """Undercut and pointing of all members, by their names; `land` (mm) is the smallest top land that was allowed."""
+    """Undercut and pointing of all members."""
 
+    #: the design
     design: Design
+    #: the built gears
     train: GearTrain
+    #: smallest top land that was allowed, mm
     land: float
+    #: limits of the members, by their names
     limits: dict[str, MemberLimits]
 
     @property
@@ -144,8 +148,12 @@ class Limits(Result):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Those of the gear set, and a line for every flank that is undercut, every member of which half is shown, and every one
-        whose flanks begin at a sharp edge that its tools leave: undercut is then not seen where flank and fillet part."""
+        """Warnings of the gear set and of its limits, one line each.
+
+        There is a line for every flank that is undercut, and for every member of which only one half is shown. There is
+        also a line for every member whose flanks begin at a sharp edge that its tools leave: undercut is then not
+        visible where flank and fillet meet.
+        """
         lines = []
         for name, limits in self.limits.items():
             for other in self.train.members[name].halves[1:]:
@@ -182,12 +190,12 @@ class Limits(Result):
 
     @cached_property
     def members(self) -> dict[str, MemberLimitFigures]:
-        """The figures of every member, by names."""
+        """Figures of every member, by names."""
         return {name: _figures(self.train.members[name], limits) for name, limits in self.limits.items()}
 
     @property
     def listings(self) -> list[Listing]:
-        """Of every member its figures, its flanks against undercut, its tip against pointing."""
+        """Tables of every member: its figures, undercut of its flanks, pointing of its tips."""
         tables = []
         for name, data in self.members.items():
             place = f"{_coordinate(self.train.members[name])} mm"
@@ -228,7 +236,7 @@ class Limits(Result):
 
 
 def limits_of(design: Design, train: GearTrain, land: float = 0.0) -> Limits:
-    """Limits of all members of a gear set; `land` in the design's modules is the smallest top land."""
+    """Return the limits of all members of a gear set; `land` is the smallest top land in modules of the design."""
     sized = design.in_mm()
     least = land * sized.given_module
     by_member = {name: member_limits(member, least) for name, member in train.members.items()}
@@ -236,9 +244,10 @@ def limits_of(design: Design, train: GearTrain, land: float = 0.0) -> Limits:
 
 
 def limits_beyond(design: Design, refused: DesignError, land: float = 0.0) -> Limits:
-    """Limits for a design that is beyond them: those of the teeth that it has without the key that makes it infeasible.
+    """Return limits for a design that exceeds them: limits of the teeth without the key that makes the design
+    infeasible.
 
-    Their first warning is the refusal. Raises it where no single key makes the design infeasible.
+    The first warning is the refusal. Raises the refusal if no single key makes the design infeasible.
     """
     without_key = build_without_one(design)
     if without_key is None:
@@ -249,23 +258,23 @@ def limits_beyond(design: Design, refused: DesignError, land: float = 0.0) -> Li
 
 
 def _round(value: Any) -> Any:
-    """A value for people: what is zero but for rounding reads as zero."""
+    """Return a value for a table, rounded, so that rounding errors are shown as 0."""
     value = plain(value)
-    return round_to(value, DIGITS) if isinstance(value, float) else value
+    return round_to(value, TABLE_DECIMALS) if isinstance(value, float) else value
 
 
 def _rows(stations: Array, columns: Iterable[NDArray[Any]]) -> Iterator[list[Any]]:
-    """Rows of a table by stations."""
+    """Yield the rows of a table by stations."""
     for values in zip(stations, *columns, strict=True):
         yield [_round(value) for value in values]
 
 
 def _heads(columns: Iterable[str]) -> list[str]:
-    return [HEADINGS.get(key, key.replace("_", " ")) for key in columns]
+    return [COLUMN_HEADINGS.get(key, key.replace("_", " ")) for key in columns]
 
 
 def _figures(member: Member, limits: MemberLimits) -> MemberLimitFigures:
-    """Limits of a member as figures."""
+    """Return the limits of a member as figures."""
     radial = station_normal(member.tooth.blank.axial) == (1.0, 0.0)
     joint = member.tooth.joint
     inner = [side.undercut_from for side in limits.sides.values()]
@@ -276,8 +285,8 @@ def _figures(member: Member, limits: MemberLimits) -> MemberLimitFigures:
         h1=_least(side.h1 for side in limits.sides.values()),
         h2=_least(side.h2 for side in limits.sides.values()),
         pointed_from=limits.pointed_from,
-        # where stations are cylinders, as on a face gear, the two ends of a whole tooth are radii
-        # flanks on crossed axes are undercut from different ones, and one of them may be so nowhere near the face
+        # if stations are cylinders, as on a face gear, both ends of a whole tooth are radii; flanks on crossed axes are
+        # undercut from different radii, and one of them may not be undercut near the face
         inner_radius=float(np.fmax.reduce(inner)) if radial else None,
         outer_radius=limits.pointed_from if radial else None,
         stations=limits.stations,
@@ -315,13 +324,13 @@ def _side_figures(member: Member, side: SideLimits) -> SideLimitFigures:
 
 
 def _least(values: Any) -> float:
-    """The smallest finite number of several arrays, NaN if there is none."""
+    """Return the smallest finite number of several arrays, NaN if there is none."""
     every = np.concatenate([np.ravel(value) for value in values])
     return float(np.nanmin(every)) if np.isfinite(every).any() else float("nan")
 
 
 def _coordinate(member: Member) -> str:
-    """What the stations of a member are."""
+    """Return the name of the coordinate that the stations of a member have."""
     rho, z = station_normal(member.tooth.blank.axial)
     if rho == 0.0:
         return "z"

@@ -1,4 +1,4 @@
-"""A design with every default and derived value given: it builds the same gears in later versions."""
+"""Pinned design: every default and derived value is given, so that later versions build the same gears."""
 
 from __future__ import annotations
 
@@ -19,15 +19,18 @@ from gearmesh.teeth.gear_train import GearPair
 
 @dataclass(frozen=True, repr=False)
 class Pinned(Result):
-    """The `design` with all that its gears were built of; `added`: keys that it has besides those that were set, and their values;
-    `positions`: whether the range of phi1 is one of them or was set.
+    """Design with all values from which its gears were built.
 
-    As ".toml" its file is saved.
+    A file with the suffix ".toml" is the design file.
     """
 
+    #: the design with all its values
     design: Design
+    #: keys that were not set before, and their values
     added: Mapping[str, Any]
+    #: True if the range of phi1 was set or is among the added keys
     positions: bool = True
+    #: warnings, one line each
     warnings: tuple[str, ...] = ()
 
     @property
@@ -59,17 +62,18 @@ class Pinned(Result):
 
 
 def pin(stated: Design, design: Design, pairs: tuple[GearPair, ...]) -> Pinned:
-    """The pinned `design` of one as it was stated, and the `pairs` built of it.
+    """Return the pinned design of the `stated` design; `design` is complete, and `pairs` are built from it.
 
-    Positions left out are those of the engagement of a pair; of several pairs, or where none meets, they are left out again.
+    If the stated design has no positions, those of the engagement of its only pair are added. They are left out with
+    several pairs, or if the pair never meets.
     """
     given = dict(stated.own())
     positions = any(map(stated.sets, RANGE)) or len(pairs) == 1
     if len(pairs) == 1 and (ends := positions_of(stated, pairs[0])) is not None:
-        # with all of the table: what it leaves out is not what a design without the table has
+        # the whole table is added: a table that is partly given has other defaults than a missing table
         table = {key: value for key, value in leaves_of(design.plain()) if key.startswith("contact.")}
         design = design.with_values({**table, **dict(zip(RANGE, ends, strict=True))})
-    # stated, as in its file: of a default that has only been filled in, a build may choose again
+    # parse it as a stated design: a later build could choose a default anew that is only filled in
     design = parse(every_key(design, () if positions else RANGE))
     every = dict(leaves_of(design.plain()))
     added = {key: value for key, value in every.items() if key not in given and (positions or key not in RANGE)}
@@ -77,7 +81,7 @@ def pin(stated: Design, design: Design, pairs: tuple[GearPair, ...]) -> Pinned:
 
 
 def leaves_of(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
-    """Dotted keys of a table and their values."""
+    """Return the dotted keys of a table and their values."""
     leaves: list[tuple[str, Any]] = []
     for key, value in table.items():
         leaves += leaves_of(value, f"{prefix}{key}.") if isinstance(value, Mapping) else [(prefix + key, value)]

@@ -1,4 +1,4 @@
-"""Sizing of planetary sets: those that have a ratio and a size, the best first, and all that were rejected."""
+"""Sizing of planetary sets: all sets with a given ratio and size, best first, and all rejected sets."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 
 from gearmesh import __version__
 from gearmesh.answers.result import columns
-from gearmesh.answers.sizing import RANGES, DesignChoice, refuse_outside
+from gearmesh.answers.sizing import REQUEST_RANGES, DesignChoice, refuse_outside
 from gearmesh.answers.tables import Listing
 from gearmesh.arguments import checks_arguments
 from gearmesh.errors import ArgumentError
@@ -18,10 +18,10 @@ from gearmesh.lengths import Length, in_mm
 from gearmesh.systems.cylindrical.planetary.motion import DRIVING_MEMBER
 from gearmesh.systems.cylindrical.planetary.sizing import SetCandidate, SetSearch, WantedSet, search_sets
 
-#: what each wish may be: lowest, highest value
-SET_RANGES = {**RANGES, "outside_diameter": (1.0, 1e5), "planets": (1, 24)}
+#: smallest and largest value of each number of a request
+SET_RANGES = {**REQUEST_RANGES, "outside_diameter": (1.0, 1e5), "planets": (1, 24)}
 #: members that may be fixed
-FIXED = tuple(DRIVING_MEMBER)
+FIXED_MEMBERS = tuple(DRIVING_MEMBER)
 
 
 @dataclass(frozen=True)
@@ -67,10 +67,10 @@ class RejectedFigures(Figures):
 
 @dataclass(frozen=True, repr=False)
 class PlanetarySizing(DesignChoice):
-    """Sets that meet the request, numbered from 1: those without faults first, then those of exactly the ratio, then of the largest
-    module, then by the worst specific sliding.
+    """Sets that meet the request, numbered from 1.
 
-    As ".toml" the first one's design is saved; `design(number)` is that of another one.
+    Sets without faults come first, then sets with exactly the ratio, then by largest module, then by worst specific
+    sliding. A file with the suffix ".toml" is the first set's design; `design(number)` returns the design of any set.
     """
 
     wanted: WantedSet
@@ -88,12 +88,12 @@ class PlanetarySizing(DesignChoice):
 
     @property
     def rows(self) -> list[SetFigures]:
-        """One per set."""
+        """Figures of the sets, one row per set."""
         return [_row(number, candidate) for number, candidate in enumerate(self.candidates, start=1)]
 
     @property
     def rejections(self) -> list[RejectedFigures]:
-        """One per set that was rejected."""
+        """Rejected sets, one row per set."""
         return [
             RejectedFigures(
                 rejection.trial.module,
@@ -111,12 +111,12 @@ class PlanetarySizing(DesignChoice):
         return self.first_sets(len(self.candidates))
 
     def first_sets(self, most: int) -> list[Listing]:
-        """The first sets, and how many were rejected for which reason, as tables.
+        """The first sets and the number of rejections by reason, as tables.
 
         Parameters
         ----------
         most : int
-            At most so many sets.
+            Limit of the number of sets.
 
         Returns
         -------
@@ -198,7 +198,7 @@ def _row(number: int, candidate: SetCandidate) -> SetFigures:
 
 
 def _line(row: SetFigures) -> tuple[Any, ...]:
-    """A set in a table."""
+    """Return a set as a row of a table."""
     return (
         row.number,
         row.module,
@@ -232,18 +232,18 @@ def size_planetary(
     unequal: bool = False,
     face_width: Length | None = None,
 ) -> PlanetarySizing:
-    """All planetary sets with a ratio, of the ring's outside diameter or a centre distance, or both.
+    """All planetary sets with a ratio and a given outside diameter of the ring, centre distance, or both.
 
     Parameters
     ----------
     ratio : float
-        Of the speeds, with the member `fixed` at rest.
+        Ratio of the speeds, with the member `fixed` at rest.
     outside_diameter, center_distance, module : float or str, optional
-        mm, or with a unit; without a module those of ISO 54 are tried.
+        mm, or with a unit; without a module all modules of ISO 54 are tried.
     planets : int
-        How many.
+        Number of planets.
     fixed : str
-        The member for which the ratio counts: "ring", "carrier" or "sun".
+        Fixed member to which the ratio applies: "ring", "carrier" or "sun".
     pressure_angle : float
         Normal pressure angle, deg.
     helix, shifts : (float, float)
@@ -258,12 +258,12 @@ def size_planetary(
     Returns
     -------
     PlanetarySizing
-        Sets, the best first, and how many were rejected for which reason.
+        Sets, best first, and the number of rejections by reason.
 
     Raises
     ------
     DesignError
-        Naming key, value and what is allowed, for wishes that make no sense and where there is no such set.
+        For an invalid request and if no set meets it; names key, value and what is allowed.
 
     Examples
     --------
@@ -300,8 +300,8 @@ def size_planetary(
 
 def _check(wanted: WantedSet) -> None:
     refuse_outside(wanted, SET_RANGES)
-    if wanted.fixed not in FIXED:
-        raise ArgumentError("fixed", wanted.fixed, must_be=", ".join(FIXED[:-1]) + f" or {FIXED[-1]}")
+    if wanted.fixed not in FIXED_MEMBERS:
+        raise ArgumentError("fixed", wanted.fixed, must_be=", ".join(FIXED_MEMBERS[:-1]) + f" or {FIXED_MEMBERS[-1]}")
     if wanted.outside_diameter is None and wanted.center_distance is None:
         raise ArgumentError(
             "outside_diameter", None, reason="missing; give the ring's outside diameter or the centre distance"

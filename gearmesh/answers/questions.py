@@ -1,4 +1,6 @@
-"""Gears that are asked how they touch: contact with shares of load, contact under load, all meshes under load, the check of all."""
+"""Questions about the contact of gears: contact with load sharing, contact under load, all meshes under load, and the
+check.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,7 @@ if TYPE_CHECKING:
 
 @checks_methods
 class SolvedGears(GearSet):
-    """The gears of a design, and what one answer about their contact needs another for."""
+    """Gears of a design, with the answers about contact that other answers need."""
 
     def contact(
         self,
@@ -47,13 +49,13 @@ class SolvedGears(GearSet):
         phi1 : array_like, (P,), optional
             Rotations of the pinion, deg; by default the design's positions.
         torque : float, optional
-            Nm on the pinion: then also the Hertz pressure along the path, all load on the one tooth pair.
+            Nm on the pinion: adds the Hertz pressure along the path, with the whole load on one tooth pair.
         load_sharing : bool
-            Give the tooth pair the share of the torque that `loaded_contact` finds.
+            Load the tooth pair with the share of the torque that `loaded_contact` computes.
         cycle : bool
-            Whether the mesh cycle is solved, or the path alone.
+            Solve the mesh cycle, not only the path.
         turns : bool
-            Also the transmission error over whole turns of eccentric members, until the same teeth meet again.
+            Add the transmission error over whole turns of eccentric members, until the same teeth meet again.
         pair : int or str
             Number of the mesh, or its members as "sun-planet_1".
 
@@ -65,7 +67,7 @@ class SolvedGears(GearSet):
         Raises
         ------
         DesignError
-            For positions, a torque or a pair that are none.
+            For an invalid position, torque or pair.
 
         Examples
         --------
@@ -74,16 +76,16 @@ class SolvedGears(GearSet):
         """
         from gearmesh.answers.contact.contact import contact_of, refuse_torques
 
-        # what is wrong with arguments is refused before anything is built
+        # invalid arguments are refused before anything is built
         positions = None if phi1 is None else np.radians(position_list(phi1))
         refuse_torques(torque, load_sharing=load_sharing)
         known, mesh = systems.system_of(self.design).first_order, self.pair(pair)
 
         def shares(path: ContactPath, whole: Cycle | None) -> tuple[Array, list[str]]:
-            """Share (P,) of the torque on the tooth pair along its path, and the warnings about it."""
+            """Return the share (P,) of the torque on the tooth pair along its path, and the warnings about it."""
             from gearmesh.answers.load.loaded import loaded_contact_of
 
-            # of double helical gears a torque is here that of one half, there that of both
+            # for double helical gears `contact` takes the torque of one half, loaded contact the torque of both halves
             loaded = loaded_contact_of(self.design, mesh, [len(mesh.halves) * (torque or 0.0)], cycle=whole)
             return loaded.share_at(path.rotation), [*loaded.warnings, *loaded.complaints]
 
@@ -114,20 +116,19 @@ class SolvedGears(GearSet):
         Parameters
         ----------
         torque : array_like
-            One torque or several, Nm, on the pinion. In a planetary set it is that of this mesh alone: of N equal planets
-            the sun has
-            N times as much.
+            One torque or several, Nm, on the pinion. In a planetary set this is the torque of one mesh: the torque of the
+            sun is N times as large for N equal planets.
         phi1 : array_like, (P,), optional
-            Rotations of the pinion, deg; 21 in a pitch.
+            Rotations of the pinion, deg; by default 21 in a pitch.
         pair : int or str
             Number of the mesh, or its members as "sun-planet_1".
         progress : callable, optional
-            Is told how far the work is (0 to 1) and what it is doing.
+            Called with the finished share of the work (0 to 1) and its current step.
         mounts : mapping of str to FlexibleMount, optional
             Elastic shafts and bearings, by the members' names, as {"pinion": FlexibleMount.of([2e5, 2e5, 1e5, inf, inf, inf])},
-            instead of the design's own; displacements are then reported, and are part of the transmission error.
+            replacing those of the design; displacements are then reported, and are part of the transmission error.
         contact : Contact, optional
-            That of the pair, where it is solved already: its mesh cycle gives the transmission error without load.
+            Solved contact of the pair: its mesh cycle gives the transmission error without load.
 
         Returns
         -------
@@ -139,7 +140,7 @@ class SolvedGears(GearSet):
         DesignError
             For torques that are not above 0 and for eccentric members.
         NoSolutionError
-            Where no teeth touch without load.
+            If no teeth touch without load.
 
         Examples
         --------
@@ -150,16 +151,16 @@ class SolvedGears(GearSet):
         from gearmesh.answers.contact.fit import fitted_cycle
         from gearmesh.answers.load.loaded import loaded_contact_of, required_torques
 
-        # what is wrong with arguments is refused before anything is built
+        # invalid arguments are refused before anything is built
         torques = required_torques(number_list("torque", torque, "Nm").tolist())
         positions = None if phi1 is None else position_list(phi1)
         mesh, meshes = self.pair(pair), self.train.like(pair)
-        one = f"{mesh.name} is one of {meshes} equally loaded meshes: the torque is that of this mesh alone"
+        note = f"{mesh.name} is one of {meshes} equally loaded meshes: the torque is that of this mesh alone"
         return loaded_contact_of(
             self.design,
             mesh,
             torques,
-            (*self.warnings, one) if meshes > 1 else self.warnings,
+            (*self.warnings, note) if meshes > 1 else self.warnings,
             None if positions is None else np.radians(positions),
             progress,
             cycle=fitted_cycle(mesh)[1] if contact is None else contact.cycle,
@@ -167,12 +168,12 @@ class SolvedGears(GearSet):
         )
 
     def check_solved(self, contacts: Mapping[int, Contact], solids: dict[str, Solid]) -> Check:
-        """The check of contacts and solids that are there already.
+        """Check of solved contacts and solids.
 
         Parameters
         ----------
         contacts : mapping of int to Contact
-            Solved contacts, by the numbers of their pairs; none of gears that do not mesh.
+            Solved contacts, by the numbers of their pairs; empty for gears that do not mesh.
         solids : dict of str to Solid
             Solids by the names of their members.
 
@@ -217,33 +218,32 @@ def loaded_meshes(
     contacts: Mapping[int, Contact],
     progress: Progress = silent,
 ) -> dict[int, LoadedContact]:
-    """Every mesh of a gear set that is not like one before it, by the numbers of the pairs, under one torque or several, Nm, on the
-    pinion of the first, and with its solved contact; other meshes have the torque that is transmitted to their pinions: idlers,
-    such as planets, take up none of it.
+    """Return the loaded contact of every different mesh of a gear set, by the numbers of the pairs.
 
-    Raises DesignError and NoSolutionError as `SolvedGears.loaded_contact`.
+    The torques (Nm) are on the pinion of the first mesh. Other meshes have the torque that is transmitted to their
+    pinions; idlers, such as planets, take up no torque. Raises the errors of `SolvedGears.loaded_contact`.
     """
-    first, asked = gears.pairs[0], number_list("torque", torque, "Nm")
-    handed: dict[str, float] = {first.pinion.name: 1.0}
+    first, torques = gears.pairs[0], number_list("torque", torque, "Nm")
+    torque_ratios: dict[str, float] = {first.pinion.name: 1.0}
     by_pair: dict[int, LoadedContact] = {}
     for pair in gears.pairs:
-        handed.setdefault(pair.gear.name, handed.setdefault(pair.pinion.name, 1.0) / abs(pair.ratio))
+        torque_ratios.setdefault(pair.gear.name, torque_ratios.setdefault(pair.pinion.name, 1.0) / abs(pair.ratio))
     different = gears.train.different
     for done, k in enumerate(different):
-        pair, part = gears.pairs[k], handed[gears.pairs[k].pinion.name]
+        pair, ratio = gears.pairs[k], torque_ratios[gears.pairs[k].pinion.name]
 
         def report(share: float, doing: str, done: int = done) -> None:
             progress((done + share) / len(different), doing)
 
-        under_load = gears.loaded_contact(part * asked, pair=k, progress=report, contact=contacts[k])
+        under_load = gears.loaded_contact(ratio * torques, pair=k, progress=report, contact=contacts[k])
         if len(different) > 1:
             under_load = replace(
                 under_load, warnings=(*gears.warnings, *_of_mesh(pair, under_load.warnings, gears.warnings))
             )
         if pair.pinion.name != first.pinion.name:
             line = (
-                f"{pair.name}: its torque is transmitted by {first.name}, {part * asked[-1]:.6g} Nm on the {pair.pinion.name} with "
-                f"{asked[-1]:g} Nm on the {first.pinion.name}"
+                f"{pair.name}: its torque is transmitted by {first.name}, {ratio * torques[-1]:.6g} Nm on the "
+                f"{pair.pinion.name} with {torques[-1]:g} Nm on the {first.pinion.name}"
             )
             under_load = replace(under_load, warnings=(*under_load.warnings, line))
         by_pair[k] = under_load
@@ -251,6 +251,6 @@ def loaded_meshes(
 
 
 def _of_mesh(pair: GearPair, lines: Sequence[str], known: Sequence[str]) -> list[str]:
-    """Lines that are not of all gears, each with the name of the mesh."""
-    own = [line for line in lines if line not in known]
-    return [line if line.startswith(pair.name) else f"{pair.name}: {line}" for line in own]
+    """Return the lines that do not apply to all gears, each with the name of the mesh."""
+    mesh_lines = [line for line in lines if line not in known]
+    return [line if line.startswith(pair.name) else f"{pair.name}: {line}" for line in mesh_lines]

@@ -1,4 +1,4 @@
-"""What every answer can do: say itself in one line, as a table, as columns, and as a file."""
+"""Result: the common part of all answers, which show themselves in one line, as tables, as columns, and as a file."""
 
 from __future__ import annotations
 
@@ -20,8 +20,9 @@ from gearmesh.pickling import Picklable
 class Result(Picklable, ABC):
     """An answer about gears.
 
-    `print(x)` shows its tables, a notebook shows them as HTML, `x.to_dict()` gives columns of equal length (a table for
-    `pandas.DataFrame`), `x.document()` what `x.save("file.json")` writes.
+    - `print(x)` shows its tables, and a notebook shows them as HTML
+    - `x.to_dict()` returns columns of equal length, for example for `pandas.DataFrame`
+    - `x.document()` returns the content of `x.save("file.json")`
     """
 
     @property
@@ -36,7 +37,7 @@ class Result(Picklable, ABC):
 
     @property
     def complaints(self) -> list[str]:
-        """What is wrong with what was made, one line each."""
+        """Faults of the result, one line each."""
         return []
 
     @property
@@ -51,7 +52,7 @@ class Result(Picklable, ABC):
         Returns
         -------
         dict of str to list
-            A table, as for `pandas.DataFrame`.
+            A table, for example for `pandas.DataFrame`.
 
         Examples
         --------
@@ -62,15 +63,15 @@ class Result(Picklable, ABC):
     @property
     @abstractmethod
     def sections(self) -> Mapping[str, Content]:
-        """What the document has: figures, and the messages beside them."""
+        """Content of the document: figures, and the messages beside them."""
 
     @property
     def run_time(self) -> RunTime | None:
-        """How long all of it took, where the figures do not say it."""
+        """Run time of the answer, if its figures do not contain it."""
         return None
 
     def document(self) -> dict[str, Any]:
-        """The answer as `--json` writes it: run times under the key "timing" alone, all else the same from run to run.
+        """The answer as `--json` writes it: only the values under "timing" differ from run to run.
 
         Returns
         -------
@@ -94,12 +95,12 @@ class Result(Picklable, ABC):
         Parameters
         ----------
         timing : bool
-            Whether run times are in it; without them it is the same from run to run.
+            Include run times; without them the text is the same from run to run.
 
         Returns
         -------
         str
-            JSON, in which what is not a number is null.
+            JSON, in which null stands for NaN and infinities.
 
         Examples
         --------
@@ -119,7 +120,7 @@ class Result(Picklable, ABC):
         path : str or os.PathLike
             The file.
         timing : bool
-            Whether JSON has the run times; without them it is the same from run to run.
+            Include run times in JSON; without them the file is the same from run to run.
 
         Returns
         -------
@@ -129,7 +130,7 @@ class Result(Picklable, ABC):
         Raises
         ------
         OutputError
-            For another suffix than those of `suffixes`, and for a file that cannot be written.
+            If the suffix is not one of `suffixes`, or the file cannot be written.
 
         Examples
         --------
@@ -148,7 +149,7 @@ class Result(Picklable, ABC):
         return target
 
     def _write(self, target: Path) -> None:
-        """Write another format than JSON."""
+        """Write a format other than JSON."""
         raise NotImplementedError
 
     def __repr__(self) -> str:
@@ -166,19 +167,19 @@ class Result(Picklable, ABC):
 
 
 def header(design: Design) -> Mapping[str, Content]:
-    """What every document begins with."""
+    """Return the beginning of every document: version and design."""
     return {"gearmesh": __version__, "design": design.resolve()}
 
 
 @dataclass(frozen=True)
 class RunTime(Figures):
-    """How long an answer took."""
+    """Run time of an answer."""
 
     seconds: float = figure("run time", "s", timing=True)
 
 
 def times_apart(table: Figures | Mapping[str, Content]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """A table, its figures as rows, without its run times, and these."""
+    """Return a table without its run times, with figures as rows, and the run times."""
     kept: dict[str, Any] = {}
     times: dict[str, Any] = {}
     for key, value, timed in _entries(table):
@@ -200,7 +201,7 @@ def _timeless(value: Content) -> Any:
 
 
 def _entries(table: Figures | Mapping[str, Content]) -> Iterator[tuple[str, Any, bool]]:
-    """Keys and values of a table, and whether they are run times."""
+    """Yield keys and values of a table, and True for run times."""
     if isinstance(table, Figures | Summary):
         yield from ((entry.key, entry.known, entry.figure.timing) for entry in table.entries)
     else:
@@ -208,5 +209,5 @@ def _entries(table: Figures | Mapping[str, Content]) -> Iterator[tuple[str, Any,
 
 
 def columns(rows: Sequence[Mapping[str, Any]]) -> dict[str, list[Any]]:
-    """Rows as columns; None where one has not the key of another, as a rack has no diameters."""
+    """Return rows as columns; None where a row lacks a key, as a rack has no diameters."""
     return {key: [row.get(key) for row in rows] for key in dict.fromkeys(key for row in rows for key in row)}

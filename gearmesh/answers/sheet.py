@@ -1,4 +1,4 @@
-"""Sheets: what is derived from a design, machine settings first of all, and the settings that compensate assembly errors."""
+"""Sheets: values derived from a design, mainly machine settings, and the settings that compensate assembly errors."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ from gearmesh.systems.common.plain_sheet import (
 from gearmesh.systems.common.symbol_table import FIRST_VALUE_COLUMN, column_of, tables_of
 from gearmesh.systems.system import MissingValue, Setting, SheetTable
 
-#: what counts as 0 in a row without unit
-NOTHING = 1e-12
+#: size below which a value without unit is shown as 0
+UNITLESS_ZERO = 1e-12
 
 
 class Filling(Result):
-    """Values for keys of a design; as ".toml" the design with those values given is saved."""
+    """Values for keys of a design; a file with the suffix ".toml" is the design with these values given."""
 
     @property
     def suffixes(self) -> tuple[str, ...]:
@@ -46,7 +46,7 @@ class Filling(Result):
         Returns
         -------
         Design
-            It no longer depends on the defaults that they were.
+            Independent of the defaults that gave these values.
 
         Examples
         --------
@@ -72,19 +72,23 @@ class MissingFigures(Figures):
 
     @staticmethod
     def of(table: SheetTable, value: MissingValue) -> MissingFigures:
-        """Of a value that a table has not."""
+        """Return the figures of a value that a table lacks."""
         return MissingFigures(table.title, value.symbol, value.column, value.reason)
 
 
 @dataclass(frozen=True, repr=False)
 class DesignSheet(Filling):
-    """Tables of what is derived from a design, and the derived values under the design's keys, in its own units, which take the
-    place of the keys `replaced`."""
+    """Tables of values derived from a design, and the derived values under keys of the design."""
 
+    #: the design
     design: Design
+    #: tables of derived values
     tables: tuple[SheetTable, ...]
+    #: derived values by key, in the design's own units
     values: dict[str, float]
+    #: warnings, one line each
     warnings: tuple[str, ...] = ()
+    #: keys of the design that the derived values replace
     replaced: tuple[str, ...] = ()
 
     @property
@@ -97,7 +101,7 @@ class DesignSheet(Filling):
 
     @property
     def missing(self) -> list[MissingFigures]:
-        """The values that the tables have not, and why."""
+        """Values that the tables lack, with the reasons."""
         return [MissingFigures.of(table, value) for table in self.tables for value in table.missing]
 
     def to_dict(self) -> dict[str, list[Any]]:
@@ -114,7 +118,7 @@ class DesignSheet(Filling):
 
     @property
     def plain_tables(self) -> dict[str, dict[str, list[Any]]]:
-        """By title and symbol, or item where there are no symbols: the unit and the values of a row."""
+        """Unit and values of each row, by title of the table and symbol; by item in tables without symbols."""
         return {
             table.title: {
                 str(key): list(row[1:])
@@ -129,7 +133,7 @@ class DesignSheet(Filling):
         Returns
         -------
         Design
-            It no longer depends on the defaults that they were.
+            Independent of the defaults that gave these values.
 
         Examples
         --------
@@ -140,17 +144,20 @@ class DesignSheet(Filling):
 
 
 def _missing_listing(missing: list[MissingFigures]) -> list[Listing]:
-    """The values that there are not, one line for all of a table and a column that have one reason; empty where there are none."""
+    """Return the missing values, one line per table, column and reason; an empty list if there are none."""
     symbols: dict[tuple[str, str, str], list[str]] = {}
     for value in missing:
         symbols.setdefault((value.table, value.column, value.reason), []).append(value.symbol)
-    rows = [[", ".join(filter(None, own)) or title, of, why] for (title, of, why), own in symbols.items()]
+    rows = [
+        [", ".join(filter(None, missing_symbols)) or title, of, why]
+        for (title, of, why), missing_symbols in symbols.items()
+    ]
     return [Listing("Dashes, and why", ("value", "of", "reason"), rows)] if rows else []
 
 
 def _listing(table: SheetTable) -> Listing:
-    """A table to print, its symbols before its items; what rounding leaves is 0."""
-    rows = [[at_resolution(plain(value), ZERO_SIZES.get(row[1], NOTHING)) for value in row] for row in table.rows]
+    """Return a table to print, with symbols before items; rounding errors are shown as 0."""
+    rows = [[at_resolution(plain(value), ZERO_SIZES.get(row[1], UNITLESS_ZERO)) for value in row] for row in table.rows]
     if table.symbols:
         columns = ("symbol", "", "unit", *table.columns)
         return Listing(table.title, columns, [[symbol, *row] for symbol, row in zip(table.symbols, rows, strict=True)])
@@ -182,7 +189,7 @@ class Compensation(Filling):
 
     @property
     def rows(self) -> list[SettingFigures]:
-        """One per setting."""
+        """Settings, one row each."""
         return [SettingFigures(s.key, s.before, s.after, s.unit, s.effect) for s in self.settings]
 
     @property
@@ -208,7 +215,7 @@ class Compensation(Filling):
         Returns
         -------
         Design
-            With the values of the column after.
+            With the values of the column "after".
 
         Examples
         --------
@@ -220,7 +227,7 @@ class Compensation(Filling):
 
 
 def sheet_of(gears: GearSet, torque: float | None = None, speed: float | None = None) -> DesignSheet:
-    """What is derived from a design, as `Gears.sheet` says."""
+    """Return the values derived from a design, as `Gears.sheet` describes them."""
     known = systems.system_of(gears.design)
     if speed is not None and torque is None:
         raise ArgumentError("speed", speed, reason="needs a torque")
@@ -234,7 +241,7 @@ def sheet_of(gears: GearSet, torque: float | None = None, speed: float | None = 
             reason=f"the sheet of kind {gears.design.kind} has no forces; allowed with {' or '.join(able)}",
         )
     sheet = (known.sheet or plain_sheet)(gears.design, gears.train)
-    # planets, which are numbered, are made alike
+    # numbered planets are equal: one of them stands for all
     members = {gears.design.table_named(name): member for name, member in gears.train.members.items()}
     common = tables_of(
         (TOOLS_TITLE, lambda: tool_table(members)), (MASS_TITLE, lambda: mass_table(gears.design, members))
@@ -246,9 +253,9 @@ def sheet_of(gears: GearSet, torque: float | None = None, speed: float | None = 
 
 
 def member_sheet_of(gears: GearSet, name: str) -> DesignSheet:
-    """What is derived of one member, as `Gears.sheet` says."""
-    part, own = gears.part(name), systems.system_of(gears.design).member_sheet
-    of_member = _columns_of(gears, name) if own is None else own(gears.design, name)
+    """Return the values derived from one member, as `Gears.sheet` describes them."""
+    part, member_tables = gears.part(name), systems.system_of(gears.design).member_sheet
+    of_member = _columns_of(gears, name) if member_tables is None else member_tables(gears.design, name)
     own_members = {name: part.member}
     common = tables_of(
         (MID_FACE_TITLE, lambda: member_table(part.member)),
@@ -261,8 +268,10 @@ def member_sheet_of(gears: GearSet, name: str) -> DesignSheet:
 
 
 def _columns_of(gears: GearSet, name: str) -> tuple[SheetTable, ...]:
-    """What the whole sheet says of one member: its columns. Of kinds whose members are made alone it is nothing, as that needs
-    the mating gear."""
+    """Return the columns of one member in the whole sheet.
+
+    There are none for kinds whose members are built alone, because the whole sheet needs the mating gear.
+    """
     known = systems.system_of(gears.design)
     if known.members or known.sheet is None:
         return ()
@@ -276,26 +285,30 @@ def _columns_of(gears: GearSet, name: str) -> tuple[SheetTable, ...]:
 
 
 def _own_column(table: SheetTable, column: int, name: str) -> SheetTable:
-    """A table with one of its columns alone, and the rows that have a value there or a reason why not."""
-    own = column_of(table, column)
-    reasons = {value.symbol for value in own.missing}
-    symbols = own.symbols or ("",) * len(own.rows)
-    kept = [k for k, row in enumerate(own.rows) if row[FIRST_VALUE_COLUMN] is not None or symbols[k] in reasons]
-    rows = tuple(own.rows[k] for k in kept)
-    missing = tuple(replace(value, column=name) for value in own.missing)
-    return SheetTable(own.title, (name,), rows, tuple(symbols[k] for k in kept) if own.symbols else (), missing)
+    """Return a table with only one of its columns, and only the rows with a value there or a reason for its absence."""
+    single_column = column_of(table, column)
+    reasons = {value.symbol for value in single_column.missing}
+    symbols = single_column.symbols or ("",) * len(single_column.rows)
+    kept = [
+        k for k, row in enumerate(single_column.rows) if row[FIRST_VALUE_COLUMN] is not None or symbols[k] in reasons
+    ]
+    rows = tuple(single_column.rows[k] for k in kept)
+    missing = tuple(replace(value, column=name) for value in single_column.missing)
+    return SheetTable(
+        single_column.title, (name,), rows, tuple(symbols[k] for k in kept) if single_column.symbols else (), missing
+    )
 
 
 def compensation_of(gears: GearSet, refinish: str | None = None) -> Compensation:
-    """Settings that compensate assembly errors, as `Gears.compensate`."""
-    own = systems.system_of(gears.design)
-    if own.compensate is None:
+    """Return the settings that compensate assembly errors, as `Gears.compensate` describes them."""
+    kind_system = systems.system_of(gears.design)
+    if kind_system.compensate is None:
         able = [kind for kind in systems.kinds() if systems.system(kind).compensate is not None]
         raise DesignError("kind", gears.design.kind, reason="has no compensating settings", allowed=" or ".join(able))
     if refinish is None:
         warnings = gears.as_built.warnings
-        return Compensation(gears.design, tuple(own.compensate(gears.design)), warnings)
-    if own.refinish is None:
+        return Compensation(gears.design, tuple(kind_system.compensate(gears.design)), warnings)
+    if kind_system.refinish is None:
         able = [kind for kind in systems.kinds() if systems.system(kind).refinish is not None]
         raise ArgumentError(
             "refinish",
@@ -306,4 +319,4 @@ def compensation_of(gears: GearSet, refinish: str | None = None) -> Compensation
     if refinish not in gears.names.members:
         raise ArgumentError("refinish", refinish, must_be=f"one of {', '.join(gears.names.members)}")
     warnings = gears.as_built.warnings
-    return Compensation(gears.design, tuple(own.refinish(gears.design, refinish)), warnings)
+    return Compensation(gears.design, tuple(kind_system.refinish(gears.design, refinish)), warnings)

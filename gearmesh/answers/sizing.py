@@ -1,4 +1,4 @@
-"""Sizing: pairs of cylindrical gears that have a ratio, a module and a centre distance, the best first."""
+"""Sizing: all pairs of cylindrical gears with a given ratio, module and centre distance, best first."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ from gearmesh.systems.designs import parse
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.planetary.sizing import WantedSet
 
-#: what each wish may be: lowest, highest value
-RANGES = {
+#: smallest and largest value of each number of a request
+REQUEST_RANGES = {
     "ratio": (1.0, 100.0),
     "center_distance": (0.1, 1e5),
     "module": (0.01, 100.0),
@@ -59,7 +59,7 @@ class CandidateFigures(Figures):
 
 
 class DesignChoice(Result):
-    """Designs that meet a request, numbered from 1, the best first; as ".toml" the first one is saved."""
+    """Designs that meet a request, numbered from 1, best first; a file with the suffix ".toml" is the first design."""
 
     @property
     def suffixes(self) -> tuple[str, ...]:
@@ -69,7 +69,7 @@ class DesignChoice(Result):
     @property
     @abstractmethod
     def designs(self) -> tuple[Mapping[str, Any], ...]:
-        """The keys that the design files need."""
+        """Keys of the design files."""
 
     def design(self, number: int = 1) -> Design:
         """The design of a candidate.
@@ -77,17 +77,17 @@ class DesignChoice(Result):
         Parameters
         ----------
         number : int
-            From 1.
+            Number of the candidate, from 1.
 
         Returns
         -------
         Design
-            As `parse` gives it.
+            As `parse` returns it.
 
         Raises
         ------
         DesignError
-            For a number that there is not.
+            For a number that does not exist.
 
         Examples
         --------
@@ -97,12 +97,12 @@ class DesignChoice(Result):
         return parse(self.keys(number))
 
     def keys(self, number: int = 1) -> Mapping[str, Any]:
-        """The keys that a candidate's design file needs.
+        """The keys of a candidate's design file.
 
         Parameters
         ----------
         number : int
-            From 1.
+            Number of the candidate, from 1.
 
         Returns
         -------
@@ -112,7 +112,7 @@ class DesignChoice(Result):
         Raises
         ------
         DesignError
-            For a number that there is not.
+            For a number that does not exist.
 
         Examples
         --------
@@ -132,9 +132,9 @@ class DesignChoice(Result):
 
 @dataclass(frozen=True, repr=False)
 class Sizing(DesignChoice):
-    """Pairs that meet the request, numbered from 1: those without faults first, then by the worst specific sliding.
+    """Pairs that meet the request, numbered from 1. Pairs without faults come first, then by worst specific sliding.
 
-    As ".toml" the first one's design is saved; `design(number)` is that of another one.
+    A file with the suffix ".toml" is the first pair's design; `design(number)` returns the design of any pair.
     """
 
     wanted: Wanted
@@ -148,7 +148,7 @@ class Sizing(DesignChoice):
 
     @property
     def rows(self) -> list[CandidateFigures]:
-        """One per pair."""
+        """Figures of the pairs, one row per pair."""
         return [
             CandidateFigures(
                 number,
@@ -177,7 +177,7 @@ class Sizing(DesignChoice):
         Parameters
         ----------
         most : int
-            At most so many.
+            Limit of the number of pairs.
 
         Returns
         -------
@@ -241,7 +241,7 @@ def size(
     center_distance, module : float or str
         mm, or with a unit.
     internal : bool
-        Whether the gear is internal.
+        True if the gear is internal.
     pressure_angle : float
         Normal pressure angle, deg.
     helix : (float, float)
@@ -251,17 +251,17 @@ def size(
     tolerance : float
         Relative tolerance of the ratio.
     face_width : float or str, optional
-        mm, or with a unit; 10 modules.
+        mm, or with a unit; by default 10 modules.
 
     Returns
     -------
     Sizing
-        Candidates, the best first; `design(1)` is the design of the first.
+        Candidates, best first; `design(1)` is the design of the first.
 
     Raises
     ------
     DesignError
-        Naming key, value and what is allowed, for wishes that make no sense and where there is no such pair.
+        For an invalid request and if no pair meets it; names key, value and what is allowed.
 
     Examples
     --------
@@ -277,7 +277,7 @@ def size(
 
 
 def refuse_outside(wanted: Wanted | WantedSet, ranges: Mapping[str, tuple[float, float]]) -> None:
-    """Refuse a wish whose value, or either of two, is not within its range. Raises ArgumentError."""
+    """Raise ArgumentError for a number of a request that is outside its range."""
     for field in fields(wanted):
         value = getattr(wanted, field.name)
         if field.name not in ranges or value is None:
@@ -292,7 +292,7 @@ def refuse_outside(wanted: Wanted | WantedSet, ranges: Mapping[str, tuple[float,
 
 
 def _check(wanted: Wanted) -> None:
-    refuse_outside(wanted, RANGES)
+    refuse_outside(wanted, REQUEST_RANGES)
     if wanted.internal and wanted.ratio * (1.0 - wanted.tolerance) <= 1.0:
         raise ArgumentError(
             "ratio",

@@ -1,4 +1,4 @@
-"""Answers as tables: aligned text of at most 80 columns, HTML, and JSON in which what is not a number is null."""
+"""Tables of answers: aligned text of at most 80 columns, HTML, and JSON in which null stands for NaN."""
 
 from __future__ import annotations
 
@@ -14,31 +14,36 @@ from gearmesh.figures import Figures, Summary, shown_values
 from gearmesh.files import csv_table
 
 #: characters in a line
-WIDTH = 80
-#: blanks between columns, and the least width to which a column of words is folded
-GAP, NARROWEST = 2, 12
+LINE_WIDTH = 80
+#: blanks between columns
+COLUMN_GAP = 2
+#: smallest width to which a column of words is folded
+MIN_COLUMN_WIDTH = 12
 
 
 @dataclass(frozen=True)
 class Listing:
-    """A table to print: title, column headings (with units) and rows of values; `timed`: columns, or rows by what stands first in
-    them, that hold run times."""
+    """Table to print."""
 
+    #: title above the table; may be empty
     title: str
+    #: headings of the columns, with units
     columns: Sequence[str]
+    #: values, row by row
     rows: Sequence[Sequence[Any]]
+    #: columns with run times; also rows with run times, by their first value
     timed: frozenset[str] = frozenset()
 
     @property
     def timeless(self) -> Listing:
-        """The same without run times, alike from run to run."""
+        """The table without run times, which is the same from run to run."""
         kept = [k for k, column in enumerate(self.columns) if column not in self.timed]
         rows = [[row[k] for k in kept] for row in self.rows if row[0] not in self.timed] if self.timed else self.rows
         return replace(self, columns=[self.columns[k] for k in kept], rows=rows)
 
     @property
     def numeric(self) -> list[bool]:
-        """Which columns hold numbers only, unknown ones too."""
+        """True for each column that holds only numbers or unknown values."""
         columns = [[row[k] for row in self.rows if row[k] is not None] for k in range(len(self.columns))]
         return [all(isinstance(value, int | float) for value in column) for column in columns]
 
@@ -49,8 +54,10 @@ class Listing:
 
 
 def figures(title: str, values: Figures | Summary) -> Listing:
-    """Figures, one per row, under their JSON keys, those within figures laid flat; what is below their resolution is 0, which JSON
-    does not round."""
+    """Return figures as a table, one per row, under their JSON keys. Nested figures are flattened.
+
+    Values below their resolution are shown as 0; JSON contains them unrounded.
+    """
     rows = []
     for key, value in shown_values(values.entries).items():
         value = plain(value)
@@ -59,14 +66,14 @@ def figures(title: str, values: Figures | Summary) -> Listing:
 
 
 def run_time_keys(values: Figures | Summary) -> frozenset[str]:
-    """Keys of those that are run times."""
+    """Return the keys of figures that are run times."""
     return frozenset(entry.key for entry in values.entries if entry.figure.timing)
 
 
-def align(listing: Listing, width: int = WIDTH) -> str:
-    """A table as plain text: title, headings, then rows, columns at least two blanks apart.
+def align(listing: Listing, width: int = LINE_WIDTH) -> str:
+    """Return a table as plain text: title, headings, then rows, with columns at least two blanks apart.
 
-    Where it is wider than `width`, columns of words are wrapped, and columns of numbers continue in further blocks below, each
+    If it is wider than `width`, columns of words are wrapped. Columns of numbers continue in further blocks below, each
     with the first column before it.
     """
     table = [list(listing.columns), *listing.cells]
@@ -85,33 +92,36 @@ def align(listing: Listing, width: int = WIDTH) -> str:
 
 
 def _fold(widths: list[int], longest: list[int], numeric: list[bool], width: int) -> list[int]:
-    """Widths of columns with those of words made narrower until all fit, or none can be: down to their `longest` words, and further
-    only where a column does not even fit beside the first, which keeps its words whole."""
+    """Return widths of columns, with columns of words made narrower until all fit or none can be narrower.
+
+    Columns keep their `longest` words whole. Only a column that does not fit beside the first column is made narrower
+    still; the first column always keeps its words whole.
+    """
     widths = list(widths)
-    narrowest = [max(NARROWEST, word) for word in longest]
-    while sum(widths) + GAP * (len(widths) - 1) > width:
+    narrowest = [max(MIN_COLUMN_WIDTH, word) for word in longest]
+    while sum(widths) + COLUMN_GAP * (len(widths) - 1) > width:
         wide = [k for k, number in enumerate(numeric) if not number and widths[k] > narrowest[k]]
         if not wide:
             break
         widths[max(wide, key=lambda k: widths[k])] -= 1
     for k in range(1, len(widths)):
         if not numeric[k]:
-            widths[k] = min(widths[k], max(NARROWEST, width - GAP - widths[0]))
+            widths[k] = min(widths[k], max(MIN_COLUMN_WIDTH, width - COLUMN_GAP - widths[0]))
     return widths
 
 
 def _blocks(widths: list[int], width: int) -> list[list[int]]:
-    """Columns shared out into blocks that fit, the first column at the beginning of each."""
+    """Return the columns divided into blocks that fit, each beginning with the first column."""
     blocks: list[list[int]] = [[0]] if widths else []
     for k in range(1, len(widths)):
-        if sum(widths[i] + GAP for i in blocks[-1]) + widths[k] > width and len(blocks[-1]) > 1:
+        if sum(widths[i] + COLUMN_GAP for i in blocks[-1]) + widths[k] > width and len(blocks[-1]) > 1:
             blocks.append([0])
         blocks[-1].append(k)
     return blocks
 
 
 def _lines(row: Sequence[str], widths: Sequence[int], numeric: Sequence[bool]) -> Iterator[str]:
-    """A row as lines, its cells wrapped to the widths."""
+    """Yield the lines of a row, with its cells wrapped to the widths."""
     folded = [
         textwrap.wrap(text, size, break_on_hyphens=False) or [""] if len(text) > size else [text]
         for text, size in zip(row, widths, strict=True)
@@ -119,7 +129,7 @@ def _lines(row: Sequence[str], widths: Sequence[int], numeric: Sequence[bool]) -
     for i in range(max(map(len, folded))):
         parts = [column[i] if i < len(column) else "" for column in folded]
         yield (
-            (" " * GAP)
+            (" " * COLUMN_GAP)
             .join(
                 part.rjust(size) if number else part.ljust(size)
                 for part, size, number in zip(parts, widths, numeric, strict=True)
@@ -129,12 +139,12 @@ def _lines(row: Sequence[str], widths: Sequence[int], numeric: Sequence[bool]) -
 
 
 def as_html(listings: Sequence[Listing]) -> str:
-    """Tables as HTML, for notebooks."""
+    """Return tables as HTML, for notebooks."""
     return "".join(html_table(listing.title, listing.columns, listing.cells) for listing in listings)
 
 
 def cell(value: Any) -> str:
-    """A value as a table shows it."""
+    """Return the text of a value in a table."""
     if value is None or (isinstance(value, float) and math.isnan(value)):
         return "-"
     if isinstance(value, bool):
@@ -143,7 +153,7 @@ def cell(value: Any) -> str:
 
 
 def plain(value: Any) -> Any:
-    """Nested data with numpy numbers and arrays made Python ones, and NaN and infinities made None."""
+    """Return nested data with Python numbers and lists in place of NumPy's, and None in place of NaN and infinities."""
     if isinstance(value, Mapping):
         return {str(key): plain(item) for key, item in value.items()}
     if hasattr(value, "tolist"):
@@ -154,16 +164,16 @@ def plain(value: Any) -> Any:
 
 
 def json_text(document: Mapping[str, Any]) -> str:
-    """A document as JSON text."""
+    """Return a document as JSON text."""
     return json.dumps(plain(document), indent=1, allow_nan=False) + "\n"
 
 
 def csv_text(rows: Sequence[Mapping[str, Any]]) -> str:
-    """Rows (one at least) with the same keys as CSV, what is not a number left empty."""
+    """Return rows (at least one) with the same keys as CSV; NaN and infinities are empty."""
     head = list(rows[0])
     return csv_table.csv_text(head, ([plain(row[name]) for name in head] for row in rows))
 
 
 def round_to(value: float, digits: int) -> float:
-    """A number for people, without -0."""
+    """Return a rounded number for a table, without -0."""
     return round(value, digits) + 0.0

@@ -153,19 +153,19 @@ def positions_in_degrees(text: str | None) -> list[float] | None:
     """
     if text is None:
         return None
-    from gearmesh.answers.gearset import MOST_POSITIONS
+    from gearmesh.answers.gearset import MAX_POSITIONS
 
     start, *more = text.split(":")
     known = [parse_number(end) for end in (start, *more[:1])]
     ends = [end for end in known if end is not None]
     count = (parse_whole_number(more[1]) or 0) if len(more) == 2 else 1
     wrong = len(more) not in (0, 2) or len(ends) < len(known)
-    if wrong or (more and not (ends[0] < ends[1] and 2 <= count <= MOST_POSITIONS)):
+    if wrong or (more and not (ends[0] < ends[1] and 2 <= count <= MAX_POSITIONS)):
         raise ArgumentError(
             "phi1",
             text,
             must_be="a finite number of degrees, or START:STOP:COUNT with STOP above START and COUNT from 2 to "
-            f"{MOST_POSITIONS}",
+            f"{MAX_POSITIONS}",
             remedy=_positions_remedy(text),
         )
     steps = max(count - 1, 1)

@@ -220,7 +220,7 @@ def test_a_design_of_another_kind_is_refused() -> None:
 def _coarse() -> Iterator[None]:
     """Larger facets in roll tests, few elements under load: what is told is looked at here, not how right it is."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("gearmesh.answers.check.ROLL_TOLERANCE", 1e-3)
+        patch.setattr("gearmesh.answers.check.ROLL_TOLERANCE_MM", 1e-3)
         patch.setattr("gearmesh.loaded.sharing.flank_compliance", few_elements)
         yield
 

@@ -164,7 +164,7 @@ def test_a_second_run_leaves_no_stale_file_and_keeps_foreign_ones(here: Path, mo
     # a renderer that draws nothing: what matters is which files there are
     monkeypatch.setattr("gearmesh.reports.run.render", lambda scene, file: file.write_bytes(b"drawn"))
     monkeypatch.setattr(Figure, "savefig", drawn)
-    monkeypatch.setattr("gearmesh.answers.check.ROLL_TOLERANCE", 1e-3)
+    monkeypatch.setattr("gearmesh.answers.check.ROLL_TOLERANCE_MM", 1e-3)
     monkeypatch.setattr("gearmesh.view.opengl.missing_opengl_message", lambda: None)
     monkeypatch.setattr(
         "gearmesh.view.pictures.all_pictures", lambda *_: dict.fromkeys(PICTURES, SimpleNamespace(title="drawn"))
@@ -219,7 +219,7 @@ COMMANDS = {
 def test_tables_fit_eighty_columns(command: str, here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("gearmesh.view.opengl.missing_opengl_message", lambda: "no pictures")
     monkeypatch.setattr(Figure, "savefig", drawn)
-    monkeypatch.setattr("gearmesh.answers.check.ROLL_TOLERANCE", 1e-3)
+    monkeypatch.setattr("gearmesh.answers.check.ROLL_TOLERANCE_MM", 1e-3)
     monkeypatch.setenv("COLUMNS", "80")
     solved: list[str] = []
     monkeypatch.setattr(

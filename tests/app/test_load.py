@@ -36,7 +36,7 @@ def _few() -> Iterator[None]:
         patch.setattr("gearmesh.loaded.sharing.flank_compliance", few_elements)
         patch.setattr("gearmesh.answers.load.loaded.POSITIONS", 7)
         patch.setattr(LoadedPictures, "save", drawn)
-        patch.setattr("gearmesh.answers.check.ROLL_TOLERANCE", 1e-3)
+        patch.setattr("gearmesh.answers.check.ROLL_TOLERANCE_MM", 1e-3)
         patch.setattr(Figure, "savefig", lambda _, file, **__: Path(file).write_bytes(b"drawn"))
         yield
 

@@ -44,7 +44,7 @@ COMMANDS = """
 from gearmesh.app import cli
 from gearmesh.reports import run
 from gearmesh.answers import check
-check.ROLL_TOLERANCE = 1e-3
+check.ROLL_TOLERANCE_MM = 1e-3
 render = run.render
 run.render = lambda scene, file: render(scene, file, (320, 240))
 for line in '''

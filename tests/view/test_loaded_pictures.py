@@ -217,7 +217,7 @@ def test_a_run_meshes_the_teeth_of_its_pictures_once(
         lambda tooth, tolerance, **keys: meshed.append(tolerance) or tessellate(tooth, tolerance, **keys),
     )
     monkeypatch.setattr("gearmesh.reports.run._solve", lambda *_: ({0: gears.contact()}, {0: loaded}))
-    monkeypatch.setattr("gearmesh.answers.check.ROLL_TOLERANCE", 1e-3)
+    monkeypatch.setattr("gearmesh.answers.check.ROLL_TOLERANCE_MM", 1e-3)
     monkeypatch.setattr("gearmesh.view.opengl.missing_opengl_message", lambda: None)
     for module in ("reports.run", "view.render"):
         monkeypatch.setattr(f"gearmesh.{module}.render", lambda scene, file: file.write_bytes(b"drawn"))

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 import gearmesh as gm
-from gearmesh.answers.tables import WIDTH, Listing
+from gearmesh.answers.tables import LINE_WIDTH, Listing
 from gearmesh.app.options import Json, Set, SheetSpeed, SheetTorque, load_alone, load_gears, refuse_speed, refuse_torque
 from gearmesh.app.terminal import refuse_unwritable, show, warn, write_text
 from gearmesh.errors import ArgumentError
@@ -200,7 +200,7 @@ def _document(kind: str | None, table: str | None, groups: Mapping[str, list[Key
 def _width() -> int:
     """Return the characters in a line: of the terminal, of COLUMNS, or unlimited in a pipe."""
     if sys.stdout.isatty() or "COLUMNS" in os.environ:
-        return get_terminal_size((WIDTH, 24)).columns
+        return get_terminal_size((LINE_WIDTH, 24)).columns
     return sys.maxsize
 
 
