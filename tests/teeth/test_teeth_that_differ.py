@@ -14,7 +14,7 @@ from oracles.examples import some
 from scipy.spatial import cKDTree
 
 import gearmesh as gm
-from gearmesh.answers.bodies.extract import WHOLE
+from gearmesh.answers.bodies.extract import WHOLE_MEMBER
 from gearmesh.cad.brep import exact_volume
 from gearmesh.contact.flanks import contact_flank
 from gearmesh.errors import DesignError
@@ -68,7 +68,7 @@ def test_a_solid_has_each_tooth_as_it_is(sample: str, tmp_path: Path) -> None:
     assert member.order.tolist() == [{3: 1, 7: 2, 8: 3}.get(k, 0) for k in range(teeth)]
     flanks = [np.concatenate([patch.points for patch in mesh.patches if patch.region.is_flank]) for mesh in meshes]
     # a solid whose bound is above the tolerance is meshed again, finer
-    whole = WHOLE.mesh(member, TOLERANCE, None).mesh.vertices
+    whole = WHOLE_MEMBER.mesh(member, TOLERANCE, None).mesh.vertices
     for k in (0, 3, 6, 7, 8, 9):
         vertices = cKDTree(Rigid.about_z(-2.0 * np.pi * k / teeth).point(whole))
         away = [vertices.query(points)[0].max() for points in flanks]

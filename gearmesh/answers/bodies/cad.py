@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from gearmesh.answers.bodies.extract import WHOLE, Extract, at_nominal_places
+from gearmesh.answers.bodies.extract import WHOLE_MEMBER, Extract, at_nominal_places
 from gearmesh.answers.gearset import GearSet
 from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, figures
@@ -68,17 +68,22 @@ class CadSurfaceFigures(Figures):
 
 @dataclass(frozen=True, repr=False)
 class Cad(Result):
-    """CAD solids of one part in its own frame, or of several members in mesh, or open shells of one part; figures by part."""
+    """CAD solids of one part in its own frame, or of several members in mesh, or open shells of one part."""
 
+    #: the design
     design: Design
+    #: the part or the assembly
     made: Part | PartAssembly
+    #: figures that were measured, by part
     measured: dict[str, CadFigures] | dict[str, CadSurfaceFigures]
+    #: further figures of the parts, by part
     own: dict[str, Summary]
+    #: warnings, one line each
     warnings: tuple[str, ...] = ()
 
     @property
     def parts(self) -> tuple[Part, ...]:
-        """The parts; those that occur several times, as the planets of a set, once."""
+        """Parts; parts that occur several times, such as the planets of a set, are listed once."""
         from gearmesh.cad.step import Part
 
         return (self.made,) if isinstance(self.made, Part) else self.made.parts
@@ -101,7 +106,7 @@ class Cad(Result):
 
     @property
     def description(self) -> str:
-        """The header of a STEP file."""
+        """Header of a STEP file."""
         largest = max(part.max_deviation for part in self.measured.values())
         return f"{self.design.title}, tooth surfaces within {largest:.3g} um of the exact ones"
 
@@ -119,7 +124,7 @@ class Cad(Result):
         return {**header(self.design), "cad": self.figures, "warnings": self.warnings}
 
     def face_names(self) -> FaceNames:
-        """Names of the faces of the STEP file by their numbers, for programs that drop names, as gmsh does.
+        """Names of the faces of the STEP file by their numbers, for programs that drop names, such as gmsh.
 
         Returns
         -------
@@ -136,17 +141,17 @@ class Cad(Result):
         return face_names(self.design, self.made)
 
     def to_build123d(self) -> build123d.Solid | build123d.Compound:
-        """The solid for build123d, or the assembly, handed over in memory.
+        """The solid or the assembly for build123d, without a file.
 
         Returns
         -------
         build123d.Solid or build123d.Compound
-            The children of a Compound have names, colours and places.
+            The children of a Compound have names, colours and positions.
 
         Raises
         ------
         OutputError
-            Where build123d is missing.
+            If build123d is missing.
 
         Examples
         --------
@@ -158,7 +163,7 @@ class Cad(Result):
         return build123d_shape(self.made)
 
     def to_cadquery(self) -> cadquery.Workplane | cadquery.Assembly:
-        """The solid for CadQuery, or the assembly, handed over in memory.
+        """The solid or the assembly for CadQuery, without a file.
 
         Returns
         -------
@@ -168,7 +173,7 @@ class Cad(Result):
         Raises
         ------
         OutputError
-            Where CadQuery is missing.
+            If CadQuery is missing.
 
         Examples
         --------
@@ -187,10 +192,11 @@ class Cad(Result):
 def cad_solid(
     member: Member, tolerance: float, offset: float | None = None, pitches: int | None = None
 ) -> tuple[Part, CadFigures]:
-    """A member as a CAD solid within `tolerance` (mm) of its exact surfaces, and its figures; `offset` (mm): how far its tooth
-    surfaces have been moved; `pitches`: a sector of so many of a member that repeats after them.
+    """Return a member as a CAD solid within `tolerance` (mm) of its exact surfaces, and its figures.
 
-    Raises DesignError for a body that does not make a solid, OutputError where OpenCASCADE is missing.
+    `offset` (mm) is the distance by which its tooth surfaces have been moved. `pitches` selects a sector of a member
+    that repeats after this number of pitches. Raises DesignError for a body that is no valid solid, and OutputError if
+    OpenCASCADE is missing.
     """
     from gearmesh.cad.bar import bar_part, has_straight_faces, spline_bar_part
     from gearmesh.cad.brep import exact_volume, spline_tooth
@@ -222,9 +228,10 @@ def cad_solid(
 
 
 def cad_space(member: Member, tolerance: float, offset: float | None = None) -> tuple[Part, CadFigures]:
-    """The space before the tooth on +x of a member, as `cad_solid` the whole; of a double helical one that of its first half.
+    """Return the space before the tooth on +x of a member, as `cad_solid` returns the whole member.
 
-    Raises DesignError where teeth differ and for a space that makes no valid solid, OutputError where OpenCASCADE is missing.
+    The space of a double helical member belongs to its first half. Raises DesignError if teeth differ or the space is
+    no valid solid, and OutputError if OpenCASCADE is missing.
     """
     from gearmesh.cad.extracts.space_part import space_part, spline_space
     from gearmesh.cad.solid_part import volume
@@ -248,10 +255,11 @@ def cad_space(member: Member, tolerance: float, offset: float | None = None) -> 
 def cad_surfaces(
     member: Member, tolerance: float, flanks: Sequence[Side], teeth: int | None = None, offset: float | None = None
 ) -> tuple[Part, CadSurfaceFigures]:
-    """The flanks of the first `teeth` teeth (None: all) of every row of a member as open shells within `tolerance` (mm) of the
-    exact ones, or, without flanks, all surfaces of these teeth of its first row.
+    """Return surfaces of a member as open shells within `tolerance` (mm) of the exact surfaces, and their figures.
 
-    Raises DesignError where teeth differ and for shells that are not valid, OutputError where OpenCASCADE is missing.
+    With `flanks`, these are the flanks of the first `teeth` teeth (None: all) of every row of teeth. Without flanks,
+    these are all surfaces of these teeth in the first row. Raises DesignError if teeth differ or shells are not valid,
+    and OutputError if OpenCASCADE is missing.
     """
     from gearmesh.cad.brep import spline_tooth
     from gearmesh.cad.extracts.surface_part import area, surface_part
@@ -260,11 +268,11 @@ def cad_surfaces(
     drawn = spline_tooth(member.one_tooth, tolerance)
     regions = [FLANK_REGIONS[side] for side in flanks] or None
     part = surface_part(member, drawn, count, regions, member.halves if flanks else member.halves[:1])
-    own = [miss for link, miss in drawn.deviation.items() if regions is None or link.region in regions]
+    deviations = [miss for link, miss in drawn.deviation.items() if regions is None or link.region in regions]
     return part, CadSurfaceFigures(
         faces=len(part.faces),
         area=area(part),
-        max_deviation=1e3 * max(own),
+        max_deviation=1e3 * max(deviations),
         tolerance=1e3 * tolerance,
         seconds=time.perf_counter() - started,
         offset=offset,
@@ -275,11 +283,13 @@ def cad_of(
     gears: GearSet,
     member: str | None,
     tolerance: float,
-    extract: Extract = WHOLE,
+    extract: Extract = WHOLE_MEMBER,
     phi1: float = 0.0,
     teeth: int | None = None,
 ) -> Cad:
-    """One member as a CAD solid, or all of them in mesh, as `Gears.cad` says; `tolerance` in mm, `phi1` in deg."""
+    """Return one member as a CAD solid, or all members in mesh, as `Gears.cad` describes them; `tolerance` in mm,
+    `phi1` in deg.
+    """
     from gearmesh.cad.step import Occurrence, Part, PartAssembly
 
     require_occ()
@@ -310,7 +320,7 @@ def cad_of(
         warnings += left_out
         warnings += [at_nominal_places(own) for own in alike if own.index.uneven]
         part, figures = make(body, tolerance, extract.offset or None)
-        # planet_1, planet_2 and planet_3 are three times the part planet
+        # planet_1, planet_2 and planet_3 are three occurrences of the part planet
         part = replace(part, name=part.name.rstrip("0123456789").rstrip("_")) if len(alike) > 1 else part
         made.update((own.name, part) for own in alike)
         measured.update((own.name, figures) for own in alike)
@@ -324,21 +334,21 @@ def cad_of(
     )
 
 
-def _surfaces_of(gears: GearSet, own: ToolPart, tolerance: float, extract: Extract, teeth: int | None) -> Cad:
-    """Open shells of a part's flanks, or of some of its teeth."""
-    shifted = extract.shift(own.member)
+def _surfaces_of(gears: GearSet, tool_part: ToolPart, tolerance: float, extract: Extract, teeth: int | None) -> Cad:
+    """Return open shells of a part's flanks, or of some of its teeth."""
+    shifted = extract.shift(tool_part.member)
     part, figures = cad_surfaces(shifted, tolerance, extract.flanks, teeth, extract.offset or None)
-    name, warnings = own.member.name, (*gears.warnings, *own.warnings)
-    return Cad(gears.design, part, {name: figures}, {name: Summary(own.figures)}, warnings)
+    name, warnings = tool_part.member.name, (*gears.warnings, *tool_part.warnings)
+    return Cad(gears.design, part, {name: figures}, {name: Summary(tool_part.figures)}, warnings)
 
 
 def _alike(members: list[Member]) -> list[list[Member]]:
-    """Members by their shapes."""
+    """Return members in groups of the same shape."""
     groups: list[list[Member]] = []
     for member in members:
-        own = next((group for group in groups if group[0].is_shaped_as(member)), None)
-        if own is None:
+        same_shape = next((group for group in groups if group[0].is_shaped_as(member)), None)
+        if same_shape is None:
             groups.append([member])
         else:
-            own.append(member)
+            same_shape.append(member)
     return groups

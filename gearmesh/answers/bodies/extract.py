@@ -1,4 +1,6 @@
-"""What is made of a member: the whole, a sector, the space between two teeth, or flanks alone; how far tooth surfaces are moved."""
+"""Extracts of a member: the whole, a sector, the space between two teeth, or only flanks; and offsets of tooth
+surfaces.
+"""
 
 from __future__ import annotations
 
@@ -18,12 +20,12 @@ if TYPE_CHECKING:
     from gearmesh.mesh.deviation.bound import DeviationBound
     from gearmesh.mesh.tessellate import ToothMesh
 
-#: what `flank_only` takes for either flank
-BOTH = "both"
+#: value of `flank_only` for both flanks
+BOTH_FLANKS = "both"
 
 
 def at_nominal_places(member: Member) -> str:
-    """What to say of a body that repeats one tooth, of a member with pitch deviations."""
+    """Return the note on a body that repeats one tooth of a member with pitch deviations."""
     where = "its teeth are at their nominal places, as one is repeated"
     return f"{member.name}: {where}; meshes of whole solids and load have pitch deviations"
 
@@ -41,37 +43,40 @@ class SectorFigures(Figures):
 
 @dataclass(frozen=True)
 class ExtractMesh:
-    """A mesh, `facets`, its distance from the exact surfaces, its `genus`, None of an open surface, and the `member` of which it is
-    all.
+    """Mesh of an extract."""
 
-    `own`: its further figures; `warnings`: what of the member it does not have; `teeth`: the meshes of the different teeth of a
-    whole member.
-    """
-
+    #: triangles of the mesh
     facets: Facets
+    #: bound of its distance from the exact surfaces
     bound: DeviationBound
+    #: genus of the closed surface; None for an open surface
     genus: int | None
+    #: the member, if the mesh is all of it
     member: Member | None = None
+    #: further figures
     own: tuple[Figures, ...] = ()
+    #: parts of the member that the mesh does not have, one line each
     warnings: tuple[str, ...] = ()
+    #: meshes of the different teeth of a whole member
     teeth: tuple[ToothMesh, ...] = ()
 
     @property
     def mesh(self) -> TriangleMesh:
-        """The mesh with arrays of all of it."""
+        """The whole mesh as arrays."""
         return self.facets.whole()
 
 
 @dataclass(frozen=True)
 class Extract:
-    """The `space` between two teeth, `flanks` alone, a `sector` of so many pitches, or, without any, the whole.
+    """Part of a member that is made; by default the whole member."""
 
-    `offset` (mm): of all tooth surfaces along their normals, positive away from the member's material.
-    """
-
+    #: distance of all tooth surfaces along their normals, mm, positive away from the member's material
     offset: float = 0.0
+    #: True for the space between two teeth
     space: bool = False
+    #: sides of the flanks, if only flanks are made
     flanks: tuple[Side, ...] = ()
+    #: number of pitches of a sector
     sector: int | None = None
 
     @staticmethod
@@ -83,25 +88,28 @@ class Extract:
         sector: int | None = None,
         teeth: int | None = None,
     ) -> Extract:
-        """What arguments of a call ask for. Raises DesignError for another flank and for several of them at once; `teeth` are of
-        flanks or the whole."""
+        """Return the extract for the arguments of a call.
+
+        `teeth` applies only to flanks or the whole member. Raises ArgumentError for an unknown flank and for excluding
+        arguments.
+        """
         for name, asked in (("sector", sector is not None), ("space", space)):
             if teeth is not None and asked:
                 raise ArgumentError("teeth", teeth, must_be=f"left out with {name}")
         for name, value in (("space", space or None), ("flank_only", flank_only)):
             if sector is not None and value is not None:
                 raise ArgumentError(name, value, must_be="left out with sector")
-        if flank_only is not None and flank_only not in (*Side, BOTH):
-            raise ArgumentError("flank_only", flank_only, must_be=f"one of {', '.join((*Side, BOTH))}")
+        if flank_only is not None and flank_only not in (*Side, BOTH_FLANKS):
+            raise ArgumentError("flank_only", flank_only, must_be=f"one of {', '.join((*Side, BOTH_FLANKS))}")
         if space and flank_only is not None:
             raise ArgumentError("flank_only", flank_only, reason="a space has both flanks, fillets and a root")
         if sector is not None and sector < 1:
             raise ArgumentError("sector", sector, must_be="a whole number above 0")
-        flanks = () if flank_only is None else tuple(Side) if flank_only == BOTH else (Side(flank_only),)
+        flanks = () if flank_only is None else tuple(Side) if flank_only == BOTH_FLANKS else (Side(flank_only),)
         return Extract(in_mm("offset", offset), space, flanks, sector)
 
     def shift(self, member: Member) -> Member:
-        """The member with the offset. Raises DesignError, with the largest that works, where it is too large."""
+        """Return the member with the offset. Raises DesignError, naming the largest valid offset, if it is too large."""
         if not self.offset:
             return member
         from gearmesh.teeth.offset import offset_member
@@ -109,9 +117,10 @@ class Extract:
         return offset_member(member, self.offset)
 
     def repeat(self, member: Member) -> tuple[Member, tuple[str, ...]]:
-        """The member without what does not repeat after the pitches of a sector, if one is asked for, and lines that say what.
+        """Return the member without the parts that do not repeat after the pitches of a sector, and a note on each such
+        part.
 
-        Raises DesignError where there is no such sector.
+        Without a sector this is the member itself. Raises DesignError if the member has no such sector.
         """
         if self.sector is None:
             return member, ()
@@ -120,16 +129,17 @@ class Extract:
         return cyclic(member, self.sector)
 
     def sector_figures(self, member: Member, mesh: TriangleMesh | None = None) -> tuple[SectorFigures, ...]:
-        """Those of a sector, if one is asked for, and of its mesh."""
+        """Return the figures of the sector and of its mesh; none without a sector."""
         if self.sector is None:
             return ()
         nodes = None if mesh is None else len(mesh.only(Region.CUT_RIGHT).vertices)
         return (SectorFigures(self.sector, math.degrees(self.sector * member.tooth.pitch_angle), nodes),)
 
     def mesh(self, member: Member, tolerance: float, teeth: int | None = None) -> ExtractMesh:
-        """The mesh of it within `tolerance` (mm), of the first `teeth` teeth alone where it is not closed.
+        """Return the mesh of the extract within `tolerance` (mm); open surfaces have only the first `teeth` teeth.
 
-        Of a double helical member the space is that of its first half. Raises DesignError where teeth differ that must be alike.
+        The space of a double helical member belongs to its first half. Raises DesignError if teeth differ that must be
+        equal.
         """
         from gearmesh.mesh.deviation.bound import body_bound, solid_bound, space_bound, teeth_bound
         from gearmesh.mesh.extracts.flank_surface import flank_meshes, join_flanks
@@ -154,16 +164,16 @@ class Extract:
             meshes = flank_meshes(member, self.flanks, tolerance)
             return ExtractMesh(join_flanks(member, meshes, teeth), teeth_bound(member, meshes), None)
         member, warnings = self.repeat(member)
-        every = tessellate_alike(member.different_teeth, tolerance)
+        tooth_meshes = tessellate_alike(member.different_teeth, tolerance)
         if teeth is not None and teeth != member.tooth.teeth:
-            return ExtractMesh(some_teeth(member, every, teeth), teeth_bound(member, every), None)
-        whole = gear_facets(member, tolerance, *every)
-        bound = solid_bound(member, every, whole)
+            return ExtractMesh(some_teeth(member, tooth_meshes, teeth), teeth_bound(member, tooth_meshes), None)
+        whole = gear_facets(member, tolerance, *tooth_meshes)
+        bound = solid_bound(member, tooth_meshes, whole)
         if self.sector is None:
-            return ExtractMesh(whole, bound, member.genus, member, teeth=every)
+            return ExtractMesh(whole, bound, member.genus, member, teeth=tooth_meshes)
         mesh = sector(whole.whole(), member, self.sector)
         genus, figures = genus_of(mesh, member, self.sector), self.sector_figures(member, mesh)
         return ExtractMesh(mesh, bound, genus, own=figures, warnings=warnings)
 
 
-WHOLE = Extract()
+WHOLE_MEMBER = Extract()

@@ -31,7 +31,7 @@ class FaceNameFigures(Figures):
 
 @dataclass(frozen=True, repr=False)
 class FaceNames(Result):
-    """Names of the faces of a STEP file, in the order in which readers number the faces: gmsh's surface tags are `face`."""
+    """Names of the faces of a STEP file, in the order in which readers number them; `face` is the surface tag in gmsh."""
 
     design: Design
     faces: tuple[FaceNameFigures, ...]
@@ -51,7 +51,7 @@ class FaceNames(Result):
         return [Listing("Faces", head, [[row.row[key] for key in head] for row in self.faces])]
 
     def to_dict(self) -> dict[str, list[Any]]:
-        return columns([own.row for own in self.faces])
+        return columns([face.row for face in self.faces])
 
     @property
     def sections(self) -> Mapping[str, Content]:
@@ -60,16 +60,22 @@ class FaceNames(Result):
     def _write(self, target: Path) -> None:
         from gearmesh.io.atomic import whole_text
 
-        whole_text(target, csv_text([own.row for own in self.faces]))
+        whole_text(target, csv_text([face.row for face in self.faces]))
 
 
 def face_names(design: Design, made: Part | PartAssembly) -> FaceNames:
     """Return the faces of a part, or of all occurrences of an assembly, in the order of the file."""
-    occurrences = [(made.name, made)] if isinstance(made, Part) else [(own.name, own.part) for own in made.occurrences]
+    occurrences = (
+        [(made.name, made)]
+        if isinstance(made, Part)
+        else [(occurrence.name, occurrence.part) for occurrence in made.occurrences]
+    )
     rows = list[FaceNameFigures]()
     for member, part in occurrences:
         order = mapped_shapes(part.solid, "FACE")
-        for number, face in enumerate(sorted(part.faces, key=lambda own: int(order.FindIndex(own.shape))), 1):
+        for number, face in enumerate(
+            sorted(part.faces, key=lambda occurrence: int(order.FindIndex(occurrence.shape))), 1
+        ):
             region = Region(face.region)
             rows.append(FaceNameFigures(len(rows) + 1, member, number, face.name, region, region.side, face.tooth))
     return FaceNames(design, tuple(rows))

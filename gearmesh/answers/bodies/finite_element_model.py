@@ -1,4 +1,4 @@
-"""Finite-element models as answers: what every one has and how it is written, and those of members without a mating gear."""
+"""Finite-element models as answers: the common part of all models, and models of members without a mating gear."""
 
 from __future__ import annotations
 
@@ -30,20 +30,24 @@ from gearmesh.teeth.gear_train import GearTrain, Member
 if TYPE_CHECKING:
     import pyvista
 
-#: scaled Jacobian below which elements are worth a warning
-LEAST_JACOBIAN = 0.2
+#: scaled Jacobian below which elements cause a warning
+MIN_JACOBIAN = 0.2
 
 
 @dataclass(frozen=True, repr=False)
 class FiniteElementModel(Result):
-    """A model, ready to be written, and its figures as they are reported.
+    """Finite-element model, ready to be written, with its figures.
 
-    It has materials, supports, contacts and loads beside its mesh; files have all of it.
+    Beside its mesh it has materials, supports, contacts and loads; files contain all of these.
     """
 
+    #: the design
     design: Design
+    #: the model
     _model: Model
+    #: figures of the mesh
     measured: MeshFigures
+    #: warnings, one line each
     warnings: tuple[str, ...]
     model = Deprecated("_model", "0.19.0", "`mesh` has nodes, elements and sets, and save() writes all of it")
 
@@ -70,7 +74,7 @@ class FiniteElementModel(Result):
 
     @property
     def cyclic(self) -> tuple[CyclicFigures, ...]:
-        """Those of the sector that it is, if it is one."""
+        """Figures of the cyclic symmetry; none if the model is no sector."""
         symmetry = self._model.cyclic
         return () if symmetry is None else (CyclicFigures.of(symmetry, self.mesh),)
 
@@ -93,9 +97,9 @@ class FiniteElementModel(Result):
         path : str or os.PathLike
             The file.
         timing : bool
-            Whether JSON has the run times.
+            Include run times in JSON.
         program : str, optional
-            Whose .inp: "calculix" or "abaqus".
+            Program of an .inp file: "calculix" or "abaqus".
 
         Returns
         -------
@@ -105,7 +109,7 @@ class FiniteElementModel(Result):
         Raises
         ------
         OutputError
-            For a file that cannot be written.
+            If the file cannot be written.
 
         Examples
         --------
@@ -142,7 +146,7 @@ class FiniteElementModel(Result):
 
 @dataclass(frozen=True, repr=False)
 class UnloadedFiniteElements(FiniteElementModel):
-    """The model of a member without a mating gear, in its own frame: held, not loaded."""
+    """Model of a member without a mating gear, in its own frame: supported, but not loaded."""
 
     train: GearTrain
 
@@ -152,7 +156,7 @@ class UnloadedFiniteElements(FiniteElementModel):
         Parameters
         ----------
         progress : callable, optional
-            As of `FiniteElements.solve`.
+            As for `FiniteElements.solve`.
 
         Raises
         ------
@@ -170,15 +174,16 @@ class UnloadedFiniteElements(FiniteElementModel):
 
 
 def mesh_request_of(design: Design, members: Iterable[Member], sector: int | None = None) -> MeshRequest:
-    """The mesh that a design's table fe defines, of some teeth or a `sector`, of both `members` or one without a mating gear.
+    """Return the mesh that the table fe of a design defines, for some teeth or a `sector`.
 
-    Raises DesignError for an even number of teeth, and for more than any of them has.
+    `members` are both members of a pair, or one member without a mating gear. Raises DesignError for an even number of
+    teeth, and for more teeth than any member has.
     """
-    wanted, most = design.in_mm().fe, max(member.tooth.teeth for member in members)
+    wanted, most_teeth = design.in_mm().fe, max(member.tooth.teeth for member in members)
     if wanted.teeth and wanted.teeth % 2 == 0:
         raise DesignError("fe.teeth", wanted.teeth, must_be="an odd number, or 0 for all teeth")
-    if wanted.teeth > most and design.sets("fe.teeth"):
-        odd = most - (most + 1) % 2
+    if wanted.teeth > most_teeth and design.sets("fe.teeth"):
+        odd = most_teeth - (most_teeth + 1) % 2
         raise DesignError("fe.teeth", wanted.teeth, must_be=f"an odd number up to {odd}, or 0 for all teeth")
     return MeshRequest(
         teeth=wanted.teeth or None,
@@ -192,7 +197,7 @@ def mesh_request_of(design: Design, members: Iterable[Member], sector: int | Non
 
 
 def mesh_figures(mesh: HexMesh) -> MeshFigures:
-    """The figures of a mesh."""
+    """Return the figures of a mesh."""
     return MeshFigures(
         elements=len(mesh.elements),
         element_order=2 if mesh.second_order else 1,
@@ -210,9 +215,10 @@ def unloaded_elements_of(
     asked: Mapping[str, object] | None = None,
     sector: int | None = None,
 ) -> UnloadedFiniteElements:
-    """The model of the member of a gear set without pairs, or of a `sector`; `asked`: arguments that need a mating gear.
+    """Return the model of the member of a gear set without pairs, or of its `sector`.
 
-    Raises DesignError for any of these that is neither None nor 0, for another member, and for a design that cannot be modelled.
+    `asked` holds arguments that need a mating gear. Raises ArgumentError if any of them is neither None nor 0,
+    DesignError for another member and for a design that cannot be modelled.
     """
     started = time.perf_counter()
     for argument, value in (asked or {}).items():
@@ -235,36 +241,38 @@ def unloaded_elements_of(
 
 
 def bad_shapes(models: Iterable[MeshFigures]) -> list[str]:
-    """The warning of models with badly shaped elements, reported once."""
+    """Return the warning of models with badly shaped elements, once for all models."""
     least = min(model.min_scaled_jacobian for model in models)
     return (
-        [f"the worst elements are badly shaped: their scaled Jacobian is {least:.3g}"] if least < LEAST_JACOBIAN else []
+        [f"the worst elements are badly shaped: their scaled Jacobian is {least:.3g}"] if least < MIN_JACOBIAN else []
     )
 
 
 def rims_alone(model: Model, members: Collection[Member], whole: bool) -> list[str]:
-    """For the head of a deck: whose bodies end with a rim, not with their bore, where the model has not the `whole` ones."""
+    """Return the note in the head of a deck that names bodies modelled only up to a rim, without hub and bore."""
     sets = model.mesh.node_sets
-    names = [own for own in (member.name for member in members) if f"{own}_rim" in sets and f"{own}_bore" not in sets]
+    names = [
+        name for name in (member.name for member in members) if f"{name}_rim" in sets and f"{name}_bore" not in sets
+    ]
     if whole or not names:
         return []
     return [f"of the bodies the model has rims alone, without what is beyond them ({', '.join(names)})"]
 
 
 def omissions(members: Collection[Member], whole: bool) -> list[str]:
-    """Parts of the bodies of members that the model does not have, with the `whole` body or a rim alone, reported once."""
+    """Return the notes on parts of the members' bodies that the model lacks, with the `whole` body or only a rim."""
     parts: dict[str, list[str]] = {}
     lines = [at_nominal_places(member) for member in members if member.index.uneven]
     turned = False
     for member in members:
         web = ("web",) if member.plain_body.web is not None else ()
-        own = (*member.features.uncut.names, *web)
-        turned = turned or bool(own and member.turned_body)
+        modelled_features = (*member.features.uncut.names, *web)
+        turned = turned or bool(modelled_features and member.turned_body)
         for part in (*member.features.names, *web):
-            if not (whole and part in own):
+            if not (whole and part in modelled_features):
                 parts.setdefault(part, []).append(member.name)
         if member.tooth.screw is not None and member.tooth.tip_edge is not None:
-            # hexahedra of threads go by half planes through the axis, where the drawn edge has no points
+            # hexahedra of threads lie between half planes through the axis, where the drawn edge has no points
             parts.setdefault("chamfer or rounding of the tip", []).append(member.name)
         if member.tooth.blank.ends != SHARP_ENDS:
             parts.setdefault("ends of the face within chamfers or roundings", []).append(member.name)

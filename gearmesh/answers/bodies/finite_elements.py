@@ -1,4 +1,4 @@
-"""Finite-element models of gears in mesh, their figures, and what a solver finds of them."""
+"""Finite-element models of gears in mesh, their figures, and the results of a solver."""
 
 from __future__ import annotations
 
@@ -52,41 +52,45 @@ from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.progress import part
 from gearmesh.teeth.gear_train import GearPair
 
-#: programs whose decks are written
-PROGRAMS = ("calculix", "abaqus")
-#: elements up to which models with default numbers of lines get more of them until these resolve the contact pressure
-LARGEST_DEFAULT = 150_000
-#: semi-axes from the middle of an ellipse beyond which no pressure is its peak
-RIM = 0.9
-#: rotation of the pinion up to which a linear solution means something
-LARGEST_ROTATION_DEG = 1.0
-#: coefficient of friction up to which a solution means something
-LARGEST_FRICTION = 1.0
-#: keys of the table fe that say how fine the lines are where the teeth touch
-LINES = frozenset({"flank", "thickness", "face"})
+#: programs for which decks are written
+DECK_PROGRAMS = ("calculix", "abaqus")
+#: limit of the elements of a model whose default numbers of lines are raised to resolve the contact pressure
+MAX_DEFAULT_ELEMENTS = 150_000
+#: distance from the centre of the ellipse, in semi-axes, beyond which a pressure is not its peak
+RIM_SEMI_AXES = 0.9
+#: largest rotation of the pinion for which a linear solution is meaningful
+MAX_ROTATION_DEG = 1.0
+#: largest coefficient of friction for which a solution is meaningful
+MAX_FRICTION = 1.0
+#: keys of the table fe for the spacing of lines near the contact
+LINE_KEYS = frozenset({"flank", "thickness", "face"})
 
 
 @dataclass(frozen=True, repr=False)
 class FiniteElements(FiniteElementModel):
-    """A pair's model, ready to be written or solved, and its figures as they are reported."""
+    """Model of a pair, ready to be written or solved, with its figures."""
 
+    #: figures of the model
     measured: ModelFigures
+    #: the pair
     pair: GearPair
+    #: request from which the model was built
     _request: Request
+    #: the built model, with positions of the gears
     _built: GearModel
 
     @property
     def coarse(self) -> str:
-        """Why the model does not resolve the contact pressure of the leading teeth; empty where it does."""
+        """Reason why the model does not resolve the contact pressure of the leading teeth; empty if it does."""
         return self.measured.coarse
 
     def solve(self, progress: Callable[[float, str], None] | None = None) -> FiniteElementSolution:
-        """Run CalculiX on the model; contact and rotation are those of both members in mesh.
+        """Solution of the model by CalculiX; contact and rotation belong to both members in mesh.
 
         Parameters
         ----------
         progress : callable, optional
-            Is told how far the work is (0 to 1) and what it is doing.
+            Called with the finished share of the work (0 to 1) and its current step.
 
         Returns
         -------
@@ -96,9 +100,9 @@ class FiniteElements(FiniteElementModel):
         Raises
         ------
         OutputError
-            If it is not installed.
+            If CalculiX is not installed.
         NoSolutionError
-            If it fails.
+            If CalculiX fails.
 
         Examples
         --------
@@ -109,11 +113,15 @@ class FiniteElements(FiniteElementModel):
 
 @dataclass(frozen=True, repr=False)
 class FiniteElementSolution(Result):
-    """A solver's answer, in the model's order of nodes, and its figures as they are reported."""
+    """Solution of a model, in the order of its nodes, with its figures."""
 
+    #: the model
     problem: FiniteElements
+    #: displacements and stresses of the nodes
     solution: NodalSolution
+    #: contact of each tooth pair
     contacts: list[ContactFigures]
+    #: figures of the solution
     measured: SolutionFigures
 
     @property
@@ -134,7 +142,7 @@ class FiniteElementSolution(Result):
 
     @property
     def reserve(self) -> str:
-        """Why the largest pressure is unreliable; empty where it is not."""
+        """Reason why the largest pressure is unreliable; empty if it is reliable."""
         if self.measured.contact is None or self.measured.contact.pressure_resolved:
             return ""
         if self.problem.coarse:
@@ -160,7 +168,7 @@ class FiniteElementSolution(Result):
         ]
 
     def _with_reserve(self, entry: Entry) -> Entry:
-        """A figure as a table has it: of an unresolved pressure also why it is."""
+        """Return a figure for a table, with the reason appended to an unresolved pressure."""
         peak = entry.key == SolvedContact.key_of("max_pressure")
         return replace(entry, value=f"{cell(entry.value)}{self._reserve}") if peak and self.reserve else entry
 
@@ -178,11 +186,15 @@ class FiniteElementSolution(Result):
 
 @dataclass(frozen=True, repr=False)
 class FiniteElementDecks(Result):
-    """Decks of a pair at several positions, as they were written into a folder, and the figures of each."""
+    """Decks of a pair at several positions, written into a folder."""
 
+    #: the design
     design: Design
+    #: the folder
     folder: Path
+    #: figures of each deck
     rows: list[DeckFigures]
+    #: warnings, one line each
     warnings: tuple[str, ...]
 
     @property
@@ -212,16 +224,16 @@ class FiniteElementDecks(Result):
 
     @property
     def run_time(self) -> RunTime:
-        """How long all decks took."""
+        """Run time of all decks."""
         return RunTime(sum(row.model.seconds for row in self.rows))
 
 
 def refuse_turn_and_friction(rotation: float | None, friction: float) -> None:
     """Raise ArgumentError for a rotation (deg) or a coefficient of friction without a meaningful linear solution."""
-    if rotation is not None and not 0.0 < rotation <= LARGEST_ROTATION_DEG:
-        raise ArgumentError("rotation", rotation, must_be=f"above 0 and up to {LARGEST_ROTATION_DEG:g} deg")
-    if not 0.0 <= friction <= LARGEST_FRICTION:
-        raise ArgumentError("friction", friction, must_be=f"a coefficient from 0 to {LARGEST_FRICTION:g}")
+    if rotation is not None and not 0.0 < rotation <= MAX_ROTATION_DEG:
+        raise ArgumentError("rotation", rotation, must_be=f"above 0 and up to {MAX_ROTATION_DEG:g} deg")
+    if not 0.0 <= friction <= MAX_FRICTION:
+        raise ArgumentError("friction", friction, must_be=f"a coefficient from 0 to {MAX_FRICTION:g}")
 
 
 def request_of(
@@ -232,12 +244,13 @@ def request_of(
     friction: float = 0.0,
     sector: int | None = None,
 ) -> Request:
-    """The model that a design's tables fe and material define; `rotation` (rad) of the pinion takes the place of the torque.
+    """Return the model that the tables fe and material of a design define; `rotation` (rad) of the pinion replaces the
+    torque.
 
-    Raises DesignError for a number of teeth that is even or more than there are, members that the pair has not, `friction` of one
-    member and a `sector` that there is not.
+    Raises an error for an even or too large number of teeth, for members that the pair does not have, for `friction` of
+    one member, and for an impossible `sector`.
     """
-    own, wanted = mesh_request_of(design, pair.members.values(), sector), design.in_mm().fe
+    mesh_request, wanted = mesh_request_of(design, pair.members.values(), sector), design.in_mm().fe
     unknown = [name for name in members if name not in pair.members]
     if unknown or not members:
         raise ArgumentError("members", unknown[0] if unknown else [], must_be=f"members of the pair {pair.name}")
@@ -248,14 +261,14 @@ def request_of(
     if friction and len(members) == 1:
         raise ArgumentError("friction", friction, must_be="left out for one member alone, which has no contact")
     return Request(
-        **vars(own),
+        **vars(mesh_request),
         members=tuple(members),
         ellipse=wanted.ellipse,
         even=wanted.spacing == "even",
         torque=1e3 * wanted.torque,
         rotation=rotation,
         friction=friction,
-        resolved=len(members) > 1 and wanted.ellipse == 0 and not LINES & wanted.model_fields_set,
+        resolved=len(members) > 1 and wanted.ellipse == 0 and not LINE_KEYS & wanted.model_fields_set,
         materials=materials_of(design, pair),
     )
 
@@ -270,17 +283,17 @@ def finite_elements_of(
     friction: float = 0.0,
     sector: int | None = None,
 ) -> FiniteElements:
-    """The model of a pair at phi1 (rad, counted as the source counts it), of both or only some of its `members`, or a `sector` of
-    one.
+    """Return the model of a pair at phi1 (rad, counted as in the source), of both or only some `members`, or of a
+    `sector`.
 
-    Raises DesignError for a design that cannot be modelled, NoSolutionError where no teeth touch.
+    Raises DesignError for a design that cannot be modelled, and NoSolutionError if no teeth touch.
     """
     request = _request(design, pair, members, rotation, friction, sector)
     with part(0.0, 0.3):
-        at = place(pair, phi1, request.torque, request.materials)
+        placed_pair = place(pair, phi1, request.torque, request.materials)
     with part(0.3, 1.0):
-        made = _make(design, pair, request, at)
-    return replace(made, warnings=(*warnings, *_missing_parts(pair, request), *_warnings(request, [made.measured])))
+        model = _make(design, pair, request, placed_pair)
+    return replace(model, warnings=(*warnings, *_missing_parts(pair, request), *_warnings(request, [model.measured])))
 
 
 def finite_element_decks_of(
@@ -296,14 +309,15 @@ def finite_element_decks_of(
     *,
     progress: Callable[[float, str], None],
 ) -> FiniteElementDecks:
-    """Decks of a pair at several phi1 (rad) in a folder, made if need be, with a script that solves them in order.
+    """Write decks of a pair at several phi1 (rad) into a folder, with a script that solves them in order.
 
-    Raises what `finite_elements_of` raises before anything is written, and OutputError for a folder that cannot be.
+    The folder is made if needed. Raises the errors of `finite_elements_of` before anything is written, and OutputError
+    for a folder that cannot be made.
     """
     from gearmesh.io.atomic import whole_text
 
-    if program not in (None, *PROGRAMS):
-        raise ArgumentError("program", program, must_be=f"{' or '.join(PROGRAMS)}")
+    if program not in (None, *DECK_PROGRAMS):
+        raise ArgumentError("program", program, must_be=f"{' or '.join(DECK_PROGRAMS)}")
     request = _request(design, pair, members, rotation, friction)
     places = [place(pair, angle, request.torque, request.materials) for angle in phi1]
     jobs = [f"position_{k:0{len(str(len(places)))}d}" for k in range(1, len(places) + 1)]
@@ -330,7 +344,7 @@ def finite_element_decks_of(
 
 
 def _script(jobs: Sequence[str], program: str | None) -> str:
-    """A shell script that runs jobs one after the other beside itself, and stops at the first that fails."""
+    """Return a shell script that runs the jobs in its folder one after the other, and stops at the first that fails."""
     run = (
         'abaqus job="$job" input="$job.inp" interactive' if program == "abaqus" else '"${GEARMESH_CCX:-ccx}" -i "$job"'
     )
@@ -352,12 +366,14 @@ def _request(
 
 
 def _make(design: Design, pair: GearPair, request: Request, at: PlacedPair) -> FiniteElements:
-    """The model of a placed pair, without warnings."""
+    """Return the model of a placed pair, without warnings."""
     started = time.perf_counter()
+    # the default spacing is refined until it resolves the contact pressure
     with part(0.0, 0.5 if request.resolved else 0.9):
-        built, needed = gear_model(pair, request, at, design.title), None
-    if request.resolved and len(built.model.mesh.elements) > LARGEST_DEFAULT:
-        needed, request = len(built.model.mesh.elements), replace(request, resolved=False)
+        built, elements_to_resolve = gear_model(pair, request, at, design.title), None
+    # if this takes too many elements, build the model with the plain default spacing and report the number
+    if request.resolved and len(built.model.mesh.elements) > MAX_DEFAULT_ELEMENTS:
+        elements_to_resolve, request = len(built.model.mesh.elements), replace(request, resolved=False)
         with part(0.5, 0.9):
             built = gear_model(pair, request, at, design.title)
     figures = ModelFigures(
@@ -371,7 +387,7 @@ def _make(design: Design, pair: GearPair, request: Request, at: PlacedPair) -> F
         hertz_a=at.semi_major,
         hertz_b=at.semi_minor,
         resolution=_resolution(pair, request, built),
-        elements_to_resolve=needed,
+        elements_to_resolve=elements_to_resolve,
         preload=built.preload / ARCSEC,
         facets_gap=1e3 * built.gap,
         seconds=time.perf_counter() - started,
@@ -383,8 +399,11 @@ def _make(design: Design, pair: GearPair, request: Request, at: PlacedPair) -> F
 
 
 def _resolution(pair: GearPair, request: Request, built: GearModel) -> Resolution:
-    """Elements over half the loaded ellipse of each member, across and along the tooth, and over the smaller semi-axis into it;
-    how far the edges of the elements along it deviate from the flank, over the approach.
+    """Return the numbers of elements over the loaded ellipse of each member, and the deviation of element edges along
+    it.
+
+    The numbers are elements over each semi-axis, across and along the tooth, and layers over the smaller semi-axis into
+    it. The deviation of the edges from the flank is relative to the elastic approach.
     """
     half_axes: dict[str, HalfAxes] = {}
     inwards: dict[str, float] = {}
@@ -406,13 +425,13 @@ def _resolution(pair: GearPair, request: Request, built: GearModel) -> Resolutio
 
 
 def _cells(places: Array, middle: float, half: float) -> float:
-    """Cells between the rising `places` (K,) that half a window round the middle takes, on average of both sides."""
+    """Return the cells between rising `places` (K,) in half a window about the middle, the mean of both sides."""
     low, high = np.interp([middle - half, middle + half], places, np.arange(len(places)))
     return float(0.5 * (high - low))
 
 
 def _warnings(request: Request, models: Sequence[ModelFigures]) -> list[str]:
-    """What is wrong with models of a pair at one position or several, by their figures, each reported once."""
+    """Return the warnings of models of a pair at one or several positions, once each."""
     warnings = []
     unresolved = [model for model in models if model.coarse] if len(request.members) == 2 else []
     if unresolved:
@@ -428,17 +447,17 @@ def _missing_parts(pair: GearPair, request: Request) -> list[str]:
 
 
 def _remedy(figures: ModelFigures) -> str:
-    """Which fe.ellipse resolves the pressure, by the elements along the ellipse that this deviation needs."""
+    """Return the value of fe.ellipse that resolves the pressure, from the number of elements that this deviation needs."""
     sag, over = figures.resolution.sag, figures.resolution.over
     if sag is None:
         return ""
-    enough = math.ceil(ELEMENTS_PER_SEMI_AXIS / figures.element_order)
+    needed = math.ceil(ELEMENTS_PER_SEMI_AXIS / figures.element_order)
     if figures.element_order == 1:
-        enough = max(
-            enough, math.ceil(max(half_axes.along for half_axes in over.values()) * math.sqrt(sag / MAX_SAG_RATIO))
+        needed = max(
+            needed, math.ceil(max(half_axes.along for half_axes in over.values()) * math.sqrt(sag / MAX_SAG_RATIO))
         )
     more = figures.elements_to_resolve
-    return f"; fe.ellipse = {enough} resolves it" + (
+    return f"; fe.ellipse = {needed} resolves it" + (
         f", and so do {more} elements with the default spacing" if more else ""
     )
 
@@ -448,11 +467,11 @@ def _solve(problem: FiniteElements, progress: Callable[[float, str], None] | Non
 
     started = time.perf_counter()
     solution = ccx.solve(problem._model, progress)
-    back = problem._built.at.frame.inverse
+    to_fixed = problem._built.at.frame.inverse
     contacts = contact_figures(problem._model, solution)
     figures = SolutionFigures(
-        contact=_contact_figures(problem, solution, contacts, back) if contacts else None,
-        fillets={name: _fillet(problem._model, solution, name, back) for name in problem._request.members},
+        contact=_contact_figures(problem, solution, contacts, to_fixed) if contacts else None,
+        fillets={name: _fillet(problem._model, solution, name, to_fixed) for name in problem._request.members},
         iterations=solution.iterations,
         seconds=time.perf_counter() - started,
     )
@@ -460,19 +479,19 @@ def _solve(problem: FiniteElements, progress: Callable[[float, str], None] | Non
 
 
 def _contact_figures(
-    problem: FiniteElements, solution: NodalSolution, contacts: list[ContactFigures], back: Rigid
+    problem: FiniteElements, solution: NodalSolution, contacts: list[ContactFigures], to_fixed: Rigid
 ) -> SolvedContact:
     reference = solution.references[f"{problem.pair.pinion.name}_held"]
     worst = int(np.argmax([contact.peak_pressure for contact in contacts]))
-    # the pair at the middle, round which the lines are fine; evenly spaced ones are alike everywhere
+    # lines are fine about the leading tooth pair; evenly spaced lines are equal everywhere
     leading = worst if problem._request.even else _leading(problem)
     sense = np.sign(problem._built.at.arm)
-    highest = back.point(contacts[worst].place).tolist()
+    highest = to_fixed.point(contacts[worst].place).tolist()
     return SolvedContact(
         max_pressure=contacts[worst].peak_pressure,
         pressure_resolved=worst == leading and not problem.coarse and not _at_rim(problem, highest),
         max_pressure_point=highest,
-        pressure_centre=back.point(contacts[worst].centre).tolist(),
+        pressure_centre=to_fixed.point(contacts[worst].centre).tolist(),
         contact_area=float(sum(contact.area for contact in contacts)),
         torque=1e-3 * float(sense * reference.moment[2]),
         rotation=(problem._built.preload + float(sense * reference.rotation[2])) / ARCSEC,
@@ -481,36 +500,39 @@ def _contact_figures(
 
 
 def _at_rim(problem: FiniteElements, place: list[float]) -> bool:
-    """Whether a place (mm, fixed frame) is where the pressure on an ellipse ends, and no peak of it; of lines and edges never."""
+    """Return True if a place (mm, fixed frame) is at the rim of a pressure ellipse; always False for lines and edges."""
     at = problem._built.at
     if np.isnan(at.pressure) or at.path.lines[0] is not None:
         return False
-    away = np.array(place) - at.path.point[0]
-    return bool(np.hypot(away @ major_axis(at.path) / at.semi_major, away @ minor_axis(at.path) / at.semi_minor) > RIM)
+    offset = np.array(place) - at.path.point[0]
+    return bool(
+        np.hypot(offset @ major_axis(at.path) / at.semi_major, offset @ minor_axis(at.path) / at.semi_minor)
+        > RIM_SEMI_AXES
+    )
 
 
 def _leading(problem: FiniteElements) -> int:
-    """Which of the model's contacts is that of the leading tooth pair: the one nearest to the place of contact."""
+    """Return the index of the contact of the leading tooth pair, which is nearest to the place of contact."""
     mesh, place = problem.mesh, problem._built.at.frame.point(problem._built.at.path.point[0])
-    away = [
+    distances = [
         np.linalg.norm(mesh.nodes[mesh.face_nodes(contact.slave)] - place, axis=-1).min()
         for contact in problem._model.contacts
     ]
-    return int(np.argmin(away))
+    return int(np.argmin(distances))
 
 
 def _pair_figures(contact: ContactFigures) -> SolvedToothPair:
     return SolvedToothPair(float(np.linalg.norm(contact.force)), contact.peak_pressure, contact.area)
 
 
-def _fillet(model: Model, solution: NodalSolution, member: str, back: Rigid) -> SolvedFillets:
-    """Largest tension and compression in a member's fillets, MPa, and where (fixed frame, mm)."""
+def _fillet(model: Model, solution: NodalSolution, member: str, to_fixed: Rigid) -> SolvedFillets:
+    """Return the largest tension and compression in a member's fillets, MPa, and their positions (fixed frame, mm)."""
     names = [name for name in model.mesh.face_sets if name.startswith(f"{member}_fillet_")]
     tension, pulled = largest_principal(model.mesh, solution, *names)
     compression, pushed = largest_principal(model.mesh, solution, *names, sense=-1.0)
     return SolvedFillets(
         max_tension=tension,
-        tension_point=back.point(model.mesh.nodes[pulled]).tolist(),
+        tension_point=to_fixed.point(model.mesh.nodes[pulled]).tolist(),
         max_compression=compression,
-        compression_point=back.point(model.mesh.nodes[pushed]).tolist(),
+        compression_point=to_fixed.point(model.mesh.nodes[pushed]).tolist(),
     )

@@ -1,4 +1,4 @@
-"""Macros for FreeCAD: a design whose members are features, made anew when a parameter changes."""
+"""Macros for FreeCAD: designs whose members are features, which are rebuilt when a parameter changes."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from typing import Any
 from gearmesh.design.core import Design
 from gearmesh.design.keys import Key
 
-#: what stands in the macro for the design
-PLACE = "SETUP = None\n"
-#: keys of a design that are no parameters of its gears
+#: line of the macro that is replaced by the design
+SETUP_LINE = "SETUP = None\n"
+#: keys of a design that are not parameters of its gears
 NO_PARAMETERS = ("kind", "units", "name", "gearmesh")
 
 
@@ -24,13 +24,13 @@ def macro(design: Design, data: Mapping[str, Any], text: str, folder: Path, tole
     Parameters
     ----------
     design : Design
-        As it was loaded from `data`.
+        The design, loaded from `data`.
     data : mapping
         The table of the design file: its numbers, words and flags become properties of a feature.
     text : str
         The design file.
     folder : Path
-        Where names of files in the design are counted from.
+        Folder to which names of files in the design are relative.
     tolerance : str
         Largest distance from the exact tooth surfaces, with its unit.
     """
@@ -43,25 +43,25 @@ def macro(design: Design, data: Mapping[str, Any], text: str, folder: Path, tole
         "design": text,
     }
     template = files("gearmesh.cad.programs").joinpath("gears.FCMacro").read_text(encoding="utf-8")
-    return template.replace(PLACE, f"SETUP = {pformat(setup, width=120, sort_dicts=False)}\n", 1)
+    return template.replace(SETUP_LINE, f"SETUP = {pformat(setup, width=120, sort_dicts=False)}\n", 1)
 
 
 def _properties(
     design: Design, data: Mapping[str, Any], path: tuple[str, ...] = ()
 ) -> Iterator[tuple[str, dict[str, Any]]]:
-    """The property of every key that holds one value: by its name, with type, value and what it is."""
+    """Yield the property of every key with one value: its name, and its type, value and description."""
     for name, value in data.items():
-        own = (*path, name)
+        key_path = (*path, name)
         if isinstance(value, Mapping):
-            yield from _properties(design, value, own)
+            yield from _properties(design, value, key_path)
             continue
-        key = design.key_at(".".join(own))
-        if key is not None and own[0] not in NO_PARAMETERS and isinstance(value, (bool, int, float, str)):
+        key = design.key_at(".".join(key_path))
+        if key is not None and key_path[0] not in NO_PARAMETERS and isinstance(value, (bool, int, float, str)):
             about = f"{key.about}: {key.allowed_values(design.units)}"
             yield (
-                "_".join(own),
+                "_".join(key_path),
                 {
-                    "key": ".".join(own),
+                    "key": ".".join(key_path),
                     "group": path[0] if path else "design",
                     "about": about,
                     **_value_type(key, value),
@@ -70,7 +70,7 @@ def _properties(
 
 
 def _value_type(key: Key, value: bool | int | float | str) -> dict[str, Any]:
-    """Type, value and choices of the property of a key."""
+    """Return type, value and choices of the property of a key."""
     if isinstance(value, bool):
         return {"type": "Bool", "value": value}
     if isinstance(value, str):

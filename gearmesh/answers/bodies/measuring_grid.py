@@ -23,11 +23,13 @@ from gearmesh.teeth.blank.body import end_names
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Side
 
-#: flanks that are asked for by one word, and what is measured of them
-BOTH, SURFACES = "both", ("flank", "fillet", "all")
+#: value of `flank` for both flanks
+BOTH_FLANKS = "both"
+#: surfaces that can be measured
+MEASURED_SURFACES = ("flank", "fillet", "all")
 
-#: largest diameter of a probe's ball, mm
-LARGEST_BALL = 1000.0
+#: largest diameter of a probe's ball
+MAX_BALL_DIAMETER_MM = 1000.0
 
 
 def measuring_grid_of(
@@ -39,17 +41,20 @@ def measuring_grid_of(
     surface: str,
     ball: float | None,
 ) -> MeasuringGrids:
-    """Of the "right" or "left" flank of a member, or "both", with a probe's `ball` of that radius (mm).
+    """Return the grids of the "right" or "left" flank of a member, or of "both"; `ball` is the diameter (mm) of a
+    probe's ball.
 
-    Raises DesignError for another flank or surface and a ball of no size, and as `MeasuringGrid.of`.
+    Raises ArgumentError for an unknown flank or surface and an invalid ball, and the errors of `MeasuringGrid.of`.
     """
-    if flank not in (*Side, BOTH):
-        raise ArgumentError("flank", flank, must_be=f"one of {', '.join((*Side, BOTH))}")
-    if surface not in SURFACES:
-        raise ArgumentError("surface", surface, must_be=f"one of {', '.join(SURFACES)}")
-    if ball is not None and not 0.0 < ball <= LARGEST_BALL:
-        raise ArgumentError("ball", ball, unit="mm", allowed=f"a diameter above 0 and up to {LARGEST_BALL:g} mm")
-    sides = tuple(Side) if flank == BOTH else (Side(flank),)
+    if flank not in (*Side, BOTH_FLANKS):
+        raise ArgumentError("flank", flank, must_be=f"one of {', '.join((*Side, BOTH_FLANKS))}")
+    if surface not in MEASURED_SURFACES:
+        raise ArgumentError("surface", surface, must_be=f"one of {', '.join(MEASURED_SURFACES)}")
+    if ball is not None and not 0.0 < ball <= MAX_BALL_DIAMETER_MM:
+        raise ArgumentError(
+            "ball", ball, unit="mm", allowed=f"a diameter above 0 and up to {MAX_BALL_DIAMETER_MM:g} mm"
+        )
+    sides = tuple(Side) if flank == BOTH_FLANKS else (Side(flank),)
     fillets = {"flank": (False,), "fillet": (True,), "all": (False, True)}[surface]
     refuse_shape(shape, margins)
     member = gears.member(name)
@@ -64,14 +69,16 @@ Number = TypeVar("Number", int, float)
 def numbers_of(
     name: str, given: tuple[Number, Number] | str, between: str, number: Callable[[str], Number | None]
 ) -> tuple[Number, Number]:
-    """Two numbers that are given as such, or as a text with a mark `between` them. Raises DesignError for another text."""
+    """Return two numbers, given as numbers or as a text with a mark `between` them. Raises ArgumentError for another
+    text.
+    """
     if not isinstance(given, str):
         return given
-    both = [known for text in given.lower().split(between) if (known := number(text)) is not None]
-    if len(both) != 2 or given.count(between) != 1:
+    numbers = [known for text in given.lower().split(between) if (known := number(text)) is not None]
+    if len(numbers) != 2 or given.count(between) != 1:
         example = {"x": "5x9", ",": "0.1,0.1"}[between]
         raise ArgumentError(name, given, must_be=f"two numbers, as {example}")
-    return both[0], both[1]
+    return numbers[0], numbers[1]
 
 
 @dataclass(frozen=True)
@@ -110,9 +117,13 @@ class MeasuringGridFigures(Figures):
 class MeasuringGrids(Result):
     """Points and unit normals of the flanks of one tooth of a member, in its own frame (mm)."""
 
+    #: the design
     design: Design
+    #: the member
     member: Member
+    #: grids of flanks and fillets
     grids: tuple[MeasuringGrid, ...]
+    #: radius of the probe's ball, mm; None without a ball
     probe_radius: float | None = None
 
     @property
@@ -128,9 +139,9 @@ class MeasuringGrids(Result):
 
     @property
     def listings(self) -> list[Listing]:
-        """The figures of all, and of every flank the points in the middle and at the corners."""
-        of_all = Summary(self.measured)
-        shown = [entry for entry in of_all.entries if entry.figure.key != "points"]
+        """Tables of the common figures, and of the points in the middle and at the corners of every flank."""
+        common = Summary(self.measured)
+        shown = [entry for entry in common.entries if entry.figure.key != "points"]
         rows = []
         for grid in self.grids:
             last_row, last_column = (count - 1 for count in grid.shape)
@@ -151,7 +162,7 @@ class MeasuringGrids(Result):
 
     @property
     def measured(self) -> MeasuringGridFigures:
-        """All points, and what they refer to."""
+        """All points with the data that they refer to."""
         angle, z = thickness_angle(self.grids), [z for _, z in self.member.body.profile]
         rows, columns = self.grids[0].shape
         indices = [np.indices(grid.shape).reshape(2, -1) + 1 for grid in self.grids]
@@ -178,18 +189,18 @@ class MeasuringGrids(Result):
 
     @property
     def comments(self) -> list[str]:
-        """What the head of a file says."""
-        of_all = self.measured
+        """Lines in the head of a file."""
+        common = self.measured
         first, last = end_names(self.member.tooth.blank.axial)
         lines = [
             f"measuring grid of gearmesh {__version__}: {self.design.title}, {self.member.name}",
             "frame: z is the gear's axis, x through the middle of a tooth at mid face; origin as in the design's drawings",
-            f"datum: axis z; end faces of the body from z = {of_all.toe_end:.9g} mm (toe) to {of_all.heel_end:.9g} mm (heel)",
+            f"datum: axis z; end faces of the body from z = {common.toe_end:.9g} mm (toe) to {common.heel_end:.9g} mm (heel)",
             f"rows from root to tip, columns from {first} to {last}; right flank: y < 0; normals point out of the material",
             "units: mm; deviations to add in a column deviation_um, along the normal, positive = more material",
         ]
-        if of_all.thickness_angle is not None:
-            lines.append(f"theoretical tooth thickness angle at the centre points: {of_all.thickness_angle:.9g} deg")
+        if common.thickness_angle is not None:
+            lines.append(f"theoretical tooth thickness angle at the centre points: {common.thickness_angle:.9g} deg")
         if self.probe_radius is not None:
             lines.append(f"ball: centres of a probe of radius {self.probe_radius:.9g} mm")
         return lines
@@ -199,7 +210,7 @@ class MeasuringGrids(Result):
         return {**header(self.design), **Summary(self.measured)}
 
     def _write(self, target: Path) -> None:
-        """As the file that the table `measured` reads, with the column of deviations added."""
+        """Write the file; with a column of deviations added, the table `measured` of a design reads it."""
         from gearmesh.io.atomic import whole_text
 
         whole_text(target, point_text(self.grids, self.comments, self.probe_radius, target.suffix.lower()))

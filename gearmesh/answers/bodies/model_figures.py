@@ -1,4 +1,4 @@
-"""What is known of finite-element models of gears in mesh, as figures: of the model, of its solution, of several decks."""
+"""Figures of finite-element models of gears in mesh: of the model, of its solution, and of several decks."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class HalfAxes(Figures):
 
 @dataclass(frozen=True)
 class Resolution(Figures):
-    """How well a finite-element model resolves the contact pressure; nothing of it in edge contact."""
+    """Resolution of the contact pressure by a finite-element model; unknown in edge contact."""
 
     over: Mapping[str, HalfAxes] = figure(
         "elements over half the contact ellipse, by members", key="elements_over_half_axes"
@@ -37,17 +37,17 @@ class Resolution(Figures):
     )
 
     def coarse(self, second_order: bool) -> str:
-        """Why elements so coarse do not resolve the contact pressure.
+        """Reason why the elements are too coarse for the contact pressure.
 
         Parameters
         ----------
         second_order : bool
-            Whether elements are of second order.
+            True for elements of second order.
 
         Returns
         -------
         str
-            The reason; empty where they do resolve it.
+            The reason; empty if they resolve the contact pressure.
 
         Examples
         --------
@@ -90,7 +90,7 @@ class CyclicFigures(Figures):
 
     @staticmethod
     def of(symmetry: CyclicSymmetry, mesh: HexMesh) -> CyclicFigures:
-        """Of a model's mesh."""
+        """Return the figures of a model's symmetry and mesh."""
         return CyclicFigures(symmetry.sectors, len(mesh.node_sets[symmetry.first]))
 
 
@@ -123,7 +123,7 @@ class ModelFigures(MeshFigures):
 
     @property
     def coarse(self) -> str:
-        """Why the model does not resolve the contact pressure; empty where it does."""
+        """Reason why the model does not resolve the contact pressure; empty if it does."""
         return self.resolution.coarse(self.element_order == 2)
 
 
@@ -172,7 +172,7 @@ class SolvedFillets(Figures):
 
 @dataclass(frozen=True)
 class SolutionFigures(Figures):
-    """What CalculiX finds of a finite-element model."""
+    """Results of CalculiX for a finite-element model."""
 
     contact: SolvedContact | None = figure(
         "contact of the gears, none of one member", parts=SolvedContact, optional=True

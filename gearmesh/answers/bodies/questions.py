@@ -1,4 +1,4 @@
-"""Gears that are asked for bodies: solids, CAD, sections, measuring grids, tool paths, finite elements."""
+"""Questions about the bodies of gears: solids, CAD, sections, measuring grids, tool paths, finite elements."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 @checks_methods
 class ModelledGears(SolvedGears):
-    """The gears of a design, and what is made of their bodies."""
+    """Gears of a design, with the answers about their bodies."""
 
     # ---------------------------------------------------------------- solids
 
@@ -75,33 +75,33 @@ class ModelledGears(SolvedGears):
         Parameters
         ----------
         member : str
-            Its name; "worm" is the worm that grinds one, "both" or "all" are all members in mesh, as of `solids`.
+            Its name; "worm" is the worm that grinds one, "both" or "all" are all members in mesh, as in `solids`.
         tolerance : Length, optional
-            Largest distance between mesh and exact gear, both ways, mm; by default the design's.
+            Largest distance between mesh and exact gear, in both directions, mm; by default the design's.
         teeth : int, optional
-            The open surfaces of only so many teeth.
+            Number of teeth whose open surfaces are meshed.
         sector : int, optional
-            Only so many pitches, fewer than all, closed by two cut faces through the middles of roots, which are the regions
-            cut_right and cut_left: one is the other, turned, to the last node.
+            Number of pitches, fewer than all, closed by two cut faces through the middles of roots. They are the regions
+            cut_right and cut_left, and their nodes coincide when one is turned onto the other.
         flank_only : str, optional
-            The "right" or "left" flanks alone, or "both", as open surfaces with exact normals at their vertices.
+            The "right" or "left" flanks, or "both", as open surfaces with exact normals at their vertices.
         space : bool
-            The space between two teeth as a solid, as a broach or an electrode fills it, up to the tip surface.
+            The space between two teeth up to the tip surface as a solid, as a broach or an electrode fills it.
         offset : float or str
-            By how much all surfaces of the teeth move along their normals, mm, positive away from the member's material:
-            stock, or a spark gap; negative: clearance.
+            Distance by which all tooth surfaces move along their normals, mm, positive away from the member's material, for
+            stock or a spark gap; negative for clearance.
         file : str or os.PathLike, optional
-            The file that it is meant for: the mesh is proved as that will hold it, as some formats have single precision.
+            File for which the mesh is proved: some formats round coordinates to single precision.
 
         Returns
         -------
         Solid
-            `save("pinion.stl")` writes it; `measured` has the bound of the deviation and the volume. Solids of all members.
+            `save("pinion.stl")` writes it; `measured` has the proved deviation and the volume. For all members: Solids.
 
         Raises
         ------
         DesignError
-            For a member that there is not, and for an offset that is too large, with the largest that works.
+            For a member that does not exist, and for an offset that is too large, with the largest valid offset.
 
         Examples
         --------
@@ -110,10 +110,10 @@ class ModelledGears(SolvedGears):
         (True, 'pinion.stl')
         """
         from gearmesh.answers.bodies.extract import Extract
-        from gearmesh.answers.bodies.solid import TOGETHER, refuse_parts, solid_of
+        from gearmesh.answers.bodies.solid import ALL_MEMBERS_NAMES, refuse_parts, solid_of
 
         extract = Extract.of(offset, space=space, flank_only=flank_only, sector=sector, teeth=teeth)
-        if member in TOGETHER and member not in self.names.members:
+        if member in ALL_MEMBERS_NAMES and member not in self.names.members:
             refuse_parts(teeth=teeth, sector=sector, flank_only=flank_only, space=space or None)
             return self.solids(tolerance, offset=offset, file=file)
         return solid_of(self, member, self.within(tolerance), teeth, file, extract)
@@ -133,9 +133,9 @@ class ModelledGears(SolvedGears):
         tolerance : float or str, optional
             Largest distance from the exact surfaces, mm, or with a unit; by default the design's.
         offset : float or str
-            As of `solid`.
+            As for `solid`.
         file : str or os.PathLike, optional
-            As of `solid`.
+            As for `solid`.
         phi1 : float
             Rotation of the first pair's pinion, deg.
 
@@ -147,7 +147,7 @@ class ModelledGears(SolvedGears):
         Raises
         ------
         NoSolutionError
-            Where the pair has no contact there.
+            If the pair has no contact there.
 
         Examples
         --------
@@ -171,38 +171,38 @@ class ModelledGears(SolvedGears):
         offset: Length = 0.0,
         phi1: float = 0.0,
     ) -> Cad:
-        """One member as a CAD solid in its own frame, or all of them placed as they mesh; or a space, a sector, open surfaces.
+        """One member as a CAD solid in its own frame, or all members in mesh; or a space, a sector, open surfaces.
 
         Parameters
         ----------
         member : str, optional
             Its name; by default all members.
         tolerance : float or str, optional
-            Largest distance of the faces from the exact surfaces, mm, or with a unit; 0.0001 mm.
+            Largest distance of the faces from the exact surfaces, mm, or with a unit; by default 0.0001 mm.
         teeth : int, optional
-            All surfaces of so many teeth, as open shells.
+            Number of teeth whose surfaces are made, as open shells.
         sector : int, optional
-            So many pitches, between the faces cut_right and cut_left.
+            Number of pitches, between the faces cut_right and cut_left.
         flank_only : str, optional
             The "right" or "left" flanks or "both", as open shells.
         space : bool
             The space between two teeth.
         offset : float or str
-            As of `solid`.
+            As for `solid`.
         phi1 : float
-            Rotation of the first pair's pinion, deg, at which all members are placed (fixed frame).
+            Rotation of the first pair's pinion, deg, for the positions of all members (fixed frame).
 
         Returns
         -------
         Cad
-            `save("pair.step")` writes it; `to_build123d` and `to_cadquery` hand it over in memory.
+            `save("pair.step")` writes it; `to_build123d` and `to_cadquery` return it without a file.
 
         Raises
         ------
         OutputError
-            Where OpenCASCADE is missing.
+            If OpenCASCADE is missing.
         NoSolutionError
-            Where the pair has no contact at phi1.
+            If the pair has no contact at phi1.
 
         Examples
         --------
@@ -222,21 +222,21 @@ class ModelledGears(SolvedGears):
         Parameters
         ----------
         tolerance : float or str, optional
-            As of `cad`.
+            As for `cad`.
         phi1 : float
-            As of `cad`, deg.
+            As for `cad`, deg.
 
         Returns
         -------
         build123d.Compound
-            Its children have names, colours and places.
+            Its children have names, colours and positions.
 
         Raises
         ------
         OutputError
-            Where build123d is missing.
+            If build123d is missing.
         NoSolutionError
-            Where the pair has no contact at phi1.
+            If the pair has no contact at phi1.
 
         Examples
         --------
@@ -251,9 +251,9 @@ class ModelledGears(SolvedGears):
         Parameters
         ----------
         tolerance : float or str, optional
-            As of `cad`.
+            As for `cad`.
         phi1 : float
-            As of `cad`, deg.
+            As for `cad`, deg.
 
         Returns
         -------
@@ -263,9 +263,9 @@ class ModelledGears(SolvedGears):
         Raises
         ------
         OutputError
-            Where CadQuery is missing.
+            If CadQuery is missing.
         NoSolutionError
-            Where the pair has no contact at phi1.
+            If the pair has no contact at phi1.
 
         Examples
         --------
@@ -282,25 +282,26 @@ class ModelledGears(SolvedGears):
         curves: str = "splines",
         offset: Length = 0.0,
     ) -> Section:
-        """The transverse section of one member, or the axial one of a worm, as contours for drawings, wires and lasers.
+        """The transverse section of one member, or the axial section of a worm, as contours for drawings, wires and lasers.
 
         Parameters
         ----------
         member : str
-            Its name, as "pinion".
+            Its name, for example "pinion".
         z : float or str, optional
-            Its place, mm, or with a unit; mid face. "axial": through the axis of a worm, along z, without keyways and holes.
+            Position of the section, mm, or with a unit; by default mid face. "axial" is the section through the axis of a
+            worm, along z, without keyways and holes.
         tolerance : float or str, optional
-            Largest distance from the exact section, or from its parallel, mm, or with a unit; 0.0001 mm.
+            Largest distance from the exact section or its parallel, mm, or with a unit; by default 0.0001 mm.
         curves : str
-            "splines", "arcs" or "polyline": flanks and fillets are cubic splines, arcs that are tangent to each other, or chords;
-            "polyline" makes chords of all arcs too. With "arcs" and "polyline" a DXF file has one closed polyline for
-            every contour.
+            "splines", "arcs" or "polyline": flanks and fillets are cubic splines, arcs that are tangent to each other, or
+            chords; "polyline" replaces all arcs by chords, too. With "arcs" and "polyline" a DXF file has one closed
+            polyline per contour.
         offset : float or str
-            Distance of the contours from the section, mm, or with a unit: positive away from the material, all round teeth, bore,
-            keyway and holes, as for a wire whose radius and spark gap it is; negative into the material. Where the tool does not
-            reach, in inner corners sharper than itself, the contour is trimmed; `measured.stock_left` is the most that is
-            left there.
+            Distance of the contours from the section, mm, or with a unit, for example the radius and spark gap of a wire.
+            Positive values are away from the material, round teeth, bore, keyway and holes; negative values are into it.
+            The contour is trimmed in inner corners that are sharper than the tool; `measured.stock_left` is the largest
+            stock that remains there.
 
         Returns
         -------
@@ -310,10 +311,10 @@ class ModelledGears(SolvedGears):
         Raises
         ------
         DesignError
-            For a member that there is not or whose end faces are not planes, for z beyond its face, and for an offset that a
-            contour has no room for; for an axial section of teeth that are no threads.
+            For a member that does not exist or whose end faces are not planes, for z beyond its face, and for an offset for
+            which a contour has no room; for an axial section of teeth that are not threads.
         NoSolutionError
-            Where the tolerance is not met.
+            If the tolerance cannot be met.
 
         Examples
         --------
@@ -330,16 +331,16 @@ class ModelledGears(SolvedGears):
         return section_of(self, member, place, within, curves, in_mm("offset", offset), axial=axial)
 
     def topography(self, member: str, flank: str = "right", tolerance: Length | None = None) -> FlankTopography:
-        """All that modifications remove of a flank, as a grid of amounts.
+        """The material that modifications remove from a flank, as a grid of amounts.
 
         Parameters
         ----------
         member : str
-            Its name, as "pinion".
+            Its name, for example "pinion".
         flank : str
             "right" or "left".
         tolerance : float or str, optional
-            Largest error of a flank that is read from the grid, mm, or with a unit; 1e-5 mm.
+            Largest error of a flank that is read from the grid, mm, or with a unit; by default 1e-5 mm.
 
         Returns
         -------
@@ -349,7 +350,7 @@ class ModelledGears(SolvedGears):
         Raises
         ------
         DesignError
-            For a member or flank that there is not, and for flanks that are not modified.
+            For a member or flank that does not exist, and for flanks that are not modified.
 
         Examples
         --------
@@ -357,9 +358,9 @@ class ModelledGears(SolvedGears):
         >>> crowned.topography("pinion").save("right.csv").name
         'right.csv'
         """
-        from gearmesh.answers.bodies.topography import TOLERANCE, flank_topography
+        from gearmesh.answers.bodies.topography import DEFAULT_TOLERANCE_MM, flank_topography
 
-        within = self.within(tolerance, TOLERANCE)
+        within = self.within(tolerance, DEFAULT_TOLERANCE_MM)
         return flank_topography(self, member, flank, within)
 
     def measuring_grid(
@@ -381,24 +382,24 @@ class ModelledGears(SolvedGears):
         flank : str
             "right", "left" or "both".
         grid : tuple of int, or str
-            Points from root to tip and from toe to heel, (5, 9) or "5x9"; one row or column lies in the middle.
+            Points from root to tip and from toe to heel, (5, 9) or "5x9"; a single row or column lies in the middle.
         margins : tuple of float, or str
-            Shares of profile and face width beside their edges that have no points, (0.1, 0.1) or "0.1,0.1".
+            Shares of profile and face width along the edges that have no points, (0.1, 0.1) or "0.1,0.1".
         surface : str
             "flank", "fillet" or "all".
         ball : Length
-            Diameter of the probe's ball, mm, whose centres are written too.
+            Diameter of the probe's ball, mm; its centres are written, too.
 
         Returns
         -------
         MeasuringGrids
-            `save("pinion.csv")` writes a .csv or .txt file, which with a column `deviation_um` added is one that the table
-            `measured` of a design reads.
+            `save("pinion.csv")` writes a .csv or .txt file. With a column `deviation_um` added, the table `measured` of a
+            design reads it.
 
         Raises
         ------
         DesignError
-            For a member, flank, surface, grid, margins or ball that cannot be.
+            For an invalid member, flank, surface, grid, margins or ball.
 
         Examples
         --------
@@ -428,32 +429,32 @@ class ModelledGears(SolvedGears):
         tilt: float | None = None,
         feed: float = 500.0,
     ) -> ToolPathAnswer:
-        """How a ball-end cutter finishes the spaces between the teeth of a member on a five-axis machine, proved on exact surfaces.
+        """The tool path of a ball-end cutter in the spaces of a member on a five-axis machine, proved on exact surfaces.
 
         Parameters
         ----------
         member : str
             Its name.
         tool : str
-            "ball:D", "ball:D,L" or "ball:D,L,H": diameter of ball and shank, length of the shank beyond the ball's centre, by
-            default five diameters, and diameter of the holder that begins there.
+            "ball:D", "ball:D,L" or "ball:D,L,H": diameter D of ball and shank; length L of the shank beyond the ball's centre,
+            by default five diameters; diameter H of the holder, which begins there.
         scallop : Length
-            The most that is left over the exact surfaces, chords included, mm.
+            Limit of the material left over the exact surfaces, chords included, mm.
         stock : Length
-            What is left over them on purpose, along the normals, mm.
+            Stock that is left on purpose, along the normals, mm.
         tolerance : Length, optional
-            The part of the scallop that chords between points may take, mm; by default a tenth.
+            Part of the scallop that chords between points may use, mm; by default a tenth.
         flank, surfaces : str
-            What is finished: "right", "left" or "both"; "all", flanks with fillets and root, or "flanks" alone.
+            Surfaces to finish: "right", "left" or "both"; "all" (flanks with fillets and root) or "flanks".
         spaces : int or str
-            The number of the space, that of the tooth after it (0 is on the x axis), or "all" of all rows of teeth.
+            Number of the space, equal to the number of the tooth after it (tooth 0 is on the x axis), or "all" spaces.
         order : str
             Feed order, "zigzag" or "one-way".
         lead, tilt : float, optional
-            Angles of the tool axis from the middle of the space, deg: towards the heel, and away from the flank that is cut; by
-            default the least with which the shank is clear of all teeth.
+            Angles of the tool axis from the middle of the space, deg: towards the heel, and away from the flank that is cut.
+            By default the smallest angles at which the shank is clear of all teeth.
         feed : float
-            mm/min, for .cls files.
+            Feed in mm/min, for .cls files.
 
         Returns
         -------
@@ -463,9 +464,10 @@ class ModelledGears(SolvedGears):
         Raises
         ------
         DesignError
-            For a ball larger than fits into the space or its fillets, with the largest that does, and for other input.
+            For a ball that does not fit into the space or its fillets, with the largest that fits, and for other invalid
+            input.
         NoSolutionError
-            Where the shank is not clear of the teeth, with the longest that is, or what is left cannot be met.
+            If the shank is not clear of the teeth, with the longest that is, or if the material left exceeds the limit.
 
         Examples
         --------
@@ -502,33 +504,33 @@ class ModelledGears(SolvedGears):
         pair: int | str = 0,
         sector: int | None = None,
     ) -> FiniteElements | UnloadedFiniteElements:
-        """A model of the teeth in mesh, as fine as the design's table fe says, ready to be written or solved.
+        """A finite-element model of the teeth in mesh, with the resolution of the design's table fe, to be written or solved.
 
         Parameters
         ----------
         phi1 : float
             Rotation of the pinion, deg.
         members : sequence of str, optional
-            Only some of the pair.
+            Members of the pair that are modelled; by default both.
         rotation : float, optional
-            Of the pinion under load, deg, in place of the design's torque.
+            Rotation of the pinion under load, deg, replacing the design's torque.
         friction : float
-            Coefficient of Coulomb on the flanks.
+            Coefficient of Coulomb friction on the flanks.
         pair : int or str
-            Number of the mesh, or its members as "sun-planet_1".
+            Number of the mesh, or its members, for example "sun-planet_1".
         sector : int, optional
-            So many pitches of one member, a divisor of its teeth, with cyclic symmetry: loads and supports are those of
-            every sector.
+            Number of pitches of one member, a divisor of its teeth, with cyclic symmetry: loads and supports repeat in every
+            sector.
 
         Returns
         -------
         FiniteElements or UnloadedFiniteElements
-            Of a gear without a mating gear: held as in a pair, not loaded, with evenly spaced lines, in its own frame.
+            The model; a gear without a mating gear is supported, but not loaded, with evenly spaced lines, in its own frame.
 
         Raises
         ------
         DesignError
-            For what needs a mating gear where there is none.
+            For arguments that need a mating gear, if there is none.
 
         Examples
         --------
@@ -572,15 +574,15 @@ class ModelledGears(SolvedGears):
         Parameters
         ----------
         folder : str or os.PathLike
-            Where they are written.
+            Folder of the decks.
         phi1 : sequence of float
             Rotations of the pinion, deg.
         members, rotation, friction, pair
-            As of `finite_elements`.
+            As for `finite_elements`.
         program : str, optional
-            Whose decks: "calculix" or "abaqus".
+            Program of the decks: "calculix" or "abaqus".
         progress : callable, optional
-            Is told how far the work is (0 to 1) and what it is doing.
+            Called with the finished share of the work (0 to 1) and its current step.
 
         Returns
         -------
@@ -590,7 +592,7 @@ class ModelledGears(SolvedGears):
         Raises
         ------
         OutputError
-            For a folder that cannot be written.
+            If the folder cannot be written.
 
         Examples
         --------

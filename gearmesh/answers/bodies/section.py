@@ -1,4 +1,4 @@
-"""Sections: what a plane across the axis cuts of a member, for drawings, lasers and wire EDM."""
+"""Sections: the cut of a member by a plane across its axis, for drawings, lasers and wire EDM."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from gearmesh.cad.contours.curves import Contour
     from gearmesh.cad.section import MemberSection
 
-#: contours are closed where no two curves are farther apart (mm)
-CLOSED = 1e-9
+#: largest gap between two curves of a closed contour
+MAX_LOOP_GAP_MM = 1e-9
 
 
 @dataclass(frozen=True)
@@ -50,14 +50,21 @@ class LoopFigures(Figures):
 
 @dataclass(frozen=True, repr=False)
 class Section(Result):
-    """The transverse section of one member in its own frame (mm): its loops, their area, and how near the curves are."""
+    """Transverse section of one member in its own frame (mm)."""
 
+    #: the design
     design: Design
+    #: loops of the section, with their deviation
     cut: MemberSection
+    #: largest distance that was allowed, mm
     tolerance: float
+    #: warnings, one line each
     warnings: tuple[str, ...] = ()
+    #: kind of the curves: splines, arcs or polyline
     curves: str = "splines"
+    #: distance of the curves from the exact section, mm, positive away from the material
     offset: float = 0.0
+    #: largest stock that a tool at the offset leaves in corners, mm
     stock_left: float = 0.0
 
     @property
@@ -67,7 +74,7 @@ class Section(Result):
 
     @property
     def loops(self) -> tuple[Contour, ...]:
-        """Closed loops of arcs, lines and, if it is drawn with them, cubic splines, from outside inwards."""
+        """Closed loops of arcs, lines and, if drawn with splines, cubic splines, from outside inwards."""
         return self.cut.contours
 
     @property
@@ -77,7 +84,7 @@ class Section(Result):
 
     @property
     def measured(self) -> SectionFigures:
-        """What is measured of the section."""
+        """Figures of the section."""
         return SectionFigures(
             z=self.cut.z,
             loops=len(self.loops),
@@ -92,7 +99,7 @@ class Section(Result):
 
     @property
     def figures(self) -> Summary:
-        """The same by their keys."""
+        """Figures by their keys."""
         return Summary(self.measured)
 
     @property
@@ -105,15 +112,15 @@ class Section(Result):
 
     @property
     def description(self) -> str:
-        """The header of a file."""
+        """Header of a file."""
         of = f"of the parallel at {self.offset:+g} mm to the exact section" if self.offset else "of the exact section"
         return f"{self.design.title}, {self.headline} {of}; mm"
 
     @property
     def complaints(self) -> list[str]:
-        """What is wrong with the loops, one line each."""
+        """Faults of the loops, one line each."""
         gap = self.cut.gap
-        return [f"the loops of the {self.cut.name} have a gap of {gap:.3g} mm"] if gap > CLOSED else []
+        return [f"the loops of the {self.cut.name} have a gap of {gap:.3g} mm"] if gap > MAX_LOOP_GAP_MM else []
 
     @property
     def listings(self) -> list[Listing]:
@@ -147,7 +154,11 @@ def section_of(
     *,
     axial: bool = False,
 ) -> Section:
-    """The section of a member at z, by default mid face, or the `axial` one of a thread, as `Gears.section` says; in mm."""
+    """Return the section of a member at z (default: mid face), or the `axial` section of a thread, as `Gears.section`
+    describes it.
+
+    Lengths are in mm.
+    """
     from gearmesh.cad.contours.axial import axial_section
     from gearmesh.cad.contours.paths import base_tolerance, drawn_section
     from gearmesh.cad.contours.redrawn import Curves
@@ -158,11 +169,15 @@ def section_of(
         raise ArgumentError("curves", curves, must_be=f"one of {', '.join(Curves)}")
     kind = Curves(curves)
     part = gears.part(member)
-    own = placed_teeth(part.member)
-    # of a double helical member the middle of its first half, where there are teeth
-    low, high = own.tooth.blank.body.ends
+    placed_member = placed_teeth(part.member)
+    # mid face of a double helical member is the middle of its first half, where it has teeth
+    low, high = placed_member.tooth.blank.body.ends
     within = base_tolerance(kind, offset, tolerance)
-    exact = axial_section(own, within) if axial else member_section(own, 0.5 * (low + high) if z is None else z, within)
+    exact = (
+        axial_section(placed_member, within)
+        if axial
+        else member_section(placed_member, 0.5 * (low + high) if z is None else z, within)
+    )
     section = drawn_section(exact, kind, offset, tolerance)
     warnings = [*gears.warnings, *part.warnings]
     stock = section.stock if section.stock > tolerance else 0.0

@@ -1,4 +1,4 @@
-"""Solids: one member as a watertight mesh, several placed as they mesh, the open surfaces of a few teeth."""
+"""Solids: one member as a watertight mesh, several members in mesh, and open surfaces of a few teeth."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gearmesh.answers.bodies.extract import WHOLE, Extract, ExtractMesh
+from gearmesh.answers.bodies.extract import WHOLE_MEMBER, Extract, ExtractMesh
 from gearmesh.answers.gearset import GearSet
 from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, figures
@@ -35,19 +35,20 @@ if TYPE_CHECKING:
     from gearmesh.cad.step import Part
     from gearmesh.mesh.tessellate import ToothMesh
 
-#: shares of what the bound calls for that the next meshes are asked for until one is within the tolerance: rows of facets are
-#: whole, so that the bound may stay while a little less is asked for
-LESS = (0.99, 0.95, 0.8)
-#: and the least such share at once: a bound that is loose at one place is no reason for a mesh that fills the memory
-LEAST = 0.3
-#: share of the tolerance from which on rounding of the file is what is wrong with it
-MOST_ROUNDING = 0.5
+#: factors of the tolerance for the next meshes, beside the ratio that the bound suggests, until one is within the
+#: tolerance: rows of facets are whole, so that a slightly smaller tolerance may not change the bound
+TOLERANCE_FACTORS = (0.99, 0.95, 0.8)
+#: smallest reduction of the tolerance at once: a bound that is loose at one place must not cause a mesh that fills the
+#: memory
+MIN_TOLERANCE_FACTOR = 0.3
+#: share of the tolerance above which the rounding of the file, not the mesh, is the cause of a large deviation
+MAX_ROUNDING_SHARE = 0.5
 
 
-#: tolerance in modules from which on it is likely to be meant in another unit
-COARSEST_MODULES = 0.1
-#: what all members in mesh are called where one could be named
-TOGETHER = ("both", "all")
+#: tolerance in modules above which it was probably meant in another unit
+SUSPICIOUS_TOLERANCE_MODULES = 0.1
+#: names for all members in mesh, where a member could be named
+ALL_MEMBERS_NAMES = ("both", "all")
 
 
 @dataclass(frozen=True)
@@ -73,23 +74,27 @@ class SolidFigures(Figures):
 
 @dataclass(frozen=True, repr=False)
 class Solid(Result):
-    """One part as a triangle mesh (mm, in its own frame), its measured figures, and its `own` beside them, as a worm has.
+    """One part as a triangle mesh (mm, in its own frame), with its measured figures."""
 
-    `facets` are its triangles, of which `mesh` has arrays; `in_file` is a suffix, and what files with it hold of them. `open` says
-    that it is the surface of a few teeth, or of flanks, which cannot be watertight; `member` is the one that the mesh is all of,
-    None of parts of one, and `place` takes it from its own frame to that of the mesh. `teeth` are the meshes of the different
-    teeth of a whole member, which save pictures meshing them again.
-    """
-
+    #: the design
     design: Design
+    #: triangles of the mesh; `mesh` has them as arrays
     facets: Facets
+    #: figures that were measured and proved
     measured: SolidFigures
+    #: warnings, one line each
     warnings: tuple[str, ...] = ()
+    #: True for surfaces of a few teeth or of flanks, which cannot be watertight
     open: bool = False
+    #: further figures, for example those of a worm
     own: Summary = field(default_factory=Summary)
+    #: the member, if the mesh is all of it
     member: Member | None = None
+    #: transformation from the member's own frame to the frame of the mesh
     place: Rigid = field(default_factory=Rigid.identity)
+    #: meshes of the different teeth of a whole member, which pictures use again
     teeth: tuple[ToothMesh, ...] = field(default=(), repr=False, compare=False)
+    #: a suffix, and the triangles as files with this suffix hold them
     in_file: tuple[str, Facets] | None = field(default=None, repr=False, compare=False)
 
     @cached_property
@@ -104,7 +109,7 @@ class Solid(Result):
 
     @property
     def name(self) -> str:
-        """The part's name."""
+        """Name of the part."""
         return self.facets.name
 
     @property
@@ -121,7 +126,7 @@ class Solid(Result):
 
     @property
     def complaints(self) -> list[str]:
-        """What is wrong with the mesh, one line each."""
+        """Faults of the mesh, one line each."""
         lines = []
         if not self.open and not self.measured.watertight:
             lines.append(f"the mesh of the {self.name} is not watertight")
@@ -144,17 +149,17 @@ class Solid(Result):
         return {**header(self.design), "mesh": {self.name: self.figures}, "warnings": self.warnings}
 
     def move(self, place: Rigid) -> Solid:
-        """The same solid in another frame.
+        """The solid in another frame.
 
         Parameters
         ----------
         place : Rigid
-            From the frame that it is in to the other.
+            Transformation from the present frame to the other.
 
         Returns
         -------
         Solid
-            Its figures stay.
+            With the same figures.
 
         Examples
         --------
@@ -219,7 +224,7 @@ class Solid(Result):
         return manifold_of(self.mesh.vertices, {0: self.mesh.triangles})
 
     def to_build123d(self) -> build123d.Solid:
-        """What is meshed for build123d: no triangles but the CAD solid, with spline faces within the mesh's tolerance.
+        """The CAD solid of the meshed member for build123d, with spline faces within the mesh's tolerance, not triangles.
 
         Returns
         -------
@@ -229,9 +234,9 @@ class Solid(Result):
         Raises
         ------
         DesignError
-            For what is no whole member.
+            If the mesh is no whole member.
         OutputError
-            Where build123d is missing.
+            If build123d is missing.
 
         Examples
         --------
@@ -244,7 +249,7 @@ class Solid(Result):
         return build123d_shape(self._part())
 
     def to_cadquery(self) -> cadquery.Workplane:
-        """What is meshed for CadQuery: no triangles but the CAD solid, with spline faces within the mesh's tolerance.
+        """The CAD solid of the meshed member for CadQuery, with spline faces within the mesh's tolerance, not triangles.
 
         Returns
         -------
@@ -254,9 +259,9 @@ class Solid(Result):
         Raises
         ------
         DesignError
-            For what is no whole member.
+            If the mesh is no whole member.
         OutputError
-            Where CadQuery is missing.
+            If CadQuery is missing.
 
         Examples
         --------
@@ -268,7 +273,7 @@ class Solid(Result):
         return cadquery_shape(self._part())
 
     def _part(self) -> Part:
-        """The CAD solid of what is meshed, where the mesh is."""
+        """Return the CAD solid of the meshed member, in the frame of the mesh."""
         from gearmesh.answers.bodies.cad import cad_solid
 
         if self.member is None:
@@ -305,7 +310,7 @@ class Solids(Result):
 
     @property
     def complaints(self) -> list[str]:
-        """What is wrong with the meshes, one line each."""
+        """Faults of the meshes, one line each."""
         return [line for part in self.parts.values() for line in part.complaints]
 
     @property
@@ -326,7 +331,7 @@ class Solids(Result):
         Returns
         -------
         pyvista.MultiBlock
-            By the names of the members.
+            Meshes by the names of the members.
 
         Examples
         --------
@@ -343,7 +348,7 @@ class Solids(Result):
         Returns
         -------
         trimesh.Scene
-            By the names of the members.
+            Meshes by the names of the members.
 
         Examples
         --------
@@ -364,14 +369,14 @@ class Solids(Result):
 
 
 def refuse_parts(**asked: object) -> None:
-    """Refuse what is asked of a part of one member, of all of them together."""
+    """Raise ArgumentError for arguments that apply to a part of one member, if all members are asked for."""
     for name, value in asked.items():
         if value is not None:
             raise ArgumentError(name, value, must_be="left out, or member the name of one")
 
 
 def mesh_to_pyvista(mesh: TriangleMesh) -> pyvista.PolyData:
-    """A triangle mesh for pyvista: cell data "region" (index into field data "region_names") and "normal"."""
+    """Return a triangle mesh for PyVista, with cell data "region" (index into field data "region_names") and "normal"."""
     import pyvista
 
     made = pyvista.PolyData.from_regular_faces(mesh.vertices, mesh.triangles.astype(int))
@@ -390,21 +395,20 @@ def member_solid(
     extra: Summary | None = None,
     warnings: tuple[str, ...] = (),
     file: str | PathLike[str] | None = None,
-    extract: Extract = WHOLE,
+    extract: Extract = WHOLE_MEMBER,
     place: Rigid | None = None,
 ) -> Solid:
-    """The solid of a member within `tolerance` (mm), measured and proved, or what the `extract` says is made of it; or the open
-    surfaces of its first `teeth` teeth.
+    """Return the solid of a member within `tolerance` (mm), measured and proved, or the `extract` of it.
 
-    `extra`: figures of the part's own. Proof, deviation and count of triangles are those of the mesh as `file` would hold it, which
-    may have single precision, at its `place` there.
+    With `teeth` these are open surfaces of the first teeth. `extra` holds further figures of the part. Proof, deviation
+    and number of triangles apply to the mesh as `file` holds it at its `place`, which may be in single precision.
     """
     from gearmesh.mesh.solid import prove
 
     if teeth is not None and not 1 <= teeth <= member.tooth.teeth:
         raise ArgumentError("teeth", teeth, must_be=f"a whole number from 1 to {member.tooth.teeth}")
     started = time.perf_counter()
-    made, written, largest = mesh_within(member, tolerance, teeth, extract, file, place)
+    made, written, bound = mesh_within(member, tolerance, teeth, extract, file, place)
     seconds = time.perf_counter() - started
     tell(0.8)
     proof = None if made.genus is None else prove(written, made.genus)
@@ -412,7 +416,7 @@ def member_solid(
         triangles=written.triangle_count,
         watertight=proof is not None and proof.ok,
         volume=None if proof is None else proof.volume,
-        max_deviation=1e3 * largest,
+        max_deviation=1e3 * bound,
         sampled_deviation=1e3 * made.bound.sampled,
         tolerance=1e3 * tolerance,
         seconds=seconds,
@@ -427,8 +431,8 @@ def member_solid(
 
 
 def _coarse(tolerance: float, module: float) -> tuple[str, ...]:
-    """A note on a tolerance (mm) that is large beside the teeth, as one in um that was counted as mm."""
-    if tolerance <= COARSEST_MODULES * module:
+    """Return a note on a tolerance (mm) that is large for these teeth, for example um that were taken as mm."""
+    if tolerance <= SUSPICIOUS_TOLERANCE_MODULES * module:
         return ()
     return (
         f"the tolerance of {tolerance:g} mm is {tolerance / module:.2g} modules: numbers without a unit are in the design's unit "
@@ -440,46 +444,46 @@ def mesh_within(
     member: Member,
     tolerance: float,
     teeth: int | None = None,
-    extract: Extract = WHOLE,
+    extract: Extract = WHOLE_MEMBER,
     file: str | PathLike[str] | None = None,
     place: Rigid | None = None,
 ) -> tuple[ExtractMesh, Facets, float]:
-    """The mesh within `tolerance` (mm), the same as the file holds it, and the bound (mm) of how far this is from the exact
-    surfaces; arguments as of `member_solid`.
+    """Return the mesh within `tolerance` (mm), the mesh as the file holds it, and the bound (mm) of the latter's
+    deviation.
 
-    The mesher goes by what it measures: where the bound, or the rounding of the file, is above the tolerance it is asked for less;
-    at once where the rounding alone is sure to be too much.
+    Arguments are those of `member_solid`. If the bound, or the rounding of the file, exceeds the tolerance, the mesh is
+    made again with a smaller tolerance. This stops at once if the rounding alone is too large.
     """
     from gearmesh import io
 
-    # however often it is meshed, an offset is made and proved once
+    # the offset is made and proved only once for all meshes
     member, extract = extract.shift(member), replace(extract, offset=0.0)
     asked = tolerance if file is None else _less_rounding(member, tolerance, file, place)
-    for less in (*LESS, 1.0):
+    for less in (*TOLERANCE_FACTORS, 1.0):
         made = extract.mesh(member, asked, teeth)
         tell(0.5)
         mesh = made.facets if place is None else made.facets.move(place)
         written = mesh if file is None else io.mesh_in_file(mesh, file)
         rounding = io.rounding(mesh, written)
         largest = made.bound.largest + rounding
-        if largest <= tolerance or rounding > MOST_ROUNDING * tolerance:
+        if largest <= tolerance or rounding > MAX_ROUNDING_SHARE * tolerance:
             break
-        asked *= max(less * (tolerance - rounding) / made.bound.largest, LEAST)
+        asked *= max(less * (tolerance - rounding) / made.bound.largest, MIN_TOLERANCE_FACTOR)
     return made, written, largest
 
 
 def _less_rounding(member: Member, tolerance: float, file: str | PathLike[str], place: Rigid | None) -> float:
-    """Tolerance (mm) to ask for, so that the mesh with the rounding of a file at its `place` is within the tolerance."""
+    """Return the tolerance (mm) with which the mesh, rounded in a file at its `place`, is within the tolerance."""
     from gearmesh import io
     from gearmesh.mesh.tessellate import SAMPLED_SHARE
 
     tooth, joint = member.tooth, member.tooth.joint
     land = tooth.grid(Region.LAND, np.array([0.5]), tooth.even).points.reshape(-1, 3)
     profile = np.insert(np.array(member.body.profile), 1, 0.0, axis=1)
-    every = joint.to(joint.places(tooth.teeth)[:, None] * tooth.pitch_angle)
-    points = every.point(np.concatenate((land, profile))).reshape(-1, 3)
+    teeth_places = joint.to(joint.places(tooth.teeth)[:, None] * tooth.pitch_angle)
+    points = teeth_places.point(np.concatenate((land, profile))).reshape(-1, 3)
     rounding = io.most_rounding(points if place is None else place.point(points), file)
-    if SAMPLED_SHARE * tolerance + rounding <= tolerance or rounding > MOST_ROUNDING * tolerance:
+    if SAMPLED_SHARE * tolerance + rounding <= tolerance or rounding > MAX_ROUNDING_SHARE * tolerance:
         return tolerance
     return tolerance - rounding
 
@@ -490,10 +494,12 @@ def solid_of(
     tolerance: float,
     teeth: int | None = None,
     file: str | PathLike[str] | None = None,
-    extract: Extract = WHOLE,
+    extract: Extract = WHOLE_MEMBER,
     place: Rigid | None = None,
 ) -> Solid:
-    """One member, or its worm as a part, as `Gears.solid` says; `tolerance` in mm. `place`: where the file has it."""
+    """Return one member, or its worm as a part, as `Gears.solid` describes it; `tolerance` in mm, `place` is its place
+    in the file.
+    """
     part, every = gears.part(name), gears.warnings
     return member_solid(
         gears.design, part.member, tolerance, teeth, part.figures, (*every, *part.warnings), file, extract, place
@@ -504,10 +510,10 @@ def solids_of(
     gears: GearSet,
     tolerance: float,
     file: str | PathLike[str] | None = None,
-    extract: Extract = WHOLE,
+    extract: Extract = WHOLE_MEMBER,
     phi1: float = 0.0,
 ) -> Solids:
-    """All members as they mesh at `phi1` (deg), as `Gears.solids` says; `tolerance` in mm."""
+    """Return all members in mesh at `phi1` (deg), as `Gears.solids` describes them; `tolerance` in mm."""
     parts = {
         name: solid_of(gears, name, tolerance, file=file, extract=extract, place=place).move(place)
         for name, place in in_turn(gears.places_at(phi1).items())

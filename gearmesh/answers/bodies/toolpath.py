@@ -1,4 +1,4 @@
-"""Tool paths: how a ball-end cutter finishes spaces between teeth on a five-axis machine, and what it leaves, proved."""
+"""Tool paths: finishing of spaces between teeth with a ball-end cutter on a five-axis machine, with proved results."""
 
 from __future__ import annotations
 
@@ -22,16 +22,40 @@ from gearmesh.toolpath.ball import BallCutter
 from gearmesh.toolpath.motion import ONE_WAY_ORDER, ZIGZAG_ORDER, ToolMotion
 from gearmesh.toolpath.toolpath import PathOrder, ToolPath, budget_of, tool_path
 
-#: what may be asked for
-FLANKS, SURFACES, FEEDS = ("right", "left", "both"), ("all", "flanks"), (ZIGZAG_ORDER, ONE_WAY_ORDER)
-#: mm: least and largest scallop; deg: largest lead and tilt; mm/min: least and largest feed, and the feed where none is given
-SCALLOPS, ANGLES, RATES, FEED = (1e-4, 1.0), (-85.0, 85.0), (1e-3, 1e6), 500.0
-#: largest part of the scallop that chords may take
-CHORD = 0.5
-#: columns that say which point x, y and z are, and in which unit: the lowest point of the ball
-TIPS = ("tip_x_mm", "tip_y_mm", "tip_z_mm")
-#: what a CSV has of every position
-COLUMNS = ("space", "pass", "rapid", "x", "y", "z", "i", "j", "k", "contact_x", "contact_y", "contact_z", *TIPS)
+#: choices of the flanks to finish
+FLANK_CHOICES = ("right", "left", "both")
+#: choices of the surfaces to finish
+SURFACE_CHOICES = ("all", "flanks")
+#: choices of the feed order
+FEED_ORDERS = (ZIGZAG_ORDER, ONE_WAY_ORDER)
+#: smallest and largest scallop
+SCALLOP_RANGE_MM = (1e-4, 1.0)
+#: smallest and largest lead and tilt
+AXIS_ANGLE_RANGE_DEG = (-85.0, 85.0)
+#: smallest and largest feed, mm/min
+FEED_RANGE = (1e-3, 1e6)
+#: default feed, mm/min
+DEFAULT_FEED = 500.0
+#: largest part of the scallop that chords may use
+MAX_CHORD_SHARE = 0.5
+#: columns that repeat x, y and z with their meaning and unit: the lowest point of the ball
+TIP_COLUMNS = ("tip_x_mm", "tip_y_mm", "tip_z_mm")
+#: columns of a CSV file
+CSV_COLUMNS = (
+    "space",
+    "pass",
+    "rapid",
+    "x",
+    "y",
+    "z",
+    "i",
+    "j",
+    "k",
+    "contact_x",
+    "contact_y",
+    "contact_z",
+    *TIP_COLUMNS,
+)
 
 
 @dataclass(frozen=True)
@@ -46,7 +70,7 @@ class PathAngles(Figures):
 
 @dataclass(frozen=True)
 class SurfaceLeft(Figures):
-    """What a tool path leaves on one surface of the space."""
+    """Material that a tool path leaves on one surface of the space."""
 
     region: str = figure("surface of the space")
     passes: int = figure("passes over it", whole=True)
@@ -86,16 +110,21 @@ class ToolPathFigures(Figures):
 
 @dataclass(frozen=True, repr=False)
 class ToolPathAnswer(Result):
-    """Passes of a ball-end cutter through spaces of a member, in its own frame (mm), and what they leave.
+    """Passes of a ball-end cutter through spaces of a member, in its own frame (mm), and the material that they leave.
 
-    `motion` has the positions as arrays; `order` is what was asked for; `feed` is in mm/min.
+    `motion` has the positions as arrays.
     """
 
+    #: the design
     design: Design
+    #: name of the member
     member: str
+    #: the planned and proved path
     _path: ToolPath
+    #: requested path
     order: PathOrder
-    feed: float = FEED
+    #: feed, mm/min
+    feed: float = DEFAULT_FEED
     path = Deprecated("_path", "0.19.0", "`motion` has the positions, `measured` what was proved of them")
 
     @property
@@ -151,10 +180,10 @@ class ToolPathAnswer(Result):
 
     @property
     def headline(self) -> str:
-        own = self.measured
+        measured = self.measured
         return (
-            f"{self.member}, {own.passes} passes of a ball of {own.ball_diameter:.4g} mm, {own.points} positions: "
-            f"{own.left_max:.3g} um left, gouge {own.gouge:.2g} um"
+            f"{self.member}, {measured.passes} passes of a ball of {measured.ball_diameter:.4g} mm, {measured.points} positions: "
+            f"{measured.left_max:.3g} um left, gouge {measured.gouge:.2g} um"
         )
 
     @property
@@ -173,9 +202,9 @@ class ToolPathAnswer(Result):
         Returns
         -------
         dict of str to list
-            Number of space and pass from 1, whether the way there is rapid, the tool's tip x, y, z (mm), the lowest point of the
-            ball, and unit axis i, j, k, the point of contact (mm), NaN where there is none, and the tip again as tip_x_mm,
-            tip_y_mm, tip_z_mm.
+            Number of space and pass from 1; True if the move there is rapid; the tool's tip x, y, z (mm), which is the lowest
+            point of the ball; the unit axis i, j, k; the point of contact (mm), NaN without contact; and the tip again as
+            tip_x_mm, tip_y_mm, tip_z_mm.
 
         Examples
         --------
@@ -186,7 +215,7 @@ class ToolPathAnswer(Result):
         motion = self.motion
         numbers = [motion.space + 1, motion.number + 1, motion.rapid]
         vectors = np.concatenate((motion.tips, motion.axes, motion.contacts, motion.tips), axis=1).T
-        return {name: column.tolist() for name, column in zip(COLUMNS, (*numbers, *vectors), strict=True)}
+        return {name: column.tolist() for name, column in zip(CSV_COLUMNS, (*numbers, *vectors), strict=True)}
 
     def _write(self, target: Path) -> None:
         {".cls": self._write_cls, ".csv": self._write_csv, ".vtp": self._write_vtp}[target.suffix.lower()](target)
@@ -200,11 +229,11 @@ class ToolPathAnswer(Result):
 
     @property
     def _notes(self) -> list[str]:
-        own = self.measured
+        measured = self.measured
         return [
-            f"GEARMESH: BALL {own.ball_diameter:.6g} MM, {own.passes} PASSES A SPACE",
-            f"SCALLOP {own.scallop:.6g} UM, STOCK {own.stock:.6g} UM",
-            f"MEASURED: LEFT {own.left_min:.3f} TO {own.left_max:.3f} UM, GOUGE {own.gouge:.3f} UM",
+            f"GEARMESH: BALL {measured.ball_diameter:.6g} MM, {measured.passes} PASSES A SPACE",
+            f"SCALLOP {measured.scallop:.6g} UM, STOCK {measured.stock:.6g} UM",
+            f"MEASURED: LEFT {measured.left_min:.3f} TO {measured.left_max:.3f} UM, GOUGE {measured.gouge:.3f} UM",
             "GOTO IS THE TIP OF THE TOOL, IN THE FRAME OF THE MEMBER, Z ITS AXIS",
         ]
 
@@ -214,7 +243,7 @@ class ToolPathAnswer(Result):
 
         table = self.to_dict()
         table["rapid"] = [int(rapid) for rapid in table["rapid"]]
-        whole_text(target, csv_text(COLUMNS, zip(*table.values(), strict=True)))
+        whole_text(target, csv_text(CSV_COLUMNS, zip(*table.values(), strict=True)))
 
     def _write_vtp(self, target: Path) -> None:
         from gearmesh.io.meshes.vtk import write_polylines
@@ -244,24 +273,30 @@ def tool_path_of(
     order: str = ZIGZAG_ORDER,
     lead: float | None = None,
     tilt: float | None = None,
-    feed: float = FEED,
+    feed: float = DEFAULT_FEED,
 ) -> ToolPathAnswer:
-    """As `Gears.toolpath` says."""
-    for name, value, allowed in (("flank", flank, FLANKS), ("surfaces", surfaces, SURFACES), ("order", order, FEEDS)):
+    """Return the tool path; arguments as for `Gears.toolpath`."""
+    for name, value, allowed in (
+        ("flank", flank, FLANK_CHOICES),
+        ("surfaces", surfaces, SURFACE_CHOICES),
+        ("order", order, FEED_ORDERS),
+    ):
         if value not in allowed:
             raise ArgumentError(name, value, must_be=f"one of {', '.join(allowed)}")
     for name, angle in (("lead", lead), ("tilt", tilt)):
-        if angle is not None and not ANGLES[0] <= angle <= ANGLES[1]:
-            raise ArgumentError(name, angle, must_be=f"an angle from {ANGLES[0]:g} to {ANGLES[1]:g} deg")
-    if not (math.isfinite(feed) and RATES[0] <= feed <= RATES[1]):
-        raise ArgumentError("feed", feed, must_be=f"a feed from {RATES[0]:g} to {RATES[1]:g} mm/min")
+        if angle is not None and not AXIS_ANGLE_RANGE_DEG[0] <= angle <= AXIS_ANGLE_RANGE_DEG[1]:
+            raise ArgumentError(
+                name, angle, must_be=f"an angle from {AXIS_ANGLE_RANGE_DEG[0]:g} to {AXIS_ANGLE_RANGE_DEG[1]:g} deg"
+            )
+    if not (math.isfinite(feed) and FEED_RANGE[0] <= feed <= FEED_RANGE[1]):
+        raise ArgumentError("feed", feed, must_be=f"a feed from {FEED_RANGE[0]:g} to {FEED_RANGE[1]:g} mm/min")
     if spaces != "all" and not (isinstance(spaces, int) and not isinstance(spaces, bool)):
         raise ArgumentError("spaces", spaces, must_be="all, or the number of one")
-    height = in_mm("scallop", scallop, *SCALLOPS, "10um, 0.01mm or 0.0004in")
+    height = in_mm("scallop", scallop, *SCALLOP_RANGE_MM, "10um, 0.01mm or 0.0004in")
     chord = (
         None
         if tolerance is None
-        else in_mm("tolerance", tolerance, 1e-2 * SCALLOPS[0], CHORD * height, "1um or 0.001mm")
+        else in_mm("tolerance", tolerance, 1e-2 * SCALLOP_RANGE_MM[0], MAX_CHORD_SHARE * height, "1um or 0.001mm")
     )
     asked = PathOrder(
         scallop=height,

@@ -1,4 +1,4 @@
-"""The topography of a modified flank: everything that is removed from it, as a table and as the file that a design reads."""
+"""Topography of a modified flank: the material removed from it, as a table and as the file that a design reads."""
 
 from __future__ import annotations
 
@@ -23,16 +23,17 @@ from gearmesh.teeth.micro_geometry.screw_involute import ScrewInvolute
 from gearmesh.teeth.micro_geometry.topography_knots import topography_of
 from gearmesh.teeth.region import Side
 
-#: how far (mm) what the file says may be from the flank, where that is not said
-TOLERANCE = 1e-5
+#: default distance between the grid and the flank
+DEFAULT_TOLERANCE_MM = 1e-5
 #: columns and rows of the table that is shown
-SHOWN = 7
+SHOWN_KNOTS = 7
 
 
-def flank_topography(gears: GearSet, name: str, flank: str, tolerance: float = TOLERANCE) -> FlankTopography:
-    """Of the "right" or "left" flank of a member, within `tolerance` (mm).
+def flank_topography(gears: GearSet, name: str, flank: str, tolerance: float = DEFAULT_TOLERANCE_MM) -> FlankTopography:
+    """Return the topography of the "right" or "left" flank of a member, within `tolerance` (mm).
 
-    Raises DesignError for another flank, for one without modifications, and for a tolerance that takes too many knots.
+    Raises ArgumentError for another flank, for a flank without modifications, and for a tolerance that takes too many
+    knots.
     """
     if flank not in tuple(Side):
         raise ArgumentError("flank", flank, must_be=f"one of {', '.join(Side)}")
@@ -59,7 +60,7 @@ def flank_topography(gears: GearSet, name: str, flank: str, tolerance: float = T
 
 @dataclass(frozen=True)
 class AmountColumns(Figures):
-    """What is removed of a flank at the knots of a grid."""
+    """Amounts removed from a flank at the knots of a grid."""
 
     roll_length: list[float] = figure("lengths of roll of the knots", "mm", "L")
     z: list[float] = figure("places of the knots along the axis", "mm", "z")
@@ -78,12 +79,17 @@ class TopographyFigures(Figures):
 
 @dataclass(frozen=True, repr=False)
 class FlankTopography(Result):
-    """What is removed of a flank at the knots of a grid; the spline through them is within `missed` mm of it in between."""
+    """Material removed from a flank at the knots of a grid."""
 
+    #: the design
     design: Design
+    #: name of the member
     member: str
+    #: the flank
     flank: Side
+    #: amounts at the knots
     grid: TopographyGrid
+    #: largest distance, mm, of the spline through the knots from the flank
     missed: float
 
     @property
@@ -99,9 +105,10 @@ class FlankTopography(Result):
 
     @property
     def listings(self) -> list[Listing]:
-        """A few rows and columns of the grid, tip above."""
+        """Table of a few rows and columns of the grid, with the tip at the top."""
         i, j = (
-            np.unique(np.linspace(0, len(x) - 1, SHOWN).round().astype(int)) for x in (self.grid.across, self.grid.z)
+            np.unique(np.linspace(0, len(x) - 1, SHOWN_KNOTS).round().astype(int))
+            for x in (self.grid.across, self.grid.z)
         )
         rows = [
             [float(f"{self.grid.across[k]:.5g}"), *(round(1e3 * self.grid.amounts[k][m], 3) for m in j)]
@@ -116,7 +123,7 @@ class FlankTopography(Result):
 
     @property
     def measured(self) -> TopographyFigures:
-        """The grid of amounts, row by row, and how near it is."""
+        """Grid of amounts, row by row, and its largest error."""
         at = np.meshgrid(self.grid.across, self.grid.z, indexing="ij")
         across, z = (coordinate.ravel().tolist() for coordinate in at)
         amounts = AmountColumns(across, z, (1e3 * np.array(self.grid.amounts)).ravel().tolist())
@@ -127,7 +134,7 @@ class FlankTopography(Result):
         return {**header(self.design), **Summary(self.measured)}
 
     def _write(self, target: Path) -> None:
-        """As the file that the key `topography` reads."""
+        """Write the file that the key `topography` reads."""
         from gearmesh.io.atomic import whole_text
 
         whole_text(target, topography_text(self.grid))

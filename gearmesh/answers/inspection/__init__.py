@@ -1,1 +1,1 @@
-"""What was measured of a gear, evaluated, with the tolerance classes that it has."""
+"""Inspection of a gear: evaluated measurements, with the tolerance classes that the gear meets."""
