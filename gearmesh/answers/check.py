@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from gearmesh.answers.bodies.solid import Solid
-from gearmesh.answers.contact.fit import UNMET
+from gearmesh.answers.contact.fit import NO_CONTACT_WARNING
 from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, plain, run_time_keys
 from gearmesh.check.members import roll_teeth
@@ -198,7 +198,7 @@ class Check(Result):
             compared.append(Verdict(f"{name}: defects", float(len(solid.complaints)), 0.0, not solid.complaints))
         compared += self.roll.verdicts
         meeting_sides = "fit: sides on which the flanks meet"
-        if self.fit is None and UNMET in self.warnings:
+        if self.fit is None and NO_CONTACT_WARNING in self.warnings:
             compared.append(Verdict(meeting_sides, float(bool(self.roll.rows)), 2.0, ok=False))
         if self.fit is not None:
             compared.append(Verdict(meeting_sides, 2.0, 2.0, ok=True))

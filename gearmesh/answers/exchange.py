@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from gearmesh import __version__
-from gearmesh.answers.contact.contact import RANGE
+from gearmesh.answers.contact.contact import PHI1_RANGE_KEYS
 from gearmesh.answers.load.figures import LoadedPosition
 from gearmesh.answers.load.loaded import LoadedContact
 from gearmesh.answers.pinned import Pinned, leaves_of
@@ -307,7 +307,7 @@ def rexs_of(pinned: Pinned, folder: Path, loaded: LoadedContact | None = None) -
         raise DesignError("rexs.stage", source.stage, reason=f"{source.file} has no component of this id")
     model.version, model.application, model.application_version = WRITTEN_VERSION, "gearmesh", __version__
     model.date = model.date or DEFAULT_DATE
-    plain = counted_from(every_key(design, RANGE), type(design), folder)
+    plain = counted_from(every_key(design, PHI1_RANGE_KEYS), type(design), folder)
     keys = {key: value for key, value in leaves_of(plain) if not key.startswith("rexs.")}
     writer = StageWriter(model, keys)
     stage = form.write(writer, design, known)

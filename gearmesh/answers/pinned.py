@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from gearmesh.answers.contact.contact import RANGE, positions_of
+from gearmesh.answers.contact.contact import PHI1_RANGE_KEYS, positions_of
 from gearmesh.answers.result import Result, header
 from gearmesh.answers.tables import Listing, plain
 from gearmesh.design.core import Design
@@ -57,7 +57,7 @@ class Pinned(Result):
         from gearmesh.design.files import design_text
         from gearmesh.io.atomic import whole_text
 
-        left_out = () if self.positions else RANGE
+        left_out = () if self.positions else PHI1_RANGE_KEYS
         whole_text(target, design_text(self.design, target.parent, left_out))
 
 
@@ -68,15 +68,17 @@ def pin(stated: Design, design: Design, pairs: tuple[GearPair, ...]) -> Pinned:
     several pairs, or if the pair never meets.
     """
     given = dict(stated.own())
-    positions = any(map(stated.sets, RANGE)) or len(pairs) == 1
+    positions = any(map(stated.sets, PHI1_RANGE_KEYS)) or len(pairs) == 1
     if len(pairs) == 1 and (ends := positions_of(stated, pairs[0])) is not None:
         # the whole table is added: a table that is partly given has other defaults than a missing table
         table = {key: value for key, value in leaves_of(design.plain()) if key.startswith("contact.")}
-        design = design.with_values({**table, **dict(zip(RANGE, ends, strict=True))})
+        design = design.with_values({**table, **dict(zip(PHI1_RANGE_KEYS, ends, strict=True))})
     # parse it as a stated design: a later build could choose a default anew that is only filled in
-    design = parse(every_key(design, () if positions else RANGE))
+    design = parse(every_key(design, () if positions else PHI1_RANGE_KEYS))
     every = dict(leaves_of(design.plain()))
-    added = {key: value for key, value in every.items() if key not in given and (positions or key not in RANGE)}
+    added = {
+        key: value for key, value in every.items() if key not in given and (positions or key not in PHI1_RANGE_KEYS)
+    }
     return Pinned(design, added, positions)
 
 

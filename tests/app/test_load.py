@@ -34,7 +34,7 @@ def _few() -> Iterator[None]:
     """Few elements and positions: what is told is looked at here, not how right it is."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("gearmesh.loaded.sharing.flank_compliance", few_elements)
-        patch.setattr("gearmesh.answers.load.loaded.POSITIONS", 7)
+        patch.setattr("gearmesh.answers.load.loaded.POSITIONS_PER_PITCH", 7)
         patch.setattr(LoadedPictures, "save", drawn)
         patch.setattr("gearmesh.answers.check.ROLL_TOLERANCE_MM", 1e-3)
         patch.setattr(Figure, "savefig", lambda _, file, **__: Path(file).write_bytes(b"drawn"))
@@ -257,7 +257,7 @@ def test_a_run_under_torque_has_loaded_contact(tmp_path: Path, monkeypatch: pyte
 def test_there_is_one_transmission_error_without_load(monkeypatch: pytest.MonkeyPatch) -> None:
     """That of the exact mesh cycle, peak to peak, which few positions of a pitch fall short of: in the contact's figures, of every
     torque, and in the curve over the torque."""
-    monkeypatch.setattr("gearmesh.answers.load.loaded.POSITIONS", 3)
+    monkeypatch.setattr("gearmesh.answers.load.loaded.POSITIONS_PER_PITCH", 3)
     kept: list[Any] = []
     monkeypatch.setattr(loaded_diagrams, "save_figure", lambda figure, file: kept.append(figure))
     gears = gm.build(gm.load(SAMPLES / "spiral_bevel_basic.toml", ["contact.phi1.count=3"]))
@@ -276,7 +276,7 @@ def test_a_run_of_a_set_has_every_mesh_under_what_is_handed_on(tmp_path: Path, m
     """The planet keeps nothing of the torque: what the sun's mesh leaves on it, to a few per mille of friction-free slope of the
     transmission error, is what it has in the ring's."""
     monkeypatch.setattr("gearmesh.view.opengl.missing_opengl_message", lambda: "no pictures")
-    monkeypatch.setattr("gearmesh.answers.load.loaded.POSITIONS", 3)
+    monkeypatch.setattr("gearmesh.answers.load.loaded.POSITIONS_PER_PITCH", 3)
     folder, planetary = tmp_path / "out", SAMPLES / "planetary.toml"
     options = ("--tol", "100um", "--no-report", "--set", "contact.phi1.count=3", "--set", "planets=1")
     status, out, err = run("run", planetary, "-o", folder, *options, "--torque", "4,8")

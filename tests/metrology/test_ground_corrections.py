@@ -16,7 +16,7 @@ from oracles.places import SAMPLES
 import gearmesh as gm
 from gearmesh.answers.inspection.correction import correct_settings, residual_text
 from gearmesh.answers.inspection.inspection import inspect
-from gearmesh.answers.inspection.machine_settings import OF_GRINDER
+from gearmesh.answers.inspection.machine_settings import GRINDER_SETTINGS
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.metrology.measured_teeth import InvoluteFlank, MeasuredTeeth
@@ -46,7 +46,7 @@ def removed(u: Array, w: Array, amounts: dict[str, float]) -> Array:
     def slope(share: Array, amount: float | Array) -> Array:
         return np.where(np.asarray(amount) >= 0.0, amount * share, amount * (share - 1.0))
 
-    own = dict.fromkeys(OF_GRINDER, 0.0) | amounts
+    own = dict.fromkeys(GRINDER_SETTINGS, 0.0) | amounts
     return np.asarray(
         slope(u, own["profile_slope"])
         + own["profile_crowning"] * (2.0 * u - 1.0) ** 2
@@ -88,9 +88,9 @@ def test_what_was_ground_too_much_comes_back(sample: str, name: str, tmp_path: P
     file.write_text(residual_text(grids))
     made = correct_settings(gears.design, name, file)
     changes = {s.name: change for s, change in zip(made.settings, made.solution.changes, strict=True)}
-    assert len(changes) == 2 * len(OF_GRINDER)
+    assert len(changes) == 2 * len(GRINDER_SETTINGS)
     for side in Side:
-        for setting in OF_GRINDER:
+        for setting in GRINDER_SETTINGS:
             wanted = -OFF[side].get(setting, 0.0)
             assert changes[f"{side}.{setting}"] == pytest.approx(wanted, rel=0.01, abs=3e-5)
     for left in made.residual.values():

@@ -60,7 +60,7 @@ class Reader(HTMLParser):
 @pytest.fixture(autouse=True)
 def _few(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> None:
     """Few positions, and no plots but in the test of the command: what is here is not about them."""
-    monkeypatch.setattr("gearmesh.answers.contact.staging.POSITIONS", 7)
+    monkeypatch.setattr("gearmesh.answers.contact.staging.SLIDER_POSITIONS", 7)
     if "command" not in request.node.name:
         monkeypatch.setattr("gearmesh.reports.report.draw_plots", lambda *_: PagePlots([("a plot", b"<svg/>")]))
 

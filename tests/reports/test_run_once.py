@@ -44,7 +44,7 @@ def test_a_run_meshes_its_members_once_and_draws_its_plots_once(
     drawn: list[str] = []
     monkeypatch.setattr("gearmesh.view.opengl.missing_opengl_message", lambda: None)
     monkeypatch.setattr("gearmesh.answers.check.roll_test", lambda *_: RollTest([], ()))
-    monkeypatch.setattr("gearmesh.answers.contact.staging.POSITIONS", 3)
+    monkeypatch.setattr("gearmesh.answers.contact.staging.SLIDER_POSITIONS", 3)
     for module in ("reports.run", "reports.report"):
         monkeypatch.setattr(f"gearmesh.{module}.render", lambda *_: np.zeros((600, 800, 3), dtype=np.uint8))
 

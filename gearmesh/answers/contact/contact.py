@@ -26,8 +26,8 @@ from gearmesh.answers.contact.figures import (
     slid_summary,
 )
 from gearmesh.answers.contact.fit import (
-    BACKLASHES,
-    UNMET,
+    BACKLASH_POSITIONS,
+    NO_CONTACT_WARNING,
     BacklashCurve,
     FitDetails,
     FitSummary,
@@ -59,38 +59,45 @@ from gearmesh.progress import tell
 from gearmesh.systems.system import FirstOrder
 from gearmesh.teeth.gear_train import GearPair, Member
 
-#: shares (P,) of a torque along a path, from its mesh cycle, and what is to be said of them
+#: returns the shares (P,) of a torque along a path, from its mesh cycle, and warnings about them
 Shares = Callable[[ContactPath, Cycle | None], tuple[Array, list[str]]]
-#: how the torque of the Hertz contact is shared
-ALONE, SHARED = "all of the torque on one tooth pair", "load sharing by loaded contact"
-#: advance (arcsec) at the change of teeth from which on it is worth a warning
-ADVANCE = 0.5
+#: load on the path without load sharing, as the summary names it
+UNSHARED_LOAD = "all of the torque on one tooth pair"
+#: load on the path with load sharing, as the summary names it
+SHARED_LOAD = "load sharing by loaded contact"
+#: transmission advance at the change of tooth pairs above which a warning is given
+WARNED_ADVANCE_ARCSEC = 0.5
 
 
 @dataclass(frozen=True, repr=False)
 class Contact(Result):
-    """Contact of a pair of gears.
+    """Contact of a pair of gears."""
 
-    `path`: of one tooth pair, P positions; `params`: its parameters named as in the source, per position, for each
-    member; `cycle`: the whole mesh cycle, None where it was not asked for or nothing touches; `hertz`: only where a torque was
-    asked for; `first_order` (P,): transmission error in closed form, rad, where the gear system knows one; `fit`: backlash,
-    clearance and what interferes, None where there is no cycle; `neighbours` (P,), rad: how far a neighbouring tooth pair is
-    ahead of this one; `turns`: the pair over whole turns, only where they were asked for.
-    """
-
+    #: the design
     design: Design
+    #: the pair
     pair: GearPair
+    #: path of contact of one tooth pair, at P positions
     path: ContactPath
+    #: parameters of the surfaces at each position, named as in the source, by member
     params: dict[str, list[dict[str, float]]]
+    #: figures of the path, of the mesh cycle and of the fit
     summary: Summary
+    #: warnings, one line each
     warnings: tuple[str, ...]
+    #: whole mesh cycle; None if not asked for, or if nothing touches
     cycle: Cycle | None
+    #: Hertz contact along the path; None without a torque
     hertz: PathHertz | None = None
+    #: transmission error (P,) in closed form, rad; None if the gear system has none
     first_order: Array | None = None
+    #: backlash, clearances and interference; None without a mesh cycle
     fit: Fit | None = None
+    #: advance (P,), rad, of a neighbouring tooth pair over this pair
     neighbours: Array | None = None
+    #: the pair over whole turns; None if not asked for
     turns: FullTurns | None = None
-    #: the whole engagement of the tooth pair, None where it has not been followed
+    #: whole engagement of the tooth pair; None if it has not been followed
     engagement: Engagement | None = None
 
     @property
@@ -115,7 +122,7 @@ class Contact(Result):
         ]
 
     def ease_off(self) -> EaseOffMap:
-        """How far the pinion's flank stays from the gear's, as `Gears.ease_off`.
+        """Gap between the flanks at the nominal ratio, as returned by `Gears.ease_off`.
 
         Returns
         -------
@@ -129,23 +136,23 @@ class Contact(Result):
         """
         return ease_off_of(self.design, self.pair, self.engagement)
 
-    def backlash(self, count: int = BACKLASHES) -> BacklashCurve:
-        """The backlash over one pitch of the pinion, from phi1 = 0 on.
+    def backlash(self, count: int = BACKLASH_POSITIONS) -> BacklashCurve:
+        """The backlash over one pitch of the pinion, beginning at phi1 = 0.
 
         Parameters
         ----------
         count : int
-            Positions, evenly from phi1 = 0 to a pitch; its least and greatest values beside them.
+            Number of equally spaced positions from phi1 = 0 to a pitch; smallest and largest backlash are added.
 
         Returns
         -------
         BacklashCurve
-            phi1, deg, backlash as rotation of the gear, deg, and at its pitch circle, mm.
+            phi1, deg; backlash as rotation of the gear, deg, and at its pitch circle, mm.
 
         Raises
         ------
         NoSolutionError
-            Where it is not known: gears that do not touch on both sides, or jam.
+            If the backlash is unknown: gears that do not touch on both sides, or jam.
 
         Examples
         --------
@@ -158,8 +165,11 @@ class Contact(Result):
 
     @cached_property
     def unlike_turns(self) -> FullTurns | None:
-        """The pair over whole turns, asked for or not; None of members that are neither eccentric nor have pitch deviations, and
-        where turns are too many or teeth do not meet all the time."""
+        """The pair over whole turns, also if not asked for.
+
+        None for members with neither eccentricity nor pitch deviations, if there are too many turns, and if teeth lose
+        contact.
+        """
         if self.turns is not None or not (self.pair.eccentric or self.pair.uneven):
             return self.turns
         try:
@@ -169,13 +179,14 @@ class Contact(Result):
 
     @property
     def stuck(self) -> bool:
-        """Whether gears are jammed at all positions, so that there is no contact to show."""
+        """True if the gears are jammed at all positions, so that there is no contact to show."""
         return self.fit is not None and self.fit.jammed and not self.path.touching.any()
 
     @cached_property
     def whole(self) -> ContactPath | None:
-        """The path of a tooth pair from its first touch to its last, whatever positions were asked for; None where teeth do not
-        touch, or jam."""
+        """Path of a tooth pair from its first to its last contact, independent of the positions; None if teeth jam or
+        never touch.
+        """
         if self.fit is not None and self.fit.jammed:
             return None
         followed = self.engagement or whole_engagement(solver_pair(self.pair), self.pair.pitch)
@@ -184,19 +195,19 @@ class Contact(Result):
 
     @cached_property
     def sides(self) -> tuple[SideContact, ...]:
-        """The contact on both sides of the teeth; a side without contact is left out."""
-        # the fit of eccentric members is of others, that stand
+        """Contact on both sides of the teeth; a side without contact is left out."""
+        # the fit of eccentric members belongs to other members, which stay displaced
         known = self.fit is not None and not self.pair.eccentric
         coast = self.fit.coast if self.fit and known else None
         return side_contacts(self.pair, self.path, self.engagement, coast, self.whole)
 
     def positions(self) -> list[PositionFigures]:
-        """The figures of `tca --json` at every position.
+        """Figures of every position, as in `tca --json`.
 
         Returns
         -------
         list of PositionFigures
-            One per position (P,); NaN where there is nothing.
+            One per position (P,); NaN where there is no value.
 
         Examples
         --------
@@ -207,16 +218,16 @@ class Contact(Result):
 
     @cached_property
     def _positions(self) -> tuple[PositionFigures, ...]:
-        """The same, found once for tables, JSON and CSV."""
+        """Figures of every position, computed once for tables, JSON and CSV."""
         path = self.path
         phi1, phi2, angle = (_degrees(values) for values in (path.phi1, path.phi2, path.angle))
         points, normals, majors = path.point.tolist(), path.normal.tolist(), path.major.tolist()
-        own = dict(zip(self.params, (path.point1.tolist(), path.point2.tolist()), strict=True))
+        member_points = dict(zip(self.params, (path.point1.tolist(), path.point2.tolist()), strict=True))
         regions = list(zip(*(region.tolist() for region in path.regions), strict=True))
         curved, output = self._curvatures(), self.pair.output
 
-        plays = None if self.fit is None or self.fit.jammed else self.fit.play(path.rotation)
-        led = None if self.neighbours is None else output.way(self.neighbours)
+        backlash = None if self.fit is None or self.fit.jammed else self.fit.play(path.rotation)
+        slid_advance = None if self.neighbours is None else output.way(self.neighbours)
 
         def optional(values: Array | None, factor: float, i: int) -> float | None:
             return None if values is None else float(values[i]) * factor
@@ -226,32 +237,34 @@ class Contact(Result):
                 phi1=phi1[i],
                 phi2=phi2[i],
                 te=float(path.te[i]) / ARCSEC,
-                # to 1e-12 mm: what is less is rounding
+                # anything below 1e-12 mm is rounding
                 displacement=_less_rounding(output.way(float(path.phi2[i]))),
                 te_um=output.way(1e3 * float(path.te[i])),
                 contact=str(path.kind[i]),
                 edge=str(path.edge[i]) or None,
-                regions=dict(zip(own, (region or None for region in regions[i]), strict=True)),
+                regions=dict(zip(member_points, (region or None for region in regions[i]), strict=True)),
                 status=Status(int(path.status[i])).name.lower(),
                 residual=float(path.residual[i]),
                 point=points[i],
                 normal=normals[i],
-                members={member: MemberPoint(self.params[member][i], own[member][i]) for member in own},
+                members={
+                    member: MemberPoint(self.params[member][i], member_points[member][i]) for member in member_points
+                },
                 ellipse=EllipseFigures(float(path.semi_major[i]), float(path.semi_minor[i]), angle[i], majors[i]),
                 curvature=curved[i],
                 line=path.lines[i],
                 hertz=None if self.hertz is None else _hertz(self.hertz, i),
                 load_share=None if self.hertz is None else float(self.hertz.share[i]),
                 neighbour_advance=optional(self.neighbours, 1.0 / ARCSEC, i),
-                neighbour_advance_um=optional(led, 1e3, i),
-                backlash=optional(plays, 180.0 / math.pi, i),
+                neighbour_advance_um=optional(slid_advance, 1e3, i),
+                backlash=optional(backlash, 180.0 / math.pi, i),
                 te_first_order=optional(self.first_order, 1.0 / ARCSEC, i),
             )
             for i in range(len(phi1))
         )
 
     def _curvatures(self) -> list[PairCurvature]:
-        """Principal curvatures and directions at every position: of both flanks, and relative ones."""
+        """Return principal curvatures and directions at every position, of both flanks and of the gap between them."""
         columns = [
             [
                 values.tolist()
@@ -287,18 +300,18 @@ class Contact(Result):
 
     @property
     def _fit(self) -> FitDetails | None:
-        """What is known of how the gears fit; None where it was not asked for."""
+        """Details of the fit; None if not asked for."""
         if self.fit is not None:
             return FitDetails.of(self.pair, self.fit)
-        return FitDetails(None, verdict(None), UNMET) if UNMET in self.warnings else None
+        return FitDetails(None, verdict(None), NO_CONTACT_WARNING) if NO_CONTACT_WARNING in self.warnings else None
 
     def csv(self) -> str:
-        """The positions as a table; of whole turns theirs instead.
+        """The positions as a table; with whole turns, their positions instead.
 
         Returns
         -------
         str
-            CSV, one row per position, the columns of the JSON laid flat, empty where there is nothing.
+            CSV, one row per position, with flattened JSON keys as columns; empty where there is no value.
 
         Examples
         --------
@@ -315,7 +328,7 @@ class Contact(Result):
         whole_text(target, self.csv())
 
     def _path_listing(self) -> list[Listing]:
-        """Rounded, so that what is zero but for rounding reads as zero."""
+        """Return the table of positions, rounded, so that rounding errors are shown as 0."""
         names = [(member, name) for member in self.params for name in self.params[member][0]]
         reading = self.pair.output.reading
         heads = ["phi1 deg", f"{reading.quantity} {reading.motion[1]}", f"TE {reading.error[1]}"]
@@ -336,7 +349,7 @@ class Contact(Result):
         return [Listing("Contact", heads, values)]
 
     def _hertz_listing(self) -> list[Listing]:
-        """The table of the Hertz contact, if a torque was asked for."""
+        """Return the table of the Hertz contact; none without a torque."""
         if self.hertz is None:
             return []
         values = [
@@ -349,12 +362,12 @@ class Contact(Result):
             if position.hertz is not None
         ]
         heads = ["phi1 deg", *(figure.key.replace("_", " ") for figure in HertzFigures.declared_figures()), "share %"]
-        how = "shared" if self.summary.get("load_sharing") == SHARED else "all on this tooth pair"
+        how = "shared" if self.summary.get("load_sharing") == SHARED_LOAD else "all on this tooth pair"
         title = f"Hertz contact, {self.hertz.torque:g} Nm on the {self.pair.pinion.name}, {how}"
         return [Listing(title, heads, values)]
 
     def _closed_listing(self) -> list[Listing]:
-        """The closed form beside the solver, where the gear system knows one."""
+        """Return the table of solver and closed form; none if the gear system has no closed form."""
         if self.first_order is None:
             return []
         rows = [
@@ -366,21 +379,24 @@ class Contact(Result):
 
 #: decimals of the figures of the Hertz contact
 _HERTZ_DIGITS = (1, 4, 4, 3, 2)
+#: headings of the table with the closed form
 _CLOSED_HEADS = ("phi1 deg", "TE arcsec", "closed form arcsec")
 
 
-#: the range of positions
-RANGE = ("contact.phi1.start", "contact.phi1.stop")
+#: keys of the range of positions
+PHI1_RANGE_KEYS = ("contact.phi1.start", "contact.phi1.stop")
 
 
 def by_engagement(design: Design, pair: GearPair) -> bool:
-    """Whether positions follow the engagement: angles by which a source counts its tables are not those of the engagement."""
-    return pair.generation is None and not any(map(design.sets, RANGE))
+    """Return True if positions follow the engagement; angles of a source's tables are not related to it."""
+    return pair.generation is None and not any(map(design.sets, PHI1_RANGE_KEYS))
 
 
 def positions_of(design: Design, pair: GearPair) -> tuple[float, float] | None:
-    """First and last position (deg) of a pair whose design sets none: its engagement. None where it does not follow that, or
-    the teeth never meet."""
+    """Return the first and last position (deg) of the engagement of a pair whose design sets no range.
+
+    None if the positions do not follow the engagement, or the teeth never meet.
+    """
     if not by_engagement(design, pair):
         return None
     followed = whole_engagement(solver_pair(pair), pair.pitch)
@@ -391,7 +407,7 @@ def positions_of(design: Design, pair: GearPair) -> tuple[float, float] | None:
 
 
 def refuse_torques(torque: float | None, *, load_sharing: bool) -> None:
-    """Raise ArgumentError for a torque (Nm) that is none, and for load sharing without one."""
+    """Raise ArgumentError for an invalid torque (Nm), and for load sharing without a torque."""
     if load_sharing and torque is None:
         raise ArgumentError("load_sharing", True, must_be="left out without a torque that is shared")
     if torque is not None:
@@ -410,15 +426,15 @@ def contact_of(
     first_order: FirstOrder | None = None,
     turns: bool = False,
 ) -> Contact:
-    """Contact of a pair at phi1 (P,), rad, and the whole mesh cycle.
+    """Return the contact of a pair at phi1 (P,), rad, and the whole mesh cycle.
 
-    By default at the design's positions, which, where it sets none, go from the first touch of a tooth pair to its last.
-
-    With a `torque` (Nm) on the pinion also its Hertz contact, all load on the one tooth pair or those `shares` of it. With
-    `turns` also the pair over whole turns, until it repeats. Raises
-    DesignError for a torque that is not above 0, and for sharing without one.
+    The default positions are those of the design; if it sets none, they extend from the first to the last contact of a
+    tooth pair. A `torque` (Nm) on the pinion adds the Hertz contact, with the whole load on one tooth pair or with its
+    `shares`. `turns` adds the pair over whole turns, until it repeats. Raises ArgumentError for a torque that is not
+    above 0, and for sharing without a torque.
     """
     flanks = solver_pair(pair)
+    # positions: those asked for, those of the design, or the engagement of a tooth pair
     following = phi1 is None and by_engagement(design, pair)
     followed = whole_engagement(flanks, pair.pitch) if cycle or following else None
     tell(0.3)
@@ -429,10 +445,11 @@ def contact_of(
         ends = np.degrees(
             whole.engagement if whole is not None and known else engagement_range(followed, pair.pitch, whole)
         )
-        design = design.with_values(dict(zip(RANGE, map(float, ends), strict=True)))
+        design = design.with_values(dict(zip(PHI1_RANGE_KEYS, map(float, ends), strict=True)))
     if phi1 is None:
         wanted = design.contact.phi1
         phi1 = np.radians(np.linspace(wanted.start, wanted.stop, wanted.count))
+    # gears that jam have no contact: these positions of the path stay empty
     jams = np.zeros(len(phi1), dtype=bool) if fits is None else fits.jams(phi1)
     path = jammed_path(flanks, phi1)
     if fits is None or not (fits.jammed and jams.all()):
@@ -443,11 +460,11 @@ def contact_of(
     if torque is not None:
         from gearmesh.answers.load.materials import materials_of
 
-        share, said = shares(path, whole) if shares is not None else (np.ones(1), [])
-        warnings = (*warnings, *said)
+        share, share_warnings = shares(path, whole) if shares is not None else (np.ones(1), [])
+        warnings = (*warnings, *share_warnings)
         hertz = hertz_path(pair, path, torque, materials_of(design, pair), share)
         peak = hertz.peak_pressure[~np.isnan(hertz.peak_pressure)]
-        how = ALONE if shares is None else SHARED
+        how = UNSHARED_LOAD if shares is None else SHARED_LOAD
         summary = Summary(summary, TorqueSummary(torque, how, float(peak.max()) if peak.size else None))
     all_turns = whole_turns(pair) if turns else None
     if all_turns is not None:
@@ -464,7 +481,13 @@ def contact_of(
         summary,
         (
             *warnings,
-            *((UNMET,) if cycle and fits is None else fit_warnings(pair, fits) if fits is not None else ()),
+            *(
+                (NO_CONTACT_WARNING,)
+                if cycle and fits is None
+                else fit_warnings(pair, fits)
+                if fits is not None
+                else ()
+            ),
             *_contact_warnings(pair, path, whole),
             *_break_warnings(pair, whole, design.keeps_from_crossing),
         ),
@@ -479,7 +502,7 @@ def contact_of(
 
 
 def _neighbours(pair: GearPair, path: ContactPath, followed: Engagement | None, cycle: Cycle | None) -> Array | None:
-    """How far (P,), rad, a neighbouring tooth pair is ahead, where the pair has been followed."""
+    """Return the advance (P,), rad, of a neighbouring tooth pair; None if the pair has not been followed."""
     if followed is None or (pair.eccentric and (cycle is None or cycle.curve is None)):
         return None
     advance = TransmissionAdvance(followed) if cycle is None or cycle.curve is None else cycle.curve.of_pair
@@ -497,7 +520,7 @@ def _summary(pair: GearPair, path: ContactPath, cycle: Cycle | None) -> Summary:
 
 
 def _less_rounding(value: float | None) -> float | None:
-    """To 1e-12: what is less is rounding."""
+    """Return a value rounded to 1e-12; anything below is rounding."""
     return None if value is None else round(value, 12)
 
 
@@ -507,7 +530,9 @@ def _hertz(hertz: PathHertz, i: int) -> HertzFigures:
 
 
 def _contact_warnings(pair: GearPair, path: ContactPath, cycle: Cycle | None) -> list[str]:
-    """Warnings about the figures: a transmission advance at the change of tooth pairs, and teeth that are not all alike."""
+    """Return warnings about the figures: a transmission advance at the change of tooth pairs, and teeth that are not
+    all equal.
+    """
     warnings = []
     if pair.eccentric:
         warnings.append(
@@ -521,14 +546,14 @@ def _contact_warnings(pair: GearPair, path: ContactPath, cycle: Cycle | None) ->
             "their places, figures over whole turns (--turns) for all tooth pairs as they are"
         )
     if pair.eccentric:
-        # how the error is curved over a pitch, without what the eccentricities do over a turn
+        # curvature of the error over a pitch, without the effect of the eccentricities over a turn
         known = cycle is not None and cycle.curve is not None
         path = contact_path(cycle.curve.engagement.pair, path.rotation) if cycle and cycle.curve and known else path
     inside = path.kind == "point"
     if inside.sum() >= 5:
         bend = pair.drive * np.polyfit(path.phi1[inside], path.te[inside], 2)[0]
         advance = bend * (0.5 * pair.pitch) ** 2
-        if advance / ARCSEC > ADVANCE:
+        if advance / ARCSEC > WARNED_ADVANCE_ARCSEC:
             rad, unit = pair.output.reading.error
             warnings.append(
                 f"the gear runs ahead by {advance / rad:.3g} {unit} at the change of tooth pairs (the transmission error is "
@@ -538,7 +563,7 @@ def _contact_warnings(pair: GearPair, path: ContactPath, cycle: Cycle | None) ->
 
 
 def _break_warnings(pair: GearPair, cycle: Cycle | None, keeps_from_crossing: str) -> list[str]:
-    """Where the transmission error is discontinuous, one line each; what `keeps_from_crossing` flanks that do."""
+    """Return a line for each jump of the transmission error; `keeps_from_crossing` is the remedy for flanks that cross."""
     warnings, (rad, unit) = [], pair.output.reading.error
     total = total_ratio(pair, cycle) if cycle is not None and cycle.contact_ratio < 1.0 else math.inf
     if cycle is not None and total < 1.0:
@@ -563,8 +588,10 @@ def _break_warnings(pair: GearPair, cycle: Cycle | None, keeps_from_crossing: st
 
 
 def _edge_contact(pair: GearPair, cycle: Cycle, keeps_from_crossing: str) -> str:
-    """Why there is edge contact alone, and what helps: against flanks that cross, of some tooth pair at every position of a pitch,
-    neither crowning nor a mounting does."""
+    """Return the reason for contact on edges only, and the remedy.
+
+    Neither crowning nor mounting helps if flanks of some tooth pair cross at every position of a pitch.
+    """
     where = "edge contact alone: at no position do the flanks touch inside both; "
     if cycle.curve is not None and keeps_from_crossing:
         engagement = cycle.curve.engagement
@@ -574,8 +601,10 @@ def _edge_contact(pair: GearPair, cycle: Cycle, keeps_from_crossing: str) -> str
 
 
 def total_ratio(pair: GearPair, cycle: Cycle) -> float:
-    """The total contact ratio: pitches over which one tooth pair would touch somewhere on its flanks, were these conjugate. What
-    a crowning takes away, so that contact without load is in a point, is not taken off."""
+    """Return the total contact ratio: the pitches over which one tooth pair would touch anywhere on its flanks.
+
+    It is the ratio for conjugate flanks. Crowning, which reduces contact without load to points, does not reduce it.
+    """
     if cycle.curve is None:
         return cycle.contact_ratio
     phi1 = ease_off(cycle.curve.engagement, pair.pitch).phi1
@@ -589,5 +618,5 @@ def _named_parameters(member: Member, params: Array) -> list[dict[str, float]]:
 
 
 def _degrees(radians: Array) -> list[float]:
-    """Degrees; the last digits, which going to radians and back leaves behind, are rounded away."""
+    """Return angles in degrees, without the rounding of the conversion to radians and back."""
     return [float(value) for value in (radians * (180.0 / math.pi)).round(12)]

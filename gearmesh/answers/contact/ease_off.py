@@ -1,4 +1,4 @@
-"""The ease-off map of a pair, as tables and files."""
+"""Ease-off map of a pair, as tables and files."""
 
 from __future__ import annotations
 
@@ -21,7 +21,9 @@ from gearmesh.teeth.gear_train import GearPair
 
 
 def ease_off_of(design: Design, pair: GearPair, engagement: Engagement | None = None) -> EaseOffMap:
-    """The ease-off map of a pair; its `engagement`, where that is known. Raises NoSolutionError where the flanks never meet."""
+    """Return the ease-off map of a pair, from its `engagement` if known. Raises NoSolutionError if the flanks never
+    meet.
+    """
     followed = whole_engagement(solver_pair(pair), pair.pitch) if engagement is None else engagement
     if followed is None:
         raise NoSolutionError(reason="the flanks never meet", remedy="reduce the assembly errors")
@@ -41,7 +43,7 @@ class EaseOffPoint(Figures):
 
 @dataclass(frozen=True, repr=False)
 class EaseOffMap(Result):
-    """How far (um) the pinion's flank stays from the gear's at the nominal ratio; NaN where the gear's ends."""
+    """Gap (um) between the flanks of pinion and gear at the nominal ratio; NaN where the gear has no flank."""
 
     design: Design
     pair: GearPair
@@ -58,7 +60,7 @@ class EaseOffMap(Result):
 
     @property
     def listings(self) -> list[Listing]:
-        """Tip above, form point below; toe left, heel right."""
+        """Table with the tip at the top and the form point at the bottom, toe left and heel right."""
         um = 1e3 * self.map.distance[::-3, ::4]
         heads = ["ease-off um", *(f"{k}" for k in np.linspace(0.0, 1.0, um.shape[1]).round(2))]
         s = np.linspace(1.0, 0.0, um.shape[0]).round(2)
@@ -70,12 +72,12 @@ class EaseOffMap(Result):
         ]
 
     def rows(self) -> list[EaseOffPoint]:
-        """The ease-off point by point.
+        """The ease-off, point by point.
 
         Returns
         -------
         list of EaseOffPoint
-            Where on the flank (s from form point to tip, t from toe to heel), its place, mm, ease-off, um, and phi1, deg.
+            Place on the flank (s from form point to tip, t from toe to heel), point, mm, ease-off, um, and phi1, deg.
 
         Examples
         --------
@@ -103,7 +105,7 @@ class EaseOffMap(Result):
         return {**header(self.design), "shape": self.map.distance.shape, "ease_off": self.rows()}
 
     def _write(self, target: Path) -> None:
-        """As quadrilaterals in the pinion's own frame, with ease-off and phi1 at their corners."""
+        """Write quadrilaterals in the pinion's own frame, with ease-off and phi1 at their corners."""
         import meshio
 
         from gearmesh.io.atomic import whole_file

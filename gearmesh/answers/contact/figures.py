@@ -1,4 +1,4 @@
-"""Figures of tooth contact: at one position, over the path of a tooth pair, over the mesh cycle."""
+"""Figures of tooth contact: at one position, over the path of a tooth pair, and over the mesh cycle."""
 
 from __future__ import annotations
 
@@ -18,14 +18,16 @@ from gearmesh.teeth.gear_train import GearPair
 
 
 def shown_edge(edge: str, names: Sequence[str] = MEMBER_NAMES) -> str:
-    """An edge in contact as tables and pages show it, the members by their names: "wheel heel, wheel form point" of
-    "gear_heel+gear_joint"."""
+    """Return an edge in contact as tables and pages show it, with the names of the members.
+
+    "gear_heel+gear_joint" becomes "wheel heel, wheel form point".
+    """
     words = {**dict(zip(MEMBER_NAMES, names, strict=True)), FORM_POINT: "form point"}
-    return ", ".join(" ".join(words.get(word, word) for word in one.split("_")) for one in edge.split("+"))
+    return ", ".join(" ".join(words.get(word, word) for word in edge_name.split("_")) for edge_name in edge.split("+"))
 
 
 def shown_contact(kind: str, edge: str | None, names: Sequence[str]) -> str:
-    """The kind of contact at a position, with the edge in contact if it is one."""
+    """Return the kind of contact at a position, with the name of the edge in edge contact."""
     return f"edge: {shown_edge(edge, names)}" if edge else kind
 
 
@@ -46,7 +48,7 @@ class PathSummary(Figures):
 
     @staticmethod
     def of(pair: GearPair, path: ContactPath) -> PathSummary:
-        """Of a solved path."""
+        """Return the figures of a solved path."""
         te = path.te[path.touching]
         return PathSummary(
             positions=len(path.phi1),
@@ -85,7 +87,7 @@ class CycleSummary(Figures):
 
     @staticmethod
     def of(cycle: Cycle) -> CycleSummary:
-        """Of a solved mesh cycle."""
+        """Return the figures of a solved mesh cycle."""
         line, known = bool(np.isfinite(cycle.overlap_ratio)), bool(np.isfinite(cycle.contact_ratio))
         pairs = [math.floor(cycle.contact_ratio + 1e-9), math.ceil(cycle.contact_ratio - 1e-9)] if known else None
         return CycleSummary(
@@ -108,7 +110,7 @@ class SlideSummary(Figures):
 
 
 def slid_summary(pair: GearPair, known: Summary) -> Iterator[Entry]:
-    """Of a gear that slides: its way in a turn of the pinion, and every figure in arcsec in um, too; nothing of others."""
+    """Yield, for a gear that slides, its travel per turn of the pinion, and every figure in arcsec also in um."""
     travel = pair.output.travel
     if travel is None:
         return
@@ -141,7 +143,7 @@ class EllipseFigures(Figures):
 
     @property
     def known(self) -> bool:
-        """Lines and edges have none."""
+        """False for lines and edges, which have no ellipse."""
         return not math.isnan(self.a)
 
 
@@ -164,7 +166,7 @@ class PairCurvature(Figures):
 
     @property
     def known(self) -> bool:
-        """Edges have none."""
+        """False for edges, which have no curvature."""
         return not math.isnan(self.relative.k1)
 
 
@@ -180,13 +182,13 @@ class HertzFigures(Figures):
 
     @property
     def known(self) -> bool:
-        """Edges have none."""
+        """False for edges, which have no Hertz contact."""
         return not math.isnan(self.p0)
 
 
 @dataclass(frozen=True)
 class MemberPoint(Figures):
-    """Where a member touches."""
+    """Place at which a member touches."""
 
     params: Mapping[str, float] = figure("parameters of the surface, named as in the source", bare=True)
     point: list[float] = figure("point of contact, own frame of the member", "mm", vector=True, nullable=True)

@@ -1,4 +1,4 @@
-"""The fit of gears: figures for the summary, and warnings of interference with their remedies."""
+"""Fit of gears: figures for the summary, and warnings of interference with their remedies."""
 
 from __future__ import annotations
 
@@ -19,16 +19,21 @@ from gearmesh.kernel.motion.rigid import MAX_SINE_OF_PARALLEL
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.gear_train import GearPair
 
-#: the flanks that drive, and the others
-SIDES = {True: "driving", False: "coast"}
-#: positions of a pitch at which backlash is drawn
-BACKLASHES = 241
-UNMET = "the driving or the coast flanks touch nowhere: the teeth may be apart or overlap, and the backlash is unknown"
+#: words for driving and coast flanks
+FLANK_WORDS = {True: "driving", False: "coast"}
+#: positions of a pitch at which backlash is plotted
+BACKLASH_POSITIONS = 241
+#: warning of flanks that never touch
+NO_CONTACT_WARNING = (
+    "the driving or the coast flanks touch nowhere: the teeth may be apart or overlap, and the backlash is unknown"
+)
 
 
 def fitted_cycle(pair: GearPair, followed: Engagement | None = None) -> tuple[Fit | None, Cycle | None]:
-    """How a pair fits, and its whole mesh cycle, which is NaN where gears jam; from its whole engagement, which is `followed`
-    where it is not given. None where nothing touches."""
+    """Return the fit of a pair and its whole mesh cycle, which is NaN if the gears jam; None if nothing touches.
+
+    Both follow from the whole engagement of a tooth pair, which is computed if `followed` is not given.
+    """
     flanks = solver_pair(pair) if followed is None else followed.pair
     curve = gears_curve(flanks, pair.pitch, followed)
     if curve is None:
@@ -39,7 +44,7 @@ def fitted_cycle(pair: GearPair, followed: Engagement | None = None) -> tuple[Fi
 
 @dataclass(frozen=True)
 class FitSummary(Figures):
-    """How gears fit: backlash over the mesh cycle, clearance of tips over roots, interference."""
+    """Fit of gears: backlash over the mesh cycle, clearance of tips over roots, interference."""
 
     backlash_min: float = figure("backlash as rotation of the gear, least over the mesh cycle", "deg")
     backlash_max: float = figure("backlash as rotation of the gear, greatest over the mesh cycle", "deg")
@@ -62,7 +67,7 @@ class FitSummary(Figures):
 
     @staticmethod
     def of(pair: GearPair, fit: Fit) -> FitSummary:
-        """Of a pair's fit."""
+        """Return the figures of a pair's fit."""
         (low, high), ratio = np.degrees(fit.backlash), abs(pair.ratio)
         return FitSummary(
             float(low),
@@ -81,18 +86,22 @@ class FitSummary(Figures):
 
 @dataclass(frozen=True)
 class BacklashCurve:
-    """Backlash over a pitch of the pinion: its rotations `phi1` (N,), deg, and that of the gear between its first touches, deg;
-    `transverse` (N,), mm: the same at the gear's pitch circle; `least`, `greatest`: over the pitch, deg."""
+    """Backlash over a pitch of the pinion."""
 
+    #: rotations (N,) of the pinion, deg
     phi1: Array
+    #: rotation (N,) of the gear between the first contacts of both sides, deg
     backlash: Array
+    #: backlash (N,) at the gear's pitch circle, mm
     transverse: Array
+    #: smallest backlash over the pitch, deg
     least: float
+    #: largest backlash over the pitch, deg
     greatest: float
 
     @staticmethod
     def of(pair: GearPair, fit: Fit, count: int) -> BacklashCurve:
-        """Of a pair's fit, at `count` even positions."""
+        """Return the backlash of a pair's fit at `count` equally spaced positions."""
         phi1 = np.linspace(0.0, pair.pitch, count)
         turns = fit.play(phi1)
         low, high = np.degrees(fit.backlash)
@@ -101,7 +110,7 @@ class BacklashCurve:
 
 @dataclass(frozen=True)
 class TipPlace(Figures):
-    """Where a tip is nearest to the mating gear."""
+    """Place at which a tip is nearest to the mating gear."""
 
     phi1: float = figure("rotation of the pinion", "deg", "phi_1")
     point: list[float] = figure("place, fixed frame", "mm", vector=True)
@@ -111,7 +120,7 @@ class TipPlace(Figures):
 
     @staticmethod
     def of(pair: GearPair, fit: Fit, phi1: float, point: Array) -> TipPlace:
-        """A point (3,) of the fixed frame, at phi1 (rad) of the gears as they are driven."""
+        """Return the figures of a point (3,) of the fixed frame, at phi1 (rad) of the driven gears."""
         turns = np.array([phi1]), fit.turns(np.array([phi1]))
         own = {
             member.name: member.mount.at(turn).inverse.point(point[None])[0].tolist()
@@ -158,7 +167,7 @@ class ContactGap(Figures):
 
 @dataclass(frozen=True)
 class FitDetails(Figures):
-    """Whether gears fit, and where they do not."""
+    """Verdict on the fit of gears, with the places where they do not fit."""
 
     fits: bool | None = figure("whether the gears fit; none where that is not known")
     verdict: str = figure("the same in a word: yes, no, unknown")
@@ -177,7 +186,7 @@ class FitDetails(Figures):
 
     @staticmethod
     def of(pair: GearPair, fit: Fit) -> FitDetails:
-        """Of a pair's fit."""
+        """Return the details of a pair's fit."""
         names = [member.name for member in pair.both]
         pair = displaced_gears(pair)
         return FitDetails(
@@ -185,7 +194,9 @@ class FitDetails(Figures):
             verdict=verdict(fit),
             reason=" and ".join(_unknown(fit)) or None,
             jammed=fit.jammed,
-            no_contact=[ContactGap(SIDES[gap.driving], np.degrees([gap.begin, gap.end]).tolist()) for gap in fit.gaps],
+            no_contact=[
+                ContactGap(FLANK_WORDS[gap.driving], np.degrees([gap.begin, gap.end]).tolist()) for gap in fit.gaps
+            ],
             tip_clearance={
                 name: None
                 if least is None
@@ -197,14 +208,14 @@ class FitDetails(Figures):
                     depth=1e3 * tip.depth,
                     tip_of=names[1 - tip.fillet_of],
                     fillet_of=names[tip.fillet_of],
-                    flanks=SIDES[tip.driving],
+                    flanks=FLANK_WORDS[tip.driving],
                     place=TipPlace.of(pair, fit, tip.phi1, tip.point),
                 )
                 for tip in fit.interference
             ],
             tip_collisions=[
                 TipCollisionFigures(
-                    1e3 * tips.depth, SIDES[tips.driving], TipPlace.of(pair, fit, tips.phi1, tips.point)
+                    1e3 * tips.depth, FLANK_WORDS[tips.driving], TipPlace.of(pair, fit, tips.phi1, tips.point)
                 )
                 for tips in fit.collisions
             ],
@@ -212,22 +223,24 @@ class FitDetails(Figures):
 
 
 def verdict(fit: Fit | None) -> str:
-    """Whether gears fit, in a word."""
+    """Return "yes", "no" or "unknown" for the fit of gears."""
     return "unknown" if fit is None or fit.fits is None else "yes" if fit.fits else "no"
 
 
 def _unknown(fit: Fit) -> list[str]:
-    """Where in a pitch nothing touches, in words, one per side."""
+    """Return the parts of a pitch without contact, in words, one line per side."""
     lines = []
     for driving in (True, False):
         parts = [f"{np.degrees(g.begin):.4g} to {np.degrees(g.end):.4g}" for g in fit.gaps if g.driving == driving]
         if parts:
-            lines.append(f"the {SIDES[driving]} flanks have no contact at phi1 = {', '.join(parts)} deg of a pitch")
+            lines.append(
+                f"the {FLANK_WORDS[driving]} flanks have no contact at phi1 = {', '.join(parts)} deg of a pitch"
+            )
     return lines
 
 
 def fit_warnings(pair: GearPair, fit: Fit) -> Iterator[str]:
-    """What interferes, with the figure, the place and the remedy, one line each."""
+    """Yield a line for each interference, with its size, place and remedy."""
     if fit.gaps:
         low, known = (
             fit.normal_backlash[0],
@@ -238,7 +251,7 @@ def fit_warnings(pair: GearPair, fit: Fit) -> Iterator[str]:
     if fit.fits is not False:
         return
     names = [member.name for member in pair.both]
-    # tips that collide beside the mesh must be shorter: axes farther apart or nearer change little there
+    # the centre distance has little effect on tips that collide beside the mesh: they must be shorter
     remedy = "; shorter tips free them" if fit.collisions else _remedy(pair, fit)
     if fit.jammed:
         overlap = "tips collide beside the mesh" if fit.collisions else "tips overlap fillets or roots"
@@ -251,13 +264,13 @@ def fit_warnings(pair: GearPair, fit: Fit) -> Iterator[str]:
     for clash in fit.interference:
         yield (
             f"interference: the tip of the {names[1 - clash.fillet_of]} is {1e3 * clash.depth:.4g} um inside the fillet of the "
-            f"{names[clash.fillet_of]} when the {SIDES[clash.driving]} flanks touch, at phi1 = {np.degrees(clash.phi1):.5g} deg, "
-            f"{_place(clash.point)}{remedy}"
+            f"{names[clash.fillet_of]} when the {FLANK_WORDS[clash.driving]} flanks touch, at phi1 = "
+            f"{np.degrees(clash.phi1):.5g} deg, {_place(clash.point)}{remedy}"
         )
     for tips in fit.collisions:
         yield (
             f"interference: the tips of {names[0]} and {names[1]} collide beside the mesh by {1e3 * tips.depth:.4g} um when the "
-            f"{SIDES[tips.driving]} flanks touch, at phi1 = {np.degrees(tips.phi1):.5g} deg, {_place(tips.point)}{remedy}"
+            f"{FLANK_WORDS[tips.driving]} flanks touch, at phi1 = {np.degrees(tips.phi1):.5g} deg, {_place(tips.point)}{remedy}"
         )
     for k, clearance in enumerate(fit.clearances):
         if clearance is not None and clearance.distance < -ROUNDING_MM:
@@ -268,7 +281,7 @@ def fit_warnings(pair: GearPair, fit: Fit) -> Iterator[str]:
 
 
 def _way(pair: GearPair, phi2: float) -> str:
-    """A rotation (rad) of the gear, or how far it slides, in words."""
+    """Return a rotation (rad) of the gear in words, or the travel of a gear that slides."""
     rad, unit = pair.output.reading.motion
     return f"{phi2 / rad:.4g} {unit}"
 
@@ -278,13 +291,13 @@ def _place(point: Array) -> str:
 
 
 def _remedy(pair: GearPair, fit: Fit) -> str:
-    """The remedy that frees the pair, in words; empty where moving the gear does not."""
+    """Return the remedy that frees the pair, in words; empty if moving the gear does not free it."""
     freeing = freeing_shift(pair, fit)
     if freeing is None:
         return ""
     shift = freeing.length
     apart, size = centre_distance(pair), abs(shift)
-    # three digits, of which the last is rounded up: what is reported frees
+    # three digits, rounded up, so that the reported distance frees the pair
     places = 2 - math.floor(math.log10(size))
     by = f"{_up(size, places):.3g}"
     if pair.output.travel is not None:
@@ -306,5 +319,5 @@ def _remedy(pair: GearPair, fit: Fit) -> str:
 
 
 def _up(length: float, places: int) -> float:
-    """A length rounded up to so many places."""
+    """Return a length rounded up to the given number of decimals."""
     return math.ceil(length * 10.0**places - 1e-6) / 10.0**places

@@ -16,35 +16,39 @@ from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.gear_train import GearPair
 
-#: neighbouring tooth pairs that are looked for, either way
-NEIGHBOURS = 4
+#: number of neighbouring tooth pairs on each side that may be in contact
+NEIGHBOURS_PER_SIDE = 4
 
 
 @dataclass(frozen=True)
 class RollingContact:
-    """A pair at rotations `phi1` (N,), rad, of the pinion, from the middle of a path of contact on.
+    """A pair at rotations of the pinion, beginning at the middle of a path of contact."""
 
-    `middle`: position of that in `path`; `engaged` (N, 2 NEIGHBOURS + 1): which tooth pairs are within their engagement;
-    `contacts`: where these touch, one after the other.
-    """
-
+    #: the pair
     pair: GearPair
+    #: the path of contact
     path: ContactPath
+    #: index of the middle position in `path`
     middle: int
+    #: rotations (N,) of the pinion, rad
     phi1: Array
+    #: True (N, 2 NEIGHBOURS_PER_SIDE + 1) for tooth pairs within their engagement
     engaged: NDArray[np.bool_]
+    #: contacts of these tooth pairs, one after the other
     contacts: ContactPath
 
     @property
     def phi2(self) -> Array:
-        """Rotations (N,), rad, of the gear at its nominal ratio from the middle on."""
+        """Rotations (N,), rad, of the gear at its nominal ratio, beginning at the middle position."""
         k = self.middle
         phi2: Array = self.path.phi2[k] + self.pair.ratio * (self.phi1 - self.path.rotation[k])
         return phi2
 
 
 def rolling_contact(pair: GearPair, path: ContactPath, pitches: ArrayLike = (0.0,)) -> RollingContact:
-    """A pair rolled by so many `pitches` (N,) from the middle of a path on. Raises NoSolutionError where flanks never meet."""
+    """Return a pair rolled by `pitches` (N,) from the middle of a path. Raises NoSolutionError if the flanks never
+    meet.
+    """
     flanks = solver_pair(pair)
     followed = whole_engagement(flanks, pair.pitch)
     touching = np.flatnonzero(path.touching)
@@ -52,7 +56,7 @@ def rolling_contact(pair: GearPair, path: ContactPath, pitches: ArrayLike = (0.0
         raise NoSolutionError(reason="the flanks never meet", remedy="reduce the assembly errors")
     k = int(touching[len(touching) // 2])
     phi1 = path.rotation[k] + pair.pitch * np.asarray(pitches, dtype=float)
-    turns = phi1[:, None] + pair.pitch * np.arange(-NEIGHBOURS, NEIGHBOURS + 1)
+    turns = phi1[:, None] + pair.pitch * np.arange(-NEIGHBOURS_PER_SIDE, NEIGHBOURS_PER_SIDE + 1)
     low, high = engagement_range(followed, pair.pitch)
     within = (turns >= low) & (turns <= high)
     return RollingContact(pair, path, k, phi1, within, contact_path(flanks, turns[within], None))

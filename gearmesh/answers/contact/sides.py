@@ -1,4 +1,6 @@
-"""Contact of a pair on both its sides: each as one path, the whole engagement of a tooth pair, and the ease-off."""
+"""Contact of a pair on both sides of its teeth: for each side a path, the whole engagement of a tooth pair, and the
+ease-off.
+"""
 
 from __future__ import annotations
 
@@ -17,28 +19,34 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.gear_train import GearPair
 
 #: positions of a whole engagement
-POSITIONS = 41
+ENGAGEMENT_POSITIONS = 41
 
 
 @dataclass(frozen=True)
 class SideContact:
-    """One side of a pair, `driving` or the other: the `pair` with those flanks in contact, its `path`, the contact `whole` from the
-    first touch of a tooth pair to the last, and the `ease_off` of the pinion's flank."""
+    """Contact on one side of the teeth of a pair."""
 
+    #: the pair with the flanks of this side in contact
     pair: GearPair
+    #: True for the driving side
     driving: bool
+    #: path of contact
     path: ContactPath
+    #: path of a tooth pair from its first to its last contact
     whole: ContactPath
+    #: ease-off of the pinion's flank
     ease_off: EaseOff
 
     @property
     def sliding_velocity(self) -> Array:
-        """Velocity (I, J, 3), mm per rad of the pinion, own frame, of its points against the gear's, where each touches."""
+        """Sliding velocity (I, J, 3), mm per rad of the pinion, own frame: points of the pinion relative to the gear,
+        in contact.
+        """
         return self._sliding_velocity(self.ease_off.phi1)
 
     @property
     def continued_sliding_velocity(self) -> Array:
-        """The same (I, J, 3) beyond the edges of the gear's flank, too, as that goes on."""
+        """Sliding velocity (I, J, 3) that continues beyond the edges of the gear's flank, on the extended flank."""
         return self._sliding_velocity(self.ease_off.continued_phi1)
 
     def _sliding_velocity(self, phi1: Array) -> Array:
@@ -49,8 +57,8 @@ class SideContact:
 
 
 def whole_path(pair: GearPair, engagement: Engagement) -> ContactPath:
-    """The contact of a tooth pair from its first touch to its last, closely spaced."""
-    phi1 = np.linspace(*engagement_range(engagement, pair.pitch), POSITIONS)
+    """Return the contact of a tooth pair from its first to its last contact, at closely spaced positions."""
+    phi1 = np.linspace(*engagement_range(engagement, pair.pitch), ENGAGEMENT_POSITIONS)
     return contact_path(solver_pair(pair), phi1, None, engagement=engagement)
 
 
@@ -61,8 +69,11 @@ def side_contacts(
     coast: Engagement | None = None,
     driving_whole: ContactPath | None = None,
 ) -> tuple[SideContact, ...]:
-    """Both sides of a pair, the driving one with its `path`, both with their engagements, if known: `engagement` and that of the
-    `coast` flanks; `driving_whole`: the whole path of the driving side, if known. A side without contact is left out."""
+    """Return the contact on both sides of a pair; a side without contact is left out.
+
+    `path` belongs to the driving side. These are computed if not given: `engagement` of the driving flanks, the
+    engagement of the `coast` flanks, and the whole path of the driving side, `driving_whole`.
+    """
     contacts = []
     for own_pair, driving, known in ((pair, True, engagement), (reversed_pair(pair), False, coast)):
         flanks = solver_pair(own_pair)
@@ -70,9 +81,9 @@ def side_contacts(
         if followed is None or not followed.contacts.touching.any():
             continue
         whole = driving_whole if driving and driving_whole is not None else whole_path(own_pair, followed)
-        own = path
+        side_path = path
         if not driving:
             phi1 = np.linspace(whole.rotation[0], whole.rotation[-1], len(path.phi1))
-            own = contact_path(flanks, phi1, None, engagement=followed)
-        contacts.append(SideContact(own_pair, driving, own, whole, ease_off(followed, own_pair.pitch)))
+            side_path = contact_path(flanks, phi1, None, engagement=followed)
+        contacts.append(SideContact(own_pair, driving, side_path, whole, ease_off(followed, own_pair.pitch)))
     return tuple(contacts)

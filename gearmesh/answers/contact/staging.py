@@ -1,4 +1,4 @@
-"""A pair of gears for a view that turns: contact closely spaced, rotations of all members, gaps over the pinion's flank."""
+"""Data of a pair for a view that turns: closely spaced contact, rotations of all members, gaps over the pinion's flank."""
 
 from __future__ import annotations
 
@@ -18,42 +18,53 @@ from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
 from gearmesh.teeth.region import Side
 
 #: positions of the slider
-POSITIONS = 61
-#: points across and along a flank at which gaps are known
-GRID = (41, 65)
-#: heights of a flank from one column to the next at most, unless that takes more columns than these
-FARTHEST, MOST_COLUMNS = 0.2, 401
-#: how far inside the flank's edges the outer ones are, as a part of the flank: on them it is chance whether the other has an end
-INSIDE = 1e-4
+SLIDER_POSITIONS = 61
+#: points across and along a flank at which gaps are computed
+GAP_GRID = (41, 65)
+#: limit of the distance between columns, in heights of the flank, unless MAX_COLUMNS is reached
+MAX_COLUMN_STEP = 0.2
+#: limit of the number of columns
+MAX_COLUMNS = 401
+#: distance of the outer points from the edges of the flank, as a part of the flank: on an edge, rounding decides
+#: whether the mating flank ends there
+EDGE_MARGIN = 1e-4
 
 
 @dataclass(frozen=True)
 class FlankGaps:
-    """Over the grid of the pinion's flank, mm: the `least` gap (I, J) of all positions, infinite where the gear has no flank; that
-    at `phi1`, rad; the `ease_off`, None where there is no mesh cycle."""
+    """Gaps, mm, over a grid on the pinion's flank."""
 
+    #: smallest gap (I, J) over all positions; infinite where the gear has no flank
     least: Array
+    #: rotation of the pinion, rad, to which `at_phi1` belongs
     phi1: float
+    #: gap (I, J) at `phi1`
     at_phi1: Array
+    #: ease-off (I, J); None without a mesh cycle
     ease_off: Array | None
 
 
 @dataclass(frozen=True)
 class StagedContact:
-    """A pair, its contact at the positions of the slider (P), rotations (P,), rad, of all members, its mesh cycle, and the gaps."""
+    """A pair with its contact at the positions of the slider."""
 
+    #: the pair
     pair: GearPair
+    #: contact at the positions of the slider (P)
     path: ContactPath
+    #: rotations (P,) of all members, rad
     turns: dict[str, Array]
+    #: mesh cycle
     cycle: Cycle | None
+    #: gaps over the pinion's flank
     gaps: FlankGaps
 
 
 def staged_contact(train: GearTrain, contact: Contact) -> StagedContact:
-    """A solved contact at as many positions as the slider has, those without contact left out."""
+    """Return a solved contact at the positions of the slider; positions without contact are left out."""
     pair, known = contact.pair, contact.path.phi1[contact.path.touching]
     flanks = solver_pair(pair)
-    phi1 = np.linspace(known.min(), known.max(), POSITIONS if np.ptp(known) else 1)
+    phi1 = np.linspace(known.min(), known.max(), SLIDER_POSITIONS if np.ptp(known) else 1)
     path = contact_path(flanks, phi1, pair.generation)
     if not path.touching.all():
         path = contact_path(flanks, phi1[path.touching], pair.generation)
@@ -63,14 +74,14 @@ def staged_contact(train: GearTrain, contact: Contact) -> StagedContact:
 
 
 def flank_places(member: Member, side: Side) -> tuple[Array, Array]:
-    """Places across (I,) and along (J,) a flank of the grid, 0 to 1: along threads so many that none is far from the next."""
-    s, t = (np.linspace(INSIDE, 1.0 - INSIDE, count) for count in GRID)
+    """Return places across (I,) and along (J,) a flank, 0 to 1; long flanks of threads have more columns."""
+    s, t = (np.linspace(EDGE_MARGIN, 1.0 - EDGE_MARGIN, count) for count in GAP_GRID)
     root, tip = member.tooth.flank_grid(side, s[[0, -1]], t).points
     middle = len(t) // 2
     height = np.linalg.norm(root - tip[middle], axis=-1).min()
     length = np.linalg.norm(np.diff(root, axis=0), axis=-1).sum()
-    columns = int(np.clip(np.ceil(length / (FARTHEST * height)), GRID[1], MOST_COLUMNS))
-    return s, np.linspace(INSIDE, 1.0 - INSIDE, columns)
+    columns = int(np.clip(np.ceil(length / (MAX_COLUMN_STEP * height)), GAP_GRID[1], MAX_COLUMNS))
+    return s, np.linspace(EDGE_MARGIN, 1.0 - EDGE_MARGIN, columns)
 
 
 def _gaps(contact: Contact, path: ContactPath) -> FlankGaps:
@@ -81,7 +92,7 @@ def _gaps(contact: Contact, path: ContactPath) -> FlankGaps:
     amount = None
     if contact.engagement is not None:
         amount = ease_off(contact.engagement, pair.pitch, parameters).distance
-    # at phi1 = 0, or as near as the path comes
+    # phi1 = 0, or the nearest position of the path
     phi1 = np.clip(np.zeros(1), path.phi1.min(), path.phi1.max())
     rotation, phi2 = (np.interp(phi1, path.phi1, turn) for turn in (path.rotation, path.phi2))
     return FlankGaps(least, float(phi1[0]), gaps_at(flanks, rotation, phi2, parameters)[0], amount)

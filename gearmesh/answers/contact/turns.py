@@ -1,4 +1,6 @@
-"""What `tca --turns` reports of a pair over whole turns: figures, waves of eccentric members, and the error at every position."""
+"""Results of `tca --turns` for a pair over whole turns: figures, waves of eccentric members, and the error at every
+position.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,7 @@ class TurnsSummary(Figures):
 
     @staticmethod
     def of(pair: GearPair, turns: FullTurns) -> TurnsSummary:
-        """Of a pair over whole turns."""
+        """Return the figures of a pair over whole turns."""
         whole = turns.pitches / pair.pinion.tooth.teeth
         return TurnsSummary(
             whole,
@@ -62,7 +64,7 @@ class TurnsPositions(Figures):
 
     @property
     def rows(self) -> list[dict[str, float]]:
-        """One per position, the columns of the CSV."""
+        """Rows of the CSV, one per position."""
         columns = self.row
         return [dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True)]
 
@@ -78,7 +80,7 @@ class TurnsDetails(Figures):
 
     @staticmethod
     def of(turns: FullTurns) -> TurnsDetails:
-        """Of a pair over whole turns."""
+        """Return the positions of a pair over whole turns."""
         positions = TurnsPositions(
             np.degrees(turns.phi1).round(10).tolist(),
             (turns.te / ARCSEC).tolist(),
@@ -89,7 +91,7 @@ class TurnsDetails(Figures):
 
 
 def turns_listing(turns: FullTurns) -> Listing:
-    """The waves as a table, beside the closed form."""
+    """Return a table of the waves, with their closed forms."""
     heads = ["wave", "per turn", "arcsec", "crest at phi1 deg", "closed form arcsec", "crest deg"]
     rows = [
         [
@@ -106,7 +108,7 @@ def turns_listing(turns: FullTurns) -> Listing:
 
 
 def turns_warnings(pair: GearPair, turns: FullTurns) -> tuple[str, ...]:
-    """Warnings about the pair over whole turns."""
+    """Return warnings about the pair over whole turns."""
     k = int(turns.backlash.argmin())
     if turns.runs_free:
         return ()

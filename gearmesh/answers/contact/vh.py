@@ -1,4 +1,4 @@
-"""The V-H check of a pair, as a table."""
+"""V-H check of a pair, as a table."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Displacement(Figures):
 
     @staticmethod
     def of(shift: PatternShift) -> Displacement:
-        """That of a shift of the contact pattern."""
+        """Return the displacements of a shift of the contact pattern."""
         return Displacement(shift.v, shift.h, shift.j, shift.alpha)
 
 
@@ -69,19 +69,23 @@ class TotalFigures(Figures):
 class VHCheck(Result):
     """Displacements of pinion and gear (mm, deg) that bring the centre of contact to places along the gear's face."""
 
+    #: the design
     design: Design
+    #: shifts of the contact pattern, by side and place
     shifts: tuple[PatternShift, ...]
+    #: warnings, one line each
     warnings: tuple[str, ...] = ()
+    #: key of the table `assembly` by letter: V, H, J, alpha
     keys: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def rows(self) -> list[PlaceFigures]:
-        """One per side and place; a place out of reach has displacements but in `nearest`."""
+        """Rows, one per side and place; a place out of reach has displacements only in `nearest`."""
         return [
             PlaceFigures(
                 side=shift.side,
                 place=shift.place,
-                displacement=Displacement.of(shift) if shift.reached else NOWHERE,
+                displacement=Displacement.of(shift) if shift.reached else UNKNOWN_DISPLACEMENT,
                 face_share=shift.asked,
                 reached=shift.reached,
                 nearest=None if shift.reached else NearestPlace(shift.share, Displacement.of(shift)),
@@ -91,8 +95,10 @@ class VHCheck(Result):
 
     @property
     def totals(self) -> list[TotalFigures]:
-        """One per side: V and H from the first place to the last, and their ratio; None where either is out of reach. None of kinds
-        that have no H."""
+        """V and H from the first place to the last, and their ratio, one row per side; None if a place is out of reach.
+
+        The list is empty for kinds without H.
+        """
         rows = list[TotalFigures]()
         if "H" not in self.keys:
             return rows
@@ -111,7 +117,7 @@ class VHCheck(Result):
 
     @property
     def complaints(self) -> list[str]:
-        """A line for every place to which the contact cannot be brought."""
+        """Places to which the contact cannot be brought, one line each."""
         return [
             f"{shift.side}: the contact cannot be brought to the {shift.place}, {shift.asked:g} of the face from the toe: "
             f"other points or edges touch first; the nearest that can be reached is {shift.share:g} of the face, with "
@@ -165,14 +171,14 @@ class VHCheck(Result):
         return {**header(self.design), "vh": self.rows, "totals": self.totals}
 
 
-#: numbers in words
-COUNTS = {1: "one", 2: "two"}
+#: words for small numbers
+COUNT_WORDS = {1: "one", 2: "two"}
 #: displacements to a place out of reach
-NOWHERE = Displacement(None, None, None, None)
+UNKNOWN_DISPLACEMENT = Displacement(None, None, None, None)
 
 
 def vh_of(gears: GearSet, moved: tuple[str, ...] | None) -> VHCheck:
-    """The V-H check of gears, as `Gears.vh` says."""
+    """Return the V-H check of gears, as `Gears.vh` describes it."""
     made = systems.system_of(gears.design).vh
     if made is None:
         able = [kind for kind in systems.kinds() if systems.system(kind).vh is not None]
@@ -180,7 +186,7 @@ def vh_of(gears: GearSet, moved: tuple[str, ...] | None) -> VHCheck:
     moved = made.usual if moved is None else moved
     count = len(made.usual)
     if len({*moved} & made.keys.keys()) != count or len(moved) != count:
-        must_be = f"{COUNTS[count]} of {', '.join(made.keys)}, as {','.join(made.usual)}"
+        must_be = f"{COUNT_WORDS[count]} of {', '.join(made.keys)}, as {','.join(made.usual)}"
         raise ArgumentError("moved", ",".join(moved), must_be=must_be)
-    own = systems.complete_design(gears.design).in_mm()
-    return VHCheck(gears.design, tuple(made.shifts(own, gears.train, moved)), gears.warnings, made.keys)
+    complete = systems.complete_design(gears.design).in_mm()
+    return VHCheck(gears.design, tuple(made.shifts(complete, gears.train, moved)), gears.warnings, made.keys)

@@ -1,5 +1,7 @@
-"""The zone of contact of a pair: contact lines on the flanks and in the plane of action, what of the flank they pass over, and the
-limit lines beyond which there is none."""
+"""Zone of contact of a pair: contact lines on the flanks and in the plane of action, and limit lines.
+
+A contact line passes over the zone of the flank; there is no contact beyond a limit line.
+"""
 
 from __future__ import annotations
 
@@ -16,8 +18,8 @@ from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.teeth.gear_train import GearPair
 
-#: sine of the distance of axes that cross over that of the contact from them up to which they intersect
-INTERSECT = 1e-9
+#: largest distance of crossed axes that count as intersecting, relative to the distance of the contact from them
+MAX_INTERSECTION_RATIO = 1e-9
 
 
 @dataclass(frozen=True)
@@ -31,43 +33,48 @@ class ZoneFigures(Figures):
 
     @staticmethod
     def of(zone: ContactZone) -> ZoneFigures:
-        """Of a zone of contact."""
+        """Return the figures of a zone of contact."""
         return ZoneFigures(zone.share, zone.ends.tolist())
 
 
 @dataclass(frozen=True)
 class ActionPlane:
-    """The plane in which the zone of contact is looked at: axes `along` and `across` (3,) from the `origin` (3,), fixed frame, what
-    `labels` say of them, and its `name`."""
+    """Plane in which the zone of contact is drawn, fixed frame."""
 
+    #: name of the plane
     name: str
+    #: origin (3,), mm
     origin: Array
+    #: first axis (3,) of the plane
     along: Array
+    #: second axis (3,) of the plane
     across: Array
+    #: labels of both axes
     labels: tuple[str, str]
 
     @staticmethod
     def of(pair: GearPair, path: ContactPath) -> ActionPlane:
-        """That of a pair with a path of contact that touches somewhere.
+        """Return the plane of a pair with a path of contact that touches somewhere.
 
-        Of parallel axes the plane of action, through axis and common normal. Of members with cylindrical faces on crossed axes,
-        as a worm and its wheel, the plane parallel to both axes, from where the pinion's is nearest to the gear's. Of others the
-        pitch plane: through the axis of their relative motion, along their velocities.
+        - parallel axes: the plane of action, through axis and common normal
+        - cylindrical faces on crossed axes, as worm and wheel: parallel to both axes, at the pinion's point nearest to
+          the gear's axis
+        - other members: the pitch plane, through the axis of their relative motion, along their velocities
         """
         first, second = pair.mounts
         touching = np.flatnonzero(path.touching)
         k = int(touching[len(touching) // 2])
         point, of_pinion = path.point[k], f"along the axis of the {pair.pinion.name} (mm)"
-        over = cross(first.axis, second.axis)
-        if float(np.linalg.norm(over)) < MAX_SINE_OF_PARALLEL:
+        common_perpendicular = cross(first.axis, second.axis)
+        if float(np.linalg.norm(common_perpendicular)) < MAX_SINE_OF_PARALLEL:
             normal = path.normal[k] - dot(path.normal[k], first.axis) * first.axis
             labels = (of_pinion, "along the line of action (mm)")
             origin = _foot(first.origin, first.axis, point)
             return ActionPlane("plane of action", origin, first.axis, unit(normal), labels)
-        apart = float(np.abs(dot(second.origin - first.origin, unit(over))))
+        axes_distance = float(np.abs(dot(second.origin - first.origin, unit(common_perpendicular))))
         cylindrical = all(station_normal(member.tooth.blank.axial) == (0.0, 1.0) for member in pair.both)
-        if cylindrical and apart > INTERSECT * float(np.linalg.norm(point - first.origin)):
-            across = unit(cross(unit(over), first.axis))
+        if cylindrical and axes_distance > MAX_INTERSECTION_RATIO * float(np.linalg.norm(point - first.origin)):
+            across = unit(cross(unit(common_perpendicular), first.axis))
             return ActionPlane(
                 "plane parallel to both axes", _crossing(pair), first.axis, across, (of_pinion, "across it (mm)")
             )
@@ -77,47 +84,54 @@ class ActionPlane:
         return ActionPlane("pitch plane", _foot(first.origin, along, point), along, across, labels)
 
     def places(self, points: Array) -> Array:
-        """Places (..., 2), mm, of points (..., 3), fixed frame, seen at right angles to the plane."""
-        away = points - self.origin
-        return np.stack((away @ self.along, away @ self.across), axis=-1)
+        """Return places (..., 2), mm, of points (..., 3), fixed frame, projected on the plane."""
+        offset = points - self.origin
+        return np.stack((offset @ self.along, offset @ self.across), axis=-1)
 
 
 def _foot(origin: Array, axis: Array, point: Array) -> Array:
-    """The point (3,) of an axis at right angles to which another is."""
+    """Return the foot point (3,) on an axis of the perpendicular from a point."""
     return np.asarray(origin + dot(point - origin, axis) * axis)
 
 
 def _crossing(pair: GearPair) -> Array:
-    """The point (3,) of the pinion's axis nearest to the gear's."""
+    """Return the point (3,) of the pinion's axis nearest to the gear's."""
     first, second = pair.mounts
-    apart = second.origin - first.origin
+    offset = second.origin - first.origin
     cosine = float(dot(first.axis, second.axis))
-    way = (dot(apart, first.axis) - cosine * dot(apart, second.axis)) / (1.0 - cosine**2)
+    way = (dot(offset, first.axis) - cosine * dot(offset, second.axis)) / (1.0 - cosine**2)
     return np.asarray(first.origin + way * first.axis)
 
 
 @dataclass(frozen=True)
 class ZoneOfContact:
-    """What the picture of a zone of contact shows: the `pair`, the contact `whole` of a tooth pair from first to last touch, that
-    of all tooth pairs `now`, at the rotation `phi1` (rad) of the pinion; `limits` by the members' names, and the `zone`, None of
-    flanks that touch in points or on edges."""
+    """Contents of the picture of a zone of contact."""
 
+    #: the pair
     pair: GearPair
+    #: contact of a tooth pair from first to last contact
     whole: ContactPath
+    #: contact of all tooth pairs at `phi1`
     now: ContactPath
+    #: rotation of the pinion, rad
     phi1: float
+    #: plane of the picture
     plane: ActionPlane
+    #: limit lines, by names of members
     limits: Mapping[str, LimitLine]
+    #: zone of line contact; None for contact in points or on edges
     zone: ContactZone | None
 
 
 def zone_of_lines(pair: GearPair, path: ContactPath) -> ContactZone | None:
-    """The zone of contact of a pair whose flanks touch along lines on a path; None of others."""
+    """Return the zone of contact of a pair whose flanks touch along lines on a path; None for other contact."""
     return contact_zone(pair) if (path.kind == "line").any() else None
 
 
 def zone_of_contact(pair: GearPair, whole: ContactPath, now: ContactPath, phi1: float) -> ZoneOfContact:
-    """The zone of contact of a pair with the contact `whole` of a tooth pair, and of all of them `now`, at phi1 (rad)."""
+    """Return the picture's contents, with the contact `whole` of a tooth pair and of all tooth pairs `now`, at phi1
+    (rad).
+    """
     zone = zone_of_lines(pair, whole)
     limits = {} if zone is None else limit_lines(pair, zone)
     return ZoneOfContact(pair, whole, now, phi1, ActionPlane.of(pair, whole), limits, zone)

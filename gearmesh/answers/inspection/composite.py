@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from gearmesh.answers.contact.turns import TurnsDetails, turns_listing, turns_warnings
-from gearmesh.answers.inspection.figures import UM
+from gearmesh.answers.inspection.figures import UM_PER_MM
 from gearmesh.answers.result import Result, header
 from gearmesh.answers.tables import Listing, csv_text, figures
 from gearmesh.contact.engagement.pitch_turns import pitch_turns
@@ -28,8 +28,8 @@ from gearmesh.progress import part
 from gearmesh.systems.system import system_of
 from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
 
-#: part of the work that the single-flank test is
-SINGLE = 0.4
+#: share of the single-flank test in the work of both tests
+SINGLE_FLANK_SHARE = 0.4
 
 
 @dataclass(frozen=True)
@@ -66,14 +66,19 @@ class TightPositions(Figures):
 
 @dataclass(frozen=True, repr=False)
 class CompositeTest(Result):
-    """A pair with pitch deviations or eccentric members over whole turns: `single`, on its driving flanks, and `double`, pressed
-    together, on parallel axes alone; `radius` (mm) of the gear's reference circle."""
+    """Composite test of a pair with pitch deviations or eccentric members, over whole turns."""
 
+    #: the design
     design: Design
+    #: the pair
     pair: GearPair
+    #: single-flank test, on the driving flanks
     single: FullTurns
+    #: double-flank test, with the gears pressed together; None if the axes are not parallel
     double: TightMesh | None
+    #: radius of the gear's reference circle, mm
     radius: float
+    #: warnings of the gears, one line each
     notes: tuple[str, ...] = ()
 
     @property
@@ -83,31 +88,31 @@ class CompositeTest(Result):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Of the gears, and what is to be noted of the test."""
+        """Warnings of the gears and of the test, one line each."""
         return (*self.notes, *turns_warnings(self.pair, self.single))
 
     @cached_property
     def figures(self) -> CompositeFigures:
-        """All of it."""
+        """All figures."""
         double = self.double
         return CompositeFigures(
             pair=self.pair.name,
             turns_pinion=self.single.pitches / self.pair.pinion.tooth.teeth,
             single_flank_te=self.single.peak_to_peak / ARCSEC,
-            single_flank_total=UM * self.radius * self.single.peak_to_peak,
-            single_flank_tooth=UM * self.radius * self.single.tooth_to_tooth,
-            double_flank_total=None if double is None else UM * double.total,
-            double_flank_tooth=None if double is None else UM * double.tooth_to_tooth,
+            single_flank_total=UM_PER_MM * self.radius * self.single.peak_to_peak,
+            single_flank_tooth=UM_PER_MM * self.radius * self.single.tooth_to_tooth,
+            double_flank_total=None if double is None else UM_PER_MM * double.total,
+            double_flank_tooth=None if double is None else UM_PER_MM * double.tooth_to_tooth,
             tight_center_distance=None if double is None else double.nominal,
         )
 
     @property
     def headline(self) -> str:
-        own = self.figures
-        line = f"{own.pair}: F_i' {own.single_flank_total:.4g} um, f_i' {own.single_flank_tooth:.4g} um"
-        if own.double_flank_total is None:
+        values = self.figures
+        line = f"{values.pair}: F_i' {values.single_flank_total:.4g} um, f_i' {values.single_flank_tooth:.4g} um"
+        if values.double_flank_total is None:
             return line
-        return f"{line}; F_i'' {own.double_flank_total:.4g} um, f_i'' {own.double_flank_tooth:.4g} um"
+        return f"{line}; F_i'' {values.double_flank_total:.4g} um, f_i'' {values.double_flank_tooth:.4g} um"
 
     @property
     def listings(self) -> list[Listing]:
@@ -153,12 +158,15 @@ def composite_test(
     measured: Mapping[str, MeasuredTeeth] | None = None,
     mesh: GearPair | None = None,
 ) -> CompositeTest:
-    """Of one `mesh`, by default the first, of a gear set with what was `measured` of its members, by their names; where nothing is
-    given the pitch deviations that the design has.
+    """Return the composite test of a `mesh`, by default the first mesh of a gear set, with the `measured` teeth of its
+    members.
 
-    Sides without pitch deviations have none; the eccentricity of members is their runout. Raises DesignError for other members, for
-    other numbers of teeth, for eccentric members with pitch deviations, which contain the runout, and where turns are too many,
-    NoSolutionError where the teeth do not meet.
+    `measured` is keyed by names of members; if it is empty, the pitch deviations of the design are used. Sides without
+    pitch deviations are nominal, and the eccentricity of a member is its runout. Raises an error for
+
+    - other members, and other numbers of teeth
+    - eccentric members with pitch deviations, which contain the runout
+    - too many turns, and teeth that do not meet (NoSolutionError)
     """
     pair = train.pairs[0] if mesh is None else mesh
     given = measured or {}
@@ -174,14 +182,14 @@ def composite_test(
 
     pair = replace(pair, pinion=at_places(pair.pinion), gear=at_places(pair.gear))
     parallel = centre_distance(pair) is not None
-    with part(0.0, SINGLE if parallel else 1.0):
+    with part(0.0, SINGLE_FLANK_SHARE if parallel else 1.0):
         single = full_turns(pair) if pair.eccentric and not pair.uneven else pitch_turns(pair)
-    with part(SINGLE, 1.0):
+    with part(SINGLE_FLANK_SHARE, 1.0):
         double = tight_mesh(pair) if parallel else None
     return CompositeTest(design, pair, single, double, radii[pair.gear.name], train.warnings)
 
 
 def _radius(design: Design, train: GearTrain, name: str) -> float:
-    """Radius (mm) of the circle on which pitch deviations of a member are measured."""
+    """Return the radius (mm) of the circle on which pitch deviations of a member are measured."""
     inspection = system_of(design).inspection
     return pitch_radius(train.members[name].tooth, None if inspection is None else inspection(design, train, name))

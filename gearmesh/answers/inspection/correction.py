@@ -1,4 +1,6 @@
-"""Settings of machines that take away what was measured, what is left of the deviations, and the contact before and after."""
+"""Correction of machine settings: settings that remove the measured deviations, the remaining deviations, and the
+contact.
+"""
 
 from __future__ import annotations
 
@@ -11,16 +13,16 @@ from typing import Any
 import numpy as np
 
 from gearmesh.answers.contact.figures import CycleSummary
-from gearmesh.answers.inspection.figures import UM
+from gearmesh.answers.inspection.figures import UM_PER_MM
 from gearmesh.answers.inspection.machine_settings import (
-    GROUND,
-    INDEX,
+    GROUND_TABLES,
+    INDEX_SETTING,
     CutFlanks,
     MovableSetting,
     movable_settings,
     usable_settings,
 )
-from gearmesh.answers.inspection.measured_files import BOTH, flanks_of_files
+from gearmesh.answers.inspection.measured_files import BOTH_FLANKS, flanks_of_files
 from gearmesh.answers.questions import SolvedGears
 from gearmesh.answers.result import Result, header
 from gearmesh.answers.tables import Listing
@@ -42,14 +44,18 @@ from gearmesh.teeth.micro_geometry.deviations import DeviationGrid, deviating_to
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 
-#: mm by which points of a row may differ in roll length, of a column along the face, to be a grid of a topography
-ALIGNED = 1e-6
-#: title of the table of settings that can stand for one another
-EXCHANGEABLE = "Settings that can stand for one another: root mean square, um"
-#: change of what is free beside settings for which an exchange is stated: rad, mm
-STATED_ROTATION, STATED_THICKNESS = 60.0 * ARCSEC, 0.01
-#: Newton's steps at most, and the largest move of the flank, mm, that counts as none
-MOST_STEPS, ENOUGH = 10, 1e-9
+#: differences of roll length in a row, and of z in a column, up to which points form a grid for a topography
+GRID_TOLERANCE_MM = 1e-6
+#: title of the table of exchangeable settings
+EXCHANGES_TITLE = "Settings that can stand for one another: root mean square, um"
+#: rotation of the teeth for which an exchange is stated
+STATED_ROTATION_RAD = 60.0 * ARCSEC
+#: tooth thickness for which an exchange is stated
+STATED_THICKNESS_MM = 0.01
+#: limit of Newton's steps
+MAX_NEWTON_STEPS = 10
+#: movement of the flank below which the steps end
+MIN_STEP_MM = 1e-9
 
 
 @dataclass(frozen=True)
@@ -89,7 +95,7 @@ class ExchangeFigures(Figures):
 
 @dataclass(frozen=True)
 class EffectFigures(Figures):
-    """How a flank follows a change of one setting, to second order over the measured grid."""
+    """Response of a flank to a change of one setting, to second order over the measured grid."""
 
     setting: str = figure("name of the setting")
     flank: str = figure("flank, right or left")
@@ -141,24 +147,33 @@ class CorrectionFigures(Figures):
 
 @dataclass(frozen=True, repr=False)
 class Correction(Result):
-    """Changes of settings (M,) of a member, in the design's units: `new_design` is the design with the settings that are to be put
-    into the machine. `measured`, `residual`: deviations of each flank before and after, on the same points.
+    """Changes of settings (M,) of a member; `new_design` is the design with the settings for the machine.
 
-    `thickness`, mm: how much the teeth are thicker, where that is free.
-
-    As ".toml" the design with the new settings is saved, as ".csv" what is left of the deviations, as `[measured]` reads it.
+    A ".toml" file is the design with the new settings. A ".csv" file has the remaining deviations, as `[measured]`
+    reads them.
     """
 
+    #: the nominal design
     design: Design
+    #: its gear set
     train: GearTrain
+    #: name of the member
     member: str
+    #: settings that are changed
     settings: tuple[MovableSetting, ...]
+    #: flanks for any settings, with the measured deviations
     _flanks: CutFlanks
+    #: displacements (N, M), mm per unit of each setting
     sensitivity: Array
+    #: changes of the settings, in the design's units
     solution: SettingChanges
+    #: rotation of the measured teeth, rad, if it is free
     rotation: float | None
+    #: remaining deviations on the measured points, by side
     residual: Mapping[Side, DeviationGrid]
+    #: notes of the files, one line each
     notes: tuple[str, ...] = ()
+    #: normal tooth thickness above nominal, mm, if it is free
     thickness: float | None = None
 
     @property
@@ -167,7 +182,7 @@ class Correction(Result):
         return (".json", ".toml", ".csv")
 
     def topography(self, side: Side) -> str:
-        """What the settings leave of a flank, as a file of modifications: amounts that a dressed wheel has to remove besides.
+        """The deviations that remain on a flank as a file of modifications: amounts that a dressed wheel has to remove.
 
         Parameters
         ----------
@@ -177,12 +192,12 @@ class Correction(Result):
         Returns
         -------
         str
-            Text of a topography, amounts in the transverse plane, as the key `topography` reads it.
+            Text of a topography in the format of the key `topography`, with amounts in the transverse plane.
 
         Raises
         ------
         DesignError
-            For a flank that was not measured, or is no involute, or whose points are on no grid over roll length and face.
+            For a flank that was not measured or is no involute, and for points that form no grid over roll length and face.
 
         Examples
         --------
@@ -205,7 +220,7 @@ class Correction(Result):
         rolls = basis.involute.roll_length(np.hypot(grid.points[..., 0], grid.points[..., 1]))
         z = grid.points[..., 2]
         across, along = rolls.mean(axis=1), z.mean(axis=0)
-        if max(np.ptp(rolls, axis=1).max(), np.ptp(z, axis=0).max()) > ALIGNED:
+        if max(np.ptp(rolls, axis=1).max(), np.ptp(z, axis=0).max()) > GRID_TOLERANCE_MM:
             raise ArgumentError(
                 "topography", str(side), reason="its points are on no grid over roll length and face", allowed="a grid"
             )
@@ -219,12 +234,14 @@ class Correction(Result):
 
     @cached_property
     def new_design(self) -> Design:
-        """The design with the corrected settings, all others stated. Its own flanks have the opposite of the deviations."""
+        """Design with the corrected settings and all other settings. Its nominal flanks have the opposite of the
+        deviations.
+        """
         return self._flanks.design.with_values(self._flanks.values(self.settings, self.solution.changes.tolist()))
 
     @property
     def warnings(self) -> list[str]:
-        """What is to be noted of the files and of the outcome."""
+        """Notes of the files and warnings of the result, one line each."""
         alike = [self.settings[k].name for k in self.solution.alike if k < len(self.settings)]
         notes = [*self.notes, *(_tilt_note(self._flanks, setting) for setting in self.settings if setting.tilts)]
         if not alike:
@@ -238,19 +255,19 @@ class Correction(Result):
 
     @cached_property
     def figures(self) -> CorrectionFigures:
-        """All of it; the contact is solved for it."""
+        """All figures; they include the solved contact."""
         flanks = {side: self._flanks.grids[side] for side in self.residual}
         return CorrectionFigures(
             member=self.member,
             settings=self._settings,
             rotation=None if self.rotation is None else self.rotation / ARCSEC,
-            thickness=None if self.thickness is None else UM * self.thickness,
-            noise=UM * self.solution.noise,
+            thickness=None if self.thickness is None else UM_PER_MM * self.thickness,
+            noise=UM_PER_MM * self.solution.noise,
             directions=self.solution.directions,
             exchanges=self._exchanges,
             singular_values=self.solution.singular_values.tolist(),
             effects=self._effects,
-            residuals={str(side): _residual(flanks[side].values, own.values) for side, own in self.residual.items()},
+            residuals={str(side): _residual(flanks[side].values, grid.values) for side, grid in self.residual.items()},
             contact_nominal=self._prognosis({}),
             contact_before=self._prognosis(flanks),
             contact_after=self._prognosis(self.residual),
@@ -259,18 +276,18 @@ class Correction(Result):
     @property
     def headline(self) -> str:
         parts = [
-            f"{side} {UM * _rms(self._flanks.grids[side].values):.3g} -> {UM * _rms(own.values):.3g} um"
-            for side, own in self.residual.items()
+            f"{side} {UM_PER_MM * _rms(self._flanks.grids[side].values):.3g} -> {UM_PER_MM * _rms(grid.values):.3g} um"
+            for side, grid in self.residual.items()
         ]
         return f"{self.member}: {len(self.settings)} settings; root mean square {', '.join(parts)}"
 
     @property
     def listings(self) -> list[Listing]:
-        own = self.figures
-        settings = [[s.setting, s.before, s.after, s.change, s.uncertainty, s.unit] for s in own.settings]
+        all_figures = self.figures
+        settings = [[s.setting, s.before, s.after, s.change, s.uncertainty, s.unit] for s in all_figures.settings]
         effects = [
             [f"{e.setting}, {e.flank}", *(round(value, 4) + 0.0 for value in list(e.row.values())[2:])]
-            for e in own.effects
+            for e in all_figures.effects
         ]
         exchanged = [
             [
@@ -282,22 +299,22 @@ class Correction(Result):
                 e.alone,
                 e.correlation,
             ]
-            for e in own.exchanges
+            for e in all_figures.exchanges
         ]
-        left = [[side, *r.row.values()] for side, r in own.residuals.items()]
+        left = [[side, *r.row.values()] for side, r in all_figures.residuals.items()]
         contact = [
             [name, c.contact_ratio, c.mesh_te_peak_to_peak]
             for name, c in (
-                ("design", own.contact_nominal),
-                ("as measured", own.contact_before),
-                ("corrected", own.contact_after),
+                ("design", all_figures.contact_nominal),
+                ("as measured", all_figures.contact_before),
+                ("corrected", all_figures.contact_after),
             )
         ]
-        of_fit = [("noise, um", own.noise), ("combinations that show", own.directions)]
-        if own.rotation is not None:
-            of_fit.append(("rotation, arcsec", own.rotation))
-        if own.thickness is not None:
-            of_fit.append(("thickness, um", own.thickness))
+        of_fit = [("noise, um", all_figures.noise), ("combinations that show", all_figures.directions)]
+        if all_figures.rotation is not None:
+            of_fit.append(("rotation, arcsec", all_figures.rotation))
+        if all_figures.thickness is not None:
+            of_fit.append(("thickness, um", all_figures.thickness))
         return [
             Listing(
                 f"Corrected settings of the {self.member}",
@@ -306,7 +323,7 @@ class Correction(Result):
             ),
             Listing("Fit", ("", ""), of_fit),
             *(
-                [Listing(EXCHANGEABLE, ("changes together", "moves", "first alone", "correlation"), exchanged)]
+                [Listing(EXCHANGES_TITLE, ("changes together", "moves", "first alone", "correlation"), exchanged)]
                 if exchanged
                 else []
             ),
@@ -315,7 +332,7 @@ class Correction(Result):
                 ("setting, flank", "by", "thickness", "pressure", "to heel", "profile cr.", "length cr.", "twist"),
                 effects,
             ),
-            Listing("Singular values", ("", ""), list(enumerate(own.singular_values, 1))),
+            Listing("Singular values", ("", ""), list(enumerate(all_figures.singular_values, 1))),
             Listing("Deviations, um", ("flank", "rms before", "max before", "rms after", "max after"), left),
             Listing("Contact", ("flanks", "contact ratio", "TE of the mesh, arcsec"), contact),
         ]
@@ -347,8 +364,8 @@ class Correction(Result):
                     list(names),
                     (by * exchange.changes * np.array(shown)).tolist(),
                     list(units),
-                    UM * abs(by) * exchange.moves,
-                    UM * abs(by) * exchange.alone,
+                    UM_PER_MM * abs(by) * exchange.moves,
+                    UM_PER_MM * abs(by) * exchange.alone,
                     _finite(exchange.spread * shown[0]),
                     exchange.correlation,
                 )
@@ -356,13 +373,16 @@ class Correction(Result):
         return made
 
     def _stated_change(self, number: int) -> tuple[str, float, float, str]:
-        """Name, stated change, factor by which changes are shown and their unit, of a setting by its number; settings are followed
-        by what is free besides: rotation (rad, in arc seconds) and thickness (mm)."""
+        """Return name, stated change, factor for display and unit of a setting by its number.
+
+        Numbers above those of the settings are the free quantities: rotation (rad, shown in arc seconds) and thickness
+        (mm).
+        """
         if number < len(self.settings):
             setting = self.settings[number]
             return setting.name, self._flanks.stated_change(setting), 1.0, self._flanks.unit(setting)
-        free = [] if self.rotation is None else [("rotation", STATED_ROTATION, 1.0 / ARCSEC, "arcsec")]
-        return [*free, ("thickness", STATED_THICKNESS, 1.0, "mm")][number - len(self.settings)]
+        free = [] if self.rotation is None else [("rotation", STATED_ROTATION_RAD, 1.0 / ARCSEC, "arcsec")]
+        return [*free, ("thickness", STATED_THICKNESS_MM, 1.0, "mm")][number - len(self.settings)]
 
     @property
     def _effects(self) -> list[EffectFigures]:
@@ -378,22 +398,24 @@ class Correction(Result):
                         setting.name,
                         str(side),
                         by,
-                        UM * order.thickness,
+                        UM_PER_MM * order.thickness,
                         order.profile_angle / ARCSEC,
                         order.lengthwise_angle / ARCSEC,
-                        UM * order.profile_crowning,
-                        UM * order.length_crowning,
-                        UM * order.twist,
+                        UM_PER_MM * order.profile_crowning,
+                        UM_PER_MM * order.length_crowning,
+                        UM_PER_MM * order.twist,
                     )
                 )
         return made
 
     def _prognosis(self, grids: Mapping[Side, DeviationGrid]) -> PrognosisFigures:
-        """Contact of the gear set with deviations of the member's flanks, less their noise; nothing where they do not meet."""
-        own = self.train.members[self.member]
+        """Return the contact of the gear set with smoothed deviations of the member's flanks; no figures if they do not
+        meet.
+        """
+        nominal = self.train.members[self.member]
         try:
-            smooth = {side: _smooth(own.one_tooth, side, grid) for side, grid in grids.items()}
-            made = replace(own, tooth=deviating_tooth(own.one_tooth, smooth)) if grids else own
+            smooth = {side: _smooth(nominal.one_tooth, side, grid) for side, grid in grids.items()}
+            made = replace(nominal, tooth=deviating_tooth(nominal.one_tooth, smooth)) if grids else nominal
             cycle = SolvedGears(self.design, self.train.with_member(made)).contact().cycle
         except (DesignError, NoSolutionError):
             cycle = None
@@ -414,26 +436,29 @@ def correct_settings(
     design: Design,
     name: str,
     file: Path | None = None,
-    flank: str = BOTH,
+    flank: str = BOTH_FLANKS,
     settings: Sequence[str] = (),
     noise: float | None = None,
 ) -> Correction:
-    """Settings of the machine that cuts or grinds a member, with which the deviations that a `file` says of its `flank` would go
-    away.
+    """Return the settings of the machine that cuts or grinds a member with which its measured deviations would vanish.
 
-    `file`, `flank`: as `inspect_files` has them. `settings`: names of those that may move ("radial", of one side
-    "concave.radial", "helical_motion.2"), by default the usual ones of the machine. `noise`: standard deviation (um) of a measured
-    deviation. Where the blank's index is not among the settings, the rotation of the measured teeth is free; where these are
-    modifications, the thickness too.
+    - `file`, `flank`: as for `inspect_files`
+    - `settings`: names of the settings that may change ("radial", "concave.radial" for one side, "helical_motion.2");
+      by default the usual settings of the machine
+    - `noise`: standard deviation (um) of a measured deviation
 
-    Raises DesignError for kinds without machine settings or modifications, for settings that there are not and where nothing was
-    measured, FileError for what cannot be read.
+    The rotation of the measured teeth is free, unless the blank's index is a setting. If the settings are
+    modifications, the thickness is free, too. Raises an error for kinds without machine settings or modifications, for
+    unknown settings, and without a measurement; FileError for an unreadable file.
     """
     if noise is not None and not (np.isfinite(noise) and noise > 0.0):
         raise ArgumentError("noise", noise, must_be="above 0, um")
-    nominal, train, made = flanks_of_files(design, name, file, flank)
+    nominal, train, flanks_by_side = flanks_of_files(design, name, file, flank)
     movable_settings(nominal, name)
-    grids, joint = {side: own.grid for side, own in made.items()}, train.members[name].tooth.joint
+    grids, joint = (
+        {side: flank_data.grid for side, flank_data in flanks_by_side.items()},
+        train.members[name].tooth.joint,
+    )
     flanks = CutFlanks(systems.pin(nominal, train), name, grids, joint)
     with part(0.1, 0.5):
         moving = usable_settings(flanks, settings)
@@ -441,15 +466,16 @@ def correct_settings(
         raise ArgumentError(
             "settings", reason="none moves the flanks that were measured", allowed="settings of their machine"
         )
-    free = {} if any(INDEX in setting.name for setting in moving) else {"rotation": flanks.rotation}
-    ground = any(key.rpartition(".")[0].endswith(tuple(GROUND)) for setting in moving for key in setting.keys)
+    # quantities that are free besides: rotation of the measured teeth, and thickness if both flanks are ground
+    free = {} if any(INDEX_SETTING in setting.name for setting in moving) else {"rotation": flanks.rotation}
+    ground = any(key.rpartition(".")[0].endswith(tuple(GROUND_TABLES)) for setting in moving for key in setting.keys)
     if ground and len(flanks.grids) == len(Side):
         free["thickness"] = flanks.thickness
     sensitivity = np.stack([*moving.values(), *free.values()], axis=-1)
-    solution, left = _solve(flanks, tuple(moving), sensitivity, None if noise is None else noise / UM, ground)
+    solution, left = _solve(flanks, tuple(moving), sensitivity, None if noise is None else noise / UM_PER_MM, ground)
     tell(0.7)
     residual = _by_side(flanks.grids, left)
-    notes = tuple(f"{side} flank: {note}" for side in made for note in made[side].notes)
+    notes = tuple(f"{side} flank: {note}" for side in flanks_by_side for note in flanks_by_side[side].notes)
     count = len(moving)
     left_free = dict(zip(free, solution.changes[count:].tolist(), strict=True))
     return Correction(
@@ -470,17 +496,18 @@ def correct_settings(
 def _solve(
     flanks: CutFlanks, settings: tuple[MovableSetting, ...], sensitivity: Array, noise: float | None, ground: bool
 ) -> tuple[SettingChanges, Array]:
-    """All changes (of settings, and of rotation and thickness where these have columns), and what they leave (N,), mm, of the exact
-    flanks.
+    """Return all changes (settings, then the free rotation and thickness), and the remaining deviations (N,), mm,
+    exactly.
 
-    Slopes that are `ground` remove material at the one end or at the other by their sign: what that changes is a constant, which
-    rotation and thickness take up after every step.
+    Slopes that are `ground` remove material at one end or the other, depending on their sign. This adds a constant
+    amount, which rotation and thickness absorb after each step.
     """
     count = len(settings)
     deviations = np.concatenate([grid.values.ravel() for grid in flanks.grids.values()])
     start, total, left = flanks.displacements({}), np.zeros(sensitivity.shape[1]), deviations
+    # linear least squares with the sensitivities at the present settings; each step is checked on the exact flanks
     first = solution = setting_changes(left, sensitivity, noise)
-    for _ in range(MOST_STEPS):
+    for _ in range(MAX_NEWTON_STEPS):
         if not solution.directions:
             break
         trial = total + solution.changes
@@ -488,20 +515,21 @@ def _solve(
         if ground:
             trial[count:] = np.linalg.lstsq(sensitivity[:, count:], -(deviations + cut), rcond=None)[0]
         after = deviations + cut + sensitivity[:, count:] @ trial[count:]
+        # a step that does not reduce the exact deviations ends the iteration; the state before it is kept
         if not _rms(after) < _rms(left):
             break
         total, left = trial, after
-        if np.abs(sensitivity @ solution.changes).max() < ENOUGH:
+        if np.abs(sensitivity @ solution.changes).max() < MIN_STEP_MM:
             break
         solution = setting_changes(left, sensitivity, noise)
     return replace(solution, changes=total, directions=first.directions), left
 
 
 def residual_text(grids: Mapping[Side, DeviationGrid]) -> str:
-    """A file of deviations on nominal points, as the table `measured` reads it."""
+    """Return a file of deviations on nominal points in the format of the table `measured`."""
     head = ["flank", "row", "column", "x_mm", "y_mm", "z_mm", "nx", "ny", "nz", "deviation_um"]
     rows = [
-        [str(side), i + 1, j + 1, *grid.points[i, j].tolist(), *grid.normals[i, j].tolist(), UM * float(value)]
+        [str(side), i + 1, j + 1, *grid.points[i, j].tolist(), *grid.normals[i, j].tolist(), UM_PER_MM * float(value)]
         for side, grid in grids.items()
         for (i, j), value in np.ndenumerate(grid.values)
     ]
@@ -509,7 +537,7 @@ def residual_text(grids: Mapping[Side, DeviationGrid]) -> str:
 
 
 def _by_side(grids: Mapping[Side, DeviationGrid], values: Array) -> dict[Side, DeviationGrid]:
-    """Values (N,) of all flanks on the grid of each."""
+    """Return values (N,) of all flanks on the grid of each flank."""
     ends = np.cumsum([grid.values.size for grid in grids.values()])[:-1]
     parts = np.split(values, ends)
     return {
@@ -519,7 +547,7 @@ def _by_side(grids: Mapping[Side, DeviationGrid], values: Array) -> dict[Side, D
 
 
 def _smooth(tooth: Tooth, side: Side, grid: DeviationGrid) -> DeviationGrid:
-    """Deviations less their noise, which bends a flank more than a correction does: smoothed by cross-validation."""
+    """Return deviations smoothed by cross-validation: noise bends a flank more than a correction does."""
     feet = FlankProjection(tooth, side).foot_points(grid.points.reshape(-1, 3))
     smooth = smooth_deviations(feet.s, feet.t, grid.values.ravel(), None)
     s, t = smooth.inside(lowest_share(tooth, side))
@@ -532,7 +560,7 @@ def _finite(value: float) -> float | None:
 
 
 def _tilt_note(flanks: CutFlanks, setting: MovableSetting) -> str:
-    """Sense and zero of a tilt that a correction moves."""
+    """Return a note on the sign and zero of a tilt that a correction changes."""
     swivel = flanks.swivel_of(setting)
     return (
         f"{setting.name}: 0 is the cutter's axis parallel to the cradle's; > 0 leans its end in the blank, at the swivel of "
@@ -546,5 +574,8 @@ def _rms(values: Array) -> float:
 
 def _residual(before: Array, after: Array) -> ResidualFigures:
     return ResidualFigures(
-        UM * _rms(before), UM * float(np.abs(before).max()), UM * _rms(after), UM * float(np.abs(after).max())
+        UM_PER_MM * _rms(before),
+        UM_PER_MM * float(np.abs(before).max()),
+        UM_PER_MM * _rms(after),
+        UM_PER_MM * float(np.abs(after).max()),
     )

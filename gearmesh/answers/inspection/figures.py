@@ -1,4 +1,4 @@
-"""The figures of an inspection."""
+"""Figures of an inspection."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from gearmesh.metrology.pitch import PitchDeviations
 from gearmesh.metrology.second_order import SecondOrder
 from gearmesh.metrology.tolerances import FigureClass
 
-#: um of a mm
-UM = 1e3
+#: micrometres per millimetre
+UM_PER_MM = 1e3
 
 
 @dataclass(frozen=True)
@@ -31,12 +31,12 @@ class TraceFigures(Figures):
 
     @staticmethod
     def of(trace: EvaluatedTrace, sign: int = 1) -> TraceFigures:
-        """Of a trace whose rise counts with a sign."""
+        """Return the figures of a trace; `sign` is the sign of its rise."""
         return TraceFigures(
-            UM * sign * trace.slope,
-            UM * trace.form,
-            UM * trace.total,
-            UM * trace.crowning,
+            UM_PER_MM * sign * trace.slope,
+            UM_PER_MM * trace.form,
+            UM_PER_MM * trace.total,
+            UM_PER_MM * trace.crowning,
             *trace.range.evaluated,
         )
 
@@ -56,16 +56,16 @@ class FlankOrderFigures(Figures):
 
     @staticmethod
     def of(order: SecondOrder, spiral: float) -> FlankOrderFigures:
-        """With an error of the spiral angle, rad."""
+        """Return the figures of deviations with an error of the spiral angle, rad."""
         return FlankOrderFigures(
-            UM * order.thickness,
+            UM_PER_MM * order.thickness,
             order.profile_angle / ARCSEC,
             spiral / ARCSEC,
-            UM * order.profile_crowning,
-            UM * order.length_crowning,
-            UM * order.twist,
-            UM * order.rest,
-            UM * order.largest,
+            UM_PER_MM * order.profile_crowning,
+            UM_PER_MM * order.length_crowning,
+            UM_PER_MM * order.twist,
+            UM_PER_MM * order.rest,
+            UM_PER_MM * order.largest,
         )
 
 
@@ -80,13 +80,15 @@ class PitchFigures(Figures):
     @staticmethod
     def of(pitch: PitchDeviations) -> PitchFigures:
         return PitchFigures(
-            UM * pitch.single_pitch, UM * pitch.cumulative, (UM * (pitch.index - np.mean(pitch.index))).tolist()
+            UM_PER_MM * pitch.single_pitch,
+            UM_PER_MM * pitch.cumulative,
+            (UM_PER_MM * (pitch.index - np.mean(pitch.index))).tolist(),
         )
 
 
 @dataclass(frozen=True)
 class FlankInspectionFigures(Figures):
-    """What was measured of the flanks of one side."""
+    """Measurements of the flanks of one side."""
 
     second_order: FlankOrderFigures | None = figure("deviations to second order", optional=True)
     profile: TraceFigures | None = figure("profile trace in the middle of the face", optional=True)
@@ -106,8 +108,15 @@ class ClassFigures(Figures):
     decides: bool = figure("whether it counts for the class of the gear")
 
     @staticmethod
-    def of(own: FigureClass) -> ClassFigures:
-        return ClassFigures(own.symbol, own.name, own.deviation, own.tolerance, own.tolerance_class, own.decides)
+    def of(figure_class: FigureClass) -> ClassFigures:
+        return ClassFigures(
+            figure_class.symbol,
+            figure_class.name,
+            figure_class.deviation,
+            figure_class.tolerance,
+            figure_class.tolerance_class,
+            figure_class.decides,
+        )
 
 
 @dataclass(frozen=True)

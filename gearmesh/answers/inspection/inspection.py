@@ -1,4 +1,6 @@
-"""A measured gear: its deviations evaluated by sides, the tolerance class of every figure, and what limits that of the gear."""
+"""Inspection of a measured gear: deviations evaluated by side, tolerance classes, and the figures that limit the gear's
+class.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +10,7 @@ from functools import cached_property
 from typing import Any
 
 from gearmesh.answers.inspection.figures import (
-    UM,
+    UM_PER_MM,
     ClassFigures,
     FlankInspectionFigures,
     FlankOrderFigures,
@@ -32,34 +34,38 @@ from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 
 #: decimals of um and arc seconds in tables
-DIGITS = 2
+TABLE_DECIMALS = 2
 
 
 @dataclass(frozen=True, repr=False)
 class Inspection(Result):
-    """What was `measured` of a nominal member of a design, against the tolerances of its class where it has any; `notes` of the
-    measurement."""
+    """Measurements of a member, compared with the tolerances of its class."""
 
+    #: the design
     design: Design
+    #: the nominal member
     member: Member
+    #: measurements of its teeth
     measured: MeasuredTeeth
+    #: tolerances and ranges of evaluation; None for gears without tolerances
     _basis: InspectionBasis | None
+    #: notes of the measurement, one line each
     notes: tuple[str, ...] = ()
     basis = Deprecated("_basis", "0.19.0", "`gear_class` and tolerance() have what follows from it")
 
     @cached_property
     def maps(self) -> dict[Side, DeviationMap]:
         """Deviations over the flanks that were measured."""
-        return {side: DeviationMap.of(self.member.tooth, side, own) for side, own in self._flanks}
+        return {side: DeviationMap.of(self.member.tooth, side, deviations) for side, deviations in self._flanks}
 
     @cached_property
     def profiles(self) -> dict[Side, MeasuredTrace]:
-        """Profile traces, of involute flanks alone."""
+        """Profile traces; only for involute flanks."""
         return self._traces(profile_trace)
 
     @cached_property
     def helices(self) -> dict[Side, MeasuredTrace]:
-        """Helix traces, of involute flanks alone."""
+        """Helix traces; only for involute flanks."""
         return self._traces(helix_trace)
 
     @property
@@ -72,18 +78,18 @@ class Inspection(Result):
         involute = None if self._basis is None else self._basis.involute
         if involute is None:
             return {}
-        return {side: trace(self.member.tooth, side, own, involute) for side, own in self._flanks}
+        return {side: trace(self.member.tooth, side, deviations, involute) for side, deviations in self._flanks}
 
     @property
     def runout(self) -> float | None:
-        """F_r, mm: as measured, or by a ball in the spaces where pitch deviations of both sides were."""
+        """Runout F_r, mm: as measured, else of a ball in the spaces if pitch deviations of both sides were measured."""
         if self.measured.runout is not None or self._ball is None:
             return self.measured.runout
         return self._ball.runout(*(self.measured.pitch[side] for side in Side))
 
     @property
     def eccentricity(self) -> float | None:
-        """Of the teeth to the axis, mm, where pitch deviations of both sides were measured."""
+        """Eccentricity of the teeth to the axis, mm, if pitch deviations of both sides were measured."""
         return None if self._ball is None else self._ball.eccentricity(*(self.measured.pitch[side] for side in Side))
 
     @property
@@ -93,17 +99,17 @@ class Inspection(Result):
 
     @cached_property
     def deviations(self) -> dict[str, float]:
-        """The deviations that may have tolerances, um, by their symbols: of either side the one of the larger amount."""
+        """Deviations that may have tolerances, um, by their symbols; the larger amount of both sides."""
         by_symbol: dict[str, list[float]] = {}
 
         def add(symbol: str, value: float) -> None:
-            by_symbol.setdefault(symbol, []).append(UM * value)
+            by_symbol.setdefault(symbol, []).append(UM_PER_MM * value)
 
         for letter, traces in (("a", self.profiles), ("b", self.helices)):
-            for own in traces.values():
-                add(f"f_f{letter}", own.trace.form)
-                add(f"f_H{letter}", own.sign * own.trace.slope)
-                add(f"F_{letter}", own.trace.total)
+            for measured_trace in traces.values():
+                add(f"f_f{letter}", measured_trace.trace.form)
+                add(f"f_H{letter}", measured_trace.sign * measured_trace.trace.slope)
+                add(f"F_{letter}", measured_trace.trace.total)
         for pitch in self.measured.pitch.values():
             add("f_p", pitch.single_pitch)
             add("f_pt", pitch.single_pitch)
@@ -114,21 +120,21 @@ class Inspection(Result):
 
     @cached_property
     def gear_class(self) -> GearClass | None:
-        """The classes of all figures; None without tolerances, and beyond their range."""
+        """Classes of all figures; None without tolerances, and outside their range."""
         return None if self._basis is None else class_of(self._basis.sizes, self.deviations)
 
     def tolerance(self, symbol: str) -> float | None:
-        r"""The tolerance of a deviation in the class that is asked for.
+        r"""The tolerance of a deviation in the class that the design asks for.
 
         Parameters
         ----------
         symbol : str
-            Of the deviation, as "F_p".
+            Symbol of the deviation, for example "F_p".
 
         Returns
         -------
         float or None
-            um; None where there is none.
+            um; None if there is no tolerance.
 
         Examples
         --------
@@ -155,36 +161,40 @@ class Inspection(Result):
 
     @property
     def complaints(self) -> list[str]:
-        """Figures that are beyond the class that the design asks for."""
+        """Figures that exceed the class that the design asks for, one line each."""
         classes = self.gear_class
         if classes is None or self._basis is None:
             return []
         lines = []
-        for own in classes.deciding:
-            limit = self.tolerance(own.symbol)
-            if limit is not None and (own.tolerance_class is None or own.tolerance_class > self._basis.asked):
+        for figure_class in classes.deciding:
+            limit = self.tolerance(figure_class.symbol)
+            if limit is not None and (
+                figure_class.tolerance_class is None or figure_class.tolerance_class > self._basis.asked
+            ):
                 lines.append(
-                    f"{own.symbol} ({own.name}) is {own.deviation:.4g} um; class {self._basis.asked} allows {limit:g} um"
+                    f"{figure_class.symbol} ({figure_class.name}) is {figure_class.deviation:.4g} um; "
+                    f"class {self._basis.asked} allows {limit:g} um"
                 )
         return lines
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """The notes, and ranges of evaluation that were not measured from end to end."""
+        """Notes of the measurement, and ranges of evaluation that were not measured completely, one line each."""
         lines = (
-            f"the {what} trace of the {side} flank was measured over {100.0 * (1.0 - own.missing_share):.0f} % of its range of "
-            "evaluation: its form and total deviations are those of that part"
+            f"the {what} trace of the {side} flank was measured over "
+            f"{100.0 * (1.0 - measured_trace.missing_share):.0f} % of its range of evaluation: its "
+            "form and total deviations are those of that part"
             for what, traces in (("profile", self.profiles), ("helix", self.helices))
-            for side, own in traces.items()
-            if own.missing_share
+            for side, measured_trace in traces.items()
+            if measured_trace.missing_share
         )
         return (*self.notes, *lines)
 
     @cached_property
     def figures(self) -> InspectionFigures:
-        """All of it."""
+        """All figures."""
         classes, basis = self.gear_class, self._basis
-        runout, eccentricity = (None if x is None else UM * x for x in (self.runout, self.eccentricity))
+        runout, eccentricity = (None if x is None else UM_PER_MM * x for x in (self.runout, self.eccentricity))
         return InspectionFigures(
             member=self.member.name,
             standard=None if basis is None else basis.sizes.standard,
@@ -193,7 +203,7 @@ class Inspection(Result):
             asked_class=None if basis is None else basis.asked,
             runout=runout,
             eccentricity=eccentricity,
-            classes=[] if classes is None else [ClassFigures.of(own) for own in classes.figures],
+            classes=[] if classes is None else [ClassFigures.of(figure_class) for figure_class in classes.figures],
             flanks={
                 str(side): self._of_side(side) for side in Side if side in self.maps or side in self.measured.pitch
             },
@@ -213,19 +223,21 @@ class Inspection(Result):
 
     @property
     def listings(self) -> list[Listing]:
-        """The classes, then the deviations of both sides beside each other."""
+        """Tables of the classes, and of the deviations of both sides next to each other."""
         tables = []
         classes = self.gear_class
         if classes is not None and classes.figures:
             rows = [
-                (own.symbol, own.name, round_to(own.deviation, DIGITS), own.tolerance, own.tolerance_class)
+                (own.symbol, own.name, round_to(own.deviation, TABLE_DECIMALS), own.tolerance, own.tolerance_class)
                 for own in classes.figures
             ]
             heads = ("", "", "um", "tolerance um", "class")
             tables.append(Listing(f"Tolerance classes of the {self.member.name} [{classes.standard}]", heads, rows))
         sides = list(self.figures.flanks)
         columns = [flat(self.figures.flanks[side].entries) for side in sides]
-        shown = [key for key in dict.fromkeys(key for own in columns for key in own) if not key.endswith(LISTS)]
+        shown = [
+            key for key in dict.fromkeys(key for own in columns for key in own) if not key.endswith(LIST_KEY_ENDING)
+        ]
         rows = [(key, *(_to_digits(own.get(key)) for own in columns)) for key in shown]
         tables.append(Listing(f"Deviations of the {self.member.name}", ("", *sides), rows))
         return tables
@@ -245,7 +257,7 @@ class Inspection(Result):
         >>> len(gears.evaluate("pinion", pitch="pitch.csv").to_dict()) > 0
         True
         """
-        rows = [own.row for own in self.figures.classes]
+        rows = [figure_class.row for figure_class in self.figures.classes]
         return {key: [row[key] for row in rows] for key in (rows[0] if rows else ())}
 
     @property
@@ -253,24 +265,24 @@ class Inspection(Result):
         return {**header(self.design), "warnings": self.warnings, **Summary(self.figures)}
 
 
-#: ends of keys whose values are a list of all teeth
-LISTS = "index_deviation_um"
+#: ending of keys whose values are lists with one number per tooth
+LIST_KEY_ENDING = "index_deviation_um"
 
 
 def classes_end(basis: InspectionBasis | None) -> int:
-    """The coarsest class of the standard."""
+    """Return the coarsest class of the standard."""
     return 0 if basis is None else basis.sizes.classes[1]
 
 
 def _to_digits(value: Any) -> Any:
-    return None if value is None else round_to(value, DIGITS)
+    return None if value is None else round_to(value, TABLE_DECIMALS)
 
 
 def inspect(design: Design, train: GearTrain, name: str, measured: MeasuredTeeth) -> Inspection:
-    """What was measured of the member `name` of a design and its nominal gear set.
+    """Return the inspection of the member `name` of a design, from measurements and its nominal gear set.
 
-    Raises DesignError for a member that there is not, for pitch deviations of another number of teeth, and for flanks of which
-    too little was measured.
+    Raises an error for an unknown member, for pitch deviations of another number of teeth, and for flanks with too few
+    measured points.
     """
     if name not in train.members:
         raise ArgumentError("member", name, must_be=f"one of {', '.join(train.members)}")
@@ -288,5 +300,5 @@ def inspect(design: Design, train: GearTrain, name: str, measured: MeasuredTeeth
 
 
 def nominal_inspection(design: Design, train: GearTrain, name: str) -> Inspection:
-    """A member of which nothing was measured: what it would be inspected by. Raises as `inspect`."""
+    """Return the inspection of a member without measurements, for its tolerances. Raises the errors of `inspect`."""
     return inspect(design, train, name, MeasuredTeeth())

@@ -1,6 +1,7 @@
-"""Settings of the machine that cuts or grinds a gear which a correction may move, and the flanks that it makes with other values.
+"""Settings of the machine that cuts or grinds a gear, as a correction may change them, and the flanks that they make.
 
-Of gears without machine settings they are the modifications of their flanks, as a grinder takes them: slopes, crownings and twist.
+Settings of gears without machine settings are the modifications of their flanks, as a grinding machine takes them:
+slopes, crownings and twist.
 """
 
 from __future__ import annotations
@@ -21,62 +22,88 @@ from gearmesh.systems import system as systems
 from gearmesh.teeth.micro_geometry.deviations import DeviationGrid
 from gearmesh.teeth.region import Side
 
-#: tables of a member that are machines
-MACHINES = ("concave", "convex", "cutter", "machine")
-#: processes that cut both sides of the pinion at once: settings are those of both
-COMPLETING = ("completing", "formate_completing")
-#: settings that both sides have in common whatever the process: they set the depth of the cut
-OF_DEPTH = ("sliding_base", "machine_root_angle")
-#: the index of the blank
-INDEX = "index_angle"
-#: tables of a member whose flanks are ground with modifications, and what a grinder corrects of them; thickness is its infeed's
-GROUND = {f"modifications_{side}": side for side in Side}
-OF_GRINDER = ("profile_slope", "profile_crowning", "profile_twist", "helix_slope", "helix_crowning")
-#: settings of a tool that rolls with the gear, as a shaper does or the worm in its place; `THICKNESS`: of both flanks alone, as
-#: it turns one; `SWIVEL`: of the worm, whose feed takes up what it does to the flanks to first order
-THICKNESS, SWIVEL = "thickness", "worm_angle"
-OF_ROLLING = ("shaft_angle", "offset", "axial_position", "pressure_angle", THICKNESS)
-#: settings that are moved where none are named, and those that may be named
-USUAL = (
+#: tables of a member that describe machines
+MACHINE_TABLES = ("concave", "convex", "cutter", "machine")
+#: processes that cut both sides of the pinion at once, so that both sides have the same settings
+COMPLETING_PROCESSES = ("completing", "formate_completing")
+#: settings for the depth of the cut, which both sides share in all processes
+DEPTH_SETTINGS = ("sliding_base", "machine_root_angle")
+#: index of the blank
+INDEX_SETTING = "index_angle"
+#: tables of a member whose flanks are ground with modifications, with their sides
+GROUND_TABLES = {f"modifications_{side}": side for side in Side}
+#: modifications that a grinding machine corrects; its infeed sets the thickness
+GRINDER_SETTINGS = ("profile_slope", "profile_crowning", "profile_twist", "helix_slope", "helix_crowning")
+#: tooth thickness of a rolling tool, a setting of both flanks because it turns one of them
+THICKNESS_SETTING = "thickness"
+#: swivel of a grinding worm; its feed cancels the effect on the flanks to first order
+WORM_SWIVEL_SETTING = "worm_angle"
+#: settings of a tool that rolls with the gear: a shaper, or the worm that replaces it
+ROLLING_SETTINGS = ("shaft_angle", "offset", "axial_position", "pressure_angle", THICKNESS_SETTING)
+#: settings that are moved if none are named
+USUAL_SETTINGS = (
     "radial",
     "ratio_of_roll",
     "machining_offset",
     "machine_centre_to_back",
     "sliding_base",
     "machine_root_angle",
-    INDEX,
-    *OF_ROLLING,
+    INDEX_SETTING,
+    *ROLLING_SETTINGS,
 )
-ROLL = tuple(f"modified_roll_c{k}" for k in range(2, 7))
-#: of the blades, of one side each
-OF_BLADES = ("tip_radius", "blade_angle", "outside.blade_angle", "inside.blade_angle")
-MOVABLE = (*USUAL, SWIVEL, "cradle_angle", "tilt", "swivel", *ROLL, "point_width", *OF_BLADES)
-#: polynomials in the cradle's rotation, moved by one coefficient: helical_motion.1 is that of q
-MOTIONS = tuple(f"{name}_motion" for name in ("tilt", "swivel", "radial", "helical", "vertical"))
-ORDERS = range(1, 7)
-#: first step of a setting by its unit (mm, deg), else; root mean square (mm) by which the flank is moved for its sensitivity, the
-#: factor by which the step may change for that, and what counts as none
-STEPS, STEP = {"length": 0.01, "angle": 0.01}, 1e-4
-MOVED, FACTOR, NONE = 2e-3, 1e3, 1e-9
-#: by how much the step is less where there is no tooth with it
-SMALLER = 4.0
-#: changes for which effects are stated: of a length (mm), an angle (deg), else
-STATED, STATED_NUMBER = {"length": 0.01, "angle": 1.0 / 60.0}, 1e-4
+#: coefficients of modified roll
+ROLL_COEFFICIENTS = tuple(f"modified_roll_c{k}" for k in range(2, 7))
+#: settings of the blades, which belong to one side
+BLADE_SETTINGS = ("tip_radius", "blade_angle", "outside.blade_angle", "inside.blade_angle")
+#: settings that may be named
+MOVABLE_SETTINGS = (
+    *USUAL_SETTINGS,
+    WORM_SWIVEL_SETTING,
+    "cradle_angle",
+    "tilt",
+    "swivel",
+    *ROLL_COEFFICIENTS,
+    "point_width",
+    *BLADE_SETTINGS,
+)
+#: polynomials in the cradle's rotation; one coefficient is moved: helical_motion.1 is the coefficient of q
+MOTION_POLYNOMIALS = tuple(f"{name}_motion" for name in ("tilt", "swivel", "radial", "helical", "vertical"))
+#: orders of the coefficients
+MOTION_ORDERS = range(1, 7)
+#: first step of lengths (mm) and angles (deg) for differences
+FIRST_STEPS = {"length": 0.01, "angle": 0.01}
+#: first step of other settings
+FIRST_NUMBER_STEP = 1e-4
+#: root mean square by which a difference step moves the flank
+TARGET_MOVE_MM = 2e-3
+#: limit of the factor from the first step to the final step
+MAX_STEP_FACTOR = 1e3
+#: root mean square that counts as no movement of the flank
+MIN_MOVE_MM = 1e-9
+#: factor by which the step is reduced if there is no tooth with it
+STEP_DIVISOR = 4.0
+#: changes of lengths (mm) and angles (deg) for which effects are stated
+STATED_CHANGES = {"length": 0.01, "angle": 1.0 / 60.0}
+#: change of other settings for which effects are stated
+STATED_NUMBER_CHANGE = 1e-4
 
 
 @dataclass(frozen=True)
 class MovableSetting:
-    """A setting by its dotted `keys`, of several that move together; `order` of its coefficient in a polynomial, 0: a number."""
+    """Setting that a correction may change."""
 
+    #: name of the setting, with its side if the sides differ
     name: str
+    #: dotted keys of the setting; several keys change together
     keys: tuple[str, ...]
+    #: order of its coefficient in a polynomial; 0 for a number
     order: int = 0
 
     @property
     def plain_name(self) -> str:
-        """Its name without the side that it is of."""
+        """Name without the side."""
         first, _, rest = self.name.partition(".")
-        return rest if first in (*MACHINES, *Side) else self.name
+        return rest if first in (*MACHINE_TABLES, *Side) else self.name
 
     @property
     def tilts(self) -> bool:
@@ -85,21 +112,24 @@ class MovableSetting:
 
 
 def movable_settings(design: Design, name: str) -> tuple[MovableSetting, ...]:
-    """All that a correction of a member may move. Raises DesignError for members that no machine with settings cuts."""
-    own = design.table_named(name)
-    table = getattr(design, own, None)
-    machines = [machine for machine in MACHINES if hasattr(table, machine)]
+    """Return all settings that a correction of a member may change. Raises ArgumentError for members without any."""
+    table_name = design.table_named(name)
+    table = getattr(design, table_name, None)
+    machines = [machine for machine in MACHINE_TABLES if hasattr(table, machine)]
     if not machines:
-        return _ground_settings(design, own)
-    both = getattr(design, "process", None) in COMPLETING and len(machines) > 1
+        return _ground_settings(design, table_name)
+    same_settings = getattr(design, "process", None) in COMPLETING_PROCESSES and len(machines) > 1
     made = []
-    for setting in (*MOVABLE, *(f"{motion}.{order}" for motion in MOTIONS for order in ORDERS)):
-        base, _, order = setting.partition(".") if setting.startswith(MOTIONS) else (setting, "", "0")
+    for setting in (
+        *MOVABLE_SETTINGS,
+        *(f"{motion}.{order}" for motion in MOTION_POLYNOMIALS for order in MOTION_ORDERS),
+    ):
+        base, _, order = setting.partition(".") if setting.startswith(MOTION_POLYNOMIALS) else (setting, "", "0")
         keys = {machine: f"{name}.{machine}.{base}" for machine in machines}
         keys = {machine: key for machine, key in keys.items() if type(design).key_at(key) is not None}
-        if len(machines) > 1 and (setting in OF_DEPTH or (both and setting not in OF_BLADES)):
-            # the blank's index, if it is that of both sides, turns the gear
-            if keys and setting != INDEX:
+        if len(machines) > 1 and (setting in DEPTH_SETTINGS or (same_settings and setting not in BLADE_SETTINGS)):
+            # the index of the blank, if both sides share it, only turns the gear
+            if keys and setting != INDEX_SETTING:
                 made.append(MovableSetting(setting, tuple(keys.values()), int(order)))
             continue
         for machine, key in keys.items():
@@ -108,19 +138,19 @@ def movable_settings(design: Design, name: str) -> tuple[MovableSetting, ...]:
     return tuple(made)
 
 
-def _ground_settings(design: Design, own: str) -> tuple[MovableSetting, ...]:
-    """Those of a member, by the name of its table, whose flanks may be modified."""
+def _ground_settings(design: Design, table_name: str) -> tuple[MovableSetting, ...]:
+    """Return the modifications of a member, given by the name of its table, whose flanks may be modified."""
     made = tuple(
         MovableSetting(f"{side}.{setting}", (key,))
-        for table, side in GROUND.items()
-        for setting in OF_GRINDER
-        if type(design).key_at(key := f"{own}.{table}.{setting}") is not None
+        for table, side in GROUND_TABLES.items()
+        for setting in GRINDER_SETTINGS
+        if type(design).key_at(key := f"{table_name}.{table}.{setting}") is not None
     )
     if not made:
         raise ArgumentError(
             "kind",
             design.kind,
-            reason=f"its {own} is not cut with machine settings, and its flanks are not modified",
+            reason=f"its {table_name} is not cut with machine settings, and its flanks are not modified",
             allowed="bevel, hypoid and face gears, and members with tables of modifications",
         )
     return made
@@ -128,21 +158,26 @@ def _ground_settings(design: Design, own: str) -> tuple[MovableSetting, ...]:
 
 @dataclass(frozen=True)
 class CutFlanks:
-    """Flanks of a member of a `design` that states all settings, at the points of grids: of any other settings."""
+    """Flanks of a member for any settings, at the points of grids."""
 
+    #: the design, with all its settings
     design: Design
+    #: name of the member
     name: str
+    #: measured points and deviations, by side
     grids: Mapping[Side, DeviationGrid]
+    #: joint of the member
     joint: Joint
 
     def displacements(self, values: Mapping[str, Any]) -> Array:
-        """How far (N,), mm along the normals, the flanks cut with other values of keys are beyond the points, side by side.
+        """Return the displacements (N,), mm along the normals, from the points to the flanks cut with other values of
+        keys.
 
-        Raises DesignError for values with which there is no tooth.
+        The sides follow each other. Raises DesignError for values that give no tooth.
         """
         made = self.design.with_values(values)
-        alone = self.name in systems.system_of(made).members
-        member = systems.member(made, self.name).member if alone else systems.build(made).members[self.name]
+        built_alone = self.name in systems.system_of(made).members
+        member = systems.member(made, self.name).member if built_alone else systems.build(made).members[self.name]
         tooth = member.one_tooth
         parts = []
         for side, grid in self.grids.items():
@@ -152,17 +187,17 @@ class CutFlanks:
 
     @property
     def rotation(self) -> Array:
-        """Displacements (N,), mm per rad of rotation of the member, of a rack along it."""
+        """Displacements (N,), mm per rad of rotation of the member, or per mm of travel of a rack."""
         parts = [self.joint.along(grid.points, grid.normals) for grid in self.grids.values()]
         return np.concatenate([part.ravel() for part in parts])
 
     @property
     def thickness(self) -> Array:
-        """Displacements (N,), mm per mm of normal tooth thickness, half on either flank."""
+        """Displacements (N,), mm per mm of normal tooth thickness, half on each flank."""
         return np.full(self.rotation.shape, 0.5)
 
     def values(self, settings: Sequence[MovableSetting], changes: Sequence[float]) -> dict[str, Any]:
-        """Values of all keys after changes of settings."""
+        """Return the values of all keys after changes of settings."""
         values: dict[str, Any] = {}
         for setting, change in zip(settings, changes, strict=True):
             for key in setting.keys:
@@ -176,51 +211,55 @@ class CutFlanks:
         return values
 
     def value(self, setting: MovableSetting) -> float:
-        """Of a setting, in the design's units."""
+        """Return the value of a setting, in the design's units."""
         value = self._value(setting.keys[0])
         if not setting.order:
             return float(value)
         return float(value[setting.order - 1]) if len(value) >= setting.order else 0.0
 
     def swivel_of(self, setting: MovableSetting) -> float:
-        """Swivel (deg) of the cutter that a tilt belongs to."""
+        """Return the swivel (deg) of the cutter that a tilt belongs to."""
         return float(self._value(f"{setting.keys[0].rpartition('.')[0]}.swivel") or 0.0)
 
     def unit(self, setting: MovableSetting) -> str:
-        """Of a setting: the design's unit of length, deg, or none."""
+        """Return the unit of a setting: the design's unit of length, deg, or none."""
         unit = self._quantity(setting)
         return self.design.units if unit == "length" else "deg" if unit == "angle" else ""
 
     def stated_change(self, setting: MovableSetting) -> float:
-        """The change of a setting, in its unit, for which its effect is stated."""
-        return self._change(setting, STATED, STATED_NUMBER)
+        """Return the change of a setting, in its unit, for which its effect is stated."""
+        return self._change(setting, STATED_CHANGES, STATED_NUMBER_CHANGE)
 
     def sensitivity(self, setting: MovableSetting) -> Array:
-        """Displacements (N,), mm per unit of a setting, by central differences of the exact flanks; 0 where it moves none.
+        """Return displacements (N,), mm per unit of a setting, by central differences of the exact flanks.
 
-        Raises DesignError where the design has not the setting, or no room for it to move.
+        They are 0 for a setting that does not move the flanks. Raises an error if the design lacks the setting, or has
+        no room for it to change.
         """
         if self._value(setting.keys[0]) is None:
             raise ArgumentError(
                 "settings", setting.name, reason="the design has no value of it", allowed="other settings"
             )
-        step = self._change(setting, STEPS, STEP)
+        step = self._change(setting, FIRST_STEPS, FIRST_NUMBER_STEP)
         size = float(np.sqrt(np.mean(self._after(setting, step) ** 2)))
-        if not size > NONE:
+        if not size > MIN_MOVE_MM:
             return np.zeros_like(self.rotation)
-        factor = float(np.clip(MOVED / size, 1.0 / FACTOR, FACTOR))
+        # scale the step so that it moves the flank by a definite amount, well above rounding and still nearly linear
+        factor = float(np.clip(TARGET_MOVE_MM / size, 1.0 / MAX_STEP_FACTOR, MAX_STEP_FACTOR))
         while True:
             by = step * factor
             try:
                 return np.asarray((self._after(setting, by) - self._after(setting, -by)) / (2.0 * by))
             except DesignError:
-                # a setting that moves the flanks little may have no room for so much of it
+                # a setting with little effect on the flanks may have no room for so large a step
                 if factor <= 1.0:
                     raise
-                factor = max(factor / SMALLER, 1.0)
+                factor = max(factor / STEP_DIVISOR, 1.0)
 
     def _after(self, setting: MovableSetting, change: float) -> Array:
-        """Displacements (N,), mm, by the change of one setting. Raises ArgumentError where points are beside the flank."""
+        """Return displacements (N,), mm, by the change of one setting. Raises ArgumentError if points are outside the
+        new flank.
+        """
         made = self.displacements(self.values([setting], [change]))
         if not np.isfinite(made).all():
             raise ArgumentError(
@@ -229,7 +268,7 @@ class CutFlanks:
         return made
 
     def _change(self, setting: MovableSetting, by: Mapping[str, float], number: float) -> float:
-        """A change by the quantity that a setting is, in the design's units."""
+        """Return the change for the quantity of a setting, in the design's units."""
         quantity = self._quantity(setting)
         return by.get(quantity, number) / (self.design.mm_per_unit if quantity == "length" else 1.0)
 
@@ -242,19 +281,24 @@ class CutFlanks:
         for part in dotted.split("."):
             table = table.get(part) if isinstance(table, Mapping) else None
         # a flank without modifications has amounts of 0
-        return 0.0 if table is None and dotted.rpartition(".")[0].endswith(tuple(GROUND)) else table
+        return 0.0 if table is None and dotted.rpartition(".")[0].endswith(tuple(GROUND_TABLES)) else table
 
 
 def usable_settings(flanks: CutFlanks, names: Sequence[str]) -> dict[MovableSetting, Array]:
-    """The settings named, "radial" or of one side "concave.radial", or the usual ones, that move the flanks, with their
-    sensitivity (N,). Raises DesignError for names that there are not and for settings that do not move the flanks."""
-    every = movable_settings(flanks.design, flanks.name)
+    """Return the named settings that move the flanks, by default the usual settings, with their sensitivity (N,).
+
+    "radial" names a setting of both sides, "concave.radial" of one side. Raises ArgumentError for unknown names and for
+    settings that do not move the flanks.
+    """
+    all_settings = movable_settings(flanks.design, flanks.name)
     made: dict[MovableSetting, Array] = {}
     for name in in_turn(names):
-        matches = [setting for setting in every if name in (setting.name, setting.plain_name)]
+        matches = [setting for setting in all_settings if name in (setting.name, setting.plain_name)]
         if not matches:
-            shown = list(dict.fromkeys(setting.plain_name for setting in every if not setting.order))
-            shown += [f"{', '.join(MOTIONS)}.1 and on"] if any(setting.order for setting in every) else []
+            shown = list(dict.fromkeys(setting.plain_name for setting in all_settings if not setting.order))
+            shown += (
+                [f"{', '.join(MOTION_POLYNOMIALS)}.1 and on"] if any(setting.order for setting in all_settings) else []
+            )
             raise ArgumentError("settings", name, must_be=f"one of {', '.join(shown)}, comma between them")
         moving = {setting: column for setting in matches if (column := flanks.sensitivity(setting)).any()}
         if not moving:
@@ -267,15 +311,15 @@ def usable_settings(flanks: CutFlanks, names: Sequence[str]) -> dict[MovableSett
         made |= moving
     if names:
         return made
-    whole = len(flanks.grids) == len(Side)
-    for setting in in_turn(every):
-        # what both sides have in common is left alone where one was measured
-        of_one = len(setting.keys) == 1 and setting.name != THICKNESS
-        if setting.plain_name in (*USUAL, *OF_GRINDER) and (whole or of_one):
+    both_measured = len(flanks.grids) == len(Side)
+    for setting in in_turn(all_settings):
+        # settings that both sides share are not changed if only one side was measured
+        one_sided = len(setting.keys) == 1 and setting.name != THICKNESS_SETTING
+        if setting.plain_name in (*USUAL_SETTINGS, *GRINDER_SETTINGS) and (both_measured or one_sided):
             try:
                 column = flanks.sensitivity(setting)
             except DesignError:
-                # a machine that does not roll has no ratio of roll
+                # for example, a machine that does not roll has no ratio of roll
                 continue
             if column.any():
                 made[setting] = column

@@ -1,4 +1,4 @@
-"""What files say of a measured gear: flanks as the table `measured` of a design reads them, and pitch deviations tooth by tooth."""
+"""Measured gears from files: flanks as in the table `measured` of a design, and pitch deviations tooth by tooth."""
 
 from __future__ import annotations
 
@@ -20,74 +20,79 @@ from gearmesh.systems import system as systems
 from gearmesh.teeth.gear_train import GearTrain
 from gearmesh.teeth.region import Side
 
-#: both flanks
-BOTH = "both"
+#: value of `flank` for both flanks
+BOTH_FLANKS = "both"
 
 
 def inspect_files(
-    design: Design, name: str, flanks: Path | None, flank: str = BOTH, pitch: Path | None = None
+    design: Design, name: str, flanks: Path | None, flank: str = BOTH_FLANKS, pitch: Path | None = None
 ) -> Inspection:
-    """A member of a design, against its nominal teeth: `flanks`, a file of deviations or points of the `flank` "right", "left" or
-    "both", those that it has; by default what the table `measured` of the design names; `pitch`: a file of index deviations, by
-    default what that table says of them.
+    """Return the inspection of a member of a design, compared with its nominal teeth.
 
-    Raises DesignError for a member or flank that there is not and where nothing is given, FileError for what cannot be read.
+    - `flanks`: a file of deviations or points; by default the files in the table `measured` of the design
+    - `flank`: "right", "left" or "both", for the flanks that the file contains
+    - `pitch`: a file of index deviations; by default those of the table `measured`
+
+    Raises DesignError for an unknown member or flank and if nothing is given, and FileError for an unreadable file.
     """
     places = MeasuredPlaces(design)
     if pitch is not None:
         refuse_missing(pitch)
-    nominal, train, made = flanks_of_files(design, name, flanks, flank, needed=pitch is None and not places.says(name))
+    nominal, train, measured = flanks_of_files(
+        design, name, flanks, flank, needed=pitch is None and not places.says(name)
+    )
     tooth = train.members[name].one_tooth
-    fields = {side: MeasuredField.of(tooth, side, own_flank) for side, own_flank in made.items()}
+    fields = {side: MeasuredField.of(tooth, side, own_flank) for side, own_flank in measured.items()}
     teeth = MeasuredTeeth(fields)
     if pitch is not None or places.says(name):
         inspection = systems.system_of(nominal).inspection
         basis = None if inspection is None else inspection(nominal, train, name)
-        own = places.pitch(name, tooth.teeth, basis) if pitch is None else read_pitch(pitch, tooth.teeth)
-        teeth = replace(teeth, pitch=own.sides, runout=own.runout)
+        pitch_deviations = places.pitch(name, tooth.teeth, basis) if pitch is None else read_pitch(pitch, tooth.teeth)
+        teeth = replace(teeth, pitch=pitch_deviations.sides, runout=pitch_deviations.runout)
     answer = inspect(nominal, train, name, teeth)
-    return replace(answer, notes=tuple(f"{side} flank: {note}" for side in made for note in made[side].notes))
+    return replace(answer, notes=tuple(f"{side} flank: {note}" for side in measured for note in measured[side].notes))
 
 
 def flanks_of_files(
-    design: Design, name: str, flanks: Path | None, flank: str = BOTH, *, needed: bool = True
+    design: Design, name: str, flanks: Path | None, flank: str = BOTH_FLANKS, *, needed: bool = True
 ) -> tuple[Design, GearTrain, dict[Side, MeasuredFlank]]:
-    """The design without measured flanks, its gear set, and what a file, or the design's own, says of the flanks of a member.
+    """Return the design without measured flanks, its gear set, and the measured flanks of a member by side.
 
-    Raises as `inspect_files`; where files are `needed`, also where there are none.
+    The flanks come from a file or from the files that the design names. Raises the errors of `inspect_files`, also if
+    no file is given although files are `needed`.
     """
     table: MeasuredTable | None = getattr(design, "measured", None)
     nominal = design if table is None else design.model_copy(update={"measured": None})
     if nominal.member_names is not None:
         nominal.member_names.refuse_other_member(name)
-    own = design.table_named(name)
-    files = _of_table(design, own) if flanks is None else dict.fromkeys(_sides(flanks, flank), flanks)
+    table_name = design.table_named(name)
+    files = _of_table(design, table_name) if flanks is None else dict.fromkeys(_sides(flanks, flank), flanks)
     if not files and needed:
         raise ArgumentError(
             "measured",
             reason="missing",
-            allowed=f"a file, or measured.{own}_right and measured.{own}_left of the design",
+            allowed=f"a file, or measured.{table_name}_right and measured.{table_name}_left of the design",
         )
     train = systems.build(nominal)
     train.names.refuse_other_member(name)
     mode = MeasuringMode() if table is None else MeasuringMode(table.axial_position == "free", table.stiffness)
-    keys = {side: "measured" if flanks else f"measured.{own}_{side}" for side in Side}
+    keys = {side: "measured" if flanks else f"measured.{table_name}_{side}" for side in Side}
     made = measured_flanks(train.members[name].one_tooth, files, mode, keys) if files else {}
     return nominal, train, made
 
 
 def _of_table(design: Design, own: str) -> dict[Side, Path]:
-    """The files of a member's flanks that a design names."""
+    """Return the files of a member's flanks that a design names."""
     named = {side: getattr(getattr(design, "measured", None), f"{own}_{side}", None) for side in Side}
     return {side: Path(file) for side, file in named.items() if file}
 
 
 def _sides(path: Path, flank: str) -> list[Side]:
-    """The flanks asked for: of both those that the file's column flank has."""
+    """Return the flanks that are asked for; for "both", the flanks in the column "flank" of the file."""
     if flank in tuple(Side):
         return [Side(flank)]
-    if flank != BOTH:
-        raise ArgumentError("flank", flank, must_be=f"one of {', '.join(Side)}, {BOTH}")
+    if flank != BOTH_FLANKS:
+        raise ArgumentError("flank", flank, must_be=f"one of {', '.join(Side)}, {BOTH_FLANKS}")
     words = read_points(path).words.get("flank")
     if words is None:
         raise ArgumentError(

@@ -1,4 +1,4 @@
-"""What is known of loaded contact, as figures: under a torque, at one position, of one tooth pair."""
+"""Figures of loaded contact: under a torque, at one position, and of one tooth pair."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class FilletFigures(Figures):
 
 @dataclass(frozen=True)
 class MemberDisplacement(Figures):
-    """How far a member on elastic mounts moves."""
+    """Movement of a member on elastic mounts."""
 
     displacement: list[float] = figure(
         "displacement of the member, fixed frame", "um", key="{member}_displacement_um", vector=True
@@ -67,12 +67,12 @@ class ToothPairFigures(Figures):
 
     @property
     def name(self) -> str:
-        """In a table: its number, of the second half of double helical gears with a stroke."""
+        """Number of the tooth pair for tables, with a prime for the second half of double helical gears."""
         return f"{self.pair}{stroke(self.half)}"
 
     @property
     def column(self) -> str:
-        """What its columns begin with."""
+        """Beginning of the names of its columns."""
         return f"pair_{self.pair}" + ("" if self.half is None else f"_half_{self.half}")
 
 
@@ -193,5 +193,5 @@ class LoadedFigures(Figures):
 
 
 def stroke(half: int | None) -> str:
-    """What marks the second half of double helical gears in tables."""
+    """Return the mark of the second half of double helical gears in tables."""
     return "'" if half == 2 else ""

@@ -1,4 +1,6 @@
-"""A pair of gears under torque over a mesh cycle: load sharing, loaded transmission error, pressures, stiffness, root stress."""
+"""A pair of gears under torque over a mesh cycle: load sharing, loaded transmission error, pressures, stiffness, root
+stress.
+"""
 
 from __future__ import annotations
 
@@ -42,31 +44,38 @@ from gearmesh.teeth.blank.features import BodyFeatures
 from gearmesh.teeth.gear_train import GearPair
 
 #: positions in a pitch
-POSITIONS = 21
-#: of gears with pitch deviations
-OF_SOME_PAIRS = (
+POSITIONS_PER_PITCH = 21
+#: warning of gears with pitch deviations
+UNEQUAL_PAIRS_WARNING = (
     "pitch deviations: every tooth pair is loaded differently; figures are for those in contact at these positions, with their "
     "flanks where they are, and for others with --phi1"
 )
-#: acute angle between axes, rad, up to which a pair is one with parallel axes and an error of assembly
-NEARLY_PARALLEL = 0.01
+#: largest acute angle between axes that counts as an assembly error of parallel axes
+MAX_PARALLEL_ANGLE_RAD = 0.01
 
 
 @dataclass(frozen=True, repr=False)
 class LoadedContact(Result):
-    """The gears of a pair under torques on the pinion, position by position; `cycle`: their whole mesh cycle without load, None
-    where it was not handed on."""
+    """Gears of a pair under torques on the pinion, position by position."""
 
+    #: the design
     design: Design
+    #: the pair
     pair: GearPair
+    #: the solved loaded mesh
     mesh: LoadedMesh
+    #: warnings, one line each
     warnings: tuple[str, ...]
+    #: run time, s
     seconds: float
+    #: whole mesh cycle without load; None if not given
     cycle: Cycle | None = None
 
     @property
     def unloaded_peak_to_peak(self) -> float:
-        """Of the transmission error without load over the whole mesh cycle, rad: that of `Contact`; NaN where it is not known."""
+        """Peak to peak of the transmission error without load over the whole mesh cycle, rad, as in `Contact`; NaN if
+        unknown.
+        """
         return np.nan if self.cycle is None else self.cycle.peak_to_peak
 
     @property
@@ -78,23 +87,23 @@ class LoadedContact(Result):
     def headline(self) -> str:
         worst = _largest(np.concatenate([load.peak for load in self.mesh.loads]))
         if np.isnan(worst):
-            told = "contact on edges alone"
+            pressure = "contact on edges alone"
         else:
             total = max(self.totals, key=lambda total: np.nan_to_num(total.max_pressure))
-            told = f"pressure up to {worst:.4g} MPa at phi1 = {total.max_pressure_phi1:.4g} deg"
+            pressure = f"pressure up to {worst:.4g} MPa at phi1 = {total.max_pressure_phi1:.4g} deg"
             if any(load.sharp.any() for load in self.mesh.loads):
-                told += ", without that of edge contact"
-        return f"{len(self.mesh.torque)} torques at {len(self.mesh.phi1)} positions, {told}"
+                pressure += ", without that of edge contact"
+        return f"{len(self.mesh.torque)} torques at {len(self.mesh.phi1)} positions, {pressure}"
 
     @cached_property
     def rows(self) -> list[LoadedPosition]:
-        """One per torque and position; pair k does at phi1 what pair 0 does k pitches before."""
+        """Figures, one row per torque and position; pair k has at phi1 the state that pair 0 has k pitches earlier."""
         return [self._row(k, p) for k in range(len(self.mesh.torque)) for p in range(len(self.mesh.phi1))]
 
     def _row(self, torque: int, position: int) -> LoadedPosition:
         mesh, load, at = self.mesh, self.mesh.loads[torque], (torque, position)
-        own = np.flatnonzero((load.position == position) & (load.force > 0.0))
-        worst = own[np.nan_to_num(load.peak[own]).argmax()]
+        loaded_pairs = np.flatnonzero((load.position == position) & (load.force > 0.0))
+        worst = loaded_pairs[np.nan_to_num(load.peak[loaded_pairs]).argmax()]
         te, unloaded = (float(error - mesh.unloaded[0]) for error in (mesh.te[at], mesh.unloaded[position]))
         output, gear_torque = self.pair.output, float(mesh.gear_torque[at])
         return LoadedPosition(
@@ -114,7 +123,7 @@ class LoadedContact(Result):
             peak_pressure_error=100.0 * float(load.error[worst]),
             peak_pressure_pair=int(load.number[worst]) if np.isfinite(load.peak[worst]) else None,
             peak_pressure_point=load.place[worst].tolist(),
-            edge_contact=bool(load.edge_contact[own].any()),
+            edge_contact=bool(load.edge_contact[loaded_pairs].any()),
             fillets=self._fillets(
                 mesh.bending[at],
                 mesh.root_error[at],
@@ -124,13 +133,13 @@ class LoadedContact(Result):
             ),
             root_stress_point={name: mesh.root_place[at][n].tolist() for n, name in enumerate(self.pair.members)},
             displacements=self._displacements(at),
-            tooth_pairs=tuple(self._tooth_pair(torque, m) for m in own),
+            tooth_pairs=tuple(self._tooth_pair(torque, m) for m in loaded_pairs),
             residual=float(mesh.residual[at]),
             status=Status(int(mesh.status[at])).name.lower(),
         )
 
     def _tooth_pair(self, torque: int, m: np.intp) -> ToothPairFigures:
-        """The m-th of the tooth pairs that are known under a torque."""
+        """Return the figures of the m-th tooth pair under a torque."""
         load = self.mesh.loads[torque]
         return ToothPairFigures(
             pair=int(load.number[m]),
@@ -145,19 +154,25 @@ class LoadedContact(Result):
         )
 
     def _half(self, load: PairLoad, m: np.intp) -> int | None:
-        """The half, from 1, of the m-th of loads; None where the members have one."""
+        """Return the half, from 1, of the m-th tooth pair; None if the members have only one half."""
         return self.pair.pinion.halves[int(load.half[m])].number
 
     @cached_property
     def _width(self) -> float | None:
-        """N mm/rad of the pinion in 1 N/(mm um) at its base circle per mm of face [ISO 6336-1]; None where axes cross."""
+        """Stiffness in N mm/rad of the pinion that equals 1 N/(mm um) at its base circle per mm of face [ISO 6336-1].
+
+        None if the axes are not parallel.
+        """
         return _per_width(self.pair, self.mesh.loads[-1])
 
     def _fillets(
         self, bending: Array, error: Array, largest: Array, at_tangent: Array, contact: Array
     ) -> dict[str, FilletFigures]:
-        """Stresses (2,), MPa, in the fillets of both members: bending, with the estimate of its error, the largest away from the
-        contact, that at the tangents of 30 deg, and the contact's own."""
+        """Return stresses (2,), MPa, in the fillets of both members.
+
+        They are the bending stress with an estimate of its error, the largest stress away from the contact, the stress
+        at the tangents of 30 deg, and the stress of the contact's own field.
+        """
         return {
             name: FilletFigures(
                 float(bending[n]), 100.0 * float(error[n]), float(largest[n]), float(at_tangent[n]), float(contact[n])
@@ -166,14 +181,18 @@ class LoadedContact(Result):
         }
 
     def _bending(self, load: PairLoad, pair: np.intp) -> dict[str, float]:
-        """Bending stress, MPa, in the fillets of the teeth of a pair; NaN where all of it is the contact's own field."""
-        own = load.roots.nominal[pair]
-        return {name: float(own[n]) for n, name in enumerate(self.pair.members)}
+        """Return the bending stress, MPa, in the fillets of the teeth of a pair; NaN if all of it is the contact's own
+        field.
+        """
+        nominal = load.roots.nominal[pair]
+        return {name: float(nominal[n]) for n, name in enumerate(self.pair.members)}
 
     @cached_property
     def tooth_pair(self) -> list[ToothPairPosition]:
-        """One tooth pair over its engagement: one per torque and rotation of the pinion, counted from where the pair is at phi1
-        as others are a whole number of pitches before or after; `peak_pressure` is NaN where `edge_contact` is."""
+        """Figures of one tooth pair over its engagement, one row per torque and rotation of the pinion.
+
+        Other pairs at phi1 stand for this pair a whole number of pitches away. `peak_pressure` is NaN in edge contact.
+        """
         rows = []
         for torque, load in zip(self.mesh.torque, self.mesh.loads, strict=True):
             phase = self.mesh.phi1[load.position] - self.pair.pitch * load.number
@@ -195,7 +214,7 @@ class LoadedContact(Result):
         return rows
 
     def _displacements(self, at: tuple[int, int]) -> dict[str, MemberDisplacement]:
-        """Displacements of members on elastic mounts, in which the transmission error has its part."""
+        """Return the displacements of members on elastic mounts; they are part of the transmission error."""
         return {
             name: MemberDisplacement(
                 (1e3 * self.mesh.displacement[at][n][:3]).tolist(),
@@ -208,19 +227,19 @@ class LoadedContact(Result):
     def share_at(self, rotation: Array, torque: int = 0) -> Array:
         """Share of one of the torques on tooth pair 0, linear between positions.
 
-        Of positions evenly spaced over a pitch shares of all pairs sum to 1 everywhere.
+        If positions divide a pitch equally, the shares of all pairs sum to 1 everywhere.
 
         Parameters
         ----------
         rotation : ndarray, (P,)
-            Of the pinion, rad.
+            Rotation of the pinion, rad.
         torque : int
             Number of the torque.
 
         Returns
         -------
         ndarray, (P,)
-            From 0 to 1; 0 where none.
+            From 0 to 1; 0 without load.
 
         Examples
         --------
@@ -231,32 +250,35 @@ class LoadedContact(Result):
         number = np.arange(load.number.min() - 1, load.number.max() + 2)
         share = np.zeros((len(self.mesh.phi1), len(number)))
         np.add.at(share, (load.position, load.number - number[0]), load.moment / self.mesh.torque[torque])
-        own = (self.mesh.phi1[:, None] - self.pair.pitch * number).ravel()
-        order = np.argsort(own)
-        shares: Array = np.interp(rotation, own[order], share.ravel()[order], 0.0, 0.0)
+        pair_rotation = (self.mesh.phi1[:, None] - self.pair.pitch * number).ravel()
+        order = np.argsort(pair_rotation)
+        shares: Array = np.interp(rotation, pair_rotation[order], share.ravel()[order], 0.0, 0.0)
         return shares
 
     @cached_property
     def totals(self) -> list[LoadedTotals]:
-        """One per torque: peak to peak of the loaded transmission error over the positions and of the unloaded one over the
-        whole mesh cycle, means of the tangent stiffness (on parallel axes also
-        per mm of face, and of the teeth alone c_gamma and c' of ISO 6336-1), the greatest of all else over the positions."""
+        """Figures over all positions, one row per torque.
+
+        The peak to peak of the loaded transmission error is over the positions, of the unloaded error over the whole
+        mesh cycle. The tangent stiffness is a mean. On parallel axes it is also given per mm of face, and for the teeth
+        alone as c_gamma and c' of ISO 6336-1. All other figures are maxima over the positions.
+        """
         return [self._total(k, load) for k, load in enumerate(self.mesh.loads)]
 
     def _total(self, torque: int, load: PairLoad) -> LoadedTotals:
         mesh = self.mesh
-        carrying = self._carrying(load)
+        pair_counts = self._carrying(load)
         worst = np.nan_to_num(load.peak).argmax()
-        at = self.mesh.phi1[load.position[worst]] if np.isfinite(load.peak[worst]) else np.nan
+        phi1_of_worst = self.mesh.phi1[load.position[worst]] if np.isfinite(load.peak[worst]) else np.nan
         return LoadedTotals(
             torque=1e-3 * float(mesh.torque[torque]),
             te_peak_to_peak=float(np.ptp(mesh.te[torque])) / ARCSEC,
             unloaded_te_peak_to_peak=self.unloaded_peak_to_peak / ARCSEC,
-            mean_tooth_pairs=float(carrying.mean()),
-            tooth_pairs=[int(carrying.min()), int(carrying.max())],
+            mean_tooth_pairs=float(pair_counts.mean()),
+            tooth_pairs=[int(pair_counts.min()), int(pair_counts.max())],
             max_pressure=_largest(load.peak),
             max_pressure_error=100.0 * float(load.error[worst]),
-            max_pressure_phi1=float(np.degrees(at).round(12)),
+            max_pressure_phi1=float(np.degrees(phi1_of_worst).round(12)),
             max_pair_force=float(load.force.max()),
             mean_tangent_stiffness=1e-3 * float(mesh.tangent[torque].mean()) * ARCSEC,
             **self._per_width(torque, load),
@@ -271,7 +293,9 @@ class LoadedContact(Result):
         )
 
     def _per_width(self, torque: int, load: PairLoad) -> dict[str, float | None]:
-        """Stiffness per mm of face under a torque: of all, of the teeth, and the largest of one tooth pair."""
+        """Return the stiffness per mm of face under a torque: of the mesh, of the teeth, and the largest of one tooth
+        pair.
+        """
         names = "mean_tangent_stiffness_per_width", "c_gamma", "c_prime"
         if self._width is None:
             return dict.fromkeys(names)
@@ -282,7 +306,7 @@ class LoadedContact(Result):
 
     @cached_property
     def _twist(self) -> float:
-        """Rotation of the pinion over its torque, rad/(N mm), by the twist of both bodies; that of an idler has none."""
+        """Rotation of the pinion over its torque, rad/(N mm), by the twist of both bodies; an idler does not twist."""
         materials, held = materials_of(self.design, self.pair), held_by_rim(self.design, self.pair)
         first, second = (
             0.0 if member.idler else twist_compliance(member.one_tooth, material, by_rim=by_rim)
@@ -291,20 +315,22 @@ class LoadedContact(Result):
         return first + second / self.pair.ratio**2
 
     def _in_fillets(self) -> tuple[Array, ...]:
-        """Figures (T, P, 2) in the fillets of both members; the error where bending is the largest of its torque."""
+        """Return figures (T, P, 2) in the fillets of both members; the error belongs to the largest bending stress of
+        its torque.
+        """
         mesh = self.mesh
         worst = np.nan_to_num(mesh.bending, nan=-np.inf).argmax(axis=1)[:, None]
         error = np.take_along_axis(mesh.root_error, worst, axis=1)
         return mesh.bending, error, mesh.root_stress, mesh.tangent_stress, mesh.contact_stress
 
     def _carrying(self, load: PairLoad) -> NDArray[np.intp]:
-        """Number of loaded tooth pairs (P,)."""
-        own = np.unique(np.stack((load.position, load.number))[:, load.force > 0.0], axis=1)
-        return np.bincount(own[0], minlength=len(self.mesh.phi1))
+        """Return the number of loaded tooth pairs (P,)."""
+        loaded_pairs = np.unique(np.stack((load.position, load.number))[:, load.force > 0.0], axis=1)
+        return np.bincount(loaded_pairs[0], minlength=len(self.mesh.phi1))
 
     @property
     def complaints(self) -> list[str]:
-        """What did not converge."""
+        """Positions that did not converge, in one line."""
         wrong = self.mesh.status != Status.CONVERGED
         if not wrong.any():
             return []
@@ -332,7 +358,7 @@ class LoadedContact(Result):
 
     @property
     def overview(self) -> list[Listing]:
-        """What is reported per torque, as tables."""
+        """Tables of the figures per torque."""
         over = "the mesh cycle" if whole_cycle(self.pair, self.mesh.phi1) else f"positions: {len(self.mesh.phi1)}"
         first, second = self.pair.members
         heads = ["Nm", "te p-p arcsec", "unloaded", "pairs", "MPa", "pair N", f"{first} root", f"{second} root"]
@@ -351,7 +377,7 @@ class LoadedContact(Result):
             ),
             Listing(
                 "Stress in the fillets, MPa",
-                _FILLETS,
+                _FILLET_COLUMNS,
                 [_fillet_cells(total, name) for total in totals for name in self.pair.members],
             ),
             *([Listing("Most load next to edges", ["Nm", "edge", "% of the torque"], edges)] if edges else []),
@@ -366,7 +392,7 @@ class LoadedContact(Result):
         Returns
         -------
         str
-            CSV, one row per torque and position, the columns of the JSON laid flat; of tooth pairs those that are loaded anywhere.
+            CSV, one row per torque and position, with flattened JSON keys as columns, without tooth pairs that are never loaded.
 
         Examples
         --------
@@ -380,8 +406,8 @@ class LoadedContact(Result):
         table = []
         for row in rows:
             pairs = known | {tooth_pair.column: tooth_pair.flat for tooth_pair in row.tooth_pairs}
-            own = Entry(_TOOTH_PAIRS, {name: pairs[name] for name in sorted(known)})
-            table.append(flat((*row.entries, own)))
+            pair_columns = Entry(_TOOTH_PAIR_COLUMNS, {name: pairs[name] for name in sorted(known)})
+            table.append(flat((*row.entries, pair_columns)))
         return csv_text(table)
 
     def _write(self, target: Path) -> None:
@@ -391,7 +417,7 @@ class LoadedContact(Result):
 
     @property
     def figures(self) -> LoadedFigures:
-        """What of the document is figures."""
+        """All figures of the document."""
         return LoadedFigures(self.totals, self.rows, self.tooth_pair)
 
     @property
@@ -400,7 +426,7 @@ class LoadedContact(Result):
 
     @property
     def run_time(self) -> RunTime:
-        """How long all of it took."""
+        """Run time of the whole answer."""
         return RunTime(self.seconds)
 
 
@@ -416,13 +442,14 @@ def loaded_contact_of(
     bodies: tuple[FlankCompliance, FlankCompliance] | None = None,
     mounts: Mapping[str, FlexibleMount] | None = None,
 ) -> LoadedContact:
-    """A pair under torques (Nm) on the pinion at rotations phi1 (P,), rad, of it; by default at `POSITIONS` in a pitch.
+    """Return a pair under torques (Nm) on the pinion at its rotations phi1 (P,), rad; by default POSITIONS_PER_PITCH
+    positions.
 
-    `cycle`: the whole mesh cycle without load, None where nothing is to be reported of it; `bodies`: compliances of both members,
-    where known: they do not depend on the mounting; `mounts`: elastic shafts and bearings, by the members' names, instead of the
-    design's own.
+    - `cycle`: the whole mesh cycle without load; None leaves it out of the report
+    - `bodies`: compliances of both members, if known; they do not depend on the mounting
+    - `mounts`: elastic shafts and bearings, by names of members, replacing those of the design
 
-    Raises DesignError for torques that are not above 0, for eccentric members and for mounts of none of the members.
+    Raises ArgumentError for torques that are not above 0, for eccentric members, and for mounts of unknown members.
     """
     started = time.perf_counter()
     for member in pair.both:
@@ -433,7 +460,7 @@ def loaded_contact_of(
                 reason=f"the {member.name} is eccentric, so every tooth pair is loaded differently; loaded contact needs "
                 "an eccentricity of 0",
             )
-    places = pair.pitch * np.arange(POSITIONS) / POSITIONS if phi1 is None else phi1
+    places = pair.pitch * np.arange(POSITIONS_PER_PITCH) / POSITIONS_PER_PITCH if phi1 is None else phi1
     torques = 1e3 * np.array(required_torques(torque))
     if bodies is None:
         progress(0.0, f"compliance of the {' and the '.join(pair.members)}")
@@ -448,60 +475,62 @@ def loaded_contact_of(
         mesh = loaded_mesh(pair, places, torques, bodies, materials_of(design, pair), flexible=flexible)
     unloaded = np.nan if cycle is None else cycle.peak_to_peak
     if pair.uneven:
-        warnings = (*warnings, OF_SOME_PAIRS)
+        warnings = (*warnings, UNEQUAL_PAIRS_WARNING)
     return LoadedContact(
         design, pair, mesh, (*warnings, *_warnings(pair, mesh, unloaded)), time.perf_counter() - started, cycle
     )
 
 
-#: least and largest torque, Nm: of smaller ones the forces of mesh points are lost by rounding, larger ones no gear has
-TORQUES = (1e-9, 1e12)
+#: smallest and largest torque: below, rounding exceeds the forces of mesh points; no gear has a larger torque
+TORQUE_RANGE_NM = (1e-9, 1e12)
 
 
 def required_torques(torque: Sequence[float]) -> list[float]:
-    """Torques, Nm. Raises DesignError unless there is one at least and all are above 0."""
+    """Return torques, Nm. Raises ArgumentError unless there is at least one and all are above 0."""
     wrong = [value for value in torque if not 0.0 < value < np.inf]
     if wrong or not torque:
         raise ArgumentError(
             "torque", f"{wrong[0]:g}" if wrong else "[]", unit="Nm", must_be="one or more finite numbers above 0"
         )
-    beyond = [value for value in torque if not TORQUES[0] <= value <= TORQUES[1]]
+    beyond = [value for value in torque if not TORQUE_RANGE_NM[0] <= value <= TORQUE_RANGE_NM[1]]
     if beyond:
-        raise ArgumentError("torque", beyond[0], unit="Nm", allowed=f"from {TORQUES[0]:g} to {TORQUES[1]:g} Nm")
+        raise ArgumentError(
+            "torque", beyond[0], unit="Nm", allowed=f"from {TORQUE_RANGE_NM[0]:g} to {TORQUE_RANGE_NM[1]:g} Nm"
+        )
     return list(torque)
 
 
 def bodies_of(design: Design, pair: GearPair) -> tuple[FlankCompliance, FlankCompliance]:
-    """Compliances of both members of a pair of a design."""
+    """Return the compliances of both members of a pair of a design."""
     return compliances(pair, materials_of(design, pair), held_by_rim(design, pair))
 
 
-#: columns of tooth pairs, whose names stand before them
-_TOOTH_PAIRS = Figure("", "", "", "load on each tooth pair")
+#: columns of tooth pairs; their names begin with the number of the pair
+_TOOTH_PAIR_COLUMNS = Figure("", "", "", "load on each tooth pair")
 
 
 def _total_cells(total: LoadedTotals) -> list[float]:
-    """A row of the table of torques."""
+    """Return a row of the table of torques."""
     run = total.torque, total.te_peak_to_peak, total.unloaded_te_peak_to_peak, total.mean_tooth_pairs
     bent = (fillet.bending_stress for fillet in total.fillets.values())
     return [round_to(value, 3) for value in (*run, total.max_pressure, total.max_pair_force, *bent)]
 
 
 def _pressure_cells(total: LoadedTotals, load: PairLoad) -> list[Any]:
-    """A row of the table of pressures."""
+    """Return a row of the table of pressures."""
     figures = total.max_pressure, total.max_pressure_error, total.max_pressure_phi1
     return [total.torque, *(round_to(value, 4) for value in figures), "yes" if load.sharp.any() else "no"]
 
 
 def _fillet_cells(total: LoadedTotals, member: str) -> list[Any]:
-    """A row of the table of stresses in fillets."""
-    own = total.fillets[member]
-    figures = own.bending_stress, own.error, own.root_stress, own.contact_stress
+    """Return a row of the table of stresses in fillets."""
+    fillet = total.fillets[member]
+    figures = fillet.bending_stress, fillet.error, fillet.root_stress, fillet.contact_stress
     return [total.torque, member, *(round_to(value, 3) for value in figures)]
 
 
 def _cells(row: LoadedPosition) -> list[Any]:
-    """A row of the table of positions."""
+    """Return a row of the table of positions."""
     shares = " ".join(f"{tooth_pair.name}:{100.0 * tooth_pair.load_share:.0f}%" for tooth_pair in row.tooth_pairs)
     named = {tooth_pair.pair: tooth_pair.name for tooth_pair in row.tooth_pairs}
     edges = " ".join(tooth_pair.name for tooth_pair in row.tooth_pairs if tooth_pair.edge_contact)
@@ -511,7 +540,7 @@ def _cells(row: LoadedPosition) -> list[Any]:
 
 
 def _pair_cells(row: ToothPairPosition) -> list[Any]:
-    """A row of the table of one tooth pair."""
+    """Return a row of the table of one tooth pair."""
     pressure = "edge" if row.edge_contact else round_to(row.peak_pressure, 3)
     share = f"{round_to(100.0 * row.load_share, 2)}{stroke(row.half)}"
     bending = (round_to(value, 3) for value in row.bending_stress.values())
@@ -519,23 +548,26 @@ def _pair_cells(row: ToothPairPosition) -> list[Any]:
 
 
 #: columns of the table of stresses in fillets
-_FILLETS = ["Nm", "member", "bending", "error %", "largest", "contact's own"]
+_FILLET_COLUMNS = ["Nm", "member", "bending", "error %", "largest", "contact's own"]
 
 
 def _most(values: Array) -> Array:
-    """The largest (2,) of figures (P, 2), NaN where there are none."""
+    """Return the largest (2,) of figures (P, 2); NaN if none is known."""
     return np.asarray(np.fmax.reduce(values, axis=0))
 
 
 def _largest(peaks: Array) -> float:
-    """The largest of pressures (M,); NaN where there are none but on edges."""
+    """Return the largest of pressures (M,); NaN if there are none away from edges."""
     return float(np.nanmax(peaks)) if np.isfinite(peaks).any() else np.nan
 
 
 def _per_width(pair: GearPair, load: PairLoad) -> float | None:
-    """N mm/rad of the pinion that are 1 N/(mm um) along the transverse line of action per mm of the common face; None unless the
-    axes of both members are parallel, but for errors of assembly."""
-    if pair.acute_angle > NEARLY_PARALLEL:
+    """Return the stiffness in N mm/rad of the pinion that equals 1 N/(mm um) per mm of the common face.
+
+    The latter is measured along the transverse line of action. None unless the axes are parallel, except for assembly
+    errors.
+    """
+    if pair.acute_angle > MAX_PARALLEL_ANGLE_RAD:
         return None
     axis = pair.pinion.mount.axis
     ends = [
@@ -549,19 +581,23 @@ def _per_width(pair: GearPair, load: PairLoad) -> float | None:
     return 1e3 * float(base**2 * face * len(pair.halves))
 
 
-#: what takes load away from an edge
-REMEDIES = {
+#: remedies that reduce the load next to an edge
+EDGE_REMEDIES = {
     "tip": "tip relief",
     "toe": "crowning or end relief",
     "heel": "crowning or end relief",
 }
-#: edges whose loads a warning reports, and part of the deflection that is a non-uniform transmission to warn of
-TOLD, UNEVEN = 2, 0.1
+#: limit of the edges that a warning lists
+MAX_LISTED_EDGES = 2
+#: peak to peak of the loaded transmission error, relative to the deflection, above which a warning is given
+WARNED_ERROR_SHARE = 0.1
 
 
 def _edge_warnings(pair: GearPair, mesh: LoadedMesh, least: float) -> list[str]:
-    """From which torque on there is edge contact (`least`, N mm), which edges have most load at the largest torque, and the remedy;
-    and where a grid is too short."""
+    """Return warnings of edge contact: its smallest torque `least` (N mm), the edges with most load, and the remedy.
+
+    The loads are those at the largest torque. A further warning reports a grid that is too short.
+    """
     largest = int(mesh.torque.argmax())
     at, loads = f"at {1e-3 * mesh.torque[largest]:g} Nm", edge_loads(pair, mesh.loads[largest], len(mesh.phi1))
 
@@ -582,21 +618,29 @@ def _edge_warnings(pair: GearPair, mesh: LoadedMesh, least: float) -> list[str]:
     edges = [edge for edge in loads if edge.edge]
     if not edges:
         return [limitless, *beyond]
-    wanted = dict.fromkeys(REMEDIES[name] for edge in edges if (name := edge.edge.rpartition("_")[2]) in REMEDIES)
+    wanted = dict.fromkeys(
+        EDGE_REMEDIES[name] for edge in edges if (name := edge.edge.rpartition("_")[2]) in EDGE_REMEDIES
+    )
     remedy = f"; {' and '.join(wanted)} would reduce it" if wanted else ""
-    most = ", ".join(f"{share(edge)} at {shown_edge(edge.edge)} {place(edge)}" for edge in edges[:TOLD])
-    more = f", less at {len(edges) - TOLD} more" if len(edges) > TOLD else ""
+    most = ", ".join(f"{share(edge)} at {shown_edge(edge.edge)} {place(edge)}" for edge in edges[:MAX_LISTED_EDGES])
+    more = f", less at {len(edges) - MAX_LISTED_EDGES} more" if len(edges) > MAX_LISTED_EDGES else ""
     return [f"{limitless}; {at} the cells next to the edge have, of the torque, up to {most}{more}{remedy}", *beyond]
 
 
 def _error_warning(pair: GearPair, mesh: LoadedMesh, peak_to_peak: float) -> list[str]:
-    """Where the transmission is less uniform under a torque than without, over a whole mesh cycle, by a good part of the
-    deflection;
-    `peak_to_peak` of the unloaded error, rad, NaN where it is not known."""
+    """Return a warning if the transmission under a torque is less uniform than without load, by a good part of the
+    deflection.
+
+    `peak_to_peak` is the unloaded error over a whole mesh cycle, rad; NaN if unknown.
+    """
     swings, unloaded = np.ptp(mesh.te, axis=1) / ARCSEC, peak_to_peak / ARCSEC
     worst = int(swings.argmax())
-    give = float(np.abs(mesh.unloaded - mesh.te[worst]).mean()) / ARCSEC
-    if np.isnan(unloaded) or not whole_cycle(pair, mesh.phi1) or swings[worst] <= max(unloaded, UNEVEN * give):
+    deflection = float(np.abs(mesh.unloaded - mesh.te[worst]).mean()) / ARCSEC
+    if (
+        np.isnan(unloaded)
+        or not whole_cycle(pair, mesh.phi1)
+        or swings[worst] <= max(unloaded, WARNED_ERROR_SHARE * deflection)
+    ):
         return []
     return [
         f"at {1e-3 * mesh.torque[worst]:g} Nm the transmission error is {swings[worst]:.3g} arcsec peak to peak, without load "

@@ -1,4 +1,4 @@
-"""What the members of a pair are made of: the design's own words for each, else those for all."""
+"""Materials of the members of a pair: those that the design names for each member, else the common material."""
 
 from __future__ import annotations
 
@@ -8,6 +8,6 @@ from gearmesh.teeth.gear_train import GearPair
 
 
 def materials_of(design: Design, pair: GearPair) -> tuple[Material, Material]:
-    """Materials of pinion and gear of a pair."""
+    """Return the materials of pinion and gear of a pair."""
     first, second = (Material(*design.elastic(member.name)) for member in pair.both)
     return first, second

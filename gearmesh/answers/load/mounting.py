@@ -1,4 +1,4 @@
-"""How the members of a pair are held under load: what the design says of shafts, bearings and bodies."""
+"""Mounting of the members of a pair under load: shafts, bearings and bodies of the design."""
 
 from __future__ import annotations
 
@@ -11,8 +11,10 @@ from gearmesh.teeth.gear_train import GearPair
 
 
 def mounts_of(design: Design, pair: GearPair) -> dict[str, FlexibleMount]:
-    """Elastic mounts, by the names of the members whose stiffness the design gives; at z of it, mm, by default the middle of
-    the working flank, half way up."""
+    """Return the elastic mounts of members whose stiffness the design gives, by names of members.
+
+    The stiffness applies at z of the design (mm), by default at the middle of the working flank.
+    """
     mounts, in_mm = {}, design.in_mm()
     for member in pair.both:
         given = in_mm.mount(member.name)
@@ -23,6 +25,6 @@ def mounts_of(design: Design, pair: GearPair) -> dict[str, FlexibleMount]:
 
 
 def held_by_rim(design: Design, pair: GearPair) -> tuple[bool, bool]:
-    """Whether the bodies of pinion and gear are held under the root, and not at the bore."""
+    """Return True for pinion and gear if the body is held under the root, not at the bore."""
     first, second = (design.mount(member.name).held == "rim" for member in pair.both)
     return first, second

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from gearmesh.answers.inspection.composite import CompositeTest
-from gearmesh.answers.inspection.figures import UM
+from gearmesh.answers.inspection.figures import UM_PER_MM
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.view.diagrams.plots import new_figure, save_figure
 from gearmesh.view.palette import CURVE_COLOURS, FAINT_COLOUR, GRID_LINE_COLOUR, GROUND_COLOUR, INK_COLOUR
@@ -28,7 +28,7 @@ def plot_composite(file: Path | str, test: CompositeTest) -> None:
     charts = [
         (
             single.phi1,
-            UM * test.radius * (single.te - single.te.mean()),
+            UM_PER_MM * test.radius * (single.te - single.te.mean()),
             single.per_pitch,
             "single flank: transmission error,\narc of the gear (µm)",
             f"F_i' {own.single_flank_total:.1f}  f_i' {own.single_flank_tooth:.1f} µm",
@@ -38,7 +38,7 @@ def plot_composite(file: Path | str, test: CompositeTest) -> None:
         charts.append(
             (
                 double.phi1,
-                UM * (double.distance - double.nominal),
+                UM_PER_MM * (double.distance - double.nominal),
                 double.per_pitch,
                 "double flank: centre distance\nmore than a'' (µm)",
                 f"F_i'' {own.double_flank_total:.1f}  f_i'' {own.double_flank_tooth:.1f} µm"

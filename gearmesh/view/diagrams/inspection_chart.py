@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from gearmesh.answers.inspection.figures import UM
+from gearmesh.answers.inspection.figures import UM_PER_MM
 from gearmesh.answers.inspection.flank_map import DeviationMap, MeasuredTrace
 from gearmesh.answers.inspection.inspection import Inspection
 from gearmesh.kernel.numeric.algebra import Array
@@ -96,8 +96,8 @@ def _draw_helices(axes: Any, inspection: Inspection) -> None:
 def _values(own: MeasuredTrace, letter: str) -> str:
     """Text of the figures of a trace, um."""
     values = (("f_H", own.sign * own.trace.slope), ("f_f", own.trace.form), ("F_", own.trace.total))
-    text = "  ".join(f"{name}{letter} {UM * value:.1f}" for name, value in values)
-    return f"{text}  C_{letter} {UM * own.trace.crowning:.1f} µm"
+    text = "  ".join(f"{name}{letter} {UM_PER_MM * value:.1f}" for name, value in values)
+    return f"{text}  C_{letter} {UM_PER_MM * own.trace.crowning:.1f} µm"
 
 
 def _draw_trace(axes: Any, own: MeasuredTrace, tolerances: tuple[float | None, float | None], upwards: bool) -> None:
@@ -106,8 +106,8 @@ def _draw_trace(axes: Any, own: MeasuredTrace, tolerances: tuple[float | None, f
     def draw(x: Any, y: Any, **style: Any) -> None:
         axes.plot(*((y, x) if upwards else (x, y)), **style)
 
-    d, trace = UM * own.deviations, own.trace
-    ends, line = np.array(trace.range.evaluated), UM * np.array(trace.line)
+    d, trace = UM_PER_MM * own.deviations, own.trace
+    ends, line = np.array(trace.range.evaluated), UM_PER_MM * np.array(trace.line)
     draw(own.positions, d, color=CURVE_COLOURS[0], lw=1.3, label="measured")
     draw(ends, line, color=CURVE_COLOURS[1], lw=1.3, label="mean line")
     slope, total = tolerances
@@ -136,7 +136,7 @@ def _draw_maps(axes: Any, inspection: Inspection) -> None:
             plot.set_axis_off()
             continue
         plane = FlankPlane.of(inspection.member, side)
-        _draw_map(plot, plane, inspection.maps[side], max(UM * most, MIN_RANGE_UM))
+        _draw_map(plot, plane, inspection.maps[side], max(UM_PER_MM * most, MIN_RANGE_UM))
         order = inspection.figures.flanks[str(side)].second_order
         assert order is not None
         title = (
@@ -156,7 +156,7 @@ def _draw_map(axes: Any, plane: FlankPlane, own: DeviationMap, most: float) -> N
     """Draw deviations over a flank, as colours and as numbers on a grid."""
     from matplotlib.ticker import MaxNLocator
 
-    places, d = plane.frame.places(own.points), np.ma.masked_invalid(UM * own.deviations)
+    places, d = plane.frame.places(own.points), np.ma.masked_invalid(UM_PER_MM * own.deviations)
     levels = MaxNLocator(COLOUR_LEVELS, symmetric=True).tick_values(-most, most)
     x, y = places[..., 0], places[..., 1]
     drawn = axes.contourf(x, y, d, levels=levels, cmap=DIVERGING_COLOURS, zorder=1)
@@ -193,10 +193,10 @@ def _draw_pitches(axes: Any, inspection: Inspection) -> None:
             continue
         own = inspection.measured.pitch[side]
         teeth = np.arange(own.index.size)
-        plot.bar(teeth, UM * own.single, color=CURVE_COLOURS[0], width=0.7, label="single pitch f_pi")
+        plot.bar(teeth, UM_PER_MM * own.single, color=CURVE_COLOURS[0], width=0.7, label="single pitch f_pi")
         plot.plot(
             teeth,
-            UM * (own.index - own.index.mean()),
+            UM_PER_MM * (own.index - own.index.mean()),
             color=CURVE_COLOURS[1],
             marker=".",
             lw=1.2,
@@ -205,7 +205,7 @@ def _draw_pitches(axes: Any, inspection: Inspection) -> None:
         plot.axhline(0.0, color=FAINT_COLOUR, lw=0.8)
         plot.set(xlabel="tooth", ylabel="deviation (µm)")
         plot.set_title(
-            f"{side} flank: pitch    f_p {UM * own.single_pitch:.1f}  F_p {UM * own.cumulative:.1f} µm",
+            f"{side} flank: pitch    f_p {UM_PER_MM * own.single_pitch:.1f}  F_p {UM_PER_MM * own.cumulative:.1f} µm",
             fontsize=10,
             color=INK_COLOUR,
         )
