@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import os
 import re
 import shlex
@@ -193,6 +194,55 @@ def test_the_notes_of_a_gear_system_name_its_modules(folder: Path) -> None:
     there = {path.relative_to(folder).as_posix() for each in own for path in each.glob("*.py")}
     assert named == {name for name in there if not name.endswith("__init__.py")}
     assert "fillet" in where
+
+
+#: theory pages of gear systems
+THEORY = sorted(path.relative_to(ROOT).as_posix() for path in PACKAGE.glob("systems/**/theory.md"))
+
+
+def names_of_file(path: Path) -> set[str]:
+    """Functions, classes and constants of a module, and methods and fields of its classes as Class.name."""
+    found = set()
+
+    def visit(body: list[ast.stmt], prefix: str) -> None:
+        for node in body:
+            if isinstance(node, (ast.FunctionDef, ast.ClassDef)):
+                found.add(prefix + node.name)
+                if isinstance(node, ast.ClassDef):
+                    visit(node.body, f"{prefix}{node.name}.")
+            for target in [node.target] if isinstance(node, ast.AnnAssign) else getattr(node, "targets", []):
+                if isinstance(target, ast.Name):
+                    found.add(prefix + target.id)
+
+    visit(ast.parse(path.read_text(encoding="utf-8")).body, "")
+    return found
+
+
+def missing_places(text: str, folder: Path) -> list[str]:
+    """Places `file.py:name` of a page whose file or name does not exist; files are relative to the page's folder."""
+    places = set(re.findall(r"`([\w./]+\.py):([\w.]+)`", text))
+    files = {file: folder / file for file, _ in places}
+    known = {file: names_of_file(path) if path.is_file() else set[str]() for file, path in files.items()}
+    return sorted(f"{file}:{name}" for file, name in places if name not in known[file])
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("file", THEORY)
+def test_places_that_a_theory_page_names_exist(file: str) -> None:
+    text = read(file)
+    assert missing_places(text, (ROOT / file).parent) == []
+    assert len(re.findall(r"`[\w./]+\.py:[\w.]+`", text)) >= 10
+    assert len(re.findall(r"\$\$", text)) >= 6
+    links_to = [(ROOT / file).parent / to.partition("#")[0] for to in links(text)]
+    assert [to for to in links_to if not to.exists()] == []
+    assert "(theory.md)" in read(file.replace("theory.md", "README.md"))
+
+
+@pytest.mark.quick
+def test_places_that_do_not_exist_are_found() -> None:
+    text = "`build.py:build`, `build.py:biuld`, `design.py:CylindricalMember.teeeth`, `nowhere.py:a`, `build.py`"
+    wanted = ["build.py:biuld", "design.py:CylindricalMember.teeeth", "nowhere.py:a"]
+    assert missing_places(text, PACKAGE / "systems" / "cylindrical") == wanted
 
 
 @pytest.mark.quick

@@ -23,7 +23,7 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 PAGES = HERE / "pages"
 #: pages beside a README that the site lists under it
-BESIDE = ("measured", "notes")
+BESIDE = ("measured", "notes", "theory")
 #: targets of links and pictures in Markdown and in HTML
 LINK = re.compile(r"(?<=\]\()([^)\s#]+)|(?<=src=\")([^\"]+)")
 MARKDOWN_LINK = re.compile(r"\[([^][]*)\]\(([^)\s#]+)\)")
