@@ -659,7 +659,7 @@ class Gears(ModelledGears):
             - "stress": contact pressure and tension in colours
             - "toolpath": passes in the space, with the tool
 
-            Diagrams; those beginning with "loaded_" show all torques:
+            Diagrams; those of contact under load, "loaded_flank" and the like, show all torques:
 
             - "flank": both flanks, of one member or of all, in their planes: path, ellipses, pattern, ease-off of the pinion
             - "sliding": the same with the sliding velocity in place of the ease-off
