@@ -186,7 +186,8 @@ def near_pairs(gears: GearPair, phi1: Array, limit: float) -> NearPairs:
     """
     rows = gears.halves
     engagements = [_Followed(row, phi1) for row in rows]
-    # advance of the gear at which the first pair of any half touches
+    # the gear rests on the tooth pair that is farthest ahead: the largest advance of all halves is its position without
+    # load
     advance = np.max([followed.advance for followed in engagements], axis=0)
     for engagement in engagements:
         engagement.widen(advance, limit)
@@ -278,6 +279,7 @@ class _Followed:
         to phi1."""
         all_numbers = self._first[:, None] + numbers
         pinion_ahead, gear_ahead = _ahead(self._gears, all_numbers)
+        # pair k at phi1 is in the position of pair 0 at phi1 - k pitches; a pair without contact there has no advance
         path = contact_path(self.pair, (self._phi1[:, None] - self._pitch * all_numbers + pinion_ahead).ravel())
         te = path.phi2 - self.pair.ratio * path.rotation + (self.pair.ratio * pinion_ahead - gear_ahead).ravel()
         advance = np.where(path.touching, self.pair.drive * te, -np.inf)
@@ -472,12 +474,14 @@ def _extend(seen: _Seen, y: Array, kappa: Array, edged: NDArray[np.bool_]) -> tu
     fitted slope and the curvature `kappa`.
     """
     middle = GAP_NODES // 2
+    # a margin that rises faster than the way across belongs to another sheet of the surface, beyond a cusp
     with np.errstate(invalid="ignore"):
         leap = seen.margin - seen.margin[:, :, middle : middle + 1] > MAX_MARGIN_SLOPE * np.abs(y)
     known = np.isfinite(seen.gap) & ~leap
     lowest = seen.gap[:, :, middle : middle + 1]
     y_known = np.where(known, y, 0.0)
     parabola = 0.5 * kappa[:, None, None] * y**2
+    # least squares over the known gaps: c y^2 at smooth places; at edges a slope and the known curvature
     with np.errstate(all="ignore"):
         rise = np.where(known, seen.gap - lowest, 0.0)
         curved = np.nan_to_num((rise * y_known**2).sum(axis=2) / (y_known**4).sum(axis=2))
@@ -490,6 +494,7 @@ def _extend(seen: _Seen, y: Array, kappa: Array, edged: NDArray[np.bool_]) -> tu
 def _sizes(near: NearPairs, force: Array, modulus: float, length: Array) -> tuple[Array, Array]:
     """Return Hertz semi-axes (M,) along and across, mm, of contacts under forces (M,); a contact is at most twice a
     `length` (M,) long."""
+    # a point contact; a line contact if the ellipse would be longer than the flanks
     kappa_along, kappa_across = near.kappa[:, 0], np.maximum(near.kappa[:, 1], 1e-9)
     ellipse = point_contact(np.maximum(kappa_along, 1e-6 * kappa_across), kappa_across, force, modulus)
     line = line_contact(kappa_across, 0.5 * force / length, modulus)
@@ -547,6 +552,7 @@ def _beyond(surfaces: _Surfaces, ends: tuple[Array, Array]) -> tuple[Array, Arra
     for end, far in zip(ends, surfaces.extent, strict=True):
         x = end[:, None] + (far - end)[:, None] * np.linspace(0.0, 1.0, SCAN_PLACES)[1:]
         y, bent, ridge = surfaces.ridge_and_edge(x)
+        # the edge counts only up to the first place at which the ridge has left it
         last_on_edge = np.where(bent.all(axis=1), bent.shape[1], bent.argmin(axis=1)) - 1
         pairs = np.arange(len(x))
         lengths.append(np.where(last_on_edge < 0, 0.0, np.abs(x[pairs, last_on_edge] - end)))
@@ -614,7 +620,8 @@ class _Surfaces:
         last_step, last_slope = np.zeros_like(y), np.zeros_like(y)
         for k in range(RIDGE_STEPS):
             seen = self.at(x, y)
-            # secant method for slope of the gap = 0 along y; the curvature stays near that at first touch
+            # secant method for slope of the gap = 0 along y. The curvature stays positive and near the curvature at
+            # first touch: steps then lead to the minimum of the gap next to first touch, never to a maximum
             slopes = [
                 -dot(n, self._near.axes[:, None, :, 1]) / dot(n, self._near.axes[:, None, :, 2]) for n in seen.normals
             ]
@@ -650,6 +657,7 @@ class _Surfaces:
             # Newton steps along y to the edge, where the distance outside the flanks is 0
             with np.errstate(all="ignore"):
                 slope = (self.at(x_outside, y_edge + SLOPE_STEP_MM, rows).margin - edge_margin) / SLOPE_STEP_MM
+                # a small slope belongs to another edge, such as an end face, which the ridge does not follow
                 steep = outside[rows] & (np.abs(slope) > MIN_EDGE_SLOPE)
                 for _ in range(EDGE_STEPS):
                     y_edge = y_edge + np.where(steep, -edge_margin / slope, 0.0)
@@ -725,7 +733,8 @@ def _over(flank: Flank, frame: Rigid, x: Array, y: Array) -> tuple[Array, Array,
     place = origin + np.einsum("kij,kj->ki", axes[:, :, :2], xy)
     start = flank.heights.parameters_at(flank.mount.joint.radius(place), place[:, 2])
 
-    # Newton's method for the surface parameters (u, v) of the point over (x, y)
+    # Newton's method for the surface parameters (u, v) of the point over (x, y). The start has the same radius and z,
+    # so that the root lies on the sheet of the flank; without a root the surface has no point there
     def residual(p: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
         jet = flank.surface.jet(p[:, 0], p[:, 1])
         plane = axes[index, :, :2]

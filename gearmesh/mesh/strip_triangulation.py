@@ -218,8 +218,8 @@ def _corners(strips: Sequence[Strip], level: Array, miss: Miss) -> list[tuple[bo
 def _around(strip: Strip, t: Array, apart: float) -> tuple[tuple[Index, Index], NodePairs | None]:
     """Return the nodes of both sides of a strip, and the table of their pairs for chains of all END_CORNERS.
 
-    The first side has the nodes at the toe, on the left line and at the heel; the second those at the toe, on the right line
-    and at the heel. `apart`: distance along t up to which nodes may be joined.
+    The first side has the nodes at the toe, on the left line and at the heel. The second side has the nodes at the toe,
+    on the right line and at the heel. `apart`: distance along t up to which nodes may be joined.
     """
     left, right, toe, heel = strip
     a, b = np.concatenate((toe[::-1], left, heel)), np.concatenate((toe, right, heel[::-1]))

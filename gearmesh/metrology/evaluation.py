@@ -15,7 +15,7 @@ normal are divided by cos(beta_b). Positions are roll lengths, or places along t
 
 Signs: a positive profile slope means material that rises to the tip, and a smaller pressure angle. A positive helix
 slope means a larger amount of the helix angle than nominal, or a right-handed helix on spur gears. The standard itself
-was not at hand. The slope is read at the ends of the face and at d_Cf and d_a, as in its edition of 2013; the edition
+was not at hand. The slope is read at the ends of the face and at d_Cf and d_a, as in its edition of 2013. The edition
 of 1995 read it at the ends of L (`TraceRange.over`). Values are evaluated without a filter.
 """
 

@@ -160,8 +160,8 @@ class BallInSpace:
         `phase`, rad, is the direction of the displacement, counted like the teeth from the tooth on x.
 
         A left flank, whose normal is at alpha to the direction of increasing angle, moves by e (sin u + tan(alpha) cos
-        u) along the circle; u is the direction of the displacement relative to the flank. A right flank, whose normal
-        points the other way, moves by e (sin u - tan(alpha) cos u).
+        u) along the circle. Here u is the direction of the displacement relative to the flank. A right flank, whose
+        normal points the other way, moves by e (sin u - tan(alpha) cos u).
         """
         sense = np.copysign(1.0, self.space)
         half_tooth = np.pi / teeth - abs(self.space)

@@ -3,7 +3,7 @@
 All surfaces that bound the teeth move: generated surfaces as `Parallel` surfaces, lands and roots as parallel levels.
 End faces, bore and the rest of the body stay. The moved surfaces are trimmed again, like those of every tooth. Tangent
 surfaces share points and normals, and stay tangent; surfaces that meet in an edge end where they cross. Drawn surfaces
-are drawn again: tip chamfers keep their size, roundings get a radius larger by the distance, and a root that two
+are drawn again: tip chamfers keep their size, and the radius of roundings grows by the distance. A root that two
 cutters leave straight from fillet to fillet stays straight. Distances are in mm, positive away from the material.
 
 A distance may be too large in three ways, which are tested on sections from toe to heel:

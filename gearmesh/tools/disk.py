@@ -2,7 +2,7 @@
 
 The surfaces follow from each other: rack cutter -> helical tooth -> disk -> crowned tooth. The disk is a surface of
 revolution in a tooth space of the gear. Its axis crosses the gear's axis at the distance E = r_p + r_d, on the line x
-through the middle of the space. The disk lies along the teeth, whose direction there is t = (0, sin beta, cos beta):
+through the middle of the space. The disk lies along the teeth, whose direction there is t = (0, sin beta, cos beta).
 
     gear                        middle of the space                disk
     axis along z at x = 0           x = r_p                axis along a = (0, cos beta, -sin beta) at x = E

@@ -2,7 +2,7 @@ r"""Face-milling head cutters: a blade profile turned about the cutter's axis.
 
 Cutter frame: origin in the tip plane on the axis, z along the axis from the cutter into the blank. The blade profile is
 a curve (x, y) of `tools.rack`. x is the height over the tip plane. y is the radius for outside blades and minus the
-radius for inside blades, so that both follow the rack's rule that the blank's outward normal is (sin, -cos):
+radius for inside blades. Both then follow the rack's rule: the blank's outward normal is (sin, -cos).
 
       x ^        inside blade   outside blade
         |             \  _____  /             radius at height x: r - x tan(alpha) inside,
@@ -10,7 +10,7 @@ radius for inside blades, so that both follow the rack's rule that the blank's o
         +----- axis ------ r ------> radius
 
 Outside blades generate the concave flanks of the blank, inside blades the convex flanks [AB Figs. 4, 5]. A toprem is a
-part of the blade next to its tip. It protrudes from the rest of the blade and relieves the flank towards the root:
+part of the blade next to its tip. It protrudes from the rest of the blade and relieves the flank towards the root.
 
       x ^             / cutting edge
         |            /

@@ -1,7 +1,7 @@
 """Rack cutters: a profile in the normal section, swept straight along the tooth trace.
 
 Normal section S_n as in Fig. 1 of [LT02]: x points outward from the blank's axis, y along the pitch plane. The blank's
-tooth is in the space of the rack. This space is centred on y = 0, and its right side is y < 0:
+tooth is in the space of the rack. This space is centred on y = 0, and its right side is y < 0.
 
           x ^
             |   /  space of the rack = tooth of the blank

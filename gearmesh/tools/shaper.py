@@ -2,7 +2,7 @@
 
 Cross section in the frame of the racks: x points from the shaper's pitch cylinder towards the shaper's axis, which is
 outward from the face gear's root; y points across. The gear's tooth is in the space of the shaper, which is centred on
-y = 0:
+y = 0.
 
           x ^   axis of the shaper far above
         ---+---  base circle: the involute begins, theta_s = 0

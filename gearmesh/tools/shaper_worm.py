@@ -1,6 +1,6 @@
 """Worms that grind (or hob) face gears: involute shaper -> thread of the worm -> tooth of the gear [LF04 18.1, 18.14].
 
-The worm takes the shaper's place, with its thread inside the shaper's teeth. The axes of worm and shaper cross:
+The worm takes the shaper's place, with its thread inside the shaper's teeth. The axes of worm and shaper cross.
 
     y ^    worm's axis, at x = -E_ws, at 90 deg +- lambda to z       the frame of the shaper: z its axis, x towards
       |  |                                                           the gear; the pitch point is x = r_ps, y = 0

@@ -1,9 +1,9 @@
 """Bounds of the distance between a mesh (of a tooth or a whole solid) and its exact surfaces, in both directions.
 
-Facets are compared with the surface of their link, which goes on beyond its ends (see `facets`). Chords of sharp edges between
-links, and at toe and heel, are compared with both surfaces (see `edges`). Together these bound the distance of the mesh from
-the exact tooth and of the tooth from the mesh, to first order in distance over radius of curvature: both are closed, and the
-closest points of one on the other leave nothing out.
+Facets are compared with the surface of their link, which goes on beyond its ends (see `facets`). Chords of sharp edges
+between links, and at toe and heel, are compared with both surfaces (see `edges`). Together these bound the distance in
+both directions, from the mesh to the exact tooth and back, to first order in distance over radius of curvature. No
+point is left out, because both surfaces are closed.
 """
 
 from __future__ import annotations

@@ -1,14 +1,14 @@
 """Distances of the chords of a mesh's sharp edges from the exact edges, by the heights of the chords over both surfaces.
 
-In a section across an edge the exact body and the mesh are two equal wedges between planes with normals n1, n2; the vector w
-leads from the exact edge to the chord. With the heights h1 = n1 . w and h2 = n2 . w of the chord, the Hausdorff distance of
-the two surfaces is
+In a section across an edge the exact body and the mesh are two equal wedges between planes with normals n1 and n2. The
+vector w leads from the exact edge to the chord. With the heights h1 = n1 . w and h2 = n2 . w of the chord, the
+Hausdorff distance of the two surfaces is
 
     max |n . w|   over the unit vectors n between n1 and n2.
 
-It is |w| if w (or -w) points into the cone of the normals, because each edge is then the closest point of the other body;
-otherwise it is the larger height. If the surfaces join smoothly, the distance is the height, however far the chord is from the
-seam along the surfaces. If they meet at an acute angle, it is larger than both heights.
+It is |w| if w (or -w) points into the cone of the normals, because each edge is then the closest point of the other
+body. Otherwise it is the larger height. If the surfaces join smoothly, the distance is the height, however far the
+chord is from the seam along the surfaces. If they meet at an acute angle, it is larger than both heights.
 """
 
 from __future__ import annotations

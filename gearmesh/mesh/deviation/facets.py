@@ -25,9 +25,9 @@ Where the surface is singular (an involute at its base circle), H has no bound, 
 |(n(y) - g) . (x_i - x_j)| <= R_ij for some vector g, h differs from sum l_i h_i by at most 2 sum_ij l_i l_j R_ij. The smaller
 of both bounds is taken.
 
-Triangles with a bound above CLOSE_BOUND_RATIO times the largest measured distance are cut into quarters, which are measured
-in the same way: subdivision proves the bound where the curvature changes much over a triangle. After MAX_ROUNDS subdivisions
-the remaining bound is used as it stands.
+Triangles with a bound above CLOSE_BOUND_RATIO times the largest measured distance are cut into quarters, which are
+measured in the same way. Subdivision proves the bound where the curvature changes much over a triangle. After
+MAX_ROUNDS subdivisions the remaining bound is used as it stands.
 """
 
 from __future__ import annotations

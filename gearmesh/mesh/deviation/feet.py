@@ -32,10 +32,10 @@ MATRIX_PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 class Feet:
     """Feet of N points on a surface.
 
-    If no foot was reached, the height is the distance from a point of the surface, which is at least the distance from the
-    surface. If the surface is nearly singular there (r_u and r_v nearly parallel, or one of them nearly 0, as an involute at
-    its base circle), the height is that over the tangent plane: such points lie beyond the end of the surface, where the next
-    link goes on along this plane.
+    If no foot was reached, the height is the distance from a point of the surface, which is at least the distance from
+    the surface. If the surface is nearly singular there (r_u and r_v nearly parallel, or one of them nearly 0, as an
+    involute at its base circle), the height is over the tangent plane. Such points lie beyond the end of the surface,
+    where the next link goes on along this plane.
     """
 
     #: parameters (N, 2) near the feet

@@ -1,10 +1,11 @@
 """Distances of facets from cones, cylinders and planes about z through their corners, in closed form.
 
-The distance of a point (rho, z) from a cone is s (rho - rho of the cone at z), apart from its sign; s is the sine of the angle
-between generatrix and radius. Over a facet z is linear, and so is rho of the cone. The facet's own rho is a distance in the
-plane z = 0, with a gradient of length 1 everywhere. The difference has no extreme inside the facet, unless the linear part has
-the same gradient: the facet is farthest on one of its edges. Take an edge from a to b (projected along z) of length L, at
-distance m from the axis, with k = (rho_b - rho_a) / L. Its largest distance is at rho = m / sqrt(1 - k^2), and it is
+The distance of a point (rho, z) from a cone is s (rho - rho of the cone at z), apart from its sign. Here s is the sine
+of the angle between generatrix and radius. Over a facet z is linear, and so is rho of the cone. The facet's own rho is
+a distance in the plane z = 0, with a gradient of length 1 everywhere. The difference has no extreme inside the facet,
+unless the linear part has the same gradient: the facet is farthest on one of its edges. Take an edge from a to b
+(projected along z) of length L, at distance m from the axis, with k = (rho_b - rho_a) / L. Its largest distance is at
+rho = m / sqrt(1 - k^2), and it is
 
     s (rho_a - k a . (b - a) / L - m sqrt(1 - k^2)).
 """

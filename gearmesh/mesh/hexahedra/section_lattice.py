@@ -166,8 +166,8 @@ class _Links:
     def halve(self, region: Region, s: Array) -> Array:
         """Return places (2 F + 1, T) with every other one halfway between its neighbours by distance.
 
-        The middle in s can be wrong: near a singular end of a flank the length grows with the square of s, and a mid-side node
-        at a quarter of its edge makes the element singular. s: (2 F + 1,) or (2 F + 1, T).
+        The middle in s can be wrong: near a singular end of a flank the length grows with the square of s. A mid-side
+        node at a quarter of its edge makes the element singular. s: (2 F + 1,) or (2 F + 1, T).
         """
         first, last = self.points(region, s[:-2:2]), self.points(region, s[2::2])
         shape = first.shape[:-1]

@@ -203,7 +203,10 @@ def area(a: Array, b: Array, c: Array) -> Array:
 
 
 def within_link(places: Array, near: Array) -> Array:
-    """Return places (..., 2) moved into the link of places `near` (..., 2): on link k, s is 2 k to 2 k + 1 and t is 0 to 1."""
+    """Return places (..., 2) moved into the link of places `near` (..., 2).
+
+    Link k has s from 2 k to 2 k + 1, and t from 0 to 1.
+    """
     low = np.stack((2.0 * np.floor(0.5 * near[..., 0]), np.zeros(near.shape[:-1])), axis=-1)
     inside: Array = np.clip(places, low, low + 1.0)
     return inside

@@ -42,6 +42,7 @@ def image(
         return None
     fixed = tooth.face_breaks
     stations = [*(mesh.stations(s) for s in (0.0, 1.0)), fixed]
+    # two kinds of image: mirrored along s, or turned by half a turn (s and t reversed)
     for turned in (False, True):
         ends = [_image_stations(t, turned) for t in (*(other.stations(1.0 - s) for s in (0.0, 1.0)), fixed)]
         if _same_forms(*forms, turned) and all(map(_same_stations, stations, ends)):
@@ -57,6 +58,7 @@ def image(
         t[np.abs(t - station) <= STATION_TOLERANCE] = station
     second = between(forms[0].second[forms[1]], s, t)
     nodes = LinkNodes.of(tooth, mesh.patch.region, s, t, trimmed, second)
+    # a mirror image reverses the order of the corners, so that normals stay outward
     triangles = made.triangles if turned else made.triangles[:, ::-1]
     edges, sides = edges_of(triangles, s.size)
     _, peaks, normals = deviations_of(nodes, triangles, edges, sides, np.isin(t, fixed))

@@ -28,6 +28,7 @@ def stations(along: Array, fixed: Array, staggered: NDArray[np.bool_]) -> tuple[
     ends = np.concatenate(([0.0], fixed, [1.0]))
     knots = np.linspace(0.0, 1.0, along.shape[1])
     knots = np.unique(np.concatenate((knots, fixed))) if fixed.size else knots
+    # cells of each part between fixed stations: the integral of the density, rounded up
     density = _columns(along, knots)
     total = np.zeros_like(density)
     np.cumsum(0.5 * (density[:, 1:] + density[:, :-1]) * np.diff(knots), axis=1, out=total[:, 1:])

@@ -148,6 +148,7 @@ def mesh_link(
         """Return the heights of arcs over edges (E, 2), mm, without their last digits."""
         return on_grid(points.arch(edges), 1.0 / ROUNDING_MM)
 
+    # strips: the nodes of two neighbouring lines are merged in the order of their levels
     triangulation = StripTriangulation.of(numbers, inner[: count - 1], inner[count - 1 :], level, arch)
     on_break = np.isin(t, tooth.face_breaks)
     held, crease = np.where(on_break, t, 0.0), on_break | np.isin(s, breaks(link)) | (link.surface is None)
@@ -164,6 +165,7 @@ def mesh_link(
         edge, peaks = on_grid(edge, 1.0 / ROUNDING_MM), on_grid(peaks, 1.0 / ROUNDING_MM)
         if peaks.max() <= tolerance or turns == TURNING_ROUNDS[-1]:
             break
+        # strips with bad triangles are triangulated anew, except strips with nodes on breaks, whose edges must stay
         bad, fixed = (
             np.bincount(strip[chosen], minlength=count - 1) > 0
             for chosen in (peaks > tolerance, np.any(held[triangles] > 0.0, axis=1))
@@ -234,6 +236,7 @@ def _between(
 
     The nodes are two lists, for toe and heel, of S arrays of s.
     """
+    # number of cells between two lines: one, or as many as the density of the outline asks for
     totals = [np.interp(s, density[0], integral(*density)) for density in outline]
     cells = np.maximum(1, np.ceil(np.diff(totals) - 1e-9).astype(int))
     # nodes between lines are denser where the curve is bent more
@@ -250,6 +253,7 @@ def _between(
         )
         if not (worst > tolerance).any():
             break
+        # the sag of a chord falls with the square of its length; at most twice as many cells per round
         more = np.ceil(cells * np.clip(np.sqrt(worst / tolerance), 1.0, 2.0)).astype(int)
         cells = np.where(worst > tolerance, np.maximum(more, cells + 1), cells)
     inner = [
@@ -299,6 +303,7 @@ def _form_point_miss(tooth: Tooth, flank: GeneratedLink, stations: Sections) -> 
 
     if not on_edge(stations.of(flank.side)).any():
         return 0.0
+    # three points inside each chord: their distances from the chord, where the form point is sharp
     places, t = (0.0, 1.0 / 3.0, 0.5, 2.0 / 3.0), stations.t
     fine = np.append((t[:-1, None] + np.diff(t)[:, None] * places).ravel(), 1.0)
     ends, s = tooth.ends(flank.side, fine), 0.0 if flank.side is Side.RIGHT else 1.0

@@ -42,10 +42,10 @@ def peaks(sides: Array, centres: Array) -> Array:
     - sides: signed distances (M, 3), mm, at the middles of the edges, opposite to the corners.
     - centres: signed distances (M,), mm, at the centres.
 
-    To second order the distance at barycentric coordinates x, y, z is 4 (a y z + b z x + c x y), with a, b, c at the middles of
-    the edges. Its extreme is at x : y : z = a (b + c - a) : b (c + a - b) : c (a + b - c). If this point is outside the
-    triangle, the extreme is at the middle of an edge. The rest at the centre is of third order; it vanishes on the edges
-    as x y z does.
+    To second order the distance at barycentric coordinates x, y, z is 4 (a y z + b z x + c x y). Here a, b, c are the
+    distances at the middles of the edges. Its extreme is at x : y : z = a (b + c - a) : b (c + a - b) : c (a + b - c).
+    If this point is outside the triangle, the extreme is at the middle of an edge. The rest at the centre is of third
+    order; it vanishes on the edges as x y z does.
     """
     # column by column, because numpy is slow along axes of three
     a, b, c = sides.T

@@ -1,8 +1,8 @@
 """Plan of the mesh of a link: the lines across it, the nodes on each line, and the number of triangles.
 
-With the second form L ds^2 + 2 M ds dt + N dt^2 of a link (see `forms`), the distance of an edge (ds, dt) from the surface is
-an eighth of the form. Nodes on a line of constant s are as far apart as the line allows, |N| dt^2 <= 8 eps. The widest strip
-ds between lines then follows in closed form, in one of four ways:
+A link has the second form L ds^2 + 2 M ds dt + N dt^2 (see `forms`). The distance of an edge (ds, dt) from the surface
+is an eighth of this form. Nodes on a line of constant s are as far apart as the line allows, |N| dt^2 <= 8 eps. The
+widest strip ds between lines then follows in closed form, in one of four ways:
 
     conjugate   Diagonals in the conjugate direction dt/ds = -M / N, nodes at any stations: L becomes L - M^2 / N, M vanishes.
     plain       Edges along the sections, nodes at any stations.
@@ -129,6 +129,7 @@ def link_plans(
     - straight: True for plans without shear, as surfaces with corners at stations need.
     - whole: True if the last link of a tooth ends at the first link of the next tooth.
     """
+    # each link is planned in all four ways, with nodes closer by several factors; each way keeps its cheapest factor
     samples = np.linspace(0.0, 1.0, forms.length.shape[1])
     slope = _slopes(forms, tolerance)
     ways = _ways(forms, slope, tolerance)
@@ -140,6 +141,7 @@ def link_plans(
     plain = 1 + triangles[1:].argmin(axis=0)
     sheared = (triangles[0] <= SHEAR_COST_SHARE * triangles[plain, every]) & (not straight)
     level = np.tile(np.linspace(0.0, 1.0, LEVEL_STATIONS), (samples.size, 1))
+    # chords of the section curves have the sag h^2 / 8 times the second derivative
     density = np.sqrt(forms.outline / (8.0 * at_ends))
     plans = []
 
@@ -147,6 +149,7 @@ def link_plans(
         """Return the plan of link k by way w."""
         way, factor = ways[w], closest[w, k]
         across = way.across[factor, k].max(axis=-1)
+        # few cells along the face: lines are put on the nodes of the section curves, if these are hardly denser
         if np.trapezoid(way.along[factor, k], dx=1.0 / (way.along.shape[-1] - 1), axis=-1).max() <= FEW_FACE_CELLS:
             across = np.maximum(
                 across, np.where(density[k] <= CLOSE_DENSITY_RATIO * across, density[k], 0.0).max(axis=0)
@@ -167,6 +170,7 @@ def link_plans(
         plans.append(plan(k, int(plain[k]), level))
         if sheared[k]:
             shear = _levels(slope[k])
+            # diagonals that lean over too many face widths are not used
             if np.abs(shear - level).max() <= MAX_LEVEL_SHEAR:
                 plans[k] = plan(k, 0, shear, plans[k])
     return plans
@@ -227,8 +231,10 @@ def _ways(forms: Forms, slope: Array, tolerance: float) -> tuple[_Way, ...]:
         least = np.sqrt(forms.sideways / (8.0 * SIDEWAYS_SHARE * np.minimum(widest, 1.0)))
         return np.maximum(along, least)
 
+    # N along the lines: as it is, or M^2 / |L| where N vanishes; aligned nodes need the largest N of all lines
     plain, instead = whole(size), whole(_sizes(forms))
     alike = np.broadcast_to(whole(size.max(axis=1, keepdims=True)), plain.shape)
+    # second form in the basis of s along the diagonal and t: L - 2 slope M + slope^2 N, and M - slope N
     conjugate, rest = length - slope * (2.0 * twist - slope * face), twist - slope * face
     tried: tuple[tuple[Array, Callable[[Array], Array], bool, bool], ...] = (
         (instead, lambda dt: _widest(conjugate, rest, face, dt, limit), False, False),
@@ -239,6 +245,7 @@ def _ways(forms: Forms, slope: Array, tolerance: float) -> tuple[_Way, ...]:
     ways = []
     for along, widest, same, staggered in tried:
         ds = widest(1.0 / along)
+        # if chords would leave their lines too far, nodes get closer, and the strips follow from the closer nodes
         closer_yet = not_folded(along, ds)
         if same:
             closer_yet = np.broadcast_to(closer_yet.max(axis=2, keepdims=True), along.shape)
@@ -297,6 +304,8 @@ def _widest_staggered(length: Array, twist: Array, face: Array, dt: Array, limit
         rest = limit - sign * quarter
         under = skew**2 + 4.0 * sign * length * rest
         with np.errstate(divide="ignore", invalid="ignore"):
+            # smallest positive root of sign L ds^2 + skew ds = rest, without cancellation; the nearer of both limits
+            # counts
             first = 2.0 * rest / (skew + np.sqrt(under))
         ds = np.where(under >= 0.0, np.fmin(ds, first), ds)
     ds = np.clip(ds, 1e-5, 1e3)
@@ -349,6 +358,7 @@ def _levels(slope: Array) -> Array:
         return level
     fine = spline_through(coarse, slope.T, CUBIC_DEGREE)(t).T
     for k in range(s.size - 1, 0, -1):
+        # one step of Heun's method takes the levels of all later rows from s[k] to s[k - 1]
         step = s[k] - s[k - 1]
         here = np.interp(level[k:], t, fine[k])
         there = np.interp(level[k:] + step * here, t, fine[k - 1])

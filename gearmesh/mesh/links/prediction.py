@@ -67,6 +67,7 @@ class Prediction:
         )
         heights, sizes = (_round((edges[0][k], edges[1][k], edges[2][k]), following, open_) for k in (0, 1))
         errors = _worst(heights, sizes, area(a, b, c))
+        # chords on toe and heel are compared with the section curves, too
         for end in (0, 1):
             at_end = np.flatnonzero(near[:, 1] == end)
             for node in (after, before) if at_end.size else ():

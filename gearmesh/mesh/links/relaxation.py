@@ -1,10 +1,10 @@
 """Collapse of edges while the nodes around them move, where the collapse alone would miss the tolerance.
 
-Collapses without moves end when facets use three quarters of the tolerance, because each needs the rest of its ring. Here
-the triangles at all nodes of the ring form a patch. Each edge has its own copy of its patch, so all edges are tried at
-once. The inner nodes of a patch go one after the other to the best of eight places around them, in several sweeps; nodes
-on the section curves at toe and heel move along these. The measure is the sum of a high power of the distances of the
-triangles at a node: all triangles come closer, the worst ones first.
+Collapses without moves end when facets use three quarters of the tolerance, because each needs the rest of its ring.
+Here the triangles at all nodes of the ring form a patch. Each edge has its own copy of its patch, so all edges are
+tried at once. The inner nodes of a patch go one after the other to the best of eight places around them, in several
+sweeps. Nodes on the section curves at toe and heel move along these curves. The measure is the sum of a high power of
+the distances of the triangles at a node: all triangles come closer, the worst ones first.
 """
 
 from __future__ import annotations
@@ -88,11 +88,14 @@ class Patches:
         count = len(st)
         inner, owner, ring = around(triangles, incidence, edges, st, twin)
         corners, on_seam = triangles[ring], on_seams(edges, st, twin)
+        # the collapse puts the first node in the place of the last, on both sides of a seam; triangles with both nodes
+        # vanish
         (keep, gone), (other_keep, other_gone) = edges.T, np.where(on_seam[:, None], twin[edges], -1).T
         for first, last in ((keep, gone), (other_keep, other_gone)) if on_seam.any() else ((keep, gone),):
             corners = np.where(corners == last[owner, None], first[owner, None], corners)
         left = (corners != np.roll(corners, 1, axis=1)).all(axis=1)
         ring, owner = ring[left], owner[left]
+        # each patch has its own copy of its nodes, so that patches may overlap
         codes, local = np.unique(owner[:, None] * count + corners[left], return_inverse=True)
         patch, nodes = np.divmod(codes, count)
         places, merged = st[nodes], nodes == keep[patch]
@@ -127,6 +130,7 @@ class Patches:
         - twin: twins (N,) of the net.
         """
         (ring, corners, owner), (node, patch) = triangles, nodes
+        # reach: a share of the opposite edges; nodes on toe and heel move along s only, nodes on seams along t only
         reach = np.zeros_like(places)
         for k in range(3):
             np.maximum.at(
@@ -211,6 +215,7 @@ class Patches:
         node, triangle, k = node[order], triangle[order], k[order]
         after, before = self.corners[triangle, (k + 1) % 3], self.corners[triangle, (k + 2) % 3]
         follows = following(node, after, before, len(places))
+        # nodes with the same turn have no common triangle, so that they move at the same time
         steps = list[tuple[Index, Index, Index, Index, Index, Index, Index]]()
         for part in np.split(np.arange(node.size), np.flatnonzero(np.diff(self.turn[node])) + 1):
             moved = node[part]
@@ -228,6 +233,7 @@ class Patches:
                 errors = prediction.stars(
                     near[corner_node], tried[corner_node], places[next_node], places[last_node], then
                 )
+                # the present place is one of the tried places: a move never makes the sum at a node larger
                 best = np.add.reduceat(size(errors / tolerance), begins, axis=0).argmin(axis=1)[of_node]
                 places[moved] = tried[np.arange(moved.size), best]
                 reach[moved[best == 0]] *= REACH_FACTOR
@@ -245,6 +251,7 @@ class Patches:
         wanted = ~(crease[b] & crease[c])
         first, second, apex, b, far, c = (part[wanted] for part in (first, second, apex, b, far, c))
         p, miss = self.places, prediction.triangles
+        # sums of both triangles with the present diagonal, and with the other diagonal
         now = size(miss(p[apex], p[b], p[c]) / tolerance) + size(miss(p[far], p[c], p[b]) / tolerance)
         then = size(miss(p[apex], p[b], p[far]) / tolerance) + size(miss(p[apex], p[far], p[c]) / tolerance)
         cost = np.where(then < TURNING_GAIN * now, then - now, np.inf)

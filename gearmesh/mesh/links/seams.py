@@ -90,6 +90,7 @@ class _ToothNet(Net):
                 here = begins[k] + patches[k].nodes.line(0.0)
                 there = begins[k - 1 if k else count - 1] + patches[k - 1].nodes.line(1.0)
                 twin[here], twin[there] = there, here
+        # all links in one net: link k has s from 2 k to 2 k + 1
         st = np.concatenate([_place(patch, k) for k, patch in enumerate(patches)])
         s, t = np.concatenate([patch.nodes.s for patch in patches]), st[:, 1]
         crease = np.zeros(len(st), dtype=bool)

@@ -212,6 +212,7 @@ class Net:
             return
         p = self.st
         miss = self.prediction.triangles
+        # predicted largest distance of both triangles, with the present diagonal and with the other diagonal
         now = np.maximum(miss(p[apex], p[b], p[c]), miss(p[far], p[c], p[b]))
         then = np.maximum(miss(p[apex], p[b], p[far]), miss(p[apex], p[far], p[c]))
         with np.errstate(invalid="ignore"):
@@ -222,6 +223,7 @@ class Net:
         if not chosen.size:
             return
         made = np.stack((apex, b, far, apex, far, c), axis=1)[chosen].reshape(-1, 2, 3)
+        # a turn is kept only if the distance that is measured on the exact surface falls, too
         errors = self._miss(made.reshape(-1, 3)).reshape(-1, 2)
         good = errors.max(axis=1) < self.errors[pairs[chosen]].max(axis=1)
         at = pairs[chosen[good]]
@@ -232,6 +234,7 @@ class Net:
     def collapse(self) -> int:
         """Collapse edges, no two with a common triangle; return the number of edges tried."""
         incidence, tried = self._trials()
+        # predictions are corrected by the ratio of measurement to prediction in earlier trials
         cost = tried.cost * self._boldness(tried.edges)
         cost[cost > self.tolerance] = np.inf
         rings = Rings.of(self.triangles, incidence, tried.edges)
@@ -252,6 +255,7 @@ class Net:
         layers = self._layers(incidence, tried.edges, cost, patience)
         if not layers.size:
             return 0
+        # nodes around the edges move in blocks of patches; the results are measured on the exact surface
         for part in np.split(layers, np.arange(PATCHES_PER_BLOCK, layers.size, PATCHES_PER_BLOCK)):
             some = tried.of_some(part)
             patches = Patches.of(self.triangles, incidence, some.edges, some.at, self.st, turn, self.twin)

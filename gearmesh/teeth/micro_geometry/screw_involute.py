@@ -16,8 +16,8 @@ internal gears), s = +1 on the right side, a(L, z) positive where material is re
     phi = start + (h L + s a) / r_b + rate z,   r_L = s a_L e_t + h L phi_L e_r,   r_z = (r_b e_t + h L e_r) phi_z + e_z
     r_L x r_z = (L / r_b) (q e_r - (1 + h s a_L) e_t + r_b phi_z e_z),   q = s r_b a_L / L
 
-The normal is thus smooth through the base circle, L = 0, to the other branch, as the normal of an `Envelope` is,
-wherever the amount does not change along the profile there.
+The normal is therefore smooth through the base circle, L = 0, to the other branch, like the normal of an `Envelope`.
+This holds wherever the amount does not change along the profile at the base circle.
 """
 
 from __future__ import annotations
