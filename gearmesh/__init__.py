@@ -23,6 +23,7 @@
     gears.animation().save("mesh.gif")                            the mesh cut open, rolling
     gears.report().save("report.html")                            one page for a browser: the gears roll, figures, plots
     gears.run("out")                                              all of it into a folder
+    gm.prove("my_kind")                                           a kind of your own: derivatives, normals, joins, motions
     gm.gear(30, module=1, helix=15)                               one gear without a mating gear
     gm.size(2.5, 64, 2).design(1)                                 cylindrical gears of a ratio, centre distance and module
 

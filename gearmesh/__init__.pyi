@@ -29,6 +29,8 @@ from .answers.load.loaded import LoadedContact as LoadedContact
 from .answers.pinned import Pinned as Pinned
 from .answers.planetary_sizing import PlanetarySizing as PlanetarySizing
 from .answers.planetary_sizing import size_planetary as size_planetary
+from .answers.proof import KindProof as KindProof
+from .answers.proof import prove as prove
 from .answers.result import Result as Result
 from .answers.sheet import Compensation as Compensation
 from .answers.sheet import DesignSheet as DesignSheet

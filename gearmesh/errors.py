@@ -369,6 +369,12 @@ class UnknownFigureError(ArgumentError, KeyError):
         return cls("key", key, reason=f"there is no figure of this name; {hint}")
 
 
+class KindError(GearmeshError):
+    """Fault of a gear system, not of a design: surfaces, motions or bodies that contradict each other."""
+
+    exit_status = 3
+
+
 class NoSolutionError(GearmeshError):
     """Valid design without a solution; the message names place and reason."""
 

@@ -51,6 +51,7 @@ COMMAND_FOLDERS = {
     "study": "contact",
     "describe": "designs",
     "new": "designs",
+    "prove": "designs",
     "pin": "designs",
     "convert": "designs",
     "sample": "designs",

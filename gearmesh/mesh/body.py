@@ -17,6 +17,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.errors import KindError, NoSolutionError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import Level, station_normal
@@ -28,6 +29,9 @@ from gearmesh.teeth.region import BODY_REGIONS, FEATURE_REGIONS, GAP_REGIONS, RA
 
 #: guard of the splitting of edges; each round splits the edges that are the worst of both their triangles
 MAX_SPLITTING_ROUNDS = 10_000
+#: largest distance of a new vertex from its station, as a share of the largest coordinate; farther off, halves of an edge
+#: would miss the station as much as the edge
+MAX_STATION_MISS_SHARE = 1e-8
 #: rounds of turning the edges of an end face; each round can save inner vertices
 TURNING_ROUNDS = 8
 #: step of the grid on which polygons are triangulated, as a share of their largest coordinate
@@ -203,6 +207,8 @@ def split_long(
     - points: points in a chart of the station (N, 2), and in space (N, 3).
     - level: axial station of points.
     - lift: function from the chart to space.
+
+    Raises KindError if the chart does not lift to the station: then no splitting would end.
     """
     q, r = points
     station = float(level.value(r[0]))
@@ -213,8 +219,20 @@ def split_long(
         if not chosen.size:
             break
         middle = 0.5 * (q[edges[chosen, 0]] + q[edges[chosen, 1]])
+        lifted = lift(middle)
+        off = float(np.abs(np.asarray(level.value(lifted)) - station).max())
+        if not off <= MAX_STATION_MISS_SHARE * float(np.abs(lifted).max()):
+            raise KindError(
+                "end face",
+                reason=f"its triangles are {off:.3g} mm off the station {station:.6g} mm",
+                must_be="a plane, cone or cylinder about the axis through teeth and body",
+            )
         triangles = _split(triangles, edges[chosen], owners[chosen], len(q))
-        q, r = np.concatenate((q, middle)), np.concatenate((r, lift(middle)))
+        q, r = np.concatenate((q, middle)), np.concatenate((r, lifted))
+    else:
+        raise NoSolutionError(
+            "end face", reason=f"{MAX_SPLITTING_ROUNDS} rounds of splitting do not bring it within the tolerance"
+        )
     return triangles, r
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar, cast
 
 from gearmesh.arguments import checks_arguments
 from gearmesh.design.unusual import unusual_settings
-from gearmesh.errors import ArgumentError, DesignError, FileError, NoSolutionError
+from gearmesh.errors import ArgumentError, DesignError, FileError, KindError, NoSolutionError
 from gearmesh.figures import Summary
 from gearmesh.systems.kinds import OWN_KINDS, kind_of_words
 
@@ -174,14 +174,62 @@ class PatternCheck(Generic[D]):
 class Displacements(Generic[ForD]):
     """Errors of assembly that move the members of a pair and do not change their teeth.
 
-    - keys: keys of the table `assembly`.
+    - keys: keys of the table `assembly`, without its name: "dx", not "assembly.dx".
     - bases: returns the bases of the mounts of pinion and gear. Its arguments are a design in mm in which all errors
-      are 0, its gear set, and values (M,) of each error (mm, deg). It returns rotations (M, 3, 3) and translations (M,
-      3).
+      are 0, its gear set, and values (M,) of each error (mm, deg) by the names in `keys`. It returns rotations (M, 3, 3)
+      and translations (M, 3).
     """
 
     keys: tuple[str, ...]
     bases: Callable[[ForD, GearTrain, Mapping[str, Array]], tuple[Rigid, Rigid]]
+
+    def __post_init__(self) -> None:
+        """Raise KindError for names of keys with the name of a table."""
+        for key in self.keys:
+            if "." in key:
+                plain = key.rpartition(".")[2]
+                raise KindError(
+                    "displacements", key, must_be=f'a key of the table assembly without its name: "{plain}"'
+                )
+
+    def displaced(self, design: Any, train: GearTrain, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
+        """Return the result of `bases`.
+
+        Parameters
+        ----------
+        design : Design
+            In mm, without errors of assembly.
+        train : GearTrain
+            Its gear set.
+        errors : mapping of str to ndarray
+            Values (M,), mm or deg, of every error in `keys`.
+
+        Returns
+        -------
+        tuple of Rigid
+            Bases of the mounts of pinion and gear.
+
+        Raises
+        ------
+        KindError
+            Where `bases` asks for another key.
+
+        Examples
+        --------
+        >>> system = gm.system("cylindrical")
+        >>> errors = {key: np.zeros(1) for key in system.displacements.keys}
+        >>> bases = system.displacements.displaced(gears.design.in_mm(), gears.train, errors)
+        >>> len(bases)
+        2
+        """
+        try:
+            return self.bases(design, train, errors)
+        except KeyError as missing:
+            raise KindError(
+                "displacements",
+                reason=f"`bases` asks for the error {missing}",
+                must_be=f"one of {', '.join(self.keys)}",
+            ) from missing
 
 
 @dataclass(frozen=True)
@@ -391,6 +439,18 @@ def design_class(kind: str) -> type[Design]:
     return own
 
 
+def assembly_key(design: type[Design], key: str) -> str:
+    """Return the dotted key of an error of assembly of a class of designs.
+
+    Raises KindError where a kind names a key that its designs do not have.
+    """
+    dotted, table = f"assembly.{key}", design.table_of("assembly") if "assembly" in design.names() else None
+    if table is None or design.key_at(dotted) is None:
+        known = "its designs have no table assembly" if table is None else f"one of {', '.join(table.names())}"
+        raise KindError(f"{design.own_kind}: errors of assembly", key, must_be=known)
+    return dotted
+
+
 def system_of(design: Design) -> System[Any]:
     """Return the gear system of a design: the system of its kind, or of single members of this kind."""
     own = system(design.kind)
@@ -453,7 +513,16 @@ def _fill(design: D) -> D:
 def _train(design: Design) -> GearTrain:
     """Return the gear set of a design, with measured flanks and places and with eccentric members."""
     own = _fill(design).in_mm()
-    train: GearTrain = system_of(own).build(own)
+    return finished(own, system_of(own).build(own))
+
+
+def finished(own: Design, train: GearTrain) -> GearTrain:
+    """Return the gear set that a kind built of a design in mm, with measured flanks and places and eccentric members.
+
+    Raises KindError where surfaces of a tooth do not join.
+    """
+    for member in train.members.values():
+        member.tooth.prove_joined()
     # modules for measured teeth are only loaded if the design has some
     if getattr(own, "measured", None) is not None:
         train = _with_measured_places(own, _with_measured_flanks(own, train))
@@ -531,6 +600,7 @@ def member(design: Design, name: str) -> ToolPart:
             train = _train(design)
             return ToolPart(train.members[name], warnings=train.warnings)
         part, real = make(own), MeasuredMembers(own)
+        part.member.tooth.prove_joined()
         return replace(part, member=real.of_member(part.member), warnings=(*part.warnings, *real.warnings))
 
     return _refused_by_name(design, alone, alone)
@@ -645,4 +715,6 @@ def worm(design: Design) -> ToolPart:
     made = system_of(design).worm
     if made is None:
         raise ArgumentError("member", "worm", must_be=f"pinion or gear; kind {design.kind} has no worm")
-    return made(complete_design(design).in_mm())
+    part = made(complete_design(design).in_mm())
+    part.member.tooth.prove_joined()
+    return part

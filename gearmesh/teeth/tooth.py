@@ -8,6 +8,8 @@ flank, both end at their true intersection.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -15,6 +17,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from gearmesh.errors import KindError
 from gearmesh.kernel.envelope.limiting_line import area_density
 from gearmesh.kernel.motion.joint import REVOLUTE_JOINT, Joint
 from gearmesh.kernel.motion.rigid import Rigid
@@ -89,10 +92,19 @@ MIN_SEAM_SHARE = 1e-3
 TIP_APPROACH_SHARES = (0.75, 0.5, 0.25, 0.0)
 #: half of the step in s with which drawn curves are differentiated
 HALF_STEP = 1e-6
+#: stations, of which t is given, at which neighbouring links are compared where they meet
+JOINED_STATIONS_T = (0.0, 0.5, 1.0)
+#: words for the place where flank and fillet meet
+FORM_POINT_PLACE = "at the form point"
+#: largest distance between neighbouring links where they meet, as a share of the largest coordinate
+MAX_GAP_SHARE = 1e-8
 #: rounds in which the interval with a beginning or end of undercut is divided
 BREAK_ROUNDS = 5
 #: parts of the interval in each round: more samples cost less than more rounds
 BREAK_PARTS = 256
+
+#: what is called with every tooth that is proved, before it is trimmed: the proof of a kind compares its surfaces
+before_trimming: ContextVar[Callable[[Tooth], object] | None] = ContextVar("before_trimming", default=None)
 
 #: flank parameters (T,) and jets of the tips of the right and the left side
 Tips = tuple[tuple[Array, Jet], tuple[Array, Jet]]
@@ -583,7 +595,7 @@ class Tooth:
         >>> tooth.ends("right", np.array([0.5])).tip_angle.shape
         (1,)
         """
-        return self._ends(which, t, self._tip(self.side(which), self.stations(t), t), root=False)
+        return self._ends(which, t, self._tip_of(which, t), root=False)
 
     @cached_property
     def even(self) -> Sections:
@@ -670,12 +682,18 @@ class Tooth:
         ------
         TrimError
             Where it cannot be trimmed, naming the station.
+        KindError
+            Where its surfaces do not join, naming them and the station.
 
         Examples
         --------
         >>> tooth = gears.members["pinion"].tooth
         >>> tooth.prove()
         """
+        self.prove_joined()
+        compare = before_trimming.get()
+        if compare is not None:
+            compare(self)
         t = np.linspace(0.0, 1.0, PROOF_STATIONS)
         tips = self._tips(t)
         self._prove_land(t, tips)
@@ -685,6 +703,82 @@ class Tooth:
             t = np.append(t, np.clip(beside, 0.0, 1.0))
             tips = self._tips(t)
         self._sections(t, tips)
+
+    def prove_joined(self) -> None:
+        """Compare neighbouring surfaces of each side where their parameters say that they meet, at toe, mid face and heel.
+
+        Where the flank is undercut, flank and fillet end at their intersection, which is solved. A tooth is compared
+        once.
+
+        Raises
+        ------
+        KindError
+            Where they are apart, naming both surfaces and the station.
+
+        Examples
+        --------
+        >>> tooth = gears.members["pinion"].tooth
+        >>> tooth.prove_joined()
+        """
+        if not self._joined:
+            for which in Side:
+                self._prove_side_joined(which)
+            self._joined.append(True)
+
+    @cached_property
+    def _joined(self) -> list[bool]:
+        """One entry as soon as `prove_joined` has found no gap."""
+        return []
+
+    def _prove_side_joined(self, which: Side) -> None:
+        """Raise KindError where surfaces of one side do not meet; see `prove_joined`."""
+        side, corner, axial = self.side(which), self.side(which).tip_corner, self.blank.axial
+        stations = self.stations(JOINED_STATIONS_T)
+        flank, fillet, edge = FLANK_REGIONS[which], FILLET_REGIONS[which], TIP_EDGES[which]
+
+        def points(surface: Surface, *parameters: float) -> Array:
+            """Return points (P, T, 3) of a surface with first parameters (P,); NaN at stations that it does not reach."""
+            p = np.repeat(np.array(parameters, dtype=float)[:, None], stations.size, axis=1)
+            followed = follow(surface, p, stations, axial)
+            return np.where(followed.converged[..., None], followed.jet.r, np.nan)
+
+        on_flank = points(side.flank, side.form_point[0], *(() if corner is None else corner.form_point[:1]))
+        on_fillet = points(side.fillet, side.form_point[1], side.root)
+        compared = []
+        # surfaces that cross are cut at their intersection, which is solved wherever the tooth is trimmed
+        if not side.crossed:
+            compared.append((f"{flank} and {fillet}", FORM_POINT_PLACE, on_flank[0] - on_fillet[0]))
+        if corner is not None and not corner.crossed:
+            apart = on_flank[1] - points(corner.surface, corner.form_point[1])[0]
+            compared.append((f"{flank} and {edge}", "at the tip", apart))
+        if self.bottom is None:
+            below = self.blank.root.value(on_fillet[1])[:, None]
+        else:
+            end, ahead = (self.bottom.ends[1], 0.0) if which is Side.RIGHT else (self.bottom.ends[0], -self.pitch_angle)
+            below = points(self.bottom.surface, end)[0] - self.joint.to(ahead).point(on_fillet[1])
+        compared.append((f"{fillet} and {Region.ROOT}", "at the root", below))
+        largest = float(np.fmax.reduce(np.abs(on_fillet), axis=None, initial=float(np.abs(stations).max())))
+        for surfaces, place, apart in compared:
+            gap = np.linalg.norm(apart, axis=-1)
+            gap[~(gap > MAX_GAP_SHARE * largest)] = 0.0
+            if gap.any() and place == FORM_POINT_PLACE:
+                gap[self._undercut_at(side, np.array(JOINED_STATIONS_T))] = 0.0
+            if gap.any():
+                k = int(gap.argmax())
+                raise KindError(
+                    surfaces,
+                    reason=f"they are {gap[k]:.3g} mm apart {place}, at t = {JOINED_STATIONS_T[k]:g} (station "
+                    f"{stations[k]:.6g} mm)",
+                    must_be="joined there",
+                )
+
+    def _undercut_at(self, side: ToothSide, t: Array) -> NDArray[np.bool_]:
+        """True (T,) at stations t where a flank is undercut, or where it cannot be trimmed."""
+        found = np.ones(t.shape, dtype=bool)
+        for k in range(t.size):
+            with suppress(TrimError):
+                found[k] = self._cut_off(side, t[k : k + 1])[0]
+        return found
 
     @property
     def has_loops(self) -> bool:
@@ -1023,6 +1117,11 @@ class Tooth:
 
     def _ends(self, which: Side, t: Array, at_tip: tuple[Array, Jet], *, root: bool = True) -> Ends:
         """Trim one side from its tip at t (T,); without `root` the polar angle of the root is NaN."""
+        with _trimming(which):
+            return self._side_ends(which, t, at_tip, root=root)
+
+    def _side_ends(self, which: Side, t: Array, at_tip: tuple[Array, Jet], *, root: bool) -> Ends:
+        """Return `_ends`; a TrimError does not name the side."""
         side, stations, (tip, tip_jet) = self.side(which), self.stations(t), at_tip
         tip_point, tip_corner = tip_jet.r, np.full_like(stations, np.nan)
         # form point, or the intersection of flank and fillet where the flank is undercut
@@ -1068,8 +1167,13 @@ class Tooth:
 
     def _tips(self, t: Array) -> Tips:
         """Return `_tip` of both sides at t (T,)."""
-        right, left = (self._tip(self.side(which), self.stations(t), t) for which in Side)
+        right, left = (self._tip_of(which, t) for which in Side)
         return right, left
+
+    def _tip_of(self, which: Side, t: Array) -> tuple[Array, Jet]:
+        """Return `_tip` of one side at t (T,)."""
+        with _trimming(which):
+            return self._tip(self.side(which), self.stations(t), t)
 
     def _tip(self, side: ToothSide, stations: Array, t: Array) -> tuple[Array, Jet]:
         """Solve for the flank's tip: the point on the tip's level, or where a generated chamfer or rounding begins.
@@ -1225,6 +1329,16 @@ class Tooth:
         turns = self.joint.running(width) - width
         grown: Array = (turns - turns[way == 0.5])[np.searchsorted(way, t)]
         return grown
+
+
+@contextmanager
+def _trimming(side: Side) -> Iterator[None]:
+    """Name the side in a TrimError from the block."""
+    try:
+        yield
+    except TrimError as failure:
+        failure.side = failure.side or side.value
+        raise
 
 
 def _changes(holds: Callable[[Array], NDArray[np.bool_]]) -> Array:

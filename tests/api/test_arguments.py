@@ -78,7 +78,10 @@ NEEDED: dict[str, tuple[Any, ...]] = {
     "parse": (SMALL,),
     "toml": ({},),
 }
-VERBS = ("build", "gear", "load", "load_rexs", "new", "parse", "register", "size", "size_planetary", "system", "toml")
+VERBS = (
+    *("build", "gear", "load", "load_rexs", "new", "parse", "prove", "register", "size", "size_planetary"),
+    *("system", "toml"),
+)
 METHODS = [name for name, _ in inspect.getmembers(gm.Gears, inspect.isfunction) if not name.startswith("_")]
 
 

@@ -16,6 +16,7 @@ LIGHT = {
     "describe": "describe {design}",
     "tca": "tca {design} --torque 20 --ease-off {folder}/a.json",
     "limits": "limits {design}",
+    "prove": "prove {design}",
     "drawing": "drawing {design} --member {member} -o {folder}/a.svg",
     "section": "solid {design} --member {member} -o {folder}/a.dxf --curves arcs --tol 50um",
     "grid": "grid {design} --member {member} -o {folder}/a.csv --surface all",

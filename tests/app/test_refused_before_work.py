@@ -43,6 +43,7 @@ BASE: dict[str, list[str]] = {
     "size": ["--ratio", "2", "--center-distance", "64", "--module", "2"],
     "study": [SPUR, "--vary", "assembly.dx=0:0.1:2"],
     "describe": [SPUR],
+    "prove": [SPUR],
     "new": ["hypoid"],
     "pin": [SPUR, "-o", "out.toml"],
     "convert": [SPUR, "-o", "out.rexs"],

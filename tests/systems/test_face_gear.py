@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,6 +10,7 @@ from oracles.built import pair_of
 from oracles.curvature import undercut_indicator
 from oracles.examples import some
 from oracles.places import SAMPLES
+from oracles.stretched import stretched
 from scipy.optimize import root
 
 from gearmesh import build
@@ -263,7 +263,7 @@ def test_limits_by_closed_form_by_the_trimmed_sections_and_by_the_surface(angle:
     np.testing.assert_allclose(tooth.blank.extent, (inner + give, outer - give), rtol=0, atol=1e-9)
 
     def at(radius: float) -> Tooth:
-        return replace(tooth, blank=replace(tooth.blank, extent=(radius, radius + 1.0)))
+        return stretched(tooth, radius, radius + 1.0)
 
     def fault(radius: float) -> str:
         try:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from oracles.built import pair_of
 from oracles.overlap import overlap
 from oracles.places import SAMPLES
+from oracles.stretched import stretched
 
 from gearmesh.check.members import roll_flanks
 from gearmesh.contact.flanks import analyse
@@ -105,13 +104,13 @@ def test_limits_of_both_flanks_by_closed_form_and_by_the_surface(overrides: tupl
     assert abs(inner[0] - inner[1]) > 5.0
     # of the other flank no section is undercut: it begins where the shaper begins to generate
     radius, side = max(zip(inner, Side, strict=True))
-    near = replace(tooth, blank=replace(tooth.blank, extent=(radius + 1.0, radius + 20.0)))
+    near = stretched(tooth, radius + 1.0, radius + 20.0)
     assert undercut_station(near, near.side(side)) == pytest.approx(radius, abs=1e-6)
     assert np.isnan(undercut_station(near, near.side(side.other)))
     assert pointed_station(tooth) == pytest.approx(outer, abs=1e-6)
 
     def fault(radius: float) -> str:
-        at = replace(tooth, blank=replace(tooth.blank, extent=(radius, radius + 1.0)))
+        at = stretched(tooth, radius, radius + 1.0)
         try:
             at.sections([0.0])
         except TrimError as failure:
@@ -120,7 +119,7 @@ def test_limits_of_both_flanks_by_closed_form_and_by_the_surface(overrides: tupl
 
     assert [fault(outer + d) for d in (-1e-6, 1e-6)] == ["", "pointed"]
     for d, cut in ((-1e-4, True), (1e-4, False)):
-        sections = replace(tooth, blank=replace(tooth.blank, extent=(radius + d, radius + 1.0))).sections([0.0])
+        sections = stretched(tooth, radius + d, radius + 1.0).sections([0.0])
         assert bool(sections.of(side).form_point_flank[0] != tooth.side(side).form_point[0]) is cut
 
 

@@ -14,6 +14,7 @@ import pytest
 from oracles.built import pair_of
 from oracles.command_line import messages, refused, run
 from oracles.places import SAMPLES
+from oracles.stretched import stretched
 from scipy.optimize import brentq
 
 import gearmesh as gm
@@ -249,7 +250,7 @@ def test_a_tip_raised_to_the_limit_has_the_land_asked_for(sample: str, land: flo
 def test_pointing_along_the_face() -> None:
     tooth = member("beveloid_crossed").tooth
     at = pointed_station(tooth, 1.5)
-    longer = replace(tooth, blank=replace(tooth.blank, extent=(tooth.blank.extent[0], at)))
+    longer = stretched(tooth, tooth.blank.extent[0], at)
     sections = longer.sections(1.0)
     tip = tooth.blank.tip
     radius = tip.radius + tip.slope * at

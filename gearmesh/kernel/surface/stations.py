@@ -22,6 +22,14 @@ RELATIVE_TOLERANCE = 1e-9
 MAX_BATCH_STEPS = 8
 #: steps that must halve the distance of a point; otherwise the point is given up
 STEPS_PER_HALVING = 8
+#: surfaces that cannot be trimmed, by `TrimError.what`; the flank for others
+UNTRIMMED_SURFACES = {
+    "pointed": ("land",),
+    "root": ("fillet",),
+    "edge": ("edge",),
+    "undercut": ("flank", "fillet"),
+    "crossing": ("flank", "fillet"),
+}
 
 
 class TrimError(NoSolutionError):
@@ -31,6 +39,14 @@ class TrimError(NoSolutionError):
         super().__init__(reason=message, excess=excess)
         # what: "pointed", "undercut", "flank", "tip" or "edge"; station: t
         self.what, self.station = what, station
+        # side of the tooth, "right" or "left"; empty for both
+        self.side = ""
+
+    @property
+    def surfaces(self) -> tuple[str, ...]:
+        """Names of the surfaces that could not be trimmed, with their side if it is known."""
+        side = f"_{self.side}" if self.side else ""
+        return tuple(f"{surface}{side}" for surface in UNTRIMMED_SURFACES.get(self.what, ("flank",)))
 
 
 @dataclass(frozen=True)

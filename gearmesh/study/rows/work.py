@@ -288,8 +288,9 @@ class Variant:
 
 def displacing_keys(kind: str) -> tuple[str, ...]:
     """Return the dotted keys of a kind that only move its members."""
-    known = systems.system(kind).displacements
-    return () if known is None else tuple(f"assembly.{key}" for key in known.keys)
+    system = systems.system(kind)
+    known = () if system.displacements is None else system.displacements.keys
+    return tuple(systems.assembly_key(system.design, key) for key in known)
 
 
 def own_keys(design: Design) -> Mapping[str, Any]:
@@ -356,7 +357,7 @@ def _bases(
             meant = type(design).key_at(dotted)
             factor = design.mm_per_unit if meant is not None and meant.unit == "length" else 1.0
             values[key] = factor * errors.get(dotted, np.full(count, own[dotted]))
-        bases = known.bases(design.in_mm(), train, values)
+        bases = known.displaced(design.in_mm(), train, values)
     first, second = (
         Rigid(np.broadcast_to(b.rotation, (count, 3, 3)), np.broadcast_to(b.translation, (count, 3))) for b in bases
     )
