@@ -356,7 +356,10 @@ def cost_runs(rows: list[dict[str, Any]]) -> dict[str, CostRun]:
 
 
 def kinds(quick: bool) -> list[dict[str, Any]]:
-    """Flanks, fillets and ends of a member of every kind: triangles over the fewest possible, by the mesher's own error."""
+    """Flanks, fillets and ends of a member of every kind: triangles over the fewest possible, by the mesher's own error.
+
+    A bound below one triangle, as rounding leaves it on developable flanks, is no bound: the cell is empty.
+    """
     rows = []
     for sample, name in KINDS:
         member = _member(sample, name)
@@ -372,7 +375,7 @@ def kinds(quick: bool) -> list[dict[str, Any]]:
             row = {"member": f"{sample}, {name}", "tolerance_um": tolerance, "error_um": 1e3 * error}
             for links, regions in (("flanks", FLANK_REGIONS), ("fillets", FILLET_REGIONS)):
                 least = sum(asked[region].fewest for region in regions.values()) / error
-                least = least if least > 1e-3 else np.nan
+                least = least if least >= 1.0 else np.nan
                 row[links] = sum(taken[region] for region in regions.values()) / least
             least = sum(need.fewest for need in asked.values()) / error
             teeth = sum(taken.values()) * member.tooth.teeth * len(member.halves)
@@ -382,7 +385,7 @@ def kinds(quick: bool) -> list[dict[str, Any]]:
                     **{
                         key: "" if isinstance(value, float) and np.isnan(value) else value for key, value in row.items()
                     },
-                    "both": curved / least if least > 1e-3 else "",
+                    "both": curved / least if least >= 1.0 else "",
                     "counted": curved / counted,
                     "ends": 100.0 * (1.0 - teeth / len(solid.triangles)),
                     "least_ends": 100.0 * least_ends / (least_ends + teeth),
