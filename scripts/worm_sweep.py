@@ -10,7 +10,7 @@ of even seeds, with all that interferes, beside the other flank too; where flank
 those that are uniform (hob of the worm's size, and any hob of a ZI worm; where flanks cross that is reported); and meshes of the
 flanks rolled against each other at one position: where they are ahead of the solver, teeth go through each other that the solver
 does not know of. A refusal must name a key that the design sets. Prints a line for every drive that is not plain and two tables;
-with --write those of the notes on worm drives become them. With --keep drives are kept in a file as they are tried, and those in
+with --write both are kept in scripts/measured. With --keep drives are kept in a file as they are tried, and those in
 it are not tried again. Exit 1 if a solid is no solid, a refusal names no key that is set, or interference is not reported.
 
 Answers would take four times as long: they have solids of their own for the roll test, and what would free a pair that jams.
@@ -39,7 +39,6 @@ from gearmesh.contact.engagement.engagement import whole_engagement
 from gearmesh.contact.first_touch.crossing import crossing_over_a_pitch
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.mesh.solid import prove
-from gearmesh.systems import worm_drive
 
 #: tolerance of the solids, and of the flanks that are rolled against each other, mm
 TOLERANCE, ROLLED = 0.02, 1e-3
@@ -50,7 +49,6 @@ UNIFORM = 1e-9
 #: positions of a path, over the engagement
 POSITIONS = 15
 FORMS = ("ZA", "ZN", "ZI", "ZK", "ZC")
-NOTES = Path(str(worm_drive.__file__)).with_name("notes.md")
 #: faults that the program does not report, and what it does report
 FAULTS = ("wrong key", "no solid", "bad solids", "no answer", "silent interference", "transmission error")
 REPORTED = ("undercut", "interference", "crossing flanks", "contact ratio below 1", "no contact")
@@ -231,7 +229,7 @@ def main() -> int:
     parser.add_argument("--no-solids", dest="solids", action="store_false", help="without solids")
     parser.add_argument("--no-contact", dest="contact", action="store_false", help="members alone")
     parser.add_argument("--keep", type=Path, metavar="FILE", help="JSON lines of the drives that have been tried")
-    parser.add_argument("--write", action="store_true", help="put the tables into the notes on worm drives")
+    parser.add_argument("--write", action="store_true", help="keep the tables in scripts/measured")
     asked = parser.parse_args()
     drives = kept(asked.keep)
     missing = sorted(set(range(asked.seed, asked.seed + asked.count)) - drives.keys())
@@ -244,12 +242,12 @@ def main() -> int:
                 with asked.keep.open("a", encoding="utf-8") as file:
                     print(json.dumps(asdict(drive)), file=file)
     every = [drives[seed] for seed in sorted(drives)]
-    shown = {"worms": tables.table(summary_of(every), COLUMNS)}
-    if refusals := refusals_of(every):
-        shown["worms refused"] = tables.table(refusals, REFUSED)
-    print(*shown.values(), sep="\n\n")
-    if asked.write:
-        tables.rewrite(NOTES, shown)
+    found = {"worms": summary_of(every), "worms_refused": refusals_of(every)}
+    for name, columns in (("worms", COLUMNS), ("worms_refused", REFUSED)):
+        if rows := found[name]:
+            print(tables.table(rows, columns), end="\n\n")
+            if asked.write:
+                tables.keep(name, rows, columns)
     return 1 if any({"bad solids", "wrong key", "silent interference"} & drive.faults.keys() for drive in every) else 0
 
 
