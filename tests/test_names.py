@@ -12,6 +12,7 @@ import pytest
 PACKAGE = Path(__file__).parents[1] / "gearmesh"
 #: packages and modules whose docstrings and constants are still to be rewritten
 TO_REWRITE = {
+    "formats.py",
     "systems",
     "systems/cylindrical",
     "systems/face_gear",

@@ -20,11 +20,12 @@ from gearmesh.design.core import Design, RexsSource
 from gearmesh.design.files import anchor, counted_from, every_key, stated_text
 from gearmesh.errors import ArgumentError, DesignError, FileError
 from gearmesh.exchange.model import WRITTEN_VERSION, Component, LoadCase, RexsModel
-from gearmesh.exchange.rexs_file import REXS_SUFFIXES, read_rexs, rexs_bytes
+from gearmesh.exchange.rexs_file import read_rexs, rexs_bytes
 from gearmesh.exchange.stage import StageReader
 from gearmesh.exchange.stage_form import StageForm
 from gearmesh.exchange.stage_writer import StageWriter
 from gearmesh.figures import Content, Figures, figure
+from gearmesh.formats import JSON_SUFFIX, REXS_SUFFIXES, TOML_SUFFIX
 from gearmesh.numerals import parse_whole_number
 from gearmesh.systems.designs import parse_as_stated
 from gearmesh.systems.system import System, complete_design, kinds, system, system_of
@@ -73,7 +74,7 @@ class RexsReading(Result):
     @property
     def suffixes(self) -> tuple[str, ...]:
         """Suffixes of the files that `save` writes."""
-        return (".json", ".toml")
+        return (JSON_SUFFIX, TOML_SUFFIX)
 
     @property
     def headline(self) -> str:
@@ -257,7 +258,7 @@ class RexsExport(Result):
     @property
     def suffixes(self) -> tuple[str, ...]:
         """Suffixes of the files that `save` writes."""
-        return (".json", *REXS_SUFFIXES)
+        return (JSON_SUFFIX, *REXS_SUFFIXES)
 
     @property
     def headline(self) -> str:

@@ -13,6 +13,7 @@ from gearmesh.answers.tables import Listing, plain
 from gearmesh.design.core import Design
 from gearmesh.design.files import every_key
 from gearmesh.figures import Content
+from gearmesh.formats import JSON_SUFFIX, TOML_SUFFIX
 from gearmesh.systems.designs import parse
 from gearmesh.teeth.gear_train import GearPair
 
@@ -36,7 +37,7 @@ class Pinned(Result):
     @property
     def suffixes(self) -> tuple[str, ...]:
         """Suffixes of the files that `save` writes."""
-        return (".json", ".toml")
+        return (JSON_SUFFIX, TOML_SUFFIX)
 
     @property
     def headline(self) -> str:

@@ -14,6 +14,7 @@ from gearmesh.answers.tables import Listing, align, as_html, json_text, plain
 from gearmesh.design.core import Design
 from gearmesh.errors import OutputError
 from gearmesh.figures import Content, Figures, Summary, as_rows, figure
+from gearmesh.formats import JSON_SUFFIX
 from gearmesh.pickling import Picklable
 
 
@@ -28,7 +29,7 @@ class Result(Picklable, ABC):
     @property
     def suffixes(self) -> tuple[str, ...]:
         """Suffixes of the files that `save` writes."""
-        return (".json",)
+        return (JSON_SUFFIX,)
 
     @property
     @abstractmethod
@@ -140,7 +141,7 @@ class Result(Picklable, ABC):
         target = Path(path)
         if target.suffix.lower() not in self.suffixes:
             raise OutputError("cannot write", target, reason=f"its suffix must be one of {', '.join(self.suffixes)}")
-        if target.suffix.lower() == ".json":
+        if target.suffix.lower() == JSON_SUFFIX:
             from gearmesh.io.atomic import whole_text
 
             whole_text(target, self.json(timing=timing))

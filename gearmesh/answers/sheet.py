@@ -14,6 +14,7 @@ from gearmesh.answers.tables import Listing, plain
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.figures import ZERO_SIZES, Content, Figures, at_resolution, figure
+from gearmesh.formats import JSON_SUFFIX, TOML_SUFFIX
 from gearmesh.systems import system as systems
 from gearmesh.systems.common.plain_sheet import (
     MASS_TITLE,
@@ -37,7 +38,7 @@ class Filling(Result):
     @property
     def suffixes(self) -> tuple[str, ...]:
         """Suffixes of the files that `save` writes."""
-        return (".json", ".toml")
+        return (JSON_SUFFIX, TOML_SUFFIX)
 
     @abstractmethod
     def apply(self) -> Design:

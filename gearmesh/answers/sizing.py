@@ -16,6 +16,7 @@ from gearmesh.arguments import checks_arguments
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, figure
+from gearmesh.formats import JSON_SUFFIX, TOML_SUFFIX
 from gearmesh.lengths import Length, in_mm
 from gearmesh.systems.cylindrical.sizing import Candidate, Wanted, candidates
 from gearmesh.systems.designs import parse
@@ -64,7 +65,7 @@ class DesignChoice(Result):
     @property
     def suffixes(self) -> tuple[str, ...]:
         """Suffixes of the files that `save` writes."""
-        return (".json", ".toml")
+        return (JSON_SUFFIX, TOML_SUFFIX)
 
     @property
     @abstractmethod

@@ -21,6 +21,7 @@ from gearmesh.app.naming import naming_options
 from gearmesh.app.stopping import Stopping
 from gearmesh.app.terminal import one_line
 from gearmesh.errors import GearmeshError
+from gearmesh.formats import JSON_SUFFIX, TOML_SUFFIX
 
 #: base class of all errors of the command line itself, whose module depends on the installed typer
 _UsageError: Any = typer.BadParameter.__mro__[1]
@@ -54,6 +55,7 @@ COMMAND_FOLDERS = {
     "prove": "designs",
     "pin": "designs",
     "convert": "designs",
+    "formats": "designs",
     "sample": "designs",
 }
 
@@ -78,6 +80,8 @@ OTHER_NAMES = {
     "sizing": "size",
     "measure": "evaluate",
     "vtk": "solid",
+    "suffixes": "formats",
+    "suffix": "formats",
 }
 
 #: exit status after Ctrl-C
@@ -142,7 +146,7 @@ def _no_command(name: str) -> str:
 
     from gearmesh.errors import nearest
 
-    if Path(name).suffix in (".toml", ".json") or Path(name).is_file():
+    if Path(name).suffix in (TOML_SUFFIX, JSON_SUFFIX) or Path(name).is_file():
         return f"{name} is a design file, no command: gearmesh run {name} does the main job (see gearmesh --help)"
     other = OTHER_NAMES.get(name.lower()) or nearest(name, COMMAND_FOLDERS)
     hint = f"; did you mean {other}?" if other else ""

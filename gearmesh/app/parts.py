@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, tolerance_in_mm, warn, working
-from gearmesh.cad.suffixes import AXIAL_PLANE, DXF_SUFFIX, SECTION_SUFFIXES, STEP_SUFFIXES
+from gearmesh.cad.planes import AXIAL_PLANE
 from gearmesh.errors import ArgumentError, OutputError
+from gearmesh.formats import CSV_SUFFIX, DXF_SUFFIX, JSON_SUFFIX, SECTION_SUFFIXES, STEP_SUFFIXES
 from gearmesh.lengths import in_mm
 
 if TYPE_CHECKING:
@@ -92,7 +93,7 @@ class PartFile:
 
             require_ezdxf()
         if self.names is not None:
-            refuse_suffix(self.names, ".csv", ".json")
+            refuse_suffix(self.names, CSV_SUFFIX, JSON_SUFFIX)
         for file in (self.output, self.names):
             refuse_unwritable(file)
         self._lengths()

@@ -22,6 +22,7 @@ from gearmesh.files.reading import (
     json_value,
     toml_value,
 )
+from gearmesh.formats import JSON_SUFFIX
 
 #: largest design file
 MAX_FILE_BYTES = BYTES_PER_MIB
@@ -39,7 +40,7 @@ def read(path: str | os.PathLike[str]) -> dict[str, Any]:
     """
     text = text_of(path)
     name = STANDARD_INPUT if is_input(path) else path
-    is_json = text.lstrip().startswith(("{", "[")) if is_input(path) else Path(path).suffix.lower() == ".json"
+    is_json = text.lstrip().startswith(("{", "[")) if is_input(path) else Path(path).suffix.lower() == JSON_SUFFIX
     data = (json_value if is_json else toml_value)(text, name)
     if not isinstance(data, dict):
         raise FileError(name, reason=f"a design is a table (an object in JSON), not {value_text(data)}")

@@ -13,11 +13,9 @@ from gearmesh.drawing.page import Page, compose, paint
 from gearmesh.drawing.paper import scale_name
 from gearmesh.drawing.views import views_of
 from gearmesh.errors import OutputError
+from gearmesh.formats import DRAWING_SUFFIXES
 from gearmesh.view.diagrams.plots import save_figure
 from gearmesh.view.picture import saved_bytes
-
-#: suffixes of files with drawings
-DRAWING_SUFFIXES = (".pdf", ".svg", ".png")
 
 
 @dataclass(frozen=True, repr=False)

@@ -14,17 +14,10 @@ from gearmesh.exchange.model import READ_VERSIONS, RexsModel
 from gearmesh.exchange.versions import bring_up_to_date
 from gearmesh.exchange.xml_form import model_of_xml, xml_of
 from gearmesh.files.reading import BYTES_PER_MIB, file_bytes, size_text
+from gearmesh.formats import REXS_JSON_SUFFIX, REXS_SUFFIXES, REXS_XML_SUFFIX, REXS_ZIP_SUFFIX
 
-#: suffix of XML files
-XML_SUFFIX = ".rexs"
-#: suffix of JSON files
-JSON_SUFFIX = ".rexsj"
-#: suffix of zipped files
-ZIP_SUFFIX = ".rexsz"
-#: all suffixes
-REXS_SUFFIXES = (XML_SUFFIX, JSON_SUFFIX, ZIP_SUFFIX)
 #: forms by the second suffix of a name with two, as gears.rexs.xml
-SECOND_SUFFIXES = {".xml": XML_SUFFIX, ".json": JSON_SUFFIX, ".zip": ZIP_SUFFIX}
+SECOND_SUFFIXES = {".xml": REXS_XML_SUFFIX, ".json": REXS_JSON_SUFFIX, ".zip": REXS_ZIP_SUFFIX}
 #: size of the largest file, zipped or not
 MAX_FILE_BYTES = 32 * BYTES_PER_MIB
 #: kind of file in messages
@@ -37,9 +30,9 @@ def is_rexs(path: str | os.PathLike[str]) -> bool:
 
 
 def form_of(path: str | os.PathLike[str]) -> str:
-    """Form of a REXS file by its name: XML_SUFFIX, JSON_SUFFIX or ZIP_SUFFIX; "" for other names."""
+    """Form of a REXS file by its name: REXS_XML_SUFFIX, REXS_JSON_SUFFIX or REXS_ZIP_SUFFIX; "" for other names."""
     first, second = ["", "", *(suffix.lower() for suffix in Path(path).suffixes)][-2:]
-    if first == XML_SUFFIX and second in SECOND_SUFFIXES:
+    if first == REXS_XML_SUFFIX and second in SECOND_SUFFIXES:
         return SECOND_SUFFIXES[second]
     return second if second in REXS_SUFFIXES else ""
 
@@ -50,7 +43,7 @@ def read_rexs(path: str | os.PathLike[str]) -> RexsModel:
     Raises FileError in one line; memory is bounded by `MAX_FILE_BYTES`.
     """
     name, content = os.fspath(path), file_bytes(path, MAX_FILE_BYTES, FILE_KIND)
-    if form_of(path) == ZIP_SUFFIX:
+    if form_of(path) == REXS_ZIP_SUFFIX:
         content = _unzip(content, name)
     if content.lstrip(b"\xef\xbb\xbf \t\r\n").startswith((b"{", b"[")):
         try:
@@ -75,9 +68,11 @@ def _unzip(content: bytes, name: str) -> bytes:
     """Return the only model in a zipped file; the size that the archive states is not relied on."""
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
-            inside = [one for one in archive.infolist() if form_of(one.filename) in (XML_SUFFIX, JSON_SUFFIX)]
+            inside = [one for one in archive.infolist() if form_of(one.filename) in (REXS_XML_SUFFIX, REXS_JSON_SUFFIX)]
             if len(inside) != 1:
-                raise FileError(name, reason=f"has {len(inside)} files {XML_SUFFIX} or {JSON_SUFFIX}; one is wanted")
+                raise FileError(
+                    name, reason=f"has {len(inside)} files {REXS_XML_SUFFIX} or {REXS_JSON_SUFFIX}; one is wanted"
+                )
             with archive.open(inside[0]) as file:
                 unzipped = file.read(MAX_FILE_BYTES + 1)
     except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError) as failure:
@@ -92,15 +87,18 @@ def _unzip(content: bytes, name: str) -> bytes:
 def rexs_bytes(model: RexsModel, path: str | os.PathLike[str]) -> bytes:
     """Return the file of a model in the form of the suffix of `path`; the same model gives the same bytes."""
     suffix, stem = Path(path).suffix.lower(), Path(path).stem
-    if suffix == JSON_SUFFIX and (spectra := len({case.spectrum for case in model.load_cases if case.spectrum})) > 1:
+    if (
+        suffix == REXS_JSON_SUFFIX
+        and (spectra := len({case.spectrum for case in model.load_cases if case.spectrum})) > 1
+    ):
         raise FileError(
             path,
-            reason=f"JSON has one load spectrum, the model has {spectra}: write it as {XML_SUFFIX} or {ZIP_SUFFIX}",
+            reason=f"JSON has one load spectrum, the model has {spectra}: write it as {REXS_XML_SUFFIX} or {REXS_ZIP_SUFFIX}",
         )
-    text = json_of(model) if suffix == JSON_SUFFIX else xml_of(model)
-    if suffix != ZIP_SUFFIX:
+    text = json_of(model) if suffix == REXS_JSON_SUFFIX else xml_of(model)
+    if suffix != REXS_ZIP_SUFFIX:
         return text.encode()
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr(zipfile.ZipInfo(f"{stem}{XML_SUFFIX}", (1980, 1, 1, 0, 0, 0)), text, zipfile.ZIP_DEFLATED)
+        archive.writestr(zipfile.ZipInfo(f"{stem}{REXS_XML_SUFFIX}", (1980, 1, 1, 0, 0, 0)), text, zipfile.ZIP_DEFLATED)
     return packed.getvalue()

@@ -4,6 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from gearmesh.formats import (
+    GLB_SUFFIX,
+    OBJ_SUFFIX,
+    PLY_SUFFIX,
+    STL_SUFFIX,
+    THREEMF_SUFFIX,
+    VTM_SUFFIX,
+    VTP_SUFFIX,
+    VTU_SUFFIX,
+    mesh_contents,
+)
+
 
 @dataclass(frozen=True)
 class KnownFormat:
@@ -11,27 +23,23 @@ class KnownFormat:
 
     #: module of `gearmesh.io.meshes` with its writer and reader
     module: str
-    #: one line for the user
-    description: str
     #: True if one file can hold several meshes
     several: bool = False
 
 
 #: formats by suffix
 KNOWN_FORMATS = {
-    ".glb": KnownFormat("glb", "binary glTF, metres, float32, a coloured primitive for each region", True),
-    ".obj": KnownFormat("obj", "Wavefront OBJ, mm, text with seven decimals, a group for each region", True),
-    ".ply": KnownFormat("ply", "binary PLY, mm, float64, faces by region"),
-    ".stl": KnownFormat("stl", "binary STL, mm, float32, no regions"),
-    ".3mf": KnownFormat("threemf", "3MF, millimetre, seven decimals, a base material for each region", True),
-    ".vtp": KnownFormat("vtk", "VTK surface, mm, float64, regions and exact normals of the cells"),
-    ".vtu": KnownFormat("vtk", "VTK unstructured grid, mm, float64, regions and exact normals of the cells"),
-    ".vtm": KnownFormat(
-        "vtm", "VTK multi-block, mm, float64, a block for each region (pieces in a folder beside)", True
-    ),
+    GLB_SUFFIX: KnownFormat("glb", several=True),
+    OBJ_SUFFIX: KnownFormat("obj", several=True),
+    PLY_SUFFIX: KnownFormat("ply"),
+    STL_SUFFIX: KnownFormat("stl"),
+    THREEMF_SUFFIX: KnownFormat("threemf", several=True),
+    VTP_SUFFIX: KnownFormat("vtk"),
+    VTU_SUFFIX: KnownFormat("vtk"),
+    VTM_SUFFIX: KnownFormat("vtm", several=True),
 }
 
 
 def formats(*, several: bool = False) -> dict[str, str]:
-    """Return suffix (".stl", ...) -> one line, for all formats or for those that hold `several` meshes in a file."""
-    return {suffix: entry.description for suffix, entry in KNOWN_FORMATS.items() if entry.several or not several}
+    """Return suffix -> contents in one line, for all formats or for those that hold `several` meshes in a file."""
+    return {suffix: mesh_contents(suffix) for suffix, entry in KNOWN_FORMATS.items() if entry.several or not several}

@@ -28,6 +28,7 @@ from gearmesh.design.files import with_version
 from gearmesh.drawing.drawing import WorkshopDrawing, drawing_of
 from gearmesh.errors import NoSolutionError, OutputArgumentError, OutputError
 from gearmesh.files.reading import BYTES_PER_MIB, file_bytes, read_json
+from gearmesh.formats import HTML_SUFFIX
 from gearmesh.io.atomic import scratch_folder, whole_text
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.study.summary import StudySummary
@@ -58,8 +59,6 @@ MAP_DPI = 80
 JPEG_QUALITY_PERCENT = 80
 #: libraries whose versions a page lists, beside gearmesh, Python and three.js
 LISTED_LIBRARIES = ("numpy", "scipy", "manifold3d", "matplotlib", "pyvista", "vtk")
-#: suffix of the page
-PAGE_SUFFIX = ".html"
 #: limit of a file of a study that is shown, bytes
 MAX_STUDY_FILE_BYTES = 64 * BYTES_PER_MIB
 
@@ -118,8 +117,8 @@ class ReportPage:
         'report.html'
         """
         target = Path(path)
-        if target.suffix.lower() != PAGE_SUFFIX:
-            raise OutputError("cannot write", target, reason=f"its suffix must be {PAGE_SUFFIX}")
+        if target.suffix.lower() != HTML_SUFFIX:
+            raise OutputError("cannot write", target, reason=f"its suffix must be {HTML_SUFFIX}")
         whole_text(target, self.html)
         return target
 

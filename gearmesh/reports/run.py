@@ -27,6 +27,7 @@ from gearmesh.answers.tables import Listing, figures
 from gearmesh.errors import NoSolutionError, OutputError
 from gearmesh.figures import Content
 from gearmesh.files.reading import BYTES_PER_MIB, is_file, read_json
+from gearmesh.formats import STL_SUFFIX, VTM_SUFFIX
 from gearmesh.io.atomic import files_together, whole_text
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.progress import Progress
@@ -158,7 +159,7 @@ class Report(Result):
 
 
 #: suffixes of files with coordinates
-_MESH_SUFFIXES = (".stl", ".vtm")
+_MESH_SUFFIXES = (STL_SUFFIX, VTM_SUFFIX)
 
 
 def _frame(file: Path, members: tuple[str, ...]) -> str:

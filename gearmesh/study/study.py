@@ -21,6 +21,7 @@ from gearmesh.design.core import Design
 from gearmesh.design.dotted import with_keys
 from gearmesh.errors import ArgumentError, NoSolutionError, OutputError, UnknownFigureError, nearest
 from gearmesh.figures import Content, Summary
+from gearmesh.formats import CSV_SUFFIX, JSON_SUFFIX, PARQUET_SUFFIX
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.study.plan import KeyReader, Plan, Value, grid, sample_plan
 from gearmesh.study.rows.names import recordable
@@ -93,7 +94,7 @@ class Study(Result):
     @property
     def suffixes(self) -> tuple[str, ...]:
         """Suffixes of the files that `save` writes."""
-        return (".json", ".csv", ".parquet")
+        return (JSON_SUFFIX, CSV_SUFFIX, PARQUET_SUFFIX)
 
     @property
     def figures(self) -> tuple[str, ...]:
@@ -251,7 +252,7 @@ class Study(Result):
     def _write(self, target: Path) -> None:
         from gearmesh.study.table import write_csv, write_parquet
 
-        (write_csv if target.suffix.lower() == ".csv" else write_parquet)(target, self.columns)
+        (write_csv if target.suffix.lower() == CSV_SUFFIX else write_parquet)(target, self.columns)
 
     def assemblies(self) -> list[AssemblyContact | str]:
         """Return the contact of every row, to be drawn.

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from gearmesh.answers.contact.rolling import RollingContact
 from gearmesh.contact.path import ContactPath
 from gearmesh.errors import OutputError
+from gearmesh.formats import GIF_SUFFIX
 from gearmesh.io.atomic import whole_file
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 from gearmesh.mesh.triangles import TriangleMesh
@@ -169,7 +170,7 @@ def write_animation(file: Path, scenes: list[Scene], size: tuple[int, int] | Non
     """Write scenes as an endless GIF. Raises OutputError for another suffix and if OpenGL does not work."""
     from PIL import Image
 
-    if file.suffix.lower() != ".gif":
+    if file.suffix.lower() != GIF_SUFFIX:
         raise OutputError("cannot write", file, reason="the suffix of an animation must be .gif")
     images = [Image.fromarray(render(scene, size=size)) for scene in scenes]
     # one palette for all, so that nothing flickers

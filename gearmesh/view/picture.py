@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from gearmesh.errors import OutputError
+from gearmesh.formats import PNG_SUFFIX
 from gearmesh.io.atomic import scratch_folder
 from gearmesh.view.scene import Scene
 
@@ -67,7 +68,7 @@ class Picture:
         from gearmesh.view.render import render
 
         target = Path(path)
-        if target.suffix.lower() != ".png":
+        if target.suffix.lower() != PNG_SUFFIX:
             raise OutputError("cannot write", target, reason="its suffix must be .png")
         missing = missing_opengl_message()
         if missing:

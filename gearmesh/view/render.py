@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from gearmesh.errors import OutputError
+from gearmesh.formats import PNG_SUFFIX
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.progress import tell
 from gearmesh.view.lettering import MAX_TITLE_WIDTH_SHARE, break_lines
@@ -21,7 +22,7 @@ from gearmesh.view.palette import CURVE_COLOURS
 from gearmesh.view.scene import BODIES_WIDTH_SHARE, Camera, Scene, ValueMap, beside_bar
 
 #: suffixes of the files that can be written
-_PICTURE_SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff")
+_PICTURE_SUFFIXES = (PNG_SUFFIX, ".jpg", ".jpeg", ".tif", ".tiff")
 
 
 def render(scene: Scene, path: Path | str | None = None, size: tuple[int, int] | None = None) -> Image:

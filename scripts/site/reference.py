@@ -21,6 +21,7 @@ from gearmesh.deprecated import Deprecated
 from gearmesh.design.core import Design
 from gearmesh.design.keys import Table
 from gearmesh.figures import Figures
+from gearmesh.formats import FILE_FORMATS, FORMAT_COLUMNS, format_row
 
 #: pages of public names: file, title, what is on it, and its names; kinds of design have a page of their keys instead
 PYTHON = (
@@ -108,6 +109,7 @@ def write(source: Path) -> None:
     schemas(folder / "schema")
     page(folder / "figures.md", "Figures", figures())
     page(folder / "commands.md", "Commands", commands())
+    page(folder / "formats.md", "File formats", file_formats())
 
 
 def page(path: Path, title: str, body: Iterable[str]) -> None:
@@ -271,6 +273,15 @@ def python_pages(folder: Path) -> None:
 def toctree(entries: Iterable[str], *, hidden: bool = True) -> list[str]:
     """The pages below a page."""
     return ["```{toctree}", ":maxdepth: 1", *([":hidden:"] if hidden else []), "", *entries, "```", ""]
+
+
+# ---------------------------------------------------------------- files
+
+
+def file_formats() -> list[str]:
+    """Return the table of all file formats, as `gearmesh formats` prints it."""
+    rows = [format_row(entry) for entry in FILE_FORMATS]
+    return wide(table(FORMAT_COLUMNS, rows))
 
 
 # ---------------------------------------------------------------- keys

@@ -14,10 +14,10 @@ from gearmesh.answers.gearset import GearSet
 from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, figures
 from gearmesh.cad.step import require_occ
-from gearmesh.cad.suffixes import STEP_SUFFIXES
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, Summary, figure
+from gearmesh.formats import JSON_SUFFIX, STEP_SUFFIXES
 from gearmesh.progress import in_turn, tell
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import FLANK_REGIONS, Side
@@ -96,7 +96,7 @@ class Cad(Result):
     @property
     def suffixes(self) -> tuple[str, ...]:
         """Suffixes of the files that `save` writes."""
-        return (*STEP_SUFFIXES, ".json")
+        return (*STEP_SUFFIXES, JSON_SUFFIX)
 
     @property
     def headline(self) -> str:

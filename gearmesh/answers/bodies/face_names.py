@@ -13,6 +13,7 @@ from gearmesh.cad.occ import mapped_shapes
 from gearmesh.cad.step import Part, PartAssembly
 from gearmesh.design.core import Design
 from gearmesh.figures import Content, Figures, figure
+from gearmesh.formats import CSV_SUFFIX, JSON_SUFFIX
 from gearmesh.teeth.region import Region
 
 
@@ -39,7 +40,7 @@ class FaceNames(Result):
     @property
     def suffixes(self) -> tuple[str, ...]:
         """Suffixes of the files that `save` writes."""
-        return (".json", ".csv")
+        return (JSON_SUFFIX, CSV_SUFFIX)
 
     @property
     def headline(self) -> str:

@@ -20,6 +20,7 @@ from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.fe.gear_model import MeshRequest, check_sector, unloaded_model
 from gearmesh.fe.model import Model
 from gearmesh.figures import Content, Summary
+from gearmesh.formats import JSON_SUFFIX
 from gearmesh.mesh.hexahedra.hex_quality import scaled_jacobian, volumes
 from gearmesh.mesh.hexahedra.hexahedra import Cells
 from gearmesh.mesh.hexahedra.hexes import HexMesh
@@ -61,7 +62,7 @@ class FiniteElementModel(Result):
         """Suffixes of the files that `save` writes."""
         from gearmesh.fe import decks
 
-        return (*dict.fromkeys(format.suffix for format in decks.formats().values()), ".json")
+        return (*dict.fromkeys(format.suffix for format in decks.formats().values()), JSON_SUFFIX)
 
     @property
     def headline(self) -> str:
@@ -117,7 +118,7 @@ class FiniteElementModel(Result):
         'pair.inp'
         """
         target = Path(path)
-        if target.suffix.lower() == ".json":
+        if target.suffix.lower() == JSON_SUFFIX:
             return super().save(target, timing=timing)
         from gearmesh.fe.decks import write_model
 

@@ -47,6 +47,7 @@ from gearmesh.fe.model import Model
 from gearmesh.fe.placing import PlacedPair, focus_on, major_axis, minor_axis, place
 from gearmesh.fe.results import ContactFigures, NodalSolution, contact_figures, largest_principal
 from gearmesh.figures import Content, Entry, Summary
+from gearmesh.formats import JSON_SUFFIX
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.progress import part
@@ -132,7 +133,7 @@ class FiniteElementSolution(Result):
     @property
     def suffixes(self) -> tuple[str, ...]:
         """Suffixes of the files that `save` writes."""
-        return (".json",)
+        return (JSON_SUFFIX,)
 
     @property
     def headline(self) -> str:

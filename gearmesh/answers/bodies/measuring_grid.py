@@ -16,6 +16,7 @@ from gearmesh.answers.tables import Listing
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, Summary, figure
+from gearmesh.formats import JSON_SUFFIX, POINT_SUFFIXES
 from gearmesh.metrology.flanks.measuring_grid import MeasuringGrid, refuse_shape, thickness_angle
 from gearmesh.metrology.flanks.point_file import point_text
 from gearmesh.progress import tell
@@ -129,7 +130,7 @@ class MeasuringGrids(Result):
     @property
     def suffixes(self) -> tuple[str, ...]:
         """Suffixes of the files that `save` writes."""
-        return (".csv", ".txt", ".json")
+        return (*POINT_SUFFIXES, JSON_SUFFIX)
 
     @property
     def headline(self) -> str:

@@ -323,7 +323,7 @@ class ModelledGears(SolvedGears):
         """
         from gearmesh.answers.bodies.section import section_of
         from gearmesh.cad.brep import DEFAULT_TOLERANCE_MM
-        from gearmesh.cad.suffixes import AXIAL_PLANE
+        from gearmesh.cad.planes import AXIAL_PLANE
 
         axial = z == AXIAL_PLANE
         place = None if z is None or axial else in_mm("z", z)

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 from gearmesh.answers.gearset import GearSet
 from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, figures
-from gearmesh.cad.suffixes import DXF_SUFFIX, SECTION_SUFFIXES
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, Summary, figure
+from gearmesh.formats import DXF_SUFFIX, JSON_SUFFIX, SECTION_SUFFIXES
 
 if TYPE_CHECKING:
     from gearmesh.cad.contours.curves import Contour
@@ -70,7 +70,7 @@ class Section(Result):
     @property
     def suffixes(self) -> tuple[str, ...]:
         """Suffixes of the files that `save` writes."""
-        return (*SECTION_SUFFIXES, ".json")
+        return (*SECTION_SUFFIXES, JSON_SUFFIX)
 
     @property
     def loops(self) -> tuple[Contour, ...]:

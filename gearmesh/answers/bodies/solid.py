@@ -19,6 +19,7 @@ from gearmesh.answers.tables import Listing, figures
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.figures import Content, Figures, Summary, figure
+from gearmesh.formats import JSON_SUFFIX
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.mesh.triangles import Facets, TriangleMesh
 from gearmesh.progress import in_turn, tell
@@ -116,7 +117,7 @@ class Solid(Result):
     def suffixes(self) -> tuple[str, ...]:
         from gearmesh import io
 
-        return (*io.formats(), ".json")
+        return (*io.formats(), JSON_SUFFIX)
 
     @property
     def headline(self) -> str:
@@ -302,7 +303,7 @@ class Solids(Result):
     def suffixes(self) -> tuple[str, ...]:
         from gearmesh import io
 
-        return (*io.formats(several=True), ".json")
+        return (*io.formats(several=True), JSON_SUFFIX)
 
     @property
     def headline(self) -> str:

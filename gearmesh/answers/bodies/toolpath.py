@@ -17,6 +17,7 @@ from gearmesh.deprecated import Deprecated
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, Summary, figure
+from gearmesh.formats import CLS_SUFFIX, CSV_SUFFIX, JSON_SUFFIX, TOOL_PATH_SUFFIXES, VTP_SUFFIX
 from gearmesh.lengths import Length, in_mm
 from gearmesh.toolpath.ball import BallCutter
 from gearmesh.toolpath.motion import ONE_WAY_ORDER, ZIGZAG_ORDER, ToolMotion
@@ -135,7 +136,7 @@ class ToolPathAnswer(Result):
     @property
     def suffixes(self) -> tuple[str, ...]:
         """Suffixes of the files that `save` writes."""
-        return (".cls", ".csv", ".vtp", ".json")
+        return (*TOOL_PATH_SUFFIXES, JSON_SUFFIX)
 
     @property
     def measured(self) -> ToolPathFigures:
@@ -218,7 +219,9 @@ class ToolPathAnswer(Result):
         return {name: column.tolist() for name, column in zip(CSV_COLUMNS, (*numbers, *vectors), strict=True)}
 
     def _write(self, target: Path) -> None:
-        {".cls": self._write_cls, ".csv": self._write_csv, ".vtp": self._write_vtp}[target.suffix.lower()](target)
+        {CLS_SUFFIX: self._write_cls, CSV_SUFFIX: self._write_csv, VTP_SUFFIX: self._write_vtp}[target.suffix.lower()](
+            target
+        )
 
     def _write_cls(self, target: Path) -> None:
         from gearmesh.io.atomic import whole_text

@@ -16,6 +16,7 @@ from gearmesh.design.core import Design
 from gearmesh.design.topography_file import TopographyGrid, topography_text
 from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, Summary, figure
+from gearmesh.formats import CSV_SUFFIX, JSON_SUFFIX
 from gearmesh.progress import tell
 from gearmesh.teeth.micro_geometry.modification import Modification
 from gearmesh.teeth.micro_geometry.plane_flank import PlaneFlank
@@ -95,7 +96,7 @@ class FlankTopography(Result):
     @property
     def suffixes(self) -> tuple[str, ...]:
         """Suffixes of the files that `save` writes."""
-        return (".csv", ".json")
+        return (CSV_SUFFIX, JSON_SUFFIX)
 
     @property
     def headline(self) -> str:

@@ -54,6 +54,7 @@ from gearmesh.contact.tca import contact_path, jammed_path
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, DesignError, NoSolutionError, Status
 from gearmesh.figures import Content, Summary
+from gearmesh.formats import CSV_SUFFIX, JSON_SUFFIX
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.progress import tell
 from gearmesh.systems.system import FirstOrder
@@ -103,7 +104,7 @@ class Contact(Result):
     @property
     def suffixes(self) -> tuple[str, ...]:
         """Suffixes of the files that `save` writes."""
-        return (".json", ".csv")
+        return (JSON_SUFFIX, CSV_SUFFIX)
 
     @property
     def headline(self) -> str:

@@ -17,6 +17,7 @@ from gearmesh.contact.flanks import solver_pair
 from gearmesh.design.core import Design
 from gearmesh.errors import NoSolutionError
 from gearmesh.figures import Content, Figures, figure
+from gearmesh.formats import JSON_SUFFIX, VTU_SUFFIX
 from gearmesh.teeth.gear_train import GearPair
 
 
@@ -52,7 +53,7 @@ class EaseOffMap(Result):
     @property
     def suffixes(self) -> tuple[str, ...]:
         """Suffixes of the files that `save` writes."""
-        return (".json", ".vtu")
+        return (JSON_SUFFIX, VTU_SUFFIX)
 
     @property
     def headline(self) -> str:

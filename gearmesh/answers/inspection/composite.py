@@ -21,6 +21,7 @@ from gearmesh.contact.fit.tight_mesh import TightMesh, tight_mesh
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, Summary, figure
+from gearmesh.formats import CSV_SUFFIX, JSON_SUFFIX
 from gearmesh.kernel.numeric.algebra import ARCSEC
 from gearmesh.metrology.measured_teeth import MeasuredTeeth, pitch_radius
 from gearmesh.metrology.pitch import index_angles
@@ -84,7 +85,7 @@ class CompositeTest(Result):
     @property
     def suffixes(self) -> tuple[str, ...]:
         """Suffixes of the files that `save` writes."""
-        return (".json", ".csv")
+        return (JSON_SUFFIX, CSV_SUFFIX)
 
     @property
     def warnings(self) -> tuple[str, ...]:

@@ -31,6 +31,7 @@ from gearmesh.design.topography_file import TopographyGrid, topography_text
 from gearmesh.errors import ArgumentError, DesignError, NoSolutionError
 from gearmesh.figures import Content, Figures, Summary, figure
 from gearmesh.files.csv_table import csv_text
+from gearmesh.formats import CSV_SUFFIX, JSON_SUFFIX, TOML_SUFFIX
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.metrology.correction import SettingChanges, setting_changes
 from gearmesh.metrology.evaluation import in_transverse_plane
@@ -179,7 +180,7 @@ class Correction(Result):
     @property
     def suffixes(self) -> tuple[str, ...]:
         """Suffixes of the files that `save` writes."""
-        return (".json", ".toml", ".csv")
+        return (JSON_SUFFIX, TOML_SUFFIX, CSV_SUFFIX)
 
     def topography(self, side: Side) -> str:
         """The deviations that remain on a flank as a file of modifications: amounts that a dressed wheel has to remove.
@@ -428,7 +429,7 @@ class Correction(Result):
         from gearmesh.design.files import design_text
         from gearmesh.io.atomic import whole_text
 
-        toml = target.suffix.lower() == ".toml"
+        toml = target.suffix.lower() == TOML_SUFFIX
         whole_text(target, design_text(self.new_design, target.parent) if toml else residual_text(self.residual))
 
 

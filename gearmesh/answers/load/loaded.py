@@ -33,6 +33,7 @@ from gearmesh.contact.engagement.cycle import Cycle
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, Status
 from gearmesh.figures import Content, Entry, Figure, Summary, flat
+from gearmesh.formats import CSV_SUFFIX, JSON_SUFFIX
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.loaded.compliance.compliance import FlankCompliance
 from gearmesh.loaded.compliance.twist import twist_compliance
@@ -81,7 +82,7 @@ class LoadedContact(Result):
     @property
     def suffixes(self) -> tuple[str, ...]:
         """Suffixes of the files that `save` writes."""
-        return (".json", ".csv")
+        return (JSON_SUFFIX, CSV_SUFFIX)
 
     @property
     def headline(self) -> str:

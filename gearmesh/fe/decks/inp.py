@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from gearmesh.fe.decks.registry import register
 from gearmesh.fe.model import ContactPair, CyclicSymmetry, Model, NodeForces, RigidTie
+from gearmesh.formats import INP_SUFFIX
 from gearmesh.io.atomic import whole_file
 from gearmesh.io.rows import lines
 from gearmesh.mesh.hexahedra.hexes import HexMesh
@@ -224,5 +225,5 @@ def _calculix_prints(model: Model) -> Iterator[str]:
         yield f"*CONTACT PRINT, SLAVE={contact.slave}, MASTER={contact.master}\nCF\n"
 
 
-register("calculix", ".inp", "CalculiX deck: mesh, sets, contact, one static step, output requests", write_calculix)
-register("abaqus", ".inp", "Abaqus deck of the same model", write_abaqus)
+register("calculix", INP_SUFFIX, "CalculiX deck: mesh, sets, contact, one static step, output requests", write_calculix)
+register("abaqus", INP_SUFFIX, "Abaqus deck of the same model", write_abaqus)

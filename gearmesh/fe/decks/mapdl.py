@@ -13,6 +13,7 @@ from gearmesh.errors import OutputError
 from gearmesh.fe.decks.registry import register
 from gearmesh.fe.decks.vtu import members
 from gearmesh.fe.model import Model
+from gearmesh.formats import CDB_SUFFIX
 from gearmesh.io.atomic import whole_file
 
 #: message without mapdl-archive
@@ -49,4 +50,4 @@ def write(model: Model, path: Path) -> None:
             file.writelines(properties)
 
 
-register("ansys", ".cdb", "Ansys archive: mesh, a component for each set, materials", write)
+register("ansys", CDB_SUFFIX, "Ansys archive: mesh, a component for each set, materials", write)

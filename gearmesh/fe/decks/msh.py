@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from gearmesh.fe.decks.registry import register
 from gearmesh.fe.model import Model
+from gearmesh.formats import MSH_SUFFIX
 from gearmesh.io.atomic import whole_file
 from gearmesh.io.rows import lines
 from gearmesh.mesh.hexahedra.hexes import HEX_EDGES, HEX_FACES, HexMesh
@@ -148,4 +149,4 @@ def _elements(*kinds: _Cells) -> Iterator[str]:
     yield "$EndElements\n"
 
 
-register("gmsh", ".msh", "Gmsh 4.1, sets as physical groups of volumes, surfaces and points", write)
+register("gmsh", MSH_SUFFIX, "Gmsh 4.1, sets as physical groups of volumes, surfaces and points", write)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from gearmesh.fe.decks.registry import register
 from gearmesh.fe.model import Model
+from gearmesh.formats import VTU_SUFFIX
 from gearmesh.io.atomic import whole_file
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.hexahedra.hexes import HexMesh
@@ -68,4 +69,4 @@ def members(indices: NDArray[np.int64], count: int) -> NDArray[np.uint8]:
     return marks
 
 
-register("vtu", ".vtu", "VTK unstructured grid, sets as point and cell arrays", write)
+register("vtu", VTU_SUFFIX, "VTK unstructured grid, sets as point and cell arrays", write)

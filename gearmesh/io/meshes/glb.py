@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from gearmesh import __version__
 from gearmesh.errors import OutputError
 from gearmesh.files.reading import json_value
+from gearmesh.formats import GLB_SUFFIX
 from gearmesh.io.atomic import whole_file
 from gearmesh.io.palette import region_colours
 from gearmesh.io.rebuild import built_mesh, by_name
@@ -155,4 +156,4 @@ def _mesh(entry: dict[str, Any], document: dict[str, Any], binary: memoryview) -
     return built_mesh(entry["name"], points, np.concatenate(parts), regions, names)
 
 
-register(".glb", write, read, mesh_in_file, _steps)
+register(GLB_SUFFIX, write, read, mesh_in_file, _steps)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from gearmesh.formats import OBJ_SUFFIX
 from gearmesh.io.atomic import whole_file
 from gearmesh.io.rebuild import Indices, built_mesh, by_name, used_part
 from gearmesh.io.registry import Scene, register
@@ -74,4 +75,4 @@ def _word(name: str) -> str:
     return "_".join(name.split()) or "unnamed"
 
 
-register(".obj", write, read, in_decimals, decimal_steps)
+register(OBJ_SUFFIX, write, read, in_decimals, decimal_steps)

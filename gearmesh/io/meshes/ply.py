@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.formats import PLY_SUFFIX
 from gearmesh.io.atomic import whole_file
 from gearmesh.io.rebuild import built_mesh
 from gearmesh.io.registry import Scene, register
@@ -128,4 +129,4 @@ def _elements(header: list[list[str]]) -> dict[str, tuple[int, np.dtype]]:
     return {name: (count, np.dtype(fields)) for name, (count, fields) in elements.items()}
 
 
-register(".ply", write, read)
+register(PLY_SUFFIX, write, read)

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from gearmesh import __version__
+from gearmesh.formats import STL_SUFFIX
 from gearmesh.io.atomic import whole_file
 from gearmesh.io.rebuild import built_mesh, facet_normals, merge
 from gearmesh.io.registry import Scene, register
@@ -63,4 +64,4 @@ def read(path: Path) -> dict[str, TriangleMesh]:
     return {path.stem: built_mesh(path.stem, vertices, corner)}
 
 
-register(".stl", write, read, mesh_in_file, _steps)
+register(STL_SUFFIX, write, read, mesh_in_file, _steps)

@@ -14,6 +14,7 @@ import numpy as np
 
 from gearmesh import __version__
 from gearmesh.files.xml_tree import xml_root
+from gearmesh.formats import THREEMF_SUFFIX
 from gearmesh.io.atomic import whole_file
 from gearmesh.io.attribute import quote
 from gearmesh.io.palette import region_colours
@@ -108,4 +109,4 @@ def _mesh(element: Element, materials: dict[str, tuple[str, ...]]) -> TriangleMe
     return built_mesh(name, points, cells, regions, names or ("surface",))
 
 
-register(".3mf", write, read, in_decimals, decimal_steps)
+register(THREEMF_SUFFIX, write, read, in_decimals, decimal_steps)

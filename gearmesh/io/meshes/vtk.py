@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.files.xml_tree import xml_root
+from gearmesh.formats import VTP_SUFFIX, VTU_SUFFIX
 from gearmesh.io.atomic import whole_file
 from gearmesh.io.attribute import quote
 from gearmesh.io.rebuild import built_mesh
@@ -172,5 +173,5 @@ def read(path: Path) -> dict[str, TriangleMesh]:
     return {path.stem: read_piece(path)}
 
 
-register(".vtp", write_vtp, read)
-register(".vtu", write_vtu, read)
+register(VTP_SUFFIX, write_vtp, read)
+register(VTU_SUFFIX, write_vtu, read)

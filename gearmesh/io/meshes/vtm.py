@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from gearmesh.files.xml_tree import xml_root
+from gearmesh.formats import VTM_SUFFIX, VTP_SUFFIX
 from gearmesh.io.atomic import whole_file, whole_folder
 from gearmesh.io.attribute import quote
 from gearmesh.io.meshes.vtk import read_piece, write_surface
@@ -23,7 +24,7 @@ from gearmesh.mesh.triangles import TriangleMesh
 def write(scene: Scene, path: Path) -> None:
     """Write all meshes; the folder of pieces reaches its place before the index file."""
     pieces = Path(os.path.realpath(path)).with_name(f"{path.stem}_pieces")
-    with whole_file(path) as index, whole_folder(pieces, ".vtp") as folder:
+    with whole_file(path) as index, whole_folder(pieces, VTP_SUFFIX) as folder:
         blocks = [_write_pieces(mesh.whole(), name, folder, pieces.name) for name, mesh in scene.items()]
         if len(scene) > 1:
             numbered = enumerate(zip(scene, blocks, strict=True))
@@ -38,7 +39,7 @@ def _write_pieces(mesh: TriangleMesh, name: str, folder: Path, shown: str) -> st
     elements: list[str] = []
     for i in np.unique(mesh.regions):
         region = mesh.region_names[i]
-        file = re.sub(r"[^\w.-]+", "_", f"{name}_{i:02d}_{region}") + ".vtp"
+        file = re.sub(r"[^\w.-]+", "_", f"{name}_{i:02d}_{region}") + VTP_SUFFIX
         write_surface(mesh.only(region), folder / file)
         reference = quote(f"{shown}/{file}")
         elements.append(f'<DataSet index="{len(elements)}" name={quote(region)} file={reference}/>\n')
@@ -65,4 +66,4 @@ def _join(name: str, files: list[Path]) -> TriangleMesh:
     return built_mesh(name, vertices, place[corners], regions, names, normals)
 
 
-register(".vtm", write, read)
+register(VTM_SUFFIX, write, read)

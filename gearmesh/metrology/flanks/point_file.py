@@ -24,6 +24,7 @@ from gearmesh.design.shown import value_text
 from gearmesh.errors import FileError
 from gearmesh.files.csv_table import csv_rows, csv_text, refused_cell
 from gearmesh.files.reading import BYTES_PER_MIB, file_text
+from gearmesh.formats import CSV_SUFFIX
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.metrology.flanks.measuring_grid import MeasuringGrid
 from gearmesh.numerals import parse_number, parse_numbers
@@ -119,7 +120,7 @@ def point_text(grids: Iterable[MeasuringGrid], comments: Sequence[str], ball: fl
     rows = [dict(zip(head, row, strict=False)) | extra for grid in grids for row, extra in _rows(grid, ball)]
     cells = [[row.get(name) for name in head] for row in rows]
     note = "".join(f"# {line}\n" for line in comments)
-    if suffix == ".csv":
+    if suffix == CSV_SUFFIX:
         return note + csv_text(head, cells)
     lines = [head, *([_cell(value) for value in row] for row in cells)]
     return note + "".join(f"{' '.join(line)}\n" for line in lines)
@@ -147,7 +148,7 @@ def read_points(path: Path) -> PointTable:
     text = file_text(path, MAX_FILE_BYTES, "file of points")
     lines = [
         (number, row)
-        for number, row in (csv_rows(text, path) if path.suffix.lower() == ".csv" else _blank_rows(text))
+        for number, row in (csv_rows(text, path) if path.suffix.lower() == CSV_SUFFIX else _blank_rows(text))
         if not row[0].lstrip().startswith("#")
     ]
     if not lines:

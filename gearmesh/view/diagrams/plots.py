@@ -20,6 +20,7 @@ from gearmesh.contact.engagement.cycle import Cycle
 from gearmesh.contact.path import ContactPath
 from gearmesh.errors import OutputError
 from gearmesh.figures import at_resolution
+from gearmesh.formats import PDF_SUFFIX, PNG_SUFFIX, SVG_SUFFIX
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.view.lettering import fit_title
 from gearmesh.view.palette import (
@@ -57,7 +58,11 @@ _MIN_ROOM_SHARE = 0.8
 #: pitches that are shown beyond the engagement of a pair
 _PITCHES_BEYOND = 0.6
 #: metadata by suffix: matplotlib's dates are switched off
-_FILE_METADATA: dict[str, dict[str, Any]] = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
+_FILE_METADATA: dict[str, dict[str, Any]] = {
+    PNG_SUFFIX: {},
+    SVG_SUFFIX: {"Date": None},
+    PDF_SUFFIX: {"CreationDate": None},
+}
 
 
 @dataclass(frozen=True)
@@ -380,7 +385,7 @@ def save_figure(figure: Any, file: Path | str) -> None:
     lay_out(figure)
     with rc_context({"svg.hashsalt": "gearmesh"}), whole_file(file) as unfinished:
         figure.savefig(unfinished, metadata=_FILE_METADATA[kind])
-        if kind == ".svg":
+        if kind == SVG_SUFFIX:
             unfinished.write_text(_same_clips(unfinished.read_text(encoding="utf-8")), encoding="utf-8")
 
 

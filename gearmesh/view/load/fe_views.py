@@ -12,6 +12,7 @@ from gearmesh.errors import OutputError
 from gearmesh.fe.model import Model
 from gearmesh.fe.placing import PlacedPair
 from gearmesh.fe.results import NodalSolution, principal_stresses
+from gearmesh.formats import PNG_SUFFIX
 from gearmesh.io.atomic import whole_file
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
@@ -118,7 +119,7 @@ def solution_picture(solved: FiniteElementSolution) -> Diagram:
     def draw(file: Path) -> None:
         from matplotlib.image import imsave
 
-        if file.suffix.lower() != ".png":
+        if file.suffix.lower() != PNG_SUFFIX:
             raise OutputError("cannot write", file, reason="its suffix must be .png")
         scenes = [stress_scene(problem._model, solved.solution, problem._built.at)]
         if problem._model.contacts:

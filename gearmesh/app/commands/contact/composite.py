@@ -9,6 +9,7 @@ import typer
 
 from gearmesh.app.options import Csv, DesignFile, Json, Pair, Set, chosen_pair, load_gears, refuse_one_stream
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
+from gearmesh.formats import DIAGRAM_SUFFIXES
 
 
 def composite(
@@ -28,7 +29,7 @@ def composite(
     """
     refuse_one_stream(json_file, csv_file)
     if output is not None:
-        refuse_suffix(output, ".png", ".svg", ".pdf")
+        refuse_suffix(output, *DIAGRAM_SUFFIXES)
     for file in (output, json_file, csv_file):
         refuse_unwritable(file)
     gears = load_gears(design_file, settings, lambda gears: gears.composite(pair=chosen_pair(gears, pair)))

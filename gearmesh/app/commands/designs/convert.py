@@ -10,6 +10,7 @@ import typer
 from gearmesh.app.options import Json, Set, load_gears, present
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
 from gearmesh.errors import ArgumentError
+from gearmesh.formats import REXS_SUFFIXES, TOML_SUFFIX
 
 
 def convert(
@@ -60,7 +61,7 @@ def convert(
     for file in (output, json_file):
         refuse_unwritable(file)
     if is_rexs(source):
-        refuse_suffix(output, ".toml")
+        refuse_suffix(output, TOML_SUFFIX)
         if torque is not None:
             raise ArgumentError("torque", torque, reason="is for designs; the torques of a REXS file are read from it")
         if changes:
@@ -75,7 +76,7 @@ def convert(
             show(reading.listings)
         warn(reading.warnings)
         return
-    refuse_suffix(output, ".rexs", ".rexsj", ".rexsz")
+    refuse_suffix(output, *REXS_SUFFIXES)
     if stage is not None:
         raise ArgumentError("stage", stage, reason="is for REXS files; a design is of one stage")
     gears = load_gears(source, changes, lambda gears: gears.rexs(output.parent, torque=torque))

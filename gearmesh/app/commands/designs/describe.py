@@ -18,6 +18,7 @@ from gearmesh.answers.tables import LINE_WIDTH, Listing
 from gearmesh.app.options import Json, Set, SheetSpeed, SheetTorque, load_alone, load_gears, refuse_speed, refuse_torque
 from gearmesh.app.terminal import refuse_unwritable, show, warn, write_text
 from gearmesh.errors import ArgumentError
+from gearmesh.formats import JSON_SUFFIX, TOML_SUFFIX
 
 #: name of the schema of report.json, beside the kinds
 REPORT_SCHEMA = "report"
@@ -81,7 +82,7 @@ def describe(
         refuse_unwritable(json_file)
         write_text(json_file or "-", lambda: _schema(str(what)))
         return
-    if what is not None and (what == "-" or Path(what).suffix in (".toml", ".json")):
+    if what is not None and (what == "-" or Path(what).suffix in (TOML_SUFFIX, JSON_SUFFIX)):
         _refuse(of_kind, reason="needs a kind")
         refuse_torque(torque)
         refuse_speed(speed)

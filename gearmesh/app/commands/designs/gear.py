@@ -11,12 +11,11 @@ from gearmesh.app.options import Curves, Offset
 from gearmesh.app.parts import PartFile
 from gearmesh.app.terminal import refuse_unwritable, show, warn, write_text
 from gearmesh.errors import ArgumentError, GearmeshError
+from gearmesh.formats import TOML_SUFFIX
 
 if TYPE_CHECKING:
     from gearmesh import Gears
 
-#: suffix of a design file
-DESIGN_SUFFIX = ".toml"
 #: options by the keys of the design that they set; keys of a member without the name of the member
 KEY_OPTIONS = {
     "teeth": "--teeth",
@@ -83,13 +82,13 @@ def gear(
     from gearmesh.api.gear import gear_keys
 
     name = "rack" if rack else "gear"
-    is_design = output is not None and output.suffix.lower() == DESIGN_SUFFIX
+    is_design = output is not None and output.suffix.lower() == TOML_SUFFIX
     file = None if output is None or is_design else PartFile(output, tol, curves=curves, offset=offset)
     for option, value in (("tol", tol), ("curves", curves), ("offset", offset)):
         if value is not None and file is None:
             raise ArgumentError(option, value, reason="needs -o with the file of a mesh, a CAD solid or a section")
     if file is not None:
-        file.refuse(name, (DESIGN_SUFFIX,))
+        file.refuse(name, (TOML_SUFFIX,))
     refuse_unwritable(output)
     keys = gear_keys(
         teeth,

@@ -11,6 +11,7 @@ import typer
 import gearmesh as gm
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, write_text
 from gearmesh.errors import OutputError
+from gearmesh.formats import TOML_SUFFIX
 
 
 def new(
@@ -26,7 +27,7 @@ def new(
     if output is None:
         sys.stdout.write(text)
         return
-    refuse_suffix(output, ".toml")
+    refuse_suffix(output, TOML_SUFFIX)
     refuse_unwritable(output)
     if output.exists():
         raise OutputError("cannot write", output, reason="it exists already")

@@ -13,6 +13,7 @@ import typer
 import gearmesh as gm
 from gearmesh.app.options import DesignFile, Json, Set, load_gears
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
+from gearmesh.formats import TOML_SUFFIX
 
 
 def pin(
@@ -24,7 +25,7 @@ def pin(
     settings: Set = None,
 ) -> None:
     """Write the design with every default and derived value given: it builds the same gears in later versions."""
-    refuse_suffix(output, ".toml")
+    refuse_suffix(output, TOML_SUFFIX)
     for file in (output, json_file):
         refuse_unwritable(file)
     gears = load_gears(design_file, settings, gm.Gears.pin)

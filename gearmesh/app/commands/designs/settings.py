@@ -15,6 +15,7 @@ import gearmesh as gm
 from gearmesh.app.options import DesignFile, Json, Set, SheetTorque, load_gears, refuse_torque
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
 from gearmesh.errors import ArgumentError
+from gearmesh.formats import TOML_SUFFIX
 
 if TYPE_CHECKING:
     from gearmesh import Gears
@@ -53,7 +54,7 @@ def settings(
     if torque is not None and compensate:
         raise ArgumentError("torque", torque, reason="the settings sheet has the forces; leave out --compensate")
     if output is not None:
-        refuse_suffix(output, ".toml")
+        refuse_suffix(output, TOML_SUFFIX)
     for file in (output, json_file):
         refuse_unwritable(file)
 

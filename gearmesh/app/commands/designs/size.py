@@ -12,6 +12,7 @@ import gearmesh as gm
 from gearmesh.app.options import Json
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, working, write_text
 from gearmesh.errors import ArgumentError, OutputError
+from gearmesh.formats import TOML_SUFFIX
 from gearmesh.lengths import in_mm
 from gearmesh.numerals import parse_number, with_point
 
@@ -78,7 +79,7 @@ def size(
     from gearmesh.design.files import with_version
 
     if output is not None:
-        refuse_suffix(output, ".toml")
+        refuse_suffix(output, TOML_SUFFIX)
         if output.exists():
             raise OutputError("cannot write", output, reason="it exists already")
     for file in (output, json_file):

@@ -10,6 +10,7 @@ import typer
 
 from gearmesh.app.options import DesignFile, Json, Set, load_gears
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
+from gearmesh.formats import CSV_SUFFIX, TOML_SUFFIX
 
 if TYPE_CHECKING:
     from gearmesh import Gears
@@ -77,7 +78,7 @@ def correct(
     Least squares on the exact flanks. The new settings are for the machine: the design that they are written to has the deviations
     with the other sign.
     """
-    for file, suffix in ((output, ".toml"), (residual, ".csv"), (topography, ".csv")):
+    for file, suffix in ((output, TOML_SUFFIX), (residual, CSV_SUFFIX), (topography, CSV_SUFFIX)):
         if file is not None:
             refuse_suffix(file, suffix)
     for target in (output, residual, topography, json_file):

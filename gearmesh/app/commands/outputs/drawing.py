@@ -9,6 +9,7 @@ import typer
 
 from gearmesh.app.options import DesignFile, Set, load_gears
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, warn, working
+from gearmesh.formats import DRAWING_SUFFIXES
 
 
 def drawing(
@@ -24,7 +25,7 @@ def drawing(
 
     On A4 where it fits at full size or larger, else on A3, at a scale of ISO 5455.
     """
-    refuse_suffix(output, ".pdf", ".svg", ".png")
+    refuse_suffix(output, *DRAWING_SUFFIXES)
     refuse_unwritable(output)
     gears = load_gears(design_file, settings, lambda gears: gears.drawing(member))
     with working(f"drawing of the {member}", at_once=True):

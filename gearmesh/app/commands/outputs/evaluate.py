@@ -9,6 +9,7 @@ import typer
 
 from gearmesh.app.options import DesignFile, Json, Set, load_gears
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
+from gearmesh.formats import DIAGRAM_SUFFIXES
 from gearmesh.progress import part
 
 if TYPE_CHECKING:
@@ -52,7 +53,7 @@ def evaluate(
     Profile and helix slope, form and crowning; pressure and spiral angle, crownings and twist of flanks of any kind; pitch, runout.
     """
     if output is not None:
-        refuse_suffix(output, ".png", ".svg", ".pdf")
+        refuse_suffix(output, *DIAGRAM_SUFFIXES)
     for file in (output, json_file):
         refuse_unwritable(file)
 

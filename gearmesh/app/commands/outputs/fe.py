@@ -23,6 +23,7 @@ from gearmesh.app.options import (
 )
 from gearmesh.app.terminal import Progress, refuse_suffix, refuse_unwritable, show, warn, working, write_text
 from gearmesh.errors import ArgumentError
+from gearmesh.formats import JSON_SUFFIX, PNG_SUFFIX
 from gearmesh.numerals import parse_whole_number
 from gearmesh.progress import part
 
@@ -92,7 +93,7 @@ def fe(
     _refuse_fe_options(output, picture, solve)
     if len(positions) > 1:
         _refuse_for_several(str(phi1), output, solve)
-    elif output is not None and output.suffix.lower() != ".json":
+    elif output is not None and output.suffix.lower() != JSON_SUFFIX:
         from gearmesh.fe.decks import format_of
 
         format_of(output, None if program is None else program.value)
@@ -187,7 +188,7 @@ def _refuse_fe_options(output: Path | None, picture: Path | None, solve: bool) -
     if picture is not None and not solve:
         raise ArgumentError("picture", picture, must_be="left out without --solve")
     if picture is not None:
-        refuse_suffix(picture, ".png")
+        refuse_suffix(picture, PNG_SUFFIX)
 
 
 def _refuse_for_several(phi1: str, output: Path | None, solve: bool) -> None:

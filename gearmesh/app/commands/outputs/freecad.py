@@ -9,6 +9,7 @@ import typer
 
 from gearmesh.app.options import DesignFile, Set, design_text, load_design
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, tolerance_in_mm, write_text
+from gearmesh.formats import MACRO_SUFFIX
 
 
 def freecad(
@@ -28,7 +29,7 @@ def freecad(
     from gearmesh.answers.bodies.freecad import macro
     from gearmesh.design.files import is_input, override, read
 
-    refuse_suffix(output, ".FCMacro")
+    refuse_suffix(output, MACRO_SUFFIX)
     refuse_unwritable(output)
     tolerance_in_mm(tol)
     design = load_design(design_file, settings)

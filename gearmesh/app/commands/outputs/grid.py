@@ -9,6 +9,7 @@ import typer
 
 from gearmesh.app.options import DesignFile, Json, Set, load_gears
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
+from gearmesh.formats import DIAGRAM_SUFFIXES, POINT_SUFFIXES
 
 if TYPE_CHECKING:
     from gearmesh import Gears, MeasuringGrids
@@ -62,9 +63,9 @@ def grid(
     1xN is a helix line at mid height, Nx1 a profile line at mid face.
     """
     if output is not None:
-        refuse_suffix(output, ".csv", ".txt")
+        refuse_suffix(output, *POINT_SUFFIXES)
     if chart is not None:
-        refuse_suffix(chart, ".png", ".svg", ".pdf")
+        refuse_suffix(chart, *DIAGRAM_SUFFIXES)
     for file in (output, chart, json_file):
         refuse_unwritable(file)
 

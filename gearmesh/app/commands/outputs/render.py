@@ -12,6 +12,7 @@ import typer
 from gearmesh.app.options import DesignFile, Pair, Set, chosen_pair, load_gears, torques_in_nm
 from gearmesh.app.terminal import picture_size, refuse_suffix, refuse_unwritable, warn, working
 from gearmesh.errors import ArgumentError
+from gearmesh.formats import DIAGRAM_SUFFIXES, GIF_SUFFIX, PNG_SUFFIX
 from gearmesh.progress import part
 from gearmesh.view.opengl import begin_drawing
 
@@ -56,7 +57,7 @@ DEFAULT_SCALLOP = "10um"
 #: width and height of an animation, pixels
 ANIMATION_SIZE = (640, 480)
 #: suffixes of pictures (False) and of diagrams (True)
-PICTURE_SUFFIXES = {False: (".png",), True: (".png", ".svg", ".pdf")}
+PICTURE_SUFFIXES = {False: (PNG_SUFFIX,), True: DIAGRAM_SUFFIXES}
 
 
 def render(
@@ -146,7 +147,7 @@ def render(
     if output is not None:
         refuse_suffix(output, *PICTURE_SUFFIXES[view in DIAGRAM_VIEWS])
     if animate is not None:
-        refuse_suffix(animate, ".gif")
+        refuse_suffix(animate, GIF_SUFFIX)
     for target in (output, animate):
         refuse_unwritable(target)
     if phi1 is not None and not math.isfinite(phi1):

@@ -10,6 +10,7 @@ import typer
 from gearmesh.app.options import DesignFile, Set, Tolerance, design_text, load_gears, stem, torques_in_nm
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, tolerance_in_mm, warn, working
 from gearmesh.errors import NoSolutionError
+from gearmesh.formats import HTML_SUFFIX
 from gearmesh.progress import Progress, silent
 from gearmesh.view.opengl import begin_drawing
 
@@ -48,7 +49,7 @@ def report(
     --tol is that of the gears in the view, by default 10 um.
     """
     target = Path(f"{stem(design_file)}.html") if output is None else output
-    refuse_suffix(target, ".html")
+    refuse_suffix(target, HTML_SUFFIX)
     refuse_unwritable(target)
     tolerance = tolerance_in_mm(tol)
     torques = None if torque is None else torques_in_nm(torque)

@@ -9,14 +9,12 @@ import typer
 
 from gearmesh.app.options import DesignFile, Json, Set, load_alone
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
+from gearmesh.formats import PNG_SUFFIX, TOOL_PATH_SUFFIXES
 from gearmesh.numerals import parse_whole_number
 
 if TYPE_CHECKING:
     from gearmesh import Gears
     from gearmesh.answers.bodies.toolpath import ToolPathAnswer
-
-#: suffix of a picture
-PICTURE_SUFFIX = ".png"
 
 
 def toolpath(
@@ -93,7 +91,7 @@ def toolpath(
     """Finishing passes of a ball-end cutter on a five-axis machine, with step-over by the scallop, tool axes clear of all teeth,
     and what they leave measured on the exact surfaces."""
     if output is not None:
-        refuse_suffix(output, ".cls", ".csv", ".vtp", PICTURE_SUFFIX)
+        refuse_suffix(output, *TOOL_PATH_SUFFIXES, PNG_SUFFIX)
     for file in (output, json_file):
         refuse_unwritable(file)
 
@@ -116,7 +114,7 @@ def toolpath(
     gears = load_alone(design_file, settings, ask)
     with working("tool path"):
         path = ask(gears)
-        if output is not None and output.suffix.lower() == PICTURE_SUFFIX:
+        if output is not None and output.suffix.lower() == PNG_SUFFIX:
             gears.picture("toolpath", of=path).save(output)
         elif output is not None:
             path.save(output)

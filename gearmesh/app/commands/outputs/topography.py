@@ -9,6 +9,7 @@ import typer
 
 from gearmesh.app.options import DesignFile, Json, Set, load_gears
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, tolerance_in_mm, warn, working, write_text
+from gearmesh.formats import CSV_SUFFIX
 
 
 def topography(
@@ -35,7 +36,7 @@ def topography(
     The file can replace them: modifications_right = { topography = "FILE.csv" }.
     """
     if output is not None:
-        refuse_suffix(output, ".csv")
+        refuse_suffix(output, CSV_SUFFIX)
     for file in (output, json_file):
         refuse_unwritable(file)
     tolerance = tolerance_in_mm(tol)
