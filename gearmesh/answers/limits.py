@@ -325,8 +325,8 @@ def _side_figures(member: Member, side: SideLimits) -> SideLimitFigures:
 
 def _least(values: Any) -> float:
     """Return the smallest finite number of several arrays, NaN if there is none."""
-    every = np.concatenate([np.ravel(value) for value in values])
-    return float(np.nanmin(every)) if np.isfinite(every).any() else float("nan")
+    numbers = np.concatenate([np.ravel(value) for value in values])
+    return float(np.nanmin(numbers)) if np.isfinite(numbers).any() else float("nan")
 
 
 def _coordinate(member: Member) -> str:

@@ -76,9 +76,9 @@ def pin(stated: Design, design: Design, pairs: tuple[GearPair, ...]) -> Pinned:
         design = design.with_values({**table, **dict(zip(PHI1_RANGE_KEYS, ends, strict=True))})
     # parse it as a stated design: a later build could choose a default anew that is only filled in
     design = parse(every_key(design, () if positions else PHI1_RANGE_KEYS))
-    every = dict(leaves_of(design.plain()))
+    all_keys = dict(leaves_of(design.plain()))
     added = {
-        key: value for key, value in every.items() if key not in given and (positions or key not in PHI1_RANGE_KEYS)
+        key: value for key, value in all_keys.items() if key not in given and (positions or key not in PHI1_RANGE_KEYS)
     }
     return Pinned(design, added, positions)
 

@@ -152,8 +152,8 @@ class PlanetarySizing(DesignChoice):
             rows = [(*line[:2], row.helix_angle, *line[2:]) for line, row in zip(rows, self.rows, strict=False)]
         if not any(line[-1] for line in rows):
             heads, rows = heads[:-1], [line[:-1] for line in rows]
-        which = f"Sets 1 to {len(rows)} of {len(self.candidates)}"
-        first = Listing(f"{which} (mm, deg; s_an in modules; eps, zeta, s_an: the worst)", heads, rows)
+        title = f"Sets 1 to {len(rows)} of {len(self.candidates)}"
+        first = Listing(f"{title} (mm, deg; s_an in modules; eps, zeta, s_an: the worst)", heads, rows)
         counts = [(reason, count) for reason, count in self.search.reasons.items()]
         return [first, Listing(f"Rejected: {len(self.search.rejections)}", ("", ""), counts)] if counts else [first]
 

@@ -205,8 +205,8 @@ class Sizing(DesignChoice):
             )
             for number, candidate in enumerate(self.candidates[:most], start=1)
         ]
-        which = f"Pairs 1 to {len(rows)} of {len(self.candidates)}"
-        return [Listing(f"{which} (beta in deg, s_an in modules; zeta, s_an: worse of both)", heads, rows)]
+        title = f"Pairs 1 to {len(rows)} of {len(self.candidates)}"
+        return [Listing(f"{title} (beta in deg, s_an in modules; zeta, s_an: worse of both)", heads, rows)]
 
     def to_dict(self) -> dict[str, list[Any]]:
         return columns([row.row for row in self.rows])

@@ -243,8 +243,8 @@ class KeyReader:
         kind = type(self.design)
         known = kind.key_at(key)
         if known is None or known.most:
-            every = [line.key for line in kind.key_lines()]
-            close = nearest(key, every)
+            known_keys = [line.key for line in kind.key_lines()]
+            close = nearest(key, known_keys)
             hint = f"did you mean {close}?" if close else f"gearmesh describe {self.design.kind} lists them"
             raise ArgumentError(
                 "vary",

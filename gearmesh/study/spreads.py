@@ -113,20 +113,20 @@ def _tables(table: Mapping[str, Any], prefix: str) -> list[tuple[str, Mapping[st
     tables: list[tuple[str, Mapping[str, Any]]] = []
     for name, below in table.items():
         if not isinstance(below, Mapping):
-            told = shown_key([*prefix.split(".")[:-1], name])
+            shown = shown_key([*prefix.split(".")[:-1], name])
             raise ArgumentError(
-                "tolerance", below, shown=value_text(below), entry=told, must_be="a table with a distribution"
+                "tolerance", below, shown=value_text(below), entry=shown, must_be="a table with a distribution"
             )
         tables += [(prefix + name, below)] if "distribution" in below else _tables(below, f"{prefix}{name}.")
     return tables
 
 
 def _of_table(key: str, table: Mapping[str, Any], read: Reader) -> Spread:
-    name, told = table["distribution"], shown_key(key.split("."))
+    name, shown = table["distribution"], shown_key(key.split("."))
     if not isinstance(name, str) or name not in DISTRIBUTION_PARAMETERS:
         raise ArgumentError(
             "tolerance",
-            entry=told,
+            entry=shown,
             reason=f"distribution = {value_text(name)}: must be one of {', '.join(DISTRIBUTION_PARAMETERS)}",
         )
     wanted = DISTRIBUTION_PARAMETERS[name]
@@ -135,6 +135,6 @@ def _of_table(key: str, table: Mapping[str, Any], read: Reader) -> Spread:
         if parameter not in known or parameter not in (*wanted, "distribution"):
             what = "missing" if parameter not in known else "not a parameter"
             raise ArgumentError(
-                "tolerance", entry=told, reason=f"{shown_key([parameter])}: {what}; {name} has {', '.join(wanted)}"
+                "tolerance", entry=shown, reason=f"{shown_key([parameter])}: {what}; {name} has {', '.join(wanted)}"
             )
     return spread_of(key, [name, *(known[parameter] for parameter in wanted)], read)

@@ -382,12 +382,12 @@ def _tolerances(
 
 def _refuse_impossible(design: Design, plan: Plan) -> None:
     """Check values of keys that only move members against their ranges; no later step checks them."""
-    own = own_keys(design)
+    design_keys = own_keys(design)
     for key in set(plan.keys) & set(displacing_keys(design.kind)):
         column = plan.columns[key]
         numbers = [float(value) for value in column]
         for value in {min(numbers), max(numbers)}:
-            parse(with_keys(own, [(key, value)]))
+            parse(with_keys(design_keys, [(key, value)]))
 
 
 def check_record(record: str | Sequence[str], torque: Sequence[float] | None) -> tuple[tuple[float, ...], list[str]]:
@@ -449,8 +449,8 @@ def work_and_nominal(
         nominal_figures = ask(TURNS_GROUP, (CONTACT_GROUPS[0], TURNS_GROUP))
     if torques:
         if set(tokens) <= {*CONTACT_GROUPS, TURNS_GROUP, *by_group}:
-            told = ",".join(f"{torque:g}" for torque in torques)
-            raise ArgumentError("torque", entry=told, reason="needs figures under load; record = load has them")
+            torque_text = ",".join(f"{torque:g}" for torque in torques)
+            raise ArgumentError("torque", entry=torque_text, reason="needs figures under load; record = load has them")
         nominal_figures = ask(LOAD_GROUP, (CONTACT_GROUPS[0], LOAD_GROUP))
     _refuse_unknown(tokens, allowed, by_group)
     names = tuple(name for name, group in by_group.items() if {name, group, "all"} & set(tokens))
@@ -459,8 +459,8 @@ def work_and_nominal(
     middle = nominal_figures[length], nominal_figures[height]
     work = replace(whole, keys=keys, groups=groups, names=names, reference=middle)
     shifts = {declared_figure.key for declared_figure in PathShift.declared_figures()}
-    own = (entry for entry in nominal_figures.entries if entry.key in names)
-    nominal = Summary(replace(entry, value=0.0) if entry.key in shifts else entry for entry in own)
+    recorded_entries = (entry for entry in nominal_figures.entries if entry.key in names)
+    nominal = Summary(replace(entry, value=0.0) if entry.key in shifts else entry for entry in recorded_entries)
     return work, nominal
 
 

@@ -160,6 +160,6 @@ def _of_bins(table: Array) -> tuple[Array, Array]:
     number, total, square = table
     count, bins = number.sum(axis=1), number.shape[1]
     middle = total.sum(axis=1) ** 2 / count
-    every = square.sum(axis=1) - middle
-    between = (total**2 / np.maximum(number, 1.0)).sum(axis=1) - middle
-    return between / every, (bins - 1) * (every - between) / (count - bins) / every
+    variation = square.sum(axis=1) - middle
+    between_bins = (total**2 / np.maximum(number, 1.0)).sum(axis=1) - middle
+    return between_bins / variation, (bins - 1) * (variation - between_bins) / (count - bins) / variation

@@ -305,12 +305,12 @@ def cad_of(
         if member is None and value is not None:
             raise ArgumentError(name, value, must_be="left out for several members")
     if member is not None and (extract.flanks or teeth is not None):
-        own = gears.part(member)
-        most = own.member.tooth.teeth
+        tool_part = gears.part(member)
+        most = tool_part.member.tooth.teeth
         if teeth is not None and not 1 <= teeth <= most:
             raise ArgumentError("teeth", teeth, must_be=f"a whole number from 1 to {most}")
         if extract.flanks or teeth != most:
-            return _surfaces_of(gears, own, tolerance, extract, teeth)
+            return _surfaces_of(gears, tool_part, tolerance, extract, teeth)
     make = cad_space if extract.space else partial(cad_solid, pitches=extract.sector)
     places = {} if member is not None else gears.places_at(phi1)
     wanted = [gears.part(name) for name in ([member] if member is not None else places)]
@@ -318,12 +318,12 @@ def cad_of(
     for alike in in_turn(_alike([part.member for part in wanted])):
         body, left_out = extract.repeat(extract.shift(alike[0]))
         warnings += left_out
-        warnings += [at_nominal_places(own) for own in alike if own.index.uneven]
+        warnings += [at_nominal_places(equal_member) for equal_member in alike if equal_member.index.uneven]
         part, figures = make(body, tolerance, extract.offset or None)
         # planet_1, planet_2 and planet_3 are three occurrences of the part planet
         part = replace(part, name=part.name.rstrip("0123456789").rstrip("_")) if len(alike) > 1 else part
-        made.update((own.name, part) for own in alike)
-        measured.update((own.name, figures) for own in alike)
+        made.update((equal_member.name, part) for equal_member in alike)
+        measured.update((equal_member.name, figures) for equal_member in alike)
     occurrences = tuple(Occurrence(name, made[name], place) for name, place in places.items())
     return Cad(
         gears.design,

@@ -423,11 +423,19 @@ def member_solid(
         seconds=seconds,
         offset=extract.offset or None,
     )
-    own = Summary(*(() if extra is None else (extra,)), *made.own)
+    further_figures = Summary(*(() if extra is None else (extra,)), *made.own)
     warnings = (*warnings, *made.warnings, *_coarse(tolerance, design.given_module * design.mm_per_unit))
     in_file = None if file is None or place is not None else (Path(file).suffix.lower(), written)
     return Solid(
-        design, made.facets, figures, warnings, made.genus is None, own, made.member, teeth=made.teeth, in_file=in_file
+        design,
+        made.facets,
+        figures,
+        warnings,
+        made.genus is None,
+        further_figures,
+        made.member,
+        teeth=made.teeth,
+        in_file=in_file,
     )
 
 
@@ -501,9 +509,17 @@ def solid_of(
     """Return one member, or its worm as a part, as `Gears.solid` describes it; `tolerance` in mm, `place` is its place
     in the file.
     """
-    part, every = gears.part(name), gears.warnings
+    part, gear_warnings = gears.part(name), gears.warnings
     return member_solid(
-        gears.design, part.member, tolerance, teeth, part.figures, (*every, *part.warnings), file, extract, place
+        gears.design,
+        part.member,
+        tolerance,
+        teeth,
+        part.figures,
+        (*gear_warnings, *part.warnings),
+        file,
+        extract,
+        place,
     )
 
 

@@ -280,8 +280,8 @@ class Contact(Result):
         ]
 
         def curvatures_at(i: int) -> PairCurvature:
-            *own, relative = (CurvatureFigures(*(part[i] for part in column)) for column in columns)
-            return PairCurvature(dict(zip(self.params, own, strict=True)), relative)
+            *flank_curvatures, relative = (CurvatureFigures(*(part[i] for part in column)) for column in columns)
+            return PairCurvature(dict(zip(self.params, flank_curvatures, strict=True)), relative)
 
         return [curvatures_at(i) for i in range(len(self.path.phi1))]
 

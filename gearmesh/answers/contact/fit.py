@@ -122,11 +122,11 @@ class TipPlace(Figures):
     def of(pair: GearPair, fit: Fit, phi1: float, point: Array) -> TipPlace:
         """Return the figures of a point (3,) of the fixed frame, at phi1 (rad) of the driven gears."""
         turns = np.array([phi1]), fit.turns(np.array([phi1]))
-        own = {
+        own_points = {
             member.name: member.mount.at(turn).inverse.point(point[None])[0].tolist()
             for member, turn in zip(pair.both, turns, strict=True)
         }
-        return TipPlace(float(np.degrees(phi1)), point.tolist(), own)
+        return TipPlace(float(np.degrees(phi1)), point.tolist(), own_points)
 
 
 @dataclass(frozen=True)

@@ -228,17 +228,25 @@ class Inspection(Result):
         classes = self.gear_class
         if classes is not None and classes.figures:
             rows = [
-                (own.symbol, own.name, round_to(own.deviation, TABLE_DECIMALS), own.tolerance, own.tolerance_class)
-                for own in classes.figures
+                (
+                    entry.symbol,
+                    entry.name,
+                    round_to(entry.deviation, TABLE_DECIMALS),
+                    entry.tolerance,
+                    entry.tolerance_class,
+                )
+                for entry in classes.figures
             ]
             heads = ("", "", "um", "tolerance um", "class")
             tables.append(Listing(f"Tolerance classes of the {self.member.name} [{classes.standard}]", heads, rows))
         sides = list(self.figures.flanks)
         columns = [flat(self.figures.flanks[side].entries) for side in sides]
         shown = [
-            key for key in dict.fromkeys(key for own in columns for key in own) if not key.endswith(LIST_KEY_ENDING)
+            key
+            for key in dict.fromkeys(key for column in columns for key in column)
+            if not key.endswith(LIST_KEY_ENDING)
         ]
-        rows = [(key, *(_to_digits(own.get(key)) for own in columns)) for key in shown]
+        rows = [(key, *(_to_digits(column.get(key)) for column in columns)) for key in shown]
         tables.append(Listing(f"Deviations of the {self.member.name}", ("", *sides), rows))
         return tables
 

@@ -301,9 +301,14 @@ def hex_mesh(
       less if the body is thinner.
     - second_order: True for mid-side nodes.
 
-    Face sets, and node sets of the same names, are: flank_right_k, flank_left_k, fillet_right_k, fillet_left_k of tooth k
-    (from 1), root, land, edge (if broken), rim (inner face), bore (if the rim reaches it), toe, heel, and cut_right and
-    cut_left unless all teeth are meshed. Element sets are tooth_k.
+    There are face sets, and node sets of the same names:
+
+    - flank_right_k, flank_left_k, fillet_right_k, fillet_left_k of tooth k (from 1).
+    - root, land, edge (if broken).
+    - rim (inner face), bore (if the rim reaches it), toe, heel.
+    - cut_right and cut_left, unless all teeth are meshed.
+
+    Element sets are tooth_k.
 
     Raises TrimError for a tooth that cannot be trimmed, DesignError for a rim that does not fit, and for a member of one tooth.
     """

@@ -81,9 +81,14 @@ def whole_mesh(
     - body: as `Member.body`.
     - size: size, mm, of the body's elements; by default BODY_CELL_WHOLE_DEPTHS whole depths.
 
-    Further sets are the regions of the body (bore, web, hub, shaft, counterbore, face_toe, face_heel), shaft_end, core (the
-    surface of the core that is left out of a body without bore), and the element set body. The set rim exists for internal
-    gears only; it is their outside.
+    There are further sets:
+
+    - regions of the body: bore, web, hub, shaft, counterbore, face_toe, face_heel.
+    - shaft_end.
+    - core: surface of the core that is left out of a body without bore.
+    - the element set body.
+
+    The set rim exists for internal gears only; it is their outside.
 
     Raises TrimError for a tooth that cannot be trimmed, DesignError for a body that cannot be meshed by rings of hexahedra.
     """

@@ -53,8 +53,11 @@ class Incidence:
     def quadrilaterals(self, triangles: Index) -> tuple[Index, Index, Index, Index, Index, Index]:
         """Return the quadrilaterals of two triangles with a common edge; six arrays (K,).
 
-        They are: first triangle, second triangle, corner `apex` of the first off the edge, start `b` of the edge, corner `far`
-        of the second off the edge, end `c` of the edge.
+        - first and second triangle.
+        - corner `apex` of the first triangle off the edge.
+        - start `b` of the edge.
+        - corner `far` of the second triangle off the edge.
+        - end `c` of the edge.
         """
         order = np.argsort(self.sides.ravel(), kind="stable")
         inner = np.flatnonzero(self.count == 2)
