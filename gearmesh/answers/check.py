@@ -373,9 +373,7 @@ def _comparisons(row: RollRow, te_limit: float, contact: RollContact | None) -> 
 
 
 def flank_meshes(pair: GearPair, tolerance: float) -> tuple[TriangleMesh, TriangleMesh]:
-    """Return the touching flanks of one tooth of each member, meshed within `tolerance` (mm), in the members' own
-    frames.
-    """
+    """Return the touching flanks of one tooth of each member, own frames, meshed within `tolerance` (mm)."""
     from gearmesh.mesh.solid import teeth_mesh
     from gearmesh.mesh.tessellate import tessellate
 

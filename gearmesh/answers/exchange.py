@@ -283,8 +283,9 @@ class RexsExport(Result):
 
 
 def refuse_kind(design: Design) -> StageForm:
-    """Return how stages of the kind of a design are written. Raises DesignError for kinds that the format does not
-    have.
+    """Return how stages of the kind of a design are written.
+
+    Raises DesignError for kinds that the format does not have.
     """
     form = system_of(design).rexs
     if form is None:
@@ -320,9 +321,7 @@ def rexs_of(pinned: Pinned, folder: Path, loaded: LoadedContact | None = None) -
 
 
 def _put_results(writer: StageWriter, stage: Component, loaded: LoadedContact) -> None:
-    """Add a load case for each torque: the torques on both gears, and the results of loaded contact over the mesh
-    cycle.
-    """
+    """Add a load case for each torque: the torques on both gears, and results of loaded contact over the mesh cycle."""
     model = writer.model
     first, second = next(
         (model.component(relation.in_role("gear_1")), model.component(relation.in_role("gear_2")))

@@ -23,8 +23,9 @@ from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
 
 
 def number_list(argument: str, values: ArrayLike, unit: str) -> Array:
-    """Return the values (N,) of an argument that is one number or several. Raises ArgumentError if any is not a finite
-    number.
+    """Return the values (N,) of an argument that is one number or several.
+
+    Raises ArgumentError if any value is not a finite number.
     """
     try:
         numbers = np.atleast_1d(np.asarray(values, dtype=float))
@@ -114,8 +115,9 @@ class GearSet(Picklable):
     """
 
     def __init__(self, design: Design, train: GearTrain | None = None) -> None:
-        """Keep the design. The `train` is built at its first use if not given; independent members are built
-        separately.
+        """Keep the design.
+
+        The `train` is built at its first use if it is not given; independent members are built separately.
         """
         self._design, self._train = design, train
 
@@ -136,8 +138,9 @@ class GearSet(Picklable):
 
     @property
     def as_built(self) -> GearTrain:
-        """All members and the pairs that mesh; their teeth may differ. Raises the errors of `build` if it is not built
-        yet.
+        """All members and the pairs that mesh; their teeth may differ.
+
+        Raises the errors of `build` if the gears are not built yet.
         """
         if self._train is None:
             self._design = systems.complete_design(self._design)
@@ -168,7 +171,7 @@ class GearSet(Picklable):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Warnings about the geometry, one line each; solids of members that are built alone have their own warnings."""
+        """Warnings about the geometry, one line each; members that are built alone have their own warnings."""
         return self.as_built.warnings if self._parts is None or self._train is not None else ()
 
     @property

@@ -1,6 +1,4 @@
-"""Questions about the contact of gears: contact with load sharing, contact under load, all meshes under load, and the
-check.
-"""
+"""Questions about the contact of gears: load sharing, contact under load, all meshes under load, and the check."""
 
 from __future__ import annotations
 
@@ -111,7 +109,7 @@ class SolvedGears(GearSet):
         mounts: Mapping[str, FlexibleMount] | None = None,
         contact: Contact | None = None,
     ) -> LoadedContact:
-        """Contact of a pair under load: load of every tooth pair, loaded transmission error, pressures, stiffness and root stress.
+        """Contact of a pair under load: load sharing, transmission error, pressures, stiffness and root stress.
 
         Parameters
         ----------

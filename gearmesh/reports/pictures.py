@@ -156,7 +156,7 @@ def _refuse_position(view: str, phi1: ArrayLike | None) -> None:
 
 
 def _picture_alone(gears: SolvedGears, view: str, member: str | None, size: tuple[int, int], title: str) -> Picture:
-    """Return the picture of a member that meshes with no other, or of its right flank with the tool that generates it."""
+    """Return the picture of a member without a mating gear, or of its right flank with the generating tool."""
     shown_member = gears.member(next(iter(gears.members)) if member is None else member)
     if view == "pair":
         from gearmesh.answers.bodies.solid import member_solid
@@ -179,9 +179,7 @@ def _tool_picture(
     size: tuple[int, int],
     title: str,
 ) -> Picture:
-    """Return the picture of a member with the tool that generates a flank or with its `worm`, or of their lines of
-    contact.
-    """
+    """Return the picture of a member with its generating tool or its `worm`, or of their lines of contact."""
     if view == "contact_lines":
         return Picture(pictures.tool_contact_picture(member, side, size, title))
     from gearmesh.mesh.solid import gear_solid
@@ -214,9 +212,7 @@ def _section(
 
 
 def _meshes(gears: SolvedGears, mesh: GearPair, tolerance: float | None = None) -> dict[str, TriangleMesh]:
-    """Return the meshes of both members of a pair, in their own frames, within a tolerance (mm; by default the
-    design's).
-    """
+    """Return the meshes of both members of a pair, own frames, within a tolerance (mm; by default the design's)."""
     from gearmesh.mesh.solid import gear_solid
     from gearmesh.teeth.micro_geometry.placed_teeth import placed_teeth
 

@@ -1,6 +1,4 @@
-"""Report page of a design: one HTML file with a view that turns and rolls, figures, plots, the sheet and the design
-itself.
-"""
+"""Report page of a design: one HTML file with a view that turns and rolls, figures, plots, data sheet, design file."""
 
 from __future__ import annotations
 
@@ -246,7 +244,10 @@ def _overview(gears: GearSet, contacts: Mapping[int, Contact], meshes: Mapping[s
 
 
 def _staged_member(member: Member, tolerance: float, solid: Solid | None) -> StagedMember:
-    """Return a member for the view; the mesh of `solid` is reused if it is within the tolerance (mm) but not far finer."""
+    """Return a member for the view.
+
+    The mesh of `solid` is reused if it is within the tolerance (mm) but not far finer.
+    """
     if solid is not None and solid.member is member and len(solid.teeth) == 1:
         (tooth,) = solid.teeth
         if MIN_TOLERANCE_RATIO * tolerance <= tooth.tolerance <= tolerance:
@@ -255,8 +256,9 @@ def _staged_member(member: Member, tolerance: float, solid: Solid | None) -> Sta
 
 
 def _stage(train: GearTrain, contact: Contact, check: Check | None, loaded: LoadedPictures | None = None) -> StagedPair:
-    """Return a pair for the view, with its contact at the positions of the slider; positions without contact are left
-    out.
+    """Return a pair for the view, with its contact at the positions of the slider.
+
+    Positions without contact are left out.
     """
     patches = {} if check is None else {name: check.roll.patches(contact.pair, name) for name in contact.pair.members}
     return StagedPair(staged_contact(train, contact), patches, None if loaded is None else loaded.pattern)

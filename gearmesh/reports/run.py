@@ -189,8 +189,9 @@ class RunFolder:
         return pictures.ToothViews(self.solids)
 
     def file(self, name: str, pair: GearPair | None = None) -> Path:
-        """Return the path of a file that is written next; with several meshes, names of files of a `pair` begin with
-        its members.
+        """Return the path of a file that is written next.
+
+        With several meshes, names of files of a `pair` begin with its members.
         """
         self.files.append(self.folder / f"{'' if pair is None else self.prefix(pair)}{name}")
         return self.files[-1]
@@ -278,8 +279,9 @@ class RunFolder:
     def write_pictures(
         self, contacts: Mapping[int, Contact], check: Check, meshes: dict[str, TriangleMesh]
     ) -> list[tuple[str, Image]]:
-        """Write pictures of teeth and gears, with `meshes` of the members. Return their captions and pixels, all gears
-        first.
+        """Write pictures of teeth and gears, with `meshes` of the members.
+
+        Returns their captions and pixels, all gears first.
         """
         images = []
         for contact, rolled in zip(contacts.values(), (check, *check.others), strict=True):
@@ -377,7 +379,7 @@ def _run_meshes(
 
 
 def _run_alone(written: RunFolder, tolerance: float, progress: Progress, page: bool, source: str | None) -> Report:
-    """Write everything about gears that do not mesh: solids, sheet, limits, plots of modifications, pictures, page and
+    """Write everything about gears that do not mesh: solids, sheet, limits, plots of modifications, pictures, page,
     report.
     """
     gears, timing = written.gears, written.timing
@@ -407,8 +409,9 @@ def _run_alone(written: RunFolder, tolerance: float, progress: Progress, page: b
 def _solve(
     gears: SolvedGears, torque: ArrayLike | None, progress: Progress
 ) -> tuple[dict[int, Contact], dict[int, LoadedContact]]:
-    """Return the contact of each different mesh, and the loaded contact if torques (Nm) are given, by the numbers of
-    the pairs.
+    """Return the contact of each different mesh, by the numbers of the pairs.
+
+    The loaded contact is added if torques (Nm) are given.
     """
     progress(0.05, "tooth contact")
     contacts = {k: gears.contact(pair=k) for k in gears.train.different}

@@ -179,9 +179,7 @@ def _of_key(
     known: dict[float, list[float]] = {}
 
     def rooms(values: Array) -> Array:
-        """Return the distances (C, N) of all criteria from their limits, relative to the distances of the design
-        itself.
-        """
+        """Return the distances (C, N) of all criteria from their limits, relative to those of the design."""
         new = [value for value in dict.fromkeys(values.tolist()) if value not in known]
         for value, row in zip(new, work([(value,) for value in new]), strict=True):
             known[value] = [_number(value) for value in row[:-1]]

@@ -71,8 +71,9 @@ class Spread:
 
 
 def spread_of(key: str, words: list[Any], read: Reader) -> Spread:
-    """Return the spread of a key from its distribution and parameters. Raises ArgumentError naming the key and what is
-    allowed.
+    """Return the spread of a key from its distribution and parameters.
+
+    Raises ArgumentError naming the key and what is allowed.
     """
     name, *values = words
     names = DISTRIBUTION_PARAMETERS.get(name) if isinstance(name, str) else None

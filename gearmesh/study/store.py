@@ -139,9 +139,7 @@ class StudyStore:
         os.lseek(self._descriptor, good, os.SEEK_SET)
 
     def _holds(self, chunk: int, rows: Any) -> bool:
-        """Return True if the plan has such a chunk: the right number of rows, each with its recorded figures and a
-        reason.
-        """
+        """Return True if the plan has such a chunk: the right number of rows, each with its figures and a reason."""
         size = min(self._chunk, self._rows - chunk * self._chunk)
         return (
             chunk >= 0

@@ -145,8 +145,9 @@ class Study(Result):
 
     @cached_property
     def effects(self) -> list[Effect]:
-        """Effects of each key on each plotted figure by linear regression, largest first. They rank the keys if R^2 is
-        high.
+        """Effects of each key on each plotted figure by linear regression, largest first.
+
+        They rank the keys if R^2 is high.
         """
         keys = self._numeric
         return (

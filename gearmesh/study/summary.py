@@ -89,7 +89,7 @@ class StudySummary(Figures):
         ]
 
     def _resolution(self, name: str) -> float:
-        """Return the size below which a figure is shown as 0; 0 if the study was read from a file, which has no units."""
+        """Return the size below which a figure is shown as 0; 0 for a study read from a file, which has no units."""
         entry = self.nominal.entry(name) if isinstance(self.nominal, Summary) else None
         return 0.0 if entry is None else entry.figure.resolution
 

@@ -80,8 +80,9 @@ def variance_shares(plan: Plan, keys: Mapping[str, Array], figure: str, values: 
 
 
 def grid_shares(values: Array) -> Array | None:
-    """Return first order, its error, total order and its error (K, 4) of the axes of a full grid; None if a value is
-    missing.
+    """Return first order, its error, total order and its error (K, 4) of the axes of a full grid.
+
+    None if a value is missing.
     """
     variance = values.var()
     if not np.isfinite(variance):
@@ -154,8 +155,9 @@ def binned_shares(keys: Array, values: Array, even: bool = False) -> Array | Non
 
 
 def _of_bins(table: Array) -> tuple[Array, Array]:
-    """Return shares (G,) and their chance parts (G,) from number, sum and sum of squares (3, G, B) of the rows in B
-    bins.
+    """Return shares (G,) of bins and the parts (G,) of them that are due to chance.
+
+    `table` (3, G, B): number, sum and sum of squares of the rows in B bins.
     """
     number, total, square = table
     count, bins = number.sum(axis=1), number.shape[1]

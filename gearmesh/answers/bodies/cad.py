@@ -287,8 +287,9 @@ def cad_of(
     phi1: float = 0.0,
     teeth: int | None = None,
 ) -> Cad:
-    """Return one member as a CAD solid, or all members in mesh, as `Gears.cad` describes them; `tolerance` in mm,
-    `phi1` in deg.
+    """Return one member as a CAD solid, or all members in mesh, as `Gears.cad` describes them.
+
+    `tolerance` is in mm, `phi1` in deg.
     """
     from gearmesh.cad.step import Occurrence, Part, PartAssembly
 

@@ -1,6 +1,4 @@
-"""Extracts of a member: the whole, a sector, the space between two teeth, or only flanks; and offsets of tooth
-surfaces.
-"""
+"""Extracts of a member: the whole, a sector, a space between teeth, or only flanks; and offsets of tooth surfaces."""
 
 from __future__ import annotations
 
@@ -109,7 +107,7 @@ class Extract:
         return Extract(in_mm("offset", offset), space, flanks, sector)
 
     def shift(self, member: Member) -> Member:
-        """Return the member with the offset. Raises DesignError, naming the largest valid offset, if it is too large."""
+        """Return the member with the offset. Raises DesignError, with the largest valid offset, if it is too large."""
         if not self.offset:
             return member
         from gearmesh.teeth.offset import offset_member

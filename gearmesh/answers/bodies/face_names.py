@@ -32,7 +32,10 @@ class FaceNameFigures(Figures):
 
 @dataclass(frozen=True, repr=False)
 class FaceNames(Result):
-    """Names of the faces of a STEP file, in the order in which readers number them; `face` is the surface tag in gmsh."""
+    """Names of the faces of a STEP file, in the order in which readers number them.
+
+    `face` is the surface tag in gmsh.
+    """
 
     design: Design
     faces: tuple[FaceNameFigures, ...]

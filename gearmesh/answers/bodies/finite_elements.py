@@ -448,7 +448,7 @@ def _missing_parts(pair: GearPair, request: Request) -> list[str]:
 
 
 def _remedy(figures: ModelFigures) -> str:
-    """Return the value of fe.ellipse that resolves the pressure, from the number of elements that this deviation needs."""
+    """Return the value of fe.ellipse that resolves the pressure, in words, from the deviation of the element edges."""
     sag, over = figures.resolution.sag, figures.resolution.over
     if sag is None:
         return ""
@@ -501,7 +501,7 @@ def _contact_figures(
 
 
 def _at_rim(problem: FiniteElements, place: list[float]) -> bool:
-    """Return True if a place (mm, fixed frame) is at the rim of a pressure ellipse; always False for lines and edges."""
+    """Return True if a place (mm, fixed frame) is at the rim of a pressure ellipse; False for lines and edges."""
     at = problem._built.at
     if np.isnan(at.pressure) or at.path.lines[0] is not None:
         return False

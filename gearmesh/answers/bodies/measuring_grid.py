@@ -70,8 +70,9 @@ Number = TypeVar("Number", int, float)
 def numbers_of(
     name: str, given: tuple[Number, Number] | str, between: str, number: Callable[[str], Number | None]
 ) -> tuple[Number, Number]:
-    """Return two numbers, given as numbers or as a text with a mark `between` them. Raises ArgumentError for another
-    text.
+    """Return two numbers, given as numbers or as a text with a mark `between` them.
+
+    Raises ArgumentError for another text.
     """
     if not isinstance(given, str):
         return given

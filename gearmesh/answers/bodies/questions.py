@@ -282,7 +282,7 @@ class ModelledGears(SolvedGears):
         curves: str = "splines",
         offset: Length = 0.0,
     ) -> Section:
-        """The transverse section of one member, or the axial section of a worm, as contours for drawings, wires and lasers.
+        """The transverse section of one member, or the axial section of a worm, as contours.
 
         Parameters
         ----------
@@ -429,7 +429,7 @@ class ModelledGears(SolvedGears):
         tilt: float | None = None,
         feed: float = 500.0,
     ) -> ToolPathAnswer:
-        """The tool path of a ball-end cutter in the spaces of a member on a five-axis machine, proved on exact surfaces.
+        """The tool path of a ball-end cutter in the spaces of a member, for a five-axis machine, with proof.
 
         Parameters
         ----------
@@ -504,7 +504,7 @@ class ModelledGears(SolvedGears):
         pair: int | str = 0,
         sector: int | None = None,
     ) -> FiniteElements | UnloadedFiniteElements:
-        """A finite-element model of the teeth in mesh, with the resolution of the design's table fe, to be written or solved.
+        """A finite-element model of the teeth in mesh, as fine as the table fe defines, to be written or solved.
 
         Parameters
         ----------

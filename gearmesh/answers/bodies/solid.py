@@ -225,7 +225,7 @@ class Solid(Result):
         return manifold_of(self.mesh.vertices, {0: self.mesh.triangles})
 
     def to_build123d(self) -> build123d.Solid:
-        """The CAD solid of the meshed member for build123d, with spline faces within the mesh's tolerance, not triangles.
+        """The CAD solid of the member for build123d, with spline faces within the mesh's tolerance, not triangles.
 
         Returns
         -------
@@ -250,7 +250,7 @@ class Solid(Result):
         return build123d_shape(self._part())
 
     def to_cadquery(self) -> cadquery.Workplane:
-        """The CAD solid of the meshed member for CadQuery, with spline faces within the mesh's tolerance, not triangles.
+        """The CAD solid of the member for CadQuery, with spline faces within the mesh's tolerance, not triangles.
 
         Returns
         -------
@@ -377,7 +377,7 @@ def refuse_parts(**asked: object) -> None:
 
 
 def mesh_to_pyvista(mesh: TriangleMesh) -> pyvista.PolyData:
-    """Return a triangle mesh for PyVista, with cell data "region" (index into field data "region_names") and "normal"."""
+    """Return a mesh for PyVista, with cell data "region" (index into field data "region_names") and "normal"."""
     import pyvista
 
     made = pyvista.PolyData.from_regular_faces(mesh.vertices, mesh.triangles.astype(int))
@@ -506,8 +506,9 @@ def solid_of(
     extract: Extract = WHOLE_MEMBER,
     place: Rigid | None = None,
 ) -> Solid:
-    """Return one member, or its worm as a part, as `Gears.solid` describes it; `tolerance` in mm, `place` is its place
-    in the file.
+    """Return one member, or its worm as a part, as `Gears.solid` describes it.
+
+    `tolerance` is in mm; `place` is the place of the part in the file.
     """
     part, gear_warnings = gears.part(name), gears.warnings
     return member_solid(

@@ -185,8 +185,9 @@ class Contact(Result):
 
     @cached_property
     def whole(self) -> ContactPath | None:
-        """Path of a tooth pair from its first to its last contact, independent of the positions; None if teeth jam or
-        never touch.
+        """Path of a tooth pair from its first to its last contact, independent of the positions.
+
+        None if teeth jam or never touch.
         """
         if self.fit is not None and self.fit.jammed:
             return None
@@ -531,9 +532,7 @@ def _hertz(hertz: PathHertz, i: int) -> HertzFigures:
 
 
 def _contact_warnings(pair: GearPair, path: ContactPath, cycle: Cycle | None) -> list[str]:
-    """Return warnings about the figures: a transmission advance at the change of tooth pairs, and teeth that are not
-    all equal.
-    """
+    """Return warnings about the figures: a transmission advance at the change of tooth pairs, and unequal teeth."""
     warnings = []
     if pair.eccentric:
         warnings.append(
@@ -564,7 +563,10 @@ def _contact_warnings(pair: GearPair, path: ContactPath, cycle: Cycle | None) ->
 
 
 def _break_warnings(pair: GearPair, cycle: Cycle | None, keeps_from_crossing: str) -> list[str]:
-    """Return a line for each jump of the transmission error; `keeps_from_crossing` is the remedy for flanks that cross."""
+    """Return a line for each jump of the transmission error.
+
+    `keeps_from_crossing` is the remedy for flanks that cross.
+    """
     warnings, (rad, unit) = [], pair.output.reading.error
     total = total_ratio(pair, cycle) if cycle is not None and cycle.contact_ratio < 1.0 else math.inf
     if cycle is not None and total < 1.0:

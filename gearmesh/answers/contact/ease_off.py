@@ -22,8 +22,9 @@ from gearmesh.teeth.gear_train import GearPair
 
 
 def ease_off_of(design: Design, pair: GearPair, engagement: Engagement | None = None) -> EaseOffMap:
-    """Return the ease-off map of a pair, from its `engagement` if known. Raises NoSolutionError if the flanks never
-    meet.
+    """Return the ease-off map of a pair, from its `engagement` if known.
+
+    Raises NoSolutionError if the flanks never meet.
     """
     followed = whole_engagement(solver_pair(pair), pair.pitch) if engagement is None else engagement
     if followed is None:

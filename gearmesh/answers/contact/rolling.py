@@ -46,8 +46,9 @@ class RollingContact:
 
 
 def rolling_contact(pair: GearPair, path: ContactPath, pitches: ArrayLike = (0.0,)) -> RollingContact:
-    """Return a pair rolled by `pitches` (N,) from the middle of a path. Raises NoSolutionError if the flanks never
-    meet.
+    """Return a pair rolled by `pitches` (N,) from the middle of a path.
+
+    Raises NoSolutionError if the flanks never meet.
     """
     flanks = solver_pair(pair)
     followed = whole_engagement(flanks, pair.pitch)

@@ -1,6 +1,4 @@
-"""Contact of a pair on both sides of its teeth: for each side a path, the whole engagement of a tooth pair, and the
-ease-off.
-"""
+"""Contact of a pair on both sides of its teeth: a path, the whole engagement of a tooth pair, and the ease-off."""
 
 from __future__ import annotations
 
@@ -39,8 +37,8 @@ class SideContact:
 
     @property
     def sliding_velocity(self) -> Array:
-        """Sliding velocity (I, J, 3), mm per rad of the pinion, own frame: points of the pinion relative to the gear,
-        in contact.
+        """Sliding velocity (I, J, 3), mm per rad of the pinion, own frame, of the pinion's points in contact against
+        the gear.
         """
         return self._sliding_velocity(self.ease_off.phi1)
 

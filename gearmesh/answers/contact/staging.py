@@ -1,4 +1,4 @@
-"""Data of a pair for a view that turns: closely spaced contact, rotations of all members, gaps over the pinion's flank."""
+"""Data of a pair for a view that turns: dense contact, rotations of all members, gaps over the pinion's flank."""
 
 from __future__ import annotations
 

@@ -1,6 +1,4 @@
-"""Results of `tca --turns` for a pair over whole turns: figures, waves of eccentric members, and the error at every
-position.
-"""
+"""Results of `tca --turns` over whole turns: figures, waves of eccentric members, and the error at every position."""
 
 from __future__ import annotations
 

@@ -129,8 +129,9 @@ def zone_of_lines(pair: GearPair, path: ContactPath) -> ContactZone | None:
 
 
 def zone_of_contact(pair: GearPair, whole: ContactPath, now: ContactPath, phi1: float) -> ZoneOfContact:
-    """Return the picture's contents, with the contact `whole` of a tooth pair and of all tooth pairs `now`, at phi1
-    (rad).
+    """Return the contents of the picture of a zone of contact.
+
+    The contact `whole` belongs to one tooth pair, the contact `now` to all tooth pairs at phi1 (rad).
     """
     zone = zone_of_lines(pair, whole)
     limits = {} if zone is None else limit_lines(pair, zone)

@@ -1,4 +1,6 @@
-"""Single-flank and double-flank test of gears with pitch deviations or runout: transmission error and centre distance."""
+"""Composite tests of gears with pitch deviations or runout: transmission error (single flank), centre distance
+(double).
+"""
 
 from __future__ import annotations
 

@@ -1,6 +1,4 @@
-"""Correction of machine settings: settings that remove the measured deviations, the remaining deviations, and the
-contact.
-"""
+"""Correction of machine settings that removes measured deviations, with the remaining deviations and the contact."""
 
 from __future__ import annotations
 
@@ -235,8 +233,9 @@ class Correction(Result):
 
     @cached_property
     def new_design(self) -> Design:
-        """Design with the corrected settings and all other settings. Its nominal flanks have the opposite of the
-        deviations.
+        """Design with the corrected settings and all other settings.
+
+        Its nominal flanks have the opposite of the deviations.
         """
         return self._flanks.design.with_values(self._flanks.values(self.settings, self.solution.changes.tolist()))
 
@@ -410,8 +409,9 @@ class Correction(Result):
         return made
 
     def _prognosis(self, grids: Mapping[Side, DeviationGrid]) -> PrognosisFigures:
-        """Return the contact of the gear set with smoothed deviations of the member's flanks; no figures if they do not
-        meet.
+        """Return the contact of the gear set with smoothed deviations of the member's flanks.
+
+        There are no figures if the flanks do not meet.
         """
         nominal = self.train.members[self.member]
         try:

@@ -1,6 +1,4 @@
-"""Inspection of a measured gear: deviations evaluated by side, tolerance classes, and the figures that limit the gear's
-class.
-"""
+"""Inspection of a measured gear: deviations by side, tolerance classes, and the figures that limit the gear's class."""
 
 from __future__ import annotations
 

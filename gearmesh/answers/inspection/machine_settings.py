@@ -34,7 +34,8 @@ INDEX_SETTING = "index_angle"
 GROUND_TABLES = {f"modifications_{side}": side for side in Side}
 #: modifications that a grinding machine corrects; its infeed sets the thickness
 GRINDER_SETTINGS = ("profile_slope", "profile_crowning", "profile_twist", "helix_slope", "helix_crowning")
-#: tooth thickness of a rolling tool, a setting of both flanks because it turns one of them
+#: tooth thickness of a rolling tool; a setting only if both flanks were measured, because it merely turns a single
+#: flank
 THICKNESS_SETTING = "thickness"
 #: swivel of a grinding worm; its feed cancels the effect on the flanks to first order
 WORM_SWIVEL_SETTING = "worm_angle"
@@ -257,8 +258,9 @@ class CutFlanks:
                 factor = max(factor / STEP_DIVISOR, 1.0)
 
     def _after(self, setting: MovableSetting, change: float) -> Array:
-        """Return displacements (N,), mm, by the change of one setting. Raises ArgumentError if points are outside the
-        new flank.
+        """Return displacements (N,), mm, by the change of one setting.
+
+        Raises ArgumentError if points are outside the new flank.
         """
         made = self.displacements(self.values([setting], [change]))
         if not np.isfinite(made).all():

@@ -1,6 +1,4 @@
-"""A pair of gears under torque over a mesh cycle: load sharing, loaded transmission error, pressures, stiffness, root
-stress.
-"""
+"""Loaded contact of a pair over a mesh cycle: load sharing, transmission error, pressures, stiffness, root stress."""
 
 from __future__ import annotations
 
@@ -74,8 +72,9 @@ class LoadedContact(Result):
 
     @property
     def unloaded_peak_to_peak(self) -> float:
-        """Peak to peak of the transmission error without load over the whole mesh cycle, rad, as in `Contact`; NaN if
-        unknown.
+        """Peak to peak of the transmission error without load over the whole mesh cycle, rad, as in `Contact`.
+
+        NaN if it is unknown.
         """
         return np.nan if self.cycle is None else self.cycle.peak_to_peak
 
@@ -182,8 +181,9 @@ class LoadedContact(Result):
         }
 
     def _bending(self, load: PairLoad, pair: np.intp) -> dict[str, float]:
-        """Return the bending stress, MPa, in the fillets of the teeth of a pair; NaN if all of it is the contact's own
-        field.
+        """Return the bending stress, MPa, in the fillets of the teeth of a pair.
+
+        NaN if all of the stress is the contact's own field.
         """
         nominal = load.roots.nominal[pair]
         return {name: float(nominal[n]) for n, name in enumerate(self.pair.members)}
@@ -294,7 +294,7 @@ class LoadedContact(Result):
         )
 
     def _per_width(self, torque: int, load: PairLoad) -> dict[str, float | None]:
-        """Return the stiffness per mm of face under a torque: of the mesh, of the teeth, and the largest of one tooth
+        """Return the stiffness per mm of face under a torque: of the mesh, of the teeth, and the largest of a tooth
         pair.
         """
         names = "mean_tangent_stiffness_per_width", "c_gamma", "c_prime"
@@ -316,8 +316,9 @@ class LoadedContact(Result):
         return first + second / self.pair.ratio**2
 
     def _in_fillets(self) -> tuple[Array, ...]:
-        """Return figures (T, P, 2) in the fillets of both members; the error belongs to the largest bending stress of
-        its torque.
+        """Return figures (T, P, 2) in the fillets of both members.
+
+        The error belongs to the largest bending stress of its torque.
         """
         mesh = self.mesh
         worst = np.nan_to_num(mesh.bending, nan=-np.inf).argmax(axis=1)[:, None]

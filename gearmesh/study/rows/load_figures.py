@@ -97,8 +97,9 @@ def _moments(load: PairLoad, count: int) -> Array:
 
 
 def _run_out(moment: Array) -> float:
-    """Return the steps from the last loaded position to zero moment; `moment` has the last value first, then the one
-    before it.
+    """Return the steps from the last loaded position to zero moment.
+
+    `moment` has the last value first, then the value before it.
     """
     if len(moment) < 2 or not moment[1] > moment[0]:
         return 0.5

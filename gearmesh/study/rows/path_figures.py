@@ -78,8 +78,9 @@ def path_figures(paths: AssemblyPaths, frame: FlankFrame, pitch: float) -> PathF
 
 
 def pattern_box(paths: AssemblyPaths, frame: FlankFrame, places: Array) -> tuple[Array, Array]:
-    """Return smallest and largest length and height (M, 2) of the contact ellipses inside both flanks, clipped to the
-    flank.
+    """Return smallest and largest length and height (M, 2) of the contact ellipses inside both flanks.
+
+    The ellipses are clipped to the flank.
     """
     half = np.linalg.norm(frame.directions(paths.point[:, :, None], paths.axes), axis=2)
     inside = (paths.surface & ~paths.line)[..., None] & np.isfinite(half)

@@ -1,6 +1,4 @@
-"""Figures of a row of a study over whole turns: the long-period transmission error and the pitch deviations that cause
-it.
-"""
+"""Figures of a row of a study over whole turns: the long-period transmission error and the pitch deviations."""
 
 from __future__ import annotations
 

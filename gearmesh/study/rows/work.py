@@ -141,8 +141,9 @@ class StudyWork:
         return results_by_row
 
     def paths(self, rows: Sequence[Sequence[Any]]) -> list[tuple[Variant, AssemblyPaths] | str]:
-        """Return the paths of contact of each row (one assembly) with its mounted design, or the reason why there are
-        none.
+        """Return the paths of contact of each row (one assembly) with its mounted design.
+
+        A text is the reason why a row has none.
         """
         by_row: list[tuple[Variant, AssemblyPaths] | str] = [""] * len(rows)
         for variant, row_numbers, errors in self._variants(rows):
@@ -276,7 +277,7 @@ class Variant:
     bodies: Bodies
 
     def bases(self, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
-        """Return the bases of pinion and gear in M assemblies; errors (M,) by dotted key replace those of the design."""
+        """Return the bases of pinion and gear in M assemblies; errors (M,) by dotted key replace the design's errors."""
         return _bases(self.design, self.train, self.pair, self.errors, errors)
 
     def standing(self, bases: tuple[Rigid, Rigid], m: int) -> Variant:
