@@ -56,6 +56,7 @@ USES = {
     "rich": ("rich.table", "tables and progress on a terminal"),
     "matplotlib": ("matplotlib.figure", "plots, drawings"),
     "pillow": ("PIL.Image", "animations"),
+    "lazy-loader": ("lazy_loader", "public names, each when it is first used"),
 }
 COLUMNS = {
     "start": {
@@ -110,10 +111,15 @@ def scipy_modules(program: Sequence[str]) -> int:
     return len(re.findall(r"\|\s+scipy[\w.]*$", run.stderr, re.MULTILINE))
 
 
+def direct_dependencies() -> list[str]:
+    """Names of the dependencies in pyproject.toml, without those of extras."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    return [_name(text) for text in project["dependencies"]]
+
+
 def dependencies(rounds: int) -> list[dict[str, Any]]:
     """Rows of what pyproject.toml asks for without extras, the largest first; MB with what only it brings."""
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    direct = [_name(text) for text in project["dependencies"]]
+    direct = direct_dependencies()
     needed = {name: brought(name) for name in direct}
     bare = min(cpu_seconds([sys.executable, "-c", "pass"]) for _ in range(rounds))
     rows = []

@@ -85,7 +85,7 @@ PYTHON = (
         ),
     ),
     ("errors", "Errors", "", ("GearmeshError", "DesignError", "OutputError", "NoSolutionError")),
-    ("systems", "Gear systems of your own", "", ("kinds", "system", "register", "System")),
+    ("systems", "Gear systems of your own", "", ("kinds", "system", "register", "System", "prove", "KindProof")),
 )
 
 

@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from oracles.places import ROOT
+from oracles.scripts import script
 
 
 @pytest.mark.sweep
@@ -29,6 +30,11 @@ def test_kept_tables_have_the_columns_of_the_bench(monkeypatch: pytest.MonkeyPat
     bench = importlib.import_module("bench")
     for name, columns in bench.COLUMNS.items():
         assert [*bench.tables.kept(name)[0]] == [*columns.values()]
+
+
+def test_the_bench_of_start_up_knows_what_each_dependency_is_loaded_for() -> None:
+    bench = script("start_bench")
+    assert sorted(bench.USES) == sorted(bench.direct_dependencies())
 
 
 def test_growth_of_loaded_contact_is_measured_against_the_finest(monkeypatch: pytest.MonkeyPatch) -> None:
