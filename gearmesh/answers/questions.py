@@ -123,8 +123,9 @@ class SolvedGears(GearSet):
         progress : callable, optional
             Called with the finished share of the work (0 to 1) and its current step.
         mounts : mapping of str to FlexibleMount, optional
-            Elastic shafts and bearings, by the members' names, as {"pinion": FlexibleMount.of([2e5, 2e5, 1e5, inf, inf, inf])},
-            replacing those of the design; displacements are then reported, and are part of the transmission error.
+            Elastic shafts and bearings, by the members' names, for example
+            {"pinion": FlexibleMount.of([2e5, 2e5, 1e5, inf, inf, inf])}. They replace those of the design.
+            Displacements are then reported, and are part of the transmission error.
         contact : Contact, optional
             Solved contact of the pair: its mesh cycle gives the transmission error without load.
 

@@ -68,13 +68,13 @@ def pressures(
 ) -> Pressures:
     """Solve B contact problems of N cells for their pressures.
 
-    - `moved`: displacements under pressures
-    - `gap`, `lever` (B, N), mm; `area` (B, N), mm^2
-    - `on` (B, N): True for cells that may touch
-    - `torque` (B,), N mm, above 0
-    - `start` (B, N): initial pressures, above 0 in some cell that is `on`
+    - `moved`: displacements under pressures.
+    - `gap`, `lever` (B, N), mm; `area` (B, N), mm^2.
+    - `on` (B, N): True for cells that may touch.
+    - `torque` (B,), N mm, above 0.
+    - `start` (B, N): initial pressures, above 0 in some cell that is `on`.
     - `ease` (B, N): deflection of each cell under unit pressure on that cell alone, up to a factor; equal for all by
-      default
+      default.
     """
     weight, levers = np.where(on, area, 0.0), np.where(on, lever, 0.0)
     cell_ease = np.ones_like(weight) if ease is None else ease

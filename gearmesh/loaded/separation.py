@@ -353,10 +353,10 @@ def separation(
 ) -> Separation:
     """Compute gaps on grids of `cells` (X, Y) that are as long and wide as contacts under given forces.
 
-    - `force` (M,): N
-    - `modulus`: E*, MPa
-    - `widen` (M,): factor for the width
-    - `part` (2, M): start and end as shares of the length; below 0 and above 1 up to the ends of the flanks
+    - `force` (M,): N.
+    - `modulus`: E*, MPa.
+    - `widen` (M,): factor for the width.
+    - `part` (2, M): start and end as shares of the length; below 0 and above 1 up to the ends of the flanks.
     """
     surfaces, (low, high) = near.surfaces, near.range
     # expected half lengths and half widths

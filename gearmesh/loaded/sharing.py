@@ -2,10 +2,10 @@
 
 Every position of the pinion is one contact problem (`complementarity`). It has these parts:
 
-- gaps of all near tooth pairs (`separation`)
-- compliance of both members (`compliance`)
-- local contact compliance of both flanks (`contact_compliance`)
-- the torque
+- gaps of all near tooth pairs (`separation`).
+- compliance of both members (`compliance`).
+- local contact compliance of both flanks (`contact_compliance`).
+- the torque.
 
 The rotation theta is the rotation of the pinion against the fixed gear. The gear lags by theta N1/N2, which adds to the
 transmission error.
@@ -218,12 +218,12 @@ def loaded_mesh(
 ) -> LoadedMesh:
     """Solve the mesh at P rotations of the pinion under T torques.
 
-    - `phi1` (P,): rotations of the pinion, rad
-    - `torque` (T,): torques on the pinion in the sense that drives, N mm
-    - `bodies`: compliance of the working flanks of pinion and gear
-    - `materials`: of pinion and gear
-    - `cells`: numbers of cells along and across each contact
-    - `flexible`: compliance of the mounts of pinion and gear; None if rigid
+    - `phi1` (P,): rotations of the pinion, rad.
+    - `torque` (T,): torques on the pinion in the sense that drives, N mm.
+    - `bodies`: compliance of the working flanks of pinion and gear.
+    - `materials`: of pinion and gear.
+    - `cells`: numbers of cells along and across each contact.
+    - `flexible`: compliance of the mounts of pinion and gear; None if rigid.
 
     Raises DesignError for a torque that is not above 0. Raises NoSolutionError if no teeth touch without load, or if
     they touch beyond their flanks only.
@@ -680,9 +680,9 @@ class _Problem:
 def _displacements(local: ContactCompliance, smooth: Array, area: Array, cells: tuple[int, int]) -> Displacements:
     """Return the function that maps pressures on all `cells` of positions to displacements, mm.
 
-    - `local`: local contact compliance
-    - `smooth` (P, K X, K X), mm/N: displacements of rows of cells under forces on rows
-    - `area` (P, K), mm^2: area of the cells
+    - `local`: local contact compliance.
+    - `smooth` (P, K X, K X), mm/N: displacements of rows of cells under forces on rows.
+    - `area` (P, K), mm^2: area of the cells.
     """
 
     def displace(p: Array, which: NDArray[np.intp]) -> Array:

@@ -68,9 +68,9 @@ class SettingChanges:
 def setting_changes(deviations: Array, sensitivity: Array, noise: float | None = None) -> SettingChanges:
     """Compute the changes of settings that remove deviations.
 
-    - `deviations` (N,): mm
-    - `sensitivity` (N, M): displacements, mm per unit of each setting; no column is 0
-    - `noise`: standard deviation of a deviation, mm; by default estimated from the deviations that no setting removes
+    - `deviations` (N,): mm.
+    - `sensitivity` (N, M): displacements, mm per unit of each setting; no column is 0.
+    - `noise`: standard deviation of a deviation, mm; by default estimated from the deviations that no setting removes.
     """
     scale = np.sqrt(np.mean(sensitivity**2, axis=0))
     u, sigma, vt = np.linalg.svd(sensitivity / scale, full_matrices=False)

@@ -89,9 +89,9 @@ def flank_coordinates(points: Array) -> tuple[Array, Array]:
 def spiral_angle_error(points: Array, normals: Array, lengthwise_angle: float, joint: Joint) -> float:
     """Return the error (rad) of the amount of the spiral or helix angle, at the middle of the flank.
 
-    - `points`, `normals` (I, J, 3), mm: points and outward normals of a flank, 3 x 3 or more
-    - `lengthwise_angle`: rise of material to the heel, rad
-    - `joint`: joint of the member
+    - `points`, `normals` (I, J, 3), mm: points and outward normals of a flank, 3 x 3 or more.
+    - `lengthwise_angle`: rise of material to the heel, rad.
+    - `joint`: joint of the member.
 
     A deviation d moves the trace of the flank in the pitch surface by d / (n . e), where e is at right angles to the
     trace in that surface. For straight teeth the error is positive if the heel leans in the direction of increasing

@@ -137,13 +137,13 @@ def report_page(
 
     Gears that do not mesh have no contacts, but a workshop drawing and limits. Arguments:
 
-    - `tolerance` (mm) applies to the shown meshes
-    - `check`: its verdicts are added, and its solids are shown if their tolerance is about the one asked for
-    - `images`: captions and RGB pixels, all gears first; drawn if not given
-    - `source`: text of the design file, by default the keys that the design sets
-    - `studies`: folders of finished studies
-    - `loaded`: contact under torque, by the numbers of the pairs
-    - `plots`, `sheet`: made if not given
+    - `tolerance` (mm) applies to the shown meshes.
+    - `check`: its verdicts are added, and its solids are shown if their tolerance is about the one asked for.
+    - `images`: captions and RGB pixels, all gears first; drawn if not given.
+    - `source`: text of the design file, by default the keys that the design sets.
+    - `studies`: folders of finished studies.
+    - `loaded`: contact under torque, by the numbers of the pairs.
+    - `plots`, `sheet`: made if not given.
 
     Raises OutputError for a folder without a study, and NoSolutionError if a pair has no contact at any position and is
     not jammed.
@@ -210,8 +210,8 @@ def _worst(
 ) -> str | None:
     """Return the most important warning, None if there is none.
 
-    The order is: failed checks, gears that do not fit, loads that did not converge, gears whose fit is not known, then
-    warnings of contact, of loaded contact, of the design, and of the check.
+    First come failed checks, gears that do not fit, loads that did not converge, and gears whose fit is not known. Then
+    come warnings of contact, of loaded contact, of the design, and of the check.
     """
     verdicts = {k: None if contact.fit is None else contact.fit.fits for k, contact in contacts.items()}
     # warnings of the gears are left out here, so that interference comes first among the warnings of each contact

@@ -380,8 +380,8 @@ def fewest_teeth(tooth: Tooth) -> int | None:
     Module, helix and cone angle stay, so that the pitch radius grows with the number. Teeth that a worm or disk grinds
     count as cut by the equivalent rack, without crowning. None in three cases:
 
-    - another tool cuts the teeth;
-    - the fillet is meant to cut the flank, as that of a protuberance is;
+    - another tool cuts the teeth.
+    - the fillet is meant to cut the flank, as that of a protuberance is.
     - even MAX_TEETH_TRIED teeth are undercut.
     """
     if tooth.right.sharp or tooth.left.sharp:

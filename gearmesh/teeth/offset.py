@@ -8,8 +8,8 @@ cutters leave straight from fillet to fillet stays straight. Distances are in mm
 
 A distance may be too large in three ways, which are tested on sections from toe to heel:
 
-- 1 - d k < 0 for a principal curvature k (`curvature`; hollow: positive): the surface turns inside out, a fillet first;
-- the section crosses itself or the section of the next tooth: the space is closed, the tooth cut through;
+- 1 - d k < 0 for a principal curvature k (`curvature`; hollow: positive): the surface turns inside out, a fillet first.
+- the section crosses itself or the section of the next tooth: the space is closed, the tooth cut through.
 - the tooth cannot be trimmed: it is pointed, the tip lies beyond the generated surface, or the root lies in the bore.
 """
 

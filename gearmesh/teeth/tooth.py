@@ -1033,9 +1033,9 @@ class Tooth:
 
         Each piece has four parts:
 
-        - points (S, T, 3), mm;
-        - their derivatives by s;
-        - their stations (T,), mm;
+        - points (S, T, 3), mm.
+        - their derivatives by s.
+        - their stations (T,), mm.
         - the area in s and station coordinate of the parameter square, signed from toe to heel; on a chamfer one value
           per node.
         """

@@ -88,8 +88,8 @@ class ModelledGears(SolvedGears):
         space : bool
             The space between two teeth up to the tip surface as a solid, as a broach or an electrode fills it.
         offset : float or str
-            Distance by which all tooth surfaces move along their normals, mm, positive away from the member's material, for
-            stock or a spark gap; negative for clearance.
+            Distance by which all tooth surfaces move along their normals, mm. Positive is away from the member's
+            material, for stock or a spark gap; negative is for clearance.
         file : str or os.PathLike, optional
             File for which the mesh is proved: some formats round coordinates to single precision.
 

@@ -56,10 +56,10 @@ class ActionPlane:
     def of(pair: GearPair, path: ContactPath) -> ActionPlane:
         """Return the plane of a pair with a path of contact that touches somewhere.
 
-        - parallel axes: the plane of action, through axis and common normal
+        - parallel axes: the plane of action, through axis and common normal.
         - cylindrical faces on crossed axes, as worm and wheel: parallel to both axes, at the pinion's point nearest to
-          the gear's axis
-        - other members: the pitch plane, through the axis of their relative motion, along their velocities
+          the gear's axis.
+        - other members: the pitch plane, through the axis of their relative motion, along their velocities.
         """
         first, second = pair.mounts
         touching = np.flatnonzero(path.touching)

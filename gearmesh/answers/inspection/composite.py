@@ -167,9 +167,9 @@ def composite_test(
     `measured` is keyed by names of members; if it is empty, the pitch deviations of the design are used. Sides without
     pitch deviations are nominal, and the eccentricity of a member is its runout. Raises an error for
 
-    - other members, and other numbers of teeth
-    - eccentric members with pitch deviations, which contain the runout
-    - too many turns, and teeth that do not meet (NoSolutionError)
+    - other members, and other numbers of teeth.
+    - eccentric members with pitch deviations, which contain the runout.
+    - too many turns, and teeth that do not meet (NoSolutionError).
     """
     pair = train.pairs[0] if mesh is None else mesh
     given = measured or {}

@@ -443,10 +443,10 @@ def correct_settings(
 ) -> Correction:
     """Return the settings of the machine that cuts or grinds a member with which its measured deviations would vanish.
 
-    - `file`, `flank`: as for `inspect_files`
+    - `file`, `flank`: as for `inspect_files`.
     - `settings`: names of the settings that may change ("radial", "concave.radial" for one side, "helical_motion.2");
-      by default the usual settings of the machine
-    - `noise`: standard deviation (um) of a measured deviation
+      by default the usual settings of the machine.
+    - `noise`: standard deviation (um) of a measured deviation.
 
     The rotation of the measured teeth is free, unless the blank's index is a setting. If the settings are
     modifications, the thickness is free, too. Raises an error for kinds without machine settings or modifications, for

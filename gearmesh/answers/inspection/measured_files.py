@@ -29,9 +29,9 @@ def inspect_files(
 ) -> Inspection:
     """Return the inspection of a member of a design, compared with its nominal teeth.
 
-    - `flanks`: a file of deviations or points; by default the files in the table `measured` of the design
-    - `flank`: "right", "left" or "both", for the flanks that the file contains
-    - `pitch`: a file of index deviations; by default those of the table `measured`
+    - `flanks`: a file of deviations or points; by default the files in the table `measured` of the design.
+    - `flank`: "right", "left" or "both", for the flanks that the file contains.
+    - `pitch`: a file of index deviations; by default those of the table `measured`.
 
     Raises DesignError for an unknown member or flank and if nothing is given, and FileError for an unreadable file.
     """

@@ -170,8 +170,8 @@ class LoadedContact(Result):
     ) -> dict[str, FilletFigures]:
         """Return stresses (2,), MPa, in the fillets of both members.
 
-        They are the bending stress with an estimate of its error, the largest stress away from the contact, the stress
-        at the tangents of 30 deg, and the stress of the contact's own field.
+        They are the bending stress with an estimate of its error, and the stress of the contact's own field. The others
+        are the largest stress away from the contact and the stress at the tangents of 30 deg.
         """
         return {
             name: FilletFigures(
@@ -447,9 +447,9 @@ def loaded_contact_of(
     """Return a pair under torques (Nm) on the pinion at its rotations phi1 (P,), rad; by default POSITIONS_PER_PITCH
     positions.
 
-    - `cycle`: the whole mesh cycle without load; None leaves it out of the report
-    - `bodies`: compliances of both members, if known; they do not depend on the mounting
-    - `mounts`: elastic shafts and bearings, by names of members, replacing those of the design
+    - `cycle`: the whole mesh cycle without load; None leaves it out of the report.
+    - `bodies`: compliances of both members, if known; they do not depend on the mounting.
+    - `mounts`: elastic shafts and bearings, by names of members, replacing those of the design.
 
     Raises ArgumentError for torques that are not above 0, for eccentric members, and for mounts of unknown members.
     """

@@ -34,9 +34,9 @@ class Division:
     def beside_root(self, good: float, bad: float, refused: Sequence[Refused], wanted: float) -> float | None:
         """Return a value beside the root of the excess, on the side that was not tried last.
 
-        - `good`, `bad`: allowed and refused end of the interval
-        - `refused`: refused values from `bad` on, away from `good`
-        - `wanted`: final width of the interval
+        - `good`, `bad`: allowed and refused end of the interval.
+        - `refused`: refused values from `bad` on, away from `good`.
+        - `wanted`: final width of the interval.
 
         Returns None if no root between the ends is known, or if the last divisions did not halve the interval.
         """

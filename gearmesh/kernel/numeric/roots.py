@@ -45,9 +45,9 @@ def bracketed_root(
     about as many evaluations as a guarded Newton iteration. A converged member is not changed by the rest of its batch.
     Status per member:
 
-    - CONVERGED: the sign changes within `tolerance` + `relative` |x|
-    - NO_CONTACT: the sign is the same at both ends
-    - NOT_FINITE: a value is not finite, at an end or during the iteration, or the sign changes at a pole or a jump
+    - CONVERGED: the sign changes within `tolerance` + `relative` |x|.
+    - NO_CONTACT: the sign is the same at both ends.
+    - NOT_FINITE: a value is not finite, at an end or during the iteration, or the sign changes at a pole or a jump.
     """
     low, high = (np.array(end, dtype=float) for end in np.broadcast_arrays(low, high))
     if not low.size:

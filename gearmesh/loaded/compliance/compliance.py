@@ -252,12 +252,12 @@ def flank_compliance(
     """Compute the compliance of a flank of a gear.
 
     - `rim`: depth, mm, below the root at which the gear is held; by default at the bore, or near the axis without a
-      bore
+      bore.
     - `depth`: number of elements under the flank that are free for the local compliance; by default and at most up to
-      the tooth's middle
-    - `reach`: number of teeth on either side of the loaded tooth
-    - `coarser`: elements of the mesh that estimates the error of root stress; none by default
-    - `idler`: True if no torque reaches the bore, because the other mesh, half a turn away, takes it
+      the tooth's middle.
+    - `reach`: number of teeth on either side of the loaded tooth.
+    - `coarser`: elements of the mesh that estimates the error of root stress; none by default.
+    - `idler`: True if no torque reaches the bore, because the other mesh, half a turn away, takes it.
 
     The bore of an idler, as the pin of a planet, takes the sum of both tangential forces. The model neglects that the
     radial force of the other mesh points the other way.
@@ -543,10 +543,10 @@ class Condensed:
 def _cuts(condensed: Array, loads: Array, turn: Array, teeth: int, reach: int, *, idler: bool = False) -> Array:
     """Solve a ring for displacements (2 N + 1, 2 c, n) of both cuts of sectors -N .. N, each in its own frame.
 
-    - `condensed` (2 c, 2 c): stiffness of a sector to its cuts, the right cut first
-    - `loads` (2 c, n): forces on the cuts of sector 0
+    - `condensed` (2 c, 2 c): stiffness of a sector to its cuts, the right cut first.
+    - `loads` (2 c, n): forces on the cuts of sector 0.
     - `idler`: the opposite sector has the opposite load; half a turn is the factor (-1)^k of harmonic k, so that only
-      odd k remain
+      odd k remain.
     """
     from scipy.linalg import cho_factor, cho_solve
 
@@ -605,10 +605,10 @@ def _held_cuts(condensed: Array, loads: Array, turn: Array, teeth: int) -> Array
 def _row(condensed: Array, loads: Array, turn: Array) -> tuple[Array, Array, Array, Array]:
     """Return stiffness and loads of the cuts between sectors side by side.
 
-    - stiffness (c, c) of a cut to itself
-    - stiffness (c, c) of a cut to the next cut, each in the frame of the sector that begins there
-    - forces from `loads` (2 c, n) of a sector on the sector's first cut
-    - forces from them on the next sector's first cut
+    - stiffness (c, c) of a cut to itself.
+    - stiffness (c, c) of a cut to the next cut, each in the frame of the sector that begins there.
+    - forces from `loads` (2 c, n) of a sector on the sector's first cut.
+    - forces from them on the next sector's first cut.
     """
     cut_size = len(condensed) // 2
     right, left = slice(0, cut_size), slice(cut_size, None)

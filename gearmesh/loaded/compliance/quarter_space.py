@@ -14,14 +14,15 @@ pressures P the sum is
 
 The end face's loads, mirrored, do not move z = 0 along z. The displacements are therefore those of p and its mirror
 image on a half-space. For waves exp(i k y) along the edge, A is one matrix for all k, since the problem has no length
-of its own. The extra displacement under a unit force at distance d from the edge is hence that of its mirror image on a
-half-space, 1 / (pi R) over E / (1 - nu^2) with R^2 = (x + d)^2 + y^2, times
+of its own. The extra displacement under a unit force at distance d from the edge is therefore that of its mirror image
+on a half-space, times a factor. The mirror image gives 1 / (pi R) over E / (1 - nu^2), with R^2 = (x + d)^2 + y^2. The
+factor is
 
     1 + release(m, phi),    m = |x - d| / (x + d),    phi = arctan y / (x + d)
 
-The 1 is the mirror image alone, and `release` the effect of the removed stresses. [G11] uses one number for `release`,
-0.29 - (0.08 - 0.5 nu) / (1 - nu), which is 0.39 for steel. Exact values for steel are 0.85 for a force on itself and
-0.47 at the edge for a force far away. Far along the edge the value is 1.36, as for a wedge of 90 degrees.
+The 1 is the mirror image alone, and `release` is the effect of the removed stresses. [G11] uses one number for
+`release`, 0.29 - (0.08 - 0.5 nu) / (1 - nu), which is 0.39 for steel. Exact values for steel are 0.85 for a force on
+itself and 0.47 at the edge for a force far away. Far along the edge the value is 1.36, as for a wedge of 90 degrees.
 
 Units: mm, N, MPa. Sources: [H60] M. Hetenyi, J. Appl. Mech. 27 (1960) 289; [J85] K. L. Johnson, Contact Mechanics,
 1985, 2.4, 3.2; [G11] R. Guilbault, J. Tribology 133 (2011) 031402.

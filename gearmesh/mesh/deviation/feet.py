@@ -33,9 +33,9 @@ class Feet:
     """Feet of N points on a surface.
 
     If no foot was reached, the height is the distance from a point of the surface, which is at least the distance from
-    the surface. If the surface is nearly singular there (r_u and r_v nearly parallel, or one of them nearly 0, as an
-    involute at its base circle), the height is over the tangent plane. Such points lie beyond the end of the surface,
-    where the next link goes on along this plane.
+    the surface. If the surface is nearly singular there (r_u and r_v nearly parallel, or one of them nearly 0), the
+    height is over the tangent plane. An example is an involute at its base circle. Such points lie beyond the end of
+    the surface, where the next link goes on along this plane.
     """
 
     #: parameters (N, 2) near the feet

@@ -20,8 +20,8 @@ from gearmesh.mesh.links.measure import peaks
 class Prediction:
     """Prediction from sampled second forms.
 
-    If `arched`, an edge uses the form at its ends, too. With q0, q, q1 at start, middle and end, its height at x (0 to 1) is
-    x (1 - x) ((q0 + 2 q) (1 - x) + (2 q + q1) x) / 6.
+    If `arched`, an edge uses the form at its ends, too. Let q0, q, q1 be the form at start, middle and end. The height
+    of the edge at x (0 to 1) is x (1 - x) ((q0 + 2 q) (1 - x) + (2 q + q1) x) / 6.
     """
 
     #: L, M, N (S, T, 3), mm, at uniform s from 0 to `extent` and uniform t from 0 to 1

@@ -2,7 +2,7 @@
 
 All rows that vary only keys that move members (`System.displacements`) go through one pair of built members in one
 batch. Each other key builds its design anew, as `--set` does. Only the groups of the wanted figures are computed. The
-first three groups build on each other; the last two are separate:
+first three groups build on each other. The last two are separate.
 
     path    paths of contact at the design's positions, batched: milliseconds per row
     cycle   the mesh cycle of every row: exact transmission error of the gears, harmonics, contact ratio: tenths of a second;

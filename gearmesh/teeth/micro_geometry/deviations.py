@@ -197,8 +197,8 @@ def deviating_tooth(tooth: Tooth, grids: Mapping[Side, DeviationGrid]) -> Tooth:
 
     Raises DesignError in three cases:
 
-    - the flank has corners;
-    - the amounts are so steep or so large that the flank would lean or have cusps;
+    - the flank has corners.
+    - the amounts are so steep or so large that the flank would lean or have cusps.
     - the tooth with deviations cannot be closed.
     """
     sides = {which: _side(tooth, which, grid) for which, grid in grids.items()}
