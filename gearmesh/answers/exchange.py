@@ -28,7 +28,7 @@ from gearmesh.figures import Content, Figures, figure
 from gearmesh.formats import JSON_SUFFIX, REXS_SUFFIXES, TOML_SUFFIX
 from gearmesh.numerals import parse_whole_number
 from gearmesh.systems.designs import parse_as_stated
-from gearmesh.systems.system import System, complete_design, kinds, system, system_of
+from gearmesh.systems.system import System, complete_design, loaded_kinds, system, system_of
 
 #: date of a new model; it is fixed, so that the same design gives the same file
 DEFAULT_DATE = "1970-01-01T00:00:00+00:00"
@@ -201,7 +201,7 @@ def _gears(reader: StageReader) -> Iterator[tuple[StageReader, Component]]:
 
 
 def _forms() -> Iterator[tuple[System[Any], StageForm]]:
-    for kind in kinds():
+    for kind in loaded_kinds():
         kind_system = system(kind)
         if kind_system.rexs is not None:
             yield kind_system, kind_system.rexs

@@ -235,7 +235,7 @@ def sheet_of(gears: GearSet, torque: float | None = None, speed: float | None = 
     if torque is not None and known.forces is None:
         if systems.system(gears.design.kind).forces is not None:
             raise ArgumentError("torque", torque, reason="forces need a mating gear, which this design has not")
-        able = [kind for kind in systems.kinds() if systems.system(kind).forces is not None]
+        able = [kind for kind in systems.loaded_kinds() if systems.system(kind).forces is not None]
         raise ArgumentError(
             "torque",
             torque,
@@ -304,13 +304,13 @@ def compensation_of(gears: GearSet, refinish: str | None = None) -> Compensation
     """Return the settings that compensate assembly errors, as `Gears.compensate` describes them."""
     kind_system = systems.system_of(gears.design)
     if kind_system.compensate is None:
-        able = [kind for kind in systems.kinds() if systems.system(kind).compensate is not None]
+        able = [kind for kind in systems.loaded_kinds() if systems.system(kind).compensate is not None]
         raise DesignError("kind", gears.design.kind, reason="has no compensating settings", allowed=" or ".join(able))
     if refinish is None:
         warnings = gears.as_built.warnings
         return Compensation(gears.design, tuple(kind_system.compensate(gears.design)), warnings)
     if kind_system.refinish is None:
-        able = [kind for kind in systems.kinds() if systems.system(kind).refinish is not None]
+        able = [kind for kind in systems.loaded_kinds() if systems.system(kind).refinish is not None]
         raise ArgumentError(
             "refinish",
             refinish,

@@ -12,7 +12,7 @@ from gearmesh.design import files
 from gearmesh.design.core import Design
 from gearmesh.design.template import template
 from gearmesh.errors import DesignError
-from gearmesh.systems.system import complete_design, design_class, kinds, one_of_kinds, system
+from gearmesh.systems.system import complete_design, design_class, kinds, loaded_kinds, one_of_kinds, system
 
 
 @checks_arguments_with(path="gm.parse makes a design of a mapping")
@@ -45,7 +45,8 @@ def load(path: str | os.PathLike[str], overrides: Sequence[str] = (), *, complet
     """
     data = files.read(path)
     kind = files.override(data, overrides).get("kind")
-    if isinstance(kind, str) and kind in kinds():
+    # kinds of gearmesh are known without a search of installed packages
+    if isinstance(kind, str) and (kind in loaded_kinds() or kind in kinds()):
         data = files.anchor(data, system(kind).of_keys(data).design, Path(path).parent)
     design = parse_as_stated(files.override(data, overrides)).with_changed_keys(files.overridden_keys(overrides))
     return complete_design(design) if complete else design

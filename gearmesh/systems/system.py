@@ -360,14 +360,23 @@ def kinds() -> tuple[str, ...]:
     Returns
     -------
     tuple of str
-        What the key `kind` of a design may be; of systems that were registered, too.
+        What the key `kind` of a design may be: kinds of gearmesh, of registered systems, and of installed packages,
+        which are not loaded.
 
     Examples
     --------
     >>> "hypoid" in gm.kinds()
     True
     """
-    return (*OWN_KINDS, *(kind for kind in _REGISTERED_SYSTEMS if kind not in OWN_KINDS))
+    from importlib.metadata import entry_points
+
+    installed = (entry.name for entry in entry_points(group=ENTRY_POINT_GROUP))
+    return tuple(dict.fromkeys((*loaded_kinds(), *installed)))
+
+
+def loaded_kinds() -> tuple[str, ...]:
+    """Return the kinds that come with gearmesh, and the kinds that were registered; installed packages are not searched."""
+    return tuple(dict.fromkeys((*OWN_KINDS, *_REGISTERED_SYSTEMS)))
 
 
 def system(kind: Any) -> System[Any]:
@@ -410,21 +419,37 @@ def system(kind: Any) -> System[Any]:
 def _registered_from_outside(kind: str) -> bool:
     """True if an installed package has a gear system of this kind; it is then registered.
 
-    The system is an entry point of the group gearmesh.systems. Entry points are only searched for unknown kinds.
+    The system is an entry point of the group gearmesh.systems. Entry points are only searched for unknown kinds. Raises
+    KindError where the package cannot be loaded, or the object is no system of this kind.
     """
     from importlib.metadata import entry_points
 
     for entry in entry_points(group=ENTRY_POINT_GROUP, name=kind):
-        register(entry.load())
+        where = f'entry point "{entry.name}" = "{entry.value}"'
+        try:
+            found = entry.load()
+        except Exception as failure:  # of a package that is not ours
+            reason = " ".join(f"{type(failure).__name__}: {failure}".split())
+            raise KindError(where, reason=f"the kind cannot be loaded: {reason}") from failure
+        if not isinstance(found, System) or found.kind != kind:
+            has = f'a system of the kind "{found.kind}"' if isinstance(found, System) else f"a {type(found).__name__}"
+            raise KindError(where, reason=f"it is {has}", must_be=f'a gearmesh.System of the kind "{kind}"')
+        register(found)
     return kind in _REGISTERED_SYSTEMS
 
 
 def about(kind: str) -> str:
-    """Return the description of a kind in one line; no gear system is loaded.
+    """Return the description of a kind in one line; no gear system of gearmesh is loaded.
 
-    Raises DesignError naming the nearest kind.
+    The description of an installed kind that cannot be loaded is the reason. Raises DesignError naming the nearest kind.
     """
-    return OWN_KINDS[kind].about if kind in OWN_KINDS and kind not in _REGISTERED_SYSTEMS else system(kind).design.about
+    if kind in OWN_KINDS and kind not in _REGISTERED_SYSTEMS:
+        return OWN_KINDS[kind].about
+    try:
+        known: str = system(kind).design.about
+        return known
+    except KindError as fault:
+        return f"({fault})"
 
 
 def design_class(kind: str) -> type[Design]:

@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 from oracles.command_line import refused, run
+from oracles.registry import keep_registry
 
 import gearmesh as gm
 from gearmesh.errors import KindError
@@ -16,7 +17,6 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import ConeLevel
 from gearmesh.kernel.surface.surface import GeneratedSurface, Jet, PlacedSurface, Surface
 from gearmesh.mesh.body import split_long
-from gearmesh.systems import system
 from gearmesh.systems.cylindrical.design import CylindricalDesign
 from gearmesh.systems.system import Displacements
 from gearmesh.teeth.tooth_side import ToothSide
@@ -110,7 +110,7 @@ def later(side: ToothSide) -> ToothSide:
     ],
 )
 def test_sides_that_do_not_join(change: Change, named: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(system, "_REGISTERED_SYSTEMS", dict(system._REGISTERED_SYSTEMS))
+    keep_registry(monkeypatch)
     gm.register(spoilt(lambda side: side))
     gm.build(gm.parse(PAIR))
     gm.register(spoilt(change))
@@ -230,7 +230,7 @@ def test_faults_are_not_blamed_on_the_design(tip: float, told: str) -> None:
     ],
 )
 def test_unknown_keys_of_displacements(keys: tuple[str, ...], told: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(system, "_REGISTERED_SYSTEMS", dict(system._REGISTERED_SYSTEMS))
+    keep_registry(monkeypatch)
     own = spoilt(lambda side: side)
     known = gm.system("cylindrical").displacements
     assert known is not None

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+import sys
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, ClassVar
@@ -11,22 +12,31 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 from oracles.command_line import refused, run
+from oracles.registry import keep_registry
 
 import gearmesh as gm
-from gearmesh.design.core import FlankContact, MemberTable
-from gearmesh.kernel.envelope.envelope import Envelope
-from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.motion.rolling import RackRoll
-from gearmesh.kernel.surface.levels import ConeLevel, PlaneLevel
-from gearmesh.systems import system
-from gearmesh.teeth.blank.blank import Blank
-from gearmesh.teeth.blank.body import Body
-from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
-from gearmesh.teeth.mount import Mount
-from gearmesh.teeth.region import Side
-from gearmesh.teeth.tooth import Tooth
-from gearmesh.teeth.tooth_side import ToothSide
-from gearmesh.tools.rack import Arc, RackLine, RackSurface
+import gearmesh.kinds as kinds
+from gearmesh.kinds import (
+    Arc,
+    Blank,
+    Body,
+    ConeLevel,
+    Envelope,
+    FlankContact,
+    GearPair,
+    GearTrain,
+    Member,
+    MemberTable,
+    Mount,
+    PlaneLevel,
+    RackLine,
+    RackRoll,
+    RackSurface,
+    Rigid,
+    Side,
+    Tooth,
+    ToothSide,
+)
 
 ALPHA, ADDENDUM, DEDENDUM = np.radians(20.0), 1.0, 1.25
 
@@ -81,7 +91,7 @@ def build(design: SharpRackDesign) -> GearTrain:
 @pytest.fixture
 def design_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
     """A new design of the kind, in an empty current folder."""
-    monkeypatch.setattr(system, "_REGISTERED_SYSTEMS", dict(system._REGISTERED_SYSTEMS))
+    keep_registry(monkeypatch)
     gm.register(gm.System("sharp_rack", SharpRackDesign, build))
     monkeypatch.chdir(tmp_path)
     assert run("new", "sharp_rack", "-o", "own.toml")[0] == 0
@@ -152,7 +162,7 @@ def test_the_main_job(design_file: str, monkeypatch: pytest.MonkeyPatch) -> None
 
 OUTSIDE = """
 import gearmesh as gm
-from gearmesh.design.core import MemberTable
+from gearmesh.kinds import MemberTable
 
 class OutsideDesign(gm.Design):
     own_kind = "outside"
@@ -163,17 +173,78 @@ SYSTEM = gm.System("outside", OutsideDesign, print)
 """
 
 
+@pytest.fixture
+def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str, str], None]:
+    """Installs a package with entry points, lines of "kind = module:object", and the text of its module other_gears."""
+    keep_registry(monkeypatch)
+    monkeypatch.delitem(sys.modules, "other_gears", raising=False)
+
+    def install(entries: str, text: str) -> None:
+        metadata = tmp_path / "other_gears-1.0.dist-info"
+        metadata.mkdir()
+        (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: other-gears\nVersion: 1.0\n")
+        (metadata / "entry_points.txt").write_text(f"[gearmesh.systems]\n{entries}\n")
+        (tmp_path / "other_gears.py").write_text(text)
+        monkeypatch.syspath_prepend(tmp_path)
+
+    return install
+
+
 @pytest.mark.quick
-def test_installed_packages_bring_their_kinds(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """By an entry point, which is looked for when the kind is asked for."""
-    monkeypatch.setattr(system, "_REGISTERED_SYSTEMS", dict(system._REGISTERED_SYSTEMS))
-    metadata = tmp_path / "other_gears-1.0.dist-info"
-    metadata.mkdir()
-    (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: other-gears\nVersion: 1.0\n")
-    (metadata / "entry_points.txt").write_text("[gearmesh.systems]\noutside = other_gears:SYSTEM\n")
-    (tmp_path / "other_gears.py").write_text(OUTSIDE)
+def test_installed_packages_bring_their_kinds(installed: Callable[[str, str], None]) -> None:
+    """By an entry point; the package is loaded when the kind is asked for."""
     assert "kind" in refused("describe", "outside")
-    monkeypatch.syspath_prepend(tmp_path)
-    assert "pinion.teeth" in run("describe", "outside")[1]
-    assert gm.system("outside").design.about == "gears of another package"
+    assert "outside" not in gm.kinds()
+    installed("outside = other_gears:SYSTEM", OUTSIDE)
+    # listed and suggested before it is used
     assert "outside" in gm.kinds()
+    assert "other_gears" not in sys.modules
+    assert refused("describe", "outsid").endswith('did you mean "outside"?')
+    assert "gears of another package" in run("describe")[1]
+    assert "pinion.teeth" in run("describe", "outside")[1]
+    assert (
+        json.loads(run("describe", "outside", "--schema", "--json", "-")[1])["properties"]["kind"]["const"] == "outside"
+    )
+    assert gm.system("outside").design.about == "gears of another package"
+
+
+@pytest.mark.parametrize(
+    ("entry", "text", "fault"),
+    [
+        (
+            "outside = other_gears:SYSTEM",
+            "import no_such_package",
+            "cannot be loaded: ModuleNotFoundError: No module named",
+        ),
+        (
+            "outside = other_gears:OutsideDesign",
+            OUTSIDE,
+            "it is a ModelMetaclass; must be a gearmesh.System of the kind",
+        ),
+        (
+            "inside = other_gears:SYSTEM",
+            OUTSIDE,
+            'it is a system of the kind "outside"; must be a gearmesh.System of the kind',
+        ),
+    ],
+)
+def test_packages_that_bring_no_kind(entry: str, text: str, fault: str, installed: Callable[[str, str], None]) -> None:
+    installed(entry, text)
+    kind = entry.partition(" ")[0]
+    # the list of kinds and other kinds do not suffer from it
+    status, listed, _ = run("describe")
+    assert status == 0
+    assert "spur and helical" in listed
+    assert fault in " ".join(listed.split())
+    assert fault in refused("describe", kind, status=3)
+
+
+@pytest.mark.quick
+def test_names_of_the_module_for_kinds() -> None:
+    """All are there and found without a change of `gm.kinds`, whose place the module takes."""
+    assert sorted(kinds.__all__) == sorted(name for name in dir(kinds) if not name.startswith("_"))
+    assert all(
+        getattr(kinds, name).__module__.startswith("gearmesh.") for name in kinds.__all__ if name != "REVOLUTE_JOINT"
+    )
+    assert gm.kinds() == kinds()  # type: ignore[operator]
+    assert "ToothSide" not in vars(gm)

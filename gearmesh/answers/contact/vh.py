@@ -181,7 +181,7 @@ def vh_of(gears: GearSet, moved: tuple[str, ...] | None) -> VHCheck:
     """Return the V-H check of gears, as `Gears.vh` describes it."""
     made = systems.system_of(gears.design).vh
     if made is None:
-        able = [kind for kind in systems.kinds() if systems.system(kind).vh is not None]
+        able = [kind for kind in systems.loaded_kinds() if systems.system(kind).vh is not None]
         raise DesignError("kind", gears.design.kind, reason="has no V-H check", allowed=" or ".join(able))
     moved = made.usual if moved is None else moved
     count = len(made.usual)
