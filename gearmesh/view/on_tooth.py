@@ -16,7 +16,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.kernel.numeric.algebra import Array, cross, dot, spread, unit
+from gearmesh.kernel.numeric.algebra import Array, cross, dot, every_nth, unit
 from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.view.palette import EDGE_COLOUR, LINE_COLOUR, PATH_COLOUR
 from gearmesh.view.scene import Curve, Dots, MemberContact, Project, ToothView
@@ -108,8 +108,8 @@ def position_dots(view: ToothView, contact: MemberContact) -> tuple[Dots, ...]:
 
 
 def contact_lines(view: ToothView, contact: MemberContact, count: int) -> tuple[Curve, ...]:
-    """Return up to `count` contact lines of a pair that touches along lines."""
-    chosen = spread(contact.along_lines, count)
+    """Return about `count` contact lines, evenly spaced in rotation, of a pair that touches along lines."""
+    chosen = every_nth(contact.along_lines, count)
     lifted = [(contact.lines[i], 1.5 * view.lift * contact.normal[i]) for i in chosen]
     return tuple(
         Curve(line + up, "contact lines" if i == 0 else "", LINE_COLOUR, 3.0)

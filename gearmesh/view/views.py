@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import Array, cross, dot, spread, unit
+from gearmesh.kernel.numeric.algebra import Array, cross, dot, every_nth, unit
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.region import FLANK_REGIONS
@@ -43,8 +43,8 @@ from gearmesh.view.scene import (
 
 
 def member_scene(view: ToothView, contact: MemberContact, count: int = 9, camera: Camera | None = None) -> Scene:
-    """Scene of a tooth with the path of contact and, at up to `count` positions, contact ellipses or contact lines."""
-    chosen = spread(contact.ellipses, count)
+    """Scene of a tooth with the path of contact and about `count` evenly spaced contact ellipses or contact lines."""
+    chosen = every_nth(contact.ellipses, count)
     discs, outlines = ellipses_on_surface(contact, chosen, view.project, view.lift)
     areas = tuple(PatternArea(disc, label="contact ellipses" if i == 0 else "") for i, disc in enumerate(discs))
     curves = (Curve(outlines, colour=OUTLINE_COLOUR, width=1.5),) if len(chosen) else ()

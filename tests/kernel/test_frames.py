@@ -14,7 +14,7 @@ from oracles.motions import as_chain
 from gearmesh.kernel.motion.chain import Chain, Step
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.motion.rolling import CradleRoll, RackRoll
-from gearmesh.kernel.numeric.algebra import Array, cross, dot, rotation_about, turn, unit
+from gearmesh.kernel.numeric.algebra import Array, cross, dot, every_nth, rotation_about, turn, unit
 
 many = examples(50)
 #: step of central differences, and how far away chains of four steps may go in between
@@ -228,3 +228,15 @@ def test_transforms_broadcast_over_points_and_over_themselves() -> None:
         np.testing.assert_allclose((many @ one).point(points)[i], one.point(one.point(points)), atol=1e-13)
         np.testing.assert_allclose((one @ many).inverse.point(one.point(both[i]))[i], points, atol=1e-13)
     np.testing.assert_allclose(unit(points[1:])[0], np.array([3.0, 4.0, 5.0]) / np.sqrt(50.0), rtol=1e-15)
+
+
+@pytest.mark.quick
+def test_every_nth_index_is_as_far_from_the_next_as_the_others() -> None:
+    for length in range(60):
+        for count in (2, 9, 11, 25):
+            chosen = every_nth(np.arange(length), count)
+            assert len(set(np.diff(chosen))) <= 1
+            assert length == 0 or min(length, 0.5 * count) <= len(chosen) <= 1.5 * count
+            if length:
+                before, behind = chosen[0], length - 1 - chosen[-1]
+                assert before <= behind <= before + 1

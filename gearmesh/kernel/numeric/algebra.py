@@ -114,6 +114,15 @@ def spread(indices: NDArray[np.int64], count: int) -> NDArray[np.int64]:
     return chosen
 
 
+def every_nth(indices: NDArray[np.int64], count: int) -> NDArray[np.int64]:
+    """Return about `count` of the indices (1/2 to 3/2 of it), each as far from the next as the others.
+
+    Where the last index cannot be one of them, as many are left out before the first as behind the last, or one less.
+    """
+    stride = max(1, round((len(indices) - 1) / max(count - 1, 1)))
+    return indices[(len(indices) - 1) % stride // 2 :: stride]
+
+
 def distinct(numbers: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return each of the whole numbers (...,) once, ascending, (K,). np.unique is slower because it hashes."""
     ascending = np.sort(numbers, axis=None)

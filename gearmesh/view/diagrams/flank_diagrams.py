@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.kernel.numeric.algebra import Array, spread
+from gearmesh.kernel.numeric.algebra import Array, every_nth
 from gearmesh.teeth.flank_frame import FlankFrame
 from gearmesh.view.diagrams.flank_plane import FlankPlane
 from gearmesh.view.diagrams.plots import lay_out, new_figure, save_figure, sheet
@@ -177,7 +177,7 @@ def contact_panel(
         plane,
         plane.path(contact),
         contact.edge,
-        plane.ellipses(contact, spread(contact.ellipses, MAX_ELLIPSES)),
+        plane.ellipses(contact, every_nth(contact.ellipses, MAX_ELLIPSES)),
         plane.lines(contact),
         plane.swept(whole),
         plane.pattern(whole) if whole.ellipses.size else None,
@@ -376,7 +376,7 @@ def draw_contact(axes: Any, panel: ContactPanel, small: bool = False) -> None:
             autolim=False,
         )  # fmt: skip
     if panel.lines:
-        shown = spread(np.arange(len(panel.lines)), MAX_LINES)
+        shown = every_nth(np.arange(len(panel.lines)), MAX_LINES)
         lines = LineCollection(
             [panel.lines[k] for k in shown], colors=LINE_COLOUR, linewidths=1.1, zorder=3, label="contact lines"
         )
