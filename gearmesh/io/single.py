@@ -1,8 +1,8 @@
 """Meshes with coordinates as files hold them, in float32 or in decimals; a closed surface stays closed.
 
 Decimals are on the grid of `digits`. At 350 mm a step of float32 is 3e-5 mm. Rounding harms a surface in two ways. Vertices
-closer than a step become one vertex for every reader that joins equal corners (all readers of STL): the surface then has an
-edge with four facets, or is pinched at a point. A facet thinner than a step may turn over. The repair:
+closer than a step become one vertex for every reader that joins equal corners, as all readers of STL do. The surface then has
+an edge with four facets, or is pinched at a point. A facet thinner than a step may turn over. The repair:
 
 - Two vertices that round to one point and share an edge are merged; the two facets at the edge are left out. The common
   neighbours of both vertices must be the apexes of these two facets (the link condition), or the result is no surface.

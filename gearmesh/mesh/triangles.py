@@ -13,7 +13,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 
 Index = NDArray[np.int64]
-T = TypeVar("T", bound=np.generic)
+ItemT = TypeVar("ItemT", bound=np.generic)
 
 #: largest distance of vertices that count as one, as a share of the largest coordinate: files in single precision cannot
 #: distinguish them, and nodes of the two cuts of a sector, turned onto each other, are no farther apart
@@ -61,7 +61,7 @@ def with_area(vertices: Array, triangles: Index) -> tuple[Index, Index]:
     return triangles, np.arange(len(triangles))
 
 
-def pieces(table: NDArray[T], size: int = ROWS_PER_PIECE) -> Iterator[NDArray[T]]:
+def pieces(table: NDArray[ItemT], size: int = ROWS_PER_PIECE) -> Iterator[NDArray[ItemT]]:
     """Yield a table (N, ...) in pieces of `size` rows."""
     for start in range(0, len(table), size):
         yield table[start : start + size]

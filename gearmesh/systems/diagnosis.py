@@ -1,12 +1,14 @@
-"""Which key of a design makes its geometry impossible, and how far it would have to be changed.
+"""Search for the key that makes a design infeasible, and for the bound at which the gears can just be built.
 
-A tooth that cannot exist is noticed deep in a build, where only defaults and derived values may be at hand. What the owner of
-the design wants to know is the key that he set himself. It is found by trying: each of his keys is left out, or moved step by
-step, and the one that has to change least, alone, is named with the bound at which the gears can just be built. What was put in
-anew is tried first, then the keys that the refusal itself names as remedies; and of what cannot be left out that which counts from
-0 to either side, as an offset. A refusal that already names a key that is set, and bounds it, stays if the gears can be built with
-that bound. The bound of the key that is named alone is refined. The search ends when it has taken so much
-effort: where its bound is not known to ROUGH then, the value that is refused is given as well.
+A tooth that cannot exist is noticed deep in a build, where only defaults and derived values may be known. The user needs to know
+which of the keys in the design to change. The search tries builds: each set key is left out, or moved step by step. The key that
+must change least, alone, is named with its bound.
+
+- Keys that were changed last are tried first, then the remedies that the refusal names.
+- Among keys that cannot be left out, keys whose usual value is 0, as offsets, are tried first.
+- A refusal that names a set key with a bound stays if the gears can be built at this bound.
+- Only the bound of the named key is refined. The search ends when its effort is spent. If the bound is not known within ROUGH_WIDTH
+  then, the message also gives the refused value.
 """
 
 from __future__ import annotations
@@ -19,48 +21,49 @@ from typing import Any, TypeVar
 from gearmesh.design.core import Design
 from gearmesh.errors import Bounds, DesignError, GearmeshError, NoSolutionError, VagueError, shown_value
 from gearmesh.kernel.numeric.effort import Effort
-from gearmesh.systems.key_bounds import DIGITS, Interval, KeyBound
+from gearmesh.systems.key_bounds import BOUND_DIGITS, Interval, KeyBound
 from gearmesh.systems.mending import Mending
 from gearmesh.systems.trials import Build, Trials, Values, movable
 
-D = TypeVar("D", bound=Design)
+DesignT = TypeVar("DesignT", bound=Design)
 
-#: effort of all trials, about the seconds that they take: bounds are as fine as it allows
-MOST_EFFORT = 1.8
-#: part of a bound that is not allowed itself by which a value is tried beside it
-INSIDE = 1e-5
-#: parts of a stated bound that is refused by which values are tried inside it
-PARTS_INSIDE = (0.01, 0.02, 0.04, 0.07, 0.12, 0.2, 0.4)
-#: units of keys in mm as bounds name them
+#: effort of all trials, about their time in seconds: it limits the accuracy of bounds
+MAX_EFFORT = 1.8
+#: distance from an excluded bound at which a value is tried, over the bound
+INSIDE_SHARE = 1e-5
+#: distances inside a stated bound at which values are tried, over the bound
+INWARD_SHARES = (0.01, 0.02, 0.04, 0.07, 0.12, 0.2, 0.4)
+#: units of bounds in mm, by the units of keys
 _UNITS_IN_MM = {"length": "mm", "angle": "deg", "curvature": "1/mm"}
-#: keys that are named at most where none alone makes the design infeasible
-MOST_TOGETHER = 3
+#: largest number of named keys if no single key makes the design infeasible
+MAX_KEYS_TOGETHER = 3
 
 
 def diagnose(
     design: Design, failure: GearmeshError, build: Build, built_of: Values = lambda design, made: {}
 ) -> GearmeshError:
-    """The refusal of a design with the key in front that its owner set, and a bound of it that was tried; or as it was.
+    """Return the refusal of a design that begins with a key set in the design and its bound, or the given refusal.
 
-    `built_of` gives the values that keys have which are left out, of what `build` made.
+    - `build`: builds a design, or raises
+    - `built_of`: returns the values of left-out keys, from a design and the result of `build`
 
-    Where no single key mends the design one is named that mends what was noticed, of which something else is left. The refusal
-    stays as it is where it names a key that the design sets, is not vague and has a true bound, and where nothing mends it.
+    If no single key mends the design, a key is named that mends the reported fault although another fault remains. The given
+    refusal stays if it names a set key with a true bound, or if nothing mends the design.
     """
     own = dict(design.own())
     named = failure.key in own
     failure = _with_value(design, failure, own[failure.key]) if named else failure
-    trials = Trials(type(design), own, build, Effort(MOST_EFFORT), failure, built_of)
+    trials = Trials(type(design), own, build, Effort(MAX_EFFORT), failure, built_of)
     mending = Mending(trials, _changed_keys(design, own))
     if named:
         mending.inside[failure.key] = _values_inside(design, failure, trials)
-    # a bound that is stated of a key which is set
+    # the refusal states a bound of a set key: keep the bound if it builds, or correct it
     stated = named and not isinstance(failure, VagueError | NoSolutionError)
     if stated:
         kept = _with_true_bound(design, failure, mending)
         if kept is not None:
             return kept
-    # where what the refusal allows is refused for something else its bound says more than another key that mends that alone
+    # if the allowed values are refused for another fault, the stated bound says more than a key that mends only the other fault
     told = _without_bounds(failure) if stated else failure
     mending_keys, whole = _that_mend(design, told, mending, partly=not stated)
     if mending_keys:
@@ -74,8 +77,7 @@ def diagnose(
 
 
 def _with_true_bound(design: Design, failure: GearmeshError, mending: Mending[Design]) -> GearmeshError | None:
-    """The refusal of a key that is set as it is, if its bound builds, or with a bound of that key that builds; None if none is
-    found."""
+    """Return the refusal of a set key if its bound builds, or with a bound that builds; None if none is found."""
     trials = mending.trials
     if not movable(failure.key, trials.own[failure.key]) or _holds(design, failure, trials):
         return failure
@@ -87,9 +89,9 @@ def _with_true_bound(design: Design, failure: GearmeshError, mending: Mending[De
 
 
 def _holds(design: Design, failure: GearmeshError, trials: Trials[Design]) -> bool:
-    """True unless the bounds that a refusal states are known to be refused, or do not exclude the value of the key.
+    """Return True unless the bounds in a refusal are known to be refused, or do not exclude the key's value.
 
-    A refusal that states no bounds, but words, needs none.
+    True for a refusal with words in the place of bounds.
     """
     bounds = _bounds_in_units(design, failure)
     if bounds is None:
@@ -101,40 +103,40 @@ def _holds(design: Design, failure: GearmeshError, trials: Trials[Design]) -> bo
 
 
 def _ends_of(bounds: Bounds, own: float) -> Iterator[float]:
-    """The values nearest to a refused one that bounds allow; figures that messages show are rounded inwards."""
+    """Yield the allowed values of bounds nearest to the refused value `own`, slightly inside excluded bounds."""
     for end, included, inwards in ((bounds.low, bounds.includes_low, 1), (bounds.high, bounds.includes_high, -1)):
         if end is None or (own - end) * inwards > 0.0 or (included and own == end):
             continue
-        yield end if included else end + inwards * (1 if isinstance(own, int) else INSIDE * (abs(end) or 1.0))
+        yield end if included else end + inwards * (1 if isinstance(own, int) else INSIDE_SHARE * (abs(end) or 1.0))
 
 
 def _values_inside(design: Design, failure: GearmeshError, trials: Trials[Design]) -> tuple[float, ...]:
-    """Values at the bounds that a refusal states of its key, and a little inside them."""
+    """Return values at the bounds that a refusal states for its key, and a little inside them."""
     own, bounds = trials.own[failure.key], _bounds_in_units(design, failure)
     if bounds is None or not isinstance(own, int | float):
         return ()
     values = [
-        end + math.copysign(part * end, end - own) for end in _ends_of(bounds, own) for part in (0.0, *PARTS_INSIDE)
+        end + math.copysign(part * end, end - own) for end in _ends_of(bounds, own) for part in (0.0, *INWARD_SHARES)
     ]
     return tuple(trials.like(failure.key, value) for value in values)
 
 
 def _without_bounds(failure: GearmeshError) -> GearmeshError:
-    """The refusal without the bounds that it states, if it has a reason beside them."""
+    """Return the refusal without its bounds, if it has a reason, too."""
     made = copy(failure)
     made.allowed = made.allowed if made.bounds is None or not made.reason else ""
     return made
 
 
 def _with_note(failure: GearmeshError) -> GearmeshError:
-    """The refusal, of which another follows within its bounds."""
+    """Return the refusal with the note that another refusal follows within its bounds."""
     made = copy(failure)
     made.allowed += " (another refusal then follows)" if made.bounds is not None else ""
     return made
 
 
 def _with_value(design: Design, failure: GearmeshError, value: Any) -> GearmeshError:
-    """The refusal of a key with the value that the design sets, if it has none."""
+    """Return the refusal of a key with the design's value, if it has no value."""
     if failure.value is not None or not isinstance(value, int | float) or isinstance(value, bool):
         return failure
     key = type(design).key_at(failure.key)
@@ -145,7 +147,10 @@ def _with_value(design: Design, failure: GearmeshError, value: Any) -> GearmeshE
 
 
 def _bounds_in_units(design: Design, failure: GearmeshError) -> Bounds | None:
-    """Bounds that a refusal states of its key, in the design's units; None if it states none, or those of another quantity."""
+    """Return the bounds that a refusal states for its key, in the design's units.
+
+    None without bounds, and for bounds of another quantity.
+    """
     key, bounds = type(design).key_at(failure.key), failure.bounds
     if key is None or bounds is None or bounds.unit != _UNITS_IN_MM.get(key.unit, ""):
         return None
@@ -155,7 +160,7 @@ def _bounds_in_units(design: Design, failure: GearmeshError) -> Bounds | None:
 
 
 def _refusal_of(design: Design, bound: KeyBound) -> GearmeshError:
-    """The bound of a key as a refusal of its own."""
+    """Return the bound of a key as a refusal."""
     value, unit = dict(design.own())[bound.key], _unit(design, bound.key)
     if bound.value is None:
         return DesignError(
@@ -170,7 +175,7 @@ def _refusal_of(design: Design, bound: KeyBound) -> GearmeshError:
         low, high = sorted((float(bound.value), float(bound.far)))
         allowed = f"from {shown_value(low)} to {shown_value(high, unit)}"
     elif bound.rough:
-        refused = shown_value(float(f"{bound.refused:.{DIGITS}g}"), unit)
+        refused = shown_value(float(f"{bound.refused:.{BOUND_DIGITS}g}"), unit)
         allowed = f"{most} about {shown_value(float(bound.value), unit)}, {refused} is refused as well"
     return DesignError(bound.key, value, unit=unit, allowed=allowed)
 
@@ -181,7 +186,10 @@ def _refusal_of(design: Design, bound: KeyBound) -> GearmeshError:
 def _that_mend(
     design: Design, failure: GearmeshError, mending: Mending[Design], *, partly: bool
 ) -> tuple[list[Interval], bool]:
-    """Keys that mend a design, alone, and whether they do so wholly; `partly`: keys will do that mend what was noticed."""
+    """Return the keys that mend a design, each alone, and True if nothing else is wrong then.
+
+    `partly`: accept keys that mend only the reported fault.
+    """
     trials, intervals = mending.trials, list[Interval]()
     keys = [key for key, value in trials.own.items() if movable(key, value)]
     named = [key for key in trials.own if key == failure.key]
@@ -200,7 +208,7 @@ def _that_mend(
 def _with_bounds(
     design: Design, failure: GearmeshError, mending: Mending[Design], intervals: list[Interval], *, whole: bool
 ) -> GearmeshError:
-    """The refusal with the bounds of keys that mend the design in front."""
+    """Return the refusal that begins with the bounds of the keys that mend the design."""
     bounds = mending.refine(intervals)
     if failure.remedies.get(failure.key) == 0:
         bounds = [mending.with_far_end(bound) if bound.key == failure.key else bound for bound in bounds]
@@ -210,8 +218,11 @@ def _with_bounds(
 
 
 def _suspects(design: Design, keys: list[str], failure: GearmeshError) -> list[list[str]]:
-    """Keys in the order in which they are looked at: what was changed before what was in the file; of both first what the refusal
-    itself says would mend it; then what belongs to the part that it is about, before the rest."""
+    """Return groups of keys in the order of the search.
+
+    Changed keys come before keys of the file. Within both, remedies of the refusal come first, then other keys; keys of the refused
+    part come before the rest.
+    """
     part, new_keys = failure.key, _changed_keys(design, keys)
     remedies = [key for key in failure.remedies if key in keys]
     rest = sorted((key for key in keys if key not in remedies), key=lambda key: not key.startswith(part))
@@ -220,12 +231,12 @@ def _suspects(design: Design, keys: list[str], failure: GearmeshError) -> list[l
 
 
 def _together(design: Design, failure: GearmeshError, own: dict[str, Any]) -> GearmeshError:
-    """The refusal of a design that no single key mends: with the keys of the same member in front that its owner set, if any."""
+    """Return the refusal of a design that no single key mends, with the set keys of the same member in front, if any."""
     member = failure.key.partition(".")[0]
     named = [key for key in own if key.startswith(f"{member}.") and movable(key, own[key])]
     if not named or failure.key in own:
         return failure
-    several = [f"{key} = {shown_value(own[key], _unit(design, key))}" for key in named[:MOST_TOGETHER]]
+    several = [f"{key} = {shown_value(own[key], _unit(design, key))}" for key in named[:MAX_KEYS_TOGETHER]]
     made = NoSolutionError if isinstance(failure, NoSolutionError) else DesignError
     together = f"together; no other value of one of them alone is enough: {failure}"
     return made(
@@ -237,8 +248,8 @@ def _together(design: Design, failure: GearmeshError, own: dict[str, Any]) -> Ge
     )
 
 
-def without_one(design: D, build: Build) -> tuple[D, str] | None:
-    """A design that can be built and lacks but one of the keys that are set, and that key; None where there is none."""
+def without_one(design: DesignT, build: Build) -> tuple[DesignT, str] | None:
+    """Return a design that can be built without one of its keys, and this key; None if no single key can be left out."""
     trials = Trials(type(design), dict(design.own()), build, Effort(math.inf))
     for key, value in design.own():
         if movable(key, value) and trials.works(key, None):
@@ -247,8 +258,11 @@ def without_one(design: D, build: Build) -> tuple[D, str] | None:
 
 
 class _Diagnosis(GearmeshError):
-    """A refusal that names the key which the design sets: as its own fields with a bound of it that was tried, `others` of which
-    each mends it as well, and what was `noticed`; unless it is `whole` another refusal then follows."""
+    """A refusal that names a key set in the design.
+
+    Its fields are the key and the bound that was tried; `others` are refusals of keys that would also mend the design; `noticed` is
+    the original refusal. If it is not `whole`, another refusal follows within the bound.
+    """
 
     def __init__(
         self, first: GearmeshError, others: tuple[GearmeshError, ...], noticed: GearmeshError, *, whole: bool
@@ -259,13 +273,13 @@ class _Diagnosis(GearmeshError):
 
     @property
     def topic(self) -> str:
-        """That of what was noticed."""
+        """Topic of the original refusal."""
         return self.noticed.topic
 
     def __str__(self) -> str:
         bounds = ", or ".join([super().__str__(), *map(str, self.others)])
         rest = "" if self.whole else " (another refusal then follows)"
-        # a key that was named already is named once, and the bound that was tried is the one that holds
+        # name the key only once, with the bound that was tried in place of the stated bound
         told = copy(self.noticed)
         if self.key == told.key:
             told.allowed = "" if told.reason and told.bounds is not None else told.allowed
@@ -274,15 +288,15 @@ class _Diagnosis(GearmeshError):
 
 
 class DiagnosedError(_Diagnosis, DesignError):
-    """Of a design that cannot be used."""
+    """Refusal of a design that cannot be used."""
 
 
 class DiagnosedNoSolutionError(_Diagnosis, NoSolutionError):
-    """Of a design without a solution."""
+    """Refusal of a design without a solution."""
 
 
 def _changed_keys(design: Design, keys: Iterable[str]) -> tuple[str, ...]:
-    """Those of the keys that were put in anew, alone or with their table."""
+    """Return the keys that were changed, alone or with their table."""
     tables = tuple(f"{key}." for key in design.changed_keys)
     return tuple(key for key in keys if f"{key}.".startswith(tables))
 

@@ -1,4 +1,4 @@
-"""Bounds of a key between a value that is refused and one that is allowed, and where the interval is divided next."""
+"""Bounds of a key between a refused and an allowed value, and the division of this interval."""
 
 from __future__ import annotations
 
@@ -8,47 +8,56 @@ from dataclasses import dataclass
 
 from gearmesh.kernel.numeric.excess import Division, Refused
 
-#: width of an interval, over the value, from which on its bound is only said to be about there
-ROUGH = 5e-3
-#: where an interval is parted first, from the refused value, and then
-FIRST, THEN = 0.125, 0.5
-#: significant digits of a bound, and of one that no shorter number may take the place of, as many as messages show
-DIGITS, SHOWN_DIGITS = 4, 7
+#: width of an interval, over the value, above which its bound is stated as approximate
+ROUGH_WIDTH = 5e-3
+#: place of the first division, as a share of the interval from the refused value
+FIRST_SHARE = 0.125
+#: place of later divisions
+LATER_SHARE = 0.5
+#: significant digits of a bound
+BOUND_DIGITS = 4
+#: significant digits of a bound that cannot be shortened, as many as messages show
+SHOWN_DIGITS = 7
 
 
 @dataclass(frozen=True)
 class KeyBound:
-    """A value of a key that its owner set with which the gears can be built; None: only if the key is left out.
+    """A bound of a set key at which the gears can be built."""
 
-    `refused`: the nearest value that is known to be refused; `larger` is true where the key has to be larger; `far`: the other end
-    of the range of values that are allowed, if it was asked for.
-    """
-
+    #: dotted key
     key: str
+    #: value at which the gears can be built, None if the key must be left out
     value: float | None
+    #: nearest value that is known to be refused
     refused: float
+    #: True if the key must be larger than the refused value
     larger: bool
+    #: other end of the allowed range, None if unknown
     far: float | None = None
 
     @property
     def rough(self) -> bool:
-        """Whether the true bound may be farther from the value than ROUGH."""
-        return self.value is not None and relative_width(self.value, self.refused) > ROUGH
+        """True if the true bound may be farther from the value than ROUGH_WIDTH."""
+        return self.value is not None and relative_width(self.value, self.refused) > ROUGH_WIDTH
 
 
 @dataclass
 class Interval:
-    """Between values of a key that are allowed and refused, for one that is set; `good` is None if only leaving it out mends.
+    """Interval between an allowed and a refused value of a set key."""
 
-    `kept`: it was not put in anew. `proved`: the allowed value was built itself, not as the default of the key.
-    """
-
+    #: dotted key
     key: str
+    #: value that the design sets
     own: float
+    #: allowed value, None if only leaving out the key mends the design
     good: float | None
+    #: refused value
     bad: float
+    #: True if the key was not changed
     kept: bool
+    #: number of divisions
     divisions: int = 0
+    #: True if the allowed value itself was built, not only the default of the key
     proved: bool = True
 
     def __post_init__(self) -> None:
@@ -56,12 +65,12 @@ class Interval:
 
     @property
     def least(self) -> tuple[bool, float]:
-        """By how much of itself the key has to change, at least: what was put in anew before what was kept."""
+        """Order by the least relative change of the key: False for changed keys, and the change."""
         return self._change(self.bad)
 
     @property
     def most(self) -> tuple[bool, float]:
-        """The same, at most."""
+        """Order by the largest relative change of the key: False for changed keys, and the change."""
         return self._change(self.good)
 
     def _change(self, end: float | None) -> tuple[bool, float]:
@@ -71,25 +80,26 @@ class Interval:
 
     @property
     def width(self) -> float:
-        """Over the larger of both ends."""
+        """Width over the larger end."""
         return 0.0 if self.good is None else relative_width(self.good, self.bad)
 
     def divide(self, refused: Sequence[Refused], wanted: float) -> float:
-        """Value between both ends at which the next build tells most; `wanted`: the width that is.
+        """Return the value between both ends for the next build.
 
-        `refused`: values that are refused for what is in the way at the refused end, that end first, then by their distance.
+        - `refused`: values refused for the same reason as the refused end, from this end on by their distance
+        - `wanted`: final width, over the larger end
         """
         assert self.good is not None, "an interval between two values"
         size = max(abs(self.good), abs(self.bad)) or 1.0
         aim = self._division.beside_root(self.good, self.bad, refused, wanted * size)
         if aim is None:
-            share = THEN if self.divisions or self.bad != self.own else FIRST
+            share = LATER_SHARE if self.divisions or self.bad != self.own else FIRST_SHARE
             aim = self.bad + share * (self.good - self.bad)
         self.divisions += 1
         return aim
 
     def narrow(self, value: float, *, allowed: bool) -> None:
-        """Move one end to a value that was tried."""
+        """Move the refused or the allowed end to a tried value."""
         self._division.last_refused = not allowed
         if allowed:
             self.good, self.proved = value, True
@@ -98,13 +108,13 @@ class Interval:
 
 
 def relative_width(good: float, bad: float) -> float:
-    """Width of an interval over the larger of its ends; 0 between neighbouring whole numbers."""
+    """Return the width of an interval over its larger end, 0 between neighbouring whole numbers."""
     apart = abs(good - bad)
     return 0.0 if isinstance(good, int) and apart <= 1 else apart / (max(abs(good), abs(bad)) or 1.0)
 
 
-def round_digits(value: float, up: bool, digits: int = DIGITS) -> float:
-    """A number with so many significant digits, rounded up or down."""
+def round_digits(value: float, up: bool, digits: int = BOUND_DIGITS) -> float:
+    """Round a number up or down to a number of significant digits."""
     if isinstance(value, int) or value == 0.0 or float(f"{value:.{digits}g}") == value:
         return value
     unit = 10.0 ** (math.floor(math.log10(abs(value))) + 1 - digits)

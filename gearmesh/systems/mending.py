@@ -1,7 +1,6 @@
-"""Keys that mend a design which cannot be built, alone, and how far they have to change.
+"""Search for keys that, each alone, mend a design that cannot be built, and for their bounds.
 
-Each key that the design sets is left out, or moved step by step. Of the keys that mend it the one that has to change least is
-refined to a bound, as fine as the effort allows.
+Each set key is left out, or moved step by step. The bound of the key that must change least is refined as far as the effort allows.
 """
 
 from __future__ import annotations
@@ -10,37 +9,47 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any, Generic
 
-from gearmesh.systems.key_bounds import ROUGH, SHOWN_DIGITS, Interval, KeyBound, round_digits
-from gearmesh.systems.trials import D, Trials
+from gearmesh.systems.key_bounds import ROUGH_WIDTH, SHOWN_DIGITS, Interval, KeyBound, round_digits
+from gearmesh.systems.trials import DesignT, Trials
 
-#: steps away from a value, as parts of it
-STEPS = (0.05, 0.25, 0.8)
-#: divisions of an interval at most
-DIVISIONS = 14
-#: width of an interval, over the value, which is fine, and which is where more than half of the effort is gone
-FINE, FAIR = 1e-4, 1.5e-3
-#: how far, by a factor either way, and in how many steps a value is looked for in the place of one that is derived
-FARTHEST, ASKED = 64.0, 24
-#: keys that are named at most
-MOST_NAMED = 2
-#: part of the effort that a build takes, at most, if other keys are looked for that mend as well
-LIGHT = 0.03
-#: part of it that has to be left for the bound of a second key to be refined
-FOR_SECOND = 0.3
-#: first step, as a part of a bound, and how many steps of which each is doubled, towards the other end of what is allowed
-FAR_STEP, FAR_STEPS = 0.01, 7
+#: steps away from a value, over the value
+STEP_SHARES = (0.05, 0.25, 0.8)
+#: largest number of divisions of an interval
+MAX_DIVISIONS = 14
+#: wanted width of an interval, over the value
+FINE_WIDTH = 1e-4
+#: wanted width of an interval, over the value, after half of the effort
+FAIR_WIDTH = 1.5e-3
+#: largest factor, up or down, of a value that replaces a derived value
+FARTHEST_FACTOR = 64.0
+#: number of steps in the search for such a value
+ASKED_STEPS = 24
+#: largest number of named keys
+MAX_NAMED_KEYS = 2
+#: largest effort of a build, over the whole effort, for which more keys are searched after one is found
+LIGHT_EFFORT_SHARE = 0.03
+#: effort that must be left, over the whole effort, for refining the bound of a second key
+SECOND_KEY_SHARE = 0.3
+#: first step from a bound towards the other end of the allowed range, over the bound
+FAR_STEP_SHARE = 0.01
+#: number of these steps, each twice the step before
+FAR_STEPS = 7
 
 
-class Mending(Generic[D]):
-    """Searches for keys that mend a design, by trials; `changed`: keys that were put in anew; `inside`: values of a key that may
-    work, within a bound that its refusal states."""
+class Mending(Generic[DesignT]):
+    """Search by trials for keys that mend a design; `changed` are the keys that were changed."""
 
-    def __init__(self, trials: Trials[D], changed: tuple[str, ...] = ()) -> None:
+    def __init__(self, trials: Trials[DesignT], changed: tuple[str, ...] = ()) -> None:
         self.trials, self.changed = trials, changed
+        #: values of a key within the bound in its refusal, which may work
         self.inside: dict[str, tuple[float, ...]] = {}
 
     def keys(self, keys: list[str], named: list[str], remedies: Mapping[str, int]) -> list[Interval]:
-        """Those of the keys that mend the design, alone: `remedies`, of which the direction is known, moved that way."""
+        """Return the keys that mend the design alone.
+
+        - `named`: keys that the refusal names
+        - `remedies`: known directions, 1 or -1, in which keys mend the design
+        """
         known = {key: remedies[key] for key in keys if remedies.get(key)}
         stated = [key for key in keys if key in named and key in self.inside]
         return (
@@ -51,53 +60,55 @@ class Mending(Generic[D]):
         )
 
     def _to_bound(self, keys: list[str]) -> Iterator[Interval]:
-        """Those of the keys that mend the design at the bound that its refusal states."""
+        """Yield the keys that mend the design at the bound in its refusal."""
         for key in keys:
             for value in self.inside[key][:1]:
                 if self.trials.is_allowed(self.trials.outcome(key, value)):
                     yield self._interval(key, value)
 
     def _otherwise(self, keys: list[str], named: list[str]) -> list[Interval]:
-        """Those of the keys that mend the design when they are moved, what was `named` first, and where nothing was, what is
-        unusual: towards 0 first."""
+        """Return the keys that mend the design when they are moved.
+
+        Named keys come first. Without a named key, keys whose usual value is 0 come first, moved towards 0.
+        """
         unusual = [] if set(keys) & set(named) else [key for key in keys if self._unusual(key)]
         rest = sorted((key for key in keys if key not in unusual), key=lambda key: key not in named)
         to_zero = {key: -1 if self.trials.own[key] > 0.0 else 1 for key in unusual}
         return list(self._move(unusual, to_zero)) or list(self._move(unusual)) or list(self._move(rest))
 
     def _unusual(self, key: str) -> bool:
-        """Whether a number counts from the usual one, 0, to either side, as an offset does; sizes and tooth numbers do not."""
+        """Return True for a key that may be positive or negative, as an offset; sizes and tooth numbers are positive."""
         about = self.trials.design.key_at(key)
         return about is not None and about.low < 0.0 < about.high
 
     def leave_out(self, keys: list[str]) -> Iterator[Interval]:
-        """Those of the keys that mend the design when they are left out."""
+        """Yield the keys that mend the design when they are left out."""
         for key in keys:
             if not self.trials.works(key, None):
                 continue
             default = self.trials.default(key)
-            # gears of the default have just been built
+            # the build without the key has proved the default; a value in place of a derived value is proved by its own build
             yield self._interval(key, self._beside(key) if default is None else default, proved=default is None)
 
     def _move(self, keys: list[str], ways: Mapping[str, int] | None = None) -> Iterator[Interval]:
-        """Those of the keys that mend the design when they are larger or smaller, or moved the one way (1 or -1) that is known."""
-        for step in STEPS:
+        """Yield the keys that mend the design when they are larger or smaller, or moved in a known direction, 1 or -1."""
+        for step in STEP_SHARES:
             mended = False
             for key in keys:
                 for way in (1, -1) if ways is None else (ways[key],):
-                    # where builds take long the rest of the effort is for the bound
+                    # if builds take long, keep the remaining effort for the bound
                     if mended and not self.light:
                         break
                     value = self._step(key, way * step)
                     if value != self.trials.own[key] and self.trials.works(key, value):
                         mended = True
                         yield self._interval(key, value)
-            # what has to change less is found first
+            # keys that mend with a smaller step are preferred
             if mended:
                 return
 
     def _step(self, key: str, step: float) -> float:
-        """A value that is so much of itself larger; of a whole number at least the next."""
+        """Return a value larger by a share of itself; for a whole number at least the next one."""
         own: float = self.trials.own[key]
         value = own + step * abs(own)
         if not isinstance(own, int):
@@ -105,14 +116,16 @@ class Mending(Generic[D]):
         return round(value) if round(value) != own else own + (1 if step > 0.0 else -1)
 
     def _beside(self, key: str) -> float | None:
-        """A value of a key that works, near the bound that its refusal states or within a factor of FARTHEST; None where none is
-        found."""
+        """Return a value of a key that works, inside the bound in its refusal or within FARTHEST_FACTOR; None if none is found."""
         for value in self.inside.get(key, ()):
             if self.trials.works(key, value):
                 return value
         ways = [1.0, -1.0]
-        for step in range(1, ASKED + 1):
-            tried = [self.trials.like(key, self.trials.own[key] * FARTHEST ** (way * step / ASKED)) for way in ways]
+        for step in range(1, ASKED_STEPS + 1):
+            tried = [
+                self.trials.like(key, self.trials.own[key] * FARTHEST_FACTOR ** (way * step / ASKED_STEPS))
+                for way in ways
+            ]
             for value in tried:
                 if self.trials.works(key, value):
                     return value
@@ -121,7 +134,7 @@ class Mending(Generic[D]):
         return None
 
     def _falling_ways(self, key: str, tried: list[float], ways: list[float]) -> list[float]:
-        """The way in which the excess of what is in the way falls; both where no figure says so."""
+        """Return the directions in which the excess of the refused figure falls, both if the excess is unknown."""
         failure = self.trials.failure
         outcomes = [self.trials.outcome(key, value) for value in tried]
         if failure is None or failure.excess is None or {outcome.topic for outcome in outcomes} != {failure.topic}:
@@ -133,16 +146,16 @@ class Mending(Generic[D]):
 
     @property
     def light(self) -> bool:
-        """Whether builds have taken so little of the effort that others may be looked for that mend as well."""
+        """True if builds take so little effort that more keys can be searched."""
         allowed, left = self.trials.allowed, self.trials.effort.left
-        return self._half_left and allowed - left <= LIGHT * allowed * len(self.trials.tried)
+        return self._half_left and allowed - left <= LIGHT_EFFORT_SHARE * allowed * len(self.trials.tried)
 
     @property
     def _half_left(self) -> bool:
         return self.trials.effort.left > 0.5 * self.trials.allowed
 
     def _interval(self, key: str, good: float | None, *, proved: bool = True) -> Interval:
-        """Between a value that works and the one that is set, or what is known to be refused beyond it."""
+        """Return the interval between a value that works and the nearest value known to be refused, or the set value."""
         own, kept = self.trials.own[key], key not in self.changed
         if good is None:
             return Interval(key, own, None, own, kept)
@@ -154,24 +167,24 @@ class Mending(Generic[D]):
     # ---------------------------------------------------------------- bounds
 
     def refine(self, intervals: list[Interval]) -> list[KeyBound]:
-        """Bounds of the keys that have to change least, as fine as the effort allows; what may have to change least comes first."""
+        """Return the bounds of the keys that must change least, refined as far as the effort allows, the least change first."""
         fine: list[Interval] = []
         left, effort = list(intervals), self.trials.effort
-        while left and len(fine) < MOST_NAMED:
+        while left and len(fine) < MAX_NAMED_KEYS:
             nearest = min(left, key=lambda interval: (interval.least, interval.most))
             if not self._divide(nearest):
                 left = [interval for interval in left if interval.key != nearest.key]
                 fine.append(nearest)
-            if effort.spent or (fine and effort.left < FOR_SECOND * self.trials.allowed):
+            if effort.spent or (fine and effort.left < SECOND_KEY_SHARE * self.trials.allowed):
                 break
-        exact = [interval for interval in fine if interval.width <= ROUGH]
+        exact = [interval for interval in fine if interval.width <= ROUGH_WIDTH]
         nearest_of = exact or sorted(fine + left, key=lambda interval: interval.most)[:1]
         return [self._bound(interval) for interval in sorted(nearest_of, key=lambda interval: interval.most)]
 
     def _divide(self, of: Interval) -> bool:
-        """Whether an interval that is not fine yet has become narrower."""
-        wanted = FINE if self._half_left else FAIR
-        if of.good is None or of.width <= wanted or of.divisions >= DIVISIONS or self.trials.effort.spent:
+        """Divide an interval; return False if it is fine enough or cannot be divided."""
+        wanted = FINE_WIDTH if self._half_left else FAIR_WIDTH
+        if of.good is None or of.width <= wanted or of.divisions >= MAX_DIVISIONS or self.trials.effort.spent:
             return False
         value = self._short(of, of.divide(self.trials.excesses(of.key, of.bad, of.good), wanted))
         if value is None:
@@ -182,7 +195,7 @@ class Mending(Generic[D]):
         return outcome.known
 
     def _short(self, of: Interval, value: float) -> float | None:
-        """A number between the ends of an interval next to a value, with as few digits as bounds have; None where there is none."""
+        """Return a number next to a value and between the ends of an interval, with few digits; None if there is none."""
         assert of.good is not None, "an interval between two values"
         low, high = sorted((of.bad, of.good))
         for aim in (value, 0.5 * (low + high)):
@@ -193,7 +206,7 @@ class Mending(Generic[D]):
         return None
 
     def _bound(self, of: Interval) -> KeyBound:
-        """With few digits that work as well."""
+        """Return the bound of an interval, with few digits if the shorter value works, too."""
         if of.good is not None and not of.proved and not self.trials.works(of.key, of.good):
             # it works as a default alone
             of.good = None
@@ -201,29 +214,31 @@ class Mending(Generic[D]):
             return KeyBound(of.key, None, of.bad, larger=False)
         larger = of.good > of.own
         short = round_digits(of.good, larger)
-        # where no more can be tried it is rounded towards what is allowed all the same
+        # without effort for a trial, still round towards the allowed values
         spent = self.trials.effort.spent
         fits = short != of.good and (spent or self.trials.is_allowed(self.trials.outcome(of.key, short)))
-        # what is shown of it is not to be beyond it
+        # the digits that messages show must not exceed the bound
         return KeyBound(of.key, short if fits else round_digits(of.good, larger, SHOWN_DIGITS), of.bad, larger)
 
     def with_far_end(self, bound: KeyBound) -> KeyBound:
-        """The bound with the other end of the range of values that work, if one is found within FAR_STEPS doubled steps."""
+        """Return the bound with the other end of the allowed range, if it is found within FAR_STEPS doubled steps."""
         if bound.value is None or bound.rough:
             return bound
         good, way = bound.value, 1.0 if bound.larger else -1.0
         for step in range(FAR_STEPS):
-            tried = self.trials.like(bound.key, bound.value + way * FAR_STEP * 2.0**step * (abs(bound.value) or 1.0))
+            tried = self.trials.like(
+                bound.key, bound.value + way * FAR_STEP_SHARE * 2.0**step * (abs(bound.value) or 1.0)
+            )
             if not self.trials.works(bound.key, tried):
                 break
             good = tried
         else:
             return bound
-        # whether a bound is larger is whether its key has to be
+        # refine the far end; the sense of rounding is opposite to the sense of the bound
         own: Any = self.trials.own[bound.key]
         interval = Interval(bound.key, own, good, tried, kept=True, divisions=1)
         while self._divide(interval):
             pass
         assert interval.good is not None, "it only moves towards what is refused"
         far = round_digits(interval.good, not bound.larger)
-        return replace(bound, far=far) if interval.width <= ROUGH and self.trials.works(bound.key, far) else bound
+        return replace(bound, far=far) if interval.width <= ROUGH_WIDTH and self.trials.works(bound.key, far) else bound

@@ -26,10 +26,10 @@ if TYPE_CHECKING:
     from gearmesh.teeth.gear_train import GearTrain, Member
     from gearmesh.teeth.tooth import Tooth
 
-D = TypeVar("D", bound="Design")
+DesignT = TypeVar("DesignT", bound="Design")
 #: contravariant: a function for designs of a class works for its subclasses, too
 ForD = TypeVar("ForD", bound="Design", contravariant=True)
-T = TypeVar("T")
+ResultT = TypeVar("ResultT")
 
 #: pinion rotations (P,), rad -> transmission error (P,), rad, relative to the value at 0
 FirstOrder: TypeAlias = "Callable[[Array], Array]"
@@ -157,7 +157,7 @@ class PatternShift:
 
 
 @dataclass(frozen=True)
-class PatternCheck(Generic[D]):
+class PatternCheck(Generic[DesignT]):
     """Mountings that bring the contact to places of the gear's face.
 
     - shifts: returns them for a design in mm, its gear set and the letters of the displacements.
@@ -165,7 +165,7 @@ class PatternCheck(Generic[D]):
     - usual: letters of the displacements that are used by default; their number is always the same.
     """
 
-    shifts: Callable[[D, GearTrain, tuple[str, ...]], list[PatternShift]]
+    shifts: Callable[[DesignT, GearTrain, tuple[str, ...]], list[PatternShift]]
     keys: Mapping[str, str]
     usual: tuple[str, ...]
 
@@ -255,7 +255,7 @@ class DrawnRows:
 
 
 @dataclass(frozen=True)
-class System(Generic[D]):
+class System(Generic[DesignT]):
     """A gear system: a kind with its designs and the functions for them. Only `build` is required.
 
     Functions take a complete design in mm unless stated otherwise, with its gear set (`GearTrain`) as second argument
@@ -265,42 +265,42 @@ class System(Generic[D]):
     #: name of the kind
     kind: str
     #: class of its designs
-    design: type[D]
+    design: type[DesignT]
     #: gear set of a design
-    build: Callable[[D], GearTrain]
+    build: Callable[[DesignT], GearTrain]
     #: functions for single members by name, if one can be made without the other; `derive` is not called for the design
-    members: Mapping[str, Callable[[D], ToolPart]] = field(default_factory=dict)
+    members: Mapping[str, Callable[[DesignT], ToolPart]] = field(default_factory=dict)
     #: faster substitute of `build` for the search of the key at fault; `derive` is not called for its design. It is
     #: refused where `build` is, except perhaps where `build` would have to search long
-    tried: Callable[[D], object] | None = None
+    tried: Callable[[DesignT], object] | None = None
     #: values, in the design's units, of keys left out that only geometry knows, by dotted key
-    derive: Callable[[D], dict[str, float]] | None = None
+    derive: Callable[[DesignT], dict[str, float]] | None = None
     #: grinding worm of a design in mm
-    worm: Callable[[D], ToolPart] | None = None
+    worm: Callable[[DesignT], ToolPart] | None = None
     #: sheet of a design, in its own units, and its gear set
-    sheet: Callable[[D, GearTrain], Sheet] | None = None
+    sheet: Callable[[DesignT, GearTrain], Sheet] | None = None
     #: reserves of which the sheet warns, for the check
-    reserves: Callable[[D, GearTrain], tuple[Reserve, ...]] | None = None
+    reserves: Callable[[DesignT, GearTrain], tuple[Reserve, ...]] | None = None
     #: tables of one of the `members` without the others
-    member_sheet: Callable[[D, str], tuple[SheetTable, ...]] | None = None
+    member_sheet: Callable[[DesignT, str], tuple[SheetTable, ...]] | None = None
     #: tables of the forces for a torque (Nm) on the pinion, with powers if its speed (1/min) is given
-    forces: Callable[[D, float, float | None], tuple[SheetTable, ...]] | None = None
+    forces: Callable[[DesignT, float, float | None], tuple[SheetTable, ...]] | None = None
     #: settings that compensate the assembly errors of a design in its own units
-    compensate: Callable[[D], list[Setting]] | None = None
+    compensate: Callable[[DesignT], list[Setting]] | None = None
     #: settings of the named member that compensate the assembly errors
-    refinish: Callable[[D, str], list[Setting]] | None = None
+    refinish: Callable[[DesignT, str], list[Setting]] | None = None
     #: V-H check of a design in mm and its gear set
-    vh: PatternCheck[D] | None = None
+    vh: PatternCheck[DesignT] | None = None
     #: transmission error in closed form for a design in mm with assembly errors
-    first_order: Callable[[D], FirstOrder | None] | None = None
+    first_order: Callable[[DesignT], FirstOrder | None] | None = None
     #: moves the members for many assemblies at once
-    displacements: Displacements[D] | None = None
+    displacements: Displacements[DesignT] | None = None
     #: values by dotted key that the build chose, in mm, for a complete design in mm and its gear set
-    pinned: Callable[[D, GearTrain], dict[str, Any]] | None = None
+    pinned: Callable[[DesignT, GearTrain], dict[str, Any]] | None = None
     #: rows of the sheet on a workshop drawing; by default all rows of the member
     drawn: DrawnRows | None = None
     #: basis for the inspection of the named member of a design and its gear set
-    inspection: Callable[[D, GearTrain, str], InspectionBasis] | None = None
+    inspection: Callable[[DesignT, GearTrain, str], InspectionBasis] | None = None
     #: reading and writing of its stages in REXS models
     rexs: StageForm | None = None
     #: system for designs of the same kind with one member and no mating gear
@@ -488,7 +488,7 @@ def one_of_kinds() -> str:
 
 
 class NotBuiltError(Exception):
-    """Something was to be built where nothing may be."""
+    """A build was requested where building is not allowed."""
 
 
 _builds: ContextVar[bool] = ContextVar("builds", default=True)
@@ -496,7 +496,7 @@ _builds: ContextVar[bool] = ContextVar("builds", default=True)
 
 @contextmanager
 def without_building() -> Iterator[None]:
-    """Run what is inside until something is to be built of a design: what it refuses before, it refuses without any work."""
+    """Run the body of the context until it would build a design; refusals before are raised without any work."""
     token = _builds.set(False)
     try:
         yield
@@ -512,7 +512,7 @@ def _refuse_to_build() -> None:
         raise NotBuiltError
 
 
-def complete_design(design: D) -> D:
+def complete_design(design: DesignT) -> DesignT:
     """Return the design with the defaults that only geometry knows.
 
     Raises DesignError for geometry that cannot exist.
@@ -521,7 +521,7 @@ def complete_design(design: D) -> D:
     return _refused_by_name(design, _fill)
 
 
-def _fill(design: D) -> D:
+def _fill(design: DesignT) -> DesignT:
     """Return the design with its derived values."""
     derive = system_of(design).derive
     if derive is None or design.complete:
@@ -631,7 +631,9 @@ def member(design: Design, name: str) -> ToolPart:
     return _refused_by_name(design, alone, alone)
 
 
-def _refused_by_name(design: D, make: Callable[[D], T], tried: Callable[[D], object] | None = None) -> T:
+def _refused_by_name(
+    design: DesignT, make: Callable[[DesignT], ResultT], tried: Callable[[DesignT], object] | None = None
+) -> ResultT:
     """Return the result of `make` for a design; a refusal names a key that the design sets (see `diagnosis`).
 
     `tried`: function with which the key is searched.
@@ -661,7 +663,7 @@ def _derived_values(design: Design, made: object) -> dict[str, Any]:
         return {}
 
 
-def build_without_one(design: D) -> tuple[D, GearTrain, str] | None:
+def build_without_one(design: DesignT) -> tuple[DesignT, GearTrain, str] | None:
     """Return a refused design with its gear set without one of its keys, and this key.
 
     The returned design is complete. None if no single key, when left out, makes the design buildable.
@@ -687,7 +689,7 @@ def _of_small_teeth(design: Design) -> tuple[str, ...]:
     )
 
 
-def pin(design: D, train: GearTrain) -> D:
+def pin(design: DesignT, train: GearTrain) -> DesignT:
     """Return a design with every value with which its gear set was built, so that no default matters any more."""
     whole = complete_design(design)
     return whole.with_values(_pinned_values(whole, train))

@@ -13,70 +13,87 @@ from gearmesh.errors import GearmeshError
 from gearmesh.kernel.numeric.effort import Effort, EffortSpentError, limit_effort
 from gearmesh.kernel.numeric.excess import Refused
 
-D = TypeVar("D", bound=Design)
+DesignT = TypeVar("DesignT", bound=Design)
 
-#: Makes what can be refused of a design.
+#: builds the gears of a design, or raises
 Build = Callable[[Any], object]
-#: Values by dotted keys, in the design's units, of which something was built from a design.
+#: values by dotted keys, in the design's units, with which an object was built from a design
 Values = Callable[[Any, object], Mapping[str, Any]]
 
-#: tables whose keys have no part in the geometry
-ASIDE = ("fe.", "mesh.", "material.", "contact.phi1.", "measured.")
-#: builds that are tried at most for what mends a design, and for what mends what was noticed of it
-MOST_TRIALS, MOST_FOR_NOTICED = 80, 30
-#: part of the effort that one of them takes, at most
-OF_ONE = 0.6
-#: effort of a build beside what it counts itself, and of a design that is refused before it is built
-OF_BUILD, OF_DESIGN = 0.005, 0.004
+#: tables whose keys do not change the geometry
+NO_GEOMETRY_TABLES = ("fe.", "mesh.", "material.", "contact.phi1.", "measured.")
+#: largest number of builds in the search for keys that mend a design
+MAX_TRIALS = 80
+#: largest number of builds in the search for keys that mend only the reported fault
+MAX_TRIALS_FOR_NOTICED = 30
+#: largest effort of one build, over the whole effort
+EFFORT_SHARE_PER_TRIAL = 0.6
+#: effort of a build beside the effort that it counts itself
+EFFORT_PER_BUILD = 0.005
+#: effort of a design that is refused before it is built
+EFFORT_PER_DESIGN = 0.004
 
 
 class Outcome(NamedTuple):
-    """Whether gears were built, or what their refusal was about; `known`: it was not given up; `made`: what was built; `excess`:
-    how far the checked figure is beyond its limit, where the refusal says so."""
+    """Result of a trial."""
 
+    #: True if gears were built
     built: bool
+    #: topic of the refusal, None for gears that were built
     topic: str | None = None
+    #: False if the trial was given up
     known: bool = True
+    #: object that was built, kept for trials without the key
     made: object = None
+    #: excess of the refused figure over its limit, None if unknown
     excess: float | None = None
 
 
 @dataclass
-class Trials(Generic[D]):
-    """Builds of a design class with other values of the keys that are set, each tried once; ends when the `effort` is spent.
+class Trials(Generic[DesignT]):
+    """Builds of a design with other values of its set keys, each tried once, until the effort is spent."""
 
-    If something was `noticed`, the topic of a refusal, a build works that is not refused for that.
-    """
-
-    design: type[D]
+    #: class of the design
+    design: type[DesignT]
+    #: values of the set keys, by dotted key
     own: dict[str, Any]
+    #: function that builds gears
     build: Build
+    #: effort that is left
     effort: Effort
+    #: refusal of the design
     failure: GearmeshError | None = None
+    #: function for the values of keys that are left out
     built_of: Values = lambda design, made: {}
+    #: topic for which a build must not be refused, None if it must not be refused at all
     noticed: str | None = None
+    #: number of builds since `ask`
     count: int = 0
+    #: outcomes by key and value, None for the default
     tried: dict[tuple[str, float | None], Outcome] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.allowed = self.effort.left
 
     def ask(self, noticed: str | None) -> None:
-        """From now on builds work that are not refused for what was `noticed`; None: that are not refused."""
+        """Set the topic for which builds must not be refused from now on; None: builds must not be refused at all."""
         self.noticed, self.count = noticed, 0
 
     def works(self, key: str, value: float | None) -> bool:
-        """Whether the gears can be built with another value of a key, None: with its default."""
-        if self.count >= (MOST_TRIALS if self.noticed is None else MOST_FOR_NOTICED) and (key, value) not in self.tried:
+        """Return True if the gears can be built with another value of a key, None for its default."""
+        if (
+            self.count >= (MAX_TRIALS if self.noticed is None else MAX_TRIALS_FOR_NOTICED)
+            and (key, value) not in self.tried
+        ):
             return False
-        return self.is_allowed(self.outcome(key, value, OF_ONE * self.allowed))
+        return self.is_allowed(self.outcome(key, value, EFFORT_SHARE_PER_TRIAL * self.allowed))
 
     def is_allowed(self, outcome: Outcome) -> bool:
-        """Whether a build works."""
+        """Return True if an outcome counts as a build that works."""
         return outcome.built or (outcome.topic is not None and self.noticed not in (None, outcome.topic))
 
     def outcome(self, key: str, value: float | None, most: float | None = None) -> Outcome:
-        """What comes of another value of a key, with at most so much effort."""
+        """Return the outcome of another value of a key, with at most `most` effort."""
         if (key, value) not in self.tried:
             if self.effort.spent:
                 return Outcome(built=False, known=False)
@@ -86,12 +103,12 @@ class Trials(Generic[D]):
         return self.tried[key, value]
 
     def _trial(self, key: str, value: float | None, most: float) -> Outcome:
-        self.effort.left -= OF_DESIGN
+        self.effort.left -= EFFORT_PER_DESIGN
         try:
             design = self.design_of({**self.own, key: value})
         except GearmeshError:
             return Outcome(built=False)
-        own = Effort(most - OF_BUILD)
+        own = Effort(most - EFFORT_PER_BUILD)
         if own.spent:
             return Outcome(built=False, known=False)
         try:
@@ -105,12 +122,12 @@ class Trials(Generic[D]):
             self.effort.left -= most - own.left
         return Outcome(built=True, made=made if value is None else None)
 
-    def design_of(self, keys: dict[str, Any]) -> D:
-        """The design of the keys that are not None."""
+    def design_of(self, keys: dict[str, Any]) -> DesignT:
+        """Return the design of the keys that are not None."""
         return self.design(**with_keys({}, ((key, value) for key, value in keys.items() if value is not None)))
 
     def refused_values(self, key: str) -> list[float]:
-        """Values of a key that are known to be refused."""
+        """Return the values of a key that are known to be refused."""
         return [
             value
             for (other, value), outcome in self.tried.items()
@@ -118,8 +135,10 @@ class Trials(Generic[D]):
         ]
 
     def excesses(self, key: str, bad: float, good: float) -> list[Refused]:
-        """Refused values of a key, and their excess, from one of them on away from an allowed value: those that are refused for
-        the same."""
+        """Return refused values of a key with their excess, from `bad` on away from the allowed value `good`.
+
+        Only values that are refused for the same reason as `bad` are returned.
+        """
         points = {value: self.tried[key, value] for value in self.refused_values(key)}
         if self.failure is not None:
             points[self.own[key]] = Outcome(built=False, topic=self.failure.topic, excess=self.failure.excess)
@@ -132,11 +151,11 @@ class Trials(Generic[D]):
         return beyond
 
     def default(self, key: str) -> float | None:
-        """The number that a key became when it was left out, None where there is none."""
+        """Return the number that a key has when it is left out, None without a number."""
         design = self.design_of({**self.own, key: None})
         table: Any = design
         for name in key.split("."):
-            # a table that is left out with its only key has none
+            # a table whose only key is left out does not exist
             table = getattr(table, name, None)
         if isinstance(table, int | float) and math.isfinite(table):
             return table
@@ -144,11 +163,11 @@ class Trials(Generic[D]):
         return self.like(key, derived) if isinstance(derived, int | float) and math.isfinite(derived) else None
 
     def like(self, key: str, value: float) -> float:
-        """A whole number where the key is one."""
+        """Return the value, rounded to a whole number for keys with whole numbers."""
         return round(value) if isinstance(self.own[key], int) else value
 
 
 def movable(key: str, value: Any) -> bool:
-    """True for a key with a number that has a part in the geometry."""
+    """Return True for a key with a number that changes the geometry."""
     number = isinstance(value, int | float) and not isinstance(value, bool)
-    return number and not key.startswith(ASIDE)
+    return number and not key.startswith(NO_GEOMETRY_TABLES)

@@ -113,7 +113,7 @@ def test_a_member_with_settings_of_its_own_needs_no_mating_gear_that_can_be_cut(
     assert not gears.solid(name, 0.05).complaints
     assert gears.cad(name).parts[0].name == name
     # that the pair and the other member are refused is asked here, not why
-    monkeypatch.setattr(diagnosis, "MOST_EFFORT", 0.0)
+    monkeypatch.setattr(diagnosis, "MAX_EFFORT", 0.0)
     for refused in (lambda: gm.build(gm.load(GIVEN, [mating])), lambda: gears.pairs, lambda: gears.members[other]):
         with pytest.raises(GearmeshError, match=other):
             refused()

@@ -146,7 +146,7 @@ def _takes(key: Key, value: float) -> bool:
 def refusal(cls: type[Design], keys: dict[str, Any], *, diagnosed: bool = True) -> GearmeshError | None:
     """The refusal of a design; None if it can be built."""
     try:
-        with patch.object(diagnosis, "MOST_EFFORT", diagnosis.MOST_EFFORT if diagnosed else 0.0):
+        with patch.object(diagnosis, "MAX_EFFORT", diagnosis.MAX_EFFORT if diagnosed else 0.0):
             gm.build(cls(**with_keys({}, keys.items())))
     except GearmeshError as error:
         return error

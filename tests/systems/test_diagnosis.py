@@ -56,7 +56,7 @@ def test_the_key_that_the_design_sets_is_named_with_a_true_bound(
     # a little beyond it, where the key is not looked for again; of a drive whose builds take long 3 %
     beyond = bound * (1.005 if side == "at most" else 0.995) if found[2] is None else float(found[2])
     assert abs(beyond / bound - 1.0) < 0.03
-    monkeypatch.setattr(diagnosis, "MOST_EFFORT", 0.0)
+    monkeypatch.setattr(diagnosis, "MAX_EFFORT", 0.0)
     with pytest.raises(GearmeshError):
         gm.build(gm.load(file, [*given, f"{key}={beyond}"]))
 
@@ -128,7 +128,7 @@ def test_one_depth_of_both_sides_is_enough() -> None:
 @pytest.mark.sweep
 def test_what_several_keys_would_mend_names_them(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where there is effort left to look for them."""
-    monkeypatch.setattr(diagnosis, "MOST_EFFORT", 20.0)
+    monkeypatch.setattr(diagnosis, "MAX_EFFORT", 20.0)
     with pytest.raises(
         DesignError, match=r"^pinion.profile_shift = 1: .*, or pinion.cone_angle = 30 deg: allowed is at most 12.82 deg"
     ):
@@ -210,9 +210,9 @@ def test_what_was_put_in_anew_is_tried_first_and_the_search_ends(monkeypatch: py
     assert 48.4 < float(found[1]) < 48.52 < float(found[2]) < 50.0
     gm.load(file, [f"pinion.convex.blade_angle={found[1]}"])
     # no clock decides: the same effort is the same message, and none is the refusal as it was noticed
-    assert spent[0] == diagnosis.MOST_EFFORT
+    assert spent[0] == diagnosis.MAX_EFFORT
     assert 1 < len(spent) < 10
-    monkeypatch.setattr(diagnosis, "MOST_EFFORT", 0.0)
+    monkeypatch.setattr(diagnosis, "MAX_EFFORT", 0.0)
     with pytest.raises(GearmeshError, match=r"^pinion: the fillets of neighbouring teeth overlap"):
         gm.load(file, [f"pinion.convex.blade_angle={found[2]}"])
     with pytest.raises(GearmeshError, match=r"^pinion: the fillets of neighbouring teeth overlap"):

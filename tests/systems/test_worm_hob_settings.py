@@ -216,7 +216,7 @@ def test_a_hob_that_stands_deeper_leaves_more_backlash() -> None:
 )
 def test_hobs_that_cannot_be_are_refused(changes: list[str], message: str, monkeypatch: pytest.MonkeyPatch) -> None:
     # the bound that is tried is another matter
-    monkeypatch.setattr(diagnosis, "MOST_EFFORT", 0.0)
+    monkeypatch.setattr(diagnosis, "MAX_EFFORT", 0.0)
     with pytest.raises(DesignError, match=f"^{message}"):
         gears_of(*changes)
 

@@ -55,7 +55,7 @@ class ShaperCutter(Table):
 
 
 class Hob(Table):
-    """What the hob of a member has beside flank and tip rounding, and what it leaves for the finishing tool."""
+    """Hob of a member: protuberance and chamfer of its profile, and the stock that it leaves for the finishing tool."""
 
     protuberance: Annotated[
         float,

@@ -238,7 +238,7 @@ class ThreadFigures(Figures):
 
 @dataclass(frozen=True)
 class GrindingFigures(Figures):
-    """How a worm grinds a face gear."""
+    """Grinding of a face gear by a worm."""
 
     turns: float = figure("turns of the thread")
     lead_angle: float = figure("lead angle of the worm", "deg", "lambda_w")
