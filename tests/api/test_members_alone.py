@@ -104,7 +104,7 @@ def test_a_gear_is_built_without_looking_for_the_contact_of_its_pinion(monkeypat
 @pytest.mark.parametrize(
     ("name", "mating"), [("pinion", "gear.cutter.edge_radius=3"), ("gear", "pinion.convex.blade_angle=50")]
 )
-def test_a_member_with_settings_of_its_own_needs_no_mating_gear_that_can_be_cut(
+def test_member_with_own_settings_needs_no_feasible_mating_gear(
     name: str, mating: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, of_the_pair: dict[str, Any]
 ) -> None:
     gears = alone(GIVEN, mating)
@@ -132,7 +132,7 @@ def test_a_member_with_settings_of_its_own_needs_no_mating_gear_that_can_be_cut(
     assert flanks(alone(GIVEN, f"{key}={found[2]}").members[other]).shape == of_the_pair[other].shape
 
 
-def test_one_member_of_a_pair_that_is_made_together_has_its_columns_of_the_sheet() -> None:
+def test_one_member_of_a_pair_built_together_has_its_sheet_columns() -> None:
     gears = gm.build(gm.load(SAMPLES / "planetary.toml"))
     whole, own = gears.sheet().tables, gears.sheet(member="planet_1").plain_tables
     for table in whole:

@@ -830,7 +830,7 @@ except KeyboardInterrupt:
 
 
 @pytest.mark.quick
-def test_a_stop_within_code_that_is_a_text_ends_in_the_status_of_a_stop(tmp_path: Path) -> None:
+def test_stop_within_executed_text_gives_the_exit_status_of_a_stop(tmp_path: Path) -> None:
     """As dataclasses are made, in imports: `python -m` would end itself by the signal, after what was said."""
     (tmp_path / "stopped.py").write_text(
         "import signal, sys\n"

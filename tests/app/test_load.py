@@ -272,7 +272,7 @@ def test_there_is_one_transmission_error_without_load(monkeypatch: pytest.Monkey
 
 
 @pytest.mark.sweep
-def test_a_run_of_a_set_has_every_mesh_under_what_is_handed_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_run_of_a_gear_set_loads_every_mesh_with_its_torque(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The planet keeps nothing of the torque: what the sun's mesh leaves on it, to a few per mille of friction-free slope of the
     transmission error, is what it has in the ring's."""
     monkeypatch.setattr("gearmesh.view.opengl.missing_opengl_message", lambda: "no pictures")

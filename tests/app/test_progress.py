@@ -50,7 +50,7 @@ def test_long_answers_say_how_far_they_are(ask: Callable[[gm.Gears], object], le
     assert len(set(told)) > least
 
 
-def test_search_for_the_contact_of_a_bevel_pair_says_how_far_it_is() -> None:
+def test_search_for_bevel_contact_reports_progress() -> None:
     told: list[float] = []
     with listening(told.append):
         # a pair of no other test: what was searched for before is known

@@ -123,7 +123,7 @@ def test_names_of_occurrences_and_colours_of_solids_arrive_in_gmsh(tmp_path: Pat
 
 @needs_build123d
 @pytest.mark.sweep
-def test_build123d_reads_each_solid_with_its_own_colour_and_the_name_of_its_part(tmp_path: Path) -> None:
+def test_build123d_reads_each_solid_with_its_colour_and_part_name(tmp_path: Path) -> None:
     made, file = cubes(), tmp_path / "set.step"
     write_step(made, file, "cubes")
     read = run(BUILD123D, file)

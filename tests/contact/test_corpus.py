@@ -102,7 +102,7 @@ def test_what_the_tool_generates_twice_touches_once(file: Path) -> None:
     assert cycle.peak_to_peak < 1e-3 * ARCSEC
 
 
-def test_a_face_of_many_tooth_heights_is_sampled_as_finely_as_teeth_are_high() -> None:
+def test_sampling_of_a_wide_face_is_as_fine_as_the_tooth_height() -> None:
     pair = wide()
     found = contact_path(solver_pair(pair).parts[0], np.radians([46.726, 47.0]))
     rolled = roll_flanks(pair, found.rotation, 120, found.phi2)
@@ -112,7 +112,7 @@ def test_a_face_of_many_tooth_heights_is_sampled_as_finely_as_teeth_are_high() -
 
 
 @pytest.mark.sweep
-def test_teeth_that_wind_round_their_axis_meet_as_another_pair_a_turn_later() -> None:
+def test_wound_teeth_meet_as_another_pair_a_turn_later() -> None:
     """The same wide pair: its teeth touch again a turn on, seven pitches of the gear from where they belong."""
     pair = wide()
     cycle = mesh_cycle(solver_pair(pair), pair.pitch)
@@ -128,7 +128,7 @@ def test_teeth_that_wind_round_their_axis_meet_as_another_pair_a_turn_later() ->
     assert abs(rolled.drive.phi2 - phi2) < 0.05 * ARCSEC
 
 
-def test_what_is_left_of_a_line_beside_the_crossing_of_two_edges_leads() -> None:
+def test_rest_of_a_line_beside_a_crossing_of_edges_leads() -> None:
     """A helical pair whose gear is undercut: the advance rises 2 arcsec from its form point at the pinion's end to the line."""
     pair = pair_of(load(CORPUS[0].with_name("line_cylindrical_undercut.toml")))
     phi1 = np.array([-0.0875, -0.0873])
@@ -245,7 +245,7 @@ def test_teeth_that_meet_again_a_turn_later_are_another_pair(seed: int) -> None:
     assert abs(apart) < 0.1 * ARCSEC
 
 
-def test_the_pair_that_carried_on_takes_over_and_not_one_that_only_comes_to_carry() -> None:
+def test_takeover_goes_to_the_pair_already_in_contact() -> None:
     """Sun and planet without errors: no phase at which the gears lag behind their line contact."""
     pair = gm.build(load(CORPUS[0].with_name("together_planetary_edge_3021.toml"))).pairs[0]
     cycle = mesh_cycle(solver_pair(pair), pair.pitch)

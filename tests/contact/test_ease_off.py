@@ -75,7 +75,7 @@ def test_a_conjugate_pair_has_none() -> None:
     assert np.nanmax(distance) < 2e-5
 
 
-def test_below_where_it_touches_a_conjugate_flank_is_as_far_beyond_the_tip_as_the_line_of_action_says() -> None:
+def test_clearance_below_contact_matches_line_of_action() -> None:
     """Near its base circle a point seems to touch the flank that goes on past the tip twice; by the second it is 1.3 mm."""
     found = gm.build(gm.load(SAMPLES / "helical.toml")).ease_off().map
     transverse = np.arctan(np.tan(np.radians(20.0)) / np.cos(np.radians(15.0)))
@@ -112,7 +112,7 @@ def test_ease_off_of_worm_drives_is_known_on_half_of_their_field(hob: dict[str, 
     assert -1e-6 < np.nanmin(distance) < 1e-4
 
 
-def test_a_single_thread_touches_its_wheel_along_lines_on_the_coast_side_too() -> None:
+def test_single_thread_touches_its_wheel_along_lines_on_the_coast_side() -> None:
     """The coast flank faces the wheel half a turn before the driving one does: it was taken to be on its next winding on half of
     the face, where the wheel of the worm's own hob has its lines of contact as elsewhere."""
     driving, coast = gm.build(gm.load(SAMPLES / "worm_drive_dual_lead.toml")).contact().sides

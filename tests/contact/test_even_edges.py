@@ -11,7 +11,7 @@ SIZES = {"pinion": {"teeth": 7, "face_width": 22}, "gear": {"teeth": 9, "face_wi
 
 
 @pytest.mark.parametrize(("shift", "middle"), [(0.0, 0.0), (3.0, 2.0)])
-def test_contact_all_along_an_edge_is_told_at_the_middle_of_the_common_face(shift: float, middle: float) -> None:
+def test_contact_along_a_whole_edge_is_reported_at_mid_common_face(shift: float, middle: float) -> None:
     """Undercut ridges and tips of parallel axes touch over the whole face that both have: -11 .. 11 and -10 .. 10 mm, shifted."""
     gears = gm.build(gm.parse({"kind": "cylindrical", "module": 2, **SIZES, "assembly": {"dz": shift}}))
     positions = [position for position in gears.contact().positions() if position.edge]

@@ -446,7 +446,7 @@ def test_fit_is_unknown_where_a_part_of_the_cycle_has_no_contact(capsys: pytest.
     assert "fit: parts of the cycle without contact" in capsys.readouterr().out
 
 
-def test_a_contact_ratio_below_one_is_told_of_where_the_total_one_is() -> None:
+def test_contact_ratio_warning_needs_a_total_ratio_below_one() -> None:
     """A crowned helical pair touches in points, over less than a pitch without load; the total ratio is that of its involutes."""
     member = {"face_width": 20.0, "addendum": 0.4}
     crowned = {"profile_crowning": "8um", "helix_crowning": "30um"}

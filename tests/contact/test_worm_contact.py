@@ -29,7 +29,7 @@ CORPUS = SAMPLES.parent / "tests" / "corpus"
 THROAT, TIP = 25.0, 35.0
 
 
-def test_lines_of_an_identical_hob_lie_on_both_members_and_end_at_edges() -> None:
+def test_contact_lines_of_an_identical_hob_end_at_edges_of_both_members() -> None:
     """Against the wheel's generation: along a line of contact the hob's roll, which the solver does not know, is one."""
     gears = pair_of(load(SAMPLES / "worm_drive.toml"))
     pair = solver_pair(gears).parts[0]
@@ -73,7 +73,7 @@ def test_path_of_line_contact_is_the_middle_of_the_longest_piece() -> None:
         assert np.linalg.norm(runs[lengths.argmax(), 6] - point) < 1e-9
 
 
-def test_corners_of_the_tip_line_touch_where_no_point_about_them_is_ahead() -> None:
+def test_tip_line_corners_touch_if_no_point_around_is_ahead() -> None:
     """Where the throat passes into the outside cylinder. Second route: of a lattice of points of the worm about the contact,
     where the circle through each meets the wheel."""
     gears = pair_of(load(SAMPLES / "worm_drive.toml", ["hob.reference_diameter=66"]))
@@ -121,7 +121,7 @@ def test_lines_end_where_no_point_of_them_is_left(keys: list[str]) -> None:
         assert 5e-4 < outside < 5e-3
 
 
-def test_first_touch_at_the_very_ends_of_a_line_is_on_the_line() -> None:
+def test_first_touch_at_the_ends_of_a_line_is_on_it() -> None:
     """Of the line one point is left, inside the tip line, which touches there; other places of the tip are 9e-8 rad behind. Second
     route: an identical hob has no transmission error."""
     gears = pair_of(load(SAMPLES / "worm_drive_dual_lead.toml"))

@@ -25,7 +25,7 @@ def cylindrical(pinion: int, gear: int, *, addendum: float | None = None, **keys
     return gm.build(gm.parse({"kind": "cylindrical", "module": 2, **members, **keys}))
 
 
-def test_the_contact_ratio_of_an_internal_pair_ends_at_the_root_form_circle() -> None:
+def test_internal_contact_ratio_ends_at_the_root_form_circle() -> None:
     """The formula for tips gives 1.9685, clipped where the line of action touches the pinion's base circle 1.8076. But the hob
     leaves involute only from its own form point on [ISO 21771]: 1.7553."""
     pair, z = cylindrical(18, -54, addendum=1.0).pairs[0], np.array([18.0, 54.0])

@@ -55,9 +55,7 @@ def turned(points: Array, angle: float) -> Array:
 @pytest.mark.parametrize(
     ("name", "tip"), [("pinion", None), ("gear", TipEdge(0.3)), ("gear", TipEdge(0.3, rounded=True))]
 )
-def test_the_end_face_ends_as_far_inside_the_sharp_outline_as_the_chamfer_is_wide(
-    name: str, tip: TipEdge | None
-) -> None:
+def test_end_face_is_inside_the_sharp_outline_by_the_chamfer_width(name: str, tip: TipEdge | None) -> None:
     """Nowhere nearer, so that all corners are cut where they must be: of sharp helical teeth, with tip chamfers that reach the end
     face, and with roundings smaller than the chamfer, which do not."""
     width = 0.5
@@ -72,7 +70,7 @@ def test_the_end_face_ends_as_far_inside_the_sharp_outline_as_the_chamfer_is_wid
 
 
 @pytest.mark.quick
-def test_a_chamfer_wider_than_the_radius_of_an_involute_at_its_base_circle() -> None:
+def test_chamfer_wider_than_the_involute_radius_at_the_base_circle() -> None:
     """The flank's parallel curve turns back there and is cut off where the fillet's crosses it: 17 teeth, and 9, undercut."""
     for teeth, width in ((17, 0.1), (9, 0.15)):
         members = {name: {"teeth": z, "face_width": 8} for name, z in (("pinion", teeth), ("gear", 50))}
@@ -237,7 +235,7 @@ def test_corners_at_a_root_that_touches_neither_fillet() -> None:
 
 @pytest.mark.quick
 @pytest.mark.parametrize(("sample", "name"), [("helical", "pinion"), ("spiral_bevel_geometry2", "gear")])
-def test_room_for_chamfers_is_looked_for_on_samples_that_are_as_good_as_the_surfaces(sample: str, name: str) -> None:
+def test_samples_for_room_of_chamfers_are_as_exact_as_the_surfaces(sample: str, name: str) -> None:
     tooth = chamfered(sample, name, (0.5, 0.3), (0.3, 0.3)).tooth
     for strip, sharp, width in zip(tooth.end_strips, tooth.sharp_outlines, (0.5, 0.3), strict=True):
         assert strip is not None

@@ -80,7 +80,7 @@ def test_flanks_and_fillets_take_few_triangles(sample: str, member: str, most: f
 
 
 @pytest.mark.sweep
-def test_links_just_below_what_is_merged_are_merged_where_the_tooth_has_more_than_enough() -> None:
+def test_links_just_below_the_merging_ratio_are_merged_for_the_tooth() -> None:
     """One fillet has 1.49 times the fewest, its flank three times: all of the tooth had 1.51 with that fillet as it was."""
     assert ratio(tessellate(tooth_of("beveloid_crossed", "gear"), 0.0001)) < 1.45
 

@@ -109,7 +109,7 @@ def test_a_space_is_between_its_teeth_in_the_frame_of_its_gear() -> None:
     assert abs((gear + space).volume() - gear.volume() - space.volume()) < TOLERANCE * area(meshes[1])
 
 
-def test_the_parallel_of_a_screw_involute_is_one_of_the_same_base_cylinder() -> None:
+def test_parallel_of_a_screw_involute_has_the_same_base_cylinder() -> None:
     """Flanks are turned by d / (r_b cos(beta_b)): all vertices of the solid are on the screw involute of the thicker tooth."""
     gears, beta, d = gm.gear(21, module=3.0, helix=18.0), np.radians(18.0), -0.3
     radius = 1.5 * 21 / np.cos(beta)
@@ -140,7 +140,7 @@ def test_the_parallel_of_a_screw_involute_is_one_of_the_same_base_cylinder() -> 
     ],
     ids=["drawn_root", "chamfer", "sharp_form_point", "crowned", "crowned_from_the_base_circle_on"],
 )
-def test_surfaces_that_meet_in_edges_end_in_the_edges_of_the_moved_ones(
+def test_surfaces_meeting_in_edges_end_in_edges_of_moved_surfaces(
     design: Path, settings: list[str], share: float
 ) -> None:
     """Two tilted cutters leave fillets that end 60 deg beside the normal of the root drawn between them; hobs' chamfers meet flank
@@ -183,7 +183,7 @@ def test_the_largest_offset_is_the_least_radius_of_curvature_of_the_fillet() -> 
         assert offset_member(member, bound).tooth.blank.tip != member.tooth.blank.tip
 
 
-def test_at_the_largest_offset_no_place_of_a_fillet_is_turned_inside_out() -> None:
+def test_largest_offset_turns_no_place_of_a_fillet_inside_out() -> None:
     """Of a face gear, whose fillet is bent most between two of the sections on which an offset is proved: at 257."""
     member = member_of("face_gear", "gear")
     with pytest.raises(gm.errors.DesignError, match="fillet right would have a cusp") as refusal:
@@ -198,7 +198,7 @@ def test_at_the_largest_offset_no_place_of_a_fillet_is_turned_inside_out() -> No
 
 @pytest.mark.sweep
 @pytest.mark.parametrize("outer", [540.0, None])
-def test_the_fillet_of_a_sharp_shaper_ends_where_its_corner_is_on_the_axis_of_rolling(outer: float | None) -> None:
+def test_fillet_of_a_sharp_shaper_ends_with_its_corner_on_the_axis(outer: float | None) -> None:
     """At a radius R the axis of rolling is r = R N_s / N_2 from the shaper's, whose corner is c below it: what it leaves turns back
     with the radius c^2 / (r + c), nothing where the corner lies on that axis; outward offsets go as far."""
     keys = ["shaper.tip_radius=0", *([] if outer is None else [f"gear.outer_radius={outer}"])]
@@ -221,7 +221,7 @@ def test_an_offset_leaves_a_land_and_a_body_under_the_teeth(monkeypatch: pytest.
             gm.gear(21, module=3.0, bore=bore).solid("gear", offset="-1.2mm" if bore > 50.0 else "-5mm")
 
 
-def test_the_parallel_of_an_arc_is_an_arc_and_its_corners_are_where_they_meet() -> None:
+def test_parallel_of_an_arc_is_an_arc_and_corners_are_equidistant() -> None:
     arc, a = CircularMeridian((1.0, 20.0), 15.0), np.linspace(-4.0, 5.0, 7)
     for made, exact in zip(ParallelMeridian(arc, 0.5).at(a), CircularMeridian((1.0, 20.0), 14.5).at(a), strict=True):
         assert made == pytest.approx(exact, abs=1e-12)

@@ -63,7 +63,7 @@ def test_the_sample_of_growing_torque_runs() -> None:
     assert rows[1]["pressure_mpa"] > rows[0]["pressure_mpa"] > 0.0
 
 
-def test_borders_need_no_more_edges_than_meshes_have_and_seams_suit_both_sides(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_borders_have_no_extra_edges_and_seams_suit_both_sides(monkeypatch: pytest.MonkeyPatch) -> None:
     """The worm's tip line is bent twice as much over its land as over its flank: a chord of both is one edge."""
     monkeypatch.syspath_prepend(str(ROOT / "scripts"))
     monkeypatch.delitem(sys.modules, "bench", raising=False)

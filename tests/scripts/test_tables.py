@@ -77,7 +77,7 @@ def test_a_kept_table_is_shown_where_a_line_links_to_it(tmp_path: Path, monkeypa
         tables.shown("[Nothing](measured/nothing.csv)")
 
 
-def test_every_kept_table_is_written_by_a_script_and_shown_on_a_page() -> None:
+def test_kept_tables_are_written_by_scripts_and_shown_on_pages() -> None:
     source = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "scripts").glob("*.py"))
     pages = [*(ROOT / "scripts").glob("*.md"), *(ROOT / "gearmesh").rglob("*.md")]
     shown = [name for path in pages for _, name in tables.SHOWN.findall(path.read_text(encoding="utf-8"))]

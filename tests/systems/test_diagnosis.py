@@ -163,7 +163,7 @@ def test_face_gears_of_20_deg_have_teeth(teeth: int, mating: int, shaper: int) -
 
 
 @pytest.mark.sweep
-def test_of_two_things_in_the_way_the_first_is_named_with_what_mends_it() -> None:
+def test_first_of_two_faults_is_named_with_the_key_that_mends_it() -> None:
     """Both members are pointed, and neither the cone angle of the one nor that of the other mends both."""
     keys: dict[str, Any] = {
         "kind": "beveloid",
