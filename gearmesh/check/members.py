@@ -1,13 +1,14 @@
 """Whole members rolled against each other: the teeth that touch first, their regions, and the backlash.
 
 Like the roll test, this check knows only surfaces and positions of the members. It takes one half of every tooth, from
-the middle of the root to the middle of the land: fillet, flank, broken edge and land, on dense grids of exact points
-(`tooth_half`). It turns the gear until the halves of all tooth pairs within reach are free (`touch.first_touch`). The
-other halves are treated in the same way and turn the gear the other way; the backlash lies between the two.
+the middle of the root to the middle of the land (`tooth_half`): fillet, flank, broken edge and land. Each half is a
+dense grid of exact points. The check turns the gear until the halves of all tooth pairs within reach are free
+(`touch.first_touch`). The other halves are treated in the same way and turn the gear the other way; the backlash lies
+between the two.
 
-Tooth pair k does at phi1 what pair 0 does at phi1 - k pitches: its teeth are the teeth of pair 0 turned back by k
-pitches of the pinion and by as many pitches of the gear. On the coast side the pinion's tooth k meets the gear's tooth
-before the tooth of pair k.
+Tooth pair k has at phi1 the contact of pair 0 at phi1 - k pitches. Its teeth are the teeth of pair 0, turned back by k
+pitches of the pinion and of the gear. On the coast side the pinion's tooth k meets the gear's tooth before the tooth of
+pair k.
 
 The gear's own root and land are left out. They are surfaces of revolution, or planes along a rack, so that turning
 (sliding) moves them in themselves, within the eccentricity of an eccentric gear. A pinion's tip deeper than the gear's

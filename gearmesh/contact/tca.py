@@ -1,9 +1,9 @@
 """Tooth contact analysis: contact of two trimmed flanks at given rotations of the pinion, all rotations in one batch.
 
-At a given phi1 the driven gear stands at its first touch: phi2 is the largest (drive +1) or smallest (-1) value at which a point of
-one tooth meets the other tooth. In the interior of both flanks the surfaces are tangent. Otherwise contact is on an edge (tip, toe,
-heel), at the crossing of two edges, or on a fillet. Line contact makes the equations singular; it is recognised by the relative
-curvature.
+At a given phi1 the driven gear stands at its first touch. There phi2 is the largest (drive +1) or smallest (-1) value at which a
+point of one tooth meets the other tooth. In the interior of both flanks the surfaces are tangent. Otherwise contact is on an edge
+(tip, toe, heel), at the crossing of two edges, or on a fillet. Line contact makes the equations singular; it is recognised by the
+relative curvature.
 """
 
 from __future__ import annotations

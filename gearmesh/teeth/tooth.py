@@ -396,6 +396,7 @@ class Tooth:
 
     def _cut_off(self, side: ToothSide, t: Array) -> NDArray[np.bool_]:
         """True (T,) at stations t where the flank is undercut, at the tool's form point or before it."""
+        # undercut at the form point; a flank with loops may also have a cusp before its form point
         cut, odd = self._cut_off_at_form_point(side, t)
         if not self._folds(side):
             return cut
@@ -428,6 +429,7 @@ class Tooth:
         which = Side.RIGHT if side is self.right else Side.LEFT
         if which not in self._senses and 0.5 not in t:
             self._nominal_tip(side, np.array([0.5]))
+        # the area density has the sign of mid face wherever the flank is sound
         stations = self.stations(t)
         nominal = follow(side.flank, np.full_like(stations, side.tip), stations, self.blank.axial)
         density = area_density(nominal.jet)
@@ -558,9 +560,8 @@ class Tooth:
         """Trim both sides at t (T,), with known tips of the flanks."""
         stations = self.stations(t)
         right, left = (self._ends(side, t, tip) for side, tip in zip(Side, tips, strict=True))
-        # angles of threads, which wind round the axis many times, are continued along the face; a land is narrower
-        # than half
-        # a turn (except in the run-out of a single thread), a root narrower than three quarters
+        # polar angles are known but for full turns. Threads wind round the axis many times: continue their angles along the face.
+        # A land is narrower than half a turn, except in the run-out of a single thread, and a root narrower than three quarters
         right = replace(right, tip_angle=self.joint.running(right.tip_angle))
         left = replace(left, root_angle=self.joint.running(left.root_angle))
         width = self._width_of_land(right.tip_angle, left.tip_angle, t)
@@ -967,6 +968,7 @@ class Tooth:
 
     def _swept(self, order: int) -> float:
         """Volume (mm^3) between the links of one tooth and the floor under them."""
+        # Gauss quadrature over each smooth stretch of the face, and over each smooth piece of each link
         nodes, weights = np.polynomial.legendre.leggauss(order)
         nodes, weights = 0.5 * (nodes + 1.0), 0.5 * weights
         total = 0.0
@@ -1056,7 +1058,7 @@ class Tooth:
                 yield points, along_s, self.blank.faces[end] + depth * way, abs(way) * np.sign(heel - toe) * rate
 
     def _generatrices(self, points: Array, along_s: Array, stations: Array) -> tuple[Array, Array]:
-        """Generatrices from the floor to points (S, T, 3) of a section.
+        """Compute the generatrices from the floor to points (S, T, 3) of a section.
 
         Returns their feet (S, T, 3) on the floor, and the area that they sweep per ds, (S, T): length times polar
         angle, of a bar length times y.
@@ -1214,11 +1216,11 @@ class Tooth:
         # two equations, station and tip level, for the flank parameters (p, v)
         solution = newton.solve(at_tip(np.arange(stations.size), np.zeros_like(stations)), start, tolerance=tolerance)
         values, converged = solution.values, solution.converged
-        # the physical root lies between the form point and 1.5 nominal flank lengths from it
+        # the flank meets the tip level several times; the physical root lies within 1.5 nominal flank lengths of the form point
         share = (values[:, 0] - side.form_point[0]) / (side.tip - side.form_point[0])
         odd = np.flatnonzero(~(converged & (share > 0.0) & (share < MAX_TIP_SHARE)))
         if odd.size:
-            # steep flanks throw Newton's method far off, to other roots: start from the first crossing of the tip level
+            # Newton's method runs to other roots on steep flanks: start from the first crossing of the tip level
             first = newton.solve(
                 at_tip(odd, np.zeros(odd.size)), self._near_tip(side, stations[odd]), tolerance=tolerance
             )
@@ -1227,7 +1229,7 @@ class Tooth:
         if not converged.all():
             lost = np.flatnonzero(~converged)
             x = start[lost]
-            # a tip far from the tool's, as of a throat: approach it in steps
+            # a tip far from the tool's nominal tip, as in a throat: approach its level in steps
             for left in TIP_APPROACH_SHARES:
                 solution = newton.solve(at_tip(lost, left * tip.value(near.jet.r[lost])), x, tolerance=tolerance)
                 x = solution.values
@@ -1241,6 +1243,7 @@ class Tooth:
 
         They are start values for flanks that are steep along the face; NaN at stations where there is no crossing.
         """
+        # height over the tip level along the flank at each station; its first change of sign from the form point is the tip
         share = np.linspace(0.0, MAX_TIP_SHARE, TIP_SAMPLES)[:, None]
         p = side.form_point[0] + share * (side.tip - side.form_point[0]) + np.zeros_like(stations)
         curves = follow(side.flank, p, stations, self.blank.axial)
@@ -1259,6 +1262,7 @@ class Tooth:
         p, q = (np.full_like(stations, parameter) for parameter in tip_corner.form_point)
         if not tip_corner.crossed:
             return p, q
+        # the tool's form point lies on one of both surfaces only: solve for their true intersection at each station
         start = [p, along(side.flank, p, stations, axial)[0], q, along(tip_corner.surface, q, stations, axial)[0]]
         solution = intersection((side.flank, tip_corner.surface), np.stack(start, axis=-1), stations, axial)
         if not solution.converged.all():
@@ -1278,6 +1282,7 @@ class Tooth:
 
         Raises TrimError where they overlap.
         """
+        # from -pi to pi first; a negative width is an overlap, or a wide root of a thread, up to three quarters of a turn
         width = self.joint.within(right - before)
         width = np.where(width < 0.0, self.joint.wrap(width), width)
         if (width < -1e-12).any():
@@ -1298,6 +1303,7 @@ class Tooth:
         form_point = along(self.right.flank, np.array([self.right.form_point[0]]), station, self.blank.axial)[1].r
         if not self.joint.radius(at_tip.r)[0] > MIN_FAR_TIP_RATIO * self.joint.radius(form_point)[0]:
             return False
+        # follow the angles of both sides from the form point to the tip: the width must stay positive
         share, angles = np.linspace(0.0, 1.0, WIDTH_SAMPLES), []
         for side, end in ((self.right, tip[0]), (self.left, self._tip(self.left, station, t)[0][0])):
             p = side.form_point[0] + share * (end - side.form_point[0])
@@ -1322,6 +1328,7 @@ class Tooth:
 
         The land of a single thread spans nearly a full turn where the thread runs out.
         """
+        # sample the face finely enough that the width changes by less than half a turn, and count its full turns from mid face
         stretches = pairwise(np.unique([0.0, *self._bends, 0.5, 1.0]))
         way = np.unique(np.concatenate([t, *(np.linspace(*ends, LAND_STATIONS) for ends in stretches)]))
         right, left = (self.joint.angle(self._tip(self.side(side), self.stations(way), way)[1].r) for side in Side)
@@ -1345,6 +1352,7 @@ def _changes(holds: Callable[[Array], NDArray[np.bool_]]) -> Array:
     """Find the stations t inside (0, 1) where a condition begins or ends, ascending, each on the side where it does not
     hold.
     """
+    # samples show the changes; each is then narrowed by division, because the condition has no equation
     t = np.linspace(0.0, 1.0, BREAK_SAMPLES)
     samples = holds(t)
     change = np.flatnonzero(samples[:-1] != samples[1:])

@@ -140,8 +140,8 @@ def line_over_face(pair: Pair, plain: Conditions, x: Array, stations: Array) -> 
 def _over_face(pair: Pair, plain: Conditions, x: Array) -> tuple[Array, NDArray[np.bool_], Array]:
     """Solve for points (M, S, 5) of lines through x (M, 5) at stations over the gear's face.
 
-    Also returns True (M,) for lines that run over the whole face without gaps, for which these points are complete, and places
-    (M, 5) from which to follow the other lines: the deepest point inside both flanks, or x.
+    Also returns True (M,) for complete lines, which run over the whole face without gaps, and places (M, 5) from which to follow
+    the other lines. Such a place is the deepest point of the line inside both flanks, or x.
     """
     stations = np.linspace(*pair.gear.extent, 2 * STEPS_PER_LENGTH + 1)
     states, there, touch = line_over_face(pair, plain, x, stations)

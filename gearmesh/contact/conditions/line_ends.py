@@ -1,8 +1,8 @@
 """Ends of bent contact lines: the rotations at which a line shrinks to a point, where the least margin to the edges is 0.
 
 The margins m of the edges along the line are smooth functions of its arc length s and of phi1. A line that passes over an edge ends
-where it is tangent to the edge: m = 0 and dm/ds = 0. The slopes of these two conditions are differences over a step along the line
-and a step in phi1, with exact points of the line, so that Newton's method solves for (s, phi1) at all places in one batch. A line
+where it is tangent to the edge: m = 0 and dm/ds = 0. Newton's method solves for (s, phi1) at all places in one batch. The
+slopes of the two conditions are differences over a step along the line and a step in phi1, with exact points of the line. A line
 between two edges, or at a corner of a tip line, ends where both margins are 0: a point of one edge reaches the other edge
 (`events.reaches`). The margin of a tip has different slopes on both sides of a corner.
 """

@@ -361,8 +361,9 @@ def _rises_from_corners(
 ) -> NDArray[np.bool_]:
     """Return True (C,) for places at corners of a tip line from which the advance rises along the line, on either side.
 
-    `steps` are two steps on the pinion (C, 2, 3), mm, `turned` the movements of the gear's points (C, 2, 3), mm, and `advance` the
-    rises of the advance (C, 2).
+    - `steps`: two steps on the pinion (C, 2, 3), mm
+    - `turned`: movements of the gear's points (C, 2, 3), mm
+    - `advance`: rises of the advance (C, 2)
     """
     rises = np.zeros(len(edges), dtype=bool)
     for tip, corner in pair.tip_corners:

@@ -112,6 +112,7 @@ class MeshCurve:
         """Arcs of the envelope over one pitch; none if contact breaks off in it."""
         if not self.whole:
             return []
+        # from node to node, follow which pair is the most advanced; a change is solved for between its two nodes
         table, first = self._table()
         carrier = int(table[:, 0].argmax())
         arcs, begin = [], 0.0
@@ -173,6 +174,7 @@ class MeshCurve:
         The envelope bends where its slope jumps, for instance where contact passes to another place on the flanks. Passages from
         an edge to the surfaces, or to another edge, are solved for too.
         """
+        # changes of the pair in contact, nodes, and ends of surface contact
         places, pair, last = [], [], []
         known = self._known_phi1
         for arc in self.arcs:
@@ -184,7 +186,7 @@ class MeshCurve:
             return np.zeros(0), np.zeros(0)
         phi1, number, end = np.concatenate(places), np.concatenate(pair), np.concatenate(last)
         advance, slope = self.of_pair.at(phi1)
-        # a slope that is level at a node does not change its sign there
+        # level places between nodes: roots of the slope; a slope that is level at a node does not change its sign there
         steep = np.minimum(np.abs(slope[:-1]), np.abs(slope[1:])) > LEVEL_SLOPE
         k = np.flatnonzero(~end[:-1] & (slope[:-1] * slope[1:] < 0.0) & steep)
         if k.size:
@@ -227,6 +229,7 @@ class MeshCurve:
 
         summits = []
         for k in inner:
+            # only a node above both neighbours, or below both, has an extreme beside it
             steps = advance[k] - advance[[k - 1, k + 1]]
             if not (steps > 0.0).all() and not (steps < 0.0).all():
                 continue
@@ -280,6 +283,7 @@ class MeshCurve:
         """Compute amplitudes (HARMONIC_COUNT,), rad, by Gauss quadrature between breaks; NaN where contact breaks off."""
         if not self.arcs:
             return np.full(HARMONIC_COUNT, np.nan)
+        # integrate between changes of the kind of contact, where the advance may bend sharply
         nodes, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
         places, own, phases = [], [], []
         for arc in self.arcs:

@@ -29,12 +29,14 @@ MIN_BREAK_RAD = 5e-7
 class Break:
     """Break of the transmission error of the flanks' surfaces [LF04 17.8], which edge contact bridges.
 
-    At phi1 (rad) the surface contact of a pair ends while the pair is ahead of the next pair by `jump` (rad), or begins
-    (`beginning`) while the pair is already ahead. `jump` is NaN where no other pair has surface contact.
+    The surface contact of a pair ends while the pair is ahead of the next pair, or begins while the pair is already ahead.
     """
 
+    #: rotation of the pinion at the break, rad
     phi1: float
+    #: lead of the pair over the other pair, rad, NaN where no other pair has surface contact
     jump: float
+    #: True for the beginning of surface contact, False for its end
     beginning: bool
 
 
@@ -146,8 +148,8 @@ def gears_curve(pair: Pair, pitch: float, engagement: Engagement | None = None) 
 def engagement_range(engagement: Engagement, pitch: float, cycle: Cycle | None = None) -> tuple[float, float]:
     """Return phi1 (rad) between which a pair is ahead of its neighbours or has surface contact.
 
-    For eccentric members the range of members that stay displaced as at phi1 = 0 (with the `cycle`, if known) is shifted by the
-    difference of the ends of surface contact.
+    The range of eccentric members is the range of members that stay displaced as at phi1 = 0, shifted by the difference of the
+    ends of surface contact. The `cycle` of the displaced members is used if it is known.
     """
     curve = MeshCurve(engagement, pitch)
     if displaced_pair(engagement.pair) is engagement.pair:
@@ -205,6 +207,7 @@ def _touching(curve: MeshCurve) -> tuple[float, float]:
 
 def _breaks(curve: MeshCurve, pitch: float) -> tuple[Break, ...]:
     """Return breaks at the ends of surface contact of a pair, where surface contact of its neighbours ends and begins."""
+    # compare this pair with its neighbour where surface contact begins and ends: whoever is ahead there breaks the smooth curve
     begin, end = curve.surface.begin, curve.surface.end
     if not np.isfinite(begin):
         return ()

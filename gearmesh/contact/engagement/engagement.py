@@ -162,11 +162,12 @@ class Engagement:
         return self._at(phi1, checked=False)
 
     def _at(self, phi1: Array, *, checked: bool = True) -> Contacts:
+        # between nodes of one contact: start from a cubic through both nodes
         left = np.clip(np.searchsorted(self.phi1, phi1) - 1, 0, len(self.phi1) - 2)
         inside = (phi1 >= self.phi1[0]) & (phi1 <= self.phi1[-1])
         smooth = inside & self.smooth[left]
         contacts = Contacts.nothing(len(phi1))
-        # between contacts of two kinds follow both
+        # between nodes of two contacts: follow both along their tangents; the more advanced solution is the contact
         both = self.followable[left] & self.followable[left + 1]
         beside_line = inside & (self.contacts.line[left] | self.contacts.line[left + 1]) & self.pair.wound
         if beside_line.any():
@@ -180,6 +181,7 @@ class Engagement:
             place, ends = place[self.followable[ends]], ends[self.followable[ends]]
             start = np.concatenate((self._interpolate(phi1[known], left[known]), self._predict(phi1[place], ends)))
             self._refine(phi1, np.concatenate((known, place)), start, np.concatenate((left[known], ends)), contacts)
+        # find first touch anew where nothing was found, or where a sample of the field is ahead of the solution
         rest = ~contacts.touching
         if checked and two.size:
             seen = tooth_outlook(self.pair, phi1[two]).best
@@ -194,6 +196,7 @@ class Engagement:
 
         A node knows one point of its line, so that half way between the points of two nodes there may be no contact.
         """
+        # start from the line of the nearer node that touches along a line
         part, line = self.pair.parts[0], self.contacts.line
         first, second = left[which], left[which] + 1
         nearer = phi1[which] - self.phi1[first] < self.phi1[second] - phi1[which]
@@ -301,13 +304,14 @@ class Engagement:
 def follow(pair: Pair, phi1: Array) -> Engagement:
     """Solve for a tooth pair at nodes phi1 (K,), rad, ascending.
 
-    Where the advance jumps from one node to the next, the contact of each node is followed to the other node: it may be ahead
-    there although the search of the field missed it.
+    Where the advance jumps between two nodes, the contact of each node is followed to the other node. It may be ahead there
+    although the search of the field missed it.
     """
     step = float(np.diff(phi1).max())
     engagement = Engagement(pair, phi1, *touches(pair, phi1), step=step)
     for _ in range(FOLLOWING_ROUNDS):
         contacts, flanks, k = engagement.contacts, engagement.flanks, np.flatnonzero(engagement.jumps)
+        # solve at both ends of each jump for the contact of the other end; the more advanced contact stays
         node, at = np.concatenate((k, k + 1)), np.concatenate((k + 1, k))
         own = engagement.followable[node] & contacts.touching[node]
         if not own.any():
@@ -424,6 +428,7 @@ def _turning(conditions: Conditions, contacts: Contacts, own: NDArray[np.intp], 
     The velocities of both members along the normal are equal; the normal is the normal of the member that touches with a surface.
     A slope that differs from the `ratio` by rounding is the ratio.
     """
+    # n . v1 = n . v2: the velocity of the contact on either flank is tangential and drops out
     touch, (pinion, gear) = conditions.touch(contacts.x[own], own), conditions.mounts(own)
     of_gear = np.array([number < 0 or NUMBERED_EDGES[number][0] == 0 for number in contacts.edges[own, 0]], dtype=bool)
     one, two = touch.fixed

@@ -113,6 +113,7 @@ def shifted_advance(pair: GearPair, pitches: int, per_pitch: int) -> tuple[Array
     phase = np.arange(per_pitch) / per_pitch
     number = np.arange(pitches)[:, None, None] + away
     place = np.broadcast_to((phase[:, None] - away) * pair.pitch, (pitches, per_pitch, away.size))
+    # te_k(phi1) of the module's head, as advances; the most advanced pair is in contact
     first, second = flanks_ahead(pair, number)
     there = (place + first).ravel()
     inside = (there >= followed.phi1[0]) & (there <= followed.phi1[-1])

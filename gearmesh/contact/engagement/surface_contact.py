@@ -91,6 +91,7 @@ class _Ends:
 
     def whole(self, carries: NDArray[np.bool_]) -> SurfaceContact:
         """Solve for both ends and the overlap; see `surface_contact`."""
+        # the longest run of nodes with surface contact that is in contact somewhere
         c = self.flanks
         inside = np.flatnonzero(_inside(c))
         if not inside.size:
@@ -158,6 +159,7 @@ class _Ends:
             event = reaches(pair, before.repeat(left), edge, start[left])
             at = replace(conditions.repeat(left), phi1=event.phi1)
             touch = at.touch(event.x, np.arange(left.size))
+            # the root counts if the point lies on both flanks, which face each other, between the two nodes
             beyond_edges, past = margins(pair, touch, event.x)
             beyond_edges[np.arange(left.size), edge] = 0.0
             good = event.reached & (beyond_edges <= EDGE_SLACK).all(axis=1) & (past <= EDGE_SLACK)
@@ -175,6 +177,7 @@ class _Ends:
             shrunk = line_ends(self.pair.parts[0], self.phi1[last], self.flanks.x[last], within)
         places: dict[_End, tuple[float, float]] = {}
         for k, end in enumerate(ends):
+            # of several roots the last one in the direction of the end: the line exists up to there
             phi1 = np.array([at for at in shrunk.phi1[shrunk.line == k].tolist() if self._between(at, end)])
             if phi1.size:
                 places[end] = float(phi1[(phi1 * end.step).argmax()]), np.nan
@@ -242,6 +245,7 @@ class _Ends:
         The line ends at the edge along the face, at one end of the face, that it reaches last; None where it reaches no edge.
         Beyond this end the flank meets its edge, and the mating tip meets the flank, once more on the other branch of the involute.
         """
+        # candidates: each edge along the face with each edge up the profile that the line crosses
         pair = self.pair
         plain = Conditions(pair.flanks, self.phi1[[end.last]], pair.length)
         x = middle[None]
@@ -258,6 +262,7 @@ class _Ends:
         good = np.flatnonzero(self._on_flanks(event))
         if not good.size:
             return None
+        # the line exists until it reaches the last of these corners
         last = good[(event.phi1[good] * end.step).argmax()]
         own_end, advance = float(event.phi1[last]), advances_of(pair, event.phi1, event.x, np.arange(len(first)))[last]
         if not self._between(own_end, end) and not self._goes_on(own_end, float(advance), end):
@@ -271,6 +276,7 @@ class _Ends:
         from the extrapolation of the last two places, which is exact for a screw motion. One step would be too long where few
         teeth wind far round their axis.
         """
+        # unknowns of the event (5 and phi1), and its distances from the ends of the face
         pair = self.pair
         begin = np.append(event.x[own], event.phi1[own])
         jets = replace(at, phi1=begin[5:]).touch(begin[None, :5], np.zeros(1, dtype=np.intp)).own
@@ -285,6 +291,7 @@ class _Ends:
         choice = np.stack((np.arange(count), np.full(count, -1)), axis=-1)
         every = at.repeat(np.zeros(count, dtype=np.intp))
         for share in DOUBLING_SHARES if count else ():
+            # the next place on the edge, at a share of the way to the other end
             bounds = tuple(replace(across[k], target=away[far] * (1.0 - share)) for k in far)
             y = begin + (1.0 if share == DOUBLING_SHARES[0] else 2.0) * (y - begin)
             placed = replace(every, phi1=y[:, 5], bounds=bounds, choice=choice)
@@ -327,6 +334,7 @@ class _Ends:
             """Return the least margin (1,), mm, of the line at phi1 (1,)."""
             x = start + np.array([0.0, 0.0, 0.0, 0.0, pair.ratio]) * (phi1 - low)[:, None]
             first, last = pair.pinion.extent
+            # sample the line at stations, then around the station nearest to the flanks
             least_margin = np.inf
             for _ in range(REFINING_ROUNDS):
                 station = np.linspace(first, last, LINE_STATIONS)

@@ -1,10 +1,13 @@
 """Pairs whose coast flanks are the image of the driving flanks: the coast side needs no second solution.
 
-Two exchanges take a pair to itself with its flanks exchanged: a half turn about the line through the middles of a tooth and of the
-mating space (cylindrical gears, also helical), or a mirror through both axes (spur gears, face gears). In the members' frames, a
-pinion tooth turned by a goes to a tooth turned by -a, and a gear tooth turned by b goes to c - b, where c depends on the position
-of the gear. The coast flanks therefore have at a rotation the contact of the driving flanks at the opposite rotation. The surfaces
-decide whether a pair has this symmetry; most assembly errors break it.
+Two motions map a pair onto itself with its flanks exchanged:
+
+- a half turn about the line through the middles of a tooth and of the mating space: cylindrical gears, also helical
+- a mirror through both axes: spur gears, face gears
+
+In the members' frames, the image of a pinion tooth turned by a is a tooth turned by -a. The image of a gear tooth turned by b is a
+tooth turned by c - b, where c depends on the position of the gear. The coast flanks therefore have the contact of the driving
+flanks at the opposite rotation. The surfaces decide whether a pair has this symmetry; most assembly errors break it.
 """
 
 from __future__ import annotations
@@ -98,6 +101,7 @@ def _gear_angle(pair: Pair, exchange: Array) -> float | None:
     mounts = pair.pinion.mount, pair.gear.mount
     if any(m.eccentricity != (0.0, 0.0) or m.base.rotation.ndim != 2 for m in mounts):
         return None
+    # the image of the gear's frame, seen from the gear: it must be a rotation about the gear's axis
     first, second = (mount.base for mount in mounts)
     own = Rigid(np.diag(exchange), np.zeros(3))
     back = second.inverse @ (first @ own @ first.inverse) @ second @ own

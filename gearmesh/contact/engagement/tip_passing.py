@@ -117,6 +117,7 @@ def tip_meetings(pair: Pair, reference: float) -> TipMeetings:
     The gear is ahead of the nominal ratio by the `reference` (rad).
     """
     with np.errstate(all="ignore"):
+        # tips at a few stations decide if tips come near; near tips are compared at all columns, and whole profiles at three
         first, second = map(_tip_lines, pair.flanks, pair.tips)
         columns = np.unique(np.rint(np.linspace(0, len(first[0].points) - 1, FEW_STATIONS)).astype(np.intp))
         few = _Points.of(first, columns)
@@ -174,8 +175,9 @@ def _meetings(pair: Pair, reference: float, first: _Points, second: _Line, *, ti
         fixed = pinion.at(phi1).point(first.points[column])
         return fixed, gear.at(phi2(phi1)).inverse.point(fixed)
 
+    # rotations at which a point of the pinion crosses the surface that the gear's line sweeps
     phi1, column = _crossings(lambda at, columns: second.outside(positions(at, columns)[1]), middle)
-    # rotation of the gear that brings its line to the point, and whether the surfaces face each other there
+    # rotation of the gear that brings its line to the point; it counts on the gear's face, if the surfaces face each other
     fixed, own = positions(phi1, column)
     station, (low, high) = pair.gear.axial.value(own), second.station[[0, -1]]
     turn = joint.within(joint.angle(own) - second.angle(np.clip(station, low, high)))
@@ -224,6 +226,7 @@ def _crossings(outside: Callable[[Array, NDArray[np.intp]], Array], middle: Arra
             low.append(place[j, k + n][crossed])
             high.append(vertex[crossed])
             column.append(j[crossed])
+    # roots between places on different sides, and between a vertex and its neighbours
     of = np.concatenate(column)
     roots = bracketed_root(lambda at, index: outside(at, of[index]), np.concatenate(low), np.concatenate(high))
     converged = np.flatnonzero(roots.converged)

@@ -41,6 +41,7 @@ def train_turns(train: GearTrain, pair: GearPair, rotation: Array, phi2: Array) 
             turns[mesh.gear.name] = leading_turns(mesh, turns[mesh.pinion.name])[1]
         elif mesh.pinion.name not in turns:
             wanted = turns[mesh.gear.name]
+            # invert phi2(phi1) by fixed-point iteration from the nominal ratio
             driving = wanted / mesh.ratio
             for _ in range(INVERSION_ROUNDS):
                 driving = driving + (wanted - leading_turns(mesh, driving)[1]) / mesh.ratio

@@ -48,6 +48,7 @@ class TransmissionAdvance:
 
     def at(self, phi1: Array) -> tuple[Array, Array]:
         """Return advances (N,), rad, at phi1 (N,), NaN without contact, and slopes (N,)."""
+        # by the polynomial of the interval; exactly at nodes; solved where no polynomial is exact enough
         last = len(self.phi1) - 1
         k = np.clip(np.searchsorted(self.phi1, phi1, side="right") - 1, 0, last - 1)
         advance, slope = self._by_polynomial(phi1, k)
@@ -86,6 +87,7 @@ class TransmissionAdvance:
 
     def _by_polynomial(self, phi1: Array, k: NDArray[np.intp]) -> tuple[Array, Array]:
         """Evaluate advances and slopes (N,) by the polynomials of intervals k (N,)."""
+        # Horner's scheme for Newton's form, together with its derivative
         c = self._coefficients[k]
         degree = c.shape[1] - 1
         advance, slope = c[:, degree].copy(), np.zeros(len(phi1))
@@ -153,6 +155,7 @@ def _polynomials(engagement: Engagement) -> tuple[NDArray[np.intp], Array, NDArr
     sure = np.zeros(count, dtype=bool)
     middle = 0.5 * (phi1[1:] + phi1[:-1])
     for m in range(2, NODES_PER_POLYNOMIAL + 1):
+        # divided differences of m double nodes; the first differences of a double node are its slope
         own = np.flatnonzero(smooth & (nodes == m))
         at = np.repeat(left[own, None] + np.arange(m), 2, axis=1)
         z, column = phi1[at], advance[at]
@@ -164,6 +167,7 @@ def _polynomials(engagement: Engagement) -> tuple[NDArray[np.intp], Array, NDArr
             if order == 1:
                 column[:, ::2] = slope[at[:, ::2]]
             coefficients[own, order] = column[:, 0]
+        # the change by the last node, in the middle of the interval, measures the error
         away = middle[own, None] - phi1[at[:, ::2]]
         by_last = coefficients[own, 2 * m - 2] + coefficients[own, 2 * m - 1] * away[:, -1]
         sure[own] = alike[own] | (np.abs(by_last * (away[:, :-1] ** 2).prod(axis=1)) <= MAX_POLYNOMIAL_ERROR_RAD)
@@ -198,6 +202,7 @@ def _with_passages(engagement: Engagement, ends: Sequence[float]) -> Engagement:
 
     Both nodes have the same advance and slope.
     """
+    # ends of surface contact between a node inside the flanks and a node on one edge
     phi1, c = engagement.phi1, engagement.contacts
     every = np.array([end for end in ends if phi1[0] < end < phi1[-1]])
     left = np.searchsorted(phi1, every) - 1
@@ -207,6 +212,7 @@ def _with_passages(engagement: Engagement, ends: Sequence[float]) -> Engagement:
     passes &= ((c.edges[left, 0] < 0) & on_edge[left + 1]) | (on_edge[left] & (c.edges[left + 1, 0] < 0))
     if not passes.any():
         return engagement
+    # solve for both kinds at the passage; they must agree in advance and slope
     node = (left[passes, None] + np.arange(2)).ravel()
     there = np.repeat(every[passes], 2)
     contacts = engagement.as_at(there, node)

@@ -123,6 +123,7 @@ def full_turns(pair: GearPair) -> FullTurns:
             reason=f"the pattern of both eccentricities repeats after {pitches} teeth",
             allowed=f"up to {MAX_PITCHES}; teeth with a common divisor, or one eccentric member alone, need fewer",
         )
+    # advances of the driving flanks and of the coast flanks; their sum is the play
     per_pitch = max(MIN_POSITIONS_PER_PITCH, min(POSITIONS_PER_PITCH, MAX_POSITIONS // pitches))
     both = (pair, reversed_pair(pair))
     first, second = (_concentric_engagement(own) for own in both)
@@ -231,6 +232,7 @@ class _Turns:
         places: NDArray[np.intp],
         turned: float,
     ) -> _Turns:
+        # contacts of the concentric pair are the starts; a place is worth solving if eccentricity can bring it to the front
         contacts = followed.at(places.astype(float) * (gears.pitch / per_pitch))
         own = np.flatnonzero(contacts.touching & (contacts.edges[:, 0] < EDGE_CORNER))
         places, contacts = places[own], contacts.at(own)
@@ -262,12 +264,14 @@ class _Turns:
 
     def greatest(self) -> tuple[Array, NDArray[np.intp]]:
         """Solve for the greatest advance (P,), rad, at every position, -inf without contact, and the number (P,) of the pair."""
+        # every tooth pair at every place worth solving
         contacts = Contacts.nothing(self.pitches * self.worth.size)
         tooth, place = (index.ravel() for index in np.meshgrid(np.arange(self.pitches), self.worth, indexing="ij"))
         position = (tooth * self.per_pitch + self.places[place]) % (self.pitches * self.per_pitch)
         for part in self._chunks(np.arange(contacts.advance.size)):
             self._solve(part, tooth[part], place[part], contacts)
         advance, carrier = self._ahead(contacts, position)
+        # check samples by the global search: if one is ahead, search all positions anew
         known = np.flatnonzero(contacts.touching)
         some = np.random.default_rng(0).choice(known, min(CHECKED_POSITIONS, known.size), replace=False)
         if (
@@ -314,6 +318,7 @@ class _Turns:
         position, source = (np.concatenate(column) for column in zip(*starts, strict=True))
         at = self.contacts.at(source)
         at.x[:, 4] += self.pair.ratio * self.step * (self.places[place[position]] - self.places[source])
+        # the displacement of the gear depends on phi2: fixed-point iteration
         before = at.x[: place.size, 4]
         for _ in range(DISPLACEMENT_ROUNDS):
             now = self._refine(self._displace(tooth, place, before), self._phi1(place), position, at)
@@ -376,6 +381,7 @@ def _wave(rate: float, phi1: Array, te: Array) -> tuple[float, float]:
 
 def _closed_waves(pair: GearPair) -> dict[str, tuple[float, float]]:
     """Compute amplitude and phi1 of the first crest by member, rad, of first order in the eccentricity [CR3553 3.4.7, 3.4.11]."""
+    # a displacement along the normal at the mean point turns the gear by itself over the lever arm of the normal
     centred = concentric_pair(pair)
     path = contact_path(solver_pair(centred), np.zeros(1))
     lever = dot(path.normal[0], pair.gear.mount.velocity(path.point[0]))

@@ -4,8 +4,8 @@ For a rack the circles are straight lines along which it slides; `Joint` defines
 
 Every circle has a radius and a height, (rho, z). The station coordinate a is linear in both, and w is perpendicular to it in the
 axial half plane. A flank is one function theta(a, w) between toe and heel, form point and tip. The table holds exact points on a
-lattice of equal steps between these limits, is continued a little beyond them, and is read by cubic splines: fast enough for every
-point of a mating gear at every position. The table decides where contact is looked for, never the result.
+lattice of equal steps between these limits, and is continued a little beyond them. Cubic splines read it fast enough for every
+point of a mating gear at every position. The table decides where contact is searched, never the result.
 """
 
 from __future__ import annotations
@@ -120,6 +120,7 @@ def heights(surface: Surface, grid: Array, joint: Joint, *, axial: Level, extent
     The columns are the columns of the flank's `grid` (I, J, 2) of surface parameters, between `extent` of the station coordinate
     `axial`. Places without a point of the surface are filled from their neighbours.
     """
+    # limits of the flank in w by station: form point and tip
     across, up = station_normal(axial)
     zero = float(axial.value(np.zeros(3)))
     r = surface.jet(grid[..., 0], grid[..., 1]).r
@@ -140,6 +141,7 @@ def heights(surface: Surface, grid: Array, joint: Joint, *, axial: Level, extent
         along = np.linspace(-1.0, 1.0, count)
         rows = np.polyfit(along, first, ROW_DEGREE), np.polyfit(along, span, ROW_DEGREE)
         first, span = (np.polyval(row, along) for row in rows)
+    # solve a = station, w = row for the surface parameters, from starts interpolated on the flank's grid
     wanted = first + np.linspace(0.0, 1.0, LATTICE_ROWS)[:, None] * span
     start = np.empty((LATTICE_ROWS, count, 2))
     for j in range(count):
@@ -147,6 +149,7 @@ def heights(surface: Surface, grid: Array, joint: Joint, *, axial: Level, extent
             start[:, j, k] = np.interp(wanted[:, j], w[:, j], grid[:, j, k])
 
     def residual(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
+        """Return the errors of a and w, mm, and their derivatives by the surface parameters."""
         jet = surface.jet(x[:, 0], x[:, 1])
         radius, outward = joint.radius(jet.r), joint.outward(jet.r)
         a, b = across * radius + up * jet.r[:, 2] + zero, sign * (up * radius - across * jet.r[:, 2])

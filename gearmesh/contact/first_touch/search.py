@@ -66,6 +66,7 @@ def _climb(
     pair: Pair, conditions: Conditions, position: NDArray[np.intp], x: Array, advance: Array
 ) -> tuple[Array, Array]:
     """Follow places x (M, 5) with advances (M,), rad, upwards over points on both flanks while the advances rise."""
+    # steps in eight directions over the pinion's parameters
     steps = FIRST_STEP * np.ptp(pair.pinion.grid.reshape(-1, 2), axis=0)
     size, climbs = np.ones(len(position)), np.zeros(len(position), dtype=np.intp)
     ways = np.array([(a, b) for a in (-1.0, 0.0, 1.0) for b in (-1.0, 0.0, 1.0) if (a, b) != (0.0, 0.0)])

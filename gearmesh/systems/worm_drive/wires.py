@@ -1,8 +1,8 @@
 """The worm over wires: three wires between parallel anvils, each in a space along the threads.
 
 A free wire turns until it has no moment about the radius through the middle of the space. The normals of both points of
-contact then intersect on the wire's axis at this radius. The wire touches at the points of a ball with its diameter,
-and M = 2 x + D for both, with the ball's centre at the radius x in the middle of the space. The flank's parallel
+contact then intersect on the wire's axis at this radius. The wire touches at the same points as a ball of its
+diameter. For both M = 2 x + D, with the ball's centre at the radius x in the middle of the space. The flank's parallel
 surface at D / 2 is the helicoid that the curve c + n D / 2 sweeps.
 """
 

@@ -1,9 +1,10 @@
 r"""Tips that are turned to a surface of revolution other than the tooth's own: cones and throats.
 
     tip_cone_angle            rho = d_a / 2 + z tan(angle)
-    tip_throat_radius R       arc in the axial plane through d_a / 2 at mid face, centre at R + d_a / 2: higher at both ends
+    tip_throat_radius R       arc in the axial plane through d_a / 2 at mid face, centre at R + d_a / 2
 
-z = 0 is at mid face. The tips of internal gears extend towards the axis; the centre of the arc is then at d_a / 2 - R.
+z = 0 is at mid face. A throat is higher at both ends of the face. The tips of internal gears extend towards the axis;
+the centre of the arc is then at d_a / 2 - R.
 """
 
 from __future__ import annotations

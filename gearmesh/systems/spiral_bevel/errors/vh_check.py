@@ -2,8 +2,12 @@
 
 The centre of contact is the point at which the gears turn at the ratio of their teeth, the vertex of the transmission
 error. Its six conditions (`common.pattern.meshing_place`) have six unknowns, solved by Newton with exact derivatives.
-Two displacements are unknowns: V of the pinion across both axes (assembly.dV), H of the pinion along its axis (dA), J
-of the gear along its axis (dG), or alpha of the shaft angle (d_delta). The others keep the values of the design.
+Two of four displacements are unknowns; the others keep the values of the design:
+
+- V of the pinion across both axes (assembly.dV)
+- H of the pinion along its axis (dA)
+- J of the gear along its axis (dG)
+- alpha of the shaft angle (d_delta)
 
 These conditions are local. The first touch of the displaced teeth, over both whole flanks, decides whether the contact
 exists: it must be at this point. If the gear runs ahead at the change of teeth, as in [AB], neighbouring teeth touch
