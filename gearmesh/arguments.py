@@ -21,8 +21,8 @@ from typing import Any, TypeVar
 
 from gearmesh.errors import ArgumentError
 
-F = TypeVar("F", bound=Callable[..., Any])
-C = TypeVar("C", bound=type)
+FunctionT = TypeVar("FunctionT", bound=Callable[..., Any])
+ClassT = TypeVar("ClassT", bound=type)
 
 #: characters of a refused value in messages
 MAX_SHOWN_CHARACTERS = 60
@@ -34,15 +34,15 @@ ARGUMENT_UNITS = {"phi1": "deg", "torque": "Nm"}
 _NAME_ATTRIBUTE = "_stands_for"
 
 
-def checks_arguments(function: F) -> F:
+def checks_arguments(function: FunctionT) -> FunctionT:
     """Decorate a function: it raises ArgumentError for an argument of another type than its annotation."""
     return checks_arguments_with()(function)
 
 
-def checks_arguments_with(**remedies: str) -> Callable[[F], F]:
+def checks_arguments_with(**remedies: str) -> Callable[[FunctionT], FunctionT]:
     """Return the decorator `checks_arguments` with remedies, by names of arguments, for its messages."""
 
-    def decorate(function: F) -> F:
+    def decorate(function: FunctionT) -> FunctionT:
         @functools.wraps(function)
         def call(*arguments: Any, **named: Any) -> Any:
             positional, hints = _signature(function)
@@ -51,12 +51,12 @@ def checks_arguments_with(**remedies: str) -> Callable[[F], F]:
                     _refuse(name, hints[name], value, remedies.get(name, ""))
             return function(*arguments, **named)
 
-        return typing.cast(F, call)
+        return typing.cast(FunctionT, call)
 
     return decorate
 
 
-def checks_methods(owner: C) -> C:
+def checks_methods(owner: ClassT) -> ClassT:
     """Decorate a class: its public methods check their arguments."""
     for name, method in list(vars(owner).items()):
         if inspect.isfunction(method) and (name == "__init__" or not name.startswith("_")):

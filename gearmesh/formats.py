@@ -1,6 +1,7 @@
 """Table of all file formats: what a file holds, which commands write and read it, what must be installed besides.
 
-A suffix stands here alone; `gearmesh formats` prints the table. To add a format, add its suffix and its row, and write its module.
+Suffixes are written only here; `gearmesh formats` prints the table.
+To add a format, add its suffix and its row, and write its module.
 """
 
 from __future__ import annotations
@@ -61,7 +62,7 @@ REXS_SUFFIXES = (REXS_XML_SUFFIX, REXS_JSON_SUFFIX, REXS_ZIP_SUFFIX)
 
 @dataclass(frozen=True)
 class FileFormat:
-    """What files of some suffixes hold; a suffix that holds several things has several rows."""
+    """Format of the files of some suffixes; a suffix with several kinds of contents has several rows."""
 
     #: suffixes, the usual one first
     suffixes: tuple[str, ...]
@@ -77,7 +78,7 @@ class FileFormat:
 
 _MESH_WRITERS = ("solid", "gear")
 #: contents of mesh files, by suffix
-_MESHES = {
+_MESH_CONTENTS = {
     GLB_SUFFIX: "binary glTF, metres, float32, a coloured primitive for each region",
     OBJ_SUFFIX: "Wavefront OBJ, mm, text with seven decimals, a group for each region",
     PLY_SUFFIX: "binary PLY, mm, float64, faces by region",
@@ -110,7 +111,7 @@ FILE_FORMATS = (
     FileFormat((CSV_SUFFIX,), "positions and axes of a cutter, mm", ("toolpath",)),
     FileFormat((CSV_SUFFIX,), "names of the faces of a CAD solid", ("solid",)),
     FileFormat((PARQUET_SUFFIX,), "one row for each assembly or design", ("study",), (), "study"),
-    *(FileFormat((suffix,), f"solid: {holds}", _MESH_WRITERS) for suffix, holds in _MESHES.items()),
+    *(FileFormat((suffix,), f"solid: {holds}", _MESH_WRITERS) for suffix, holds in _MESH_CONTENTS.items()),
     FileFormat(STEP_SUFFIXES, "CAD solids, mm, faces and solids with names", _MESH_WRITERS, (), "step"),
     FileFormat((DXF_SUFFIX,), "section as arcs and splines, mm", _MESH_WRITERS, (), "cad"),
     FileFormat((SVG_SUFFIX,), "section as curves, mm", _MESH_WRITERS),
@@ -143,5 +144,5 @@ def format_row(entry: FileFormat) -> tuple[str, str, str, str, str]:
 
 
 def mesh_contents(suffix: str) -> str:
-    """Return what a mesh file of a suffix holds."""
-    return _MESHES[suffix]
+    """Return the contents of a mesh file of a suffix, as text."""
+    return _MESH_CONTENTS[suffix]

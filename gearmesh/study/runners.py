@@ -14,8 +14,8 @@ from typing import Any, TypeVar
 from gearmesh.errors import ArgumentError, OutputArgumentError, OutputError
 from gearmesh.files.reading import is_file
 
-T = TypeVar("T")
-Work = Callable[[list[Any]], T]
+ItemT = TypeVar("ItemT")
+Work = Callable[[list[Any]], ItemT]
 #: the number of a chunk, and its rows
 Chunk = tuple[int, list[Any]]
 
@@ -29,13 +29,13 @@ TLS_OPTIONS = {"ca_file": "tls_ca_file", "client_cert": "tls_client_cert", "clie
 SCHEDULER_TIMEOUT_S = 10
 
 
-def in_process(work: Work[T], chunks: Iterable[Chunk]) -> Iterator[tuple[int, T]]:
+def in_process(work: Work[ItemT], chunks: Iterable[Chunk]) -> Iterator[tuple[int, ItemT]]:
     """Yield the results of chunks, one after the other, in this process."""
     for number, rows in chunks:
         yield number, work(rows)
 
 
-def on_processes(work: Work[T], chunks: Iterable[Chunk], workers: int) -> Iterator[tuple[int, T]]:
+def on_processes(work: Work[ItemT], chunks: Iterable[Chunk], workers: int) -> Iterator[tuple[int, ItemT]]:
     """Yield the results of chunks from `workers` processes of this machine, in the order in which they finish.
 
     The processes end with this process, however it ends. They end at once if the caller stops to read results. Raises
@@ -45,7 +45,7 @@ def on_processes(work: Work[T], chunks: Iterable[Chunk], workers: int) -> Iterat
     from concurrent.futures.process import BrokenProcessPool
     from multiprocessing import active_children, get_context
 
-    waiting: dict[Future[T], int] = {}
+    waiting: dict[Future[ItemT], int] = {}
     left = iter(chunks)
     spawned, earlier_processes = get_context("spawn"), active_children()
     with _one_thread_each(), ProcessPoolExecutor(workers, mp_context=spawned, initializer=_end_with_parent) as pool:
@@ -145,7 +145,7 @@ class Scheduler:
         return distributed.Security(require_encryption=True, **files)
 
 
-def on_dask(work: Work[T], chunks: Iterable[Chunk], scheduler: Scheduler) -> Iterator[tuple[int, T]]:
+def on_dask(work: Work[ItemT], chunks: Iterable[Chunk], scheduler: Scheduler) -> Iterator[tuple[int, ItemT]]:
     """Yield the results of chunks from a Dask scheduler, in the order in which they finish.
 
     Chunks of a worker that dies go to another worker. Raises OutputError if Dask is not installed, no scheduler
@@ -190,7 +190,7 @@ def on_dask(work: Work[T], chunks: Iterable[Chunk], scheduler: Scheduler) -> Ite
             more()
 
 
-def _apply(work: Work[T], rows: list[Any]) -> T:
+def _apply(work: Work[ItemT], rows: list[Any]) -> ItemT:
     return work(rows)
 
 
