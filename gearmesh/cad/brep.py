@@ -310,8 +310,10 @@ class _Run:
         across = {link: self._planned_across(link) for link in self.run.links}
         for turn in range(MAX_ROUNDS):
             patches, misses = self._measure(across, along)
-            largest = {link: max(miss.largest for miss in own) for link, own in misses.items()}
-            worst = {link: np.max([miss.across for miss in own], axis=0) for link, own in misses.items()}
+            largest = {link: max(miss.largest for miss in link_misses) for link, link_misses in misses.items()}
+            worst = {
+                link: np.max([miss.across for miss in link_misses], axis=0) for link, link_misses in misses.items()
+            }
             worst_along = [np.max([misses[link][g].along for link in across], axis=0) for g in range(len(along))]
             excess = max(float(miss_across.max()) for miss_across in (*worst.values(), *worst_along))
             met = max(largest.values()) <= self.tolerance

@@ -136,7 +136,7 @@ def _teeth(member: Member, z: float, tolerance: float) -> tuple[_Bound, float]:
     kinds, missed = zip(*(_one_tooth(tooth, z, tolerance, _of_gear) for tooth in member.different_teeth), strict=True)
     # different teeth have the same ends: each begins where any other tooth ends one pitch before
     last = kinds[0][-1].turn(-pitch)
-    moved = max(_join(one, last) for one in kinds)
+    moved = max(_join(kind_curves, last) for kind_curves in kinds)
     turned = [curve.turn(k * pitch) for k, kind in enumerate(member.order.tolist()) for curve in kinds[kind]]
     return (TEETH_CONTOUR, tuple(turned)), max(missed) + moved
 
@@ -144,14 +144,14 @@ def _teeth(member: Member, z: float, tolerance: float) -> tuple[_Bound, float]:
 def _bar(member: Member, z: float, tolerance: float) -> tuple[tuple[PlaneCurve, ...], float]:
     """Return the contour of a rack, its teeth and the bar under them, and the deviation (mm) of its splines."""
     tooth = member.tooth
-    one, deviation = _one_tooth(tooth, z, tolerance, _of_rack)
+    tooth_curves, deviation = _one_tooth(tooth, z, tolerance, _of_rack)
     pitch = np.asarray(tooth.joint.to(tooth.pitch_angle).translation)[:2]
-    moved = _join(one, one[-1].move(-pitch))
+    moved = _join(tooth_curves, tooth_curves[-1].move(-pitch))
     places = tooth.joint.places(tooth.teeth)
-    row = [curve.move(place * pitch) for place in places.tolist() for curve in one]
+    row = [curve.move(place * pitch) for place in places.tolist() for curve in tooth_curves]
     # from the middle of the root before the first tooth to the middle of the root after the last tooth
-    root = float(one[0].start[0])
-    rooted = abs(one[0].end[0] - root) < MIN_LINK_WIDTH_MM
+    root = float(tooth_curves[0].start[0])
+    rooted = abs(tooth_curves[0].end[0] - root) < MIN_LINK_WIDTH_MM
     middle = np.array([root, float(tooth.root_middle(np.array(z)))])
     ends = [middle + (places[0] + k * tooth.teeth) * pitch for k in (0, 1)]
     first, last = (end + np.array([0.0, sign * member.overhang]) for end, sign in zip(ends, (-1.0, 1.0), strict=True))
@@ -172,20 +172,20 @@ def _one_tooth(tooth: Tooth, z: float, tolerance: float, drawn: _Drawn) -> tuple
         if strip is not None and (station - edge) * (face - edge) > 0.0:
             return _in_chamfer(strip, strip.tau(max((station - face) / (edge - face), 0.0)), tolerance)
     sections = tooth.sections([min(max((station - toe) / (heel - toe), 0.0), 1.0)])
-    one, deviation = list[PlaneCurve](), 0.0
+    curves, deviation = list[PlaneCurve](), 0.0
     for piece in [piece for region in tooth.regions for piece in Piece.of(tooth, region)]:
         ends = piece.grid(tooth, np.array([0.0, 1.0]), sections).points[:, 0, :2]
         if np.linalg.norm(ends[1] - ends[0]) <= MIN_LINK_WIDTH_MM:
             continue
         curve, miss = drawn(tooth, piece, sections, tolerance)
-        one.append(curve)
+        curves.append(curve)
         deviation = max(deviation, miss)
-    return one, deviation
+    return curves, deviation
 
 
 def _in_chamfer(strip: EndStrip, tau: float, tolerance: float) -> tuple[list[PlaneCurve], float]:
     """Return the curves of one tooth at tau of the chamfer of an end face, and their deviation (mm)."""
-    one, deviation = list[PlaneCurve](), 0.0
+    curves, deviation = list[PlaneCurve](), 0.0
     for piece in strip.pieces:
 
         def exact(sigma: Array, piece: StripPiece = piece) -> Array:
@@ -197,9 +197,9 @@ def _in_chamfer(strip: EndStrip, tau: float, tolerance: float) -> tuple[list[Pla
         ):
             continue
         curve, miss = section_spline(exact, f"chamfer along the {piece.region}", tolerance)
-        one.append(curve)
+        curves.append(curve)
         deviation = max(deviation, miss)
-    return one, deviation
+    return curves, deviation
 
 
 def _join(curves: list[PlaneCurve], last: PlaneCurve) -> float:

@@ -85,8 +85,8 @@ class Trace:
             at[0], at[-1] = spans[0], spans[-1]
             drawn = SplineCurve.through(at, _cylindrical(curve(at), angle), SPLINE_DEGREE, refined)
             polar, rho, z = np.moveaxis(drawn(places), -1, 0)
-            there = np.stack((rho * np.cos(angle + polar), rho * np.sin(angle + polar), z), axis=-1)
-            was, miss = miss, TOLERANCE_MARGIN * float(np.linalg.norm(there - wanted, axis=-1).max())
+            drawn_points = np.stack((rho * np.cos(angle + polar), rho * np.sin(angle + polar), z), axis=-1)
+            was, miss = miss, TOLERANCE_MARGIN * float(np.linalg.norm(drawn_points - wanted, axis=-1).max())
             if trace is None or miss < was:
                 trace = Trace(refined, drawn.control, miss)
             if miss <= TRACE_TOLERANCE_MM:

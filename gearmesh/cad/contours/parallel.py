@@ -67,11 +67,13 @@ class ParallelCurve:
     shifts: tuple[tuple[float, float], tuple[float, float]] = ((0.0, 0.0), (0.0, 0.0))
 
     def at(self, s: Array) -> Array:
-        own = self.first + s * (self.last - self.first)
-        slope = self.spline.slope(own)
+        parameters = self.first + s * (self.last - self.first)
+        slope = self.spline.slope(parameters)
         right = np.stack((slope[:, 1], -slope[:, 0]), axis=-1) / np.linalg.norm(slope, axis=-1, keepdims=True)
         near, far = (np.array(way) for way in self.shifts)
-        return np.asarray(self.spline.at(own) + self.right * right + (1.0 - s)[:, None] * near + s[:, None] * far)
+        return np.asarray(
+            self.spline.at(parameters) + self.right * right + (1.0 - s)[:, None] * near + s[:, None] * far
+        )
 
     def slope(self, s: Array) -> Array:
         return self.spline.slope(self.first + s * (self.last - self.first))
@@ -176,16 +178,16 @@ class _ParallelStretch:
     @property
     def ends(self) -> tuple[Array, Array]:
         """Points (2,) of the beginning and the end, mm."""
-        own = self.curve.at(np.array([self.first, self.last]))
-        return (own[0] if self.start is None else self.start), (own[1] if self.end is None else self.end)
+        points = self.curve.at(np.array([self.first, self.last]))
+        return (points[0] if self.start is None else self.start), (points[1] if self.end is None else self.end)
 
     def between(self, start: Array, end: Array) -> tuple[Smooth, float]:
         """Return the curve between these ends, and the distance (mm) by which its ends were moved across its direction."""
         curve = self.curve
         if isinstance(curve, ParallelCurve):
             first, last = (_nearest(curve, s, to) for s, to in ((self.first, start), (self.last, end)))
-            own = curve.at(np.array([first, last]))
-            (a, b), (c, d) = start - own[0], end - own[1]
+            points = curve.at(np.array([first, last]))
+            (a, b), (c, d) = start - points[0], end - points[1]
             trimmed = ParallelCurve(
                 curve.spline, curve.right, first, last, ((float(a), float(b)), (float(c), float(d)))
             )
@@ -262,7 +264,7 @@ def _stretches(
 
 
 def _crossings(start: Array, end: Array) -> tuple[Array, Array, Array, Array]:
-    """Numbers of the chords that cross, of a closed path, and the shares of both at which they do, all (K,)."""
+    """Return numbers (K,) of the crossing chords of a closed path, and the places (K,) of the crossings as shares of both."""
     from scipy.spatial import cKDTree
 
     along = end - start
@@ -323,16 +325,16 @@ def _is_path(loop: list[_ParallelStretch], contour: cKDTree, distance: float) ->
 
 def _path(loop: list[_ParallelStretch], kind: Curves, tolerance: float) -> tuple[tuple[PlaneCurve, ...], float]:
     """Return a path as curves of a kind, which meet, and its deviation (mm)."""
-    own = [piece.ends for piece in loop]
+    piece_ends = [piece.ends for piece in loop]
     # parallels of splines may move: to the ends of neighbouring arcs and lines, and half-way to a neighbouring parallel of a spline
     free = [isinstance(piece.curve, ParallelCurve) for piece in loop]
     joints = []
     for k in range(len(loop)):
-        before, here = own[k - 1][1], own[k][0]
+        before, here = piece_ends[k - 1][1], piece_ends[k][0]
         joints.append(0.5 * (before + here) if free[k - 1] and free[k] else before if free[k] else here)
     curves, largest = list[PlaneCurve](), 0.0
     for k, piece in enumerate(loop):
-        ends = (joints[k], joints[(k + 1) % len(loop)]) if free[k] else own[k]
+        ends = (joints[k], joints[(k + 1) % len(loop)]) if free[k] else piece_ends[k]
         curve, shift = piece.between(*ends)
         pieces, miss = redraw(curve, kind, tolerance)
         curves += pieces

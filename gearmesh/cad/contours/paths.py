@@ -68,7 +68,7 @@ def drawn_section(section: MemberSection, kind: Curves, offset: float, tolerance
     full = [contour for contour, (room, _) in zip(section.contours, paths, strict=True) if not room]
     if full:
         _refuse(section, full, offset, offset)
-    contours = tuple(contour for some, _ in paths for contour in some)
+    contours = tuple(contour for drawn, _ in paths for contour in drawn)
     largest = max(miss for _, miss in paths)
     cut = replace(section, contours=contours, deviation=section.deviation + largest)
     return DrawnSection(cut, offset, _stock(section, cut, abs(offset)))
@@ -76,7 +76,7 @@ def drawn_section(section: MemberSection, kind: Curves, offset: float, tolerance
 
 def _redraw_contour(contour: Contour, kind: Curves, tolerance: float) -> tuple[Contour, float]:
     pieces = [redraw(curve, kind, tolerance) for curve in contour.curves]
-    curves = tuple(curve for some, _ in pieces for curve in some)
+    curves = tuple(curve for redrawn, _ in pieces for curve in redrawn)
     return replace(contour, curves=curves), max(miss for _, miss in pieces)
 
 
@@ -134,9 +134,9 @@ def _refuse_thin(section: MemberSection, offset: float) -> None:
         return
     apart = 0.1 * min(abs(offset), 0.01 * max(float(_extent(contour).max()) for contour in section.contours))
     points = [points_along(contour.curves, apart) for contour in section.contours]
-    for k, one in enumerate(points):
+    for k, contour_points in enumerate(points):
         for j in range(k):
-            thick = float(cKDTree(one).query(points[j])[0].min())
+            thick = float(cKDTree(contour_points).query(points[j])[0].min())
             if thick <= 2.0 * abs(offset):
                 names = [section.contours[i].name for i in (j, k)]
                 raise ArgumentError(

@@ -67,11 +67,11 @@ def strip_row(
     patches, (corners, below) = teeth.strips[end], under
     count, links = len(patches), len(teeth.links)
     numbers = range(len(places) * count) if span is None else range(span.start, span.stop + 1)
-    own = numbers if span is None else span
+    face_numbers = numbers if span is None else span
     region = end_edges(teeth.tooth.blank.axial)[end]
-    every = _outline_vertices(patches, [rigid for _, rigid in places])
+    vertices = _outline_vertices(patches, [rigid for _, rigid in places])
     # edges between section and outline where patches begin
-    inner, outer, lines = dict[int, Any](), {n: every[n] for n in numbers}, dict[int, Any]()
+    inner, outer, lines = dict[int, Any](), {n: vertices[n] for n in numbers}, dict[int, Any]()
     for n in numbers:
         k, j = divmod(n, count)
         inner[n] = corners[(k * links + patches[j].column) % len(corners)]
@@ -80,7 +80,7 @@ def strip_row(
         lines[n] = edge(curve, *ends, 0.0, 1.0)
     # faces with their edges along the chain; a side that is a point gets an edge without length
     faces, edges = list[NamedFace](), list[Any]()
-    for n in own:
+    for n in face_numbers:
         k, j = divmod(n, count)
         patch, after, move = patches[j], numbers[(n - numbers.start + 1) % len(numbers)], places[k][0]
         last = float(patch.s_knots[-1])

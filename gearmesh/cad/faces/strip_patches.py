@@ -52,13 +52,13 @@ def _patches(teeth: SplineTooth, strip: EndStrip, end: int, tolerance: float) ->
     numbers: dict[Piece | None, int] = {link: k for k, link in enumerate(teeth.links)}
     fits = [_PieceFit.of(teeth, strip, piece, end, tolerance) for piece in strip.pieces]
     lines = _lines(fits)
-    for one in fits:
-        number = numbers.get(one.link)
+    for fit in fits:
+        number = numbers.get(fit.link)
         column = column if number is None else number
-        if number is None and one.is_point:
+        if number is None and fit.is_point:
             continue
-        net, knots, miss = one.fit(lines)
-        patches.append(StripPatch(net, knots, lines, end, number, column, one.piece.point is not None, miss))
+        net, knots, miss = fit.fit(lines)
+        patches.append(StripPatch(net, knots, lines, end, number, column, fit.piece.point is not None, miss))
         column += number is not None
     return tuple(patches)
 
@@ -174,7 +174,7 @@ def _lines(fits: list[_PieceFit]) -> Array:
         return _PieceFit._clamped_knots(np.array([0.0, 1.0]), 1)
     spans, tolerance = 1, fits[0].tolerance
     lines = _PieceFit._clamped_knots(np.linspace(0.0, 1.0, spans + 1))
-    while spans < MAX_SPANS and max(one.across(lines) for one in fits) > 0.5 * TOLERANCE_SHARE * tolerance:
+    while spans < MAX_SPANS and max(fit.across(lines) for fit in fits) > 0.5 * TOLERANCE_SHARE * tolerance:
         spans *= 2
         lines = _PieceFit._clamped_knots(np.linspace(0.0, 1.0, spans + 1))
     return lines

@@ -136,11 +136,11 @@ class MeshCurve:
         pairs = np.array([[arc.pair for arc in arcs[:-1]], [arc.pair for arc in arcs[1:]]])
         if not phase.size:
             return phase
-        own, slope = (
+        advances, slope = (
             pair_values.reshape(2, -1) for pair_values in self.of_pair.exactly((phase + pairs * self.pitch).ravel())
         )
         # one Newton step from the root of the interpolated curves; a larger step means curves that touch
-        step, parting = own[0] - own[1], slope[1] - slope[0]
+        step, parting = advances[0] - advances[1], slope[1] - slope[0]
         good = (np.abs(parting) > LEVEL_SLOPE) & (np.abs(step) < MAX_ROOT_CORRECTION_RAD * np.abs(parting))
         phase[good] += step[good] / parting[good]
         phi1: Array = phase + pairs[1] * self.pitch
@@ -158,8 +158,10 @@ class MeshCurve:
 
         def behind(phase: Array) -> tuple[Array, Array]:
             """Return the lead (N,) of the pair in contact, and its slope; a pair that does not touch is behind."""
-            own, slope = self.of_pair.at(np.concatenate((phase + carrier * self.pitch, phase + ahead * self.pitch)))
-            (first, second), parting = own.reshape(2, -1), -np.diff(slope.reshape(2, -1), axis=0)[0]
+            advances, slope = self.of_pair.at(
+                np.concatenate((phase + carrier * self.pitch, phase + ahead * self.pitch))
+            )
+            (first, second), parting = advances.reshape(2, -1), -np.diff(slope.reshape(2, -1), axis=0)[0]
             apart = np.where(np.isnan(first), -1.0, np.where(np.isnan(second), 1.0, first - second))
             # equal to rounding: the pair that carries counts as ahead
             together = (np.abs(apart) < SHARED_CONTACT_RAD) & ~(np.abs(parting) > LEVEL_SLOPE)
@@ -194,14 +196,14 @@ class MeshCurve:
             known_there = dict[float, float]()
 
             def slope_at(at: Array, _: NDArray[np.intp]) -> Array:
-                own, slopes = self.of_pair.at(at)
-                known_there.update(zip(at.tolist(), own.tolist(), strict=True))
+                advances, slopes = self.of_pair.at(at)
+                known_there.update(zip(at.tolist(), advances.tolist(), strict=True))
                 return slopes
 
             root = bracketed_root(slope_at, phi1[k], phi1[k + 1], tolerance=1e-9)
             # where the slope jumps the root is the corner
-            there = np.isfinite(root.values)
-            level, k = root.values[there], k[there]
+            converged = np.isfinite(root.values)
+            level, k = root.values[converged], k[converged]
             phi1, number = np.concatenate((phi1, level)), np.concatenate((number, number[k]))
             advance = np.concatenate((advance, [known_there[at] for at in level.tolist()]))
         summits = self._summits(phi1, advance, slope, end)
@@ -264,9 +266,9 @@ class MeshCurve:
         advances = np.full(len(phase), np.nan)
         phase = np.where((phase < 0.0) | (phase > self.pitch), np.mod(phase, self.pitch), phase)
         for arc in self.arcs:
-            own = np.flatnonzero((phase >= arc.begin) & (phase <= arc.end))
-            if own.size:
-                advances[own] = self.of_pair.at(phase[own] + arc.pair * self.pitch)[0]
+            on_arc = np.flatnonzero((phase >= arc.begin) & (phase <= arc.end))
+            if on_arc.size:
+                advances[on_arc] = self.of_pair.at(phase[on_arc] + arc.pair * self.pitch)[0]
         return advances
 
     def advance_as_known(self, phase: Array) -> Array:
@@ -285,16 +287,20 @@ class MeshCurve:
             return np.full(HARMONIC_COUNT, np.nan)
         # integrate between changes of the kind of contact, where the advance may bend sharply
         nodes, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
-        places, own, phases = [], [], []
+        places, arc_weights, phases = [], [], []
         for arc in self.arcs:
             inner = self._changes(arc)
             cuts = np.concatenate(([arc.first], inner, [arc.last]))
             for low, high in pairwise(cuts):
                 half = 0.5 * (high - low)
                 places.append(low + half * (nodes + 1.0))
-                own.append(half * weights)
+                arc_weights.append(half * weights)
                 phases.append(places[-1] - arc.pair * self.pitch)
-        advance, weight, phase = self.of_pair.at(np.concatenate(places))[0], np.concatenate(own), np.concatenate(phases)
+        advance, weight, phase = (
+            self.of_pair.at(np.concatenate(places))[0],
+            np.concatenate(arc_weights),
+            np.concatenate(phases),
+        )
         order = np.arange(1, HARMONIC_COUNT + 1)[:, None]
         wave = np.exp(-2j * np.pi * order * phase / self.pitch)
         amplitudes: Array = 2.0 / self.pitch * np.abs((wave * (advance - advance.mean()) * weight).sum(axis=1))

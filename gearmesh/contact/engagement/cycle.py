@@ -113,8 +113,8 @@ def mesh_cycle(
     )
     # the same phases for pair 0, so that its curve coincides with the curve of the gears where it is ahead
     turns = np.arange(np.floor(curve.phi1[0] / pitch), np.ceil(curve.phi1[-1] / pitch))
-    every = np.unique(np.concatenate((curve.phi1[[0, -1]], (turns[:, None] * pitch + phase).ravel())))
-    own = every[(every >= curve.phi1[0]) & (every <= curve.phi1[-1])]
+    all_phi1 = np.unique(np.concatenate((curve.phi1[[0, -1]], (turns[:, None] * pitch + phase).ravel())))
+    pair_phi1 = all_phi1[(all_phi1 >= curve.phi1[0]) & (all_phi1 <= curve.phi1[-1])]
     return Cycle(
         phi1=np.arange(POSITIONS_PER_PITCH) * pitch / POSITIONS_PER_PITCH,
         te=te - reference,
@@ -129,7 +129,7 @@ def mesh_cycle(
         engagement=_whole(curve),
         handovers=tuple(curve.handovers().tolist()),
         curve=curve,
-        pair=np.stack((own, pair.drive * curve.of_pair.at(own)[0] - reference)),
+        pair=np.stack((pair_phi1, pair.drive * curve.of_pair.at(pair_phi1)[0] - reference)),
         gears=np.stack((phase, pair.drive * curve.advance(phase) - reference)),
     )
 

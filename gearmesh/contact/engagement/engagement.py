@@ -168,14 +168,17 @@ class Engagement:
         smooth = inside & self.smooth[left]
         contacts = Contacts.nothing(len(phi1))
         # between nodes of two contacts: follow both along their tangents; the more advanced solution is the contact
-        both = self.followable[left] & self.followable[left + 1]
+        both_followable = self.followable[left] & self.followable[left + 1]
         beside_line = inside & (self.contacts.line[left] | self.contacts.line[left + 1]) & self.pair.wound
         if beside_line.any():
             self._on_lines(phi1, np.flatnonzero(beside_line), left, contacts)
         # beyond the end of a line follow the contact that comes after the line
         beyond = beside_line & ~contacts.line & ~smooth
         smooth &= ~beside_line
-        known, two = np.flatnonzero(smooth), np.flatnonzero((inside & ~smooth & ~beside_line & both) | beyond)
+        known, two = (
+            np.flatnonzero(smooth),
+            np.flatnonzero((inside & ~smooth & ~beside_line & both_followable) | beyond),
+        )
         with np.errstate(all="ignore"):
             place, ends = np.tile(two, 2), np.concatenate((left[two], left[two] + 1))
             place, ends = place[self.followable[ends]], ends[self.followable[ends]]
@@ -228,11 +231,11 @@ class Engagement:
         """
         contacts = Contacts.nothing(len(phi1))
         for number, part in self.pair.parts.items():
-            own = np.flatnonzero(self.contacts.part[node] == number)
-            trial = Trial.of(own, self._predict(phi1[own], node[own]), self.contacts.edges[node[own]])
+            on_part = np.flatnonzero(self.contacts.part[node] == number)
+            trial = Trial.of(on_part, self._predict(phi1[on_part], node[on_part]), self.contacts.edges[node[on_part]])
             trial.line[:] = True
             solve(part, phi1, trial)
-            trial.give(contacts, own, np.arange(own.size), number, advances_of(part, phi1, trial.x, own))
+            trial.give(contacts, on_part, np.arange(on_part.size), number, advances_of(part, phi1, trial.x, on_part))
         contacts.line[:] = True
         return contacts
 
@@ -271,10 +274,10 @@ class Engagement:
     ) -> None:
         """Solve at positions (M,) from starts (M, 5) for the contacts of nodes (M,)."""
         for number, part in self.pair.parts.items():
-            own = np.flatnonzero(self.contacts.touching[node] & (self.contacts.part[node] == number))
-            own = own[self.contacts.edges[node[own], 0] < EDGE_CORNER]
-            trial = Trial.of(position[own], start[own], self.contacts.edges[node[own]])
-            trial.line = self.contacts.line[node[own]]
+            on_part = np.flatnonzero(self.contacts.touching[node] & (self.contacts.part[node] == number))
+            on_part = on_part[self.contacts.edges[node[on_part], 0] < EDGE_CORNER]
+            trial = Trial.of(position[on_part], start[on_part], self.contacts.edges[node[on_part]])
+            trial.line = self.contacts.line[node[on_part]]
             refine_candidates(part, phi1, trial, contacts, number)
 
     def _predict(self, phi1: Array, node: NDArray[np.intp]) -> Array:
@@ -313,12 +316,18 @@ def follow(pair: Pair, phi1: Array) -> Engagement:
         contacts, flanks, k = engagement.contacts, engagement.flanks, np.flatnonzero(engagement.jumps)
         # solve at both ends of each jump for the contact of the other end; the more advanced contact stays
         node, at = np.concatenate((k, k + 1)), np.concatenate((k + 1, k))
-        own = engagement.followable[node] & contacts.touching[node]
-        if not own.any():
+        can_follow = engagement.followable[node] & contacts.touching[node]
+        if not can_follow.any():
             break
         before = contacts.advance.copy()
         with np.errstate(all="ignore"):
-            engagement._refine(phi1, at[own], engagement._predict(phi1[at[own]], node[own]), node[own], contacts)
+            engagement._refine(
+                phi1,
+                at[can_follow],
+                engagement._predict(phi1[at[can_follow]], node[can_follow]),
+                node[can_follow],
+                contacts,
+            )
         better = np.flatnonzero((contacts.part == 0) & (contacts.advance > flanks.advance))
         flanks.put(better, contacts.at(better))
         if not (contacts.advance > before + UNSEEN_LEAD_RAD).any():
@@ -371,7 +380,7 @@ def whole_engagement(pair: Pair, pitch: float) -> Engagement | None:
 
 
 def _distance_from_mesh(
-    run: NDArray[np.intp], inside: NDArray[np.bool_], own: Array, best: Array, looks: NDArray[np.intp]
+    run: NDArray[np.intp], inside: NDArray[np.bool_], run_best: Array, best: Array, looks: NDArray[np.intp]
 ) -> tuple[bool, bool, float, int]:
     """Return the rank of a run of looks as the mesh of the teeth, the least first.
 
@@ -381,7 +390,7 @@ def _distance_from_mesh(
     """
     most = np.full(LOOKS_PER_PITCH, -np.inf)
     np.maximum.at(most, looks % LOOKS_PER_PITCH, np.where(np.isfinite(best), best, -np.inf))
-    leads = bool((own >= most[run % LOOKS_PER_PITCH]).any())
+    leads = bool((run_best >= most[run % LOOKS_PER_PITCH]).any())
     return not inside.any(), not leads, float(np.abs(run).min()), -len(run)
 
 
@@ -408,15 +417,15 @@ def rates(pair: Pair, phi1: Array, contacts: Contacts) -> Array:
     slopes = np.full(contacts.x.shape, np.nan)
     known = contacts.touching & (contacts.edges[:, 0] < EDGE_CORNER)
     for number, part in pair.parts.items():
-        own = np.flatnonzero(known & (contacts.part == number))
-        if not own.size:
+        on_part = np.flatnonzero(known & (contacts.part == number))
+        if not on_part.size:
             continue
         choice = part.numbers[np.where(known[:, None], contacts.edges, -1)]
         conditions = Conditions(part.flanks, phi1, pair.length, part.all_bounds, choice=choice)
-        slopes[own] = conditions.rate(contacts.x[own], own)
+        slopes[on_part] = conditions.rate(contacts.x[on_part], on_part)
         # on an edge that lies on the mating flank the place is as free as on a line
-        edges = contacts.edges[own]
-        free = own[contacts.line[own] | ((edges[:, 0] >= 0) & (edges[:, 1] < 0) & np.isnan(slopes[own, 4]))]
+        edges = contacts.edges[on_part]
+        free = on_part[contacts.line[on_part] | ((edges[:, 0] >= 0) & (edges[:, 1] < 0) & np.isnan(slopes[on_part, 4]))]
         if free.size:
             slopes[free, :4], slopes[free, 4] = np.nan, _turning(conditions, contacts, free, pair.ratio)
     return slopes
@@ -431,8 +440,8 @@ def _turning(conditions: Conditions, contacts: Contacts, own: NDArray[np.intp], 
     # n . v1 = n . v2: the velocity of the contact on either flank is tangential and drops out
     touch, (pinion, gear) = conditions.touch(contacts.x[own], own), conditions.mounts(own)
     of_gear = np.array([number < 0 or NUMBERED_EDGES[number][0] == 0 for number in contacts.edges[own, 0]], dtype=bool)
-    one, two = touch.fixed
-    n = np.where(of_gear[:, None], two.n, one.n)
-    ahead, away = (dot(n, m.velocity(jet.r)) for m, jet in ((pinion, one), (gear, two)))
+    pinion_jet, gear_jet = touch.fixed
+    n = np.where(of_gear[:, None], gear_jet.n, pinion_jet.n)
+    ahead, away = (dot(n, m.velocity(jet.r)) for m, jet in ((pinion, pinion_jet), (gear, gear_jet)))
     turning = ahead / away
     return np.where(np.abs(turning - ratio) <= RATIO_ROUNDING * abs(ratio), ratio, turning)

@@ -98,12 +98,12 @@ class _Ends:
             return SurfaceContact(np.nan, np.nan, np.nan)
         runs = np.split(inside, np.flatnonzero(np.diff(inside) > 1) + 1)
         run = max(runs, key=lambda run: (bool(carries[run].any()), len(run)))
-        both = [_End(int(run[0]), int(run[0]) - 1), _End(int(run[-1]), int(run[-1]) + 1)]
+        both_ends = [_End(int(run[0]), int(run[0]) - 1), _End(int(run[-1]), int(run[-1]) + 1)]
         # of each end: phi1, and phi1 at which the line reaches the other end of the face
         known: dict[_End, tuple[float, float]] = {
-            end: (float(self.phi1[end.last]), np.nan) for end in both if not 0 <= end.beyond < len(self.phi1)
+            end: (float(self.phi1[end.last]), np.nan) for end in both_ends if not 0 <= end.beyond < len(self.phi1)
         }
-        open_ends = [end for end in both if end not in known]
+        open_ends = [end for end in both_ends if end not in known]
         lines = [end for end in open_ends if c.line[end.last]]
         points = [end for end in open_ends if end not in lines]
         # point contact ends on an edge; bent lines of threads shrink to a point; other lines shrink into a corner of two edges
@@ -121,8 +121,8 @@ class _Ends:
                 if end not in known:
                     known[end] = self._undercut_end(end, middle) or (self._shrunk(piece, end), np.nan)
         # no equation gave the other ends: divide the step between the nodes
-        known |= {end: (self._bisect(end), np.nan) for end in both if end not in known}
-        begin, end = known[both[0]], known[both[1]]
+        known |= {end: (self._bisect(end), np.nan) for end in both_ends if end not in known}
+        begin, end = known[both_ends[0]], known[both_ends[1]]
         overlap = np.nan
         if bool(c.line[run].all()):
             overlaps = [abs(other - own) for own, other in (begin, end) if np.isfinite(other)]
@@ -139,20 +139,20 @@ class _Ends:
 
     def _point_ends(self, ends: list[_End]) -> dict[_End, tuple[float, float]]:
         """Solve for phi1 at which the points of contact of the last nodes reach an edge; ends without a root are left out."""
-        pair, every = self.pair, np.arange(len(ends))
+        pair, rows = self.pair, np.arange(len(ends))
         last, beyond = (np.array([getattr(end, name) for end in ends]) for name in ("last", "beyond"))
         start = self.flanks.x[last]
         conditions = Conditions(pair.flanks, self.phi1[beyond], pair.length)
         # try first the edges beyond which the point would lie at the next node
-        there = newton.solve(conditions, start, tolerance=pair.tolerance, max_step=pair.max_step, max_iterations=15)
-        outside = margins(pair, conditions.touch(there.values, every), there.values)[0]
-        outside[~there.converged] = 0.0
+        solved = newton.solve(conditions, start, tolerance=pair.tolerance, max_step=pair.max_step, max_iterations=15)
+        outside = margins(pair, conditions.touch(solved.values, rows), solved.values)[0]
+        outside[~solved.converged] = 0.0
         absent = np.isin(np.arange(len(pair.bounds)), pair.ends, invert=True)
         order = np.argsort(np.where(absent, np.inf, -outside), axis=1, kind="stable")
         places: dict[_End, tuple[float, float]] = {}
         before = replace(conditions, phi1=self.phi1[last])
         for rank in range(len(pair.ends)):
-            left = np.array([k for k in every if ends[k] not in places])
+            left = np.array([k for k in rows if ends[k] not in places])
             if not left.size:
                 break
             edge = order[left, rank]
@@ -190,28 +190,28 @@ class _Ends:
         that crosses the line leaves one side of it on the flanks. The line ended between the two edges that leave nothing between
         them. Ends without a root are left out.
         """
-        every = np.arange(len(ends))
+        rows = np.arange(len(ends))
         last, beyond = (np.array([getattr(end, name) for end in ends]) for name in ("last", "beyond"))
         before, plain = (Conditions(pair.flanks, self.phi1[k], pair.length) for k in (last, beyond))
         # follow the middle of the last line at its station to the next node
         axial = pair.pinion.axial
-        touch = before.touch(x, every)
+        touch = before.touch(x, rows)
         station, across = axial.value(touch.own[0].r), directions(pair, touch)[1]
         at_station = replace(plain, bounds=(Bound(0, axial, station),), across=across)
         x = x + np.array([0.0, 0.0, 0.0, 0.0, pair.ratio]) * (plain.phi1 - before.phi1)[:, None]
         followed = newton.solve(at_station, x, tolerance=pair.tolerance, max_step=pair.max_step)
         x = np.where(followed.converged[:, None], followed.values, x)
         # places along the line where edges cross it, and the two edges between which it ended
-        touch = plain.touch(x, every)
+        touch = plain.touch(x, rows)
         along, across = directions(pair, touch)
-        own = margins(pair, touch, x)[0]
+        beyond_edges = margins(pair, touch, x)[0]
         places: list[dict[int, float]] = [{} for _ in ends]
         meets = on_edges(pair, plain, across, x)
         for number, (values, met) in meets.items():
-            place = dot(plain.touch(values, every).fixed[0].r - touch.fixed[0].r, along)
+            place = dot(plain.touch(values, rows).fixed[0].r - touch.fixed[0].r, along)
             for k in np.flatnonzero(met & followed.converged):
                 places[k][number] = float(place[k])
-        corners = [(int(k), *corner) for k in every for corner in self._corners(places[k], own[k])]
+        corners = [(int(k), *corner) for k in rows for corner in self._corners(places[k], beyond_edges[k])]
         if not corners:
             return {}
         # solve for the meeting of the line with both edges of each corner
@@ -224,7 +224,7 @@ class _Ends:
         good = self._on_flanks(event)
         # the corner that the line reaches last is its end, the corner reached first its other end
         line_ends: dict[_End, tuple[float, float]] = {}
-        for k in every:
+        for k in rows:
             which = np.flatnonzero(good & (position == k))
             if not which.size:
                 continue
@@ -287,18 +287,18 @@ class _Ends:
         far = np.flatnonzero(np.abs(away) > MIN_STATION_SHARE * pair.length)
         count = len(far)
         y, reached = np.tile(begin, (count, 1)), np.full(count, True)
-        there = Events(y[:, 5], y[:, :5], reached)
+        events = Events(y[:, 5], y[:, :5], reached)
         choice = np.stack((np.arange(count), np.full(count, -1)), axis=-1)
-        every = at.repeat(np.zeros(count, dtype=np.intp))
+        repeated = at.repeat(np.zeros(count, dtype=np.intp))
         for share in DOUBLING_SHARES if count else ():
             # the next place on the edge, at a share of the way to the other end
             bounds = tuple(replace(across[k], target=away[far] * (1.0 - share)) for k in far)
             y = begin + (1.0 if share == DOUBLING_SHARES[0] else 2.0) * (y - begin)
-            placed = replace(every, phi1=y[:, 5], bounds=bounds, choice=choice)
-            there = reaches(pair, placed, np.full(count, edge), y[:, :5])
-            y, reached = np.column_stack((there.x, there.phi1)), reached & there.reached
-        met = np.flatnonzero(reached & self._on_flanks(there))
-        return float(there.phi1[met[(there.phi1[met] * end.step).argmin()]]) if met.size else np.nan
+            placed = replace(repeated, phi1=y[:, 5], bounds=bounds, choice=choice)
+            events = reaches(pair, placed, np.full(count, edge), y[:, :5])
+            y, reached = np.column_stack((events.x, events.phi1)), reached & events.reached
+        met = np.flatnonzero(reached & self._on_flanks(events))
+        return float(events.phi1[met[(events.phi1[met] * end.step).argmin()]]) if met.size else np.nan
 
     def _apart(self, event: Events, which: NDArray[np.intp]) -> bool:
         """Return True if events `which` lie at both ends of the face."""

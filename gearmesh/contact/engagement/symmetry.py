@@ -103,8 +103,8 @@ def _gear_angle(pair: Pair, exchange: Array) -> float | None:
         return None
     # the image of the gear's frame, seen from the gear: it must be a rotation about the gear's axis
     first, second = (mount.base for mount in mounts)
-    own = Rigid(np.diag(exchange), np.zeros(3))
-    back = second.inverse @ (first @ own @ first.inverse) @ second @ own
+    motion = Rigid(np.diag(exchange), np.zeros(3))
+    back = second.inverse @ (first @ motion @ first.inverse) @ second @ motion
     reach = 1.0 + float(np.abs(second.translation - first.translation).max())
     if abs(back.rotation[2, 2] - 1.0) > POSITION_ROUNDING or np.abs(back.translation).max() > POSITION_ROUNDING * reach:
         return None
@@ -125,13 +125,13 @@ def _is_image(flank: Flank, other: Flank, exchange: Array) -> bool:
     """Return True if a flank's grid with its edges, creases and normals is the image of another flank's grid."""
     if flank.grid.shape != other.grid.shape or flank.edges.keys() | flank.creases != other.edges.keys() | other.creases:
         return False
-    here, there = (
+    jet, other_jet = (
         own_flank.surface.jet(own_flank.grid[..., 0], own_flank.grid[..., 1]) for own_flank in (flank, other)
     )
-    size = np.abs(here.r).max()
+    size = np.abs(jet.r).max()
     for own, image, rounding in (
-        (here.r / size, there.r / size, POSITION_ROUNDING),
-        (here.n, there.n, NORMAL_ROUNDING),
+        (jet.r / size, other_jet.r / size, POSITION_ROUNDING),
+        (jet.n, other_jet.n, NORMAL_ROUNDING),
     ):
         # the half turn exchanges the ends of the face
         if not np.abs(own * exchange - (image if exchange[2] > 0.0 else image[:, ::-1])).max() <= rounding:

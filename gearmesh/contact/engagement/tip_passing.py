@@ -120,15 +120,15 @@ def tip_meetings(pair: Pair, reference: float) -> TipMeetings:
         # tips at a few stations decide if tips come near; near tips are compared at all columns, and whole profiles at three
         first, second = map(_tip_lines, pair.flanks, pair.tips)
         columns = np.unique(np.rint(np.linspace(0, len(first[0].points) - 1, FEW_STATIONS)).astype(np.intp))
-        few = _Points.of(first, columns)
-        meetings = [_meetings(pair, reference, few, line, tips=True) for line in second]
+        few_points = _Points.of(first, columns)
+        meetings = [_meetings(pair, reference, few_points, line, tips=True) for line in second]
         if max(met.excess.max(initial=-np.inf) for met in meetings) < -NEAR_PITCHES * abs(pair.ratio) * pair.pitch:
             return _concatenate(meetings)
-        every = _Points.of(first, np.arange(len(first[0].points)))
-        meetings = [_meetings(pair, reference, every, line, tips=True) for line in second]
+        all_points = _Points.of(first, np.arange(len(first[0].points)))
+        meetings = [_meetings(pair, reference, all_points, line, tips=True) for line in second]
         first, second = map(_profile, pair.flanks, pair.tips)
-        whole = _Points.of(first, columns[:: len(columns) // 2])
-        meetings += [_meetings(pair, reference, whole, line, tips=False) for line in second]
+        profile_points = _Points.of(first, columns[:: len(columns) // 2])
+        meetings += [_meetings(pair, reference, profile_points, line, tips=False) for line in second]
     return _concatenate(meetings)
 
 
@@ -178,9 +178,9 @@ def _meetings(pair: Pair, reference: float, first: _Points, second: _Line, *, ti
     # rotations at which a point of the pinion crosses the surface that the gear's line sweeps
     phi1, column = _crossings(lambda at, columns: second.outside(positions(at, columns)[1]), middle)
     # rotation of the gear that brings its line to the point; it counts on the gear's face, if the surfaces face each other
-    fixed, own = positions(phi1, column)
-    station, (low, high) = pair.gear.axial.value(own), second.station[[0, -1]]
-    turn = joint.within(joint.angle(own) - second.angle(np.clip(station, low, high)))
+    fixed, in_gear = positions(phi1, column)
+    station, (low, high) = pair.gear.axial.value(in_gear), second.station[[0, -1]]
+    turn = joint.within(joint.angle(in_gear) - second.angle(np.clip(station, low, high)))
     normal = pinion.at(phi1).vector(first.normals[column])
     on_gear = np.stack([np.interp(station, second.station, axis) for axis in second.normals.T], axis=-1)
     on_gear = gear.at(phi2(phi1) + gear.sign * turn).vector(on_gear)
@@ -202,19 +202,19 @@ def _crossings(outside: Callable[[Array, NDArray[np.intp]], Array], middle: Arra
     """
     step = 2.0 * np.pi / PLACES_PER_TURN
     # one place more at each end, because extremes may lie there
-    place = middle[:, None] + step * (np.arange(PLACES_PER_TURN + 3) - 1.0 - 0.5 * PLACES_PER_TURN)
-    every = np.broadcast_to(np.arange(len(middle))[:, None], place.shape)
-    value = outside(place.ravel(), every.ravel()).reshape(place.shape)
+    rotations = middle[:, None] + step * (np.arange(PLACES_PER_TURN + 3) - 1.0 - 0.5 * PLACES_PER_TURN)
+    columns = np.broadcast_to(np.arange(len(middle))[:, None], rotations.shape)
+    value = outside(rotations.ravel(), columns.ravel()).reshape(rotations.shape)
     sides = np.sign(value)
     j, k = np.nonzero(sides[:, 1:-2] != sides[:, 2:-1])
-    low, high, column = [place[j, k + 1]], [place[j, k + 2]], [j]
+    low, high, column = [rotations[j, k + 1]], [rotations[j, k + 2]], [j]
     # the middle of three places on one side is nearest to the surface: the circle may cross the surface twice near it
     size, inner = np.abs(value), np.s_[:, 1:-1]
     nearest = (sides[:, :-2] == sides[inner]) & (sides[:, 2:] == sides[inner])
     nearest &= (size[inner] <= size[:, :-2]) & (size[inner] <= size[:, 2:])
     j, k = np.nonzero(nearest)
     if j.size:
-        vertex, width, three = place[j, k + 1], step, np.stack([value[j, k + n] for n in range(3)])
+        vertex, width, three = rotations[j, k + 1], step, np.stack([value[j, k + n] for n in range(3)])
         for _ in range(VERTEX_ROUNDS):
             bend = three[0] - 2.0 * three[1] + three[2]
             vertex = vertex + width * np.clip(np.nan_to_num(0.5 * (three[0] - three[2]) / bend), -1.0, 1.0)
@@ -223,7 +223,7 @@ def _crossings(outside: Callable[[Array, NDArray[np.intp]], Array], middle: Arra
             three = outside(tried, np.tile(j, 3)).reshape(3, -1)
         crossed = np.flatnonzero(np.sign(three[1]) != sides[j, k + 1])
         for n in (0, 2):
-            low.append(place[j, k + n][crossed])
+            low.append(rotations[j, k + n][crossed])
             high.append(vertex[crossed])
             column.append(j[crossed])
     # roots between places on different sides, and between a vertex and its neighbours

@@ -79,10 +79,10 @@ class TransmissionAdvance:
         rough = np.stack(
             [np.interp(phi1 + s, self.phi1[touching], self.advance[touching], -np.inf, -np.inf) for s in shifts]
         )
-        own = np.flatnonzero(np.isfinite(rough.max(axis=0)))
-        there = phi1[own] + shifts[rough.argmax(axis=0)[own]]
-        itself, other = self.at(np.concatenate((phi1[own], there)))[0].reshape(2, -1)
-        ahead[own] = other - itself
+        rows = np.flatnonzero(np.isfinite(rough.max(axis=0)))
+        neighbour_phi1 = phi1[rows] + shifts[rough.argmax(axis=0)[rows]]
+        itself, other = self.at(np.concatenate((phi1[rows], neighbour_phi1)))[0].reshape(2, -1)
+        ahead[rows] = other - itself
         return ahead
 
     def _by_polynomial(self, phi1: Array, k: NDArray[np.intp]) -> tuple[Array, Array]:
@@ -144,33 +144,35 @@ def _polynomials(engagement: Engagement) -> tuple[NDArray[np.intp], Array, NDArr
     phi1, advance, slope, alike = _nodes(engagement)
     smooth = alike | (engagement.smooth & np.isfinite(slope[:-1]) & np.isfinite(slope[1:]))
     count = len(smooth)
-    every = np.arange(count)
+    numbers = np.arange(count)
     # run of smooth intervals that holds the interval, from node `first` to node `last`
     breaks = np.flatnonzero(~smooth)
-    first = np.append(-1, breaks)[np.searchsorted(breaks, every)] + 1
-    last = np.append(breaks, count)[np.searchsorted(breaks, every)]
+    first = np.append(-1, breaks)[np.searchsorted(breaks, numbers)] + 1
+    last = np.append(breaks, count)[np.searchsorted(breaks, numbers)]
     nodes = np.minimum(last - first + 1, NODES_PER_POLYNOMIAL)
-    left = np.clip(every - (nodes - 2) // 2, first, last - nodes + 1)
+    left = np.clip(numbers - (nodes - 2) // 2, first, last - nodes + 1)
     coefficients = np.zeros((count, 2 * NODES_PER_POLYNOMIAL))
     sure = np.zeros(count, dtype=bool)
     middle = 0.5 * (phi1[1:] + phi1[:-1])
     for m in range(2, NODES_PER_POLYNOMIAL + 1):
         # divided differences of m double nodes; the first differences of a double node are its slope
-        own = np.flatnonzero(smooth & (nodes == m))
-        at = np.repeat(left[own, None] + np.arange(m), 2, axis=1)
+        intervals = np.flatnonzero(smooth & (nodes == m))
+        at = np.repeat(left[intervals, None] + np.arange(m), 2, axis=1)
         z, column = phi1[at], advance[at]
-        coefficients[own, 0] = column[:, 0]
+        coefficients[intervals, 0] = column[:, 0]
         for order in range(1, 2 * m):
             step = z[:, order:] - z[:, :-order]
             with np.errstate(all="ignore"):
                 column = np.diff(column, axis=1) / step
             if order == 1:
                 column[:, ::2] = slope[at[:, ::2]]
-            coefficients[own, order] = column[:, 0]
+            coefficients[intervals, order] = column[:, 0]
         # the change by the last node, in the middle of the interval, measures the error
-        away = middle[own, None] - phi1[at[:, ::2]]
-        by_last = coefficients[own, 2 * m - 2] + coefficients[own, 2 * m - 1] * away[:, -1]
-        sure[own] = alike[own] | (np.abs(by_last * (away[:, :-1] ** 2).prod(axis=1)) <= MAX_POLYNOMIAL_ERROR_RAD)
+        away = middle[intervals, None] - phi1[at[:, ::2]]
+        by_last = coefficients[intervals, 2 * m - 2] + coefficients[intervals, 2 * m - 1] * away[:, -1]
+        sure[intervals] = alike[intervals] | (
+            np.abs(by_last * (away[:, :-1] ** 2).prod(axis=1)) <= MAX_POLYNOMIAL_ERROR_RAD
+        )
     return left, coefficients, sure
 
 
@@ -204,28 +206,28 @@ def _with_passages(engagement: Engagement, ends: Sequence[float]) -> Engagement:
     """
     # ends of surface contact between a node inside the flanks and a node on one edge
     phi1, c = engagement.phi1, engagement.contacts
-    every = np.array([end for end in ends if phi1[0] < end < phi1[-1]])
-    left = np.searchsorted(phi1, every) - 1
+    passages = np.array([end for end in ends if phi1[0] < end < phi1[-1]])
+    left = np.searchsorted(phi1, passages) - 1
     on_edge = (c.edges[:, 0] >= 0) & (c.edges[:, 0] < EDGE_CORNER) & (c.edges[:, 1] < 0)
     known = c.touching & (c.part == 0) & ~c.line
-    passes = known[left] & known[left + 1] & (phi1[left + 1] > every)
+    passes = known[left] & known[left + 1] & (phi1[left + 1] > passages)
     passes &= ((c.edges[left, 0] < 0) & on_edge[left + 1]) | (on_edge[left] & (c.edges[left + 1, 0] < 0))
     if not passes.any():
         return engagement
     # solve for both kinds at the passage; they must agree in advance and slope
     node = (left[passes, None] + np.arange(2)).ravel()
-    there = np.repeat(every[passes], 2)
-    contacts = engagement.as_at(there, node)
-    advance, slope = (column.reshape(-1, 2) for column in _values(engagement, there, contacts))
+    passage_phi1 = np.repeat(passages[passes], 2)
+    contacts = engagement.as_at(passage_phi1, node)
+    advance, slope = (column.reshape(-1, 2) for column in _values(engagement, passage_phi1, contacts))
     alike = (np.abs(np.diff(advance)) < MAX_POLYNOMIAL_ERROR_RAD) & (np.abs(np.diff(slope)) < SLOPE_ROUNDING)
-    own = np.flatnonzero(np.repeat(alike[:, 0], 2) & (contacts.edges == c.edges[node]).all(axis=1))
-    if not own.size:
+    accepted = np.flatnonzero(np.repeat(alike[:, 0], 2) & (contacts.edges == c.edges[node]).all(axis=1))
+    if not accepted.size:
         return engagement
     # divided differences with nodes close to a passage would be rounding errors
-    beside = node[own][np.abs(phi1[node] - there)[own] < MIN_DISTANCE_FROM_PASSAGE * engagement.step]
+    beside = node[accepted][np.abs(phi1[node] - passage_phi1)[accepted] < MIN_DISTANCE_FROM_PASSAGE * engagement.step]
     kept = np.setdiff1d(np.arange(len(phi1)), beside[(beside > 0) & (beside < len(phi1) - 1)])
     fewer = Engagement(engagement.pair, phi1[kept], c.at(kept), engagement.flanks.at(kept), engagement.step)
-    return _with_nodes(fewer, there[own], contacts.at(own))
+    return _with_nodes(fewer, passage_phi1[accepted], contacts.at(accepted))
 
 
 def _with_ends(engagement: Engagement, ends: Sequence[float]) -> Engagement:
@@ -242,16 +244,16 @@ def _with_ends(engagement: Engagement, ends: Sequence[float]) -> Engagement:
         return engagement
     contacts = engagement.along_line(np.array(places), np.array(nearest))
     # no node where the line was not found: rotations there are solved for one by one
-    own = np.flatnonzero(contacts.residual <= engagement.pair.tolerance)
-    return _with_nodes(engagement, np.array(places)[own], contacts.at(own)) if own.size else engagement
+    found = np.flatnonzero(contacts.residual <= engagement.pair.tolerance)
+    return _with_nodes(engagement, np.array(places)[found], contacts.at(found)) if found.size else engagement
 
 
 def _with_nodes(engagement: Engagement, phi1: Array, contacts: Contacts) -> Engagement:
     """Return the engagement with nodes added at phi1 (M,) with contacts (M,)."""
-    every = np.concatenate((engagement.phi1, phi1))
-    order = np.argsort(every, kind="stable")
+    all_phi1 = np.concatenate((engagement.phi1, phi1))
+    order = np.argsort(all_phi1, kind="stable")
     c = engagement.contacts
     merged = Contacts(
         *(np.concatenate((getattr(c, e.name), getattr(contacts, e.name)))[order] for e in fields(Contacts))
     )
-    return Engagement(engagement.pair, every[order], merged, merged, engagement.step)
+    return Engagement(engagement.pair, all_phi1[order], merged, merged, engagement.step)

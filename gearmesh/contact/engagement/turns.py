@@ -234,8 +234,8 @@ class _Turns:
     ) -> _Turns:
         # contacts of the concentric pair are the starts; a place is worth solving if eccentricity can bring it to the front
         contacts = followed.at(places.astype(float) * (gears.pitch / per_pitch))
-        own = np.flatnonzero(contacts.touching & (contacts.edges[:, 0] < EDGE_CORNER))
-        places, contacts = places[own], contacts.at(own)
+        usable = np.flatnonzero(contacts.touching & (contacts.edges[:, 0] < EDGE_CORNER))
+        places, contacts = places[usable], contacts.at(usable)
         phase, most = places % per_pitch, np.full(per_pitch, -np.inf)
         np.maximum.at(most, phase, contacts.advance)
         behind = MAX_LAG * sum(amplitude for amplitude, _ in _closed_waves(gears).values())
@@ -273,9 +273,10 @@ class _Turns:
         advance, carrier = self._ahead(contacts, position)
         # check samples by the global search: if one is ahead, search all positions anew
         known = np.flatnonzero(contacts.touching)
-        some = np.random.default_rng(0).choice(known, min(CHECKED_POSITIONS, known.size), replace=False)
+        checked = np.random.default_rng(0).choice(known, min(CHECKED_POSITIONS, known.size), replace=False)
         if (
-            self._anew(tooth[some], place[some], contacts.x[some, 4]).advance > advance[position[some]] + ROUNDING_RAD
+            self._anew(tooth[checked], place[checked], contacts.x[checked, 4]).advance
+            > advance[position[checked]] + ROUNDING_RAD
         ).any():
             for part in self._chunks(known):
                 contacts.put(part, self._anew(tooth[part], place[part], contacts.x[part, 4]))
@@ -330,14 +331,14 @@ class _Turns:
             position, before = np.arange(place.size), at.x[:, 4]
 
     @staticmethod
-    def _refine(there: Pair, phi1: Array, position: NDArray[np.intp], at: Contacts) -> Contacts:
+    def _refine(displaced: Pair, phi1: Array, position: NDArray[np.intp], at: Contacts) -> Contacts:
         """Solve from S contacts, each for its `position` (S,) in phi1 (M,), and return the most advanced contact at each phi1."""
         contacts = Contacts.nothing(phi1.size)
         with np.errstate(all="ignore"):
-            for number, pair in there.parts.items():
-                own = np.flatnonzero(at.part == number)
-                trial = Trial.of(position[own], at.x[own], at.edges[own])
-                trial.line = at.line[own]
+            for number, pair in displaced.parts.items():
+                on_part = np.flatnonzero(at.part == number)
+                trial = Trial.of(position[on_part], at.x[on_part], at.edges[on_part])
+                trial.line = at.line[on_part]
                 refine_candidates(pair, phi1, trial, contacts, number)
         return contacts
 

@@ -266,9 +266,9 @@ class _Nodes:
         nearest = _least_beside(beyond.min(axis=2))
         away = pair.next_winding(phi1[self.index][:, None], r[1])
         near = (nearest <= SLACK_MM).all(axis=0) & ~(away & np.roll(away, 1, axis=1) & np.roll(away, -1, axis=1))
-        there = np.asarray(near.any(axis=1))
+        may_meet = np.asarray(near.any(axis=1))
         # from the column before the first near column to the column after the last one
-        near, here = near[there], self.at(self.index[there])
+        near, at_positions = near[may_meet], self.at(self.index[may_meet])
         first, last = (
             COLUMN_STRIDE * near.argmax(axis=1) - 1,
             COLUMN_STRIDE * (seen - 1 - near[:, ::-1].argmax(axis=1)) + 1,
@@ -276,10 +276,10 @@ class _Nodes:
         width = int(np.clip((last - first).max(initial=2) + 1, 3, columns))
         first = np.clip(first, 0, columns - width)
         if width == columns or not len(first):
-            return there, here
-        own = first[:, None, None] + np.arange(width) + (np.arange(rows) * columns)[:, None]
-        own = own.reshape(len(first), -1)
-        return there, replace(here, first=first, shape=(rows, width), r=self.r[own], n=self.n[own])
+            return may_meet, at_positions
+        block = first[:, None, None] + np.arange(width) + (np.arange(rows) * columns)[:, None]
+        block = block.reshape(len(first), -1)
+        return may_meet, replace(at_positions, first=first, shape=(rows, width), r=self.r[block], n=self.n[block])
 
 
 def _least_beside(values: Array) -> Array:
@@ -443,16 +443,16 @@ class _Field:
         for limit, name in enumerate((low, *FLANK_EDGES)):
             if name in pair.gear.edges:
                 others = [beyond[k] for k in range(4) if k != limit]
-                there, _, _, value = crossings[edge_number(1, name)] = _best_crossing(advance, beyond[limit], others)
-                inside[there] &= best[there] >= value
-                best[there] = np.maximum(best[there], value)
+                crossed, _, _, value = crossings[edge_number(1, name)] = _best_crossing(advance, beyond[limit], others)
+                inside[crossed] &= best[crossed] >= value
+                best[crossed] = np.maximum(best[crossed], value)
         # creases inside flanks are crossed the same way; corners of tip lines keep the distances from their stations
-        place = np.stack((seen.rho, np.zeros_like(seen.rho), seen.z), axis=-1)
+        circle_points = np.stack((seen.rho, np.zeros_like(seen.rho), seen.z), axis=-1)
         stations = {}
         for number in np.flatnonzero(IS_INSIDE_FLANK | IS_TIP_CORNER):
             bound = pair.bounds[number]
             if bound is not None:
-                beside = bound.level.value(place if bound.member else nodes.r)
+                beside = bound.level.value(circle_points if bound.member else nodes.r)
                 beside = np.broadcast_to(beside.reshape(-1, *shape[1:]), shape)
                 if IS_INSIDE_FLANK[number]:
                     crossings[int(number)] = _best_crossing(advance, beside, list(beyond))
@@ -466,9 +466,9 @@ class _Field:
         """Cells in which the flanks may overlap at a corner of the gear's flank, by the numbers of the two edges."""
         numbers = {names: (edge_number(1, names[0]), edge_number(1, names[1])) for names in FLANK_CORNERS}
         return {
-            both: _overlapping(self.advance, self.beyond, names).nearest()
-            for names, both in numbers.items()
-            if all(number in self.crossings for number in both)
+            edges: _overlapping(self.advance, self.beyond, names).nearest()
+            for names, edges in numbers.items()
+            if all(number in self.crossings for number in edges)
         }
 
     @cached_property
@@ -495,9 +495,9 @@ def _candidates(pair: Pair, nodes: _Nodes, seen: Advances, phi1: Array, trimmed:
         edges: tuple[int, int],
         around: int = NEIGHBOUR_NODES,
     ) -> None:
-        every = np.tile(edges, (len(position), 1))
+        edge_pairs = np.tile(edges, (len(position), 1))
         place = np.stack((i, j), axis=-1)
-        places.append((position, place, every, value, most + _local_gain(field.bends, position, place, around)))
+        places.append((position, place, edge_pairs, value, most + _local_gain(field.bends, position, place, around)))
 
     def add_samples(position: NDArray[np.intp], i: Array, j: Array, edge: int, value: Array) -> None:
         add(position, i, j, value, value, (edge, NO_EDGE))
@@ -513,21 +513,21 @@ def _candidates(pair: Pair, nodes: _Nodes, seen: Advances, phi1: Array, trimmed:
     def inside(heights: Array, around: int) -> None:
         for _ in range(MAX_INNER_MAXIMA):
             k = heights.argmax(axis=1)
-            there = np.flatnonzero(heights[rows, k] > -np.inf)
-            if not there.size:
+            found = np.flatnonzero(heights[rows, k] > -np.inf)
+            if not found.size:
                 break
-            i, j = np.divmod(k[there], shape[2])
-            value = on[there, i, j]
-            add(there, i.astype(float), j.astype(float), value, value, (NO_EDGE, NO_EDGE), around)
-            heights[there, k[there]] = -np.inf
+            i, j = np.divmod(k[found], shape[2])
+            value = on[found, i, j]
+            add(found, i.astype(float), j.astype(float), value, value, (NO_EDGE, NO_EDGE), around)
+            heights[found, k[found]] = -np.inf
 
     inside(peaks, NEIGHBOUR_NODES)
     inside(hidden, 1)
     # maxima along edges: edges of the gear between nodes, edges of the pinion along the rim of the grid
     for number, (member, name) in enumerate(NUMBERED_EDGES):
         if number in field.crossings:
-            there, i, j, value = field.crossings[number]
-            add_samples(there, i, j, number, value)
+            found, i, j, value = field.crossings[number]
+            add_samples(found, i, j, number, value)
         elif member == 0 and name in pair.pinion.edges:
             toe, heel = nodes.ends
             rim = {
@@ -537,14 +537,14 @@ def _candidates(pair: Pair, nodes: _Nodes, seen: Advances, phi1: Array, trimmed:
                 FORM_POINT: on[:, 0, :],
                 ROOT_EDGE: on[:, 0, :],
             }[name]
-            for there, k in _summits(rim):
-                fixed = np.full(there.size, {"tip": shape[1] - 1.0, "heel": shape[2] - 1.0}.get(name, 0.0))
+            for found, k in _summits(rim):
+                fixed = np.full(found.size, {"tip": shape[1] - 1.0, "heel": shape[2] - 1.0}.get(name, 0.0))
                 i, j = (fixed, k.astype(float)) if along_face(number) else (k.astype(float), fixed)
-                add_samples(there, i, j, number, rim[there, k])
+                add_samples(found, i, j, number, rim[found, k])
     sampled_count = sum(len(nodes_of[0]) for nodes_of in places)
     # a small overlap of two flanks may lie within one cell: only the signs at the nodes of the cell show it
-    for both, cells in field.corners.items():
-        add(*cells.places, both)
+    for edge_pair, cells in field.corners.items():
+        add(*cells.places, edge_pair)
     for tip, number in pair.tip_corners:
         if tip in field.crossings:
             cells = _overlapping(field.advance, field.beyond, ("tip",), field.stations[number])
@@ -603,27 +603,30 @@ def _sharpen(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array, latt
     node = np.abs((flat - x[:, None, :2]) / np.ptp(flat, axis=0)).sum(axis=2).argmin(axis=1)
     place = np.stack(np.divmod(node, grid.shape[1]), axis=-1).astype(float)
     best = pair.drive * (x[:, 4] - pair.ratio * phi1[position])
-    every, (rows, columns) = np.arange(len(position)), lattice.shape[:2]
+    rows_of_positions, (rows, columns) = np.arange(len(position)), lattice.shape[:2]
 
-    def climb(tried: Array, there: Advances) -> None:
+    def climb(tried: Array, seen: Advances) -> None:
         """Move each place to the most advanced of the tried places (M, K, 2) if this is ahead."""
         nonlocal place, best
-        advance = np.where((there.beyond <= SLACK_MM).all(axis=0) & np.isfinite(there.advance), there.advance, -np.inf)
+        advance = np.where((seen.beyond <= SLACK_MM).all(axis=0) & np.isfinite(seen.advance), seen.advance, -np.inf)
         k = advance.argmax(axis=1)
-        higher = advance[every, k] > best
-        place = np.where(higher[:, None], tried[every, k], place)
-        best = np.where(higher, advance[every, k], best)
+        higher = advance[rows_of_positions, k] > best
+        place = np.where(higher[:, None], tried[rows_of_positions, k], place)
+        best = np.where(higher, advance[rows_of_positions, k], best)
 
     # all rows of the columns beside the node, at points of the shared lattice
     reach = COLUMN_STRIDE * LATTICE_PARTS[1]
     beside = np.clip(LATTICE_PARTS[1] * (node % grid.shape[1])[:, None] + np.arange(-reach, reach + 1), 0, columns - 1)
-    own = (np.arange(rows)[:, None] * columns + beside[:, None, :]).reshape(len(position), -1)
-    climb(lattice.reshape(-1, 2)[own], advances(pair, phi1, jet.r[own], jet.n[own], position))
+    lattice_nodes = (np.arange(rows)[:, None] * columns + beside[:, None, :]).reshape(len(position), -1)
+    climb(
+        lattice.reshape(-1, 2)[lattice_nodes],
+        advances(pair, phi1, jet.r[lattice_nodes], jet.n[lattice_nodes], position),
+    )
     # lattices of 9 x 9 points around the place, each with a quarter of the steps before
     reaches = 1.0 / np.array(LATTICE_PARTS)
     for _ in range(FINER_LATTICES - 1):
-        ways = np.stack(np.meshgrid(*(np.linspace(-reach, reach, 9) for reach in reaches), indexing="ij"), axis=-1)
-        tried = np.clip(place[:, None] + ways.reshape(-1, 2), 0.0, last)
+        offsets = np.stack(np.meshgrid(*(np.linspace(-reach, reach, 9) for reach in reaches), indexing="ij"), axis=-1)
+        tried = np.clip(place[:, None] + offsets.reshape(-1, 2), 0.0, last)
         parameters = bilinear(grid, tried.reshape(-1, 2)).reshape(tried.shape)
         climb(tried, _advances_at(pair, phi1, position, parameters))
         reaches = reaches / 4.0
@@ -642,10 +645,10 @@ def seen_closely(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array) 
     rows, columns = pair.pinion.grid.shape[:2]
     steps = 0.5 * (high - low) / (rows - 1.0, 2.0 * (columns - 1.0))
     shifts = np.arange(-2.0, 3.0)
-    ways = steps * np.stack(np.meshgrid(shifts, shifts, indexing="ij"), axis=-1).reshape(-1, 2)
-    there = _advances_at(pair, phi1, position, np.clip(x[:, None, :2] + ways, low, high))
+    offsets = steps * np.stack(np.meshgrid(shifts, shifts, indexing="ij"), axis=-1).reshape(-1, 2)
+    seen = _advances_at(pair, phi1, position, np.clip(x[:, None, :2] + offsets, low, high))
     shape = (len(position), len(shifts), len(shifts))
-    advance, beyond = there.advance.reshape(shape), there.beyond.max(axis=0).reshape(shape)
+    advance, beyond = seen.advance.reshape(shape), seen.beyond.max(axis=0).reshape(shape)
     # a node beyond an edge counts if it has a neighbour on the flank: the flank's greatest advance may be between them
     near = ~np.isnan(advance) & (-_largest_beside(-beyond) <= SLACK_MM)
     most: Array = np.where(near, advance + _bends(advance), -np.inf).max(axis=(1, 2))
@@ -673,15 +676,15 @@ def _summits(rim: Array) -> Iterator[tuple[NDArray[np.intp], NDArray[np.intp]]]:
     A line along which the flanks nearly touch may leave the flanks twice over the same edge.
     """
     rows, first = np.arange(len(rim)), rim.argmax(axis=1)
-    there = np.flatnonzero(rim[rows, first] > -np.inf)
-    yield there, first[there]
+    positions = np.flatnonzero(rim[rows, first] > -np.inf)
+    yield positions, first[positions]
     wide = np.pad(rim, ((0, 0), (1, 1)), constant_values=-np.inf)
     others = np.where((rim > wide[:, :-2] + SUMMIT_RISE_RAD) & (rim > wide[:, 2:] + SUMMIT_RISE_RAD), rim, -np.inf)
     others[rows, first] = -np.inf
     second = others.argmax(axis=1)
-    there = np.flatnonzero(others[rows, second] > -np.inf)
-    if there.size:
-        yield there, second[there]
+    positions = np.flatnonzero(others[rows, second] > -np.inf)
+    if positions.size:
+        yield positions, second[positions]
 
 
 def _largest_beside(values: Array) -> Array:
@@ -769,23 +772,27 @@ def _small_overlaps(pair: Pair, nodes: _Nodes, phi1: Array, field: _Field) -> _L
     Each cell that may hold an overlap is divided CELL_DIVISIONS times; cells whose parts cannot overlap are dropped.
     """
     cells = field.unsampled_cells
-    place, own, steps = (
+    corners, numbers, steps = (
         np.stack((cells.i, cells.j), axis=-1).astype(float),
         np.arange(len(cells.position)),
         np.linspace(0.0, 1.0, CELL_PARTS + 1),
     )
     for _ in range(CELL_DIVISIONS):
-        if not own.size:
+        if not numbers.size:
             break
-        ways = np.stack(np.meshgrid(steps, steps, indexing="ij"), axis=-1)
-        lattice = place[:, None, None] + ways
-        position = cells.position[own]
-        parameters = nodes.parameters(np.repeat(position, ways[..., 0].size), lattice.reshape(-1, 2))
-        seen = _advances_at(pair, phi1, nodes.index[position], parameters.reshape(len(own), -1, 2))
+        offsets = np.stack(np.meshgrid(steps, steps, indexing="ij"), axis=-1)
+        lattice = corners[:, None, None] + offsets
+        position = cells.position[numbers]
+        parameters = nodes.parameters(np.repeat(position, offsets[..., 0].size), lattice.reshape(-1, 2))
+        seen = _advances_at(pair, phi1, nodes.index[position], parameters.reshape(len(numbers), -1, 2))
         shape = lattice.shape[:3]
         closer = _overlapping(seen.advance.reshape(shape), seen.beyond.reshape(4, *shape), ())
-        place, own, steps = lattice[closer.position, closer.i, closer.j], own[closer.position], steps / CELL_PARTS
-    return cells[np.unique(own)].nearest()
+        corners, numbers, steps = (
+            lattice[closer.position, closer.i, closer.j],
+            numbers[closer.position],
+            steps / CELL_PARTS,
+        )
+    return cells[np.unique(numbers)].nearest()
 
 
 def _overlapping(advance: Array, beyond: Array, crossed: Sequence[str], station: Array | None = None) -> _LatticeCells:
@@ -802,17 +809,17 @@ def _overlapping(advance: Array, beyond: Array, crossed: Sequence[str], station:
         return pairs[:, :, :-1] | pairs[:, :, 1:]
 
     # a cell needs a node inside every limit, and also a node outside for each edge that runs through it
-    there = any_of(np.isfinite(advance))
+    possible = any_of(np.isfinite(advance))
     over = [(limit, name in crossed) for limit, name in zip(beyond, FLANK_LIMITS, strict=True)]
     for limit, edge in [*over, *([] if station is None else [(station, True)])]:
-        there &= any_of(limit <= 0.0)
+        possible &= any_of(limit <= 0.0)
         if edge:
-            there &= any_of(limit > 0.0)
-    position, i, j = np.nonzero(there)
+            possible &= any_of(limit > 0.0)
+    position, i, j = np.nonzero(possible)
     apart = np.zeros(len(position))
     for limit, edge in [*over, *([] if station is None else [(station, True)])]:
-        own = np.mean([limit[position, i + k, j + m] for k in (0, 1) for m in (0, 1)], axis=0)
-        apart += np.abs(own) if edge else np.maximum(own, 0.0)
+        distance = np.mean([limit[position, i + k, j + m] for k in (0, 1) for m in (0, 1)], axis=0)
+        apart += np.abs(distance) if edge else np.maximum(distance, 0.0)
     return _LatticeCells(position, i, j, apart, advance)
 
 
@@ -871,8 +878,8 @@ def _best_crossing(
     position, i, j, value = (np.concatenate(column) for column in zip(*crossings, strict=True))
     # the greatest advance of each position, the first of equal ones
     order = np.lexsort((-value, position))
-    own = order[np.diff(position[order], prepend=-1) > 0]
-    return position[own], i[own], j[own], value[own]
+    best = order[np.diff(position[order], prepend=-1) > 0]
+    return position[best], i[best], j[best], value[best]
 
 
 def _starts(pair: Pair, parameters: Array, phi1: Array, position: NDArray[np.intp], value: Array) -> Array:
@@ -883,11 +890,10 @@ def _starts(pair: Pair, parameters: Array, phi1: Array, position: NDArray[np.int
     x = np.empty((len(position), 5))
     x[:, :2] = parameters
     jet = pair.pinion.surface.jet(x[:, 0], x[:, 1])
-    there = advances(pair, phi1, jet.r[:, None], jet.n[:, None], position)
-    x[:, 2:4] = pair.gear.heights.parameters_at(there.rho[:, 0], there.z[:, 0])
+    seen = advances(pair, phi1, jet.r[:, None], jet.n[:, None], position)
+    x[:, 2:4] = pair.gear.heights.parameters_at(seen.rho[:, 0], seen.z[:, 0])
     x[:, 4] = (
-        pair.drive * np.where(np.isfinite(there.advance[:, 0]), there.advance[:, 0], value)
-        + pair.ratio * phi1[position]
+        pair.drive * np.where(np.isfinite(seen.advance[:, 0]), seen.advance[:, 0], value) + pair.ratio * phi1[position]
     )
     return x
 

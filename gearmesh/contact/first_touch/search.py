@@ -69,24 +69,29 @@ def _climb(
     # steps in eight directions over the pinion's parameters
     steps = FIRST_STEP * np.ptp(pair.pinion.grid.reshape(-1, 2), axis=0)
     size, climbs = np.ones(len(position)), np.zeros(len(position), dtype=np.intp)
-    ways = np.array([(a, b) for a in (-1.0, 0.0, 1.0) for b in (-1.0, 0.0, 1.0) if (a, b) != (0.0, 0.0)])
+    directions = np.array([(a, b) for a in (-1.0, 0.0, 1.0) for b in (-1.0, 0.0, 1.0) if (a, b) != (0.0, 0.0)])
     while (going := np.flatnonzero((size > LEAST_STEP) & (climbs < MAX_CLIMBS))).size:
         # try several shrinking steps at once while positions are few; the largest step that rises counts
-        count = max(1, min(MAX_STEP_SIZES, MAX_TRIED_PLACES // (len(ways) * going.size)))
+        count = max(1, min(MAX_STEP_SIZES, MAX_TRIED_PLACES // (len(directions) * going.size)))
         sizes = np.multiply.accumulate(
             np.insert(np.full((going.size, count), STEP_SHRINKAGE), 0, size[going], axis=1), axis=1
         )
-        start = np.repeat(x[going], count * len(ways), axis=0)
-        start[:, :2] += (sizes[:, :-1, None, None] * ways * steps).reshape(-1, 2)
-        tried, own = circle_contacts(pair, conditions, np.repeat(position[going], count * len(ways)), start)
-        own, tried = own.reshape(-1, count, len(ways)), tried.reshape(-1, count, len(ways), 5)
-        higher = own.max(axis=2) > advance[going, None]
+        start = np.repeat(x[going], count * len(directions), axis=0)
+        start[:, :2] += (sizes[:, :-1, None, None] * directions * steps).reshape(-1, 2)
+        tried, tried_advances = circle_contacts(
+            pair, conditions, np.repeat(position[going], count * len(directions)), start
+        )
+        tried_advances, tried = (
+            tried_advances.reshape(-1, count, len(directions)),
+            tried.reshape(-1, count, len(directions), 5),
+        )
+        higher = tried_advances.max(axis=2) > advance[going, None]
         higher &= (sizes[:, :-1] > LEAST_STEP) & (climbs[going, None] + np.arange(count) < MAX_CLIMBS)
-        rises, first, every = higher.any(axis=1), higher.argmax(axis=1), np.arange(going.size)
-        best = own[every, first].argmax(axis=1)
+        rises, first, rows = higher.any(axis=1), higher.argmax(axis=1), np.arange(going.size)
+        best = tried_advances[rows, first].argmax(axis=1)
         up = going[rises]
-        x[up], advance[up] = tried[every, first, best][rises], own[every, first, best][rises]
-        size[going] = np.where(rises, sizes[every, first], sizes[:, -1])
+        x[up], advance[up] = tried[rows, first, best][rises], tried_advances[rows, first, best][rises]
+        size[going] = np.where(rises, sizes[rows, first], sizes[:, -1])
         climbs[going] += np.where(rises, first + 1, count)
     return x, advance
 
