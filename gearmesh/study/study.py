@@ -308,7 +308,7 @@ def run_study(
         "rows": len(plan),
         "digest": plan.digest,
         "record": list(work.names),
-        "chunk": work.chunk,
+        "chunk": work.chunk_rows(len(plan)),
         **({"torque_nm": work.torque} if work.torque else {}),
     }
     store = StudyStore(None if folder is None else Path(folder), json.loads(json.dumps(spec, default=str)))
@@ -489,7 +489,7 @@ def _work(
     """Compute all chunks that are not done yet."""
     from gearmesh.study import runners
 
-    size = work.chunk
+    size = work.chunk_rows(len(plan))
     count = -(-len(plan) // size)
     left = [number for number in range(count) if number not in store.chunks]
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from oracles.built import pair_of
 from oracles.places import SAMPLES
 
@@ -13,12 +14,14 @@ from gearmesh.check.members import roll_flanks, roll_members
 from gearmesh.contact.assemblies import many_assemblies
 from gearmesh.contact.engagement.cycle import mesh_cycle
 from gearmesh.contact.engagement.engagement import whole_engagement
+from gearmesh.contact.first_touch import field
 from gearmesh.contact.first_touch.first_touch import touches
 from gearmesh.contact.flanks import solver_pair
+from gearmesh.contact.pair import Pair
 from gearmesh.contact.tca import contact_path
 from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import ARCSEC, rotation_about
+from gearmesh.kernel.numeric.algebra import ARCSEC, Array, rotation_about
 from gearmesh.systems.designs import load
 from gearmesh.teeth.gear_train import GearPair
 
@@ -119,6 +122,34 @@ def test_an_edge_ahead_of_a_summit_is_found_among_many_assemblies() -> None:
     single = many_assemblies(pair, (alone[0], alone[1]), phi1[1:2])
     assert together.edges[16 * 21 + 1].tolist() == single.edges[0].tolist() == [1, -1]
     assert together.advance[16 * 21 + 1] == pytest.approx(single.advance[0], abs=1e-12)
+
+
+def test_fillets_and_tip_edges_are_sampled_near_contact_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Internal pair off its place, with contact on fillets in a few positions: contact as if sampled everywhere."""
+    pair, rng, count = solver_pair(sample("internal")), np.random.default_rng(2), 10
+    tilts = rotation_about("x", rng.normal(scale=0.001, size=count))
+    placed = [pair.pinion.mount.base, replace(pair.gear.mount.base, rotation=tilts @ pair.gear.mount.base.rotation)]
+    moved = [
+        Rigid(np.broadcast_to(base.rotation, (count, 3, 3)), base.translation + rng.normal(scale=0.1, size=(count, 3)))
+        for base in placed
+    ]
+    phi1 = np.linspace(-1.3, 1.3, 7) * pair.pitch
+    flanks, of_points, sampled = (pair.pinion.surface, pair.gear.surface), field.advances, [0]
+
+    def counted(pair: Pair, phi1: Array, r: Array, n: Array, index: NDArray[np.intp]) -> field.Advances:
+        alone = pair.pinion.surface is flanks[0] and pair.gear.surface is flanks[1]
+        sampled[-1] += 0 if alone else r.shape[-2] * len(index)
+        return of_points(pair, phi1, r, n, index)
+
+    monkeypatch.setattr(field, "advances", counted)
+    near = many_assemblies(pair, (moved[0], moved[1]), phi1)
+    monkeypatch.setattr(field, "_ahead", lambda pair, phi1, nodes, floor: np.arange(len(nodes.index)))
+    sampled.append(0)
+    everywhere = many_assemblies(pair, (moved[0], moved[1]), phi1)
+    assert set(near.part) > {0}
+    np.testing.assert_array_equal(near.part, everywhere.part)
+    np.testing.assert_allclose(near.advance, everywhere.advance, rtol=0, atol=1e-12)
+    assert sampled[0] < 0.57 * sampled[1]
 
 
 def test_a_pair_whose_drive_is_wrong_is_found_out() -> None:

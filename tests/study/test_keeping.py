@@ -11,12 +11,14 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 from oracles.command_line import refused, run
 from oracles.places import ROOT, SAMPLES
 
 import gearmesh as gm
 from gearmesh.errors import OutputError
+from gearmesh.study.rows import work as work_module
 
 CROSSED = SAMPLES / "beveloid_crossed.toml"
 #: 250 rows in 5 chunks
@@ -122,6 +124,20 @@ def test_killed_it_goes_on_where_it_was(whole: Path, tmp_path: Path) -> None:
     )
     assert run(*WORDS, "--workers", "1", "-o", out)[0] == 0
     assert (out / "study.csv").read_bytes() == (whole / "study.csv").read_bytes()
+
+
+def test_rows_are_the_same_in_chunks_of_any_size(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A thousand rows go in chunks of more than fifty, a hundred thousand in chunks of two hundred."""
+    gears = gm.build(gm.load(CROSSED))
+    tolerance = {"assembly.dx": "normal:0:20um", "assembly.gamma_h": "uniform:-0.05:0.05"}
+    together = gears.study(sample=30, seed=3, tolerance=tolerance, record="path", workers=1)
+    work = together._work
+    assert [work.chunk_rows(rows) for rows in (30, 1_600, 100_000)] == [50, 100, 200]
+    monkeypatch.setattr(work_module, "MIN_BATCHED_ROWS", 7)
+    apart = gears.study(sample=30, seed=3, tolerance=tolerance, record="path", workers=1)
+    for name, values in together.columns.items():
+        if isinstance(values[0], float):
+            np.testing.assert_allclose(apart.columns[name], values, rtol=1e-11, atol=1e-11)
 
 
 @pytest.mark.sweep

@@ -13,8 +13,9 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.contact.conditions.edge_places import EdgePlaces, TriedPlaces, places_beyond, places_upwards
 from gearmesh.contact.conditions.meshing import Conditions, Touch
-from gearmesh.contact.pair import EDGE_CORNER, IS_TIP_CORNER, NUMBERED_EDGES, Pair
+from gearmesh.contact.pair import EDGE_CORNER, NUMBERED_EDGES, Pair
 from gearmesh.errors import Status
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, turn, unit
@@ -34,8 +35,6 @@ MIN_RISE = 1e-12
 CORNER_STEP_MM = 1e-6
 #: difference of normals that is rounding
 NORMAL_ROUNDING = 1e-8
-#: mark of an edge that is solved for from its crossing with edge k: ALONG_EDGE - k
-ALONG_EDGE = -2
 #: rounds of new places: two edges cross, and a third edge may replace one of them
 REFINING_ROUNDS = 4
 #: evaluations of the conditions in a round
@@ -214,7 +213,7 @@ def refine_candidates(
     near places inside the flanks, from their positions (M,) and unknowns (M, 5). It is called for places that were not found in the
     first round and may be ahead. The given trials hold their own results afterwards, not the results of new places.
     """
-    tried: set[tuple[int, int, int]] = set()
+    tried = TriedPlaces()
     begun = trial
     begun.first[:] = np.arange(len(begun.position))
     for _ in range(REFINING_ROUNDS):
@@ -418,83 +417,41 @@ def shape(pair: Pair, touch: Touch) -> tuple[NDArray[np.bool_], NDArray[np.bool_
     return ellipse.line, ellipse.crossing
 
 
-def _next(pair: Pair, phi1: Array, trial: Trial, contacts: Contacts, tried: set[tuple[int, int, int]] | None) -> Trial:
+def _next(pair: Pair, phi1: Array, trial: Trial, contacts: Contacts, tried: TriedPlaces | None) -> Trial:
     """Return the trials of the next round: new places on edges, and places that are not solved yet.
 
     A place beyond an edge, or without a solution, that may still be ahead leads to this edge alone, and to its crossing with the
     edge of the place. The crossing is nearer to the start of the place than to its end. Places in `tried` are not repeated; None
     stands for no edges.
     """
-    spawned: list[tuple[int, Array, int, int, float]] = []
     leading = trial.most >= contacts.advance[trial.position]
     unsolved = np.flatnonzero((trial.goes > 0) & leading)
+    new = unsolved[:0]
+    x, edges = trial.x[new], trial.edges[new]
     if tried is not None:
         # a contact that is already ahead may be followed upwards, even beyond the advance that was expected there
         advance = np.where(trial.good, advances_of(pair, phi1, trial.x, trial.position), -np.inf)
         ahead = trial.rises & (advance >= contacts.advance[trial.position] - EQUAL_ADVANCE_RAD)
         trial.most = np.where(ahead, np.maximum(trial.most, advance), trial.most)
-        spawned = _edges_next(pair, trial, leading | ahead, tried)
-    count = len(spawned)
-    position = np.array([place[0] for place in spawned], dtype=np.intp)
-    x = np.array([place[1] for place in spawned]).reshape(count, 5)
-    edges = np.array([place[2:4] for place in spawned], dtype=np.intp).reshape(count, 2)
+        leading |= ahead
+        alone = np.flatnonzero(~np.isnan(trial.beyond[:, 0]) & (trial.edges[:, 1] < 0))
+        tried.add(trial.position[alone], trial.edges[alone, 0], np.full(alone.size, -1))
+        places = EdgePlaces.together(
+            [
+                places_upwards(np.flatnonzero(trial.rises & leading), trial.edges),
+                places_beyond(pair, np.flatnonzero(~trial.good & leading), trial.edges, trial.beyond > EDGE_SLACK),
+            ]
+        )
+        places = places[tried.add(trial.position[places.origin], places.edges[:, 0], places.mark)]
+        new, edges = places.origin, places.edges
+        x = np.where(places.from_start[:, None], trial.start[new], trial.x[new])
+    count = len(new)
     following = Trial.of(
-        np.concatenate((position, trial.position[unsolved])),
+        np.concatenate((trial.position[new], trial.position[unsolved])),
         np.concatenate((x, trial.x[unsolved])),
         np.concatenate((edges, trial.edges[unsolved])),
     )
-    following.most = np.concatenate(([place[4] for place in spawned], trial.most[unsolved]))
+    following.most = np.concatenate((trial.most[new], trial.most[unsolved]))
     following.goes[count:], following.start[count:] = trial.goes[unsolved], trial.start[unsolved]
     following.first[count:] = trial.first[unsolved]
     return following
-
-
-def _edges_next(
-    pair: Pair, trial: Trial, leading: NDArray[np.bool_], tried: set[tuple[int, int, int]]
-) -> list[tuple[int, Array, int, int, float]]:
-    """Return new places on edges: position, start, two edges (-1 for none) and greatest possible advance of each."""
-    spawned: list[tuple[int, Array, int, int, float]] = []
-    # lists of Python numbers: single rows of arrays take ten times as long
-    position, edges, most = trial.position.tolist(), trial.edges.tolist(), trial.most.tolist()
-    outside, smooth = (trial.beyond > EDGE_SLACK).tolist(), pair.smooth.tolist()
-
-    def spawn(k: int, x: Array, first: int, second: int, mark: int) -> None:
-        key = (position[k], first, mark)
-        if key not in tried:
-            tried.add(key)
-            spawned.append((position[k], x, first, second, most[k]))
-
-    for k in np.flatnonzero(~np.isnan(trial.beyond[:, 0]) & (trial.edges[:, 1] < 0)).tolist():
-        tried.add((position[k], edges[k][0], -1))
-    for k in np.flatnonzero(trial.rises & leading).tolist():
-        own, crossed = edges[k]
-        # go inwards from an edge, and from a crossing along both edges; an edge may be solved for again from another place, because
-        # the advance may have several maxima along it
-        ways = ((-1, own),) if crossed < 0 else ((own, ALONG_EDGE - crossed), (crossed, ALONG_EDGE - own))
-        for edge, mark in ways[: 1 if crossed >= 0 and IS_TIP_CORNER[crossed] else 2]:
-            spawn(k, trial.x[k], edge, -1, mark)
-    for k in np.flatnonzero(~trial.good & leading).tolist():
-        first, second = edges[k]
-        x = trial.x[k] if second >= 0 else trial.start[k]
-        over = [number for number, out in enumerate(outside[k]) if out]
-        if second < 0:
-            # the edge beyond which the place lies, alone
-            for other in over:
-                if not smooth[other]:
-                    spawn(k, trial.x[k], other, -1, -1)
-        if first < 0:
-            continue
-        if second < 0:
-            # the tooth continues beyond a smooth end, unless the edge of the place is a smooth end too
-            others = [number for number in over if smooth[first] or not smooth[number]]
-            if not others:
-                others = [number for number in pair.edges if smooth[first] or not smooth[number]]
-            pairs = [(first, other) for other in others if other != first]
-            pairs += [corner for corner in pair.tip_corners if corner[0] == first]
-        elif IS_TIP_CORNER[second]:
-            pairs = []
-        else:
-            pairs = [(edge, other) for other in over if other not in (first, second) for edge in (first, second)]
-        for a, b in pairs:
-            spawn(k, x, min(a, b), max(a, b), max(a, b))
-    return spawned

@@ -131,22 +131,16 @@ def candidates(
     - `finer`: sample a grid of half the steps, which has all nodes of the coarse grid
     - `floor`: advances (N,), rad; positions where no advance can exceed them have no candidates
     """
-    count = len(phi1) if only is None else len(only)
-    best, gain, _ = _nothing_seen(count)
-    top, parts = np.full(count, -1), [Candidates.nothing()]
-    for rows, nodes in _batches(pair, phi1, only, finer=finer):
-        if floor is not None:
-            near = np.flatnonzero(_near(_beyond(pair, phi1, nodes), nodes.shape).any(axis=(1, 2)))
-            rows, nodes = rows[near], nodes.some(near)
-        if not rows.size:
-            continue
-        seen = advances(pair, phi1, nodes.r, nodes.n, nodes.index)
-        if floor is not None:
-            rows, nodes, seen = _worth(pair, rows, nodes, seen, floor)
-        if not rows.size:
-            continue
-        part = _candidates(pair, nodes, seen, phi1, trimmed)
-        before = sum(len(earlier.position) for earlier in parts)
+    every = np.arange(len(phi1)) if only is None else only
+    best, gain, _ = _nothing_seen(len(every))
+    top, parts = np.full(len(every), -1), [Candidates.nothing()]
+    worth = np.arange(len(every))
+    if floor is not None:
+        ahead = [rows[_ahead(pair, phi1, nodes, floor)] for rows, nodes in _batches(pair, phi1, every, finer=finer)]
+        worth = np.concatenate([worth[:0], *ahead])
+    for kept, nodes in _batches(pair, phi1, every[worth], finer=finer):
+        part = _candidates(pair, nodes, phi1, trimmed)
+        rows, before = worth[kept], sum(len(earlier.position) for earlier in parts)
         best[rows], gain[rows], top[rows] = part.best, part.gain, np.where(part.top < 0, -1, part.top + before)
         parts.append(part)
     position, x, edges, most = (
@@ -155,14 +149,20 @@ def candidates(
     return Candidates(position, x, edges, most, best, gain, top)
 
 
-def _worth(
-    pair: Pair, rows: NDArray[np.intp], nodes: _Nodes, seen: Advances, floor: Array
-) -> tuple[NDArray[np.intp], _Nodes, Advances]:
-    """Return the rows (N,), nodes and advances of the positions where the advance may exceed the `floor`, rad."""
-    if pair.tip_corners:
-        return rows, nodes, seen
+def _ahead(pair: Pair, phi1: Array, nodes: _Nodes, floor: Array) -> NDArray[np.intp]:
+    """Return the positions of nodes, by their places (K,) in `index`, where advances may be above the `floor` (N,), rad."""
+    near = _near(_beyond(pair, phi1, nodes), nodes.shape)
+    there = np.flatnonzero(near.any(axis=(1, 2)))
+    if pair.tip_corners or not there.size:
+        return there
+    # nothing farther from contact is read: bends are those of a node and its neighbours
+    window = _window(near, NEIGHBOUR_NODES + 2)
+    nodes, near = nodes.some(there).window(*window), near[there][:, *window]
+    seen = advances(pair, phi1, nodes.r, nodes.n, nodes.index)
+    if pair.gear.mount.eccentricity != (0.0, 0.0):
+        near = _near(seen.beyond, nodes.shape)
+    near &= np.isfinite(seen.advance).reshape(near.shape)
     # upper bound of the advance: the greatest sample, the rise between samples, corners of the gear's flank between nodes
-    near = _near(seen.beyond, nodes.shape) & np.isfinite(seen.advance).reshape(-1, *nodes.shape)
     field = _Field.of(pair, nodes, seen, True)
     most = field.best + np.where(_wider(near, NEIGHBOUR_NODES + 1), field.bends, 0.0).max(axis=(1, 2))
     for cells in field.corners.values():
@@ -170,8 +170,15 @@ def _worth(
         place = np.stack((i, j), axis=-1)
         most[position] = np.maximum(most[position], value + _local_gain(field.bends, position, place, NEIGHBOUR_NODES))
     most[field.unsampled_cells.position] = np.inf
-    kept = np.flatnonzero(most > floor[nodes.index])
-    return rows[kept], nodes.some(kept), seen[kept]
+    kept: NDArray[np.intp] = there[most > floor[nodes.index]]
+    return kept
+
+
+def _window(near: NDArray[np.bool_], margin: int) -> tuple[slice, slice]:
+    """Return rows and columns of lattices (N, I, J) within so many steps of the nodes that are `near` at any position."""
+    rows, columns = (np.flatnonzero(near.any(axis=axes)) for axes in ((0, 2), (0, 1)))
+    first, second = (slice(max(0, own[0] - margin), own[-1] + margin + 1) for own in (rows, columns))
+    return first, second
 
 
 def _nothing_seen(count: int) -> tuple[Array, Array, NDArray[np.bool_]]:
@@ -232,6 +239,15 @@ class _Nodes:
     def at(self, index: NDArray[np.intp]) -> _Nodes:
         """Return the whole grid at other positions."""
         return replace(self, index=index, first=np.zeros(len(index), dtype=np.intp))
+
+    def window(self, rows: slice, columns: slice) -> _Nodes:
+        """Return the nodes of some rows and columns."""
+        r, n = (
+            vectors.reshape(*vectors.shape[:-2], *self.shape, 3)[..., rows, columns, :] for vectors in (self.r, self.n)
+        )
+        shape = r.shape[-3:-1]
+        r, n = (vectors.reshape(*vectors.shape[:-3], -1, 3) for vectors in (r, n))
+        return replace(self, grid=self.grid[rows], first=self.first + columns.start, shape=shape, r=r, n=n)
 
     def some(self, which: NDArray[np.intp]) -> _Nodes:
         """Return the nodes of some positions, by their places in `index`."""
@@ -302,10 +318,6 @@ class Advances:
     rho: Array
     #: heights (...,) of the circles in the gear's frame, mm
     z: Array
-
-    def __getitem__(self, which: NDArray[np.intp]) -> Advances:
-        """Return the points of some positions."""
-        return Advances(self.advance[which], self.beyond[:, which], self.rho[which], self.z[which])
 
 
 def _beyond(pair: Pair, phi1: Array, nodes: _Nodes) -> Array:
@@ -479,9 +491,10 @@ class _Field:
         return replace(cells, position=unseen[cells.position], advance=self.advance)
 
 
-def _candidates(pair: Pair, nodes: _Nodes, seen: Advances, phi1: Array, trimmed: bool) -> Candidates:
+def _candidates(pair: Pair, nodes: _Nodes, phi1: Array, trimmed: bool) -> Candidates:
     """Return the maxima of sampled advances: inside both flanks, along edges, and in cells with an overlap between nodes."""
-    field, index = _Field.of(pair, nodes, seen, trimmed), nodes.index
+    index = nodes.index
+    field = _Field.of(pair, nodes, advances(pair, phi1, nodes.r, nodes.n, index), trimmed)
     on, best, gain = field.on, field.best, field.gain
     shape = on.shape
     places: list[tuple[NDArray[np.intp], Array, NDArray[np.intp], Array, Array]] = []

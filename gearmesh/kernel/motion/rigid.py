@@ -120,11 +120,12 @@ class Rigid:
         >>> len(gm.Rigid.about_z(0.1).vectors(x, y))
         2
         """
-        together = np.empty((*vectors[0].shape[:-1], len(vectors), 3))
+        # vectors as columns: products take half the time of those with transposed rotations
+        together = np.empty((*vectors[0].shape, len(vectors)))
         for k, vector in enumerate(vectors):
-            together[..., k, :] = vector
-        turned = together @ self.rotation.swapaxes(-1, -2)
-        return tuple(turned[..., k, :] for k in range(len(vectors)))
+            together[..., k] = vector
+        turned = self.rotation @ together
+        return tuple(turned[..., k] for k in range(len(vectors)))
 
     def __matmul__(self, other: Rigid) -> Rigid:
         """Return the product: `a_to_b @ c_to_a` is c_to_b."""

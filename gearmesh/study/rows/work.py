@@ -59,8 +59,12 @@ CONTACT_GROUPS = ("path", "cycle", "fit")
 TURNS_GROUP = "turns"
 #: group of figures under load, which needs torques
 LOAD_GROUP = "load"
-#: rows of a chunk whose rows are computed in one batch
-BATCHED_CHUNK_ROWS = 50
+#: fewest rows of a chunk whose rows are computed in one batch
+MIN_BATCHED_ROWS = 50
+#: most rows of such a chunk: larger chunks take less time per row, more chunks keep workers busy
+MAX_BATCHED_ROWS = 200
+#: fewest chunks of a study with larger chunks
+MIN_BATCHED_CHUNKS = 16
 #: rows of any other chunk
 SINGLE_CHUNK_ROWS = 4
 #: pitches that are added to the engagement at both ends, because errors shift it
@@ -114,10 +118,11 @@ class StudyWork:
         """Return the values of `names` of each row, None where there is no value, and last the reason."""
         return [[*(_value(figures, name) for name in self.names), reason] for figures, reason in self.figures(rows)]
 
-    @property
-    def chunk(self) -> int:
-        """Number of rows that are computed together."""
-        return BATCHED_CHUNK_ROWS if self.groups == ("path",) and self._moving else SINGLE_CHUNK_ROWS
+    def chunk_rows(self, rows: int) -> int:
+        """Return the number of rows that are computed together in a study of so many `rows`."""
+        if self.groups != ("path",) or not self._moving:
+            return SINGLE_CHUNK_ROWS
+        return min(max(rows // MIN_BATCHED_CHUNKS, MIN_BATCHED_ROWS), MAX_BATCHED_ROWS)
 
     @property
     def kind(self) -> str:
