@@ -102,11 +102,12 @@ class _Instances:
 
     def add(self, number: int, value: str) -> None:
         """Add an instance; the lines of its value may be broken."""
-        quoted = "'" in value.replace("''", "")
-        if "\n" in value:
+        broken, refers = "\n" in value, "#" in value
+        quoted = (broken or refers) and "'" in value.replace("''", "")
+        if broken:
             value = _FOLD_PATTERN.sub("", value) if not quoted else _STRING_OR_FOLD.sub(_unfold, value)
         self.kinds[value[: value.index("(", 1)]].append(number)
-        if "#" not in value:
+        if not refers:
             self.plain[number] = value
         elif not quoted:
             parts = _REFERENCE_PATTERN.split(value)
@@ -183,8 +184,12 @@ def _put_on_grid(instances: _Instances) -> None:
         (on_surfaces, PARAMETER_STEPS_PER_UNIT),
         (beside, STEPS_PER_UNIT),
     ):
-        joined = reals_on_grid(_INSTANCE_MARK.join(plain[number] for number in numbers), per_unit)
-        plain.update(zip(numbers, joined.split(_INSTANCE_MARK), strict=False))
+        # every second point is a repetition
+        texts = [plain[number] for number in numbers]
+        different = dict.fromkeys(texts, "")
+        joined = reals_on_grid(_INSTANCE_MARK.join(different), per_unit)
+        different.update(zip(different, joined.split(_INSTANCE_MARK), strict=False))
+        plain.update(zip(numbers, map(different.__getitem__, texts), strict=True))
     compound = [instances.compound[number] for number in others if number in instances.compound]
     joined = reals_on_grid(_INSTANCE_MARK.join(_PIECE_MARK.join(value.text) for value in compound), STEPS_PER_UNIT)
     for value, text in zip(compound, joined.split(_INSTANCE_MARK), strict=False):

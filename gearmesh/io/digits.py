@@ -33,15 +33,16 @@ def reals_on_grid(text: str, per_unit: float) -> str:
     """Return the text of a STEP file with all reals on a grid of `per_unit` steps per unit, in the fewest digits."""
     pieces = _STEP_REAL.split(text)
     values = np.array(list(map(float, pieces[1::2])))
-    pieces[1::2] = map(_real, on_grid(values, per_unit).tolist())
+    # always with a point, and with a capital E [ISO 10303-21]
+    pieces[1::2] = [
+        _with_exponent(digits) if "e" in digits else digits[:-1] if digits.endswith(".0") else digits
+        for digits in map(repr, on_grid(values, per_unit).tolist())
+    ]
     return "".join(pieces)
 
 
-def _real(value: float) -> str:
-    """Return a real as ISO 10303-21 writes it: always with a point, and with a capital E."""
-    digits = repr(value)
-    if "e" not in digits:
-        return digits.removesuffix("0") if digits.endswith(".0") else digits
+def _with_exponent(digits: str) -> str:
+    """Return the digits of a real with an exponent as ISO 10303-21 writes it."""
     digits, _, exponent = digits.partition("e")
     return f"{digits if '.' in digits else f'{digits}.'}E{exponent}"
 
