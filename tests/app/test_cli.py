@@ -646,7 +646,9 @@ def test_the_short_list_has_the_keys_that_samples_set() -> None:
 
 @pytest.mark.quick
 @pytest.mark.parametrize("kind", kinds())
-def test_describe_is_short_and_says_how_much_it_leaves_out(kind: str) -> None:
+def test_describe_is_short_and_says_how_much_it_leaves_out(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    # pytest-xdist sets it for its workers
+    monkeypatch.delenv("COLUMNS", raising=False)
     design = system(kind).design
     usual, every = design.usual_keys(), [line.key for line in design.key_lines()]
     status, out, _ = run("describe", kind)
@@ -665,7 +667,8 @@ def test_describe_is_short_and_says_how_much_it_leaves_out(kind: str) -> None:
 
 
 @pytest.mark.quick
-def test_describe_shows_one_table() -> None:
+def test_describe_shows_one_table(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("COLUMNS", raising=False)
     status, out, _ = run("describe", "cylindrical", "pinion.keyway")
     assert (status, out.splitlines()[0]) == (0, 'kind = "cylindrical"')
     assert [line.split()[0] for line in out.splitlines()[1:]] == [
