@@ -97,63 +97,20 @@ class Figure:
     def item(self, k: int) -> Figure:
         """Return one number of a figure that is a list.
 
-        Parameters
-        ----------
-        k : int
-            Position, from 1.
-
-        Returns
-        -------
-        Figure
-            With the number in its key.
-
-        Examples
-        --------
-        >>> harmonics = gears.contact().summary.entry("mesh_te_harmonics_arcsec").figure
-        >>> harmonics.item(2).key
-        'mesh_te_harmonic_2_arcsec'
+        `k`: position, from 1.
         """
         return replace(
             self, key=f"{self.singular or self.stem}_{k}{KEY_ENDINGS[self.unit]}", meaning=f"{self.meaning}, number {k}"
         )
 
     def of(self, member: str) -> Figure:
-        """Return the figure of a member.
-
-        Parameters
-        ----------
-        member : str
-            Name in the place of {member} in the key.
-
-        Returns
-        -------
-        Figure
-            With the name in its key.
-
-        Examples
-        --------
-        >>> gm.Figure("tip_clearance_{member}_mm", "mm", "c", "tip clearance").of("gear").key
-        'tip_clearance_gear_mm'
-        """
+        """Return the figure of a member."""
         return replace(self, key=self.key.replace(MEMBER_PLACE, member))
 
     def in_um(self, um: str = "um") -> Figure:
         """The same along the travel of a gear that slides, as a rack does.
 
-        Parameters
-        ----------
-        um : str
-            Unit that takes the place of arcsec.
-
-        Returns
-        -------
-        Figure
-            With the other unit in its key.
-
-        Examples
-        --------
-        >>> gm.Figure("te_arcsec", "arcsec", "TE", "transmission error").in_um().key
-        'te_um'
+        `um`: unit that takes the place of arcsec.
         """
         return replace(
             self, key=f"{self.stem}{KEY_ENDINGS[um]}", unit=um, meaning=f"{self.meaning}, along the travel of the rack"

@@ -32,24 +32,8 @@ class MemberNames:
     def pair_number(self, which: int | str) -> int:
         """The number of a pair.
 
-        Parameters
-        ----------
-        which : int or str
-            The number itself, or the members' names in either order, as "sun-planet_1".
-
-        Returns
-        -------
-        int
-
-        Raises
-        ------
-        DesignError
-            For another, and where no members mesh.
-
-        Examples
-        --------
-        >>> gears.names.pair_number("gear-pinion")
-        0
+        `which`: the number itself, or the members' names in either order, as "sun-planet_1". Raises DesignError for
+        another, and where no members mesh.
         """
         if not self.pairs:
             raise self._without_pair()
@@ -66,19 +50,7 @@ class MemberNames:
     def refuse_other_member(self, name: str) -> None:
         """Refuse the name of a member that there is not.
 
-        Parameters
-        ----------
-        name : str
-            As "pinion".
-
-        Raises
-        ------
-        ArgumentError
-            With the names that there are.
-
-        Examples
-        --------
-        >>> gears.names.refuse_other_member("pinion")
+        Raises ArgumentError with the names that there are.
         """
         if name not in self.members:
             raise ArgumentError("member", name, must_be=f"one of {', '.join(self.members)}")
@@ -86,22 +58,7 @@ class MemberNames:
     def needs_pair(self, argument: str, value: object) -> DesignError:
         """The refusal of an argument that needs members that mesh.
 
-        Parameters
-        ----------
-        argument : str
-            What it is called.
-        value : object
-            What was given.
-
-        Returns
-        -------
-        DesignError
-            To be raised.
-
-        Examples
-        --------
-        >>> print(gm.gear(18, module=2).names.needs_pair("cycle", True))
-        cycle = true: needs a mating gear: add the table [pinion]
+        `value`: what was given.
         """
         return ArgumentError(argument, value, reason="needs a mating gear", remedy=f"add the table [{self.lacking}]")
 

@@ -65,21 +65,7 @@ class Part:
     def move(self, place: Rigid) -> Part:
         """Return the part in another frame.
 
-        Parameters
-        ----------
-        place : Rigid
-            From its own frame to the other one.
-
-        Returns
-        -------
-        Part
-            Its shapes are shared, not copied.
-
-        Examples
-        --------
-        >>> part = gears.cad("pinion").made
-        >>> part.move(gm.Rigid.about_z(0.5)).name
-        'pinion'
+        `place`: from its own frame to the other one.
         """
         there = location(place)
         faces = tuple(replace(face, shape=face.shape.Moved(there)) for face in self.faces)

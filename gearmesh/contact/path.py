@@ -64,24 +64,8 @@ class ContactPath:
     def without(self, nothing: ContactPath, which: NDArray[np.bool_]) -> ContactPath:
         """Return the path with the values of another path at some positions.
 
-        Parameters
-        ----------
-        nothing : ContactPath
-            Path with as many positions; its rotations are ignored.
-        which : (P,) of bool
-            Positions with the values of `nothing`.
-
-        Returns
-        -------
-        ContactPath
-
-        Examples
-        --------
-        >>> path = gears.contact([-5.0, 0.0, 5.0]).path
-        >>> other = gears.contact([-6.0, 1.0, 6.0]).path
-        >>> mixed = path.without(other, np.array([True, False, False]))
-        >>> (mixed.phi2 == other.phi2).tolist(), (mixed.phi2 == path.phi2).tolist()
-        ([True, False, False], [False, True, True])
+        `nothing`: path with as many positions; its rotations are ignored. `which`: positions with the values of
+        `nothing`.
         """
         values: dict[str, Any] = {
             "lines": tuple(None if off else line for line, off in zip(self.lines, which, strict=True))

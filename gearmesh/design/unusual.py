@@ -16,23 +16,7 @@ LARGEST_MODULE_INCH = 3.0
 
 
 def unusual_settings(design: Design) -> tuple[str, ...]:
-    """Notes on what a design sets.
-
-    Parameters
-    ----------
-    design : Design
-        In its own units.
-
-    Returns
-    -------
-    tuple of str
-        One line each; the settings count as they are.
-
-    Examples
-    --------
-    >>> unusual_settings(design)
-    ()
-    """
+    """Notes on what a design sets."""
     return tuple(_notes(design))
 
 

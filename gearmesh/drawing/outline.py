@@ -40,22 +40,7 @@ class ToothRow:
     def on_ends(self, radii: tuple[float, float]) -> Array:
         """Return points on the end faces, at radii of the tooth.
 
-        Parameters
-        ----------
-        radii : tuple of two float
-            Radii of the points at toe and heel, mm.
-
-        Returns
-        -------
-        numpy.ndarray of float (2, 2)
-            z and radius of the points at toe and heel, mm.
-
-        Examples
-        --------
-        >>> tip, root = (np.array([[-5.0, rho], [5.0, rho]]) for rho in (20.0, 15.5))
-        >>> row = gm.ToothRow(tip, root, (tip, root))
-        >>> row.on_ends((18.0, 18.0))[:, 1].round(9).tolist()
-        [18.0, 18.0]
+        `radii`: radii of the points at toe and heel, mm. Result: z and radius of the points at toe and heel, mm.
         """
         ends = []
         for end, radius in zip((0, -1), radii, strict=True):

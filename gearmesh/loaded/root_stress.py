@@ -66,23 +66,7 @@ class RootStress:
     def join(pinion: RootStress, gear: RootStress) -> RootStress:
         """Return the stresses of both members as one record.
 
-        Parameters
-        ----------
-        pinion : RootStress
-            Arrays (M,) of the pinion.
-        gear : RootStress
-            Arrays (M,) of the gear.
-
-        Returns
-        -------
-        RootStress
-            Arrays (M, 2).
-
-        Examples
-        --------
-        >>> one = gm.RootStress(*(np.ones(3) for _ in range(5)))
-        >>> gm.RootStress.join(one, one).bending.shape
-        (3, 2)
+        `pinion`: arrays (M,) of the pinion. `gear`: arrays (M,) of the gear. Result: arrays (M, 2).
         """
         return RootStress(
             *(
@@ -94,25 +78,7 @@ class RootStress:
     def worst(self, values: Array, position: NDArray[np.intp], count: int) -> NDArray[np.intp]:
         """Return the tooth pair with the largest stress at each position.
 
-        Parameters
-        ----------
-        values : numpy.ndarray of float (M, 2)
-            Stresses of pinion and gear, MPa.
-        position : numpy.ndarray of int (M,)
-            Position of each pair.
-        count : int
-            Number P of positions.
-
-        Returns
-        -------
-        numpy.ndarray of int (P, 2)
-            Numbers of the pairs, of pinion and gear.
-
-        Examples
-        --------
-        >>> stress = gm.RootStress(*(np.ones((3, 2)) for _ in range(5)))
-        >>> stress.worst(np.array([[1.0, 3.0], [2.0, 1.0], [5.0, 5.0]]), np.array([0, 0, 1]), 2).tolist()
-        [[1, 0], [2, 2]]
+        `values`: stresses of pinion and gear, MPa. `count`: number P of positions.
         """
         known = np.nan_to_num(values, nan=-np.inf)
         order = [np.lexsort((member_values, position)) for member_values in known.T]

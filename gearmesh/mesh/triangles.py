@@ -149,51 +149,21 @@ class TriangleMesh:
     def corners(self) -> Array:
         """Return the corners of all triangles.
 
-        Returns
-        -------
-        ndarray, (T, 3, 3)
-            Triangle, corner, coordinate, mm.
-
-        Examples
-        --------
-        >>> gears.solid("pinion", 0.05).mesh.corners().shape[1:]
-        (3, 3)
+        Result: triangle, corner, coordinate, mm.
         """
         return self.vertices[self.triangles]
 
     def volume(self) -> float:
         """Return the enclosed volume, by the divergence theorem.
 
-        Returns
-        -------
-        float
-            mm^3, negative if inside out.
-
-        Examples
-        --------
-        >>> gears.solid("pinion", 0.05).mesh.volume() > 0.0
-        True
+        Result: mm^3, negative if inside out.
         """
         return enclosed_volume(self.corner_pieces())
 
     def round(self, rounding: Callable[[Array], Array]) -> TriangleMesh:
         """Return the mesh with rounded coordinates.
 
-        Parameters
-        ----------
-        rounding : callable
-            Function from coordinates (N, 3), mm, to rounded coordinates.
-
-        Returns
-        -------
-        TriangleMesh
-            Triangles and normals are the same.
-
-        Examples
-        --------
-        >>> mesh = gears.solid("pinion", 0.05).mesh
-        >>> bool(mesh.round(np.rint).vertices.max() == np.rint(mesh.vertices.max()))
-        True
+        `rounding`: function from coordinates (N, 3), mm, to rounded coordinates.
         """
         return replace(self, vertices=rounding(self.vertices))
 
@@ -210,92 +180,28 @@ class TriangleMesh:
     def vertex_pieces(self) -> Iterator[Array]:
         """Yield all vertices in order, in pieces.
 
-        Returns
-        -------
-        iterator of ndarray, (K, 3)
-            mm.
-
-        Examples
-        --------
-        >>> mesh = gears.solid("pinion", 0.05).mesh
-        >>> sum(map(len, mesh.vertex_pieces())) == mesh.vertex_count
-        True
+        Result: mm.
         """
         yield from pieces(self.vertices)
 
     def triangle_pieces(self, regions: Sequence[int] | None = None) -> Iterator[Index]:
-        """Yield the triangles of all or some regions in order, in pieces.
-
-        Parameters
-        ----------
-        regions : sequence of int, optional
-            Indices into `region_names`.
-
-        Returns
-        -------
-        iterator of ndarray, (K, 3)
-            Vertex indices.
-
-        Examples
-        --------
-        >>> mesh = gears.solid("pinion", 0.05).mesh
-        >>> sum(map(len, mesh.triangle_pieces())) == mesh.triangle_count
-        True
-        """
+        """Yield the triangles of all or some regions in order, in pieces."""
         yield from pieces(self.triangles if regions is None else self.triangles[np.isin(self.regions, regions)])
 
     def region_pieces(self) -> Iterator[NDArray[np.int32]]:
-        """Yield the regions of the triangles, in the pieces of `triangle_pieces`.
-
-        Returns
-        -------
-        iterator of ndarray, (K,)
-            Indices into `region_names`.
-
-        Examples
-        --------
-        >>> mesh = gears.solid("pinion", 0.05).mesh
-        >>> sum(map(len, mesh.region_pieces())) == mesh.triangle_count
-        True
-        """
+        """Yield the regions of the triangles, in the pieces of `triangle_pieces`."""
         yield from pieces(self.regions)
 
     def corner_pieces(self, regions: Sequence[int] | None = None) -> Iterator[Array]:
         """Yield the corners of the triangles of all or some regions, in the pieces of `triangle_pieces`.
 
-        Parameters
-        ----------
-        regions : sequence of int, optional
-            Indices into `region_names`.
-
-        Returns
-        -------
-        iterator of ndarray, (K, 3, 3)
-            Triangle, corner, coordinate, mm.
-
-        Examples
-        --------
-        >>> mesh = gears.solid("pinion", 0.05).mesh
-        >>> sum(map(len, mesh.corner_pieces())) == mesh.triangle_count
-        True
+        Result: triangle, corner, coordinate, mm.
         """
         for piece in self.triangle_pieces(regions):
             yield self.vertices[piece]
 
     def whole(self) -> TriangleMesh:
-        """Return the mesh itself; meshes in pieces return their arrays here.
-
-        Returns
-        -------
-        TriangleMesh
-            This mesh.
-
-        Examples
-        --------
-        >>> mesh = gears.solid("pinion", 0.05).mesh
-        >>> mesh.whole() is mesh
-        True
-        """
+        """Return the mesh itself; meshes in pieces return their arrays here."""
         return self
 
     @property
@@ -306,21 +212,7 @@ class TriangleMesh:
     def only(self, *names: str) -> TriangleMesh:
         """Return the part of the mesh in named regions.
 
-        Parameters
-        ----------
-        names : str
-            Names of regions.
-
-        Returns
-        -------
-        TriangleMesh
-            With the vertices of these regions alone.
-
-        Examples
-        --------
-        >>> mesh = gears.solid("pinion", 0.05).mesh
-        >>> len(mesh.only("flank_right").triangles) < len(mesh.triangles)
-        True
+        `names`: names of regions.
         """
         wanted = [i for i, name in enumerate(self.region_names) if name in names]
         keep = np.isin(self.regions, wanted)
@@ -336,21 +228,7 @@ class TriangleMesh:
     def move(self, transform: Rigid) -> TriangleMesh:
         """Return the mesh in another frame, which is called common.
 
-        Parameters
-        ----------
-        transform : Rigid
-            From the frame of the mesh to the other frame.
-
-        Returns
-        -------
-        TriangleMesh
-            Vertices and normals moved; its `frame` is "common".
-
-        Examples
-        --------
-        >>> mesh = gears.solid("pinion", 0.05).mesh
-        >>> mesh.move(gm.Rigid.about_z(0.5)).frame
-        'common'
+        `transform`: from the frame of the mesh to the other frame.
         """
         vertices, normals = transform.point(self.vertices), transform.vector(self.normals)
         return replace(self, vertices=vertices, normals=normals, frame="common")

@@ -43,22 +43,8 @@ class FlankDeviations(Protocol):
     def at(self, s: Array, t: Array) -> Array:
         """Return deviations at places on the nominal flank.
 
-        Parameters
-        ----------
-        s, t : ndarray
-            Shares (...,) of the way from form point (0) to tip (1) and from toe (0) to heel (1).
-
-        Returns
-        -------
-        ndarray
-            Deviations (...,), mm, > 0 outside of the nominal material; NaN where nothing was measured.
-
-        Examples
-        --------
-        >>> pinion = gm.build(gm.load("samples/hypoid_measured.toml")).evaluate("pinion")
-        >>> deviations = pinion.measured.flanks[gm.Side.RIGHT]
-        >>> bool(np.abs(deviations.at(np.array(0.5), np.array(0.5))) < 0.1)
-        True
+        `s, t`: shares (...,) of the way from form point (0) to tip (1) and from toe (0) to heel (1). Result:
+        deviations (...,), mm, > 0 outside of the nominal material; NaN where nothing was measured.
         """
 
 

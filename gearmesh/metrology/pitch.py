@@ -30,25 +30,8 @@ class PitchDeviations:
     def of_index(values: ArrayLike) -> PitchDeviations:
         """Return the pitch deviations with given index deviations.
 
-        Parameters
-        ----------
-        values : array_like
-            Index deviations (N,), mm, one for each tooth.
-
-        Returns
-        -------
-        PitchDeviations
-            Pitch deviations with these index deviations.
-
-        Raises
-        ------
-        ArgumentError
-            For values that are not finite numbers of two or more teeth.
-
-        Examples
-        --------
-        >>> round(gm.PitchDeviations.of_index([0.0, 0.004, 0.001]).cumulative, 6)
-        0.004
+        `values`: index deviations (N,), mm, one for each tooth. Raises ArgumentError for values that are not finite
+        numbers of two or more teeth.
         """
         index = np.asarray(values, dtype=float)
         if index.ndim != 1 or index.size < 2 or not np.isfinite(index).all():
@@ -59,25 +42,8 @@ class PitchDeviations:
     def of_single(values: ArrayLike) -> PitchDeviations:
         """Return the pitch deviations with given single pitch deviations, less their mean.
 
-        Parameters
-        ----------
-        values : array_like
-            Single pitch deviations (N,), mm, number k from tooth k - 1 to tooth k.
-
-        Returns
-        -------
-        PitchDeviations
-            Pitch deviations with the sums as index deviations.
-
-        Raises
-        ------
-        ArgumentError
-            For values that are not finite numbers of two or more teeth.
-
-        Examples
-        --------
-        >>> round(gm.PitchDeviations.of_single([0.002, -0.001, -0.001]).single_pitch, 6)
-        0.002
+        `values`: single pitch deviations (N,), mm, number k from tooth k - 1 to tooth k. Raises ArgumentError for
+        values that are not finite numbers of two or more teeth.
         """
         single = PitchDeviations.of_index(values).index
         return PitchDeviations(np.cumsum(single - single.mean()))
@@ -100,20 +66,7 @@ class PitchDeviations:
     def sector(self, teeth: int) -> float:
         """Return F_pk, the largest amount of the deviation over a number of pitches.
 
-        Parameters
-        ----------
-        teeth : int
-            Number k of pitches.
-
-        Returns
-        -------
-        float
-            F_pk, mm.
-
-        Examples
-        --------
-        >>> round(gm.PitchDeviations.of_index([0.0, 0.004, 0.001, 0.0]).sector(2), 6)
-        0.004
+        `teeth`: number k of pitches. Result: F_pk, mm.
         """
         return float(np.abs(np.roll(self.index, -teeth) - self.index).max())
 

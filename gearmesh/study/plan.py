@@ -61,22 +61,7 @@ class Plan:
     def rows(self, start: int, stop: int) -> list[tuple[Value, ...]]:
         """Return the values of some rows, in the order of the keys.
 
-        Parameters
-        ----------
-        start : int
-            The first row, counted from 0.
-        stop : int
-            The one after the last.
-
-        Returns
-        -------
-        list of tuple
-            One tuple of values a row.
-
-        Examples
-        --------
-        >>> gears.study({"assembly.dx": "-0.02:0.02:3"}).plan.rows(0, 2)
-        [(-0.02,), (0.0,)]
+        `start`: the first row, counted from 0. `stop`: the one after the last.
         """
         return list(zip(*(column[start:stop] for column in self.columns.values()), strict=True))
 

@@ -33,43 +33,11 @@ class Limit:
         return f"{self.figure} {'<' if self.sense < 0 else '>'} {self.value:g}"
 
     def room(self, values: Array) -> Array:
-        """Return the distances of values of the figure from the limit.
-
-        Parameters
-        ----------
-        values : numpy.ndarray of float (N,)
-            Values of the figure, in its unit.
-
-        Returns
-        -------
-        numpy.ndarray of float (N,)
-            Negative on the wrong side; NaN stays.
-
-        Examples
-        --------
-        >>> gm.Limit("contact_ratio", 1, 1.2).room(np.array([1.5])).round(6).tolist()
-        [0.3]
-        """
+        """Return the distances of values of the figure from the limit."""
         return self.sense * (values - self.value)
 
     def holds(self, values: Array) -> NDArray[np.bool_]:
-        """Return where values of the figure keep the limit.
-
-        Parameters
-        ----------
-        values : numpy.ndarray of float (N,)
-            Values of the figure, in its unit.
-
-        Returns
-        -------
-        numpy.ndarray of bool (N,)
-            False where a value is not known, NaN.
-
-        Examples
-        --------
-        >>> gm.Limit("contact_ratio", 1, 1.2).holds(np.array([1.5, 1.1])).tolist()
-        [True, False]
-        """
+        """Return where values of the figure keep the limit."""
         with np.errstate(invalid="ignore"):
             good: NDArray[np.bool_] = self.room(values) > 0.0
         return good

@@ -123,22 +123,7 @@ _BESIDE_KIND = ("gears", "gear", "gearing", "pair", "set", "wheels")
 
 
 def kind_of_words(kind: str) -> str:
-    """Return the kind for a term of the field, as "bevel: kind = ..."; empty for an unknown term.
-
-    Parameters
-    ----------
-    kind : str
-        As it was given.
-
-    Returns
-    -------
-    str
-
-    Examples
-    --------
-    >>> kind_of_words("Worm gear")
-    'worm: kind = "worm_drive"'
-    """
+    """Return the kind for a term of the field, as "bevel: kind = ..."; empty for an unknown term."""
     words = kind.lower().replace("_", " ").replace("-", " ").split()
     whole = " ".join(words)
     bare = " ".join(word for word in words if word not in _BESIDE_KIND)

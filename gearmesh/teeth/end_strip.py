@@ -209,21 +209,7 @@ class StripPiece:
     def edge(self, sigma: Array) -> Array:
         """Return the sharp edge beside the piece, in the plane of the development.
 
-        Parameters
-        ----------
-        sigma : ndarray
-            (N,), from 0 to 1 along it.
-
-        Returns
-        -------
-        ndarray
-            X, Y (N, 2), mm.
-
-        Examples
-        --------
-        >>> strip = gm.build(design.with_values({"pinion.end_chamfer": 0.3})).members["pinion"].tooth.end_strips[1]
-        >>> strip.pieces[0].edge(np.array([0.0, 1.0])).shape
-        (2, 2)
+        `sigma`: (N,), from 0 to 1 along it. Result: X, Y (N, 2), mm.
         """
         if self._arc is None:
             assert self.round is not None
@@ -249,26 +235,8 @@ class SharpOutline:
     def inside(self, width: float) -> Array:
         """Return points of the outline of a chamfered end face: the curve inside this one, from its samples.
 
-        Parameters
-        ----------
-        width : float
-            Distance inside this outline, mm.
-
-        Returns
-        -------
-        ndarray
-            (N, 3), own frame, mm.
-
-        Raises
-        ------
-        TrimError
-            Where the chamfer leaves no land, or turns back inside a curve that is bent more.
-
-        Examples
-        --------
-        >>> toe, heel = gears.members["pinion"].tooth.sharp_outlines
-        >>> bool(np.allclose(heel.inside(0.2)[:, 2], heel.inside(0.1)[0, 2]))
-        True
+        `width`: distance inside this outline, mm. Result: (N, 3), own frame, mm. Raises TrimError where the chamfer
+        leaves no land, or turns back inside a curve that is bent more.
         """
         arcs = [_SampledPiece.of(piece, width) for piece in self.pieces]
         pieces = _pieces(list(arcs), [(arc.link, arc.span) for arc in arcs], self.step)
@@ -313,21 +281,7 @@ class EndStrip:
         """Return the line in the middle of a link's part of the strip, from the end face on, without its end on the
         section.
 
-        Parameters
-        ----------
-        region : Region
-            Region of the link.
-
-        Returns
-        -------
-        ndarray
-            (K, 3), mm: one point of a chamfer, several of a rounding.
-
-        Examples
-        --------
-        >>> strip = gm.build(design.with_values({"pinion.end_chamfer": 0.3})).members["pinion"].tooth.end_strips[1]
-        >>> strip.middle(gm.Region.LAND)[:, 2].tolist()
-        [5.0]
+        `region`: region of the link. Result: (K, 3), mm: one point of a chamfer, several of a rounding.
         """
         pieces = [piece for piece in self.pieces if piece.region is region and piece.round is None]
         tau = np.linspace(0.0, 1.0, POINTS_PER_PIECE)[:-1] if self.chamfer.rounded else np.zeros(1)
@@ -336,21 +290,8 @@ class EndStrip:
     def depth(self, tau: Array) -> tuple[Array, Array]:
         """Return the depth under the end face, as a share of the chamfer's depth, and its derivative.
 
-        Parameters
-        ----------
-        tau : ndarray
-            (...,), from the end face (0) to the section under it (1).
-
-        Returns
-        -------
-        tuple of ndarray
-            Share and derivative by tau, (...,) each.
-
-        Examples
-        --------
-        >>> strip = gm.build(design.with_values({"pinion.end_chamfer": 0.3})).members["pinion"].tooth.end_strips[1]
-        >>> strip.depth(np.array([0.5]))[0].tolist()
-        [0.5]
+        `tau`: (...,), from the end face (0) to the section under it (1). Result: share and derivative by tau, (...,)
+        each.
         """
         if not self.chamfer.rounded:
             return tau, np.ones_like(tau)
@@ -360,21 +301,7 @@ class EndStrip:
     def tau(self, share: float) -> float:
         """Return tau at a given depth under the end face.
 
-        Parameters
-        ----------
-        share : float
-            From 0 to 1.
-
-        Returns
-        -------
-        float
-            tau, from the end face (0) to the section under it (1).
-
-        Examples
-        --------
-        >>> strip = gm.build(design.with_values({"pinion.end_chamfer": 0.3})).members["pinion"].tooth.end_strips[1]
-        >>> strip.tau(0.5)
-        0.5
+        `share`: from 0 to 1.
         """
         if not self.chamfer.rounded:
             return share
@@ -385,26 +312,8 @@ class EndStrip:
     def at(self, piece: StripPiece, sigma: Array, tau: Array) -> Array:
         """Return points of a piece of the strip.
 
-        Parameters
-        ----------
-        piece : StripPiece
-            One of `pieces`.
-        sigma : ndarray
-            (...,), from 0 to 1 along the outline.
-        tau : ndarray
-            (...,), from the end face (0) to the section under it (1).
-
-        Returns
-        -------
-        ndarray
-            (..., 3) in the tooth's frame, mm.
-
-        Examples
-        --------
-        >>> strip = gm.build(design.with_values({"pinion.end_chamfer": 0.3})).members["pinion"].tooth.end_strips[1]
-        >>> points = strip.at(strip.pieces[0], np.array(0.5), np.array([0.0, 1.0]))
-        >>> points[:, 2].round(9).tolist()
-        [5.0, 4.7]
+        `sigma`: (...,), from 0 to 1 along the outline. `tau`: (...,), from the end face (0) to the section under it
+        (1). Result: (..., 3) in the tooth's frame, mm.
         """
         sigma, tau = broadcast_pair(sigma, tau)
         along, every = np.unique(sigma.ravel(), return_inverse=True)

@@ -52,27 +52,7 @@ class FlankFrame:
     def of(member: Member, side: Side) -> FlankFrame:
         """Return the frame of a member's flank; it counts from the middle to heel and tip.
 
-        Parameters
-        ----------
-        member : Member
-            Member with the flank.
-        side : Side
-            The flank.
-
-        Returns
-        -------
-        FlankFrame
-            Frame with length along the face and height.
-
-        Raises
-        ------
-        NoSolutionError
-            Where the flank cannot be trimmed.
-
-        Examples
-        --------
-        >>> gm.FlankFrame.of(gears.members["pinion"], gm.Side.RIGHT).extent[:, 0].round(3).tolist()
-        [-5.0, 5.0]
+        `side`: the flank. Raises NoSolutionError where the flank cannot be trimmed.
         """
         tooth = member.tooth
         levels = (tooth.blank.axial, tooth.blank.across)
@@ -124,44 +104,14 @@ class FlankFrame:
     def places(self, points: Array) -> Array:
         """Return length and height of points of the flank.
 
-        Parameters
-        ----------
-        points : numpy.ndarray of float (..., 3)
-            In the member's own frame, mm.
-
-        Returns
-        -------
-        numpy.ndarray of float (..., 2)
-            Length along the face and height, mm.
-
-        Examples
-        --------
-        >>> frame = gm.FlankFrame.of(gears.members["pinion"], gm.Side.RIGHT)
-        >>> frame.places(np.zeros((4, 3))).shape
-        (4, 2)
+        `points`: in the member's own frame, mm. Result: length along the face and height, mm.
         """
         return np.asarray(self.signs * (_values(self.levels, points) - self.zero))
 
     def directions(self, points: Array, vectors: Array) -> Array:
         """Resolve vectors at points of the flank into length and height.
 
-        Parameters
-        ----------
-        points : numpy.ndarray of float (..., 3)
-            In the member's own frame, mm.
-        vectors : numpy.ndarray of float (..., 3)
-            In the same frame.
-
-        Returns
-        -------
-        numpy.ndarray of float (..., 2)
-            Their parts along the face and up the flank, in the unit of the vectors.
-
-        Examples
-        --------
-        >>> frame = gm.FlankFrame.of(gears.members["pinion"], gm.Side.RIGHT)
-        >>> frame.directions(np.array([18.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])).round(9).tolist()
-        [1.0, 0.0]
+        `points`: in the member's own frame, mm.
         """
         parts = [dot(level.gradient(points), vectors) for level in self.levels]
         return np.asarray(self.signs * np.stack(parts, axis=-1))

@@ -99,24 +99,7 @@ class Sections:
         return Sections(self.t[which], self.stations[which], self.right[which], self.left[which])
 
     def of(self, side: Side) -> Ends:
-        """Return the ends of one side.
-
-        Parameters
-        ----------
-        side : Side
-            Right or left.
-
-        Returns
-        -------
-        Ends
-            Parameters at each of the T stations.
-
-        Examples
-        --------
-        >>> sections = gears.members["pinion"].tooth.sections([0.0, 1.0])
-        >>> sections.of(gm.Side.LEFT) is sections.left
-        True
-        """
+        """Return the ends of one side."""
         return self.right if side is Side.RIGHT else self.left
 
 
@@ -147,44 +130,14 @@ class Link(Protocol):
     def span(self, sections: Sections) -> tuple[Array, Array]:
         """Return the surface's first parameter at start and end of the link, in the direction of the section.
 
-        Parameters
-        ----------
-        sections : Sections
-            Sections of the tooth at T stations.
-
-        Returns
-        -------
-        tuple of ndarray
-            (T,) each.
-
-        Examples
-        --------
-        >>> tooth = gears.members["pinion"].tooth
-        >>> first, last = tooth.chain[gm.Region.FLANK_RIGHT].span(tooth.sections([0.0, 1.0]))
-        >>> first.shape
-        (2,)
+        `sections`: sections of the tooth at T stations. Result: (T,) each.
         """
 
     def grid(self, s: ArrayLike, sections: Sections) -> Grid:
         """Return exact points and normals on the link.
 
-        Parameters
-        ----------
-        s : array_like
-            (S,), or (S, T), from 0 to 1 along the link.
-        sections : Sections
-            Sections of the tooth at T stations.
-
-        Returns
-        -------
-        Grid
-            (S, T).
-
-        Examples
-        --------
-        >>> tooth = gears.members["pinion"].tooth
-        >>> tooth.chain[gm.Region.FLANK_RIGHT].grid([0.0, 0.5, 1.0], tooth.sections([0.0, 1.0])).points.shape
-        (3, 2, 3)
+        `s`: (S,), or (S, T), from 0 to 1 along the link. `sections`: sections of the tooth at T stations. Result: (S,
+        T).
         """
 
 

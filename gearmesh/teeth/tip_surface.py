@@ -22,14 +22,8 @@ def drawn_edge_surface(
     """Return the surface through exact sections of a drawn edge; parameters s from 0 at the flank to 1 at the land, and
     z in mm.
 
-    Parameters
-    ----------
-    link : DrawnLink
-        The edge in the chain of the tooth's sections.
-    sections_at : callable
-        Gives the tooth's sections at t (T,) from 0 at the toe to 1 at the heel.
-    smooth_stretches : tuple of float
-        t between which the tooth is smooth along the face, from 0 to 1.
+    `link`: the edge in the chain of the tooth's sections. `sections_at`: gives the tooth's sections at t (T,) from 0
+    at the toe to 1 at the heel. `smooth_stretches`: t between which the tooth is smooth along the face, from 0 to 1.
     """
     t = np.array([np.linspace(low, high, SECTIONS_PER_STRETCH) for low, high in pairwise(smooth_stretches)])
     s, sections = nodes_across(), sections_at(t.ravel())

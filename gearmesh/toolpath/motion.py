@@ -95,24 +95,7 @@ class ToolMotion:
     def move(self, place: Rigid, space: int) -> ToolMotion:
         """Return the same motion in another space of the member.
 
-        Parameters
-        ----------
-        place : Rigid
-            From this space to the other space.
-        space : int
-            Number of the other space.
-
-        Returns
-        -------
-        ToolMotion
-
-        Examples
-        --------
-        >>> motion = gears.toolpath("pinion", "ball:1mm", "20um", spaces=0).motion
-        >>> tooth = gears.members["pinion"].tooth
-        >>> turn = tooth.joint.to(tooth.pitch_angle)
-        >>> set(motion.move(turn, 1).space.tolist())
-        {1}
+        `place`: from this space to the other space.
         """
         return replace(
             self,

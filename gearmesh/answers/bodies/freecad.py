@@ -21,18 +21,9 @@ NO_PARAMETERS = ("kind", "units", "name", "gearmesh")
 def macro(design: Design, data: Mapping[str, Any], text: str, folder: Path, tolerance: str) -> str:
     """The text of a macro that makes the gears of a design in FreeCAD.
 
-    Parameters
-    ----------
-    design : Design
-        The design, loaded from `data`.
-    data : mapping
-        The table of the design file: its numbers, words and flags become properties of a feature.
-    text : str
-        The design file.
-    folder : Path
-        Folder to which names of files in the design are relative.
-    tolerance : str
-        Largest distance from the exact tooth surfaces, with its unit.
+    `data`: the table of the design file: its numbers, words and flags become properties of a feature. `folder`: folder
+    to which names of files in the design are relative. `tolerance`: largest distance from the exact tooth surfaces,
+    with its unit.
     """
     setup = {
         "python": sys.executable,

@@ -39,21 +39,7 @@ class Resolution(Figures):
     def coarse(self, second_order: bool) -> str:
         """Reason why the elements are too coarse for the contact pressure.
 
-        Parameters
-        ----------
-        second_order : bool
-            True for elements of second order.
-
-        Returns
-        -------
-        str
-            The reason; empty if they resolve the contact pressure.
-
-        Examples
-        --------
-        >>> over = {"pinion": gm.HalfAxes(0.5, 4.0), "gear": gm.HalfAxes(4.0, 4.0)}
-        >>> gm.Resolution(over, {"pinion": 4.0, "gear": 4.0}, 0.1).coarse(False)
-        '0.5 elements over a semi-axis of the contact ellipse'
+        `second_order`: true for elements of second order.
         """
         if self.sag is None:
             return "the contact is at an edge"

@@ -72,19 +72,7 @@ class Contacts:
     def nothing(count: int) -> Contacts:
         """Return positions without contact.
 
-        Parameters
-        ----------
-        count : int
-            Number N of positions.
-
-        Returns
-        -------
-        Contacts
-
-        Examples
-        --------
-        >>> gm.Contacts.nothing(2).touching.tolist()
-        [False, False]
+        `count`: number N of positions.
         """
         return Contacts(
             np.full((count, 5), np.nan),
@@ -99,40 +87,14 @@ class Contacts:
     def at(self, position: NDArray[np.intp]) -> Contacts:
         """Return the contacts of some positions.
 
-        Parameters
-        ----------
-        position : ndarray of int
-            Numbers (M,) of the positions.
-
-        Returns
-        -------
-        Contacts
-            Contacts of M positions.
-
-        Examples
-        --------
-        >>> contacts = gears.contact().engagement.at(np.radians([0.0, 2.0]))
-        >>> contacts.at(np.array([1])).x.shape
-        (1, 5)
+        `position`: numbers (M,) of the positions.
         """
         return Contacts(*(getattr(self, field.name)[position] for field in fields(self)))
 
     def put(self, position: NDArray[np.intp], contacts: Contacts) -> None:
         """Replace the contacts of some positions.
 
-        Parameters
-        ----------
-        position : ndarray of int
-            Numbers (M,) of the positions.
-        contacts : Contacts
-            Contacts of M positions.
-
-        Examples
-        --------
-        >>> contacts = gears.contact().engagement.at(np.radians([0.0, 2.0]))
-        >>> contacts.put(np.array([1]), gm.Contacts.nothing(1))
-        >>> contacts.touching.tolist()
-        [True, False]
+        `position`: numbers (M,) of the positions.
         """
         for field in fields(self):
             getattr(self, field.name)[position] = getattr(contacts, field.name)

@@ -118,21 +118,7 @@ class Engagement:
     def at(self, phi1: Array) -> Contacts:
         """Find first touch at rotations of the pinion, over the whole of both flanks.
 
-        Parameters
-        ----------
-        phi1 : (P,)
-            rad.
-
-        Returns
-        -------
-        Contacts
-            Parameters of both flanks, their status, and the rotations of the gear `x[:, 4]` (rad).
-
-        Examples
-        --------
-        >>> engagement = gears.contact().engagement
-        >>> engagement.at(np.radians([0.0, 2.0])).x.shape
-        (2, 5)
+        Result: parameters of both flanks, their status, and the rotations of the gear `x[:, 4]` (rad).
         """
         contacts = Contacts.nothing(len(phi1))
         for k in range(0, len(phi1), MAX_BATCH):
@@ -141,24 +127,7 @@ class Engagement:
         return contacts
 
     def near(self, phi1: Array) -> Contacts:
-        """Find first touch as `at` does, but without the check against the samples of the field: for rotations between nodes.
-
-        Parameters
-        ----------
-        phi1 : (P,)
-            rad.
-
-        Returns
-        -------
-        Contacts
-            As of `at`.
-
-        Examples
-        --------
-        >>> engagement = gears.contact().engagement
-        >>> bool(np.allclose(engagement.near(np.radians([1.0])).x[:, 4], engagement.at(np.radians([1.0])).x[:, 4]))
-        True
-        """
+        """Find first touch as `at` does, but without the check against the samples of the field: for rotations between nodes."""
         return self._at(phi1, checked=False)
 
     def _at(self, phi1: Array, *, checked: bool = True) -> Contacts:
@@ -210,24 +179,7 @@ class Engagement:
     def along_line(self, phi1: Array, node: NDArray[np.intp]) -> Contacts:
         """Solve for the contact lines of nodes at other rotations, even beyond the ends of the flanks.
 
-        Parameters
-        ----------
-        phi1 : (M,)
-            rad.
-        node : (M,) of int
-            Numbers of nodes of the engagement.
-
-        Returns
-        -------
-        Contacts
-            As of `at`.
-
-        Examples
-        --------
-        >>> engagement = gears.contact().engagement
-        >>> middle = np.array([len(engagement.phi1) // 2])
-        >>> engagement.along_line(engagement.phi1[middle], middle).line.tolist()
-        [True]
+        `node`: numbers of nodes of the engagement.
         """
         contacts = Contacts.nothing(len(phi1))
         for number, part in self.pair.parts.items():
@@ -242,24 +194,7 @@ class Engagement:
     def as_at(self, phi1: Array, node: NDArray[np.intp]) -> Contacts:
         """Solve for contacts of the kinds of nodes at other rotations, even if another contact is ahead.
 
-        Parameters
-        ----------
-        phi1 : (M,)
-            rad.
-        node : (M,) of int
-            Numbers of nodes of the engagement, which touch on the flanks.
-
-        Returns
-        -------
-        Contacts
-            As of `at`; nothing where there is no contact of that kind on both flanks.
-
-        Examples
-        --------
-        >>> engagement = gears.contact().engagement
-        >>> middle = np.array([len(engagement.phi1) // 2])
-        >>> engagement.as_at(engagement.phi1[middle], middle).touching.tolist()
-        [True]
+        `node`: numbers of nodes of the engagement, which touch on the flanks.
         """
         contacts, part = Contacts.nothing(len(phi1)), self.pair.parts[0]
         trial = Trial.of(np.arange(len(phi1)), self._predict(phi1, node), self.contacts.edges[node])

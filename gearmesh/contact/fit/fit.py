@@ -159,20 +159,7 @@ class Fit:
     def jams(self, phi1: Array) -> NDArray[np.bool_]:
         """Return the rotations of the pinion at which the gears are `jammed`.
 
-        Parameters
-        ----------
-        phi1 : numpy.ndarray of float (N,)
-            Rotations, rad.
-
-        Returns
-        -------
-        numpy.ndarray of bool (N,)
-            True where no rotation of the gear is free.
-
-        Examples
-        --------
-        >>> bool(gears.contact().fit.jams(np.zeros(1))[0])
-        False
+        `phi1`: rotations, rad.
         """
         if not self.jammed:
             return np.zeros(len(phi1), dtype=bool)

@@ -32,79 +32,25 @@ class PlaneCurve(Protocol):
     def at(self, s: Array) -> Array:
         """Return points of the curve.
 
-        Parameters
-        ----------
-        s : ndarray
-            (K,), from 0 to 1.
-
-        Returns
-        -------
-        ndarray
-            (K, 2), mm.
-
-        Examples
-        --------
-        >>> arc = gm.PlaneArc.circle(10.0)
-        >>> arc.at(np.array([0.0, 0.25])).round(12).tolist()
-        [[10.0, 0.0], [0.0, 10.0]]
+        `s`: (K,), from 0 to 1. Result: (K, 2), mm.
         """
 
     def slope(self, s: Array) -> Array:
         """Return derivatives of the points.
 
-        Parameters
-        ----------
-        s : ndarray
-            (K,), from 0 to 1.
-
-        Returns
-        -------
-        ndarray
-            (K, 2), mm, with respect to s.
-
-        Examples
-        --------
-        >>> line = gm.PlaneLine(np.zeros(2), np.array([3.0, 4.0]))
-        >>> line.slope(np.array([0.5])).tolist()
-        [[3.0, 4.0]]
+        `s`: (K,), from 0 to 1. Result: (K, 2), mm, with respect to s.
         """
 
     def turn(self, angle: float) -> PlaneCurve:
         """Return the curve turned about the origin.
 
-        Parameters
-        ----------
-        angle : float
-            rad, counterclockwise.
-
-        Returns
-        -------
-        PlaneCurve
-
-        Examples
-        --------
-        >>> line = gm.PlaneLine(np.zeros(2), np.array([3.0, 4.0]))
-        >>> line.turn(0.5 * np.pi).end.round(12).tolist()
-        [-4.0, 3.0]
+        `angle`: rad, counterclockwise.
         """
 
     def move(self, way: Array) -> PlaneCurve:
         """Return the curve moved by a vector.
 
-        Parameters
-        ----------
-        way : ndarray
-            (2,), mm.
-
-        Returns
-        -------
-        PlaneCurve
-
-        Examples
-        --------
-        >>> arc = gm.PlaneArc.circle(10.0)
-        >>> arc.move(np.array([1.0, 0.0])).centre.tolist()
-        [1.0, 0.0]
+        `way`: (2,), mm.
         """
 
 
@@ -150,22 +96,7 @@ class PlaneArc:
     def circle(radius: float, centre: Sequence[float] | Array = (0.0, 0.0)) -> PlaneArc:
         """Return a full circle.
 
-        Parameters
-        ----------
-        radius : float
-            mm.
-        centre : sequence of float
-            (2,), mm.
-
-        Returns
-        -------
-        PlaneArc
-
-        Examples
-        --------
-        >>> arc = gm.PlaneArc.circle(10.0)
-        >>> arc.closed
-        True
+        `centre`: (2,), mm.
         """
         return PlaneArc(np.array(centre, dtype=float), radius, 0.0, 2.0 * np.pi)
 

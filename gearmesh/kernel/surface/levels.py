@@ -89,23 +89,8 @@ class LandSurface(Surface, Protocol):
     def meeting(self, axial: Level, stations: Array) -> Array:
         """Return the second parameter near places along the face.
 
-        Parameters
-        ----------
-        axial : Level
-            The coordinate along the face.
-        stations : ndarray
-            Values (...,) of this coordinate, mm.
-
-        Returns
-        -------
-        ndarray
-            (...,), in the surface's own unit.
-
-        Examples
-        --------
-        >>> blank = gears.members["pinion"].tooth.blank
-        >>> blank.tip.surface.meeting(blank.axial, np.array([0.0, 1.0])).tolist()
-        [0.0, 1.0]
+        `axial`: the coordinate along the face. `stations`: values (...,) of this coordinate, mm. Result: (...,), in
+        the surface's own unit.
         """
 
     @property
@@ -383,23 +368,7 @@ class ConeSurface:
     def meeting(self, axial: Level, stations: Array) -> Array:
         """Return the second parameter at given station coordinates.
 
-        Parameters
-        ----------
-        axial : Level
-            The station coordinate.
-        stations : ndarray
-            (...,), mm.
-
-        Returns
-        -------
-        ndarray
-            v (...,), mm.
-
-        Examples
-        --------
-        >>> axial = gm.ConeLevel(0.0)
-        >>> gm.ConeLevel.of(20.0).surface.meeting(axial, np.array([-5.0, 5.0])).tolist()
-        [-5.0, 5.0]
+        `axial`: the station coordinate. `stations`: (...,), mm. Result: v (...,), mm.
         """
         (a, b), (across, up) = self.level.normal, station_normal(axial)
         distance = stations - axial.value(np.zeros(3))

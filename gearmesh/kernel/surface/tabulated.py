@@ -41,14 +41,9 @@ class TabulatedSurface:
     def through(points: Array, stations: Array, outward: Array) -> TabulatedSurface:
         """Surface through points at `nodes_across` and at stations.
 
-        Parameters
-        ----------
-        points : numpy.ndarray
-            (SERIES_DEGREE + 1, K, T, 3), mm, of K smooth stretches.
-        stations : numpy.ndarray
-            v (K, T), ascending over all stretches; each begins where the one before it ends.
-        outward : numpy.ndarray
-            Directions out of the material at the points, of the same shape.
+        `points`: (SERIES_DEGREE + 1, K, T, 3), mm, of K smooth stretches. `stations`: v (K, T), ascending over all
+        stretches; each begins where the one before it ends. `outward`: directions out of the material at the points,
+        of the same shape.
         """
         vandermonde = chebyshev.chebvander(2.0 * nodes_across() - 1.0, SERIES_DEGREE)
         coefficients = np.tensordot(np.linalg.inv(vandermonde), points, axes=1)

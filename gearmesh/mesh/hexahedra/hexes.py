@@ -43,22 +43,7 @@ class HexMesh:
     def face_corners(self, name: str) -> NDArray[np.int64]:
         """Return the corner nodes of the faces of a set.
 
-        Parameters
-        ----------
-        name : str
-            Name of the face set.
-
-        Returns
-        -------
-        ndarray of int
-            Nodes (K, 4), counterclockwise seen from outside the element.
-
-        Examples
-        --------
-        >>> mesh = gears.finite_elements().mesh
-        >>> corners = mesh.face_corners("pinion_toe")
-        >>> bool(np.ptp(mesh.nodes[corners][..., 2]) < 1e-9)
-        True
+        `name`: name of the face set. Result: nodes (K, 4), counterclockwise seen from outside the element.
         """
         element, face = self.face_sets[name].T
         return np.take_along_axis(self.elements[element], np.array(HEX_FACES)[face][:, ::-1], axis=1)
@@ -66,20 +51,8 @@ class HexMesh:
     def face_outlines(self, name: str) -> NDArray[np.int64]:
         """Return the nodes along the outlines of the faces of a set.
 
-        Parameters
-        ----------
-        name : str
-            Name of the face set.
-
-        Returns
-        -------
-        ndarray of int
-            Nodes (K, 4 or 8), counterclockwise seen from outside: corners, mid-side nodes between them.
-
-        Examples
-        --------
-        >>> gears.finite_elements().mesh.face_outlines("pinion_toe").shape[1]
-        4
+        `name`: name of the face set. Result: nodes (K, 4 or 8), counterclockwise seen from outside: corners, mid-side
+        nodes between them.
         """
         corners = np.array(HEX_FACES)[:, ::-1]
         if not self.second_order:
@@ -94,42 +67,14 @@ class HexMesh:
     def face_nodes(self, name: str) -> NDArray[np.int64]:
         """Return all nodes of the faces of a set.
 
-        Parameters
-        ----------
-        name : str
-            Name of the face set.
-
-        Returns
-        -------
-        ndarray of int
-            Nodes (K,), rising, each once.
-
-        Examples
-        --------
-        >>> mesh = gears.finite_elements().mesh
-        >>> mesh.face_nodes("pinion_toe").size < mesh.face_corners("pinion_toe").size
-        True
+        `name`: name of the face set. Result: nodes (K,), rising, each once.
         """
         return np.unique(self.face_outlines(name))
 
     def move(self, transform: Rigid) -> HexMesh:
         """Return the mesh in another frame.
 
-        Parameters
-        ----------
-        transform : Rigid
-            From the frame of the mesh to the other frame.
-
-        Returns
-        -------
-        HexMesh
-
-        Examples
-        --------
-        >>> mesh = gears.finite_elements().mesh
-        >>> moved = mesh.move(gm.Rigid(np.eye(3), np.array([0.0, 0.0, 3.0])))
-        >>> round(float((moved.nodes - mesh.nodes)[0, 2]), 9)
-        3.0
+        `transform`: from the frame of the mesh to the other frame.
         """
         return replace(self, nodes=transform.point(self.nodes))
 

@@ -63,35 +63,10 @@ class MeasuringGrid:
     ) -> MeasuringGrid:
         """Return points of a flank, or of the fillet under it, evenly spaced along profile and face.
 
-        Parameters
-        ----------
-        member : Member
-            Member whose teeth are all equal.
-        side : Side
-            Side of the tooth.
-        shape : tuple of two int
-            Rows from root to tip and columns from toe to heel; a single row or column lies in the middle.
-        margins : tuple of two float
-            Shares of profile and face beside the edges that are not measured.
-        fillet : bool
-            True for the fillet.
-
-        Returns
-        -------
-        MeasuringGrid
-            Grid in the member's frame.
-
-        Raises
-        ------
-        DesignError
-            For a shape or margins out of range, and if the member's teeth differ.
-        NoSolutionError
-            For a tooth that cannot be trimmed.
-
-        Examples
-        --------
-        >>> gm.MeasuringGrid.of(gears.members["pinion"], gm.Side.RIGHT, (5, 9)).points.shape
-        (5, 9, 3)
+        `member`: member whose teeth are all equal. `side`: side of the tooth. `shape`: rows from root to tip and
+        columns from toe to heel; a single row or column lies in the middle. `margins`: shares of profile and face
+        beside the edges that are not measured. Raises DesignError for a shape or margins out of range, and if the
+        member's teeth differ. Raises NoSolutionError for a tooth that cannot be trimmed.
         """
         refuse_shape(shape, margins)
         tooth = member.one_tooth
@@ -124,21 +99,7 @@ class MeasuringGrid:
     def probe_centres(self, radius: float) -> Array:
         """Return the centres of a probe's ball in contact with the flank.
 
-        Parameters
-        ----------
-        radius : float
-            Radius of the ball, mm.
-
-        Returns
-        -------
-        numpy.ndarray of float (I, J, 3)
-            Centres in the member's frame, mm.
-
-        Examples
-        --------
-        >>> grid = gm.MeasuringGrid.of(gears.members["pinion"], gm.Side.RIGHT, (5, 9))
-        >>> bool(np.allclose(grid.probe_centres(1.0) - grid.points, grid.normals))
-        True
+        `radius`: radius of the ball, mm. Result: centres in the member's frame, mm.
         """
         return np.asarray(self.points + radius * self.normals)
 

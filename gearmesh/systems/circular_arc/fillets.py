@@ -53,24 +53,7 @@ class ArcRack:
         return (self.tip + self.b) / self.rho if self.convex else (self.b - self.tip) / self.rho
 
     def sine(self, fillet: Array) -> Array:
-        """Return sin(theta) of the point at which arc and fillet touch.
-
-        Parameters
-        ----------
-        fillet : (...,)
-            Radii of fillets, in the unit of the rack.
-
-        Returns
-        -------
-        (...,)
-            sin(theta), NaN where they do not touch.
-
-        Examples
-        --------
-        >>> rack = gm.load("samples/circular_arc.toml").arc_rack("pinion")
-        >>> round(float(rack.sine(np.array(0.1))), 3)
-        0.028
-        """
+        """Return sin(theta) of the point at which arc and fillet touch."""
         with np.errstate(all="ignore"):
             if self.convex:
                 sine: Array = (fillet + self.b - self.root) / (self.rho + fillet)
@@ -79,24 +62,7 @@ class ArcRack:
         return sine
 
     def centre(self, fillet: Array) -> tuple[Array, Array]:
-        """Return the centre of the fillet arc.
-
-        Parameters
-        ----------
-        fillet : (...,)
-            Radii of fillets, in the unit of the rack.
-
-        Returns
-        -------
-        tuple of (...,)
-            x from the pitch plane, y from the middle of the space; NaN where arc and fillet do not touch.
-
-        Examples
-        --------
-        >>> rack = gm.load("samples/circular_arc.toml").arc_rack("pinion")
-        >>> [round(float(value), 3) for value in rack.centre(np.array(0.1))]
-        [-0.1, -0.575]
-        """
+        """Return the centre of the fillet arc."""
         with np.errstate(all="ignore"):
             sine = self.sine(fillet)
             cosine = np.sqrt(1.0 - sine**2)
@@ -108,20 +74,7 @@ class ArcRack:
     def fits(self, fillet: Array) -> NDArray[np.bool_]:
         """Return True where there is room for fillets.
 
-        Parameters
-        ----------
-        fillet : (...,)
-            Radii, in the unit of the rack.
-
-        Returns
-        -------
-        (...,) of bool
-
-        Examples
-        --------
-        >>> rack = gm.load("samples/circular_arc.toml").arc_rack("pinion")
-        >>> rack.fits(np.array([0.1, 0.2]))
-        array([ True,  True])
+        `fillet`: radii, in the unit of the rack.
         """
         sine = self.sine(fillet)
         flank = sine < self.sine_at_tip if self.convex else sine > self.sine_at_tip
@@ -131,21 +84,7 @@ class ArcRack:
     def room(self, module: float) -> tuple[float, float] | None:
         """Return the smallest and the largest fillet that fits.
 
-        Parameters
-        ----------
-        module : float
-            Of the design, in the unit of the rack.
-
-        Returns
-        -------
-        tuple of float or None
-            In modules; None where there is room for none.
-
-        Examples
-        --------
-        >>> rack = gm.load("samples/circular_arc.toml").arc_rack("pinion")
-        >>> [round(end, 2) for end in rack.room(0.5)]
-        [0.16, 0.83]
+        `module`: of the design, in the unit of the rack.
         """
         fits = np.flatnonzero(self.fits(TRIED_RADII * module))
         if not fits.size:
@@ -159,23 +98,7 @@ class ArcRack:
     def fillet_or_next(self, standard: float, module: float) -> float:
         """Return the standard fillet, or the nearest fillet that fits.
 
-        Parameters
-        ----------
-        standard : float
-            Its radius in modules.
-        module : float
-            Of the design, in the unit of the rack.
-
-        Returns
-        -------
-        float
-            In modules; the standard one where there is room for none.
-
-        Examples
-        --------
-        >>> rack = gm.load("samples/circular_arc.toml").arc_rack("pinion")
-        >>> round(rack.fillet_or_next(1.5, 0.5), 2)
-        0.8
+        `module`: of the design, in the unit of the rack.
         """
         room = self.room(module)
         if room is None or self.fits(np.array(standard * module)):

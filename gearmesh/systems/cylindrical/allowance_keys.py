@@ -71,21 +71,7 @@ class ThicknessAllowance(Table):
     def by_series(self, diameter: float) -> dict[str, float]:
         """Return both ends of the allowance by its series, DIN 3967.
 
-        Parameters
-        ----------
-        diameter : float
-            Reference diameter, mm.
-
-        Returns
-        -------
-        dict of str to float
-            "upper" and "lower", mm; empty without a series.
-
-        Examples
-        --------
-        >>> design = gm.load("samples/helical.toml", ["pinion.thickness_allowance=cd25"])
-        >>> design.pinion.thickness_allowance.by_series(40.0)
-        {'upper': -0.054, 'lower': -0.084}
+        `diameter`: reference diameter, mm. Result: "upper" and "lower", mm; empty without a series.
         """
         if self.series is None:
             return {}
@@ -94,24 +80,8 @@ class ThicknessAllowance(Table):
     def check_series(self, table: str, diameter: float, mm_per_unit: float) -> None:
         """Refuse a reference diameter outside the standard's range, and ends that differ from the series.
 
-        Parameters
-        ----------
-        table : str
-            Dotted name of this table, which refusals name.
-        diameter : float
-            Reference diameter, mm.
-        mm_per_unit : float
-            Millimetres in a unit of the design's lengths.
-
-        Raises
-        ------
-        DesignError
-            Where they are not.
-
-        Examples
-        --------
-        >>> design = gm.load("samples/helical.toml", ["pinion.thickness_allowance=cd25"])
-        >>> design.pinion.thickness_allowance.check_series("pinion.thickness_allowance", 124.2, 1.0)
+        `table`: dotted name of this table, which refusals name. `diameter`: reference diameter, mm. `mm_per_unit`:
+        millimetres in a unit of the design's lengths. Raises DesignError where they are not.
         """
         if diameter > din3967.DIAMETER_LIMITS_MM[-1]:
             raise conflict(
@@ -181,24 +151,7 @@ class DiameterTolerance(Table):
         return self
 
     def deviations(self, diameter: float) -> iso286.Deviations | None:
-        """Return both deviations of a diameter, for a table in mm.
-
-        Parameters
-        ----------
-        diameter : float
-            Nominal, mm.
-
-        Returns
-        -------
-        Deviations or None
-            Upper and lower, mm; None where ISO 286 has no such size.
-
-        Examples
-        --------
-        >>> design = gm.load("samples/spur.toml", ["pinion.tip_diameter_tolerance=h8"])
-        >>> design.pinion.tip_diameter_tolerance.deviations(44.0).lower
-        -0.039
-        """
+        """Return both deviations of a diameter, for a table in mm."""
         if self.grade is not None:
             return None if diameter > iso286.SIZE_LIMITS_MM[-1] else iso286.deviations(self.grade, diameter)
         assert self.upper is not None
@@ -228,21 +181,8 @@ class CenterDistanceAllowance(Table):
     def center_distance_deviations(self, distance: float) -> iso286.Deviations | None:
         """Return both deviations of a centre distance.
 
-        Parameters
-        ----------
-        distance : float
-            Nominal centre distance, mm.
-
-        Returns
-        -------
-        Deviations or None
-            Upper and lower, mm; None where no allowance is given, or ISO 286 has no such size.
-
-        Examples
-        --------
-        >>> design = gm.load("samples/spur.toml", ["assembly.center_distance_allowance=js7"])
-        >>> design.assembly.center_distance_deviations(100.0).upper
-        0.0175
+        `distance`: nominal centre distance, mm. Result: upper and lower, mm; None where no allowance is given, or ISO
+        286 has no such size.
         """
         given = self.center_distance_allowance
         return None if given is None or distance > iso286.SIZE_LIMITS_MM[-1] else iso286.deviations(given, distance)

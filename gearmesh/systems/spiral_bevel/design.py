@@ -501,21 +501,7 @@ class BevelPinion(BevelMember):
     def side(self, name: str) -> PinionSide:
         """Return the keys of a side of the pinion's teeth.
 
-        Parameters
-        ----------
-        name : str
-            "concave" or "convex".
-
-        Returns
-        -------
-        PinionSide
-            Cutter and machine settings of that side.
-
-        Examples
-        --------
-        >>> design = gm.load("samples/spiral_bevel_basic.toml")
-        >>> design.pinion.side("concave") is design.pinion.concave
-        True
+        `name`: "concave" or "convex".
         """
         return self.concave if name == "concave" else self.convex
 

@@ -470,18 +470,7 @@ class WormDriveDesign(Design):
 
     @property
     def keeps_from_crossing(self) -> str:
-        """Remedy for steep threads that cross a wheel cut by a larger hob, in any mounting.
-
-        Returns
-        -------
-        str
-            Empty for a hob of the worm's size.
-
-        Examples
-        --------
-        >>> gm.load("samples/worm_drive_zk_oversize.toml").keeps_from_crossing[:14]
-        "the worm's own"
-        """
+        """Remedy for steep threads that cross a wheel cut by a larger hob, in any mounting."""
         if self.wheel.form == "helical" or not self.hob.reference_diameter > self.reference_diameter * (
             1.0 + LENGTH_TOLERANCE
         ):
@@ -635,18 +624,7 @@ class WormDriveDesign(Design):
 
     @property
     def keys_of_other_forms(self) -> tuple[str, ...]:
-        """Keys of the worm without effect on its flank form.
-
-        Returns
-        -------
-        tuple of str
-            Keys without their table.
-
-        Examples
-        --------
-        >>> gm.load("samples/worm_drive.toml").keys_of_other_forms
-        ('section', 'disk_diameter', 'profile_radius')
-        """
+        """Keys of the worm without effect on its flank form."""
         return tuple(key for key, forms in FORMS_WITH_KEY.items() if self.worm.form not in forms)
 
     @model_validator(mode="after")

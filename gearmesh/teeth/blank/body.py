@@ -56,19 +56,7 @@ class PlaneFace:
     def covers(self, reach: tuple[float, float]) -> bool:
         """True if the face contains everything between two radii.
 
-        Parameters
-        ----------
-        reach : tuple of float
-            Smallest and largest radius, mm.
-
-        Returns
-        -------
-        bool
-
-        Examples
-        --------
-        >>> gm.PlaneFace(z=5.0, inner=6.0, outer=15.0, up=True).covers((8.0, 12.0))
-        True
+        `reach`: smallest and largest radius, mm.
         """
         return self.inner <= reach[0] and reach[1] <= self.outer
 

@@ -30,20 +30,7 @@ class Slot:
     def in_bore(self, radius: float) -> ClosedLine:
         """Return the outline of a bore with the keyway on +x: the arc, and from its end the three lines.
 
-        Parameters
-        ----------
-        radius : float
-            Radius of the bore, mm.
-
-        Returns
-        -------
-        tuple of PlaneCurve
-            Closed, counterclockwise, in the plane across the axis, mm.
-
-        Examples
-        --------
-        >>> len(gm.Slot(width=6.0, depth=2.8).in_bore(10.0))
-        4
+        `radius`: radius of the bore, mm. Result: closed, counterclockwise, in the plane across the axis, mm.
         """
         half, bottom = 0.5 * self.width, radius + self.depth
         first = float(np.arcsin(half / radius))
@@ -55,20 +42,7 @@ class Slot:
     def reach(self, radius: float) -> float:
         """Return the distance of its corners from the axis.
 
-        Parameters
-        ----------
-        radius : float
-            Radius of the bore, mm.
-
-        Returns
-        -------
-        float
-            mm.
-
-        Examples
-        --------
-        >>> round(gm.Slot(width=6.0, depth=2.8).reach(10.0), 3)
-        13.147
+        `radius`: radius of the bore, mm. Result: mm.
         """
         return float(np.hypot(radius + self.depth, 0.5 * self.width))
 

@@ -49,40 +49,14 @@ class HalfGear:
     def points(self, points: Array) -> Array:
         """Return points of the tooth in this row.
 
-        Parameters
-        ----------
-        points : ndarray
-            (..., 3), of the member's tooth as it is, own frame, mm.
-
-        Returns
-        -------
-        ndarray
-            (..., 3), mm.
-
-        Examples
-        --------
-        >>> gm.HalfGear(plane=4.0).points(np.array([1.0, 2.0, 3.0])).tolist()
-        [1.0, 2.0, 5.0]
+        `points`: (..., 3), of the member's tooth as it is, own frame, mm. Result: (..., 3), mm.
         """
         return points if self.plane is None else self.motion.point(points)
 
     def vectors(self, vectors: Array) -> Array:
         """Return vectors, such as normals, of the tooth in this row.
 
-        Parameters
-        ----------
-        vectors : ndarray
-            (..., 3), of the member's tooth as it is, own frame.
-
-        Returns
-        -------
-        ndarray
-            (..., 3).
-
-        Examples
-        --------
-        >>> gm.HalfGear(plane=4.0).vectors(np.array([0.0, 0.6, 0.8])).tolist()
-        [0.0, 0.6, -0.8]
+        `vectors`: (..., 3), of the member's tooth as it is, own frame. Result: (..., 3).
         """
         return vectors if self.plane is None else self.motion.vector(vectors)
 
@@ -125,81 +99,26 @@ class Rows(Protocol):
     def body(self, own: Body) -> Body:
         """Return the gear body under all rows.
 
-        Parameters
-        ----------
-        own : Body
-            Body under the member's tooth.
-
-        Returns
-        -------
-        Body
-            Body of the whole member.
-
-        Examples
-        --------
-        >>> member = gears.members["pinion"]
-        >>> member.rows.body(member.tooth.blank.body) is member.tooth.blank.body
-        True
+        `own`: body under the member's tooth.
         """
 
     def extent(self, own: tuple[float, float]) -> tuple[float, float]:
         """Return first and last station of the whole member.
 
-        Parameters
-        ----------
-        own : tuple of two float
-            First and last station of the member's tooth, mm.
-
-        Returns
-        -------
-        tuple of two float
-            First and last station of the whole member, mm.
-
-        Examples
-        --------
-        >>> gears.members["pinion"].rows.extent((-5.0, 5.0))
-        (-5.0, 5.0)
+        `own`: first and last station of the member's tooth, mm. Result: first and last station of the whole member,
+        mm.
         """
 
     def station(self, z: float) -> float:
         """Return the station of the member's tooth that has the section of the whole member at z, outside gaps.
 
-        Parameters
-        ----------
-        z : float
-            z of the section of the whole member, mm.
-
-        Returns
-        -------
-        float
-            z of the tooth's section, mm.
-
-        Examples
-        --------
-        >>> gears.members["pinion"].rows.station(2.0)
-        2.0
+        `z`: z of the section of the whole member, mm. Result: z of the tooth's section, mm.
         """
 
     def volume(self, row: float, own: Body) -> float:
         """Return the volume of the whole member.
 
-        Parameters
-        ----------
-        row : float
-            Volume of the row of the member's tooth, on its own body, mm3.
-        own : Body
-            Body of that row.
-
-        Returns
-        -------
-        float
-            Volume, mm3.
-
-        Examples
-        --------
-        >>> member = gears.members["pinion"]
-        >>> member.rows.volume(100.0, member.tooth.blank.body)
-        100.0
+        `row`: volume of the row of the member's tooth, on its own body, mm3. `own`: body of that row.
         """
 
 

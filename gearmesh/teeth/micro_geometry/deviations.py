@@ -76,35 +76,10 @@ class DeviationGrid:
     ) -> DeviationGrid:
         """Return deviations of a flank at shares of the way along its profile and its face.
 
-        Parameters
-        ----------
-        tooth : Tooth
-            Whose flank is meant.
-        which : Side
-            The flank.
-        values : array of float (I, J)
-            Deviations, mm: rows from root to tip, columns from toe to heel.
-        s : array of float (I,), optional
-            Shares of the way from form point to tip, ascending in 0..1; by default evenly spaced, 0.1 from the edges.
-        t : array of float (J,), optional
-            The same from toe to heel.
-
-        Returns
-        -------
-        DeviationGrid
-            In the frame of the tooth's member.
-
-        Raises
-        ------
-        DesignError
-            For values that are no table of numbers, and for other shares.
-        NoSolutionError
-            For a tooth that cannot be trimmed.
-
-        Examples
-        --------
-        >>> gm.DeviationGrid.of(gears.members["pinion"].one_tooth, gm.Side.RIGHT, np.zeros((5, 9))).points.shape
-        (5, 9, 3)
+        `tooth`: whose flank is meant. `which`: the flank. `values`: deviations, mm: rows from root to tip, columns
+        from toe to heel. `s`: shares of the way from form point to tip, ascending in 0..1; by default evenly spaced,
+        0.1 from the edges. `t`: the same from toe to heel. Raises DesignError for values that are no table of numbers,
+        and for other shares. Raises NoSolutionError for a tooth that cannot be trimmed.
         """
         values = np.asarray(values, dtype=float)
         if values.ndim != 2 or min(values.shape) < 2 or not np.isfinite(values).all():

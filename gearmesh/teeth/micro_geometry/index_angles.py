@@ -29,20 +29,7 @@ class IndexAngles:
     def of_sides(angles: Mapping[Side, Array]) -> IndexAngles:
         """Return index deviations from the angles of each side.
 
-        Parameters
-        ----------
-        angles : mapping of Side to numpy.ndarray (N,)
-            By how much flanks are ahead of their places, rad, one a tooth.
-
-        Returns
-        -------
-        IndexAngles
-            Of these sides.
-
-        Examples
-        --------
-        >>> gm.IndexAngles.of_sides({gm.Side.RIGHT: np.array([0.0, 1e-4])}).uneven
-        True
+        `angles`: by how much flanks are ahead of their places, rad, one a tooth.
         """
         return IndexAngles(
             **{str(side): tuple(np.asarray(values, dtype=float).tolist()) for side, values in angles.items()}
@@ -56,21 +43,7 @@ class IndexAngles:
     def check(self, name: str, teeth: int) -> None:
         """Refuse a number of deviations that is not the number of teeth.
 
-        Parameters
-        ----------
-        name : str
-            The member's, which the refusal names.
-        teeth : int
-            Its number of teeth.
-
-        Raises
-        ------
-        DesignError
-            For another number of deviations.
-
-        Examples
-        --------
-        >>> gm.IndexAngles().check("pinion", 18)
+        `name`: the member's, which the refusal names. Raises DesignError for another number of deviations.
         """
         for values in (self.right, self.left):
             if values and len(values) != teeth:
@@ -81,22 +54,7 @@ class IndexAngles:
     def of(self, side: Side, teeth: int) -> Array:
         """Return the index deviations of the flanks of one side.
 
-        Parameters
-        ----------
-        side : Side
-            The side.
-        teeth : int
-            Number of teeth N.
-
-        Returns
-        -------
-        numpy.ndarray of float (N,)
-            Angles, rad; 0 without deviations.
-
-        Examples
-        --------
-        >>> gears.members["pinion"].index.of(gm.Side.LEFT, 3).tolist()
-        [0.0, 0.0, 0.0]
+        `teeth`: number of teeth N. Result: angles, rad; 0 without deviations.
         """
         values = self.right if side is Side.RIGHT else self.left
         return np.array(values) if values else np.zeros(teeth)
