@@ -23,7 +23,7 @@ from gearmesh.figures import Content, Figures, figure
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.systems import system as systems
 from gearmesh.systems.system import System
-from gearmesh.teeth.proof import prove_surfaces
+from gearmesh.teeth.proof import prove_surfaces, prove_tooth
 from gearmesh.teeth.tooth import Tooth, before_trimming
 
 if TYPE_CHECKING:
@@ -182,8 +182,8 @@ def _trim_fault(failure: Any) -> KindError:
 def _of_member(name: str, tooth: Tooth) -> list[Any]:
     """Return what is found on the surfaces of a member's tooth, which is trimmed, too; refusals name the member."""
     try:
-        found = prove_surfaces(tooth)
         tooth.prove()
+        found = prove_tooth(tooth)
     except KindError as fault:
         raise fault.rename(f"{name}: {fault.key}") from fault
     return found

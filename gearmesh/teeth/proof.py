@@ -22,6 +22,7 @@ from gearmesh.kernel.surface.stations import follow
 from gearmesh.kernel.surface.surface import GeneratedSurface, Jet, Surface
 from gearmesh.teeth.region import FILLET_REGIONS, FLANK_REGIONS, TIP_EDGES, Region, Side
 from gearmesh.teeth.tooth import Tooth
+from gearmesh.teeth.tooth_side import ToothSide
 
 #: shares of the way along a surface, from the end at the root, at which it is sampled; away from ends and from the middle,
 #: where breaks are likely
@@ -29,7 +30,7 @@ PROOF_SHARES = np.array([0.13, 0.37, 0.61, 0.88])
 #: stations t at which surfaces are sampled
 PROOF_STATIONS_T = np.array([0.06, 0.34, 0.57, 0.93])
 #: steps of the differences, as shares of the range of the parameter; each sample takes the two whose results agree best
-STEP_SHARES = (5e-4, 1e-3, 2e-3, 4e-3, 8e-3, 1.6e-2)
+STEP_SHARES = (1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 4e-3, 8e-3, 1.6e-2)
 #: largest error of a derivative over the range of its parameter: a share of the way of the point, or rad of the normal
 MAX_DERIVATIVE_ERROR = 1e-6
 #: largest difference of the results of two steps at a sample that is used, in the same unit
@@ -95,40 +96,68 @@ class _Samples:
         return KindError(self.region, reason=f"{reason} {where}", must_be=must_be)
 
 
-def prove_surfaces(tooth: Tooth) -> list[SurfaceProof]:
-    """Return what was found on every surface of a tooth that a kind defines. The tooth need not be trimmed.
+def prove_surfaces(tooth: Tooth) -> None:
+    """Compare the jets of all surfaces between their nominal ends, before the tooth is trimmed.
 
     Raises KindError, naming surface, side and station, for the first surface that is not what it says.
     """
     tooth.prove_joined()
+    for which in Side:
+        for region, (surface, way) in _nominal(tooth.side(which), which).items():
+            _prove_jet(_samples(tooth, surface, region, way))
+
+
+def prove_tooth(tooth: Tooth) -> list[SurfaceProof]:
+    """Return what is found on every surface of a tooth, between the ends that it has in the trimmed tooth.
+
+    Raises KindError as `prove_surfaces` does, and TrimError where the tooth cannot be trimmed.
+    """
     proofs = []
     for which in Side:
         side, flank, fillet = tooth.side(which), FLANK_REGIONS[which], FILLET_REGIONS[which]
-        ways = {flank: (side.form_point[0], side.tip), fillet: (side.root, side.form_point[1])}
-        surfaces: list[tuple[Region, Surface, tuple[float, float]]] = [
-            (flank, side.flank, ways[flank]),
-            (fillet, side.fillet, ways[fillet]),
-        ]
-        if side.tip_corner is not None:
-            corner = side.tip_corner
-            surfaces.append((TIP_EDGES[which], corner.surface, (corner.form_point[1], corner.end)))
-        for region, surface, way in surfaces:
-            samples = _samples(tooth, surface, region, way)
+        ends = tooth.ends(which, PROOF_STATIONS_T)
+        surfaces = _nominal(side, which)
+        trimmed = {
+            flank: (ends.form_point_flank, ends.tip),
+            fillet: (np.full_like(ends.tip, side.root), ends.form_point_fillet),
+        }
+        for region, (surface, way) in surfaces.items():
+            samples = _samples(tooth, surface, region, trimmed.get(region, way))
             proofs.append(_prove_jet(samples))
             _prove_levels(tooth, samples)
             _prove_outward(tooth, which, samples)
         for region, generated in zip((flank, fillet), side.generation or (), strict=False):
-            _prove_motion(generated, _samples(tooth, generated, region, ways[region]))
+            _prove_motion(generated, _samples(tooth, generated, region, trimmed[region]))
     if tooth.bottom is not None:
-        proofs.append(_prove_jet(_samples(tooth, tooth.bottom.surface, Region.ROOT, tooth.bottom.ends)))
+        low, high = (np.full(PROOF_STATIONS_T.shape, end) for end in tooth.bottom.ends)
+        proofs.append(_prove_jet(_samples(tooth, tooth.bottom.surface, Region.ROOT, (low, high))))
     return proofs
 
 
-def _samples(tooth: Tooth, surface: Surface, region: Region, way: tuple[float, float]) -> _Samples:
-    """Return samples of a surface between two values of its first parameter, the first one closer to the root."""
+#: first parameters (T,) at both ends of a surface, the first one closer to the root
+Way = tuple[Array, Array]
+
+
+def _nominal(side: ToothSide, which: Side) -> dict[Region, tuple[Surface, Way]]:
+    """Return the surfaces of a side by region, with their nominal ends."""
+    corner = side.tip_corner
+    found = {
+        FLANK_REGIONS[which]: (side.flank, side.form_point[0], side.tip),
+        FILLET_REGIONS[which]: (side.fillet, side.root, side.form_point[1]),
+    }
+    if corner is not None:
+        found[TIP_EDGES[which]] = corner.surface, corner.form_point[1], corner.end
+    at = np.ones_like(PROOF_STATIONS_T)
+    return {region: (surface, (first * at, last * at)) for region, (surface, first, last) in found.items()}
+
+
+def _samples(tooth: Tooth, surface: Surface, region: Region, way: Way) -> _Samples:
+    """Return samples of a surface between both ends of its first parameter."""
     first, last = way
-    share, t = (np.ravel(grid) for grid in np.meshgrid(PROOF_SHARES, PROOF_STATIONS_T, indexing="ij"))
-    p, stations = first + share * (last - first), tooth.stations(t)
+    share = np.repeat(PROOF_SHARES, PROOF_STATIONS_T.size)
+    t = np.tile(PROOF_STATIONS_T, PROOF_SHARES.size)
+    p = (first + PROOF_SHARES[:, None] * (last - first)).ravel()
+    stations = tooth.stations(t)
     try:
         followed = follow(surface, p, stations, tooth.blank.axial)
     except GearmeshError as failure:
@@ -137,15 +166,16 @@ def _samples(tooth: Tooth, surface: Surface, region: Region, way: tuple[float, f
     if not good.size:
         raise KindError(
             region,
-            reason=f"no point of it is found for u from {first:.6g} to {last:.6g} at the stations from "
+            reason=f"no point of it is found for u from {p.min():.6g} to {p.max():.6g} at the stations from "
             f"{stations.min():.6g} to {stations.max():.6g} mm",
+            must_be="regular near v = 0, where the search along the face begins",
         )
     v = followed.values[good]
-    ranges = abs(last - first), float(np.ptp(v)) or float(np.ptp(stations))
+    ranges = float(np.abs(last - first).mean()), float(np.ptp(v)) or float(np.ptp(stations))
     return _Samples(
         surface,
         region,
-        float(np.sign(last - first)),
+        float(np.sign((last - first).mean())),
         p[good],
         v,
         t[good],
@@ -214,7 +244,7 @@ def _prove_levels(tooth: Tooth, samples: _Samples) -> None:
         raise samples.fault(k, f"the gradient of the station coordinate `axial` has the length {lengths[k]:.6g}", "1")
     if not samples.region.is_flank:
         return
-    # the nominal tip may be far from the blank's: the flank's beginning is below the tip, its end is above the root
+    # the flank's beginning is below the tip, its end is above the root
     for name, level, inside in (("tip", blank.tip, 1.0), ("root", blank.root, -1.0)):
         k = int((inside * samples.share).argmin())
         value = float(level.value(jet.r[[k]])[0])

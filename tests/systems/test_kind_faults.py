@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
 import pytest
 from oracles.command_line import refused, run
+from oracles.places import SAMPLES
 from oracles.registry import keep_registry
 
 import gearmesh as gm
@@ -21,6 +23,7 @@ from gearmesh.systems.cylindrical.design import CylindricalDesign
 from gearmesh.systems.system import Displacements
 from gearmesh.teeth.tooth_side import ToothSide
 
+CORPUS = Path(__file__).parents[1] / "corpus"
 #: changes a side of a tooth
 Change = Callable[[ToothSide], ToothSide]
 
@@ -200,7 +203,7 @@ def test_surfaces_that_are_not_what_they_say(change: Change, fault: str) -> None
 @pytest.mark.parametrize(
     ("tip", "told"),
     [
-        (17.8, "flank_right: the level `tip` of the blank is "),
+        (17.8, "flank_right: the flank does not reach the tip, at t = 0"),
         (26.0, "land: the tooth is pointed, at t = 0"),
     ],
 )
@@ -261,6 +264,24 @@ def test_ratios_and_kinds_of_gear_sets() -> None:
         gm.prove(replace(own, build=ratio))
     with pytest.raises(KindError, match=r'kind = other: .* must be "spoilt"'):
         gm.prove(replace(own, build=lambda design: replace(own.build(design), kind="other")))
+
+
+#: designs far from the usual: flanks that are steep, folded, undercut or wound many times
+FAR = (
+    *("contact_beveloid_edge_6", "contact_beveloid_sensible_0", "face_worm_drive_10", "stations_worm_drive_137"),
+    *("overlap_beveloid_twenty_windings", "fold_spiral_bevel_edge_2080", "ground_novikov_edge_102"),
+)
+
+
+#: samples that are proved each time; all others with the marker sweep
+USUAL = ("spur", "worm_drive", "face_gear")
+DESIGNS = (*sorted(SAMPLES.glob("*.toml")), *(CORPUS / f"{name}.toml" for name in FAR))
+
+
+@pytest.mark.sweep_cases(*(path.stem for path in DESIGNS if path.stem not in USUAL))
+@pytest.mark.parametrize("design", DESIGNS, ids=lambda path: path.stem)
+def test_kinds_of_gearmesh_are_proved(design: Path) -> None:
+    assert max(row.point_error for row in gm.prove(gm.load(design, complete=False)).rows) < 1e-6
 
 
 def test_command(capsys: pytest.CaptureFixture[str]) -> None:
