@@ -463,3 +463,11 @@ def test_an_offset_error_moves_drive_and_coast_contact_to_opposite_ends(side: st
         misplaced = pair_of(load(sample, [f"contact.side=pinion_{side}", f"assembly.dV={error}"]))
         point = contact_path(solver_pair(misplaced), np.zeros(1), edges=False).point[0]
         assert np.linalg.norm(np.cross(point - gear.origin, gear.axis)) == pytest.approx(found, abs=0.01)
+
+
+@pytest.mark.sweep
+def test_bodies_whose_back_cone_reaches_the_bore_under_the_teeth() -> None:
+    """Under four teeth the body ends closer to the axis at the heel than at the toe; its solid was not closed."""
+    keys = ["spiral_angle=40.688", "module=3.8569", "pinion.teeth=4"]
+    with pytest.raises(DesignError, match=r"pinion\.bore = 2\.5.* the diameter under the teeth at the heel, 0\.6"):
+        gm.build(load(SAMPLES / "hypoid_high_ratio.toml", keys))

@@ -110,8 +110,15 @@ def _body(name: str, spec: BevelBody, blank: BevelBlank, member: MemberBlank, ro
     toe_root = _on_cone(member, root, member.inner_cone_distance)
     toe = _on_cone(member, root, member.inner_cone_distance, TOE_RIM_DEPTHS * blank.mean_depth)
     heel = _on_cone(member, root, member.outer_cone_distance, HEEL_RIM_DEPTHS * blank.mean_depth)
+    least, end = min((toe[0], "toe"), (heel[0], "heel"))
+    if least <= 0.0:
+        raise VagueError(
+            name,
+            reason=f"the body under the teeth at the {end} ends beyond its axis",
+            allowed="more teeth, a smaller spiral angle or a narrower face",
+        )
     bore = bore_radius(
-        name, spec.stated_bore, toe[0], "the diameter under the teeth at the toe", min(toe[0], toe_root[0])
+        name, spec.stated_bore, least, f"the diameter under the teeth at the {end}", min(toe[0], toe_root[0])
     )
     return recessed_body(name, spec, spec.web, Body.disk(bore, toe, heel), root, blank.mean_depth)
 
