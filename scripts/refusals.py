@@ -1,13 +1,14 @@
-"""Pushes every numeric key of every kind up and down until it is refused, and holds the refusal to its word: `value` is the key's
-value, the bound that it states builds, and a value 5 % beyond is refused.
+"""Pushes numeric keys of every kind up and down until they are refused, and holds the refusals to their word: `value` is the key's
+value, the bound that is stated builds, and a value 5 % beyond is refused.
 
-    python scripts/refusals.py                                      all kinds
-    python scripts/refusals.py --kinds rack planetary               some of them
+    python scripts/refusals.py                                      the examples of all kinds
+    python scripts/refusals.py --designs rack internal zerol        kinds or samples
+    python scripts/refusals.py --designs hypoid --keys 40           a seeded choice of 40 keys
     python scripts/refusals.py --keep out/refusals.jsonl --write    goes on where it was stopped, and keeps the table
 
-Prints a line for each key, with its faults, and a table by kind. Exits with 1 if there is a fault. With --keep keys are kept in a
-file as they are pushed, and those in it are not pushed again. --write keeps the table in scripts/measured. A seeded
-choice of keys is in tests/systems/test_refusals.py.
+Prints a line for each key, with its faults, and a table by design. Exits with 1 if there is a fault. With --keep keys are kept in a
+file as they are pushed, and those in it are not pushed again. --write keeps the rows in scripts/measured; the rows of other designs
+stay. A seeded choice of keys is in tests/systems/test_refusals.py.
 """
 
 from __future__ import annotations
@@ -20,13 +21,14 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 import tables
-from oracles.refusals import numeric_keys, verdict
+from oracles.refusals import SAMPLES, numeric_keys, verdict
 
 import gearmesh as gm
 
 COLUMNS = {
-    "kind": "kind",
+    "design": "kind or sample",
     "keys": "keys",
+    "of": "of",
     "refusals": "refusals",
     "built": "stated bounds that build",
     "followed": "bounds behind which another refusal follows",
@@ -39,7 +41,7 @@ COLUMNS = {
 class Pushed:
     """A key that was pushed: refusals, bounds that build, bounds behind which another refusal follows, longest refusal, faults."""
 
-    kind: str
+    design: str
     key: str
     refusals: int
     built: int
@@ -49,53 +51,60 @@ class Pushed:
 
 
 def kept(file: Path | None) -> dict[tuple[str, str], Pushed]:
-    """Keys that were pushed already, by kind and name."""
+    """Keys that were pushed already, by design and name."""
     if file is None or not file.exists():
         return {}
     keys = [Pushed(**json.loads(line)) for line in file.read_text(encoding="utf-8").splitlines()]
-    return {(key.kind, key.key): key for key in keys}
+    return {(key.design, key.key): key for key in keys}
 
 
-def rows(keys: list[Pushed]) -> list[dict[str, object]]:
-    """A row for each kind."""
-    made: list[dict[str, object]] = []
-    for kind in dict.fromkeys(key.kind for key in keys):
-        own = [key for key in keys if key.kind == kind]
-        made.append(
-            {
-                "kind": kind,
-                "keys": len(own),
-                **{name: sum(getattr(key, name) for key in own) for name in ("refusals", "built", "followed")},
-                "faults": sum(len(key.faults) for key in own),
-                "longest": max(key.longest for key in own),
-            }
-        )
-    return made
+def row(design: str, keys: list[Pushed]) -> dict[str, object]:
+    """Row of the table."""
+    return {
+        "design": design,
+        "keys": len(keys),
+        "of": len(numeric_keys(design)),
+        **{name: sum(getattr(key, name) for key in keys) for name in ("refusals", "built", "followed")},
+        "faults": sum(len(key.faults) for key in keys),
+        "longest": max(key.longest for key in keys),
+    }
+
+
+def with_other_rows(rows: list[tables.Row]) -> list[tables.Row]:
+    """Rows, and those of other designs that are kept."""
+    titles = {title: key for key, title in COLUMNS.items()}
+    before = [{titles[title]: cell for title, cell in row.items()} for row in tables.kept("refusals")]
+    own = {row["design"] for row in rows}
+    return [*rows, *(row for row in before if row["design"] not in own)]
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--kinds", nargs="+", choices=gm.kinds(), default=gm.kinds(), metavar="KIND")
+    known = [*gm.kinds(), *(sample.stem for sample in SAMPLES.glob("*.toml"))]
+    parser.add_argument(
+        "--designs", nargs="+", choices=known, default=gm.kinds(), metavar="NAME", help="kinds or samples"
+    )
+    parser.add_argument("--keys", type=int, metavar="COUNT", help="a seeded choice of keys, the same each time")
     parser.add_argument("--keep", type=Path, metavar="FILE", help="JSON lines of the keys that have been pushed")
-    parser.add_argument("--write", action="store_true", help="keep the table in scripts/measured")
+    parser.add_argument("--write", action="store_true", help="keep the rows in scripts/measured")
     asked = parser.parse_args()
-    pushed = kept(asked.keep)
-    for kind in asked.kinds:
-        keys = numeric_keys(kind)
+    pushed, shown = kept(asked.keep), dict[str, list[Pushed]]()
+    for design in asked.designs:
+        keys = numeric_keys(design, asked.keys)
         for number, key in enumerate(keys, start=1):
-            if (kind, key) in pushed:
+            if (design, key) in pushed:
                 continue
-            found = pushed[kind, key] = Pushed(kind, key, **asdict(verdict(kind, key)))
-            print(f"{kind} {number}/{len(keys)} {key}, {found.longest:.2f} s:", *(found.faults or ["ok"]), flush=True)
+            found = pushed[design, key] = Pushed(design, key, **asdict(verdict(design, key)))
+            print(f"{design} {number}/{len(keys)} {key}, {found.longest:.2f} s:", *(found.faults or ["ok"]), flush=True)
             if asked.keep:
                 with asked.keep.open("a", encoding="utf-8") as file:
                     file.write(json.dumps(asdict(found)) + "\n")
-    shown = [pushed[kind, key] for kind in asked.kinds for key in numeric_keys(kind)]
-    found = rows(shown)
-    print(f"\n{tables.table(found, COLUMNS)}")
+        shown[design] = [pushed[design, key] for key in keys]
+    rows: list[tables.Row] = [row(design, keys) for design, keys in shown.items()]
+    print(f"\n{tables.table(rows, COLUMNS)}")
     if asked.write:
-        tables.keep("refusals", found, COLUMNS)
-    return 1 if any(key.faults for key in shown) else 0
+        tables.keep("refusals", with_other_rows(rows), COLUMNS)
+    return 1 if any(key.faults for keys in shown.values() for key in keys) else 0
 
 
 if __name__ == "__main__":

@@ -1,4 +1,6 @@
-"""Keys of a kind pushed until they are refused, and the refusals held to their own fields.
+"""Keys of a design pushed until they are refused, and the refusals held to their own fields.
+
+A design is named by its kind, whose example it is, or by its sample.
 
 A refusal names a key of the kind with the value that the design sets; a bound that it states is a value of that key, in its unit,
 excludes the value, is accepted when it is put back, and refused a twentieth beyond.
@@ -11,9 +13,11 @@ import re
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 from unittest.mock import patch
 
+import numpy as np
 from pydantic_core import PydanticCustomError
 
 import gearmesh as gm
@@ -24,6 +28,9 @@ from gearmesh.errors import GearmeshError
 from gearmesh.systems import diagnosis
 from gearmesh.systems.system import complete_design, design_class
 
+SAMPLES = Path(__file__).parents[2] / "samples"
+#: seed of choices of keys
+SEED = 53
 #: tables that have no part in the geometry
 ASIDE = ("fe", "mesh", "material", "mount", "contact", "measured", "rexs")
 #: values of keys without a default, by the units of the keys: a length in modules
@@ -66,9 +73,23 @@ class Verdict:
     faults: list[str] = field(default_factory=list)
 
 
-def numeric_keys(kind: str) -> list[str]:
-    """Dotted keys of a kind that take one number and have a part in the geometry."""
-    return [name for name, key in _leaves(design_class(kind)) if key.unit in FIRST and not key.most]
+def example(name: str) -> tuple[type[Design], dict[str, Any]]:
+    """Class and set keys of the example of a kind, or of a sample."""
+    if name in gm.kinds():
+        cls = design_class(name)
+        return cls, dict(cls(**cls.example).own())
+    design = gm.load(SAMPLES / f"{name}.toml")
+    return type(design), dict(design.own())
+
+
+def numeric_keys(name: str, count: int | None = None) -> list[str]:
+    """Dotted keys of a design that take one number and have a part in the geometry; at most `count`, by a seeded choice."""
+    keys = [name for name, key in _leaves(example(name)[0]) if key.unit in FIRST and not key.most]
+    if count is None or count >= len(keys):
+        return keys
+    # a larger choice contains every smaller one
+    chosen = set(np.random.default_rng(SEED).permutation(len(keys))[:count].tolist())
+    return [key for place, key in enumerate(keys) if place in chosen]
 
 
 def _leaves(table: type[Table], prefix: str = "") -> Iterator[tuple[str, Key]]:
@@ -80,19 +101,19 @@ def _leaves(table: type[Table], prefix: str = "") -> Iterator[tuple[str, Key]]:
             yield prefix + name, key
 
 
-def faults(kind: str, dotted: str) -> list[str]:
-    """What is wrong with the refusals of a key that is pushed up and down from its value in the example of a kind."""
-    return verdict(kind, dotted).faults
+def faults(name: str, dotted: str) -> list[str]:
+    """What is wrong with the refusals of a key that is pushed up and down from its value in a design."""
+    return verdict(name, dotted).faults
 
 
-def verdict(kind: str, dotted: str) -> Verdict:
-    """Refusals of a key that is pushed up and down from its value in the example of a kind."""
-    cls, keys = design_class(kind), _keys_beside(kind, dotted)
-    whole, key = complete_design(cls(**cls.example)), cls.key_at(dotted)
+def verdict(name: str, dotted: str) -> Verdict:
+    """Refusals of a key that is pushed up and down from its value in a design."""
+    (cls, own), keys = example(name), _keys_beside(name, dotted)
+    whole, key = complete_design(cls(**with_keys({}, own.items()))), cls.key_at(dotted)
     assert key is not None, "a key of the kind"
     value: Any = whole
-    for name in dotted.split("."):
-        value = getattr(value, name, None)
+    for part in dotted.split("."):
+        value = getattr(value, part, None)
     found = Verdict()
     first = FIRST[key.unit] * (whole.given_module if key.unit == "length" else 1.0)
     value = keys.get(dotted, value)
@@ -109,17 +130,16 @@ def verdict(kind: str, dotted: str) -> Verdict:
     return found
 
 
-def faults_at(kind: str, dotted: str, value: float) -> list[str]:
-    """What is wrong with the refusal of a value of a key in the example of a kind."""
+def faults_at(name: str, dotted: str, value: float) -> list[str]:
+    """What is wrong with the refusal of a value of a key in a design."""
     found = Verdict()
-    _judge(design_class(kind), {**_keys_beside(kind, dotted), dotted: value}, f"{dotted} = {value:.6g}", found)
+    _judge(example(name)[0], {**_keys_beside(name, dotted), dotted: value}, f"{dotted} = {value:.6g}", found)
     return found.faults
 
 
-def _keys_beside(kind: str, dotted: str) -> dict[str, Any]:
-    """Keys of the example of a kind, and those that a key needs beside it."""
-    cls, table = design_class(kind), dotted.split(".")[-2:-1]
-    keys = dict(cls(**cls.example).own())
+def _keys_beside(name: str, dotted: str) -> dict[str, Any]:
+    """Keys of a design, and those that a key needs beside it."""
+    (_, keys), table = example(name), dotted.split(".")[-2:-1]
     for other, given in BESIDE.get(table[0] if table else "", {}).items():
         keys[dotted.rpartition(".")[0] + f".{other}"] = given
     return keys
