@@ -22,7 +22,7 @@ from gearmesh.design.core import Design
 from gearmesh.errors import Bounds, DesignError, GearmeshError, NoSolutionError, VagueError, shown_value
 from gearmesh.kernel.numeric.effort import Effort
 from gearmesh.systems.key_bounds import BOUND_DIGITS, Interval, KeyBound
-from gearmesh.systems.mending import Mending
+from gearmesh.systems.mending import BOUNDS_EFFORT_SHARE, Mending
 from gearmesh.systems.trials import Build, Trials, Values, movable
 
 DesignT = TypeVar("DesignT", bound=Design)
@@ -197,7 +197,10 @@ def _that_mend(
     for noticed in (None, failure.topic) if partly else (None,):
         trials.ask(noticed)
         for group in groups:
-            intervals += mending.leave_out(group) if intervals else mending.keys(group, named, failure.remedies)
+            if intervals:
+                intervals += mending.leave_out(group, BOUNDS_EFFORT_SHARE)
+            else:
+                intervals += mending.keys(group, named, failure.remedies)
             if intervals and not mending.light:
                 break
         if intervals:

@@ -59,6 +59,8 @@ class Interval:
     divisions: int = 0
     #: True if the allowed value itself was built, not only the default of the key
     proved: bool = True
+    #: value next to the allowed value with an abandoned trial; no value beyond it is tried any more
+    given_up: float | None = None
 
     def __post_init__(self) -> None:
         self._division = Division()
@@ -83,6 +85,11 @@ class Interval:
         """Width over the larger end."""
         return 0.0 if self.good is None else relative_width(self.good, self.bad)
 
+    @property
+    def end(self) -> float:
+        """End opposite to the allowed value: the refused value, or a nearer value with an abandoned trial."""
+        return self.bad if self.given_up is None else self.given_up
+
     def divide(self, refused: Sequence[Refused], wanted: float) -> float:
         """Return the value between both ends for the next build.
 
@@ -91,10 +98,12 @@ class Interval:
         """
         assert self.good is not None, "an interval between two values"
         size = max(abs(self.good), abs(self.bad)) or 1.0
-        aim = self._division.beside_root(self.good, self.bad, refused, wanted * size)
+        aim = None
+        if self.given_up is None:
+            aim = self._division.beside_root(self.good, self.bad, refused, wanted * size)
         if aim is None:
             share = LATER_SHARE if self.divisions or self.bad != self.own else FIRST_SHARE
-            aim = self.bad + share * (self.good - self.bad)
+            aim = self.end + share * (self.good - self.end)
         self.divisions += 1
         return aim
 
@@ -104,7 +113,7 @@ class Interval:
         if allowed:
             self.good, self.proved = value, True
         else:
-            self.bad = value
+            self.bad, self.given_up = value, None
 
 
 def relative_width(good: float, bad: float) -> float:

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any, Generic
 
-from gearmesh.systems.key_bounds import ROUGH_WIDTH, SHOWN_DIGITS, Interval, KeyBound, round_digits
+from gearmesh.systems.key_bounds import ROUGH_WIDTH, SHOWN_DIGITS, Interval, KeyBound, relative_width, round_digits
 from gearmesh.systems.trials import DesignT, Trials
 
 #: steps away from a value, over the value
@@ -20,6 +20,10 @@ MAX_DIVISIONS = 14
 FINE_WIDTH = 1e-4
 #: wanted width of an interval, over the value, after half of the effort
 FAIR_WIDTH = 1.5e-3
+#: largest effort of one division, over the effort that is left
+DIVISION_EFFORT_SHARE = 0.4
+#: effort of the dearest trial so far times this factor is allowed for one division in any case
+DEAREST_TRIAL_FACTOR = 2.0
 #: largest factor, up or down, of a value that replaces a derived value
 FARTHEST_FACTOR = 64.0
 #: number of steps in the search for such a value
@@ -27,7 +31,9 @@ ASKED_STEPS = 24
 #: largest number of named keys
 MAX_NAMED_KEYS = 2
 #: largest effort of a build, over the whole effort, for which more keys are searched after one is found
-LIGHT_EFFORT_SHARE = 0.03
+LIGHT_EFFORT_SHARE = 0.09
+#: effort, over the whole effort, that the search for more keys leaves for bounds
+BOUNDS_EFFORT_SHARE = 0.7
 #: effort that must be left, over the whole effort, for refining the bound of a second key
 SECOND_KEY_SHARE = 0.3
 #: first step from a bound towards the other end of the allowed range, over the bound
@@ -81,9 +87,11 @@ class Mending(Generic[DesignT]):
         about = self.trials.design.key_at(key)
         return about is not None and about.low < 0.0 < about.high
 
-    def leave_out(self, keys: list[str]) -> Iterator[Interval]:
-        """Yield the keys that mend the design when they are left out."""
+    def leave_out(self, keys: list[str], kept_share: float = 0.0) -> Iterator[Interval]:
+        """Yield the keys that mend the design when they are left out, until only a share of the effort is left."""
         for key in keys:
+            if self.trials.effort.left < kept_share * self.trials.allowed:
+                return
             if not self.trials.works(key, None):
                 continue
             default = self.trials.default(key)
@@ -184,20 +192,26 @@ class Mending(Generic[DesignT]):
     def _divide(self, of: Interval) -> bool:
         """Divide an interval; return False if it is fine enough or cannot be divided."""
         wanted = FINE_WIDTH if self._half_left else FAIR_WIDTH
-        if of.good is None or of.width <= wanted or of.divisions >= MAX_DIVISIONS or self.trials.effort.spent:
+        if of.good is None or of.divisions >= MAX_DIVISIONS or self.trials.effort.spent:
+            return False
+        if relative_width(of.good, of.end) <= wanted:
             return False
         value = self._short(of, of.divide(self.trials.excesses(of.key, of.bad, of.good), wanted))
         if value is None:
             return False
-        outcome = self.trials.outcome(of.key, value)
+        # a trial that takes much longer than those before it is not worth its effort
+        most = max(DIVISION_EFFORT_SHARE * self.trials.effort.left, DEAREST_TRIAL_FACTOR * self.trials.dearest)
+        outcome = self.trials.outcome(of.key, value, most)
         if outcome.known:
             of.narrow(value, allowed=self.trials.is_allowed(outcome))
-        return outcome.known
+        else:
+            of.given_up = value
+        return True
 
     def _short(self, of: Interval, value: float) -> float | None:
         """Return a number next to a value and between the ends of an interval, with few digits; None if there is none."""
         assert of.good is not None, "an interval between two values"
-        low, high = sorted((of.bad, of.good))
+        low, high = sorted((of.end, of.good))
         for aim in (value, 0.5 * (low + high)):
             for up in (aim < 0.0, aim >= 0.0):
                 short = round_digits(self.trials.like(of.key, aim), up)
@@ -207,9 +221,11 @@ class Mending(Generic[DesignT]):
 
     def _bound(self, of: Interval) -> KeyBound:
         """Return the bound of an interval, with few digits if the shorter value works, too."""
-        if of.good is not None and not of.proved and not self.trials.works(of.key, of.good):
+        if of.good is not None and not of.proved:
+            outcome = self.trials.outcome(of.key, of.good)
             # it works as a default alone
-            of.good = None
+            if outcome.known and not self.trials.is_allowed(outcome):
+                of.good = None
         if of.good is None:
             return KeyBound(of.key, None, of.bad, larger=False)
         larger = of.good > of.own

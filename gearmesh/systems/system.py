@@ -647,7 +647,9 @@ def _refused_by_name(
 
         # refusals are in mm
         failure.lengths_in = (design.units, design.mm_per_unit)
-        raise diagnose(design, failure, tried or _try_build, _derived_values) from failure
+        told = diagnose(design, failure, tried or _try_build, _derived_values)
+        # an error that is its own cause would send whoever follows causes round in a circle
+        raise told from (failure if told is not failure else failure.__cause__)
 
 
 def _derived_values(design: Design, made: object) -> dict[str, Any]:
@@ -658,7 +660,8 @@ def _derived_values(design: Design, made: object) -> dict[str, Any]:
     if not hasattr(made, "pairs"):
         return {}
     try:
-        return _pinned_values(_fill(design), cast("GearTrain", made))
+        whole = _fill(design)
+        return {**dict(whole.derived_keys()), **_pinned_values(whole, cast("GearTrain", made))}
     except (DesignError, NoSolutionError):
         return {}
 

@@ -74,6 +74,8 @@ class Trials(Generic[DesignT]):
 
     def __post_init__(self) -> None:
         self.allowed = self.effort.left
+        #: effort of the dearest trial that was not given up
+        self.dearest = 0.0
 
     def ask(self, noticed: str | None) -> None:
         """Set the topic for which builds must not be refused from now on; None: builds must not be refused at all."""
@@ -117,10 +119,13 @@ class Trials(Generic[DesignT]):
         except EffortSpentError:
             return Outcome(built=False, known=False)
         except GearmeshError as error:
-            return Outcome(built=False, topic=error.topic, excess=error.excess)
+            outcome = Outcome(built=False, topic=error.topic, excess=error.excess)
+        else:
+            outcome = Outcome(built=True, made=made if value is None else None)
         finally:
             self.effort.left -= most - own.left
-        return Outcome(built=True, made=made if value is None else None)
+        self.dearest = max(self.dearest, most - own.left)
+        return outcome
 
     def design_of(self, keys: dict[str, Any]) -> DesignT:
         """Return the design of the keys that are not None."""

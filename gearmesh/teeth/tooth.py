@@ -1149,7 +1149,8 @@ class Tooth:
             land = np.full_like(stations, side.tip_corner.end)
             tip_point = along(side.tip_corner.surface, land, stations, self.blank.axial)[1].r
         if self.tip_edge is not None:
-            tip, edge = self.tip_edge._between(side.flank, self.blank, which.sign, (form_point_flank, tip), stations)
+            edge_ends, at = (form_point_flank, tip), (stations, t)
+            tip, edge = self.tip_edge._between(side.flank, self.blank, which.sign, edge_ends, at)
             tip_point = edge[1]
         return Ends(form_point_flank, form_point_fillet, tip, tip_corner, self.joint.angle(tip_point), root_angle, edge)
 
@@ -1165,7 +1166,7 @@ class Tooth:
         begins = along(side.flank, ends[0][[k]], stations[[k]], self.blank.axial)[1].r
         radii = (float(self.joint.radius(r)[0]) for r in (begins, tip.r[[k]]))
         lost = "no flank is left between the form point (radius {:.6g} mm) and the tip ({:.6g} mm)".format(*radii)
-        raise TrimError("flank", float(t[k]), lost)
+        raise TrimError("flank", float(t[k]), lost, -float(height[k]))
 
     def _tips(self, t: Array) -> Tips:
         """Return `_tip` of both sides at t (T,)."""
@@ -1286,7 +1287,8 @@ class Tooth:
         width = self.joint.within(right - before)
         width = np.where(width < 0.0, self.joint.wrap(width), width)
         if (width < -1e-12).any():
-            raise TrimError("root", float(t[0]), "the fillets of neighbouring teeth overlap", -float(width.min()))
+            k = int(np.argmin(width))
+            raise TrimError("root", float(t[k]), "the fillets of neighbouring teeth overlap", -float(width[k]))
         return width
 
     @cached_property

@@ -21,11 +21,14 @@ from gearmesh.kernel.envelope.envelope import Envelope
 from gearmesh.kernel.motion.rolling import RackRoll
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.surface import Surface
+from gearmesh.systems import diagnosis
 from gearmesh.systems.designs import load
 from gearmesh.systems.system import complete_design
+from gearmesh.systems.worm_drive import build as worm_build
 from gearmesh.systems.worm_drive.build import build, wheel_hob, worm_thread
 from gearmesh.systems.worm_drive.thread import WormThread
 from gearmesh.teeth.region import Side
+from gearmesh.teeth.tooth import Tooth
 from gearmesh.tools.rack import RackLine, RackSurface
 
 FORMS = ("ZA", "ZN", "ZI", "ZK", "ZC")
@@ -283,7 +286,8 @@ def test_a_hob_like_the_worm_makes_no_transmission_error(form: str) -> None:
         ),
         (
             ["wheel.face_width=100"],
-            "wheel.face_width = 100 mm: if it is left out, its derived value .*72 mm does not reach over so wide a face$",
+            r"wheel.face_width = 100 mm: allowed is at most 48.7\d mm, with the other keys unchanged: a hob of the tip "
+            "diameter 72 mm does not reach over so wide a face$",
         ),
         (["worm.dual_lead=0.3"], "worm.dual_lead = 0.3: must be a number from -0.2 to 0.2"),
         (["hob.addendum=4"], "hob.addendum = 4: must be a multiple of the axial module from 0 to 3"),
@@ -293,3 +297,22 @@ def test_a_hob_like_the_worm_makes_no_transmission_error(form: str) -> None:
 def test_what_cannot_be_is_refused_in_one_line(changes: list[str], message: str) -> None:
     with pytest.raises(DesignError, match=f"^{message}"):
         gm.build(drive(*changes))
+
+
+def test_a_wheel_that_is_undercut_above_its_tip_is_proved_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A lower tip leaves still less of the flank: ten more addenda were tried twice each, 0.8 s in the place of 0.1."""
+    proofs: list[float] = []
+    prove = worm_build.prove_wheel
+
+    def count(tooth: Tooth) -> None:
+        proofs.append(float(tooth.blank.tip.at(0.0)))
+        prove(tooth)
+
+    monkeypatch.setattr(worm_build, "prove_wheel", count)
+    monkeypatch.setattr(diagnosis, "MAX_EFFORT", 0.0)
+    with pytest.raises(DesignError, match="no flank is left between the form point") as refused:
+        gm.build(load(SAMPLES / "worm_drive.toml", ["wheel.face_width=50.5"]))
+    assert len(proofs) == 1
+    # the form point is above the tip by a figure with which the bound is looked for
+    assert refused.value.excess is not None
+    assert refused.value.excess > 0.0

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from oracles.built import built_sample
 
+import gearmesh as gm
 from gearmesh.check.members import roll_teeth
 from gearmesh.contact.flanks import analyse
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
@@ -122,6 +123,42 @@ def test_a_solid_with_roundings_on_back_cones_is_closed() -> None:
     solid = gear_solid(member, 0.05)
     assert prove(solid, member.genus).ok
     assert solid.volume() == pytest.approx(member.plain_volume(), rel=2e-3)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(("angle", "lowest"), [(4.0, 0.0), (-4.0, 1.0)])
+def test_refusals_of_tip_edges_name_the_station_of_the_lowest_flank(angle: float, lowest: float) -> None:
+    """They named the toe, wherever the flank was too low."""
+    tip = {"teeth": 30, "face_width": 10, "tip_cone_angle": angle, "addendum": 0.2, "dedendum": 0.6}
+    design = gm.parse({"kind": "cylindrical", "module": 2, "pinion": tip, "gear": {"teeth": 40, "face_width": 10}})
+    tooth = replace(gm.build(design).members["pinion"].tooth, tip_edge=TipEdge(0.9))
+    t = np.linspace(0.0, 1.0, 9)
+    refused = []
+    for k in range(t.size):
+        try:
+            tooth.sections(t[[k]])
+        except TrimError:
+            refused.append(t[k])
+    # some are sound, and the lowest is not
+    assert 0 < len(refused) < t.size
+    assert lowest in refused
+    with pytest.raises(TrimError, match="larger than the flank") as failure:
+        tooth.sections(t)
+    assert failure.value.station == lowest
+    # the flank is as much lower than the chamfer
+    excess = failure.value.excess
+    assert excess is not None
+    replace(tooth, tip_edge=TipEdge(0.9 - 1.001 * excess)).sections(t)
+    with pytest.raises(TrimError):
+        replace(tooth, tip_edge=TipEdge(0.9 - 0.999 * excess)).sections(t)
+
+
+@pytest.mark.quick
+def test_overlapping_fillets_name_the_station_where_they_overlap_most() -> None:
+    tooth, t = tooth_of(TipEdge(SIZE)), np.array([0.0, 0.5, 1.0])
+    with pytest.raises(TrimError, match="overlap") as failure:
+        tooth._width_of_root(np.array([0.1, 0.0, -0.2]), np.zeros(3), t)
+    assert (failure.value.station, failure.value.excess) == (1.0, pytest.approx(0.2))
 
 
 @pytest.mark.quick

@@ -486,13 +486,25 @@ def wheel_tooth(design: WormDriveDesign) -> Tooth:
     return Tooth(spec.teeth, right, left, blank)
 
 
-@lru_cache(maxsize=2)
 def prove_wheel_of(design: WormDriveDesign) -> None:
     """Trim the wheel's tooth of a complete design in mm, once for the search of the face width and for the build.
 
     Raises TrimError, DesignError.
     """
-    prove_wheel(wheel_tooth(design))
+    failure = wheel_failure(design)
+    if failure is not None:
+        raise failure
+
+
+@lru_cache(maxsize=len(ADDENDUM_SHARES) + 1)
+def wheel_failure(design: WormDriveDesign) -> TrimError | None:
+    """Return why the wheel's tooth of a complete design in mm cannot be trimmed; None if it can. Raises DesignError."""
+    try:
+        prove_wheel(wheel_tooth(design))
+    except TrimError as failure:
+        # without the frames, which would keep the tooth
+        return failure.with_traceback(None)
+    return None
 
 
 def _wheel_parameters(p: Array, v: Array) -> dict[str, Array]:

@@ -206,6 +206,7 @@ class WormHob:
                 2.0 * half,
                 unit="mm",
                 reason=f"a hob of the tip diameter {2.0 * r:.6g} mm does not reach over so wide a face",
+                excess=2.0 * (half - r / narrower),
             )
         return Meridian(CircularMeridian((0.0, a), r) if self.tilt == 0.0 else CylinderMeridian(a, r, self.tilt))
 

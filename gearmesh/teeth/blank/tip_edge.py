@@ -43,15 +43,14 @@ class TipEdge:
     joint: Joint = REVOLUTE_JOINT
 
     def _between(
-        self, flank: Surface, blank: Blank, sign: int, ends: tuple[Array, Array], stations: Array
+        self, flank: Surface, blank: Blank, sign: int, ends: tuple[Array, Array], at: tuple[Array, Array]
     ) -> tuple[Array, EdgePoints]:
-        """Solve for the flank parameter (T,) where the broken edge begins; return it with the points of the edge at
-        stations (T,).
+        """Solve for the flank parameter (T,) where the broken edge begins; return it with the points (T, 3) of the edge.
 
         `ends`: flank parameters (T,) of form point and sharp tip; `sign`: +1 on the right side of a tooth, -1 on the
-        left. Raises TrimError where the edge is larger than the flank.
+        left; `at`: stations (mm) and t (T,). Raises TrimError where the edge is larger than the flank.
         """
-        form_point, tip = ends
+        (form_point, tip), (stations, t) = ends, at
         axial, plane = blank.axial, Development(blank.axial, self.joint)
         sharp = along(flank, tip, stations, axial)[1].r
         about = plane.about(sharp)
@@ -75,7 +74,11 @@ class TipEdge:
         # a chamfer begins `size` under the land; the centre of a rounding lies `size` under it
         roots = bracketed_root(lambda p, index: begins(p, index)[0], form_point, tip)
         if not roots.converged.all():
-            raise TrimError("edge", 0.0, "the tip edge is larger than the flank")
+            # height over the land at which an edge from the form point would end: above 0 where the flank is too low
+            missing = np.where(roots.converged, -np.inf, begins(form_point, slice(None))[0])
+            k = int(np.argmax(missing))
+            excess = float(missing[k]) if missing[k] > 0.0 else None
+            raise TrimError("edge", float(t[k]), "the tip edge is larger than the flank", excess)
         _, on_flank, centre = begins(roots.values, slice(None))
         on_land = plane.beside(centre, height) if self.rounded else plane.beside(corner, height, sign * self.size)
         return roots.values, (on_flank, plane.lift(on_land, on_flank, about), plane.lift(centre, on_flank, about))

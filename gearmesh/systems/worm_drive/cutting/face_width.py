@@ -21,6 +21,7 @@ from gearmesh.systems.worm_drive.build import (
     prove_wheel_of,
     refuse_tools,
     usual_addendum,
+    wheel_failure,
     wheel_tooth,
     worm_member,
 )
@@ -70,6 +71,8 @@ def derived_values(design: WormDriveDesign) -> dict[str, float]:
             return {**root, "wheel.addendum": tried.wheel.addendum, "wheel.face_width": share * usual}
         if addendum == 1.0 and not narrow and not (_has_spaces(tried, usual) and _has_worm(design)):
             break
+        if not open_width and _form_point_above_tip(tried, wheel.face_width):
+            break
     return {**root, "wheel.addendum": usual_addendum(design), "wheel.face_width": usual}
 
 
@@ -100,6 +103,16 @@ def _has_spaces(design: WormDriveDesign, usual: float) -> bool:
         # another width may have a tooth
         return True
     return _succeeds(tooth.prove_root, MIDDLE_STATION)
+
+
+def _form_point_above_tip(design: WormDriveDesign, width: float) -> bool:
+    """Return True if the undercut ends above the tip somewhere on a face of this width: a lower tip leaves still less."""
+    try:
+        failure = wheel_failure(_in_mm(design, width))
+    except DesignError:
+        return False
+    # failures without a figure are not of the form point
+    return failure is not None and failure.what == "flank" and failure.excess is not None
 
 
 def _has_worm(design: WormDriveDesign) -> bool:
