@@ -293,6 +293,15 @@ def shown_value(value: Any, unit: str = "") -> str:
     return f"{text} {unit}".rstrip()
 
 
+def with_unit(allowed: str, unit: str) -> str:
+    """Return allowed values with a unit behind the last bound, if they state bounds of the value without a unit."""
+    stated = _ALLOWED_PATTERN.match(allowed)
+    if stated is None or not unit or any(text for name, text in stated.groupdict().items() if name.endswith("_unit")):
+        return allowed
+    end = max(stated.end(name) for names in _BOUND_GROUPS for name in names)
+    return f"{allowed[:end]} {unit}{allowed[end:]}"
+
+
 def nearest(word: str, known: Iterable[str], likeness: float = MIN_LIKENESS) -> str | None:
     """Return the known word that is most like a misspelt word; None without a similar word."""
     import difflib

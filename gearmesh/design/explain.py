@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from gearmesh.design.keys import Key, Table
 from gearmesh.design.shown import shown_key, value_text
-from gearmesh.errors import MIN_LIKENESS, DesignError, nearest, shown_value
+from gearmesh.errors import MIN_LIKENESS, DesignError, nearest, shown_value, with_unit
 from gearmesh.numerals import with_point
 
 if TYPE_CHECKING:
@@ -53,6 +53,7 @@ def _refusal(detail: ErrorDetails, design: type[Table], units: str, more: int, g
         declared = design.key_at(dotted) if isinstance(value, float | int) and not isinstance(value, bool) else None
         unit = "" if declared is None else declared.unit_in(units).removeprefix("-")
         shown = shown_value(value, unit) if unit else value_text(value)
+        fields |= {name: with_unit(fields[name], unit) for name in ("allowed", "must_be")}
         return DesignError(design.name_in_texts(dotted), value, shown=shown, more=more, **fields)
     table = _table(design, tables)
     key = design.name_in_texts(shown_key(detail["loc"]))

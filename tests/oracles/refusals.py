@@ -48,7 +48,12 @@ NEAREST_REFUSED, FOLLOWED = (
 UNITS = {"length": "mm", "angle": "deg", "curvature": "1/mm"}
 #: keys that others need beside them, by the table
 BESIDE: dict[str, dict[str, Any]] = {
-    "end_relief_toe": {"amount": 0.02, "length": 2.0},
+    **{
+        name: {"amount": 0.02, "length": 2.0}
+        for name in ("end_relief_toe", "end_relief_heel", "triangular_end_relief_tip", "triangular_end_relief_root")
+    },
+    "thickness_allowance": {"upper": -0.05, "lower": -0.1},
+    "tip_diameter_tolerance": {"upper": 0.0, "lower": -0.1},
     "keyway": {"width": 3.0, "depth": 1.0},
     "hub": {"diameter": 24.0, "length": 5.0},
     "toe_hub": {"diameter": 24.0, "length": 5.0},
@@ -56,7 +61,7 @@ BESIDE: dict[str, dict[str, Any]] = {
     "spokes": {"count": 4, "width": 3.0},
     "web": {"thickness": 5.0},
     "holes": {"count": 4},
-    "shaper": {"teeth": 20},
+    "shaper": {"teeth": 26},
     "hob": {"protuberance": 0.05},
 }
 

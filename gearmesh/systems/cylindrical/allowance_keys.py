@@ -65,7 +65,7 @@ class ThicknessAllowance(Table):
             missing = "lower" if given == ["upper"] else "upper"
             raise conflict(missing, None, reason='missing; give upper and lower, or a series as "cd25"')
         if self.lower > self.upper:
-            raise conflict("lower", self.lower, reason=f"must not be above upper, {self.upper:g}")
+            raise conflict("lower", self.lower, must_be=f"at most upper, {self.upper:g}")
         return self
 
     def by_series(self, diameter: float) -> dict[str, float]:
@@ -147,7 +147,7 @@ class DiameterTolerance(Table):
             missing = "upper" if self.upper is None else "lower"
             raise conflict(missing, None, reason='missing; give upper and lower, or a grade as "h8"')
         elif self.lower > self.upper:
-            raise conflict("lower", self.lower, reason=f"must not be above upper, {self.upper:g}")
+            raise conflict("lower", self.lower, must_be=f"at most upper, {self.upper:g}")
         return self
 
     def deviations(self, diameter: float) -> iso286.Deviations | None:

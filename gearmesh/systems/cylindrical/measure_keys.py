@@ -23,7 +23,7 @@ class MeasuredSize(Table):
             missing, other = ("upper", "lower") if self.upper is None else ("lower", "upper")
             raise conflict(missing, None, reason=f"missing; give it with {other}")
         if self.upper is not None and self.lower is not None and self.lower > self.upper:
-            raise conflict("lower", self.lower, reason=f"must not be above upper, {self.upper:g}")
+            raise conflict("lower", self.lower, must_be=f"at most upper, {self.upper:g}")
         return self
 
 
