@@ -11,13 +11,6 @@ from gearmesh.design.dotted import with_keys
 from gearmesh.errors import DesignError
 from gearmesh.systems.system import design_class
 
-PAIR = {
-    "module": 2.0,
-    "pinion.teeth": 18,
-    "pinion.face_width": 20.0,
-    "gear.teeth": 45,
-    "gear.face_width": 20.0,
-}
 #: kinds whose gears are built in milliseconds, and how many of their keys are pushed by default
 QUICK_KINDS, QUICK_KEYS = ("cylindrical", "beveloid", "rack"), 2
 
@@ -87,30 +80,16 @@ def test_bounds_are_of_the_key_and_not_of_what_follows_from_it(key: str, value: 
 
 def test_refusal_of_centre_distance_gives_sum_of_shifts_and_range() -> None:
     """inv(alpha_w) - inv(alpha) = 2 tan(alpha) (x1 + x2) / (z1 + z2), cos(alpha_w) = 61 cos(alpha) / 75."""
-    pair = {
-        "pinion": {"teeth": 20, "face_width": 20},
-        "gear": {"teeth": 41, "face_width": 20},
-    }
+    pair = {"pinion": {"teeth": 20, "face_width": 20}, "gear": {"teeth": 41, "face_width": 20}}
     with pytest.raises(
-        DesignError,
-        match=r"^assembly.center_distance = 75 mm: allowed is from .* add up to 10\.73,",
+        DesignError, match=r"^assembly.center_distance = 75 mm: allowed is from .* add up to 10\.73,"
     ) as found:
-        gm.parse(
-            {
-                "kind": "cylindrical",
-                "module": 2,
-                **pair,
-                "assembly": {"center_distance": 75},
-            }
-        )
+        gm.parse({"kind": "cylindrical", "module": 2, **pair, "assembly": {"center_distance": 75}})
     bounds = found.value.bounds
     assert bounds is not None
     assert bounds.low is not None
     assert bounds.high is not None
-    cls, own = (
-        design_class("cylindrical"),
-        {"module": 2, "pinion": pair["pinion"], "gear": pair["gear"]},
-    )
+    cls, own = design_class("cylindrical"), {"module": 2, "pinion": pair["pinion"], "gear": pair["gear"]}
     for distance, good in (
         (bounds.low, True),
         (bounds.high, True),
@@ -122,54 +101,29 @@ def test_refusal_of_centre_distance_gives_sum_of_shifts_and_range() -> None:
 
 def test_refusals_of_derived_values_are_in_the_units_of_the_design() -> None:
     """They were in the design's units and counted as mm: 2.0 inch was shown as 0.0787402 inch."""
-    pair = {
-        "pinion": {"teeth": 20, "face_width": 0.8},
-        "gear": {"teeth": 41, "face_width": 0.8},
-    }
+    pair = {"pinion": {"teeth": 20, "face_width": 0.8}, "gear": {"teeth": 41, "face_width": 0.8}}
     with pytest.raises(DesignError, match=r"^assembly.center_distance = 2 inch: .* 2\.29285 inch"):
-        gm.parse(
-            {
-                "kind": "cylindrical",
-                "units": "inch",
-                "module": 0.08,
-                **pair,
-                "assembly": {"center_distance": 2.0},
-            }
-        )
+        gm.parse({"kind": "cylindrical", "units": "inch", "module": 0.08, **pair, "assembly": {"center_distance": 2.0}})
 
 
 @pytest.mark.parametrize("units", ["mm", "inch"])
 @pytest.mark.parametrize(
     ("keys", "key", "bound"),
     [
-        (
-            {"pinion.tip_diameter": 30.0, "pinion.root_diameter": 32.0},
-            "pinion.tip_diameter",
-            32.0,
-        ),
-        (
-            {"pinion.bore": 8.0, "pinion.keyway": {"width": 9.0, "depth": 1.0}},
-            "pinion.keyway.width",
-            8.0,
-        ),
-        (
-            {"arrangement": "double_helical", "helix_angle": 20.0, "gap": 25.0},
-            "gap",
-            20.0,
-        ),
+        ({"pinion.tip_diameter": 30.0, "pinion.root_diameter": 32.0}, "pinion.tip_diameter", 32.0),
+        ({"pinion.bore": 8.0, "pinion.keyway": {"width": 9.0, "depth": 1.0}}, "pinion.keyway.width", 8.0),
+        ({"arrangement": "double_helical", "helix_angle": 20.0, "gap": 25.0}, "gap", 20.0),
         # it stated no bounds
-        (
-            {"pinion.thickness_allowance": {"upper": -0.2, "lower": -0.1}},
-            "pinion.thickness_allowance.lower",
-            -0.2,
-        ),
+        ({"pinion.thickness_allowance": {"upper": -0.2, "lower": -0.1}}, "pinion.thickness_allowance.lower", -0.2),
     ],
 )
 def test_bounds_by_other_keys_have_the_unit_of_the_design(
     keys: dict[str, object], key: str, bound: float, units: str
 ) -> None:
+    cls = design_class("cylindrical")
+    own = {**dict(cls(**cls.example).own()), "units": units, "module": 2.0 if units == "mm" else 0.1}
     with pytest.raises(DesignError) as refused:
-        design_class("cylindrical")(**with_keys({}, {**dict(PAIR), "units": units, **keys}.items()))
+        cls(**with_keys({}, {**own, **keys}.items()))
     bounds = refused.value.bounds
     assert bounds is not None
     assert refused.value.key == key
