@@ -185,7 +185,8 @@ class Mending(Generic[DesignT]):
                 fine.append(nearest)
             if effort.spent or (fine and effort.left < SECOND_KEY_SHARE * self.trials.allowed):
                 break
-        exact = [interval for interval in fine if interval.width <= ROUGH_WIDTH]
+        # the interval whose division the effort ended may be narrow enough as well
+        exact = [interval for interval in fine + left if interval.width <= ROUGH_WIDTH][:MAX_NAMED_KEYS]
         nearest_of = exact or sorted(fine + left, key=lambda interval: interval.most)[:1]
         return [self._bound(interval) for interval in sorted(nearest_of, key=lambda interval: interval.most)]
 
