@@ -70,7 +70,10 @@ def diagnose(
         return _with_bounds(design, told, mending, mending_keys, whole=whole)
     if stated:
         return _with_note(failure)
-    return failure if trials.effort.spent else _together(design, failure, own)
+    if trials.effort.spent:
+        # a bound of values that follow from others is not stated of the key itself without a trial
+        return _without_bounds(failure) if named and isinstance(failure, VagueError) else failure
+    return _together(design, failure, own)
 
 
 # ---------------------------------------------------------------- bounds that refusals state
