@@ -108,7 +108,7 @@ def test_every_key_of_the_kind_is_in_the_list() -> None:
         ("hob", HobTable),
         ("assembly", WormDriveAssembly),
     ):
-        declared = set(table.__annotations__) | ({"threads"} if name == "worm" else set())
+        declared = {*table.__annotations__} & {*table.model_fields} | ({"threads"} if name == "worm" else set())
         keys |= {f"{name}.{key}" for key in declared if table.table_of(key) is None and table.key_of(key) is not None}
     eccentric = {key for key in keys if key.endswith(("_eccentricity", "_phase"))}
     assert keys - eccentric == set(OTHERS)
