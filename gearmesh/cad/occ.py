@@ -1,4 +1,8 @@
-"""Elementary OpenCASCADE shapes from arrays in mm: points, edges, wires, faces, splines."""
+"""Elementary OpenCASCADE shapes from arrays in mm: points, edges, wires, faces, splines.
+
+Vertices and control points of splines are rounded to the grid of CAD solids (`io/digits.py`) here, before they are moved. Last digits
+differ between processors; rounded like this they are in none of the copies of a tooth.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +14,7 @@ import numpy as np
 
 from gearmesh.cad.nodes import SPLINE_DEGREE
 from gearmesh.errors import DesignError
+from gearmesh.io.digits import points_on_grid
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 
@@ -35,11 +40,12 @@ def point(r: Sequence[float] | Array) -> Any:
     return gp_Pnt(float(r[0]), float(r[1]), float(r[2]))
 
 
-def vertex(r: Sequence[float] | Array) -> Any:
-    """TopoDS_Vertex at a point (3,), mm."""
+def vertex(r: Sequence[float] | Array, move: Any = None) -> Any:
+    """TopoDS_Vertex at a point (3,), mm, moved by the gp_Trsf `move`, as curves and surfaces are."""
     from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeVertex
 
-    return BRepBuilderAPI_MakeVertex(point(r)).Vertex()
+    at = point(points_on_grid(np.asarray(r)))
+    return BRepBuilderAPI_MakeVertex(at if move is None else at.Transformed(move)).Vertex()
 
 
 def edge(curve: Any, start: Any, end: Any, first: float, last: float) -> Any:
@@ -132,7 +138,7 @@ def spline_curve(control: Array, knots: Array) -> Any:
     from OCP.Geom import Geom_BSplineCurve
 
     poles = collection("Array1_gp_Pnt")(1, len(control))
-    for i, r in enumerate(control.tolist()):
+    for i, r in enumerate(points_on_grid(control).tolist()):
         poles.SetValue(i + 1, point(r))
     return Geom_BSplineCurve(poles, *_knots(knots), len(knots) - len(control) - 1)
 
@@ -170,7 +176,7 @@ def spline_surface(control: Array, s_knots: Array, t_knots: Array) -> Any:
     from OCP.Geom import Geom_BSplineSurface
 
     poles = collection("Array2_gp_Pnt")(1, control.shape[0], 1, control.shape[1])
-    for i, row in enumerate(control.tolist()):
+    for i, row in enumerate(points_on_grid(control).tolist()):
         for j, r in enumerate(row):
             poles.SetValue(i + 1, j + 1, point(r))
     (s, s_counts), (t, t_counts) = _knots(s_knots), _knots(t_knots)

@@ -20,7 +20,7 @@ from gearmesh.cad.occ import PRECISION_MM, edge, frame, spline_curve, vertex
 from gearmesh.cad.step import NamedFace, Part, require_occ
 from gearmesh.cad.turned import Loop, Prism, Trace, TurnedSurface, circle, plane_face, turned_face
 from gearmesh.errors import DesignError
-from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.io.digits import points_on_grid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.teeth.blank.body import Body, end_edges, end_regions
@@ -131,8 +131,7 @@ def tooth_faces(
     # vertices of all columns and rows, with the shared ones
     links, count = len(teeth.links), teeth.count * len(teeth.links)
     turns = [turn_about_z(k * teeth.step) for k in range(teeth.count)]
-    rotations = Rigid.about_z(np.arange(teeth.count) * teeth.step).rotation
-    vertices = [[vertex(rotations[n // links] @ r) for r in teeth.corners[n % links]] for n in range(count)]
+    vertices = [[vertex(r, turns[n // links]) for r in teeth.corners[n % links]] for n in range(count)]
     for row, (corners, _) in (shared or {}).items():
         for places, corner in zip(vertices, corners, strict=True):
             places[row] = corner
@@ -188,10 +187,9 @@ def tooth_faces(
         for row in (0, bounds - 1)
     ]
     first, last = (([own[row] for own in vertices], [own[row] for own in across]) for row in (0, bounds - 1))
-    places = [(turn, Rigid.about_z(k * teeth.step)) for k, turn in enumerate(turns)]
     for end, under in enumerate((first, last)):
         if teeth.strips[end]:
-            chamfers, ends[end] = strip_faces(teeth, end, under, places)
+            chamfers, ends[end] = strip_faces(teeth, end, under, turns)
             faces += chamfers
     return faces, (ends[0], ends[1]), (first, last)
 
@@ -271,12 +269,13 @@ def link_border(teeth: SplineTooth, i: int) -> list[tuple[Array, Array]]:
     turn = joint.to(pitch * (i // len(teeth.links)))
     i %= len(teeth.links)
     own = teeth.patches.get(teeth.links[i])
+    # on the grid first, as every tooth is
     if own is not None:
-        return [(turn.point(patch.control[0]), patch.t_knots) for patch in own]
+        return [(turn.point(points_on_grid(patch.control[0])), patch.t_knots) for patch in own]
     if i == 0:
         turn = joint.to(-pitch) @ turn
     before = teeth.patches[teeth.links[i - 1]]
-    return [(turn.point(patch.control[-1]), patch.t_knots) for patch in before]
+    return [(turn.point(points_on_grid(patch.control[-1])), patch.t_knots) for patch in before]
 
 
 def drawn_faces(teeth: SplineTooth, i: int, face_of: Callable[..., DrawnFace] = DrawnFace.of_spline) -> list[DrawnFace]:

@@ -27,6 +27,7 @@ from gearmesh.cad.occ import (
     wire,
 )
 from gearmesh.errors import DesignError
+from gearmesh.io.digits import parameters_on_grid, points_on_grid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.splines import SplineCurve
 from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve
@@ -68,7 +69,8 @@ class Trace:
 
         Its spans are divided into more and more parts until it is within TRACE_TOLERANCE_MM.
         """
-        curve = SplineCurve(knots, control, SPLINE_DEGREE)
+        # the curve as it is drawn
+        curve = SplineCurve(knots, points_on_grid(control), SPLINE_DEGREE)
         spans = np.unique(knots)
         places = np.unique(spans[:-1, None] + np.diff(spans)[:, None] * np.linspace(0.0, 1.0, PLACES_PER_SPAN + 1))
         wanted = curve(places)
@@ -88,7 +90,7 @@ class Trace:
             drawn_points = np.stack((rho * np.cos(angle + polar), rho * np.sin(angle + polar), z), axis=-1)
             was, miss = miss, TOLERANCE_MARGIN * float(np.linalg.norm(drawn_points - wanted, axis=-1).max())
             if trace is None or miss < was:
-                trace = Trace(refined, drawn.control, miss)
+                trace = Trace(refined, parameters_on_grid(drawn.control), miss)
             if miss <= TRACE_TOLERANCE_MM:
                 break
         assert trace is not None
@@ -146,7 +148,9 @@ class TurnedSurface:
 
         For a clockwise surface u counts back from a full turn.
         """
-        polar, v = trace.control[:, 0] + offset, (trace.control[:, 1:] - self.foot) @ self.generatrix
+        # summed one by one: kernels of matrices round differently from processor to processor
+        along = (trace.control[:, 1:] - self.foot) * self.generatrix
+        polar, v = trace.control[:, 0] + offset, along[:, 0] + along[:, 1]
         u = polar if self.axis > 0.0 else 2.0 * np.pi - polar
         if len(u) == 2:
             return straight2d((float(u[0]), float(v[0])), (float(np.sign(u[1] - u[0])), 0.0))

@@ -52,6 +52,16 @@ def vertices_on_grid(points: Array) -> Array:
     return on_grid(points, VERTEX_STEPS_PER_MM)
 
 
+def points_on_grid(points: Array) -> Array:
+    """Return points and control points (..., 3), mm, of CAD solids on their grid."""
+    return on_grid(points, POINT_STEPS_PER_MM)
+
+
+def parameters_on_grid(values: Array) -> Array:
+    """Return parameters (...) of surfaces, rad or mm, on their grid."""
+    return on_grid(values, PARAMETER_STEPS_PER_UNIT)
+
+
 def curve_on_grid(values: Array) -> Array:
     """Return points, control points and radii (...), mm, of curves of sections on their grid."""
     return on_grid(values, CURVE_STEPS_PER_MM)

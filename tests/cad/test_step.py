@@ -22,12 +22,14 @@ from oracles.examples import some
 from oracles.places import SAMPLES
 
 from gearmesh.app.cli import main
+from gearmesh.cad import brep
 from gearmesh.cad.brep import DEFAULT_TOLERANCE_MM, Piece, SplineTooth, exact_volume, spline_tooth
 from gearmesh.cad.nodes import plan, samples
 from gearmesh.cad.part21 import condense
 from gearmesh.cad.solid_part import solid_part, volume
 from gearmesh.cad.step import write_step
 from gearmesh.contact.flanks import analyse
+from gearmesh.io.digits import points_on_grid
 from gearmesh.io.palette import region_colours
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.surface.levels import ConeLevel
@@ -567,6 +569,27 @@ def test_nodes_grow_with_the_sixth_root_of_the_tolerance() -> None:
     intervals = [sum(link[0].s.y.size - 1 for link in teeth.patches.values()) for teeth in (coarse, fine)]
     assert intervals[1] < 3.2 * intervals[0]
     assert max(fine.deviation.values()) <= 1e-6
+
+
+def test_last_digits_that_rounding_removes_from_one_tooth_are_in_none(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Every tooth is the first one, rounded and then turned, so that few numbers can fall to either side of a border."""
+    gears, own_net, rng = built.built_sample("spur"), brep.control_net, np.random.default_rng(7)
+
+    def noisy_net(*arguments: Any) -> np.ndarray:
+        net = own_net(*arguments)
+        moved = net + rng.uniform(-1e-9, 1e-9, net.shape)
+        return np.where(points_on_grid(moved) == points_on_grid(net), moved, net)
+
+    files = []
+    for folder in ("exact", "noisy"):
+        if folder == "noisy":
+            monkeypatch.setattr(brep, "control_net", noisy_net)
+        files.append(tmp_path / folder / "pinion.step")
+        files[-1].parent.mkdir()
+        gears.cad("pinion", "10um").save(files[-1])
+    assert files[0].read_bytes() == files[1].read_bytes()
 
 
 @pytest.mark.parametrize("sample", ["beveloid_crossed", "zerol"])

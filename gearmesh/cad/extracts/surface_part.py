@@ -91,8 +91,7 @@ class _Row:
         self.teeth, self.links = teeth, len(teeth.links)
         joint = teeth.tooth.joint
         first = int(joint.places(teeth.count)[0])
-        self._places = [joint.to((first + k) * teeth.step) for k in range(count + 1)]
-        self._moves = [transformation(place) for place in self._places]
+        self._moves = [transformation(joint.to((first + k) * teeth.step)) for k in range(count + 1)]
         self._curves, self._drawn = cache(self._link_curves), cache(self._drawn_faces)
         self._corner, self._along, self._across = (
             cache(self._vertex),
@@ -123,7 +122,7 @@ class _Row:
 
     def _vertex(self, n: int, row: int) -> Any:
         k, i = divmod(n, self.links)
-        return vertex(self._places[k].point(self.teeth.corners[i, row]))
+        return vertex(self.teeth.corners[i, row], self._moves[k])
 
     def _edges_along(self, n: int) -> list[Any]:
         k, i = divmod(n, self.links)

@@ -15,7 +15,6 @@ from gearmesh.cad.faces.drawn_face import DrawnFace, Sides
 from gearmesh.cad.faces.strip_faces import strip_row
 from gearmesh.cad.occ import edge, spline_curve, straight_edge, translation, vertex
 from gearmesh.cad.step import NamedFace
-from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.blank.body import end_edges
 from gearmesh.teeth.region import Region
@@ -72,7 +71,7 @@ class BarEnd:
         if not patches:
             return BarEnd(teeth, end, under[1], [])
         every = [*ways, ways[-1] + teeth.tooth.joint.to(teeth.tooth.pitch_angle).translation]
-        places = [(translation(way), Rigid(np.eye(3), way)) for way in every]
+        places = [translation(way) for way in every]
         region = end_edges(teeth.tooth.blank.axial)[end]
         drawn = [DrawnFace.of_net(region, (0, 1), patch.net, outward=teeth.outward) for patch in patches]
         span = range(skipped, len(ways) * len(patches))

@@ -13,13 +13,9 @@ from gearmesh.cad.faces.drawn_face import DrawnFace, Sides
 from gearmesh.cad.occ import edge, point_edge, spline_curve, vertex
 from gearmesh.cad.step import NamedFace
 from gearmesh.cad.turned import Loop, Trace
-from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.teeth.blank.body import end_edges
-
-#: position of a tooth: a gp_Trsf, and the same motion for points
-Place = tuple[Any, Rigid]
 
 
 @dataclass(frozen=True)
@@ -37,7 +33,7 @@ class StripRow:
 
 
 def strip_faces(
-    teeth: SplineTooth, end: int, under: tuple[list[Any], list[Any]], places: Sequence[Place]
+    teeth: SplineTooth, end: int, under: tuple[list[Any], list[Any]], places: Sequence[Any]
 ) -> tuple[list[NamedFace], Loop]:
     """Return the faces of the chamfers of all teeth at the toe (0) or heel (1), and the outline of the end face.
 
@@ -53,14 +49,14 @@ def strip_row(
     teeth: SplineTooth,
     end: int,
     under: tuple[list[Any], list[Any]],
-    places: Sequence[Place],
+    places: Sequence[Any],
     drawn: Sequence[DrawnFace],
     span: range | None = None,
 ) -> StripRow:
     """Build the chamfers of all teeth at the toe (0) or heel (1).
 
     - `under`: vertices and edges of the section under the chamfers
-    - `places`: positions of the teeth
+    - `places`: positions of the teeth, a gp_Trsf each
     - `drawn`: faces of the chamfer of tooth 1
     - `span`: numbers of the patches of a bar, which does not close round; None for all patches of a gear
     """
@@ -69,20 +65,20 @@ def strip_row(
     numbers = range(len(places) * count) if span is None else range(span.start, span.stop + 1)
     face_numbers = numbers if span is None else span
     region = end_edges(teeth.tooth.blank.axial)[end]
-    vertices = _outline_vertices(patches, [rigid for _, rigid in places])
+    vertices = _outline_vertices(patches, places)
     # edges between section and outline where patches begin
     inner, outer, lines = dict[int, Any](), {n: vertices[n] for n in numbers}, dict[int, Any]()
     for n in numbers:
         k, j = divmod(n, count)
         inner[n] = corners[(k * links + patches[j].column) % len(corners)]
         ends = (inner[n], outer[n]) if end else (outer[n], inner[n])
-        curve = spline_curve(patches[j].net[0][0], patches[j].t_knots).Transformed(places[k][0])
+        curve = spline_curve(patches[j].net[0][0], patches[j].t_knots).Transformed(places[k])
         lines[n] = edge(curve, *ends, 0.0, 1.0)
     # faces with their edges along the chain; a side that is a point gets an edge without length
     faces, edges = list[NamedFace](), list[Any]()
     for n in face_numbers:
         k, j = divmod(n, count)
-        patch, after, move = patches[j], numbers[(n - numbers.start + 1) % len(numbers)], places[k][0]
+        patch, after, move = patches[j], numbers[(n - numbers.start + 1) % len(numbers)], places[k]
         last = float(patch.s_knots[-1])
         if patch.pointed:
             above = point_edge(outer[n], last)
@@ -98,11 +94,11 @@ def strip_row(
     return StripRow(faces, outer, lines, edges)
 
 
-def _outline_vertices(patches: tuple[StripPatch, ...], places: Sequence[Rigid]) -> list[Any]:
+def _outline_vertices(patches: tuple[StripPatch, ...], places: Sequence[Any]) -> list[Any]:
     """Return the vertices of the outline where the patches of all teeth begin; a pointed patch shares its vertex with the next."""
     wide = [patch for patch in patches if not patch.pointed]
     numbers = np.cumsum([0, *(not patch.pointed for patch in patches[:-1])])
-    vertices = [vertex(place.point(patch.control[0, 0])) for place in places for patch in wide]
+    vertices = [vertex(patch.control[0, 0], place) for place in places for patch in wide]
     of = np.arange(len(places))[:, None] * len(wide) + numbers
     return [vertices[place % len(vertices)] for place in of.ravel().tolist()]
 
