@@ -20,15 +20,19 @@ from typing import Any, TypeVar
 
 from gearmesh.design.core import Design
 from gearmesh.errors import Bounds, DesignError, GearmeshError, NoSolutionError, VagueError, shown_value
-from gearmesh.kernel.numeric.effort import Effort
+from gearmesh.kernel.numeric.effort import Effort, limit_effort
 from gearmesh.systems.key_bounds import BOUND_DIGITS, Interval, KeyBound
 from gearmesh.systems.mending import BOUNDS_EFFORT_SHARE, Mending
 from gearmesh.systems.trials import Build, Trials, Values, movable
 
 DesignT = TypeVar("DesignT", bound=Design)
 
-#: effort of all trials, about their time in seconds: it limits the accuracy of bounds
+#: effort of the reason and of all trials, about their time in seconds: it limits the accuracy of bounds
 MAX_EFFORT = 1.8
+#: largest effort of a reason with a bound
+MAX_REASON_EFFORT = 1.75
+#: the same for a vague refusal, for which other keys are tried all the same
+MAX_VAGUE_REASON_EFFORT = 0.3
 #: distance from an excluded bound at which a value is tried, over the bound
 INSIDE_SHARE = 1e-5
 #: distances inside a stated bound at which values are tried, over the bound
@@ -51,9 +55,11 @@ def diagnose(
     refusal stays if it names a set key with a true bound, or if nothing mends the design.
     """
     own = dict(design.own())
+    effort = Effort(MAX_EFFORT)
+    _tell_reason(failure, effort)
     named = failure.key in own
     failure = _with_value(design, failure, own[failure.key]) if named else failure
-    trials = Trials(type(design), own, build, Effort(MAX_EFFORT), failure, built_of)
+    trials = Trials(type(design), own, build, effort, failure, built_of)
     mending = Mending(trials, _changed_keys(design, own))
     if named:
         mending.inside[failure.key] = _values_inside(design, failure, trials)
@@ -74,6 +80,15 @@ def diagnose(
         # a bound of values that follow from others is not stated of the key itself without a trial
         return _without_bounds(failure) if named and isinstance(failure, VagueError) else failure
     return _together(design, failure, own)
+
+
+def _tell_reason(failure: GearmeshError, effort: Effort) -> None:
+    """Compute the fields of a refusal that are computed when they are read. Bounds that take too long are left out."""
+    allowed = MAX_VAGUE_REASON_EFFORT if isinstance(failure, VagueError) else MAX_REASON_EFFORT
+    own = Effort(allowed)
+    with limit_effort(own):
+        _ = failure.key
+    effort.left = max(effort.left - (allowed - own.left), 0.0)
 
 
 # ---------------------------------------------------------------- bounds that refusals state

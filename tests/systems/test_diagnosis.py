@@ -10,8 +10,9 @@ from oracles.examples import some
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh.design.dotted import with_keys
 from gearmesh.errors import DesignError, GearmeshError
-from gearmesh.kernel.numeric.effort import Effort
+from gearmesh.kernel.numeric.effort import Effort, count_effort
 from gearmesh.systems import diagnosis, trials
 from gearmesh.systems.system import system
 
@@ -217,6 +218,27 @@ def test_what_was_put_in_anew_is_tried_first_and_the_search_ends(monkeypatch: py
         gm.load(file, [f"pinion.convex.blade_angle={found[2]}"])
     with pytest.raises(GearmeshError, match=r"^pinion: the fillets of neighbouring teeth overlap"):
         gm.load(file, [given])
+
+
+@pytest.mark.sweep_cases("novikov-pinion.tip_rounding-6.0", "novikov-pinion.tip_throat_radius-50.0")
+@pytest.mark.parametrize(
+    ("kind", "key", "value"),
+    [
+        # these took up to eight times the effort, most of it for the bound in the reason
+        ("modified_involute", "pressure_angle", 5.0),
+        ("novikov", "pinion.tip_rounding", 6.0),
+        ("novikov", "pinion.tip_throat_radius", 50.0),
+    ],
+)
+def test_the_bound_in_a_reason_and_the_search_share_one_effort(kind: str, key: str, value: float) -> None:
+    cls = system(kind).design
+    keys = {**dict(cls(**cls.example).own()), key: value}
+    allowed = 100.0
+    with count_effort(allowed) as counted, pytest.raises(GearmeshError) as refused:
+        gm.build(cls(**with_keys({}, keys.items())))
+    assert str(refused.value).startswith(f"{key} = {value:g}")
+    # the build that is refused takes 0.3
+    assert allowed - counted.left < 1.3 * diagnosis.MOST_EFFORT
 
 
 @pytest.mark.parametrize("module", some([2.0, 4.0], 1))

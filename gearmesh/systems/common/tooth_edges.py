@@ -12,6 +12,7 @@ import numpy as np
 from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.joint import REVOLUTE_JOINT, Joint
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.effort import EffortSpentError
 from gearmesh.kernel.numeric.excess import Division, Refused
 from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.kernel.surface.stations import TrimError
@@ -33,6 +34,8 @@ DEFAULT_END_CHAMFER_ANGLE_DEG = 45.0
 BISECTION_STEPS = 24
 #: width of the interval in which the largest share is found by the excess of refusals
 SHARE_TOLERANCE = 2.0**-BISECTION_STEPS
+#: width of that interval, as a part of the share, with which a search may end that takes too long
+KNOWN_SHARE = 2e-3
 #: largest number of proofs of a tip edge of the largest size that fits at the known stations
 MAX_EDGE_PROOFS = 3
 
@@ -183,11 +186,27 @@ def _outline_of(tooth: Tooth, end: int) -> Array:
 
 
 def edge_refusal(name: str, tooth: Tooth, failure: TrimError) -> DesignError | None:
-    """Return the refusal of a broken tip edge that is too large; None if trimming failed for another reason."""
+    """Return the refusal of a broken tip edge that is too large; None if trimming failed for another reason.
+
+    The refusal has no bound if the search for it takes too long.
+    """
     edge = tooth.tip_edge
-    if edge is None or failure.what not in ("edge", "pointed") or not fits(replace(tooth, tip_edge=None), 1.0):
+    if edge is None or failure.what not in ("edge", "pointed"):
         return None
-    key, size = ("tip_rounding" if edge.rounded else "tip_chamfer"), edge.size
+    # a tooth that is pointed may be so without the edge, too
+    if failure.what == "pointed" and not fits(replace(tooth, tip_edge=None), 1.0):
+        return None
+    key = "tip_rounding" if edge.rounded else "tip_chamfer"
+    try:
+        most = f"at most {at_most(_largest_edge(tooth, edge, failure))} mm"
+    except EffortSpentError:
+        most = ""
+    return DesignError(f"{name}.{key}", edge.size, unit="mm", reason="larger than the tooth's tip allows", allowed=most)
+
+
+def _largest_edge(tooth: Tooth, edge: TipEdge, failure: TrimError) -> float:
+    """Return the largest size (mm) of a broken tip edge that a tooth has room for; `failure`: that of its own size."""
+    size = edge.size
 
     def tooth_of_share(share: float) -> Tooth:
         return replace(tooth, tip_edge=replace(edge, size=share * size))
@@ -198,15 +217,17 @@ def edge_refusal(name: str, tooth: Tooth, failure: TrimError) -> DesignError | N
     # the largest size at some stations is proved over the whole face; the station of a failure is added
     stations, limit = np.union1d(stations_on(1.0), failure.station), 1.0
     for _ in range(MAX_EDGE_PROOFS):
-        limit *= largest_trimmed(partial(trim, limit, stations))
+        limit *= largest_trimmed(partial(trim, limit, stations), failure)
         try:
             tooth_of_share(limit).prove()
             break
         except TrimError as further:
             # there is less room between the stations so far
-            stations = np.union1d(stations, further.station)
-    larger, most = "larger than the tooth's tip allows", f"at most {at_most(limit * size)} mm"
-    return DesignError(f"{name}.{key}", size, unit="mm", reason=larger, allowed=most)
+            failure, stations = further, np.union1d(stations, further.station)
+        except EffortSpentError:
+            # what fits at the stations fits between them but for tips that bulge
+            break
+    return limit * size
 
 
 def fits(tooth: Tooth, share: float) -> bool:
@@ -228,17 +249,27 @@ def goes(trim: Callable[[], object]) -> bool:
     return True
 
 
-def largest_trimmed(trim: Callable[[float], object]) -> float:
-    """Return the largest share in [0, 1] that can be trimmed, 0 if there is none; `trim` raises TrimError beyond it."""
+def largest_trimmed(trim: Callable[[float], object], whole: TrimError | None = None) -> float:
+    """Return the largest share in [0, 1] that can be trimmed, 0 if there is none; `trim` raises TrimError beyond it.
+
+    `whole`: the failure of the share 1, if it is known. If the effort is spent, a share that is known to KNOWN_SHARE will do.
+    """
     good, bad, division = 0.0, 1.0, Division()
     refused: list[Refused] = []
     aim: float | None = bad
+    if whole is not None:
+        division.last_refused, aim = True, 0.5
+        refused.append((bad, whole.excess))
     while aim is not None:
         try:
             trim(aim)
         except TrimError as failure:
             bad, division.last_refused = aim, True
             refused.insert(0, (aim, failure.excess))
+        except EffortSpentError:
+            if bad - good > KNOWN_SHARE * good:
+                raise
+            break
         else:
             good, division.last_refused = aim, False
         if bad - good <= SHARE_TOLERANCE or good == 1.0:

@@ -52,7 +52,9 @@ class TipEdge:
         """
         (form_point, tip), (stations, t) = ends, at
         axial, plane = blank.axial, Development(blank.axial, self.joint)
-        sharp = along(flank, tip, stations, axial)[1].r
+        # second parameters (T,) of the flank: each search along the face starts where the last one ended
+        along_face, jet = along(flank, tip, stations, axial)
+        along_face, sharp = along_face.copy(), jet.r
         about = plane.about(sharp)
         corner = plane.flat(sharp, about)
         height = plane.reach(corner)
@@ -64,7 +66,7 @@ class TipEdge:
             """Return the height of a trial edge over the land (root: 0), its point on the flank, and its centre, at
             flank parameters (M,).
             """
-            jet = along(flank, p, stations[which], axial)[1]
+            along_face[which], jet = along(flank, p, stations[which], axial, along_face[which])
             point = plane.flat(jet.r, about[which])
             inward = -plane.flat_vector(jet.n, jet.r, about[which])
             centre = point + self.size * inward / np.hypot(inward[:, 0], inward[:, 1])[:, None]

@@ -9,16 +9,19 @@ the centre of the arc is then at d_a / 2 - R.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gearmesh.errors import DesignError
+from gearmesh.kernel.numeric.effort import EffortSpentError
 from gearmesh.kernel.surface.levels import ConeLevel, LandLevel
 from gearmesh.kernel.surface.meridian import CircularMeridian, Meridian
+from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.systems.common.bounds import at_least, at_most
-from gearmesh.systems.common.tooth_edges import goes, largest, largest_trimmed
+from gearmesh.systems.common.tooth_edges import goes, largest_trimmed
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.tooth import Tooth
 
@@ -58,11 +61,13 @@ def _conical_tooth(member: Member, angle: float, tip: float) -> Tooth:
             level = ConeLevel(level.angle + np.pi, -level.offset)
         return _with_tip(member.tooth, level)
 
+    def allowed() -> str:
+        limit = own + largest_trimmed(lambda share: tooth(share).prove()) * (angle - own)
+        bound = at_most(abs(limit)) if (limit > 0.0) == (angle > own) else at_least(abs(limit))
+        return f"{'at most' if angle > own else 'at least'} {'-' if limit < 0.0 else ''}{bound} deg"
+
     if goes(tooth(1.0).prove):
         return tooth(1.0)
-    limit = own + largest_trimmed(lambda share: tooth(share).prove()) * (angle - own)
-    bound = at_most(abs(limit)) if (limit > 0.0) == (angle > own) else at_least(abs(limit))
-    allowed = f"{'at most' if angle > own else 'at least'} {'-' if limit < 0.0 else ''}{bound} deg"
     raise _refusal(member, "tip_cone_angle", angle, "deg", allowed)
 
 
@@ -75,10 +80,17 @@ def _throated_tooth(member: Member, radius: float, tip: float) -> Tooth:
         arc = CircularMeridian((0.0, height + radius / share), radius / share)
         return _with_tip(member.tooth, Meridian(arc, blank.axial))
 
-    if radius > half and goes(tooth(1.0).prove):
+    def trim(share: float) -> None:
+        if radius <= share * half:
+            raise TrimError("tip", 0.0, "the arc ends before the face")
+        tooth(share).prove()
+
+    def allowed() -> str:
+        share = largest_trimmed(trim)
+        return f"at least {at_least(radius / share)} mm" if share > 0.0 else "left out"
+
+    if goes(lambda: trim(1.0)):
         return tooth(1.0)
-    share = largest(lambda share: radius > share * half and (share == 0.0 or goes(tooth(share).prove)))
-    allowed = f"at least {at_least(radius / share)} mm" if share > 0.0 else "left out"
     raise _refusal(member, "tip_throat_radius", radius, "mm", allowed)
 
 
@@ -87,7 +99,15 @@ def _with_tip(tooth: Tooth, level: LandLevel) -> Tooth:
     return replace(tooth, blank=replace(tooth.blank, tip=level))
 
 
-def _refusal(member: Member, key: str, value: float, unit: str, allowed: str) -> DesignError:
-    """Return the refusal of a tip surface."""
-    reason = "the teeth have no such tip from end to end"
-    return DesignError(f"{member.name}.{key}", value, unit=unit, reason=reason, allowed=allowed)
+def _refusal(member: Member, key: str, value: float, unit: str, allowed: Callable[[], str]) -> DesignError:
+    """Return the refusal of a tip surface, whose bound is searched for when it is read, and left out if that takes too long."""
+    key, reason = f"{member.name}.{key}", "the teeth have no such tip from end to end"
+
+    def tell() -> DesignError:
+        try:
+            bound = allowed()
+        except EffortSpentError:
+            bound = ""
+        return DesignError(key, value, unit=unit, reason=reason, allowed=bound)
+
+    return DesignError.later(tell, f"{key}: {reason}")

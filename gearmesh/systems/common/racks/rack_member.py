@@ -17,6 +17,7 @@ from gearmesh.errors import DesignError, VagueError
 from gearmesh.kernel.envelope.envelope import Envelope
 from gearmesh.kernel.motion.rolling import RackRoll
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.effort import EffortSpentError, count_effort
 from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.kernel.surface.levels import ConeLevel, LandLevel, PlaneLevel
 from gearmesh.kernel.surface.meridian import Meridian
@@ -26,7 +27,7 @@ from gearmesh.systems.common.bodies.body import bore_radius, disc_body
 from gearmesh.systems.common.bodies.features import UnderTeeth, body_features
 from gearmesh.systems.common.bounds import at_most
 from gearmesh.systems.common.racks.rack_tooth import RackTooth
-from gearmesh.systems.common.tooth_edges import edge_refusal, fits, largest_trimmed, stations_on, tip_edge
+from gearmesh.systems.common.tooth_edges import edge_refusal, fits, goes, largest_trimmed, stations_on, tip_edge
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.gear_train import Member, SourceParameters
 from gearmesh.teeth.tooth import Tooth
@@ -47,6 +48,8 @@ ROOT_SAMPLES = 33
 PROFILE_EXTENSION = 0.02
 #: distance beyond the tip, as part of the tooth's height, up to which generated points are used
 TIP_EXTENSION = 0.2
+#: largest effort of the search for the face width or tip of a tooth that is pointed
+MOST_FOR_LAND = 0.8
 
 
 @dataclass(frozen=True)
@@ -246,9 +249,19 @@ def prove(name: str, tooth: Tooth, spec: MemberTable, tip_key: str) -> None:
 
 
 def _refusal(name: str, tooth: Tooth, spec: MemberTable, tip_key: str, failure: TrimError) -> DesignError:
-    """Return the refusal of a tooth that cannot be trimmed."""
-    if (refusal := edge_refusal(name, tooth, failure)) is not None:
-        return refusal
+    """Return the refusal of a tooth that cannot be trimmed, without a bound if the search for it takes too long."""
+    try:
+        if (refusal := edge_refusal(name, tooth, failure)) is not None:
+            return refusal
+        # the rest of the effort is for the keys of the design that mend it
+        with count_effort(MOST_FOR_LAND):
+            return _refusal_with_bound(name, tooth, spec, tip_key, failure)
+    except EffortSpentError:
+        return DesignError(f"{name}.{tip_key}", reason=_pointed(tooth, failure))
+
+
+def _refusal_with_bound(name: str, tooth: Tooth, spec: MemberTable, tip_key: str, failure: TrimError) -> DesignError:
+    """Return the refusal of a tooth that cannot be trimmed. Raises EffortSpentError."""
     place = f"at z = {tooth.stations(failure.station):.4g} mm"
     if failure.what == "undercut":
         return DesignError(
@@ -263,8 +276,9 @@ def _refusal(name: str, tooth: Tooth, spec: MemberTable, tip_key: str, failure: 
         overlap = f"the fillets of neighbouring teeth overlap {place}"
         return DesignError(name, reason=overlap, allowed="a smaller tool tip radius or dedendum")
     # if the middle of the face has land, the bound is a narrower face, else a lower tip
-    pointed = f"the tooth is pointed {place}"
-    if fits(tooth, 0.0):
+    asked = _pointed(tooth, failure)
+    pointed = asked.partition(":")[0]
+    if goes(lambda: tooth.prove_land(stations_on(0.0))):
         limit = largest_trimmed(lambda share: tooth.prove_land(stations_on(share)))
         if fits(tooth, limit):
             most = f"at most {at_most(limit * spec.face_width)} mm with this tip"
@@ -275,13 +289,18 @@ def _refusal(name: str, tooth: Tooth, spec: MemberTable, tip_key: str, failure: 
     whole = stations_on(1.0)
     limit = largest_trimmed(lambda share: _with_tip(tooth, lowest + share * height).prove_land(whole))
     radius = lowest + limit * height
-    asked = f"{pointed}: the tip diameter is {2 * highest:.6g} mm at mid face"
     if not fits(_with_tip(tooth, radius), 1.0):
         return DesignError(f"{name}.{tip_key}", reason=f"{asked}; no other tip diameter leaves a tooth")
     most = f"at most {at_most(2.0 * radius)} mm"
     if tip_key != "tip_diameter":
         return DesignError(f"{name}.{tip_key}", reason=asked, allowed=f"a tip diameter of {most}")
     return DesignError(f"{name}.{tip_key}", reason=asked, allowed=most)
+
+
+def _pointed(tooth: Tooth, failure: TrimError) -> str:
+    """Return the reason that a tooth is pointed."""
+    tip = 2.0 * float(tooth.blank.tip.at(0.0))
+    return f"the tooth is pointed at z = {tooth.stations(failure.station):.4g} mm: the tip diameter is {tip:.6g} mm at mid face"
 
 
 def _with_tip(tooth: Tooth, radius: float) -> Tooth:
