@@ -1,7 +1,7 @@
 """Elementary OpenCASCADE shapes from arrays in mm: points, edges, wires, faces, splines.
 
-Vertices and control points of splines are rounded to the grid of CAD solids (`io/digits.py`) here, before they are moved. Last digits
-differ between processors; rounded like this they are in none of the copies of a tooth.
+Vertices and control points of splines are rounded to the grid of CAD solids (`io/digits.py`) here, before they are moved. Last
+digits differ between processors; rounded like this they are in none of the copies of a tooth.
 """
 
 from __future__ import annotations
