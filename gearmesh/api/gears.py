@@ -868,6 +868,7 @@ class Gears(ModelledGears):
         # refuse wrong arguments before anything is built
         if tls is not None and scheduler is None:
             raise ArgumentError("tls", reason="needs a scheduler")
+        cluster = None if scheduler is None else Scheduler(scheduler, tls)
         refuse_workers(workers)
         for text in limits:
             limit_of(text, None)
@@ -876,7 +877,6 @@ class Gears(ModelledGears):
         plan = plan_of(self.design, vary or {}, tolerance, sample, method, seed, pair)
         torques = None if torque is None else number_list("torque", torque, "Nm").tolist()
         work, nominal = work_and_nominal(self.design, plan.keys, pair, record, torques)
-        cluster = None if scheduler is None else Scheduler(scheduler, tls)
         return run_study(self.design, plan, work, nominal, limits, folder, workers, cluster, progress)
 
     def largest_errors(

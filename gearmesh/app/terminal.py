@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import math
 import os
 import re
@@ -61,6 +62,18 @@ def refuse_unwritable(path: str | Path | None) -> None:
         raise OutputError("cannot write", path, reason=f"the folder {folder} does not exist")
     if not os.access(folder, os.W_OK):
         raise OutputError("cannot write", path, reason=f"the folder {folder} is not writable")
+
+
+def refuse_folder(path: Path | None) -> None:
+    """Raise OutputError, before the work, for an output folder that can be neither made nor written to."""
+    if path is None:
+        return
+    known = next(folder for folder in (path, *path.absolute().parents) if folder.exists())
+    if not known.is_dir():
+        why = os.strerror(errno.EEXIST if known == path else errno.ENOTDIR)
+        raise OutputError("cannot make the folder", path, reason=why)
+    if not os.access(known, os.W_OK):
+        raise OutputError("cannot write", path, reason=f"the folder {known} is not writable")
 
 
 def refuse_suffix(path: Path, *suffixes: str) -> None:

@@ -6,6 +6,7 @@ The plan divides rows into chunks, not the workers. Results therefore do not dep
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -25,6 +26,8 @@ WAITING_CHUNKS_PER_WORKER = 3
 MAX_CHUNK_RETRIES = 3
 #: names of TLS_OPTIONS files in options of this program, with their names in Dask
 TLS_OPTIONS = {"ca_file": "tls_ca_file", "client_cert": "tls_client_cert", "client_key": "tls_client_key"}
+#: address of a scheduler: protocol, if any, host and port
+ADDRESS_PATTERN = re.compile(r"(?:[a-z]+://)?(?:\[[0-9a-fA-F:.%]+\]|[^\s:/\[\]]+):[0-9]{1,5}")
 #: time to wait for a scheduler, s
 SCHEDULER_TIMEOUT_S = 10
 
@@ -124,6 +127,9 @@ class Scheduler:
     tls: Mapping[str, str | os.PathLike[str]] | None = None
 
     def __post_init__(self) -> None:
+        if not self.address.startswith("inproc://") and not ADDRESS_PATTERN.fullmatch(self.address):
+            # Dask would wait for such an address
+            raise ArgumentError("scheduler", self.address, must_be="an address with a port, as tcp://host:8786")
         if self.tls is None:
             return
         wrong = {*self.tls} ^ {*TLS_OPTIONS}

@@ -50,9 +50,11 @@ BASE: dict[str, list[str]] = {
     "sample": ["spur"],
 }
 NOWHERE = ("nowhere/out", "cannot write nowhere/out")
+#: a folder inside a file
+IN_FILE = ("pitch.csv/out", "cannot make the folder pitch.csv/out: Not a directory")
 #: wrong values of options, and what the refusal begins with; of one option several, each with what else is given
 WRONG: dict[str, dict[str, Any]] = {
-    "run": {"-o": (), "--tol": ("0", "--tol = 0"), "--torque": ("-1", "--torque = -1")},
+    "run": {"-o": IN_FILE, "--tol": ("0", "--tol = 0"), "--torque": ("-1", "--torque = -1")},
     "report": {
         "-o": ("nowhere/out.html", "cannot write"),
         "--tol": ("x", "--tol = x"),
@@ -69,7 +71,7 @@ WRONG: dict[str, dict[str, Any]] = {
         "--torque": ("x", "--torque = x"),
         "--phi1": ("3:1:5", "--phi1 = 3:1:5"),
         "--csv": NOWHERE,
-        "-o": (),
+        "-o": IN_FILE,
         "--pair": ("gear", "--pair = gear"),
     },
     "solid": {
@@ -141,7 +143,7 @@ WRONG: dict[str, dict[str, Any]] = {
         "--member": ("wheel", "--member = wheel"),
         "--measured": ("nowhere.csv", "nowhere.csv"),
         "--flank": ("top", "--flank = top", "--measured", "flanks.csv"),
-        "--settings": (),
+        "--settings": ("x", "--settings = x", "--measured", "flanks.csv"),
         "--noise": ("-1", "--noise = -1"),
         "--residual": ("out.txt", "cannot write out.txt"),
         "--topography": ("out.txt", "cannot write out.txt"),
@@ -180,9 +182,9 @@ WRONG: dict[str, dict[str, Any]] = {
         "--torque": ("-1", "--torque = -1"),
         "--limit": ("x", "--limit"),
         "--find-limits": ("assembly.dx=-1", "--find-limits"),
-        "-o": (),
+        "-o": IN_FILE,
         "--workers": ("0", "--workers = 0"),
-        "--scheduler": (),
+        "--scheduler": ("host", "--scheduler = host: must be an address with a port"),
         "--tls-ca-file": ("nowhere.pem", "--tls-client-cert: missing"),
         "--tls-client-cert": ("nowhere.pem", "--tls-ca-file: missing"),
         "--tls-client-key": ("nowhere.pem", "--tls-ca-file: missing"),
@@ -268,8 +270,6 @@ def test_option_is_refused_before_work(
     (tmp_path / "pitch.csv").write_text("tooth,right_um\n0,1\n")
     monkeypatch.setattr(systems, "_refused_by_name", built)
     given = NOWHERE if option == "--json" else WRONG[command][option]
-    if not given:
-        return
     value, words, *more = given
     base = list(BASE[command])
     for name, other in zip(more[::2], more[1::2], strict=True):

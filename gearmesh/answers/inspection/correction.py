@@ -18,6 +18,7 @@ from gearmesh.answers.inspection.machine_settings import (
     CutFlanks,
     MovableSetting,
     movable_settings,
+    settings_named,
     usable_settings,
 )
 from gearmesh.answers.inspection.measured_files import BOTH_FLANKS, flanks_of_files
@@ -454,6 +455,11 @@ def correct_settings(
     """
     if noise is not None and not (np.isfinite(noise) and noise > 0.0):
         raise ArgumentError("noise", noise, must_be="above 0, um")
+    if settings and name in design.member_names.members:
+        # unknown names are refused before anything is built
+        known = movable_settings(design, name)
+        for setting in settings:
+            settings_named(known, setting)
     nominal, train, flanks_by_side = flanks_of_files(design, name, file, flank)
     movable_settings(nominal, name)
     grids, joint = (

@@ -286,6 +286,16 @@ class CutFlanks:
         return 0.0 if table is None and dotted.rpartition(".")[0].endswith(tuple(GROUND_TABLES)) else table
 
 
+def settings_named(all_settings: Sequence[MovableSetting], name: str) -> list[MovableSetting]:
+    """Return the settings with a name, of one side or both. Raises ArgumentError for an unknown name."""
+    matches = [setting for setting in all_settings if name in (setting.name, setting.plain_name)]
+    if not matches:
+        shown = list(dict.fromkeys(setting.plain_name for setting in all_settings if not setting.order))
+        shown += [f"{', '.join(MOTION_POLYNOMIALS)}.1 and on"] if any(setting.order for setting in all_settings) else []
+        raise ArgumentError("settings", name, must_be=f"one of {', '.join(shown)}, comma between them")
+    return matches
+
+
 def usable_settings(flanks: CutFlanks, names: Sequence[str]) -> dict[MovableSetting, Array]:
     """Return the named settings that move the flanks, by default the usual settings, with their sensitivity (N,).
 
@@ -295,13 +305,7 @@ def usable_settings(flanks: CutFlanks, names: Sequence[str]) -> dict[MovableSett
     all_settings = movable_settings(flanks.design, flanks.name)
     made: dict[MovableSetting, Array] = {}
     for name in in_turn(names):
-        matches = [setting for setting in all_settings if name in (setting.name, setting.plain_name)]
-        if not matches:
-            shown = list(dict.fromkeys(setting.plain_name for setting in all_settings if not setting.order))
-            shown += (
-                [f"{', '.join(MOTION_POLYNOMIALS)}.1 and on"] if any(setting.order for setting in all_settings) else []
-            )
-            raise ArgumentError("settings", name, must_be=f"one of {', '.join(shown)}, comma between them")
+        matches = settings_named(all_settings, name)
         moving = {setting: column for setting in matches if (column := flanks.sensitivity(setting)).any()}
         if not moving:
             raise ArgumentError(

@@ -22,7 +22,7 @@ from gearmesh.app.options import (
     refuse_one_stream,
     torques_in_nm,
 )
-from gearmesh.app.terminal import output_folder, refuse_unwritable, show, warn, working, write_text
+from gearmesh.app.terminal import output_folder, refuse_folder, refuse_unwritable, show, warn, working, write_text
 from gearmesh.errors import NoSolutionError
 
 
@@ -52,6 +52,7 @@ def load(
     torques, positions = torques_in_nm(torque), positions_in_degrees(phi1)
     for file in (json_file, csv_file):
         refuse_unwritable(file)
+    refuse_folder(output)
     gears = load_gears(
         design_file,
         settings,

@@ -9,7 +9,16 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from gearmesh.app.options import DesignFile, Json, Pair, Set, chosen_pair, load_gears, torques_in_nm
-from gearmesh.app.terminal import Progress, output_folder, refuse_unwritable, show, warn, working, write_text
+from gearmesh.app.terminal import (
+    Progress,
+    output_folder,
+    refuse_folder,
+    refuse_unwritable,
+    show,
+    warn,
+    working,
+    write_text,
+)
 from gearmesh.errors import ArgumentError
 from gearmesh.files.reading import refuse_missing
 
@@ -188,6 +197,7 @@ def study(
             progress=progress,
         )
 
+    refuse_folder(output)
     gears = load_gears(design_file, settings, ask)
     with working("study") as progress:
         answer = ask(gears, _at_times(progress))

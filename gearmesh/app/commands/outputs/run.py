@@ -18,7 +18,7 @@ from gearmesh.app.options import (
     stem,
     torques_in_nm,
 )
-from gearmesh.app.terminal import output_folder, show, tolerance_in_mm, warn, working
+from gearmesh.app.terminal import output_folder, refuse_folder, show, tolerance_in_mm, warn, working
 from gearmesh.errors import NoSolutionError
 from gearmesh.view.opengl import begin_drawing
 
@@ -46,6 +46,7 @@ def run(
     tolerance = tolerance_in_mm(tol)
     torques = None if torque is None else torques_in_nm(torque)
     folder = Path("out") / stem(design_file) if output is None else output
+    refuse_folder(folder)
     design = load_design(design_file, settings, lambda gears: gears.run(folder, tolerance, torque=torques))
     source = None if no_report else design_text(design_file, settings)
     begin_drawing()
