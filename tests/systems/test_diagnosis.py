@@ -238,7 +238,7 @@ def test_the_bound_in_a_reason_and_the_search_share_one_effort(kind: str, key: s
         gm.build(cls(**with_keys({}, keys.items())))
     assert str(refused.value).startswith(f"{key} = {value:g}")
     # the build that is refused takes 0.3
-    assert allowed - counted.left < 1.3 * diagnosis.MOST_EFFORT
+    assert allowed - counted.left < 1.3 * diagnosis.MAX_EFFORT
 
 
 @pytest.mark.parametrize("module", some([2.0, 4.0], 1))

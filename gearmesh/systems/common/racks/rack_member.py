@@ -49,7 +49,7 @@ PROFILE_EXTENSION = 0.02
 #: distance beyond the tip, as part of the tooth's height, up to which generated points are used
 TIP_EXTENSION = 0.2
 #: largest effort of the search for the face width or tip of a tooth that is pointed
-MOST_FOR_LAND = 0.8
+MAX_LAND_EFFORT = 0.8
 
 
 @dataclass(frozen=True)
@@ -254,7 +254,7 @@ def _refusal(name: str, tooth: Tooth, spec: MemberTable, tip_key: str, failure: 
         if (refusal := edge_refusal(name, tooth, failure)) is not None:
             return refusal
         # the rest of the effort is for the keys of the design that mend it
-        with count_effort(MOST_FOR_LAND):
+        with count_effort(MAX_LAND_EFFORT):
             return _refusal_with_bound(name, tooth, spec, tip_key, failure)
     except EffortSpentError:
         return DesignError(f"{name}.{tip_key}", reason=_pointed(tooth, failure))
