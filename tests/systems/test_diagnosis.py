@@ -220,25 +220,30 @@ def test_what_was_put_in_anew_is_tried_first_and_the_search_ends(monkeypatch: py
         gm.load(file, [given])
 
 
-@pytest.mark.sweep_cases("novikov-pinion.tip_rounding-6.0", "novikov-pinion.tip_throat_radius-50.0")
+@pytest.mark.sweep_cases("novikov-pinion.tip_rounding-6.0")
 @pytest.mark.parametrize(
     ("kind", "key", "value"),
-    [
-        # these took up to eight times the effort, most of it for the bound in the reason
-        ("modified_involute", "pressure_angle", 5.0),
-        ("novikov", "pinion.tip_rounding", 6.0),
-        ("novikov", "pinion.tip_throat_radius", 50.0),
-    ],
+    # these took up to ten times the effort, most of it for the bound in the reason
+    [("modified_involute", "pressure_angle", 5.0), ("novikov", "pinion.tip_rounding", 6.0)],
 )
-def test_the_bound_in_a_reason_and_the_search_share_one_effort(kind: str, key: str, value: float) -> None:
+def test_the_bound_in_a_reason_and_the_search_share_one_effort(
+    kind: str, key: str, value: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    diagnose, spent, allowed = diagnosis.diagnose, list[float](), 100.0
+
+    def counted(*arguments: Any) -> GearmeshError:
+        with count_effort(allowed) as effort:
+            refusal = diagnose(*arguments)
+        spent.append(allowed - effort.left)
+        return refusal
+
+    monkeypatch.setattr(diagnosis, "diagnose", counted)
     cls = system(kind).design
     keys = {**dict(cls(**cls.example).own()), key: value}
-    allowed = 100.0
-    with count_effort(allowed) as counted, pytest.raises(GearmeshError) as refused:
+    with pytest.raises(GearmeshError) as refused:
         gm.build(cls(**with_keys({}, keys.items())))
     assert str(refused.value).startswith(f"{key} = {value:g}")
-    # the build that is refused takes 0.3
-    assert allowed - counted.left < 1.3 * diagnosis.MAX_EFFORT
+    assert spent[0] < 1.15 * diagnosis.MAX_EFFORT
 
 
 @pytest.mark.parametrize("module", some([2.0, 4.0], 1))
