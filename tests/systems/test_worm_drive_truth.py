@@ -27,7 +27,7 @@ from gearmesh.systems.system import complete_design
 from gearmesh.systems.worm_drive import build as worm_build
 from gearmesh.systems.worm_drive.build import build, wheel_hob, worm_thread
 from gearmesh.systems.worm_drive.thread import WormThread
-from gearmesh.teeth.region import Side
+from gearmesh.teeth.region import Region, Side
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.tools.rack import RackLine, RackSurface
 
@@ -229,6 +229,70 @@ def test_the_hob_touches_every_point_of_the_wheel_and_cuts_into_none(changes: li
             at = at + 0.5 * step * (before - after) / (before - 2.0 * here + after)
             step *= 0.1
         np.testing.assert_allclose(outside(at), 0.0, rtol=0, atol=1e-7)
+
+
+def angles_left_by_sweep(design: Any, side: Side, points: Array) -> tuple[Array, float]:
+    """Angles (N,) up to which the whole thread, its tip rounding too, removes material at the points' radii and stations, and the
+    sense in which it does.
+
+    A point at a radius and a station is seen at every angle from the hob; where the thread's flank passes it there says to which
+    angle of the wheel that belongs. The greatest of them bounds the tooth, whichever sheet of the envelope it is on.
+    """
+    hob = wheel_hob(design, side.sign * (1 if design.worm.right_hand else -1))
+    back, screw, roll = hob.place(side.sign).inverse, hob.thread.hand * hob.thread.screw, hob.roll
+    radii = np.linspace(0.45 * hob.thread.radius, hob.form_radius, 300)
+    half = np.array([hob.thread.half_thickness(float(radius)) for radius in radii])
+    section = CubicSpline(radii[np.isfinite(half)], half[np.isfinite(half)])
+    centre, radius = hob.tip_radius - hob.rounding_radius, hob.rounding_radius
+    level = float(section(hob.form_radius)) - np.sqrt(radius**2 - (hob.form_radius - centre) ** 2)
+    rho, z = np.hypot(points[:, 0], points[:, 1]), points[:, 2]
+    sense = float(side.sign * back.vector(np.array([0.0, roll.radius, roll.advance]))[2])
+
+    def angle(psi: Array) -> Array:
+        """Angle of the wheel for points at the angle psi before the hob, in the sense; -inf where the thread does not reach."""
+        over = np.stack((rho * np.cos(psi) - roll.radius, rho * np.sin(psi), z), axis=-1)
+        x, y, along = np.moveaxis(back.point(over), -1, 0)
+        r = np.hypot(x, y)
+        rounded = level + np.sqrt(np.maximum(radius**2 - (r - centre) ** 2, 0.0))
+        thick = np.where(r <= hob.form_radius, section(np.minimum(r, hob.form_radius)), rounded)
+        phi = side.sign * (side.sign * thick + screw * np.arctan2(y, x) - along) / sense
+        inside = (r <= hob.tip_radius) & (r >= section.x[0])
+        return np.where(inside, np.sign(sense) * (psi + phi), -np.inf)
+
+    grid = np.linspace(-1.2, 1.2, 1201)
+    swept = np.array([angle(np.full(len(rho), psi)) for psi in grid])
+    at, best, step = grid[swept.argmax(axis=0)], swept.max(axis=0), grid[1] - grid[0]
+    for _ in range(45):
+        for way in (-step, step):
+            tried = angle(at + way)
+            at, best = np.where(tried > best, at + way, at), np.maximum(best, tried)
+        step *= 0.6
+    return best, float(np.sign(sense))
+
+
+@pytest.mark.sweep_cases("ZN-5-6.5-24--0.5", "ZI-4-8-30--0.3", "ZC-3-10-18-0.0")
+@pytest.mark.parametrize(
+    ("form", "threads", "quotient", "teeth", "shift"),
+    # undercut, undercut in loops, a single thread on few teeth
+    [("ZN", 5, 6.5, 24, -0.5), ("ZI", 4, 8, 30, -0.3), ("ZA", 1, 8, 20, -0.4), ("ZC", 3, 10, 18, 0.0)],
+)
+def test_teeth_are_what_no_position_of_the_hob_removes(
+    form: str, threads: int, quotient: float, teeth: int, shift: float
+) -> None:
+    """Flanks and fillets are on the right sheet of the envelope: first cut, on the side of the material."""
+    worm = {"form": form, "threads": threads, "quotient": quotient}
+    keys = {"kind": "worm_drive", "module": 4, "worm": worm, "wheel": {"teeth": teeth, "profile_shift": shift}}
+    design = complete_design(gm.parse(keys))
+    tooth = build(design).pairs[0].gear.tooth
+    sections = tooth.sections(np.linspace(0.0, 1.0, 7))
+    for side, regions in zip(
+        Side, ((Region.FLANK_RIGHT, Region.FILLET_RIGHT), (Region.FLANK_LEFT, Region.FILLET_LEFT)), strict=True
+    ):
+        for region in regions:
+            points = tooth.grid(region, np.linspace(0.02, 0.98, 9), sections).points.reshape(-1, 3)
+            swept, sense = angles_left_by_sweep(design, side, points)
+            off = (swept - sense * np.arctan2(points[:, 1], points[:, 0])) * np.hypot(points[:, 0], points[:, 1])
+            np.testing.assert_allclose(off, 0.0, rtol=0, atol=1e-6)
 
 
 # ---------------------------------------------------------------- transmission
