@@ -455,7 +455,8 @@ def correct_settings(
     """
     if noise is not None and not (np.isfinite(noise) and noise > 0.0):
         raise ArgumentError("noise", noise, must_be="above 0, um")
-    if settings and name in design.member_names.members:
+    names = design.member_names
+    if settings and names is not None and name in names.members:
         # unknown names are refused before anything is built
         known = movable_settings(design, name)
         for setting in settings:
