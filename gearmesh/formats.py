@@ -101,7 +101,7 @@ FILE_FORMATS = (
         "figures of an answer, with units in their keys",
         (
             *("tca", "load", "check", "fe", "limits", "topography", "grid", "evaluate", "composite", "correct"),
-            *("toolpath", "settings", "vh", "study", "describe", "run", "solid"),
+            *("toolpath", "settings", "vh", "study", "describe", "prove", "run", "solid"),
         ),
     ),
     FileFormat((CSV_SUFFIX,), "one row for each position of the mesh", ("tca", "load", "composite")),

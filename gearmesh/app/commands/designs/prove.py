@@ -11,6 +11,7 @@ import gearmesh as gm
 from gearmesh.app.options import Json, Set
 from gearmesh.app.terminal import refuse_unwritable, show, working, write_text
 from gearmesh.errors import ArgumentError
+from gearmesh.formats import JSON_SUFFIX, TOML_SUFFIX
 
 
 def prove(
@@ -19,7 +20,7 @@ def prove(
     settings: Set = None,
 ) -> None:
     """A kind of gears, by its example or a design: derivatives, normals, joins, motions and keys, compared with each other."""
-    is_file = what == "-" or Path(what).suffix in (".toml", ".json")
+    is_file = what == "-" or Path(what).suffix in (TOML_SUFFIX, JSON_SUFFIX)
     if settings and not is_file:
         raise ArgumentError("--set", reason="needs a design file")
     refuse_unwritable(json_file)
