@@ -14,13 +14,11 @@ from gearmesh.answers.contact.zone import ZoneFigures
 from gearmesh.answers.load.figures import LoadedFigures
 from gearmesh.answers.sheet import MissingFigures
 from gearmesh.api.design_schema import SCHEMA_DIALECT, JsonSchema
-from gearmesh.figures import KEY_ENDINGS, MEMBER_PLACE, Figure, Figures
+from gearmesh.figures import MEMBER_PLACE, Figure, Figures
 from gearmesh.systems.system import kinds
 
 #: parts of the summary of a contact; gear systems add more figures
 CONTACT_SUMMARIES = (PathSummary, CycleSummary, ZoneFigures, SlideSummary, FitSummary, TorqueSummary, TurnsSummary)
-#: unit of figures that are angles, or travels where the gear is a rack
-ANGLE_ENDING = KEY_ENDINGS["arcsec"]
 #: schema of a number that may be unknown
 NUMBER_OR_NULL = {"type": ["number", "null"]}
 
