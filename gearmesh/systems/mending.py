@@ -90,7 +90,7 @@ class Mending(Generic[DesignT]):
     def leave_out(self, keys: list[str], kept_share: float = 0.0) -> Iterator[Interval]:
         """Yield the keys that mend the design when they are left out, until only a share of the effort is left."""
         for key in keys:
-            if self.trials.effort.left < kept_share * self.trials.allowed:
+            if kept_share and self.trials.effort.left < kept_share * self.trials.allowed:
                 return
             if not self.trials.works(key, None):
                 continue

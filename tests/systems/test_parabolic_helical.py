@@ -397,7 +397,7 @@ def test_inches_and_millimetres_are_the_same_pair() -> None:
         (
             "novikov",
             "pinion.roll_coefficient=6e-5",
-            r"pinion.roll_coefficient = 6e-05 rad/mm\^2: moves .* allowed is at most 5.45936e-05 either way",
+            r"pinion.roll_coefficient = 6e-05 rad/mm\^2: moves .* allowed is at most 5.45936e-05 rad/mm\^2 either way",
         ),
         ("modified_involute", "assembly.dq=1", r"assembly.dq: unknown key"),
     ],

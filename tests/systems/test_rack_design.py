@@ -172,7 +172,8 @@ def test_a_bar_is_as_long_as_it_is_said_to_be(helix: int) -> None:
     assert section.cut.gap < 1e-9
     pytest.importorskip("OCP")
     figures = gears.cad("rack").figures["rack"]
-    assert abs(figures["volume_error"]) < 1e-12
+    # points of CAD solids are rounded to 1e-8 mm
+    assert abs(figures["volume_error"]) < 1e-9
     assert figures["max_deviation_um"] < 1e-9
     # six links of five teeth less a root that is half of each end's, back, two ends, toe and heel
     assert figures["faces"] == 6 * 5 + 1 + 5

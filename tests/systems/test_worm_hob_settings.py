@@ -189,11 +189,11 @@ def test_a_hob_that_stands_deeper_leaves_more_backlash() -> None:
     [
         (
             ["hob.center_distance=180"],
-            "hob.center_distance = 180 mm: the wheel's root lies above its tip; allowed is more than 36 mm",
+            "hob.center_distance = 180 mm: the wheel's root lies above its tip$",
         ),
         (
             ["hob.center_distance=20"],
-            "hob.center_distance = 20 mm: the hob cuts beyond the wheel's axis; allowed is more than 36 mm",
+            "hob.center_distance = 20 mm: the hob cuts beyond the wheel's axis$",
         ),
         (
             ["worm.threads=4", "worm.reference_diameter=45", "hob.reference_diameter=50", "hob.pitch_height=-2"],
@@ -201,11 +201,11 @@ def test_a_hob_that_stands_deeper_leaves_more_backlash() -> None:
         ),
         (
             ["hob.center_distance=125", "wheel.tip_form=cylindrical", "wheel.outside_diameter=260"],
-            "wheel.outside_diameter = 260 mm: the outside cylinder reaches the hob's axis; allowed is less than",
+            "wheel.outside_diameter = 260 mm: the outside cylinder reaches the hob's axis$",
         ),
         (
             ["hob.center_distance=85"],
-            "hob.center_distance = 85 mm: the outside cylinder reaches the hob's axis; allowed is more than",
+            "hob.center_distance = 85 mm: the outside cylinder reaches the hob's axis$",
         ),
         (["hob.feed=axial"], 'hob.feed = "axial": must be one of "tangential", "radial"'),
         (
@@ -215,7 +215,7 @@ def test_a_hob_that_stands_deeper_leaves_more_backlash() -> None:
     ],
 )
 def test_hobs_that_cannot_be_are_refused(changes: list[str], message: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    # the bound that is tried is another matter
+    # without effort for trials: the reason alone, since bounds of values that follow are not bounds of the key
     monkeypatch.setattr(diagnosis, "MAX_EFFORT", 0.0)
     with pytest.raises(DesignError, match=f"^{message}"):
         gears_of(*changes)
