@@ -32,8 +32,10 @@ from gearmesh.teeth.region import FILLET_REGIONS, FLANK_REGIONS, TIP_EDGES, Regi
 MEETING_HEIGHT_SHARE = 0.35
 #: least width of the root land, as a share of the even share of its cells; on a narrower one the cells reach over to the fillet
 MIN_ROOT_SHARE = 0.4
-#: steps of regula falsi towards the middle of an edge, the first one a bisection: within 2 % of the edge's length
-HALVING_STEPS = 3
+#: smallest distance of a mid-side node from the nearer corner, over the distances to both: 0.25 makes elements singular
+MIN_MIDDLE_SHARE = 0.35
+#: steps of regula falsi towards a mid-side node with this share: within 2 % of the length of its edge
+MIDDLE_STEPS = 3
 #: points at which the lengths of the outline's links are measured
 LENGTH_SAMPLES = 65
 
@@ -84,7 +86,7 @@ class Lines:
     rim: Array
     #: weight of the root land's length against the fillet's in the share of the `root` cells
     land: float = 1.0
-    #: True if every other line has mid-side nodes, which lie halfway between the corners of their edge on flanks
+    #: True if every other line has mid-side nodes, which keep away from the corners of their edge on flanks
     halved: bool = False
 
 
@@ -141,11 +143,17 @@ def _outline(layers: Layers, side: Side, lines: Lines) -> _Outline:
     """Return the outline of one half of a tooth."""
     links = _Links(layers, side)
     low, root_cells = links.from_cut_to_form_point(lines.root, lines.land, 2 if lines.halved else 1)
-    places = links.halve(FLANK_REGIONS[side], lines.flank) if lines.halved else lines.flank
+    places = links.with_middles(FLANK_REGIONS[side], lines.flank) if lines.halved else lines.flank
     flank = links.points(FLANK_REGIONS[side], places)
     if layers.tooth.tip_edge is not None:
         flank = np.concatenate((flank, links.points(TIP_EDGES[side], np.linspace(0.0, 1.0, lines.edge + 1))[1:]))
     return _Outline(low, flank, links.points(Region.LAND, lines.thickness), root_cells)
+
+
+def _distance(first: Array, second: Array) -> Array:
+    """Return the distances (...,) between points (..., 3)."""
+    away = second - first
+    return np.sqrt(dot(away, away))
 
 
 class _Links:
@@ -163,26 +171,32 @@ class _Links:
             return self._layers.step.point(points) if region is Region.ROOT and not right else points
         return self._layers.grid(region, s if right else 1.0 - s).points
 
-    def halve(self, region: Region, s: Array) -> Array:
-        """Return places (2 F + 1, T) with every other one halfway between its neighbours by distance.
+    def with_middles(self, region: Region, s: Array) -> Array:
+        """Return places (2 F + 1, T) with every other one near halfway between its neighbours by distance.
 
-        The middle in s can be wrong: near a singular end of a flank the length grows with the square of s. A mid-side
-        node at a quarter of its edge makes the element singular. s: (2 F + 1,) or (2 F + 1, T).
+        The middle in s stays where its share of the distances to both corners is inside MIN_MIDDLE_SHARE: elements next to
+        the small elements of a fillet are graded by it. Near a singular end of a flank the length grows with the square of
+        s, and a mid-side node at a quarter of its edge makes the element singular. s: (2 F + 1,) or (2 F + 1, T).
         """
         first, last = self.points(region, s[:-2:2]), self.points(region, s[2::2])
         shape = first.shape[:-1]
         low, middle, high = (
             np.broadcast_to(part if s.ndim > 1 else part[:, None], shape) for part in (s[:-2:2], s[1::2], s[2::2])
         )
-        length = np.sqrt(dot(last - first, last - first))
-        nearer, farther = -length, length
-        for _ in range(HALVING_STEPS):
-            there = self.points(region, middle)
-            beyond = np.sqrt(dot(there - first, there - first)) - np.sqrt(dot(last - there, last - there))
-            before = beyond < 0.0
-            low, nearer = np.where(before, middle, low), np.where(before, beyond, nearer)
-            high, farther = np.where(before, high, middle), np.where(before, farther, beyond)
+        there = self.points(region, middle)
+        before, behind = _distance(first, there), _distance(there, last)
+        share = np.clip(before / (before + behind), MIN_MIDDLE_SHARE, 1.0 - MIN_MIDDLE_SHARE)
+        length = _distance(first, last)
+        # regula falsi for the place that has this share: at the corners the difference is minus and plus a part of the length
+        nearer, farther = -share * length, (1.0 - share) * length
+        for _ in range(MIDDLE_STEPS):
+            difference = (1.0 - share) * before - share * behind
+            is_low = difference < 0.0
+            low, nearer = np.where(is_low, middle, low), np.where(is_low, difference, nearer)
+            high, farther = np.where(is_low, high, middle), np.where(is_low, farther, difference)
             middle = low + (high - low) * nearer / (nearer - farther)
+            there = self.points(region, middle)
+            before, behind = _distance(first, there), _distance(there, last)
         places = np.empty((len(s), *shape[1:]))
         places[::2], places[1::2] = s[::2] if s.ndim > 1 else s[::2, None], middle
         return places
