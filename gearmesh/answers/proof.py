@@ -20,7 +20,7 @@ from gearmesh.arguments import checks_arguments
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, GearmeshError, KindError
 from gearmesh.figures import Content, Figures, figure
-from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.motion.rigid import MAX_ROTATION_ERROR, Rigid, rotation_error
 from gearmesh.systems import system as systems
 from gearmesh.systems.system import System
 from gearmesh.teeth.proof import prove_surfaces, prove_tooth
@@ -29,7 +29,7 @@ from gearmesh.teeth.tooth import Tooth, before_trimming
 if TYPE_CHECKING:
     from gearmesh.teeth.gear_train import GearPair, GearTrain
 
-#: largest difference of a rotation's product with its transpose from the identity, and of mounts that should be equal
+#: largest difference of mounts that should be equal
 MAX_MOUNT_ERROR = 1e-9
 #: largest difference of a pair's ratio from the ratio of its members' pitches, as a share
 MAX_RATIO_ERROR = 1e-9
@@ -210,8 +210,7 @@ def _prove_pair(pair: GearPair) -> None:
 
 def _prove_rigid(name: str, place: Rigid) -> None:
     """Raise KindError if a transform is no rotation with a shift."""
-    off = np.abs(place.rotation @ np.swapaxes(place.rotation, -1, -2) - np.eye(3)).max()
-    if not off <= MAX_MOUNT_ERROR or not (np.linalg.det(place.rotation) > 0.0).all():
+    if not (rotation_error(place) <= MAX_ROTATION_ERROR).all():
         raise KindError(name, reason="it is no rigid motion", must_be="a rotation and a shift")
 
 

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gearmesh.errors import GearmeshError, KindError
-from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.motion.rigid import MAX_ROTATION_ERROR, Rigid, rotation_error
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
 from gearmesh.kernel.surface.stations import follow
 from gearmesh.kernel.surface.surface import GeneratedSurface, Jet, Surface
@@ -41,8 +41,6 @@ MAX_ROUGH_SHARE = 0.5
 MAX_LENGTH_ERROR = 1e-9
 #: largest cosine between a normal and a tangent of its surface
 MAX_TANGENT_COSINE = 1e-7
-#: largest difference between a rotation's product with its transpose and the identity
-MAX_ROTATION_ERROR = 1e-9
 #: largest distance between a point of a surface and the tool's point in its place, as a share of the largest coordinate
 MAX_TOOL_MISS_SHARE = 1e-8
 #: largest difference of the length of a level's gradient from 1
@@ -275,9 +273,7 @@ def _prove_outward(tooth: Tooth, which: Side, samples: _Samples) -> None:
 def _prove_motion(surface: GeneratedSurface, samples: _Samples) -> None:
     """Raise KindError where the motion of the tool is not rigid, or does not bring the tool to the surface."""
     place = surface.tool_to_blank(*surface.generating(samples.u, samples.v))
-    rotation = np.broadcast_to(place.rotation, (samples.u.size, 3, 3))
-    off = np.abs(rotation @ np.swapaxes(rotation, -1, -2) - np.eye(3)).max(axis=(-2, -1))
-    off = np.where(np.linalg.det(rotation) > 0.0, off, np.inf)
+    off = np.broadcast_to(rotation_error(place), samples.u.shape)
     k = int(off.argmax())
     if not off[k] <= MAX_ROTATION_ERROR:
         raise samples.fault(k, "the motion of its tool, tool_to_blank, is no rigid motion", "a rotation and a shift")

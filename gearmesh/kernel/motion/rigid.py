@@ -15,6 +15,8 @@ from gearmesh.kernel.numeric.algebra import Array, rotation_about, turn
 
 #: largest sine of the angle between axes that count as parallel
 MAX_SINE_OF_PARALLEL = 1e-9
+#: largest `rotation_error` of a rigid motion
+MAX_ROTATION_ERROR = 1e-9
 
 
 @dataclass(frozen=True)
@@ -135,3 +137,9 @@ class Rigid:
     def inverse(self) -> Rigid:
         back = np.swapaxes(self.rotation, -1, -2)
         return Rigid(back, -turn(back, self.translation))
+
+
+def rotation_error(place: Rigid) -> Array:
+    """Return the largest difference (...,) of each rotation's product with its transpose from the identity; inf for reflections."""
+    off = np.abs(place.rotation @ np.swapaxes(place.rotation, -1, -2) - np.eye(3)).max(axis=(-2, -1))
+    return np.where(np.linalg.det(place.rotation) > 0.0, off, np.inf)
