@@ -15,7 +15,7 @@ from pathlib import Path
 
 TARGET = Path(__file__).parents[1] / "gearmesh" / "view" / "report"
 VERSIONS = {"three": "0.187.0", "esbuild": "0.28.2"}
-#: what `view.js` beside the script uses
+#: what `scene.js` beside the script uses
 NAMES = [
     "AmbientLight",
     "BufferAttribute",

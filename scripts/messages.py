@@ -62,7 +62,7 @@ def texts(files: Iterable[Path] = (), kinds: Iterable[str] = KINDS) -> list[Text
 def sources() -> list[Path]:
     """All files with texts: the package, the page, the READMEs, guides and pages of the site."""
     own = [path for end in ("py", "md", "html") for path in PACKAGE.rglob(f"*.{end}")]
-    page = [PACKAGE / "view" / "report" / "view.js"]
+    page = [PACKAGE / "view" / "report" / name for name in ("scene.js", "view.js")]
     beside = [ROOT / "README.md", ROOT / "samples" / "README.md", ROOT / "scripts" / "README.md"]
     pages = [path for folder in ("samples/guides", "scripts/site/pages") for path in (ROOT / folder).rglob("*.md")]
     return sorted((*own, *page)) + beside + sorted(pages)

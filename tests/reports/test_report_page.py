@@ -82,7 +82,7 @@ def test_page_escapes_what_designs_say_and_asks_for_nothing() -> None:
     _, page = paged("spur", f"name={HOSTILE}")
     read = Reader(page)
     assert read.texts["title"] == read.texts["h1"] == [HOSTILE]
-    assert [tag for tag, _ in read.tags].count("script") == 3
+    assert [tag for tag, _ in read.tags].count("script") == 4
     assert HOSTILE in tomllib_name(read)
     for tag, attributes in read.tags:
         for name in ("src", "href"):
@@ -200,7 +200,7 @@ def test_vendored_script_is_what_its_builder_makes() -> None:
     assert "</script" not in script
     assert "<!--" not in script
     assert "Permission is hereby granted" in (FOLDER / "three.LICENSE.txt").read_text(encoding="utf-8")
-    used = set(re.findall(r"\bTHREE\.(\w+)", (FOLDER / "view.js").read_text(encoding="utf-8")))
+    used = set(re.findall(r"\bTHREE\.(\w+)", (FOLDER / "scene.js").read_text(encoding="utf-8")))
     names = set(re.findall(r'^    "(\w+)",$', builder, re.MULTILINE))
     assert used == names | {"TrackballControls"}
 

@@ -45,7 +45,7 @@ def page(
     parts = {
         "TITLE": html.escape(title),
         "SUMMARY": html.escape(summary),
-        "STYLE": _file("page.css"),
+        "STYLE": page_file("page.css"),
         "NAVIGATION": "".join(
             f'<a href="#{section.anchor}">{html.escape(section.heading)}</a>' for section in sections
         ),
@@ -54,12 +54,14 @@ def page(
         "PICTURE": picture(*pictures[0], identity="still") if pictures else "",
         "SECTIONS": "\n".join(map(_section, sections)),
         "STAGE": script_json(stage),
-        "THREE": _file("three.min.js"),
-        "LICENCE": html.escape(_file("three.LICENSE.txt")),
-        "VIEW": _file("view.js"),
+        "THREE": page_file("three.min.js"),
+        "LICENCE": html.escape(page_file("three.LICENSE.txt")),
+        "VIEWER": page_file("viewer.html").rstrip(),
+        "SCENE": page_file("scene.js"),
+        "VIEW": page_file("view.js"),
     }
     # in one pass, so that nothing put in is looked at again
-    return re.sub(r"\{\{([A-Z]+)\}\}", lambda match: parts[match[1]], _file("page.html"))
+    return re.sub(r"\{\{([A-Z]+)\}\}", lambda match: parts[match[1]], page_file("page.html"))
 
 
 def script_json(document: Mapping[str, Any]) -> str:
@@ -90,7 +92,7 @@ def listing(text: str, button: str) -> str:
 
 def three_version() -> str:
     """Version of the three.js in the page, from the first line of its script."""
-    return _file("three.min.js").split(",", 1)[0].rpartition(" ")[2]
+    return page_file("three.min.js").split(",", 1)[0].rpartition(" ")[2]
 
 
 def _figure(image: str, caption: str, identity: str = "") -> str:
@@ -127,5 +129,6 @@ def _warnings(lines: Sequence[str]) -> str:
     return f'<section id="warnings" class="warnings"><h2>Warnings</h2><ul>{items}</ul></section>'
 
 
-def _file(name: str) -> str:
+def page_file(name: str) -> str:
+    """Return a text of this folder: scripts, styles and parts of pages."""
     return (files(__package__) / name).read_text(encoding="utf-8")
