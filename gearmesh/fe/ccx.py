@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.errors import NoSolutionError, OutputError
-from gearmesh.fe.decks.inp import reference_nodes, write_calculix
+from gearmesh.fe.decks.inp import reference_nodes, write_solved
 from gearmesh.fe.model import Model, RigidTie
 from gearmesh.fe.results import ContactTotal, NodalSolution, ReferenceNode
-from gearmesh.io.atomic import scratch_folder
+from gearmesh.io.atomic import PathLike, files_together, scratch_folder
 from gearmesh.kernel.numeric.algebra import Array
 
 #: environment variable with the path of the program, if `ccx` is not on the PATH
@@ -36,6 +36,9 @@ NOT_TOUCHING = (
 #: Callback with the share of the work that is done (0 to 1) and a description of the step
 Progress = Callable[[float, str], None]
 
+#: files of a solution that may be kept: deck, fields, tables, increments, iterations, what ccx printed
+KEPT_SUFFIXES = (".inp", ".frd", ".dat", ".sta", ".cvg", ".log")
+
 #: name of the deck without its suffix
 _JOB_NAME = "model"
 _FRD_WIDTH = 12  # characters of a number in an .frd
@@ -50,18 +53,34 @@ def program() -> str:
     return path
 
 
-def solve(model: Model, progress: Progress | None = None, threads: int | None = None) -> NodalSolution:
+def solve(
+    model: Model, progress: Progress | None = None, threads: int | None = None, keep: PathLike | None = None
+) -> NodalSolution:
     """Solve a model in a temporary folder; the number of threads is by default that of the environment.
 
+    The folder `keep` gets the deck and the files of ccx (`KEPT_SUFFIXES`), also if ccx fails.
     Raises OutputError if ccx is missing. Raises NoSolutionError, with ccx's message, if ccx fails, or if bodies that
     only contact holds do not touch at the start.
     """
     executable = program()
     with scratch_folder() as folder:
-        write_calculix(model, folder / f"{_JOB_NAME}.inp")
+        write_solved(model, folder / f"{_JOB_NAME}.inp")
         loose = bool(model.contacts) and any(_loose(tie) for tie in model.ties)
-        run(executable, folder, progress, threads, must_touch=loose)
+        try:
+            run(executable, folder, progress, threads, must_touch=loose)
+        finally:
+            if keep is not None:
+                _keep(folder, keep)
         return read(model, folder)
+
+
+def _keep(folder: Path, target: PathLike) -> None:
+    """Copy the deck and the files of ccx from `folder` to another folder."""
+    with files_together(target) as temporary:
+        for suffix in KEPT_SUFFIXES:
+            file = folder / f"{_JOB_NAME}{suffix}"
+            if file.exists():
+                shutil.copyfile(file, temporary / file.name)
 
 
 def _loose(tie: RigidTie) -> bool:
@@ -82,7 +101,7 @@ def run(
     environment = dict(os.environ)
     if threads is not None:
         environment |= {"OMP_NUM_THREADS": str(threads)}
-    output = folder / "output.txt"
+    output = folder / f"{_JOB_NAME}.log"
     with open(output, "wb") as stream:
         child = subprocess.Popen(
             [executable, "-i", _JOB_NAME],
@@ -168,7 +187,7 @@ def read(model: Model, folder: Path) -> NodalSolution:
         raise NoSolutionError(reason=f"ccx wrote no {missing} results") from None
     count = len(model.mesh.nodes)
     contact = _spread(*blocks["CONTACT"], count) if "CONTACT" in blocks else np.zeros((count, 4))
-    totals = (folder / f"{_JOB_NAME}.dat").read_text()
+    totals, point_stress = _tables(folder / f"{_JOB_NAME}.dat", len(model.mesh.elements))
     rows = list(_table(folder / f"{_JOB_NAME}.sta", 7))
     return NodalSolution(
         displacement=_spread(*displacement, count)[:, :3],
@@ -177,6 +196,7 @@ def read(model: Model, folder: Path) -> NodalSolution:
         references=_references(model, totals),
         contacts=tuple(_contact(totals, pair.slave, pair.master) for pair in model.contacts),
         iterations=int(rows[-1][3]),
+        point_stress=point_stress,
     )
 
 
@@ -204,6 +224,27 @@ def _frd(file: Path) -> dict[str, tuple[NDArray[np.int64], Array]]:
         fields = np.ascontiguousarray(rows[:, 13:-1]).view(f"S{_FRD_WIDTH}").astype(float)
         blocks[head[1].decode()] = numbers, fields
     return blocks
+
+
+def _tables(file: Path, elements: int) -> tuple[str, Array | None]:
+    """Return the text of a .dat without stresses at integration points, and the last of these stresses (E, P, 6).
+
+    Every row has the same length: element (10 characters), point (4), then 14 characters per component xx, yy, zz, xy,
+    xz, yz.
+    """
+    data = file.read_bytes()
+    stress, kept, done = None, [], 0
+    for head in re.finditer(rb"\n stresses \(elem.*\n\n", data):
+        start = head.end()
+        width = data.index(b"\n", start) + 1 - start
+        end = data.find(b"\n\n", start)
+        count = (len(data) if end < 0 else end + 1) - start
+        rows = np.frombuffer(data, "S1", count, start).reshape(-1, width)
+        fields = np.ascontiguousarray(rows[:, 14:-1]).view("S14").astype(float)
+        stress = fields.reshape(elements, -1, 6)[:, :, [0, 1, 2, 3, 5, 4]]
+        kept.append(data[done : head.start()])
+        done = start + count
+    return b"".join([*kept, data[done:]]).decode(), stress
 
 
 def _references(model: Model, totals: str) -> dict[str, ReferenceNode]:

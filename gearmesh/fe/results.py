@@ -6,6 +6,7 @@ the model.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -57,6 +58,25 @@ class NodalSolution:
     contacts: tuple[ContactTotal, ...]
     #: iterations of the last increment
     iterations: int
+    #: stresses (E, P, 6), MPa, components as above, at the integration points of the elements; None if not requested
+    point_stress: Array | None = None
+
+    @property
+    def nodal_fields(self) -> dict[str, Array]:
+        """Results at the nodes for files, by names with their units; stresses as VTK orders them."""
+        return {
+            "displacement_mm": self.displacement,
+            "stress_mpa": self.stress,
+            "von_mises_mpa": von_mises(self.stress),
+            "max_principal_stress_mpa": principal_stresses(self.stress)[:, 2],
+            "contact_pressure_mpa": self.pressure,
+        }
+
+    @property
+    def element_fields(self) -> dict[str, Array]:
+        """Stresses (E, 6) at each integration point of the elements, by names; points count as in CalculiX."""
+        points: Iterable[Array] = () if self.point_stress is None else np.moveaxis(self.point_stress, 1, 0)
+        return {f"stress_at_point_{k}_mpa": stress for k, stress in enumerate(points, 1)}
 
 
 @dataclass(frozen=True)
@@ -115,6 +135,13 @@ def principal_stresses(stress: Array) -> Array:
     """Return principal stresses (..., 3), MPa, in ascending order, from xx, yy, zz, xy, yz, zx (..., 6)."""
     rows = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
     return np.asarray(np.linalg.eigvalsh(stress[..., rows]), np.float64)
+
+
+def von_mises(stress: Array) -> Array:
+    """Return the equivalent stress (...,), MPa, of xx, yy, zz, xy, yz, zx (..., 6)."""
+    normal, shear = stress[..., :3], stress[..., 3:]
+    differences = normal - np.roll(normal, 1, axis=-1)
+    return np.asarray(np.sqrt(0.5 * (differences**2).sum(axis=-1) + 3.0 * (shear**2).sum(axis=-1)), np.float64)
 
 
 def largest_principal(mesh: HexMesh, solution: NodalSolution, *face_sets: str, sense: float = 1.0) -> tuple[float, int]:

@@ -113,6 +113,7 @@ WRONG: dict[str, dict[str, Any]] = {
         "--member": ("wheel", "--member = wheel"),
         "--pair": ("a-b", "--pair = a-b"),
         "--picture": ("out.png", "--picture = out.png"),
+        "--keep": ("kept", "--keep = kept"),
     },
     "limits": {"--land": ("9", "--land = 9")},
     "topography": {

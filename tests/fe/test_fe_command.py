@@ -203,6 +203,8 @@ def test_other_formats_hold_the_same_mesh(tmp_path: Path, suffix: str) -> None:
         ),
         (["-o", "x.inp", "--set", "fe.rim=500"], "rim = 500 mm: must be at most"),
         (["-o", "x.inp", "--picture", "x.png"], "--picture = x.png: must be left out without --solve"),
+        (["-o", "x.inp", "--keep", "kept"], "--keep = kept: must be left out without --solve"),
+        (["-o", "x"], "cannot write x: no suffix"),
         (["-o", "x.stl"], "unknown suffix .stl; allowed for finite-element models are .inp, .vtu, .cdb, .msh"),
         (["-o", "x.msh", "--for", "abaqus"], "the suffix of abaqus files is .inp"),
         (["-o", "nowhere/x.inp"], "the folder nowhere does not exist"),
@@ -219,6 +221,8 @@ def test_refusals_name_key_value_and_what_is_allowed(
 @pytest.mark.quick
 def test_without_calculix(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("GEARMESH_CCX", "no-such-program")
+    # named before the design is built
+    monkeypatch.setattr("gearmesh.build", None)
     message = refused("fe", CROSSED, "-o", tmp_path / "x.inp", "--solve", *COARSE)
     assert "apt-get install calculix-ccx" in message
     assert list(tmp_path.iterdir()) == []
@@ -231,9 +235,20 @@ def test_one_member_solved(tmp_path: Path) -> None:
     """Reactions are not reported for it; tension is on the loaded side's fillet, compression on the other."""
     picture = tmp_path / "pinion.png"
     status, out, _ = run(
-        "fe", CROSSED, "--member", "pinion", "--teeth", "1", "--solve", "--json", "-", "--picture", picture, *COARSE
+        *("fe", CROSSED, "--member", "pinion", "--teeth", "1", "--solve", "--json", "-", "--picture", picture),
+        *("-o", tmp_path / "found", *COARSE),
     )
     assert status == 0
+    assert {"result.vtu", "result.json", "model.inp", "model.frd", "model.dat"} <= {
+        file.name for file in (tmp_path / "found").iterdir()
+    }
+    solved = meshio.read(tmp_path / "found" / "result.vtu")
+    worst = max(
+        float(solved.point_data["max_principal_stress_mpa"][solved.point_data[name] == 1].max())
+        for name in solved.point_data
+        if "_fillet_" in name
+    )
+    assert worst == pytest.approx(json.loads(out)["solution"]["fillets"]["pinion"]["max_tension_mpa"], rel=1e-12)
     solution = json.loads(out)["solution"]
     assert "max_pressure_mpa" not in solution
     fillets = solution["fillets"]["pinion"]

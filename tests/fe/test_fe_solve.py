@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import shutil
+from pathlib import Path
 
+import meshio
 import numpy as np
 import pytest
-from oracles.fe_blocks import block, graded, pressed, rounded
+import pyvista
+from oracles.fe_blocks import CORNERS, block, graded, pressed, rounded
 from oracles.fe_cases import crossed_cylinders
 
 from gearmesh.contact.hertz import STEEL, Material
 from gearmesh.errors import NoSolutionError, OutputError
 from gearmesh.fe import ccx
+from gearmesh.fe.decks.vtu import write_mesh
 from gearmesh.fe.model import ContactPair, Model, RigidTie, Support
 from gearmesh.fe.results import contact_figures, largest_principal
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import rotation_about
+from gearmesh.mesh.hexahedra.hex_quality import volumes
 from gearmesh.mesh.hexahedra.hexes import join
 
 needs_ccx = pytest.mark.skipif(shutil.which("ccx") is None, reason="apt-get install calculix-ccx")
@@ -56,6 +61,54 @@ def test_beam_under_a_moment(second_order: bool) -> None:
     assert tension == pytest.approx(moment / inertia, rel=1e-4)
     assert node in bar.node_sets["z1"]
     assert largest_principal(bar, solution, "z0")[0] == pytest.approx(0.0, abs=1e-3 * tension)
+
+
+@pytest.mark.quick
+@needs_ccx
+def test_stresses_at_integration_points_stand_in_their_order(tmp_path: Path) -> None:
+    """A bar of twelve unequal elements bent in both planes by forces at its end: F (L - x) y / I within 2 % (its ends do not warp);
+    with the points in another order along any axis it is more than 6 % off."""
+    length, width, height, modulus = 6.0, 1.5, 2.0, 2e5
+    bar = block(
+        np.array([0.0, 1.0, 4.0, length]),
+        np.array([-0.75, 0.5, 0.75]),
+        np.array([-1.0, -0.3, 1.0]),
+        second_order=True,
+    )
+    push = (0.0, 30.0, -50.0)
+    ties = (
+        RigidTie("x0", np.zeros(3), motion=(0.0,) * 6),
+        RigidTie("x1", np.array([length, 0.0, 0.0]), (None,) * 6, (*push, 0.0, 0.0, 0.0)),
+    )
+    model = Model("bar", bar, {"all": Material(modulus, 0.0)}, ties=ties, notes=("bent -- twice",))
+    solution = ccx.solve(model, keep=tmp_path / "kept")
+    places = np.array([(x, y, z) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)]) / np.sqrt(3.0)
+    shares = np.prod(1.0 + (2.0 * CORNERS - 1.0) * places[:, None], axis=-1) / 8.0
+    x, y, z = np.einsum("pc,ecj->jep", shares, bar.nodes[bar.elements[:, :8]])
+    area = width * height
+    wanted = -12.0 * (length - x) * (push[1] * y / width**2 + push[2] * z / height**2) / area
+    assert solution.point_stress is not None
+    assert solution.point_stress.shape == (12, 8, 6)
+    error = np.abs(solution.point_stress[..., 0] - wanted).max() / np.abs(wanted).max()
+    orders = [np.arange(8).reshape(2, 2, 2)[s].ravel() for s in (np.s_[:, :, ::-1], np.s_[:, ::-1], np.s_[::-1])]
+    others = [np.abs(solution.point_stress[..., 0] - wanted[:, order]).max() for order in orders]
+    assert error < 0.02 < 0.06 < min(others) / np.abs(wanted).max()
+    # shear: the mean over the bar is the force over the area, y along xy and z along zx
+    weight = volumes(bar.nodes, bar.elements)[:, None] * np.ones(8) / 8.0
+    for component, force in ((3, push[1]), (5, push[2])):
+        mean = (weight * solution.point_stress[..., component]).sum() / weight.sum()
+        assert mean == pytest.approx(force / area, rel=1e-4)
+    # files of ccx, and results in a file of VTK
+    assert {".inp", ".frd", ".dat"} <= {file.suffix for file in (tmp_path / "kept").iterdir()}
+    write_mesh(bar, tmp_path / "bar.vtu", solution.nodal_fields, model.note_lines, solution.element_fields)
+    grid, read = pyvista.read(tmp_path / "bar.vtu"), meshio.read(tmp_path / "bar.vtu")
+    for name, values in solution.nodal_fields.items():
+        np.testing.assert_array_equal(grid.point_data[name], values)
+        np.testing.assert_array_equal(read.point_data[name], values)
+    for k in range(8):
+        name = f"stress_at_point_{k + 1}_mpa"
+        np.testing.assert_array_equal(grid.cell_data[name], solution.point_stress[:, k])
+        np.testing.assert_array_equal(read.cell_data[name][0], solution.point_stress[:, k])
 
 
 @pytest.mark.sweep
@@ -146,11 +199,14 @@ def test_bodies_apart_are_refused_at_once() -> None:
 
 
 @needs_ccx
-def test_the_solvers_own_error_is_passed_on() -> None:
+def test_the_solvers_own_error_is_passed_on(tmp_path: Path) -> None:
     bar = block(np.arange(3.0), np.arange(2.0), np.arange(2.0))
     with pytest.raises(NoSolutionError, match=r"^ccx: .*material") as caught:
-        ccx.solve(Model("no material", bar, {}, supports=(Support("x0"), Support("x1", (0,), 0.1))))
+        ccx.solve(Model("no material", bar, {}, supports=(Support("x0"), Support("x1", (0,), 0.1))), keep=tmp_path)
     assert "\n" not in str(caught.value)
+    # what it said is kept
+    assert "material" in (tmp_path / "model.log").read_text()
+    assert (tmp_path / "model.inp").exists()
 
 
 def test_missing_solver_is_named_with_its_package(monkeypatch: pytest.MonkeyPatch) -> None:

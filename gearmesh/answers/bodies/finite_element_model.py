@@ -151,12 +151,16 @@ class UnloadedFiniteElements(FiniteElementModel):
 
     train: GearTrain
 
-    def solve(self, progress: Callable[[float, str], None] | None = None) -> NoReturn:
+    def solve(
+        self, progress: Callable[[float, str], None] | None = None, *, keep: str | PathLike[str] | None = None
+    ) -> NoReturn:
         """Nothing loads the model: it cannot be solved.
 
         Parameters
         ----------
         progress : callable, optional
+            As for `FiniteElements.solve`.
+        keep : str or os.PathLike, optional
             As for `FiniteElements.solve`.
 
         Raises

@@ -6,6 +6,7 @@ import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -47,7 +48,7 @@ from gearmesh.fe.model import Model
 from gearmesh.fe.placing import PlacedPair, focus_on, major_axis, minor_axis, place
 from gearmesh.fe.results import ContactFigures, NodalSolution, contact_figures, largest_principal
 from gearmesh.figures import Content, Entry, Summary
-from gearmesh.formats import JSON_SUFFIX
+from gearmesh.formats import JSON_SUFFIX, VTU_SUFFIX
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.progress import part
@@ -85,13 +86,17 @@ class FiniteElements(FiniteElementModel):
         """Reason why the model does not resolve the contact pressure of the leading teeth; empty if it does."""
         return self.measured.coarse
 
-    def solve(self, progress: Callable[[float, str], None] | None = None) -> FiniteElementSolution:
+    def solve(
+        self, progress: Callable[[float, str], None] | None = None, *, keep: str | PathLike[str] | None = None
+    ) -> FiniteElementSolution:
         """Solution of the model by CalculiX; contact and rotation belong to both members in mesh.
 
         Parameters
         ----------
         progress : callable, optional
             Called with the finished share of the work (0 to 1) and its current step.
+        keep : str or os.PathLike, optional
+            Folder for the deck and the files of CalculiX (model.inp, .frd, .dat and others), also if it fails.
 
         Returns
         -------
@@ -109,7 +114,7 @@ class FiniteElements(FiniteElementModel):
         --------
         >>> gears.finite_elements().solve().headline  # doctest: +SKIP
         """
-        return _solve(self, progress)
+        return _solve(self, progress, keep)
 
 
 @dataclass(frozen=True, repr=False)
@@ -133,7 +138,43 @@ class FiniteElementSolution(Result):
     @property
     def suffixes(self) -> tuple[str, ...]:
         """Suffixes of the files that `save` writes."""
-        return (JSON_SUFFIX,)
+        return VTU_SUFFIX, JSON_SUFFIX
+
+    def save(self, path: str | PathLike[str], *, timing: bool = True) -> Path:
+        """Write the mesh, its sets and the results (.vtu), or the figures (.json).
+
+        A .vtu has displacements, stresses and contact pressures at the nodes, and stresses at the integration points
+        as arrays of the elements.
+
+        Parameters
+        ----------
+        path : str or os.PathLike
+            The file.
+        timing : bool
+            Include run times in JSON.
+
+        Returns
+        -------
+        pathlib.Path
+            The file.
+
+        Raises
+        ------
+        OutputError
+            If the file cannot be written.
+
+        Examples
+        --------
+        >>> gears.finite_elements().solve().save("result.vtu")  # doctest: +SKIP
+        """
+        target = Path(path)
+        if target.suffix.lower() != VTU_SUFFIX:
+            return super().save(target, timing=timing)
+        from gearmesh.fe.decks.vtu import write_mesh
+
+        model, solution = self.problem._model, self.solution
+        write_mesh(model.mesh, target, solution.nodal_fields, model.note_lines, solution.element_fields)
+        return target
 
     @property
     def headline(self) -> str:
@@ -463,11 +504,13 @@ def _remedy(figures: ModelFigures) -> str:
     )
 
 
-def _solve(problem: FiniteElements, progress: Callable[[float, str], None] | None) -> FiniteElementSolution:
+def _solve(
+    problem: FiniteElements, progress: Callable[[float, str], None] | None, keep: str | PathLike[str] | None
+) -> FiniteElementSolution:
     from gearmesh.fe import ccx
 
     started = time.perf_counter()
-    solution = ccx.solve(problem._model, progress)
+    solution = ccx.solve(problem._model, progress, keep=keep)
     to_fixed = problem._built.at.frame.inverse
     contacts = contact_figures(problem._model, solution)
     figures = SolutionFigures(

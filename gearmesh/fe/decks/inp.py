@@ -8,7 +8,7 @@ bending of teeth are linear theory. Tests behind the choice of elements, contact
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +25,9 @@ from gearmesh.mesh.hexahedra.hexes import HexMesh
 STICK_RATIO = 0.1
 #: largest number of nodes for the direct solver without contact, in about 2 GB
 MAX_DIRECT_NODES = 60_000
+
+#: request of stresses at the integration points of all elements
+POINT_STRESSES = "*EL PRINT, ELSET=all_elements\nS\n"
 
 #: format of a number: CalculiX reads 20 characters per field
 _NUMBER_FORMAT = "%.12e"
@@ -45,6 +48,8 @@ class _Dialect:
     friction: str
     #: requests of results
     requests: str
+    #: requests of further results as text
+    prints: str = ""
 
 
 #: keywords of CalculiX
@@ -76,17 +81,22 @@ def reference_nodes(model: Model, rotation_node: bool = True) -> list[tuple[int,
 
 def write_calculix(model: Model, path: Path) -> None:
     """Write the deck for ccx."""
-    _write(model, path, _CALCULIX_DIALECT)
+    _write(path, _deck(model, _CALCULIX_DIALECT))
+
+
+def write_solved(model: Model, path: Path) -> None:
+    """Write the deck for ccx with stresses at integration points requested too, as text."""
+    _write(path, _deck(model, replace(_CALCULIX_DIALECT, prints=POINT_STRESSES)))
 
 
 def write_abaqus(model: Model, path: Path) -> None:
     """Write the deck of the same model for Abaqus."""
-    _write(model, path, _ABAQUS_DIALECT)
+    _write(path, _deck(model, _ABAQUS_DIALECT))
 
 
-def _write(model: Model, path: Path, dialect: _Dialect) -> None:
+def _write(path: Path, deck: Iterator[str]) -> None:
     with whole_file(path) as temporary, open(temporary, "w", encoding="utf-8", newline="\n") as file:
-        file.writelines(_deck(model, dialect))
+        file.writelines(deck)
 
 
 def _deck(model: Model, dialect: _Dialect) -> Iterator[str]:
@@ -104,7 +114,7 @@ def _deck(model: Model, dialect: _Dialect) -> Iterator[str]:
         yield from _contact(contact, f"contact_{i}", dialect)
     if model.cyclic is not None:
         yield from _cyclic(model.cyclic)
-    solver = f", SOLVER={_solver(model)}" if dialect is _CALCULIX_DIALECT else ""
+    solver = f", SOLVER={_solver(model)}" if dialect.rotation_node else ""
     yield f"*STEP\n*STATIC{solver}\n1., 1.\n"
     for support in model.supports:
         yield "*BOUNDARY\n"
@@ -114,7 +124,8 @@ def _deck(model: Model, dialect: _Dialect) -> Iterator[str]:
     for forces in model.forces:
         yield from _forces(forces)
     yield dialect.requests
-    yield from _calculix_prints(model) if dialect is _CALCULIX_DIALECT else ()
+    yield from _calculix_prints(model) if dialect.rotation_node else ()
+    yield dialect.prints
     yield "*END STEP\n"
 
 

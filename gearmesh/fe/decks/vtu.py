@@ -27,16 +27,24 @@ def write(model: Model, path: Path) -> None:
 
 
 def write_mesh(
-    mesh: HexMesh, path: Path, point_data: Mapping[str, Array] | None = None, notes: Sequence[str] = ()
+    mesh: HexMesh,
+    path: Path,
+    point_data: Mapping[str, Array] | None = None,
+    notes: Sequence[str] = (),
+    cell_data: Mapping[str, Array] | None = None,
 ) -> None:
-    """Write a mesh, its sets, and results (N,) or (N, K) at its nodes by name; `notes` are lines of a comment at the
-    head."""
+    """Write a mesh, its sets, and results by name: (N,) or (N, K) at nodes, (E,) or (E, K) in elements.
+
+    `notes` are lines of a comment at the head.
+    """
     import meshio
 
     points: dict[str, NDArray[np.generic]] = {
         name: members(nodes, len(mesh.nodes)) for name, nodes in mesh.node_sets.items()
     }
-    cells = {name: members(elements, len(mesh.elements)) for name, elements in mesh.element_sets.items()}
+    cells: dict[str, NDArray[np.generic]] = {
+        name: members(elements, len(mesh.elements)) for name, elements in mesh.element_sets.items()
+    }
     for name, faces in mesh.face_sets.items():
         marks = np.zeros(len(mesh.elements), np.uint8)
         np.bitwise_or.at(marks, faces[:, 0], (1 << faces[:, 1]).astype(np.uint8))
@@ -46,7 +54,7 @@ def write_mesh(
         mesh.nodes,
         [(kind, mesh.elements)],
         point_data=points | dict(point_data or {}),
-        cell_data={name: [marks] for name, marks in cells.items()},
+        cell_data={name: [values] for name, values in (cells | dict(cell_data or {})).items()},
     )
     with whole_file(path) as temporary:
         grid.write(temporary, file_format="vtu")

@@ -21,9 +21,19 @@ from gearmesh.app.options import (
     positions_in_degrees,
     sector_option,
 )
-from gearmesh.app.terminal import Progress, refuse_suffix, refuse_unwritable, show, warn, working, write_text
-from gearmesh.errors import ArgumentError
-from gearmesh.formats import JSON_SUFFIX, PNG_SUFFIX
+from gearmesh.app.terminal import (
+    Progress,
+    output_folder,
+    refuse_folder,
+    refuse_suffix,
+    refuse_unwritable,
+    show,
+    warn,
+    working,
+    write_text,
+)
+from gearmesh.errors import ArgumentError, OutputError
+from gearmesh.formats import JSON_SUFFIX, PNG_SUFFIX, VTU_SUFFIX
 from gearmesh.numerals import parse_whole_number
 from gearmesh.progress import part
 
@@ -39,6 +49,9 @@ class FiniteElementProgram(StrEnum):
     abaqus = "abaqus"
 
 
+#: suffixes of the files that hold a solution
+SOLUTION_SUFFIXES = (VTU_SUFFIX, JSON_SUFFIX)
+
 #: value of --member for both members
 BOTH_MEMBERS = "both"
 
@@ -51,7 +64,8 @@ def fe(
             "-o",
             "--output",
             metavar="FILE|DIR",
-            help="Model to write: .inp, .msh, .vtu or .cdb; for several positions a folder of decks.",
+            help="Model to write: .inp, .msh, .vtu or .cdb; with --solve results: .vtu, or a folder; "
+            "for several positions a folder of decks.",
         ),
     ] = None,
     teeth: Annotated[
@@ -82,6 +96,9 @@ def fe(
     pair: Pair = None,
     solve: Annotated[bool, typer.Option("--solve", help="Run CalculiX and read back stress and pressure.")] = False,
     json_file: Json = None,
+    keep: Annotated[
+        Path | None, typer.Option("--keep", metavar="DIR", help="With --solve: keep deck, .frd and .dat in a folder.")
+    ] = None,
     picture: Annotated[
         Path | None, typer.Option("--picture", metavar="FILE.png", help="With --solve: pressure and stress in colours.")
     ] = None,
@@ -90,17 +107,20 @@ def fe(
 ) -> None:
     """Finite-element model of the teeth in mesh, ready to run. The table [fe] sets the numbers of teeth and elements."""
     positions = positions_in_degrees(phi1) or [0.0]
-    _refuse_fe_options(output, picture, solve)
+    _refuse_fe_options(output, picture, keep, solve)
+    folder = output is not None and not output.suffix and (solve or len(positions) > 1)
     if len(positions) > 1:
         _refuse_for_several(str(phi1), output, solve)
-    elif output is not None and output.suffix.lower() != JSON_SUFFIX:
+    elif output is not None and output.suffix.lower() != JSON_SUFFIX and not folder:
         from gearmesh.fe.decks import format_of
 
         format_of(output, None if program is None else program.value)
     if sector is not None:
         _refuse_for_sector(sector, teeth, len(positions))
-    for file in (output if len(positions) == 1 else None, json_file, picture):
+    for file in (None if folder else output, json_file, picture):
         refuse_unwritable(file)
+    for each in (output if folder else None, keep):
+        refuse_folder(each)
 
     def model_of(gears: gm.Gears) -> FiniteElements | UnloadedFiniteElements:
         mesh, members = modelled_members(gears)
@@ -116,11 +136,10 @@ def fe(
         names = gears.names.pairs[gears.names.pair_number(mesh)] if gears.names.pairs else gears.names.members
         return mesh, _members(gears, names, member, friction)
 
-    gears = load_gears(design_file, [*(settings or []), *_fe_overrides(teeth, torque)], model_of)
+    overrides = [*(settings or []), *_fe_overrides(teeth, torque)]
     if solve:
-        from gearmesh.fe.ccx import program as ccx
-
-        ccx()
+        _require_programs(picture)
+    gears = load_gears(design_file, overrides, model_of)
     mesh, members = modelled_members(gears)
     answer: FiniteElements | UnloadedFiniteElements | FiniteElementSolution | FiniteElementDecks
     with working("finite-element model") as progress:
@@ -140,9 +159,10 @@ def fe(
         else:
             with part(0.0, 0.0 if solve else 0.8):
                 model = model_of(gears)
-            if output is not None:
+            if output is not None and not (solve and output.suffix.lower() in ("", *SOLUTION_SUFFIXES)):
                 model.save(output, program=chosen)
-            answer, warnings = _solve(gears, model, picture, progress) if solve else model, model.warnings
+            answer = _solve(gears, model, output, keep, picture, progress) if solve else model
+            warnings = model.warnings
     write_text(json_file, lambda: answer.json(timing=timing))
     if json_file != "-":
         show(answer.listings)
@@ -172,23 +192,51 @@ def _members(gears: gm.Gears, names: tuple[str, ...], member: str, friction: flo
 
 
 def _solve(
-    gears: gm.Gears, model: FiniteElements | UnloadedFiniteElements, picture: Path | None, progress: Progress
+    gears: gm.Gears,
+    model: FiniteElements | UnloadedFiniteElements,
+    output: Path | None,
+    keep: Path | None,
+    picture: Path | None,
+    progress: Progress,
 ) -> FiniteElementSolution:
-    """Solve a model by CalculiX, and save a picture of the solution if one is wanted."""
-    solution = model.solve(progress)
+    """Solve a model by CalculiX, and save results and a picture of the solution where they are wanted.
+
+    A folder as output gets results and figures, and what `keep` would get.
+    """
+    folder = output if output is not None and not output.suffix else None
+    solution = model.solve(progress, keep=keep or folder)
+    if folder is not None:
+        with output_folder(folder):
+            solution.save(folder / f"result{VTU_SUFFIX}")
+            solution.save(folder / f"result{JSON_SUFFIX}")
+    elif output is not None and output.suffix.lower() in SOLUTION_SUFFIXES:
+        solution.save(output)
     if picture is not None:
         gears.picture("stress", of=solution).save(picture)
     return solution
 
 
-def _refuse_fe_options(output: Path | None, picture: Path | None, solve: bool) -> None:
+def _refuse_fe_options(output: Path | None, picture: Path | None, keep: Path | None, solve: bool) -> None:
     """Refuse options of `fe` that are wrong for any design."""
     if output is None and not solve:
         raise ArgumentError("output", reason="missing; name a file to write, or give --solve")
-    if picture is not None and not solve:
-        raise ArgumentError("picture", picture, must_be="left out without --solve")
+    for option, value in (("picture", picture), ("keep", keep)):
+        if value is not None and not solve:
+            raise ArgumentError(option, value, must_be="left out without --solve")
     if picture is not None:
         refuse_suffix(picture, PNG_SUFFIX)
+
+
+def _require_programs(picture: Path | None) -> None:
+    """Raise OutputError without CalculiX, or without OpenGL for a picture."""
+    from gearmesh.fe.ccx import program
+
+    program()
+    if picture is not None:
+        from gearmesh.view.opengl import missing_opengl_message
+
+        if missing := missing_opengl_message():
+            raise OutputError(reason=missing)
 
 
 def _refuse_for_several(phi1: str, output: Path | None, solve: bool) -> None:
