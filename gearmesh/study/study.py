@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -458,10 +459,18 @@ def work_and_nominal(
     groups = (*CONTACT_GROUPS[: last + 1], *sorted({by_group[name] for name in names} & {LOAD_GROUP, TURNS_GROUP}))
     length, height = map(PathFigures.key_of, ("contact_length", "contact_height"))
     middle = nominal_figures[length], nominal_figures[height]
-    work = replace(whole, keys=keys, groups=groups, names=names, reference=middle)
-    shifts = {declared_figure.key for declared_figure in PathShift.declared_figures()}
-    recorded_entries = (entry for entry in nominal_figures.entries if entry.key in names)
-    nominal = Summary(replace(entry, value=0.0) if entry.key in shifts else entry for entry in recorded_entries)
+    # the pattern shifts from its place without errors of assembly, also where the design has some
+    moving = displacing_keys(whole.kind)
+    ((without_errors, _),) = replace(whole, keys=moving, groups=CONTACT_GROUPS[:1]).figures([[0.0] * len(moving)])
+    places = [PathFigures.key_of(name) for name in ("pattern_centre_face", "pattern_centre_height")]
+    face, working_height = (without_errors.get(key, math.nan) for key in places)
+    work = replace(
+        whole, keys=keys, groups=groups, names=names, reference=middle, nominal_pattern=(face, working_height)
+    )
+    shift = PathShift(0.0, 0.0, nominal_figures[places[0]] - face, nominal_figures[places[1]] - working_height)
+    recorded_entries = [entry for entry in nominal_figures.entries if entry.key in names]
+    shifts = {entry.key: entry for entry in shift.entries}
+    nominal = Summary(shifts.get(entry.key, entry) for entry in recorded_entries)
     return work, nominal
 
 

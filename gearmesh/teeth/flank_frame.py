@@ -108,6 +108,18 @@ class FlankFrame:
         """
         return np.asarray(self.signs * (_values(self.levels, points) - self.zero))
 
+    def shares(self, places: Array) -> Array:
+        """Return places (..., 2), mm, as shares of the face from toe to heel and of the working height from root to tip.
+
+        The working height is that of the usable flank, from its root limit to its tip edge. Inside the flank both
+        shares are from 0 to 1.
+        """
+        length, height = places[..., 0], places[..., 1]
+        toe, heel = (_along(self.edges[name][:, ::-1], height) for name in ("toe", "heel"))
+        root, tip = (_along(self.edges[name], length) for name in ("root", "tip"))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.stack(((length - toe) / (heel - toe), (height - root) / (tip - root)), axis=-1)
+
     def directions(self, points: Array, vectors: Array) -> Array:
         """Resolve vectors at points of the flank into length and height.
 
@@ -115,6 +127,12 @@ class FlankFrame:
         """
         parts = [dot(level.gradient(points), vectors) for level in self.levels]
         return np.asarray(self.signs * np.stack(parts, axis=-1))
+
+
+def _along(edge: Array, at: Array) -> Array:
+    """Return the second coordinate of an edge (K, 2) where its first coordinate is `at`; beyond its ends that of the end."""
+    across, other = edge[np.argsort(edge[:, 0], kind="stable")].T
+    return np.asarray(np.interp(at, across, other))
 
 
 def _values(levels: tuple[Level, Level], points: Array) -> Array:

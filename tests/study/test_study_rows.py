@@ -255,3 +255,17 @@ def test_estimates_do_not_depend_on_rounding_where_tooth_pairs_are_level(roundin
         phi1, seen, seen, seen, advance, level, level, none, np.stack((none, none), axis=-2), level[..., None]
     )
     assert np.isfinite(gears_advance(paths, 1.0)).all()
+
+
+def test_the_pattern_shifts_from_the_nominal_assembly() -> None:
+    """Errors of assembly that the design itself sets count, too; places are those of tooth contact analysis."""
+    own = gm.build(gm.load(SAMPLES / "spiral_bevel_basic.toml", ["assembly.dV=0.05"]))
+    study = own.study({"assembly.dV": "0,0.05"}, record=("path",), workers=1)
+    shift, centre = (study.rows[f"pattern_{what}_percent"] for what in ("shift_face", "centre_face"))
+    assert shift == pytest.approx([0.0, centre[1] - centre[0]])
+    assert shift[1] > 5.0
+    assert study.nominal["pattern_shift_face_percent"] == pytest.approx(shift[1])
+    assert study.nominal["path_shift_length_mm"] == 0.0
+    pinion = own.contact().patterns[0]
+    assert centre[1] == pytest.approx(pinion.centre_face, abs=0.5)
+    assert study.rows["pattern_length_percent"][1] == pytest.approx(pinion.length, abs=1.0)

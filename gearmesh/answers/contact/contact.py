@@ -35,6 +35,7 @@ from gearmesh.answers.contact.fit import (
     fitted_cycle,
     verdict,
 )
+from gearmesh.answers.contact.pattern import PatternFigures, images, pattern_figures, pattern_listing
 from gearmesh.answers.contact.sides import SideContact, side_contacts, whole_path
 from gearmesh.answers.contact.turns import TurnsDetails, TurnsSummary, turns_listing, turns_warnings
 from gearmesh.answers.contact.zone import ZoneFigures, zone_of_lines
@@ -118,6 +119,7 @@ class Contact(Result):
             *self._path_listing(),
             *self._hertz_listing(),
             *self._closed_listing(),
+            *pattern_listing(self.patterns, self.pair.delta),
             *(() if self.turns is None else (turns_listing(self.turns),)),
             figures("Summary", self.summary),
         ]
@@ -193,7 +195,8 @@ class Contact(Result):
             return None
         followed = self.engagement or whole_engagement(solver_pair(self.pair), self.pair.pitch)
         touching = followed is not None and followed.contacts.touching.any()
-        return whole_path(self.pair, followed) if followed is not None and touching else None
+        known = None if self.cycle is None or self.pair.eccentric else self.cycle.engagement
+        return whole_path(self.pair, followed, known) if followed is not None and touching else None
 
     @cached_property
     def sides(self) -> tuple[SideContact, ...]:
@@ -202,6 +205,21 @@ class Contact(Result):
         known = self.fit is not None and not self.pair.eccentric
         coast = self.fit.coast if self.fit and known else None
         return side_contacts(self.pair, self.path, self.engagement, coast, self.whole)
+
+    @cached_property
+    def patterns(self) -> tuple[PatternFigures, ...]:
+        """Contact pattern on both members, drive and coast side, without load; empty without a mesh cycle.
+
+        Sides whose flanks touch on edges alone have no pattern.
+        """
+        if self.cycle is None or self.whole is None:
+            return ()
+        driving = pattern_figures(self.pair, self.whole, driving=True)
+        exchange = None if self.fit is None or self.pair.eccentric else self.fit.exchange
+        if exchange is not None:
+            return (*driving, *images(self.pair, driving, exchange))
+        coast = (side for side in self.sides if not side.driving)
+        return (*driving, *(pattern for side in coast for pattern in pattern_figures(side.pair, side.whole)))
 
     def positions(self) -> list[PositionFigures]:
         """Figures of every position, as in `tca --json`.
@@ -296,6 +314,7 @@ class Contact(Result):
             "summary": self.summary,
             "warnings": self.warnings,
             "fit": self._fit,
+            **({} if self.cycle is None else {"pattern": self.patterns}),
             **({} if self.turns is None else {"turns": TurnsDetails.of(self.turns)}),
             "positions": self._positions,
         }

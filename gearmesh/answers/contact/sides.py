@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -28,12 +29,25 @@ class SideContact:
     pair: GearPair
     #: True for the driving side
     driving: bool
-    #: path of contact
-    path: ContactPath
+    #: whole engagement of a tooth pair on this side
+    engagement: Engagement
     #: path of a tooth pair from its first to its last contact
     whole: ContactPath
-    #: ease-off of the pinion's flank
-    ease_off: EaseOff
+    #: path of contact of the driving side, at the positions asked for
+    driving_path: ContactPath
+
+    @cached_property
+    def path(self) -> ContactPath:
+        """Path of contact; that of the coast side has as many positions over its engagement as the driving side has."""
+        if self.driving:
+            return self.driving_path
+        phi1 = np.linspace(self.whole.rotation[0], self.whole.rotation[-1], len(self.driving_path.phi1))
+        return contact_path(solver_pair(self.pair), phi1, None, engagement=self.engagement)
+
+    @cached_property
+    def ease_off(self) -> EaseOff:
+        """Ease-off of the pinion's flank."""
+        return ease_off(self.engagement, self.pair.pitch)
 
     @property
     def sliding_velocity(self) -> Array:
@@ -54,9 +68,13 @@ class SideContact:
         return to_fixed.inverse.vector(between)
 
 
-def whole_path(pair: GearPair, engagement: Engagement) -> ContactPath:
-    """Return the contact of a tooth pair from its first to its last contact, at closely spaced positions."""
-    phi1 = np.linspace(*engagement_range(engagement, pair.pitch), ENGAGEMENT_POSITIONS)
+def whole_path(pair: GearPair, engagement: Engagement, known_range: tuple[float, float] | None = None) -> ContactPath:
+    """Return the contact of a tooth pair from its first to its last contact, at closely spaced positions.
+
+    `known_range`: the rotations (rad) of first and last contact, if they are known.
+    """
+    ends = engagement_range(engagement, pair.pitch) if known_range is None else known_range
+    phi1 = np.linspace(*ends, ENGAGEMENT_POSITIONS)
     return contact_path(solver_pair(pair), phi1, None, engagement=engagement)
 
 
@@ -79,9 +97,5 @@ def side_contacts(
         if followed is None or not followed.contacts.touching.any():
             continue
         whole = driving_whole if driving and driving_whole is not None else whole_path(own_pair, followed)
-        side_path = path
-        if not driving:
-            phi1 = np.linspace(whole.rotation[0], whole.rotation[-1], len(path.phi1))
-            side_path = contact_path(flanks, phi1, None, engagement=followed)
-        contacts.append(SideContact(own_pair, driving, side_path, whole, ease_off(followed, own_pair.pitch)))
+        contacts.append(SideContact(own_pair, driving, followed, whole, path))
     return tuple(contacts)

@@ -35,12 +35,14 @@ NORMAL_ROUNDING = 1e-11
 class ImageCurve:
     """Transmission advance of the gears on their coast flanks, as the image of the `curve` of the driving flanks.
 
-    The advance at phi1 is the advance of the curve at `sum` - phi1 (rad), plus `more` (rad).
+    The advance at phi1 is the advance of the curve at `sum` - phi1 (rad), plus `more` (rad). `exchange` is the diagonal
+    of the map of the members' own frames.
     """
 
     curve: MeshCurve
     sum: float
     more: float
+    exchange: Array
 
     @property
     def pitch(self) -> float:
@@ -89,7 +91,7 @@ def image(curve: MeshCurve, other: Pair) -> ImageCurve | None:
         if angle is not None and _are_images(pair, other, exchange):
             first, second = pair.pinion.mount, pair.gear.mount
             more = 2.0 * (second.zero - pair.ratio * first.zero) + second.sign * angle
-            return ImageCurve(curve, 2.0 * first.zero, -pair.drive * more)
+            return ImageCurve(curve, 2.0 * first.zero, -pair.drive * more, exchange)
     return None
 
 

@@ -128,6 +128,8 @@ class Fit:
     gaps: tuple[Gap, ...] = ()
     #: engagement of the coast flanks, None where it is an image of the engagement of the driving flanks
     coast: Engagement | None = None
+    #: diagonal of the map of own frames that makes this image; None where the coast flanks are no image
+    exchange: Array | None = None
     #: deepest collision of tips beside the mesh on each side that has any
     collisions: tuple[TipCollision, ...] = ()
 
@@ -277,6 +279,7 @@ def _fit(pair: GearPair, forwards: MeshCurve, backwards: MeshCurve | ImageCurve)
         span=(float(forwards.phi1[0]), float(forwards.phi1[-1])),
         gaps=gaps,
         coast=backwards.engagement if isinstance(backwards, MeshCurve) else None,
+        exchange=None if isinstance(backwards, MeshCurve) else backwards.exchange,
         collisions=collisions,
     )
 

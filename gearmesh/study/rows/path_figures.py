@@ -1,6 +1,7 @@
 """Figures of many assemblies from their paths of contact alone, in one batch: milliseconds per assembly.
 
-Lengths and heights are on the pinion's flank, measured from its middle (`teeth.flank_frame`). The transmission error of
+Lengths and heights are on the pinion's flank, measured from its middle (`teeth.flank_frame`). Shares of the pattern are
+those of `contact.pattern`. The transmission error of
 the gears is an estimate. It is the largest advance of all tooth pairs at equally spaced phases of a pitch, from cubics
 through the positions and their slopes. The contact ratio is estimated by extrapolating the distance to the edges. The
 mesh cycle has the exact values, with each change of pairs solved as a root.
@@ -14,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.assemblies import AssemblyPaths
+from gearmesh.contact.pattern import ellipse_ends
 from gearmesh.figures import Figures, figure
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.teeth.flank_frame import FlankFrame
@@ -43,14 +45,36 @@ class PathFigures(Figures):
     pattern_length_max: Array = figure("end of the contact pattern along the flank, towards the heel", "mm")
     pattern_height_min: Array = figure("end of the contact pattern across the flank, towards the root", "mm")
     pattern_height_max: Array = figure("end of the contact pattern across the flank, towards the tip", "mm")
+    pattern_centre_face: Array = figure("centre of the contact pattern along the face, from the toe", "%")
+    pattern_centre_height: Array = figure(
+        "centre of the contact pattern along the working height, from the root limit", "%"
+    )
+    pattern_length: Array = figure("length of the contact pattern, in parts of the face", "%")
+    pattern_width: Array = figure("width of the contact pattern, in parts of the working height", "%")
 
 
 @dataclass(frozen=True)
 class PathShift(Figures):
-    """Shift of the contact from its place in the unchanged design."""
+    """Shift of the contact from its place in the unchanged design, and of the pattern from the nominal assembly."""
 
-    length: Array | float = figure("shift of the contact along the flank", "mm", key="path_shift_length_mm")
-    height: Array | float = figure("shift of the contact across the flank", "mm", key="path_shift_height_mm")
+    length: Array | float = figure(
+        "shift of the contact along the flank, from the unchanged design", "mm", key="path_shift_length_mm"
+    )
+    height: Array | float = figure(
+        "shift of the contact across the flank, from the unchanged design", "mm", key="path_shift_height_mm"
+    )
+    pattern_face: Array | float = figure(
+        "shift of the centre of the contact pattern along the face, towards the heel, from the nominal assembly "
+        "(all errors of assembly 0)",
+        "%",
+        key="pattern_shift_face_percent",
+    )
+    pattern_height: Array | float = figure(
+        "shift of the centre of the contact pattern along the working height, towards the tip, from the nominal "
+        "assembly (all errors of assembly 0)",
+        "%",
+        key="pattern_shift_height_percent",
+    )
 
 
 def path_figures(paths: AssemblyPaths, frame: FlankFrame, pitch: float) -> PathFigures:
@@ -60,6 +84,8 @@ def path_figures(paths: AssemblyPaths, frame: FlankFrame, pitch: float) -> PathF
         places = frame.places(paths.point)
         centre = _means(places, inside)
         low, high = pattern_box(paths, frame, places)
+        least, most = ellipse_ends(frame, paths.point, paths.axes, inside)
+        middle, size = 50.0 * (least + most), 100.0 * (most - least)
         return PathFigures(
             converged=paths.touching.sum(axis=1).astype(float),
             surface_positions=paths.surface.sum(axis=1).astype(float),
@@ -74,6 +100,10 @@ def path_figures(paths: AssemblyPaths, frame: FlankFrame, pitch: float) -> PathF
             pattern_length_max=high[:, 0],
             pattern_height_min=low[:, 1],
             pattern_height_max=high[:, 1],
+            pattern_centre_face=middle[:, 0],
+            pattern_centre_height=middle[:, 1],
+            pattern_length=size[:, 0],
+            pattern_width=size[:, 1],
         )
 
 

@@ -111,6 +111,8 @@ class StudyWork:
     names: tuple[str, ...] = ()
     #: length and height (mm) of the contact of the unchanged design
     reference: tuple[float, float] | None = None
+    #: centre of the contact pattern of the nominal assembly, % of face and of working height
+    nominal_pattern: tuple[float, float] | None = None
     #: torques (T,), Nm, on the pinion, for the group "load"
     torque: tuple[float, ...] = ()
 
@@ -195,11 +197,15 @@ class StudyWork:
         paths = assembly_paths(variant.flanks, bases, variant.phi1)
         all_figures = path_figures(paths, variant.frame, variant.pair.pitch)
         columns, (length, height) = all_figures.entries, self.reference or (math.nan, math.nan)
+        face_share, height_share = self.nominal_pattern or (math.nan, math.nan)
         rows: list[Row] = []
         for m in range(count):
             row_entries = [replace(column, value=float(column.value[m])) for column in columns]
             shift = PathShift(
-                float(all_figures.contact_length[m]) - length, float(all_figures.contact_height[m]) - height
+                float(all_figures.contact_length[m]) - length,
+                float(all_figures.contact_height[m]) - height,
+                float(all_figures.pattern_centre_face[m]) - face_share,
+                float(all_figures.pattern_centre_height[m]) - height_share,
             )
             figures = Summary(row_entries, shift, variant.pair.figures)
             reason = "" if all_figures.converged[m] else NO_CONTACT
