@@ -50,6 +50,8 @@ class PartFile:
     sector: int | None = None
     #: table of the faces of a STEP file
     names: Path | None = None
+    #: True for the blank before the teeth are cut
+    blank: bool = False
 
     @property
     def suffix(self) -> str:
@@ -107,6 +109,8 @@ class PartFile:
                 raise ArgumentError(
                     name, value, must_be=f"left out for --member = {member}, which is always made whole"
                 )
+        if self.blank:
+            self._refuse_blank(member)
         if self.sector is not None and self.teeth is not None:
             raise ArgumentError("teeth", self.teeth, must_be="left out with --sector")
         if self.sector is not None and (self.space or self.flank_only):
@@ -114,6 +118,21 @@ class PartFile:
             raise ArgumentError("sector", self.sector, must_be=f"left out with --{what}")
         if self.space and self.teeth is not None:
             raise ArgumentError("teeth", self.teeth, must_be="left out for --space, which is between two teeth")
+
+    def _refuse_blank(self, member: str) -> None:
+        """Raise ArgumentError for options that apply to teeth, and for all members in mesh."""
+        if member in (BOTH_MEMBERS, ALL_MEMBERS):
+            raise ArgumentError("blank", True, must_be=f"left out for --member = {member}: blanks do not mesh")
+        for name, value in (
+            ("teeth", self.teeth),
+            ("sector", self.sector),
+            ("space", self.space or None),
+            ("flank_only", self.flank_only),
+            ("offset", self.offset),
+            ("section", self.section),
+        ):
+            if value is not None:
+                raise ArgumentError(name, value, must_be="left out with --blank, which has no teeth")
 
     def _lengths(self) -> tuple[float | None, float | str | None, float]:
         """Return tolerance, position of the section and offset, mm. Raises DesignError for texts that are no lengths."""
@@ -125,7 +144,7 @@ class PartFile:
         tolerance, z, away = self._lengths()
         every = member in (BOTH_MEMBERS, ALL_MEMBERS)
         if self.suffix in SECTION_SUFFIXES:
-            return gears.section(member, z, tolerance, curves=self.curves or "splines", offset=away)
+            return gears.section(member, z, tolerance, curves=self.curves or "splines", offset=away, blank=self.blank)
         if self.suffix in STEP_SUFFIXES:
             return gears.cad(
                 None if every else member,
@@ -134,6 +153,7 @@ class PartFile:
                 sector=self.sector,
                 flank_only=self.flank_only,
                 space=self.space,
+                blank=self.blank,
                 offset=away,
                 phi1=self.phi1 or 0.0,
             )
@@ -146,6 +166,7 @@ class PartFile:
             sector=self.sector,
             flank_only=self.flank_only,
             space=self.space,
+            blank=self.blank,
             offset=away,
             file=self.output,
         )
@@ -153,8 +174,8 @@ class PartFile:
     def write(self, gears: Gears, member: str) -> None:
         """Make the part of a member, or of all members, write the file, and print the figures."""
         every = member in (BOTH_MEMBERS, ALL_MEMBERS)
-        of = "space" if self.space else "flanks" if self.flank_only else "solid"
-        if self.suffix in SECTION_SUFFIXES:
+        of = "blank" if self.blank else "space" if self.space else "flanks" if self.flank_only else "solid"
+        if self.suffix in SECTION_SUFFIXES and not self.blank:
             of = "section"
         with working("solids" if every else f"{of} of the {member}"):
             made = self.make(gears, member)

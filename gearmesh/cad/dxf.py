@@ -21,6 +21,10 @@ from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve
 
 #: the oldest version with splines: most programs read it
 DXF_VERSION = "R2000"
+#: name of the line type of axes
+AXIS_LINE = "CENTER"
+#: length of its pattern, then dashes and (negative) gaps, mm
+AXIS_LINE_PATTERN = (12.0, 8.0, -1.5, 1.0, -1.5)
 
 
 def require_ezdxf() -> None:
@@ -51,6 +55,10 @@ def write_dxf(section: MemberSection, path: PathLike, description: str, joined: 
                 continue
             for curve in contour.curves:
                 _add(space, curve, layer)
+        if section.axis is not None:
+            document.linetypes.add(AXIS_LINE, AXIS_LINE_PATTERN, description="long dash, dot")
+            document.layers.add(section.axis_layer, linetype=AXIS_LINE)
+            _add(space, section.axis, section.axis_layer)
         stream = StringIO()
         document.write(stream)
     text = f"999\n{description}\n{stream.getvalue()}"

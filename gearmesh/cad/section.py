@@ -51,6 +51,8 @@ class MemberSection:
     contours: tuple[Contour, ...]
     #: largest deviation of the splines, also between their nodes, mm
     deviation: float
+    #: line along the axis; None for a section across it
+    axis: PlaneLine | None = None
 
     @property
     def area(self) -> float:
@@ -61,6 +63,11 @@ class MemberSection:
     def layers(self) -> tuple[str, ...]:
         """Names of the contours, each after the name of the member; contours of one kind have the same name."""
         return tuple(f"{self.name}_{contour.name}" for contour in self.contours)
+
+    @property
+    def axis_layer(self) -> str:
+        """Name of the line along the axis."""
+        return f"{self.name}_axis"
 
     @property
     def gap(self) -> float:

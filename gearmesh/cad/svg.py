@@ -15,6 +15,8 @@ from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve
 
 #: width of the lines
 LINE_WIDTH_MM = 0.1
+#: dashes and gaps of a line along the axis, mm
+AXIS_DASHES = "8 1.5 1 1.5"
 #: margin round the drawing, as a share of its radius
 MARGIN_SHARE = 0.02
 
@@ -28,6 +30,9 @@ def write_svg(section: MemberSection, path: PathLike, description: str) -> None:
         f'<path id="{escape(name)}" d="{_path(contour)}"/>'
         for name, contour in zip(names, section.contours, strict=True)
     ]
+    if section.axis is not None:
+        ends = f"M {_point(section.axis.start)} L {_point(section.axis.end)}"
+        paths.append(f'<path id="{escape(section.axis_layer)}" stroke-dasharray="{AXIS_DASHES}" d="{ends}"/>')
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{size}mm" height="{size}mm" '

@@ -83,7 +83,7 @@ def gear_body(
     teeth, profile, first = round_axis.teeth, body.profile, round_axis.kinds[0]
     corner = first.vertices[first.end(ends[0])[0]]
     start = float(np.arctan2(corner[1], corner[0]))
-    counts = _ring_counts(teeth, profile, tolerance)
+    counts = ring_counts(teeth, profile, tolerance)
     firsts = [int(f) for f in round_axis.size + np.concatenate(([0], np.cumsum(counts)))]
     vertices = []
     for (rho, z), count in zip(profile, counts, strict=True):
@@ -111,7 +111,7 @@ def gear_body(
             regions.append(end_regions(level)[end])
     for k, name in enumerate(body.bands):
         if counts[k] > 1 or counts[k + 1] > 1:
-            triangles.append(_band(firsts[k], counts[k], firsts[k + 1], counts[k + 1]))
+            triangles.append(band_triangles(firsts[k], counts[k], firsts[k + 1], counts[k + 1]))
             regions.append(name)
     listed = (*BODY_REGIONS, *RARE_REGIONS, *GAP_REGIONS, *FEATURE_REGIONS)
     labels = np.repeat(
@@ -130,7 +130,7 @@ def ring_count(teeth: int, radius: float, tolerance: float) -> int:
     return teeth * max(1, int(np.ceil(2.0 * np.pi / step / teeth)))
 
 
-def _ring_counts(teeth: int, profile: Sequence[tuple[float, float]], tolerance: float) -> list[int]:
+def ring_counts(teeth: int, profile: Sequence[tuple[float, float]], tolerance: float) -> list[int]:
     """Return the number of points on the ring of each point (rho, z) of a profile, by its radius; 1 on the axis.
 
     Both rings of a cone have equal numbers, so that edges stay as close to the cone as chords. Both rings of a narrow plane
@@ -144,7 +144,7 @@ def _ring_counts(teeth: int, profile: Sequence[tuple[float, float]], tolerance: 
     return counts
 
 
-def _band(low: int, low_count: int, high: int, high_count: int) -> Index:
+def band_triangles(low: int, low_count: int, high: int, high_count: int) -> Index:
     """Return the triangles between two rings of vertices that begin at the same polar angle; a ring may be a single centre."""
     low_steps, high_steps = low_count - (low_count == 1), high_count - (high_count == 1)
     ahead = np.concatenate((np.arange(1, low_steps + 1) * high_count, np.arange(1, high_steps + 1) * low_count))

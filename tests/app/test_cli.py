@@ -135,11 +135,12 @@ class CannedGears:
         sector: int | None = None,
         flank_only: str | None = None,
         space: bool = False,
+        blank: bool = False,
         offset: float = 0.0,
         file: Path | None = None,
     ) -> Solid:
         assert file is not None, "its figures must be those of the file"
-        assert (flank_only, space, offset) == (None, False, 0.0)
+        assert (flank_only, space, blank, offset) == (None, False, False, 0.0)
         parts = {name: count for name, count in (("teeth", teeth), ("sector", sector)) if count is not None}
         self.told.asked = {"member": member, "tolerance": self.real.within(tolerance), **parts}
         return Solid(self.design, tetrahedron(member), self.told.figures, self.warnings, open=teeth is not None)

@@ -227,6 +227,26 @@ def cad_solid(
     )
 
 
+def cad_blank(member: Member, tolerance: float, offset: float | None = None) -> tuple[Part, CadFigures]:
+    """Return the blank of a member before its teeth are cut, as `cad_solid` returns the whole member."""
+    from gearmesh.cad.blank_part import blank_part
+    from gearmesh.cad.solid_part import volume
+    from gearmesh.teeth.turned_blank import blank_of
+
+    started = time.perf_counter()
+    part, deviation = blank_part(member, tolerance)
+    measured = volume(part)
+    return part, CadFigures(
+        faces=len(part.faces),
+        volume=measured,
+        volume_error=measured / blank_of(member).volume() - 1.0,
+        max_deviation=1e3 * deviation,
+        tolerance=1e3 * tolerance,
+        seconds=time.perf_counter() - started,
+        offset=offset,
+    )
+
+
 def cad_space(member: Member, tolerance: float, offset: float | None = None) -> tuple[Part, CadFigures]:
     """Return the space before the tooth on +x of a member, as `cad_solid` returns the whole member.
 
@@ -297,6 +317,7 @@ def cad_of(
     if member is not None and phi1:
         raise ArgumentError("phi1", phi1, must_be="left out for one member, which is in its own frame")
     alone = (
+        ("blank", extract.blank or None),
         ("space", extract.space or None),
         ("sector", extract.sector),
         ("flank_only", "both" if len(extract.flanks) > 1 else next(iter(extract.flanks), None)),
@@ -312,7 +333,7 @@ def cad_of(
             raise ArgumentError("teeth", teeth, must_be=f"a whole number from 1 to {most}")
         if extract.flanks or teeth != most:
             return _surfaces_of(gears, tool_part, tolerance, extract, teeth)
-    make = cad_space if extract.space else partial(cad_solid, pitches=extract.sector)
+    make = cad_blank if extract.blank else cad_space if extract.space else partial(cad_solid, pitches=extract.sector)
     places = {} if member is not None else gears.places_at(phi1)
     wanted = [gears.part(name) for name in ([member] if member is not None else places)]
     made, measured, warnings = dict[str, Part](), dict[str, CadFigures](), list[str]()

@@ -76,6 +76,8 @@ class Extract:
     flanks: tuple[Side, ...] = ()
     #: number of pitches of a sector
     sector: int | None = None
+    #: True for the blank before its teeth are cut
+    blank: bool = False
 
     @staticmethod
     def of(
@@ -85,12 +87,23 @@ class Extract:
         flank_only: str | None = None,
         sector: int | None = None,
         teeth: int | None = None,
+        blank: bool = False,
     ) -> Extract:
         """Return the extract for the arguments of a call.
 
         `teeth` applies only to flanks or the whole member. Raises ArgumentError for an unknown flank and for excluding
         arguments.
         """
+        away = in_mm("offset", offset)
+        for name, value in (
+            ("teeth", teeth),
+            ("sector", sector),
+            ("space", space or None),
+            ("flank_only", flank_only),
+            ("offset", away or None),
+        ):
+            if blank and value is not None:
+                raise ArgumentError(name, value, must_be="left out with blank, which has no teeth")
         for name, asked in (("sector", sector is not None), ("space", space)):
             if teeth is not None and asked:
                 raise ArgumentError("teeth", teeth, must_be=f"left out with {name}")
@@ -104,7 +117,7 @@ class Extract:
         if sector is not None and sector < 1:
             raise ArgumentError("sector", sector, must_be="a whole number above 0")
         flanks = () if flank_only is None else tuple(Side) if flank_only == BOTH_FLANKS else (Side(flank_only),)
-        return Extract(in_mm("offset", offset), space, flanks, sector)
+        return Extract(away, space, flanks, sector, blank)
 
     def shift(self, member: Member) -> Member:
         """Return the member with the offset. Raises DesignError, with the largest valid offset, if it is too large."""
@@ -145,9 +158,15 @@ class Extract:
         from gearmesh.mesh.extracts.space import parts, space_mesh
         from gearmesh.mesh.solid import gear_facets, some_teeth
         from gearmesh.mesh.tessellate import tessellate, tessellate_alike
+        from gearmesh.mesh.turned_blank import blank_mesh
         from gearmesh.teeth.micro_geometry.placed_teeth import placed_teeth
         from gearmesh.teeth.space import Space
+        from gearmesh.teeth.turned_blank import blank_of
 
+        if self.blank:
+            blank = blank_of(member)
+            turned, bound = blank_mesh(blank, tolerance)
+            return ExtractMesh(turned, bound, blank.genus, member)
         if member.index.uneven:
             if self.space or self.flanks or self.sector is not None:
                 made = self.mesh(replace(member, index=NO_INDEX_ANGLES), tolerance, teeth)

@@ -55,6 +55,7 @@ class ModelledGears(SolvedGears):
         sector: int | None = None,
         flank_only: str | None = None,
         space: bool = False,
+        blank: bool = False,
         offset: Length = 0.0,
         file: str | PathLike[str] | None = None,
     ) -> Solid: ...
@@ -67,6 +68,7 @@ class ModelledGears(SolvedGears):
         sector: int | None = None,
         flank_only: str | None = None,
         space: bool = False,
+        blank: bool = False,
         offset: Length = 0.0,
         file: str | PathLike[str] | None = None,
     ) -> Solid | Solids:
@@ -87,6 +89,9 @@ class ModelledGears(SolvedGears):
             The "right" or "left" flanks, or "both", as open surfaces with exact normals at their vertices.
         space : bool
             The space between two teeth up to the tip surface as a solid, as a broach or an electrode fills it.
+        blank : bool
+            The blank before its teeth are cut: the body turned up to the tips, with hubs, shafts, bore and web, without
+            keyway and holes; of a rack the bar.
         offset : float or str
             Distance by which all tooth surfaces move along their normals, mm. Positive is away from the member's
             material, for stock or a spark gap; negative is for clearance.
@@ -112,9 +117,9 @@ class ModelledGears(SolvedGears):
         from gearmesh.answers.bodies.extract import Extract
         from gearmesh.answers.bodies.solid import ALL_MEMBERS_NAMES, refuse_parts, solid_of
 
-        extract = Extract.of(offset, space=space, flank_only=flank_only, sector=sector, teeth=teeth)
+        extract = Extract.of(offset, space=space, flank_only=flank_only, sector=sector, teeth=teeth, blank=blank)
         if member in ALL_MEMBERS_NAMES and member not in self.names.members:
-            refuse_parts(teeth=teeth, sector=sector, flank_only=flank_only, space=space or None)
+            refuse_parts(teeth=teeth, sector=sector, flank_only=flank_only, space=space or None, blank=blank or None)
             return self.solids(tolerance, offset=offset, file=file)
         return solid_of(self, member, self.within(tolerance), teeth, file, extract)
 
@@ -168,6 +173,7 @@ class ModelledGears(SolvedGears):
         sector: int | None = None,
         flank_only: str | None = None,
         space: bool = False,
+        blank: bool = False,
         offset: Length = 0.0,
         phi1: float = 0.0,
     ) -> Cad:
@@ -187,6 +193,8 @@ class ModelledGears(SolvedGears):
             The "right" or "left" flanks or "both", as open shells.
         space : bool
             The space between two teeth.
+        blank : bool
+            As for `solid`.
         offset : float or str
             As for `solid`.
         phi1 : float
@@ -213,7 +221,7 @@ class ModelledGears(SolvedGears):
         from gearmesh.answers.bodies.extract import Extract
         from gearmesh.cad.brep import DEFAULT_TOLERANCE_MM
 
-        extract = Extract.of(offset, space=space, flank_only=flank_only, sector=sector, teeth=teeth)
+        extract = Extract.of(offset, space=space, flank_only=flank_only, sector=sector, teeth=teeth, blank=blank)
         return cad_of(self, member, self.within(tolerance, DEFAULT_TOLERANCE_MM), extract, phi1, teeth)
 
     def to_build123d(self, tolerance: Length | None = None, *, phi1: float = 0.0) -> build123d.Compound:
@@ -281,6 +289,7 @@ class ModelledGears(SolvedGears):
         *,
         curves: str = "splines",
         offset: Length = 0.0,
+        blank: bool = False,
     ) -> Section:
         """The transverse section of one member, or the axial section of a worm, as contours.
 
@@ -302,6 +311,9 @@ class ModelledGears(SolvedGears):
             Positive values are away from the material, round teeth, bore, keyway and holes; negative values are into it.
             The contour is trimmed in inner corners that are sharper than the tool; `measured.stock_left` is the largest
             stock that remains there.
+        blank : bool
+            The outline of the blank before its teeth are cut, instead of a section: the half section over z and radius,
+            with the axis; of a rack its bar across the axis.
 
         Returns
         -------
@@ -328,7 +340,7 @@ class ModelledGears(SolvedGears):
         axial = z == AXIAL_PLANE
         place = None if z is None or axial else in_mm("z", z)
         within = self.within(tolerance, DEFAULT_TOLERANCE_MM)
-        return section_of(self, member, place, within, curves, in_mm("offset", offset), axial=axial)
+        return section_of(self, member, place, within, curves, in_mm("offset", offset), axial=axial, blank=blank)
 
     def topography(self, member: str, flank: str = "right", tolerance: Length | None = None) -> FlankTopography:
         """The material that modifications remove from a flank, as a grid of amounts.

@@ -105,6 +105,7 @@ class Section(Result):
     @property
     def headline(self) -> str:
         at = "in axial section" if self.cut.z is None else f"at z = {self.cut.z:g} mm"
+        at = "blank in half section" if self.cut.axis is not None else at
         return (
             f"{self.cut.name} {at}, {len(self.loops)} loops of {self.measured.curves} curves within "
             f"{1e3 * self.cut.deviation:.3g} um"
@@ -153,12 +154,14 @@ def section_of(
     offset: float = 0.0,
     *,
     axial: bool = False,
+    blank: bool = False,
 ) -> Section:
-    """Return the section of a member at z (default: mid face), or the `axial` section of a thread, as `Gears.section`
-    describes it.
+    """Return the section of a member at z (default: mid face), the `axial` section of a thread, or the outline of the
+    `blank`, as `Gears.section` describes it.
 
     Lengths are in mm.
     """
+    from gearmesh.cad.blank_part import blank_section
     from gearmesh.cad.contours.axial import axial_section
     from gearmesh.cad.contours.paths import base_tolerance, drawn_section
     from gearmesh.cad.contours.redrawn import Curves
@@ -167,6 +170,9 @@ def section_of(
 
     if curves not in tuple(Curves):
         raise ArgumentError("curves", curves, must_be=f"one of {', '.join(Curves)}")
+    if blank and (offset or axial or z is not None):
+        name, value = ("offset", offset) if offset else ("z", "axial" if axial else z)
+        raise ArgumentError(name, value, must_be="left out with blank, which is drawn by its outline")
     kind = Curves(curves)
     part = gears.part(member)
     placed_member = placed_teeth(part.member)
@@ -174,7 +180,9 @@ def section_of(
     low, high = placed_member.tooth.blank.body.ends
     within = base_tolerance(kind, offset, tolerance)
     exact = (
-        axial_section(placed_member, within)
+        blank_section(part.member, within)
+        if blank
+        else axial_section(placed_member, within)
         if axial
         else member_section(placed_member, 0.5 * (low + high) if z is None else z, within)
     )

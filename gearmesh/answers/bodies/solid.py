@@ -97,6 +97,8 @@ class Solid(Result):
     teeth: tuple[ToothMesh, ...] = field(default=(), repr=False, compare=False)
     #: a suffix, and the triangles as files with this suffix hold them
     in_file: tuple[str, Facets] | None = field(default=None, repr=False, compare=False)
+    #: True if the mesh is the blank of the member
+    blank: bool = False
 
     @cached_property
     def mesh(self) -> TriangleMesh:
@@ -275,11 +277,11 @@ class Solid(Result):
 
     def _part(self) -> Part:
         """Return the CAD solid of the meshed member, in the frame of the mesh."""
-        from gearmesh.answers.bodies.cad import cad_solid
+        from gearmesh.answers.bodies.cad import cad_blank, cad_solid
 
         if self.member is None:
             raise DesignError(self.name, reason="only whole members have a CAD solid")
-        part, _ = cad_solid(self.member, 1e-3 * self.measured.tolerance)
+        part, _ = (cad_blank if self.blank else cad_solid)(self.member, 1e-3 * self.measured.tolerance)
         return part.move(self.place)
 
     def _write(self, target: Path) -> None:
@@ -436,6 +438,7 @@ def member_solid(
         made.member,
         teeth=made.teeth,
         in_file=in_file,
+        blank=extract.blank,
     )
 
 

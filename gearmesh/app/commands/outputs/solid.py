@@ -69,6 +69,14 @@ def solid(
             help="The space between two teeth as a solid: a broach, an electrode; of double helical gears that of one half.",
         ),
     ] = False,
+    blank: Annotated[
+        bool,
+        typer.Option(
+            "--blank",
+            help="The blank before its teeth are cut: turned up to the tips, with hubs, bore and web, without keyway and holes; "
+            ".dxf and .svg: its half section with the axis.",
+        ),
+    ] = False,
     phi1: Annotated[
         float | None,
         typer.Option(
@@ -92,8 +100,8 @@ def solid(
     settings: Set = None,
 ) -> None:
     """One gear or its grinding worm, or both gears in mesh, as watertight meshes or CAD solids; or a section of one; or the space
-    between two teeth, flanks alone, or a sector."""
-    file = PartFile(output, tol, section, curves, offset, teeth, flank_only, space, phi1, sector, names)
+    between two teeth, flanks alone, a sector, or the blank."""
+    file = PartFile(output, tol, section, curves, offset, teeth, flank_only, space, phi1, sector, names, blank)
     file.refuse(member)
     together = member in (BOTH_MEMBERS, ALL_MEMBERS, WORM_MEMBER)
 

@@ -1,0 +1,122 @@
+"""Blanks as CAD solids with named faces, and their outlines as sections: the half section of a turned blank, or the bar."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from gearmesh.cad.contours.curves import Contour
+from gearmesh.cad.occ import edge as edge_between
+from gearmesh.cad.occ import face as face_on
+from gearmesh.cad.occ import frame, mapped_shapes, point, spline_curve, straight_edge, vertex, wire
+from gearmesh.cad.section import MemberSection, section_spline
+from gearmesh.cad.solid_part import whole_part
+from gearmesh.cad.step import NamedFace, Part, require_occ
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve, PlaneLine
+from gearmesh.teeth.gear_train import Member
+from gearmesh.teeth.region import BAR_REGIONS, Region
+from gearmesh.teeth.turned_blank import BLANK_REGIONS, BarBlank, TipCurve, TurnedBlank, blank_of
+
+#: name of the contour of a blank
+BLANK_CONTOUR = "blank"
+#: length of the axis beyond the outline, as a share of the length of the outline
+AXIS_OVERRUN_SHARE = 0.05
+
+
+def blank_section(member: Member, tolerance: float) -> MemberSection:
+    """Return the outline of a member's blank within a tolerance, mm: over (z, rho) with the axis; of a bar over (x, y).
+
+    Raises NoSolutionError if the tolerance is not met.
+    """
+    blank = blank_of(member)
+    if isinstance(blank, BarBlank):
+        corners = blank.corners + 0.5 * blank.way[:2]
+        lines = tuple(PlaneLine(a, b) for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True))
+        return MemberSection(member.name, blank.low + 0.5 * blank.way[2], (Contour(BLANK_CONTOUR, lines, True),), 0.0)
+    curves, deviation = _outline(blank, tolerance)
+    z = np.array([(curve.start[0], curve.end[0]) for curve in curves])
+    beyond = AXIS_OVERRUN_SHARE * float(np.ptp(z))
+    axis = PlaneLine(np.array([z.min() - beyond, 0.0]), np.array([z.max() + beyond, 0.0]))
+    return MemberSection(member.name, None, (Contour(BLANK_CONTOUR, tuple(curves), True),), deviation, axis)
+
+
+def _outline(blank: TurnedBlank, tolerance: float) -> tuple[list[PlaneCurve], float]:
+    """Return the curves of a half section, and the deviation (mm) of its splines."""
+    curves, deviation = list[PlaneCurve](), 0.0
+    for band in blank.bands:
+        curve: PlaneCurve | TipCurve = band.curve
+        if isinstance(curve, TipCurve):
+            curve, missed = section_spline(curve.at, band.region, tolerance)
+            deviation = max(deviation, missed)
+        curves.append(curve)
+    return curves, deviation
+
+
+def blank_part(member: Member, tolerance: float) -> tuple[Part, float]:
+    """Return the blank of a member as a CAD solid within a tolerance, mm, and its deviation.
+
+    Raises DesignError for an invalid solid, NoSolutionError if the tolerance is not met, OutputError without OpenCASCADE.
+    """
+    require_occ()
+    from OCP.BRepPrimAPI import BRepPrimAPI_MakePrism, BRepPrimAPI_MakeRevol
+    from OCP.Geom import Geom_Plane
+    from OCP.gp import gp_Ax1, gp_Ax3, gp_Dir, gp_Vec
+
+    blank, deviation = blank_of(member), 0.0
+    if isinstance(blank, BarBlank):
+        regions: tuple[Region, ...] = (*BAR_REGIONS, Region.LAND)
+        sides = (Region.END, Region.LAND, Region.END, Region.BACK)
+        corners = [vertex((*corner, blank.low)) for corner in blank.corners]
+        edges = [straight_edge(a, b) for a, b in zip(corners, (*corners[1:], corners[0]), strict=True)]
+        plane = Geom_Plane(frame((0.0, 0.0, blank.low), 1.0, 0.0))
+        swept = BRepPrimAPI_MakePrism(_filled(plane, edges), gp_Vec(*blank.way.tolist()))
+        # the sides in the order of the edges, then both ends
+        regions_of_faces: tuple[Region, ...] = (*sides, Region.FACE_TOE, Region.FACE_HEEL)
+    else:
+        # a face for each edge, in order; none for an edge on the axis
+        regions_of_faces = tuple(band.region for band in blank.bands if band.curve.at(np.array([0.5]))[0, 1] > 0.0)
+        regions = BLANK_REGIONS
+        curves, deviation = _outline(blank, tolerance)
+        corners = [vertex((curve.start[1], 0.0, curve.start[0])) for curve in curves]
+        pairs = zip(curves, corners, (*corners[1:], corners[0]), strict=True)
+        edges = [_edge(curve, *between) for curve, *between in pairs]
+        # the plane y = 0, in which (z, rho) is counterclockwise about y
+        plane = Geom_Plane(gp_Ax3(point(np.zeros(3)), gp_Dir(0.0, 1.0, 0.0), gp_Dir(0.0, 0.0, 1.0)))
+        swept = BRepPrimAPI_MakeRevol(_filled(plane, edges), gp_Ax1(point(np.zeros(3)), gp_Dir(0.0, 0.0, 1.0)))
+    faces = _named(swept.Shape(), regions_of_faces)
+    return whole_part(replace(member, name=f"{member.name}_blank"), faces, tuple(regions)), deviation
+
+
+def _filled(plane: Any, edges: list[Any]) -> Any:
+    """Return the face of a plane within edges that go round it counterclockwise."""
+    return face_on(plane, [wire(*((edge, True) for edge in edges))], True)
+
+
+def _edge(curve: PlaneCurve, start: Any, end: Any) -> Any:
+    """Return the edge of a curve over (z, rho) in the plane y = 0."""
+    from OCP.Geom import Geom_Circle
+    from OCP.gp import gp_Ax2, gp_Dir
+
+    if isinstance(curve, PlaneLine):
+        return straight_edge(start, end)
+    if isinstance(curve, PlaneArc):
+        (z, rho), sense = curve.centre, float(np.sign(curve.width))
+        along = gp_Dir(float(np.sin(curve.first)), 0.0, float(np.cos(curve.first)))
+        circle = Geom_Circle(gp_Ax2(point((rho, 0.0, z)), gp_Dir(0.0, sense, 0.0), along), curve.radius)
+        return edge_between(circle, start, end, 0.0, abs(curve.width))
+    control: Array = np.column_stack((curve.control[:, 1], np.zeros(len(curve.control)), curve.control[:, 0]))  # type: ignore[attr-defined]
+    return edge_between(spline_curve(control, curve.knots), start, end, 0.0, 1.0)  # type: ignore[attr-defined]
+
+
+def _named(solid: Any, regions: tuple[Region, ...]) -> tuple[NamedFace, ...]:
+    """Return the faces of a solid, whose regions are given in their order, named by region and number."""
+    from OCP.TopoDS import TopoDS
+
+    found, counts, faces = mapped_shapes(solid, "FACE"), dict[Region, int](), list[NamedFace]()
+    for k, region in zip(range(1, found.Extent() + 1), regions, strict=True):
+        counts[region] = counts.get(region, 0) + 1
+        faces.append(NamedFace(TopoDS.Face(found.FindKey(k)), f"{region}_{counts[region]}", region))
+    return tuple(faces)
