@@ -9,15 +9,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Annotated, Any, ClassVar, Self
+from typing import Any, ClassVar, Self
 
 from pydantic import PrivateAttr, ValidationError, model_validator
 
 from gearmesh import __version__
+from gearmesh.design import keys
 from gearmesh.design.changes import unknown_version
 from gearmesh.design.dotted import with_keys
 from gearmesh.design.explain import explain
-from gearmesh.design.keys import DERIVED_VALUE, MM_PER, Key, KeyLine, Table, conflict, key_lines, usual_keys
+from gearmesh.design.keys import DERIVED_VALUE, MM_PER, KeyLine, Table, conflict, key_lines, usual_keys
 from gearmesh.design.measured import PairMeasured
 from gearmesh.design.shown import html_table, value_text
 from gearmesh.member_names import MemberNames
@@ -34,15 +35,15 @@ LARGEST_MODULE_MM = 1e4
 STEEL_DENSITY_KG_PER_M3 = 7850.0
 
 
-def module_key(about: str, default: str) -> Key:
+def module_key(about: str, default: str) -> Any:
     """Return the key of a module, of any section."""
-    return Key("length", about, low=SMALLEST_MODULE_MM, high=LARGEST_MODULE_MM, default=default)
+    return keys.length(about, None, low=SMALLEST_MODULE_MM, high=LARGEST_MODULE_MM, default=default)
 
 
-def pitch_key(about: str, default: str) -> Key:
+def pitch_key(about: str, default: str) -> Any:
     """Return the key of a diametral pitch; its range covers the same teeth as that of a module."""
     low, high = (MM_PER["inch"] / module for module in (LARGEST_MODULE_MM, SMALLEST_MODULE_MM))
-    return Key("pitch", about, low=low, high=high, default=default)
+    return keys.pitch(about, None, low=low, high=high, default=default)
 
 
 class Keyway(Table):
@@ -50,11 +51,9 @@ class Keyway(Table):
 
     replaces = (("width", "standard"),)
 
-    standard: Annotated[str, Key("choice", "gives width and depth for the bore", choices=("DIN 6885",))] = "DIN 6885"
-    width: Annotated[float | None, Key("length", "width", low=0, above=True, default="by the standard")] = None
-    depth: Annotated[
-        float | None, Key("length", "depth below the bore's surface", low=0, above=True, default="by the standard")
-    ] = None
+    standard: str = keys.choice("gives width and depth for the bore", ("DIN 6885",), "DIN 6885")
+    width: float | None = keys.length("width", None, above=0, default="by the standard")
+    depth: float | None = keys.length("depth below the bore's surface", None, above=0, default="by the standard")
 
     @model_validator(mode="after")
     def _whole_size(self) -> Self:
@@ -72,56 +71,35 @@ class Keyway(Table):
 class Hub(Table):
     """Hub beyond the end face."""
 
-    diameter: Annotated[float, Key("length", "outer diameter", low=0, above=True)]
-    length: Annotated[float, Key("length", "length beyond the end face", low=0, above=True)]
+    diameter: float = keys.length("outer diameter", above=0)
+    length: float = keys.length("length beyond the end face", above=0)
 
 
 class Web(Table):
     """Disc between hub and rim, thinner than the face is wide and in its middle; of bevel gears beside the toe's face."""
 
-    thickness: Annotated[float, Key("length", "thickness", low=0, above=True)]
-    rim_diameter: Annotated[
-        float | None,
-        Key(
-            "length", "inner diameter of the rim", low=0, above=True, default="1.2 whole depths below the smallest root"
-        ),
-    ] = None
-    hub_diameter: Annotated[
-        float | None,
-        Key(
-            "length",
-            "outer diameter of the hub",
-            low=0,
-            above=True,
-            default="that of the hub beyond the end face, or 1.6 bores; without a bore 40 % of rim_diameter",
-        ),
-    ] = None
+    thickness: float = keys.length("thickness", above=0)
+    rim_diameter: float | None = keys.length(
+        "inner diameter of the rim", None, above=0, default="1.2 whole depths below the smallest root"
+    )
+    hub_diameter: float | None = keys.length(
+        "outer diameter of the hub",
+        None,
+        above=0,
+        default="that of the hub beyond the end face, or 1.6 bores; without a bore 40 % of rim_diameter",
+    )
 
 
 class Holes(Table):
     """Through holes along the axis, in the web or, without one, between bore (or rim) and root; the first is on +x."""
 
-    count: Annotated[int, Key("count", "number of holes", low=1, high=1000)]
-    diameter: Annotated[
-        float | None,
-        Key(
-            "length",
-            "diameter of each hole",
-            low=0,
-            above=True,
-            default="half the room, or 60 % of the distance between holes",
-        ),
-    ] = None
-    circle: Annotated[
-        float | None,
-        Key(
-            "length",
-            "diameter of the circle through the hole centres",
-            low=0,
-            above=True,
-            default="in the middle of the room",
-        ),
-    ] = None
+    count: int = keys.count("number of holes", low=1, high=1000)
+    diameter: float | None = keys.length(
+        "diameter of each hole", None, above=0, default="half the room, or 60 % of the distance between holes"
+    )
+    circle: float | None = keys.length(
+        "diameter of the circle through the hole centres", None, above=0, default="in the middle of the room"
+    )
 
 
 class BoltHoles(Table):
@@ -129,19 +107,17 @@ class BoltHoles(Table):
 
     listed_apart: ClassVar[str] = "bolt holes"
 
-    count: Annotated[int, Key("count", "number of holes", low=1, high=1000)]
-    diameter: Annotated[float, Key("length", "diameter of each hole", low=0, above=True)]
-    circle: Annotated[
-        float | None,
-        Key("length", "diameter of the bolt circle", low=0, above=True, default="in the middle of the room"),
-    ] = None
-    depth: Annotated[
-        float | None,
-        Key("length", "depth of blind holes, from the heel's face; without it they go through", low=0, above=True),
-    ] = None
-    start_angle: Annotated[
-        float, Key("angle", "polar angle of the first hole, counted from the tooth on +x", low=-360, high=360)
-    ] = 0.0
+    count: int = keys.count("number of holes", low=1, high=1000)
+    diameter: float = keys.length("diameter of each hole", above=0)
+    circle: float | None = keys.length(
+        "diameter of the bolt circle", None, above=0, default="in the middle of the room"
+    )
+    depth: float | None = keys.length(
+        "depth of blind holes, from the heel's face; without it they go through", None, above=0
+    )
+    start_angle: float = keys.angle(
+        "polar angle of the first hole, counted from the tooth on +x", 0.0, low=-360, high=360
+    )
 
 
 class SpokeTable(Table):
@@ -149,31 +125,20 @@ class SpokeTable(Table):
 
     listed_apart: ClassVar[str] = "spokes"
 
-    count: Annotated[int, Key("count", "number of spokes", low=2, high=1000)]
-    width: Annotated[float, Key("length", "width of each spoke", low=0, above=True)]
-    inner_diameter: Annotated[
-        float | None,
-        Key(
-            "length",
-            "where the openings begin",
-            low=0,
-            above=True,
-            default="10 % of the room beyond its inner diameter",
-        ),
-    ] = None
-    outer_diameter: Annotated[
-        float | None,
-        Key(
-            "length", "where the openings end", low=0, above=True, default="10 % of the room within its outer diameter"
-        ),
-    ] = None
-    corner_radius: Annotated[
-        float | None,
-        Key("length", "radius of the openings' corners; 0 = sharp", low=0, default="a tenth of their height"),
-    ] = None
-    start_angle: Annotated[
-        float, Key("angle", "polar angle of the first spoke, counted from the tooth on +x", low=-360, high=360)
-    ] = 0.0
+    count: int = keys.count("number of spokes", low=2, high=1000)
+    width: float = keys.length("width of each spoke", above=0)
+    inner_diameter: float | None = keys.length(
+        "where the openings begin", None, above=0, default="10 % of the room beyond its inner diameter"
+    )
+    outer_diameter: float | None = keys.length(
+        "where the openings end", None, above=0, default="10 % of the room within its outer diameter"
+    )
+    corner_radius: float | None = keys.length(
+        "radius of the openings' corners; 0 = sharp", None, low=0, default="a tenth of their height"
+    )
+    start_angle: float = keys.angle(
+        "polar angle of the first spoke, counted from the tooth on +x", 0.0, low=-360, high=360
+    )
 
 
 #: largest number of steps of a shaft or bore
@@ -185,28 +150,17 @@ class ShaftSteps(Table):
 
     listed_apart: ClassVar[str] = "shafts"
 
-    diameters: Annotated[
-        tuple[float, ...],
-        Key(
-            "length",
-            "diameters of the steps, from the body outwards",
-            low=0,
-            above=True,
-            most=MAX_SHAFT_STEPS,
-        ),
-    ]
-    lengths: Annotated[tuple[float, ...], Key("length", "length of each step", low=0, above=True, most=MAX_SHAFT_STEPS)]
-    end_diameters: Annotated[
-        tuple[float, ...],
-        Key(
-            "length",
-            "diameter of each step at its outer end, of cones",
-            low=0,
-            above=True,
-            most=MAX_SHAFT_STEPS,
-            default="those of diameters",
-        ),
-    ] = ()
+    diameters: tuple[float, ...] = keys.length(
+        "diameters of the steps, from the body outwards", above=0, most=MAX_SHAFT_STEPS
+    )
+    lengths: tuple[float, ...] = keys.length("length of each step", above=0, most=MAX_SHAFT_STEPS)
+    end_diameters: tuple[float, ...] = keys.length(
+        "diameter of each step at its outer end, of cones",
+        (),
+        above=0,
+        most=MAX_SHAFT_STEPS,
+        default="those of diameters",
+    )
 
     @model_validator(mode="after")
     def _one_each(self) -> Self:
@@ -219,13 +173,10 @@ class BoreSteps(Table):
 
     listed_apart: ClassVar[str] = "bore steps"
 
-    diameters: Annotated[
-        tuple[float, ...],
-        Key("length", "diameters of the steps, from the end face inwards", low=0, above=True, most=MAX_SHAFT_STEPS),
-    ]
-    lengths: Annotated[
-        tuple[float, ...], Key("length", "length of each step along the axis", low=0, above=True, most=MAX_SHAFT_STEPS)
-    ]
+    diameters: tuple[float, ...] = keys.length(
+        "diameters of the steps, from the end face inwards", above=0, most=MAX_SHAFT_STEPS
+    )
+    lengths: tuple[float, ...] = keys.length("length of each step along the axis", above=0, most=MAX_SHAFT_STEPS)
 
     @model_validator(mode="after")
     def _one_each(self) -> Self:
@@ -245,38 +196,29 @@ def _refuse_uneven(diameters: tuple[float, ...], others: Mapping[str, tuple[floa
 class MemberMaterial(Table):
     """Material of one member, where it differs from the table material."""
 
-    youngs_modulus: Annotated[
-        float | None, Key("pressure", "Young's modulus", low=0, above=True, default="material.youngs_modulus")
-    ] = None
-    poisson_ratio: Annotated[
-        float | None, Key("number", "Poisson's ratio", low=0, high=0.499, default="material.poisson_ratio")
-    ] = None
+    youngs_modulus: float | None = keys.pressure("Young's modulus", None, above=0, default="material.youngs_modulus")
+    poisson_ratio: float | None = keys.number(
+        "Poisson's ratio", None, low=0, high=0.499, default="material.poisson_ratio"
+    )
 
 
 class MemberMount(Table):
     """Support of a member under load: body, shaft and bearings."""
 
-    stiffness: Annotated[
-        tuple[float | str | tuple[float, ...], ...] | None,
-        Key(
-            "stiffness",
-            "stiffness of shaft and bearings at z, for displacements x, y, z and small rotations about them, always in N, mm, "
-            "rad: its diagonal, or all 6 by 6; in the frame of the member at rotation 0, not rotating",
-            default="rigid",
-        ),
-    ] = None
-    z: Annotated[
-        float | None,
-        Key("length", "point on the member's axis to which stiffness refers", default="the middle of the face"),
-    ] = None
-    held: Annotated[
-        str,
-        Key(
-            "choice",
-            "where the body is held: at the bore (an internal gear: on its outside), or 1.2 whole depths under the root",
-            choices=("bore", "rim"),
-        ),
-    ] = "bore"
+    stiffness: tuple[float | str | tuple[float, ...], ...] | None = keys.stiffness(
+        "stiffness of shaft and bearings at z, for displacements x, y, z and small rotations about them, always in N, mm, "
+        "rad: its diagonal, or all 6 by 6; in the frame of the member at rotation 0, not rotating",
+        None,
+        default="rigid",
+    )
+    z: float | None = keys.length(
+        "point on the member's axis to which stiffness refers", None, default="the middle of the face"
+    )
+    held: str = keys.choice(
+        "where the body is held: at the bore (an internal gear: on its outside), or 1.2 whole depths under the root",
+        ("bore", "rim"),
+        "bore",
+    )
 
     @model_validator(mode="after")
     def _sound_stiffness(self) -> Self:
@@ -314,44 +256,31 @@ class MemberMount(Table):
 BODY_TABLES: tuple[str, ...] = (
     "keyway", "hub", "web", "holes", "toe_hub", "heel_shaft", "toe_shaft", "heel_bore", "toe_bore", "bolts", "spokes"
 )  # fmt: skip
-#: keys of the broken edges of one end face
-ToeWidth = Annotated[float | None, Key("length", "the same at the toe alone; 0 = sharp", low=0, default="end_chamfer")]
-HeelWidth = Annotated[
-    float | None, Key("length", "the same at the heel alone; 0 = sharp", low=0, default="end_chamfer")
-]
-ToeRadius = Annotated[
-    float | None, Key("length", "the same at the toe alone; 0 = sharp", low=0, default="end_rounding")
-]
-HeelRadius = Annotated[
-    float | None, Key("length", "the same at the heel alone; 0 = sharp", low=0, default="end_rounding")
-]
+
+
+def _at_one_end(end: str, both: str) -> Any:
+    """Return the key of an edge at one end face, whose default is the key of both end faces."""
+    return keys.length(f"the same at the {end} alone; 0 = sharp", None, low=0, default=both)
 
 
 class BrokenEdges(Table):
     """Chamfers and roundings of the edges of teeth, at tips and end faces."""
 
-    tip_chamfer: Annotated[float | None, Key("length", "45 deg chamfer between flank and top land", low=0)] = None
-    tip_rounding: Annotated[float | None, Key("length", "rounding between flank and top land", low=0)] = None
-    end_chamfer: Annotated[
-        float | None,
-        Key(
-            "length",
-            "chamfer of the teeth's edges at both end faces: width on the end face, at right angles to them",
-            low=0,
-        ),
-    ] = None
-    end_chamfer_toe: ToeWidth = None
-    end_chamfer_heel: HeelWidth = None
-    end_chamfer_angle: Annotated[
-        float | None,
-        Key("angle", "angle of these chamfers to the end face", low=10, high=80, default="45"),
-    ] = None
-    end_rounding: Annotated[
-        float | None,
-        Key("length", "rounding of the teeth's edges at both end faces: radius where they are at right angles", low=0),
-    ] = None
-    end_rounding_toe: ToeRadius = None
-    end_rounding_heel: HeelRadius = None
+    tip_chamfer: float | None = keys.length("45 deg chamfer between flank and top land", None, low=0)
+    tip_rounding: float | None = keys.length("rounding between flank and top land", None, low=0)
+    end_chamfer: float | None = keys.length(
+        "chamfer of the teeth's edges at both end faces: width on the end face, at right angles to them", None, low=0
+    )
+    end_chamfer_toe: float | None = _at_one_end("toe", "end_chamfer")
+    end_chamfer_heel: float | None = _at_one_end("heel", "end_chamfer")
+    end_chamfer_angle: float | None = keys.angle(
+        "angle of these chamfers to the end face", None, low=10, high=80, default="45"
+    )
+    end_rounding: float | None = keys.length(
+        "rounding of the teeth's edges at both end faces: radius where they are at right angles", None, low=0
+    )
+    end_rounding_toe: float | None = _at_one_end("toe", "end_rounding")
+    end_rounding_heel: float | None = _at_one_end("heel", "end_rounding")
 
     @model_validator(mode="after")
     def _edges(self) -> Self:
@@ -378,26 +307,19 @@ class BrokenEdges(Table):
 class TurnedTip(Table):
     """Turned tip: a cone or a throat instead of the tip cylinder."""
 
-    tip_cone_angle: Annotated[
-        float | None,
-        Key(
-            "angle",
-            "angle of a conical tip to the axis, positive where it widens along z; the tip diameter is that at mid face",
-            low=-60,
-            high=60,
-            default="0, a cylinder",
-        ),
-    ] = None
-    tip_throat_radius: Annotated[
-        float | None,
-        Key(
-            "length",
-            "radius of a throated tip in the axial plane: the tip diameter is that at mid face, the ends are higher",
-            low=0,
-            above=True,
-            default="no throat",
-        ),
-    ] = None
+    tip_cone_angle: float | None = keys.angle(
+        "angle of a conical tip to the axis, positive where it widens along z; the tip diameter is that at mid face",
+        None,
+        low=-60,
+        high=60,
+        default="0, a cylinder",
+    )
+    tip_throat_radius: float | None = keys.length(
+        "radius of a throated tip in the axial plane: the tip diameter is that at mid face, the ends are higher",
+        None,
+        above=0,
+        default="no throat",
+    )
 
     @model_validator(mode="after")
     def _one_tip_surface(self) -> Self:
@@ -415,7 +337,7 @@ class TurnedTip(Table):
 class NumberOfTeeth(Table):
     """Number of teeth of a gear."""
 
-    teeth: Annotated[int, Key("count", "number of teeth", low=3, high=10000)]
+    teeth: int = keys.count("number of teeth", low=3, high=10000)
 
 
 class TurnedBody(Table):
@@ -423,15 +345,9 @@ class TurnedBody(Table):
 
     usual: ClassVar[tuple[str, ...]] = ("bore",)
 
-    bore: Annotated[
-        float | None,
-        Key(
-            "length",
-            "bore diameter; 0 = no bore",
-            low=0,
-            default="40 % of the root diameter at the small end",
-        ),
-    ] = None
+    bore: float | None = keys.length(
+        "bore diameter; 0 = no bore", None, low=0, default="40 % of the root diameter at the small end"
+    )
     keyway: Keyway | None = None
     hub: Hub | None = None
     toe_hub: Hub | None = None
@@ -478,7 +394,7 @@ class MemberTable(GearBody):
 
     usual: ClassVar[tuple[str, ...]] = ("face_width",)
 
-    face_width: Annotated[float, Key("length", "width of the gear blank along its axis", low=0, above=True)]
+    face_width: float = keys.length("width of the gear blank along its axis", above=0)
     web: Web | None = None
     holes: Holes | None = None
 
@@ -488,117 +404,83 @@ class Phi1(Table):
 
     usual: ClassVar[tuple[str, ...]] = ("start", "stop", "count")
 
-    start: Annotated[
-        float, Key("angle", "first position", low=-3600, high=3600, default="where a tooth pair begins contact")
-    ] = DERIVED_VALUE
-    stop: Annotated[float, Key("angle", "last position", low=-3600, high=3600, default="where it ends contact")] = (
-        DERIVED_VALUE
+    start: float = keys.angle(
+        "first position", DERIVED_VALUE, low=-3600, high=3600, default="where a tooth pair begins contact"
     )
-    count: Annotated[int, Key("count", "number of positions", low=1, high=1_000_000)] = 21
+    stop: float = keys.angle("last position", DERIVED_VALUE, low=-3600, high=3600, default="where it ends contact")
+    count: int = keys.count("number of positions", 21, low=1, high=1_000_000)
 
 
 class ContactTable(Table):
     """Positions and marking compound of the contact analysis."""
 
     phi1: Phi1 = Phi1()
-    delta: Annotated[
-        float,
-        Key(
-            "length",
-            "thickness of the marking compound: sets the size of the contact ellipses",
-            low=0,
-            high=10,
-            above=True,
-            default="0.00635 mm, at most 0.01 modules",
-            source="[LT02] 5",
-        ),
-    ] = DERIVED_VALUE
+    delta: float = keys.length(
+        "thickness of the marking compound: sets the size of the contact ellipses",
+        DERIVED_VALUE,
+        above=0,
+        high=10,
+        default="0.00635 mm, at most 0.01 modules",
+        source="[LT02] 5",
+    )
 
 
 class FlankContact(ContactTable):
     """Contact analysis of members whose flanks are named right and left."""
 
-    flank: Annotated[
-        str, Key("choice", "working flank of the pinion; right is y < 0 of a tooth on +x", choices=("right", "left"))
-    ] = "right"
+    flank: str = keys.choice("working flank of the pinion; right is y < 0 of a tooth on +x", ("right", "left"), "right")
 
 
 class MeshTable(Table):
     """Accuracy of the solids."""
 
-    tolerance: Annotated[
-        float,
-        Key("length", "largest distance to the exact surface", low=1e-5, high=10, default="0.005 mm"),
-    ] = DERIVED_VALUE
+    tolerance: float = keys.length(
+        "largest distance to the exact surface", DERIVED_VALUE, low=1e-5, high=10, default="0.005 mm"
+    )
 
 
 class MaterialTable(Table):
     """Material of the members."""
 
-    youngs_modulus: Annotated[float, Key("pressure", "Young's modulus", low=0, above=True)] = 206000.0
-    poisson_ratio: Annotated[float, Key("number", "Poisson's ratio", low=0, high=0.499)] = 0.3
-    density: Annotated[
-        float | None,
-        Key("density", "density", low=0, high=50000, above=True, default=f"{STEEL_DENSITY_KG_PER_M3:g}, steel"),
-    ] = None
+    youngs_modulus: float = keys.pressure("Young's modulus", 206000.0, above=0)
+    poisson_ratio: float = keys.number("Poisson's ratio", 0.3, low=0, high=0.499)
+    density: float | None = keys.density(
+        "density", None, above=0, high=50000, default=f"{STEEL_DENSITY_KG_PER_M3:g}, steel"
+    )
 
 
 class FiniteElementTable(Table):
     """Finite-element models: number of teeth, fineness, torque."""
 
-    teeth: Annotated[int, Key("count", "teeth of each member; 0 = all", low=0, high=99)] = 3
-    torque: Annotated[float, Key("torque", "torque on the pinion", low=0, above=True)] = 100.0
-    order: Annotated[int, Key("count", "1: C3D8I, 2: C3D20R elements", low=1, high=2)] = 1
-    spacing: Annotated[
-        str,
-        Key("choice", "mesh lines follow the contact ellipse, or are evenly spaced", choices=("contact", "even")),
-    ] = "contact"
-    ellipse: Annotated[
-        int,
-        Key(
-            "count", "elements over each semi-axis of the contact ellipse; 0 = as the other keys allow", low=0, high=64
-        ),
-    ] = 0
-    rim: Annotated[
-        float | None, Key("length", "rim under the root land", low=0, above=True, default="1.2 whole depths at most")
-    ] = None
-    body: Annotated[
-        str,
-        Key(
-            "choice",
-            "teeth on a rim alone, or on the whole body as it is turned: web, hubs, shafts, steps of the bore",
-            choices=("rim", "whole"),
-        ),
-    ] = "rim"
-    body_size: Annotated[
-        float | None,
-        Key("length", "size of the elements of a whole body", low=0, above=True, default="0.6 whole depths"),
-    ] = None
-    flank: Annotated[
-        int,
-        Key(
-            "count",
-            "elements from fillet to tip; with an ellipse, of the teeth beside the leading one",
-            low=2,
-            high=500,
-        ),
-    ] = 24
-    fillet: Annotated[int, Key("count", "elements from the middle of the root land to the flank", low=3, high=500)] = 11
-    thickness: Annotated[
-        int,
-        Key(
-            "count",
-            "elements from flank to the middle of the tooth, where ellipse does not determine them",
-            low=2,
-            high=200,
-        ),
-    ] = 4
-    rim_layers: Annotated[
-        int, Key("count", "elements from the middle of the tooth's foot to the rim's inner face", low=1, high=200)
-    ] = 3
-    face: Annotated[
-        int, Key("count", "elements from toe to heel, where ellipse does not determine them", low=2, high=2000)
-    ] = 35
+    teeth: int = keys.count("teeth of each member; 0 = all", 3, low=0, high=99)
+    torque: float = keys.torque("torque on the pinion", 100.0, above=0)
+    order: int = keys.count("1: C3D8I, 2: C3D20R elements", 1, low=1, high=2)
+    spacing: str = keys.choice(
+        "mesh lines follow the contact ellipse, or are evenly spaced", ("contact", "even"), "contact"
+    )
+    ellipse: int = keys.count(
+        "elements over each semi-axis of the contact ellipse; 0 = as the other keys allow", 0, low=0, high=64
+    )
+    rim: float | None = keys.length("rim under the root land", None, above=0, default="1.2 whole depths at most")
+    body: str = keys.choice(
+        "teeth on a rim alone, or on the whole body as it is turned: web, hubs, shafts, steps of the bore",
+        ("rim", "whole"),
+        "rim",
+    )
+    body_size: float | None = keys.length(
+        "size of the elements of a whole body", None, above=0, default="0.6 whole depths"
+    )
+    flank: int = keys.count(
+        "elements from fillet to tip; with an ellipse, of the teeth beside the leading one", 24, low=2, high=500
+    )
+    fillet: int = keys.count("elements from the middle of the root land to the flank", 11, low=3, high=500)
+    thickness: int = keys.count(
+        "elements from flank to the middle of the tooth, where ellipse does not determine them", 4, low=2, high=200
+    )
+    rim_layers: int = keys.count(
+        "elements from the middle of the tooth's foot to the rim's inner face", 3, low=1, high=200
+    )
+    face: int = keys.count("elements from toe to heel, where ellipse does not determine them", 35, low=2, high=2000)
 
 
 class UnloadedElementTable(FiniteElementTable):
@@ -606,19 +488,16 @@ class UnloadedElementTable(FiniteElementTable):
 
     absent: ClassVar[Mapping[str, str]] = dict.fromkeys(("torque", "ellipse"), "needs a mating gear: give both tables")
 
-    spacing: Annotated[
-        str,
-        Key("choice", "mesh lines are evenly spaced, as there is no contact to follow", choices=("contact", "even")),
-    ] = "even"
+    spacing: str = keys.choice(
+        "mesh lines are evenly spaced, as there is no contact to follow", ("contact", "even"), "even"
+    )
 
 
 class RexsSource(Table):
     """Stage of a REXS file that a design was read from; writing copies the attributes that the design has no keys for."""
 
-    file: Annotated[
-        str, Key("file", "REXS file that the design was read from; written anew, it keeps what the design has not")
-    ]
-    stage: Annotated[str, Key("text", "id of the stage in it")]
+    file: str = keys.file("REXS file that the design was read from; written anew, it keeps what the design has not")
+    stage: str = keys.text("id of the stage in it")
 
 
 @dataclass(frozen=True)
@@ -647,18 +526,15 @@ class Design(Table):
 
     _changed: _Changed = PrivateAttr(default_factory=lambda: _Changed())
 
-    kind: Annotated[str, Key("text", "gear system")]
-    gearmesh: Annotated[
-        str | None,
-        Key("text", "version that the design was written for; defaults that have changed since are reported"),
-    ] = None
-    units: Annotated[str, Key("choice", "unit of every length in the file", choices=tuple(MM_PER))] = "mm"
-    name: Annotated[str | None, Key("text", "title for reports and pictures")] = None
-    module: Annotated[float | None, module_key("normal module", "given by diametral_pitch")] = None
-    diametral_pitch: Annotated[
-        float | None, pitch_key("normal diametral pitch, per inch in any units", "given by module")
-    ] = None
-    backlash: Annotated[float, Key("length", "normal backlash of the pair", low=0)] = 0.0
+    kind: str = keys.text("gear system")
+    gearmesh: str | None = keys.text(
+        "version that the design was written for; defaults that have changed since are reported", None
+    )
+    units: str = keys.choice("unit of every length in the file", tuple(MM_PER), "mm")
+    name: str | None = keys.text("title for reports and pictures", None)
+    module: float | None = module_key("normal module", "given by diametral_pitch")
+    diametral_pitch: float | None = pitch_key("normal diametral pitch, per inch in any units", "given by module")
+    backlash: float = keys.length("normal backlash of the pair", 0.0, low=0)
     contact: ContactTable = ContactTable()
     mesh: MeshTable = MeshTable()
     material: MaterialTable = MaterialTable()

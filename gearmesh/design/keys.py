@@ -1,6 +1,7 @@
 """Keys of a design file with unit, range and default; tables of keys; the list of all keys.
 
-Every field of a `Table` has a `Key` with its unit, range, default and source. Numbers stay in the file's `units` and in
+Every field of a `Table` has a `Key` with its unit, range, default and source, which one constructor a unit makes:
+`bore: float | None = keys.length("bore diameter", None, low=0)`. Numbers stay in the file's `units` and in
 degrees. A length may also be a text with a unit, "15um"; it becomes a number in the file's unit.
 """
 
@@ -13,15 +14,15 @@ from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any, ClassVar, Literal, Self, get_args
 
-from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationInfo, model_validator
+from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, ValidationInfo, model_validator
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
+from gearmesh import lengths
 from gearmesh.design.shown import value_text
 from gearmesh.errors import DesignError
-from gearmesh.lengths import LENGTH_EXAMPLES, MM_PER_UNIT, length
 
 #: mm in each unit of lengths that a file may have
-MM_PER = {unit: float(MM_PER_UNIT[unit]) for unit in ("mm", "inch")}
+MM_PER = {unit: float(lengths.MM_PER_UNIT[unit]) for unit in ("mm", "inch")}
 
 #: value of a field whose default follows from other keys, until `Design.derived_values` fills it in
 DERIVED_VALUE = math.nan
@@ -173,7 +174,7 @@ class Key:
     @property
     def with_unit(self) -> str:
         """Words for a length with its unit, which such a key also accepts; empty for other keys."""
-        return f", or a length with its unit, as {LENGTH_EXAMPLES}" if self.power == 1 else ""
+        return f", or a length with its unit, as {lengths.LENGTH_EXAMPLES}" if self.power == 1 else ""
 
     def least(self, units: str) -> str:
         """Return the smallest size of a value but 0, in words, for the refusal of a smaller number.
@@ -254,7 +255,7 @@ class Key:
             return _stiffness(value)
         else:
             if self.power == 1 and isinstance(value, str):
-                value = length(value, "mm" if mm_per_unit == MM_PER["mm"] else "inch")
+                value = lengths.length(value, "mm" if mm_per_unit == MM_PER["mm"] else "inch")
             return self._number(value, self._factor(mm_per_unit))
         if not good:
             raise _REFUSED_ERROR
@@ -290,6 +291,68 @@ class Key:
     @property
     def _bounds(self) -> tuple[float, float]:
         return max(self.low, -LARGEST_LENGTH_MM), min(self.high, LARGEST_LENGTH_MM)
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """Constructor of the keys of one unit: `width: float | None = keys.length("width", None, above=0)`."""
+
+    unit: Unit
+
+    def __call__(
+        self,
+        about: str,
+        value: Any = ...,
+        *,
+        low: float = -math.inf,
+        above: float | None = None,
+        high: float = math.inf,
+        default: str = "",
+        source: str = "",
+        most: int = 0,
+    ) -> Any:
+        """Return the field of a table with its key.
+
+        - about: one line about the key.
+        - value: value of a key that is left out; without it the key is required.
+        - low, high: least and greatest allowed value; lengths in mm, angles in deg.
+        - above: in the place of low, a limit that is not allowed itself.
+        - default, source, most: as in `Key`.
+        """
+        least = low if above is None else above
+        return _field(
+            Key(self.unit, about, least, high, above is not None, default=default, source=source, most=most), value
+        )
+
+
+length = Quantity("length")
+curvature = Quantity("curvature")
+turn_per_square_length = Quantity("turn per square length")
+angle = Quantity("angle")
+count = Quantity("count")
+number = Quantity("number")
+coefficient = Quantity("coefficient")
+axial_coefficient = Quantity("axial coefficient")
+pitch = Quantity("pitch")
+pressure = Quantity("pressure")
+torque = Quantity("torque")
+density = Quantity("density")
+stiffness = Quantity("stiffness")
+text = Quantity("text")
+file = Quantity("file")
+flag = Quantity("flag")
+
+
+def choice(about: str, choices: tuple[str, ...], value: Any = ..., *, default: str = "", source: str = "") -> Any:
+    """Return the field of a key with some allowed texts; the other arguments are those of `Quantity`."""
+    return _field(Key("choice", about, choices=choices, default=default, source=source), value)
+
+
+def _field(key: Key, value: Any) -> Any:
+    """Return the field of a table whose value is `value` where the key is left out."""
+    field = Field(default=value)
+    field.metadata.append(key)
+    return field
 
 
 _REFUSED_ERROR = PydanticCustomError("refused", "value not allowed")

@@ -5,11 +5,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Self
+from typing import Any, ClassVar, Self
 
 from pydantic import model_validator
 
-from gearmesh.design.keys import Key, Table, conflict
+from gearmesh.design import keys
+from gearmesh.design.keys import Table, conflict
 
 #: shapes of a relief at its start
 RELIEF_SHAPES = ("linear", "parabolic", "circular")
@@ -18,12 +19,16 @@ MAX_AMOUNT_MM = 5.0
 #: source of the definitions
 STANDARD_NAME = "ISO 21771-1"
 
-Removed = Annotated[
-    float, Key("length", "material removed at the end of the relief", low=0, high=MAX_AMOUNT_MM, above=True)
-]
-Begun = Annotated[
-    str, Key("choice", "how it begins: with a corner, or tangent as a parabola or a circle", choices=RELIEF_SHAPES)
-]
+
+def relief_amount() -> Any:
+    """Return the key of the amount of a relief."""
+    return keys.length("material removed at the end of the relief", above=0, high=MAX_AMOUNT_MM)
+
+
+def relief_shape() -> Any:
+    """Return the key of the shape of a relief."""
+    about = "how it begins: with a corner, or tangent as a parabola or a circle"
+    return keys.choice(about, RELIEF_SHAPES, "linear")
 
 
 class ProfileRelief(Table):
@@ -35,18 +40,17 @@ class ProfileRelief(Table):
         ("start_height", "start_roll_length"),
     )
 
-    amount: Removed
-    start_diameter: Annotated[
-        float | None, Key("length", "diameter at which it begins", low=0, above=True, default="by start_roll_length")
-    ] = None
-    start_roll_length: Annotated[
-        float | None, Key("length", "roll length at which it begins", low=0, above=True, default="by start_diameter")
-    ] = None
-    start_height: Annotated[
-        float | None,
-        Key("length", "of a rack: height over the reference plane at which it begins", default="gears: by diameter"),
-    ] = None
-    shape: Begun = "linear"
+    amount: float = relief_amount()
+    start_diameter: float | None = keys.length(
+        "diameter at which it begins", None, above=0, default="by start_roll_length"
+    )
+    start_roll_length: float | None = keys.length(
+        "roll length at which it begins", None, above=0, default="by start_diameter"
+    )
+    start_height: float | None = keys.length(
+        "of a rack: height over the reference plane at which it begins", None, default="gears: by diameter"
+    )
+    shape: str = relief_shape()
 
     @model_validator(mode="after")
     def _one_start(self) -> Self:
@@ -72,18 +76,16 @@ class ProfileRelief(Table):
 class EndRelief(Table):
     """Relief over the last part of the face."""
 
-    amount: Removed
-    length: Annotated[float, Key("length", "distance from the end of the face at which it begins", low=0, above=True)]
-    shape: Begun = "linear"
+    amount: float = relief_amount()
+    length: float = keys.length("distance from the end of the face at which it begins", above=0)
+    shape: str = relief_shape()
 
 
 class TriangularRelief(Table):
     """Relief of the corner that contact lines cut off, parabolic across them."""
 
-    amount: Removed
-    length: Annotated[
-        float, Key("length", "distance along the face from the corner at which it begins", low=0, above=True)
-    ]
+    amount: float = relief_amount()
+    length: float = keys.length("distance along the face from the corner at which it begins", above=0)
 
 
 class Modifications(Table):
@@ -93,63 +95,36 @@ class Modifications(Table):
 
     tip_relief: ProfileRelief | None = None
     root_relief: ProfileRelief | None = None
-    profile_crowning: Annotated[
-        float,
-        Key(
-            "length",
-            "removed at root and tip form circle, by a parabola",
-            low=-MAX_AMOUNT_MM,
-            high=MAX_AMOUNT_MM,
-            source=STANDARD_NAME,
-        ),
-    ] = 0.0
-    profile_slope: Annotated[
-        float,
-        Key(
-            "length",
-            "removed at the tip; negative: at the root",
-            low=-MAX_AMOUNT_MM,
-            high=MAX_AMOUNT_MM,
-            source=STANDARD_NAME,
-        ),
-    ] = 0.0
-    profile_twist: Annotated[
-        float,
-        Key(
-            "length",
-            "profile slope at the heel less that at the toe",
-            low=-MAX_AMOUNT_MM,
-            high=MAX_AMOUNT_MM,
-            source=STANDARD_NAME,
-        ),
-    ] = 0.0
-    helix_crowning: Annotated[
-        float,
-        Key(
-            "length",
-            "removed at toe and heel, by a parabola",
-            low=-MAX_AMOUNT_MM,
-            high=MAX_AMOUNT_MM,
-            source=STANDARD_NAME,
-        ),
-    ] = 0.0
-    helix_slope: Annotated[
-        float,
-        Key(
-            "length",
-            "removed at the heel; negative: at the toe",
-            low=-MAX_AMOUNT_MM,
-            high=MAX_AMOUNT_MM,
-            source=STANDARD_NAME,
-        ),
-    ] = 0.0
+    profile_crowning: float = keys.length(
+        "removed at root and tip form circle, by a parabola",
+        0.0,
+        low=-MAX_AMOUNT_MM,
+        high=MAX_AMOUNT_MM,
+        source=STANDARD_NAME,
+    )
+    profile_slope: float = keys.length(
+        "removed at the tip; negative: at the root", 0.0, low=-MAX_AMOUNT_MM, high=MAX_AMOUNT_MM, source=STANDARD_NAME
+    )
+    profile_twist: float = keys.length(
+        "profile slope at the heel less that at the toe",
+        0.0,
+        low=-MAX_AMOUNT_MM,
+        high=MAX_AMOUNT_MM,
+        source=STANDARD_NAME,
+    )
+    helix_crowning: float = keys.length(
+        "removed at toe and heel, by a parabola", 0.0, low=-MAX_AMOUNT_MM, high=MAX_AMOUNT_MM, source=STANDARD_NAME
+    )
+    helix_slope: float = keys.length(
+        "removed at the heel; negative: at the toe", 0.0, low=-MAX_AMOUNT_MM, high=MAX_AMOUNT_MM, source=STANDARD_NAME
+    )
     end_relief_toe: EndRelief | None = None
     end_relief_heel: EndRelief | None = None
     triangular_end_relief_tip: TriangularRelief | None = None
     triangular_end_relief_root: TriangularRelief | None = None
-    topography: Annotated[
-        str | None, Key("file", "CSV file of amounts over roll length or diameter and face position", default="none")
-    ] = None
+    topography: str | None = keys.file(
+        "CSV file of amounts over roll length or diameter and face position", None, default="none"
+    )
 
 
 class Modified(Table):

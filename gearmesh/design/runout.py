@@ -3,36 +3,37 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated
+from typing import Any
 
+from gearmesh.design import keys
 from gearmesh.design.core import Design
-from gearmesh.design.keys import Key, Table
+from gearmesh.design.keys import Table
 
 
-def eccentricity(member: str) -> Key:
+def eccentricity(member: str) -> Any:
     """Return the key of the eccentricity of a member."""
-    return Key(
-        "length", f"eccentricity of the teeth to the {member}'s axis of rotation", low=0, high=1, source="[CR3553] 3.4"
+    return keys.length(
+        f"eccentricity of the teeth to the {member}'s axis of rotation", 0.0, low=0, high=1, source="[CR3553] 3.4"
     )
 
 
-def phase(member: str) -> Key:
+def phase(member: str) -> Any:
     """Return the key of the direction of the eccentricity."""
-    return Key("angle", f"its direction in the {member}, from the tooth on x", low=-360, high=360)
+    return keys.angle(f"its direction in the {member}, from the tooth on x", 0.0, low=-360, high=360)
 
 
 class PinionRunout(Table):
     """An eccentric pinion."""
 
-    pinion_eccentricity: Annotated[float, eccentricity("pinion")] = 0.0
-    pinion_phase: Annotated[float, phase("pinion")] = 0.0
+    pinion_eccentricity: float = eccentricity("pinion")
+    pinion_phase: float = phase("pinion")
 
 
 class PairRunout(PinionRunout):
     """An eccentric pinion and an eccentric gear."""
 
-    gear_eccentricity: Annotated[float, eccentricity("gear")] = 0.0
-    gear_phase: Annotated[float, phase("gear")] = 0.0
+    gear_eccentricity: float = eccentricity("gear")
+    gear_phase: float = phase("gear")
 
 
 def runout(design: Design, member: str) -> tuple[float, float]:

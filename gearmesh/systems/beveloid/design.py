@@ -7,12 +7,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, Self
+from typing import Any, ClassVar, Self
 
 from pydantic import model_validator
 
+from gearmesh.design import keys
 from gearmesh.design.core import FlankContact, MemberTable, PairDesign, TurnedTip
-from gearmesh.design.keys import DERIVED_VALUE, Key, conflict
+from gearmesh.design.keys import DERIVED_VALUE, conflict
 from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PairRunout
 from gearmesh.systems.common.defaults import straight_rounding
@@ -30,49 +31,35 @@ class BeveloidMember(TurnedTip, MemberTable, Modified):
     usual: ClassVar[tuple[str, ...]] = ("helix_angle", "cone_angle")
     replaces: ClassVar = (("tip_diameter", "addendum"), ("root_diameter", "dedendum"))
 
-    teeth: Annotated[int, Key("count", "number of teeth; one is a thread", low=1, high=10000)]
-    cone_angle: Annotated[
-        float, Key("angle", "cone angle delta of the pitch plane", low=-60, high=60, source="[LT02] Fig. 2")
-    ] = 0.0
-    helix_angle: Annotated[
-        float, Key("angle", "helix angle beta, positive right-handed", low=-88, high=88, source="[LT02] Fig. 2")
-    ] = 0.0
-    profile_shift: Annotated[float, Key("coefficient", "profile shift at mid face", low=-5, high=5)] = 0.0
-    addendum: Annotated[
-        float, Key("coefficient", "tip above the shifted pitch plane", low=0, high=5, source="ISO 53")
-    ] = 1.0
-    dedendum: Annotated[
-        float, Key("coefficient", "root below the shifted pitch plane", low=0, high=5, source="ISO 53")
-    ] = 1.25
-    tip_cone_angle: Annotated[
-        float | None,
-        Key(
-            "angle",
-            "angle of a conical tip to the axis, positive where it widens along z; the tip diameter is that at mid face",
-            low=-60,
-            high=60,
-            default="cone_angle",
-        ),
-    ] = None
-    tip_diameter: Annotated[
-        float | None,
-        Key("length", "tip diameter at mid face, instead of addendum", low=0, above=True, default="from addendum"),
-    ] = None
-    root_diameter: Annotated[
-        float | None,
-        Key("length", "root diameter at mid face, instead of dedendum", low=0, above=True, default="from dedendum"),
-    ] = None
-    tool_tip_radius: Annotated[
-        float,
-        Key(
-            "coefficient",
-            "tip rounding of the rack; 0 = sharp edge",
-            low=0,
-            high=2,
-            default="0.38, or 90 % of what the rack's tooth has room for",
-            source="ISO 53",
-        ),
-    ] = DERIVED_VALUE
+    teeth: int = keys.count("number of teeth; one is a thread", low=1, high=10000)
+    cone_angle: float = keys.angle("cone angle delta of the pitch plane", 0.0, low=-60, high=60, source="[LT02] Fig. 2")
+    helix_angle: float = keys.angle(
+        "helix angle beta, positive right-handed", 0.0, low=-88, high=88, source="[LT02] Fig. 2"
+    )
+    profile_shift: float = keys.coefficient("profile shift at mid face", 0.0, low=-5, high=5)
+    addendum: float = keys.coefficient("tip above the shifted pitch plane", 1.0, low=0, high=5, source="ISO 53")
+    dedendum: float = keys.coefficient("root below the shifted pitch plane", 1.25, low=0, high=5, source="ISO 53")
+    tip_cone_angle: float | None = keys.angle(
+        "angle of a conical tip to the axis, positive where it widens along z; the tip diameter is that at mid face",
+        None,
+        low=-60,
+        high=60,
+        default="cone_angle",
+    )
+    tip_diameter: float | None = keys.length(
+        "tip diameter at mid face, instead of addendum", None, above=0, default="from addendum"
+    )
+    root_diameter: float | None = keys.length(
+        "root diameter at mid face, instead of dedendum", None, above=0, default="from dedendum"
+    )
+    tool_tip_radius: float = keys.coefficient(
+        "tip rounding of the rack; 0 = sharp edge",
+        DERIVED_VALUE,
+        low=0,
+        high=2,
+        default="0.38, or 90 % of what the rack's tooth has room for",
+        source="ISO 53",
+    )
 
     @model_validator(mode="after")
     def _cylindrical(self) -> Self:
@@ -100,22 +87,17 @@ class BeveloidAssembly(PairRunout):
 
     absent: ClassVar[Mapping[str, str]] = {"shaft_angle": SHAFT_ANGLE_NOTE}
 
-    dx: Annotated[float, Key("length", "offset of the gear along x_g", source="[LT02] 5")] = 0.0
-    dy: Annotated[float, Key("length", "offset of the gear along y_g", source="[LT02] 5")] = 0.0
-    dz: Annotated[float, Key("length", "offset of the gear along its axis", source="[LT02] 5")] = 0.0
-    gamma_h: Annotated[
-        float, Key("angle", "horizontal misalignment of the gear axis", low=-10, high=10, source="[LT02] 5")
-    ] = 0.0
-    gamma_v: Annotated[
-        float, Key("angle", "vertical misalignment of the gear axis", low=-10, high=10, source="[LT02] 5")
-    ] = 0.0
-    turned_over: Annotated[
-        bool, Key("flag", "gear turned over, its heel at the pinion's toe (Gamma = pi)", source="[LT02] 5.3")
-    ] = False
-    center_distance: Annotated[
-        float | None,
-        Key("length", "distance of parallel axes", low=0, above=True, default="the gears mesh with the given backlash"),
-    ] = None
+    dx: float = keys.length("offset of the gear along x_g", 0.0, source="[LT02] 5")
+    dy: float = keys.length("offset of the gear along y_g", 0.0, source="[LT02] 5")
+    dz: float = keys.length("offset of the gear along its axis", 0.0, source="[LT02] 5")
+    gamma_h: float = keys.angle("horizontal misalignment of the gear axis", 0.0, low=-10, high=10, source="[LT02] 5")
+    gamma_v: float = keys.angle("vertical misalignment of the gear axis", 0.0, low=-10, high=10, source="[LT02] 5")
+    turned_over: bool = keys.flag(
+        "gear turned over, its heel at the pinion's toe (Gamma = pi)", False, source="[LT02] 5.3"
+    )
+    center_distance: float | None = keys.length(
+        "distance of parallel axes", None, above=0, default="the gears mesh with the given backlash"
+    )
 
 
 class BeveloidDesign(PairDesign):
@@ -134,9 +116,9 @@ class BeveloidDesign(PairDesign):
         "shaft_angle": SHAFT_ANGLE_NOTE,
     }
 
-    pressure_angle: Annotated[
-        float, Key("angle", "normal pressure angle of the rack", low=1, high=45, source="[LT02] Table 1")
-    ] = 20.0
+    pressure_angle: float = keys.angle(
+        "normal pressure angle of the rack", 20.0, low=1, high=45, source="[LT02] Table 1"
+    )
     pinion: BeveloidMember
     gear: BeveloidMember
     assembly: BeveloidAssembly = BeveloidAssembly()

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
+from gearmesh.design import keys
 from gearmesh.design.core import FlankContact, MemberTable, PairDesign, TurnedTip
-from gearmesh.design.keys import DERIVED_VALUE, Key, given_or
+from gearmesh.design.keys import DERIVED_VALUE, given_or
 from gearmesh.design.runout import PairRunout
 from gearmesh.systems.kinds import OWN_KINDS
 
@@ -25,20 +26,14 @@ STANDARD_FILLETS = {"pinion": 0.4, "gear": 0.3}
 class CircularArcMember(TurnedTip, MemberTable):
     """Keys that pinion and gear have in common."""
 
-    lead_angle: Annotated[
-        float, Key("angle", "lead angle; the pinion is right-handed, the gear left-handed", low=30, high=89.9)
-    ]
-    pitch_radius: Annotated[
-        float,
-        Key(
-            "length",
-            "radius of the axode, the pitch cylinder",
-            low=0,
-            above=True,
-            default="teeth * center_distance / (all teeth), or teeth / (2 P_n sin(lead_angle))",
-            source="[LT85] (4)",
-        ),
-    ] = DERIVED_VALUE
+    lead_angle: float = keys.angle("lead angle; the pinion is right-handed, the gear left-handed", low=30, high=89.9)
+    pitch_radius: float = keys.length(
+        "radius of the axode, the pitch cylinder",
+        DERIVED_VALUE,
+        above=0,
+        default="teeth * center_distance / (all teeth), or teeth / (2 P_n sin(lead_angle))",
+        source="[LT85] (4)",
+    )
 
 
 class CircularArcPinion(CircularArcMember):
@@ -46,29 +41,25 @@ class CircularArcPinion(CircularArcMember):
 
     usual: ClassVar[tuple[str, ...]] = ("profile_radius",)
 
-    profile_radius: Annotated[
-        float, Key("length", "radius rho_F of the arc", low=0, above=True, default="1.35 / P_n", source="[LT85] (6)")
-    ] = DERIVED_VALUE
-    a: Annotated[
-        float, Key("length", "a_F: centre of the arc across the tooth", default="0.3988 / P_n", source="[LT85] (6)")
-    ] = DERIVED_VALUE
-    b: Annotated[
-        float,
-        Key("length", "b_F: centre of the arc below pitch plane", default="0.2439 / P_n", source="[LT85] (6)"),
-    ] = DERIVED_VALUE
-    addendum: Annotated[float, Key("coefficient", "tip above the pitch cylinder", low=0, high=5)] = 0.8
-    dedendum: Annotated[float, Key("coefficient", "root below the pitch cylinder", low=0, high=5)] = 0.4
-    fillet_radius: Annotated[
-        float,
-        Key(
-            "coefficient",
-            "fillet arc of the rack",
-            low=0,
-            high=2,
-            default="0.4, or the nearest that fits",
-            source="[LT85] Fig. 4",
-        ),
-    ] = DERIVED_VALUE
+    profile_radius: float = keys.length(
+        "radius rho_F of the arc", DERIVED_VALUE, above=0, default="1.35 / P_n", source="[LT85] (6)"
+    )
+    a: float = keys.length(
+        "a_F: centre of the arc across the tooth", DERIVED_VALUE, default="0.3988 / P_n", source="[LT85] (6)"
+    )
+    b: float = keys.length(
+        "b_F: centre of the arc below pitch plane", DERIVED_VALUE, default="0.2439 / P_n", source="[LT85] (6)"
+    )
+    addendum: float = keys.coefficient("tip above the pitch cylinder", 0.8, low=0, high=5)
+    dedendum: float = keys.coefficient("root below the pitch cylinder", 0.4, low=0, high=5)
+    fillet_radius: float = keys.coefficient(
+        "fillet arc of the rack",
+        DERIVED_VALUE,
+        low=0,
+        high=2,
+        default="0.4, or the nearest that fits",
+        source="[LT85] Fig. 4",
+    )
 
 
 class CircularArcGear(CircularArcMember):
@@ -76,62 +67,49 @@ class CircularArcGear(CircularArcMember):
 
     usual: ClassVar[tuple[str, ...]] = ("profile_radius",)
 
-    profile_radius: Annotated[
-        float,
-        Key("length", "radius rho_P of the arc", low=0, above=True, default="rho_F + 0.15 / P_n", source="[LT85] (6)"),
-    ] = DERIVED_VALUE
-    a: Annotated[
-        float,
-        Key(
-            "length",
-            "a_P: centre of the arc across the tooth",
-            default="a_F + (rho_P - rho_F) cos(pressure_angle)",
-            source="[LT85] (13)",
-        ),
-    ] = DERIVED_VALUE
-    b: Annotated[
-        float,
-        Key(
-            "length",
-            "b_P: centre of the arc below the pitch plane",
-            default="b_F + (rho_P - rho_F) sin(pressure_angle)",
-            source="[LT85] (13)",
-        ),
-    ] = DERIVED_VALUE
-    addendum: Annotated[float, Key("coefficient", "tip above the pitch cylinder", low=0, high=5)] = 0.0
-    dedendum: Annotated[float, Key("coefficient", "root below the pitch cylinder", low=0, high=5)] = 0.9
-    fillet_radius: Annotated[
-        float,
-        Key(
-            "coefficient",
-            "fillet arc of the rack",
-            low=0,
-            high=2,
-            default="0.3, or the nearest that fits",
-            source="[LT85] Fig. 5",
-        ),
-    ] = DERIVED_VALUE
+    profile_radius: float = keys.length(
+        "radius rho_P of the arc", DERIVED_VALUE, above=0, default="rho_F + 0.15 / P_n", source="[LT85] (6)"
+    )
+    a: float = keys.length(
+        "a_P: centre of the arc across the tooth",
+        DERIVED_VALUE,
+        default="a_F + (rho_P - rho_F) cos(pressure_angle)",
+        source="[LT85] (13)",
+    )
+    b: float = keys.length(
+        "b_P: centre of the arc below the pitch plane",
+        DERIVED_VALUE,
+        default="b_F + (rho_P - rho_F) sin(pressure_angle)",
+        source="[LT85] (13)",
+    )
+    addendum: float = keys.coefficient("tip above the pitch cylinder", 0.0, low=0, high=5)
+    dedendum: float = keys.coefficient("root below the pitch cylinder", 0.9, low=0, high=5)
+    fillet_radius: float = keys.coefficient(
+        "fillet arc of the rack",
+        DERIVED_VALUE,
+        low=0,
+        high=2,
+        default="0.3, or the nearest that fits",
+        source="[LT85] Fig. 5",
+    )
 
 
 class CircularArcAssembly(PairRunout):
     """Position of the axes against their nominal one: assembly errors."""
 
-    dC: Annotated[float, Key("length", "change of the centre distance", source="[LT85] (30)")] = 0.0
-    dgamma: Annotated[float, Key("angle", "angle between the axes", low=-10, high=10, source="[LT85] (37)")] = 0.0
+    dC: float = keys.length("change of the centre distance", 0.0, source="[LT85] (30)")
+    dgamma: float = keys.angle("angle between the axes", 0.0, low=-10, high=10, source="[LT85] (37)")
 
 
 class CircularArcContact(FlankContact):
     """Contact, with the angle that phi1 counts."""
 
-    count_phi1: Annotated[
-        str,
-        Key(
-            "choice",
-            "whether phi1 is the generation angle, as in the paper's tables, or the rotation",
-            choices=("generation", "rotation"),
-            source="[LT85] (44)",
-        ),
-    ] = "generation"
+    count_phi1: str = keys.choice(
+        "whether phi1 is the generation angle, as in the paper's tables, or the rotation",
+        ("generation", "rotation"),
+        "generation",
+        source="[LT85] (44)",
+    )
 
 
 class CircularArcDesign(PairDesign):
@@ -147,20 +125,10 @@ class CircularArcDesign(PairDesign):
     about: ClassVar[str] = OWN_KINDS["circular_arc"].about
     called: ClassVar[str] = "Circular-arc gears"
 
-    pressure_angle: Annotated[
-        float, Key("angle", "nominal pressure angle theta0", low=5, high=60, source="[LT85] (32)")
-    ] = 30.0
-    center_distance: Annotated[
-        float,
-        Key(
-            "length",
-            "nominal centre distance",
-            low=0,
-            above=True,
-            default="sum of the pitch radii",
-            source="[LT85] (5)",
-        ),
-    ] = DERIVED_VALUE
+    pressure_angle: float = keys.angle("nominal pressure angle theta0", 30.0, low=5, high=60, source="[LT85] (32)")
+    center_distance: float = keys.length(
+        "nominal centre distance", DERIVED_VALUE, above=0, default="sum of the pitch radii", source="[LT85] (5)"
+    )
     pinion: CircularArcPinion
     gear: CircularArcGear
     assembly: CircularArcAssembly = CircularArcAssembly()

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, Self
+from typing import Any, Self
 
 from pydantic import model_validator
 
-from gearmesh.design.keys import DERIVED_VALUE, Key, Table, conflict
+from gearmesh.design import keys
+from gearmesh.design.keys import DERIVED_VALUE, Table, conflict
 from gearmesh.systems.common.standards import din3967, iso286
 
 #: letters of tolerance classes of tip diameters
@@ -25,27 +26,17 @@ ALLOWANCE_ROUNDING_MM = 1e-9
 class ThicknessAllowance(Table):
     """Allowances of the normal tooth thickness at the reference cylinder; teeth are made in their middle."""
 
-    series: Annotated[
-        str | None,
-        Key(
-            "text",
-            'letter and tolerance series, as "cd25", which may stand in the place of the table',
-            source="DIN 3967",
-        ),
-    ] = None
-    upper: Annotated[
-        float,
-        Key(
-            "length",
-            "upper allowance A_sne, negative where the tooth is thinned",
-            low=-100,
-            high=100,
-            default="by series",
-        ),
-    ] = DERIVED_VALUE
-    lower: Annotated[float, Key("length", "lower allowance A_sni", low=-100, high=100, default="by series")] = (
-        DERIVED_VALUE
+    series: str | None = keys.text(
+        'letter and tolerance series, as "cd25", which may stand in the place of the table', None, source="DIN 3967"
     )
+    upper: float = keys.length(
+        "upper allowance A_sne, negative where the tooth is thinned",
+        DERIVED_VALUE,
+        low=-100,
+        high=100,
+        default="by series",
+    )
+    lower: float = keys.length("lower allowance A_sni", DERIVED_VALUE, low=-100, high=100, default="by series")
 
     @model_validator(mode="before")
     @classmethod
@@ -101,30 +92,20 @@ class ThicknessAllowance(Table):
         return 0.5 * (self.upper + self.lower)
 
 
-#: Key of the place within its allowance at which a tooth thickness is made.
-ThicknessMade = Annotated[
-    str,
-    Key(
-        "choice",
-        "at which end of the thickness allowance, or in its middle, the teeth are made",
-        choices=("middle", "upper", "lower"),
-    ),
-]
+def thickness_made_key() -> Any:
+    """Return the key of the place within its allowance at which a tooth thickness is made."""
+    about = "at which end of the thickness allowance, or in its middle, the teeth are made"
+    return keys.choice(about, ("middle", "upper", "lower"), "middle")
 
 
 class DiameterTolerance(Table):
     """Deviations of a diameter."""
 
-    grade: Annotated[
-        str | None,
-        Key(
-            "text",
-            'tolerance class, as "h8", which may stand in the place of the table',
-            source="ISO 286-1",
-        ),
-    ] = None
-    upper: Annotated[float | None, Key("length", "upper deviation", low=-100, high=100)] = None
-    lower: Annotated[float | None, Key("length", "lower deviation", low=-100, high=100)] = None
+    grade: str | None = keys.text(
+        'tolerance class, as "h8", which may stand in the place of the table', None, source="ISO 286-1"
+    )
+    upper: float | None = keys.length("upper deviation", None, low=-100, high=100)
+    lower: float | None = keys.length("lower deviation", None, low=-100, high=100)
 
     @model_validator(mode="before")
     @classmethod
@@ -162,14 +143,9 @@ class DiameterTolerance(Table):
 class CenterDistanceAllowance(Table):
     """Assembly of members on parallel axes."""
 
-    center_distance_allowance: Annotated[
-        str | None,
-        Key(
-            "text",
-            "allowance of the centre distance, js5 to js11, for backlash and the data sheet",
-            source="DIN 3964",
-        ),
-    ] = None
+    center_distance_allowance: str | None = keys.text(
+        "allowance of the centre distance, js5 to js11, for backlash and the data sheet", None, source="DIN 3964"
+    )
 
     @model_validator(mode="after")
     def _known_allowance(self) -> Self:

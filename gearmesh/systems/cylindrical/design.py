@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, Self
+from typing import Any, ClassVar, Self
 
 from pydantic import model_validator
 
+from gearmesh.design import keys
 from gearmesh.design.core import (
     Design,
     FlankContact,
@@ -18,14 +19,14 @@ from gearmesh.design.core import (
     module_key,
     pitch_key,
 )
-from gearmesh.design.keys import DERIVED_VALUE, MM_PER, Key, Table, conflict, given_or
+from gearmesh.design.keys import DERIVED_VALUE, MM_PER, Table, conflict, given_or
 from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PairRunout
 from gearmesh.systems.cylindrical.allowance_keys import (
     CenterDistanceAllowance,
     DiameterTolerance,
     ThicknessAllowance,
-    ThicknessMade,
+    thickness_made_key,
 )
 from gearmesh.systems.cylindrical.measure_keys import BallMeasurement, SpanMeasurement
 from gearmesh.systems.kinds import OWN_KINDS
@@ -46,78 +47,55 @@ DEFAULT_RIM_MODULES = 3.0
 class ShaperCutter(Table):
     """The shaper cutter that generates a member, instead of a hob or rack."""
 
-    teeth: Annotated[int, Key("count", "teeth of the cutter", low=6, high=1000)]
-    profile_shift: Annotated[float, Key("coefficient", "profile shift of the cutter as ground", low=-1, high=1)] = 0.0
-    addendum: Annotated[
-        float | None,
-        Key("coefficient", "addendum of the cutter with its shift, instead of the gear's dedendum", low=0, high=5),
-    ] = None
+    teeth: int = keys.count("teeth of the cutter", low=6, high=1000)
+    profile_shift: float = keys.coefficient("profile shift of the cutter as ground", 0.0, low=-1, high=1)
+    addendum: float | None = keys.coefficient(
+        "addendum of the cutter with its shift, instead of the gear's dedendum", None, low=0, high=5
+    )
 
 
 class Hob(Table):
     """Hob of a member: protuberance and chamfer of its profile, and the stock that it leaves for the finishing tool."""
 
-    protuberance: Annotated[
-        float,
-        Key(
-            "length",
-            "protuberance pr_P0: how far the tip rounding projects beyond the hob's flank, normal to it",
-            low=0,
-            high=100,
-            source="ISO 6336-3",
-        ),
-    ] = 0.0
-    protuberance_angle: Annotated[
-        float | None,
-        Key(
-            "angle",
-            "pressure angle alpha_prP0 of the line from the protuberance to the hob's flank, in the normal section",
-            low=0,
-            high=45,
-            above=True,
-            default="half the pressure angle",
-        ),
-    ] = None
-    stock: Annotated[
-        float,
-        Key("length", "stock q that the hob leaves on each flank, normal to it", low=0, high=100, source="ISO 6336-3"),
-    ] = 0.0
-    finished: Annotated[bool, Key("flag", "whether the stock is removed; false: the teeth as the hob leaves them")] = (
-        True
+    protuberance: float = keys.length(
+        "protuberance pr_P0: how far the tip rounding projects beyond the hob's flank, normal to it",
+        0.0,
+        low=0,
+        high=100,
+        source="ISO 6336-3",
     )
-    finishing_diameter: Annotated[
-        float | None,
-        Key(
-            "length",
-            "diameter to which the finishing tool's sharp tip leaves an involute, where stock is more than protuberance",
-            low=0,
-            above=True,
-            default="none; needed there",
-        ),
-    ] = None
+    protuberance_angle: float | None = keys.angle(
+        "pressure angle alpha_prP0 of the line from the protuberance to the hob's flank, in the normal section",
+        None,
+        above=0,
+        high=45,
+        default="half the pressure angle",
+    )
+    stock: float = keys.length(
+        "stock q that the hob leaves on each flank, normal to it", 0.0, low=0, high=100, source="ISO 6336-3"
+    )
+    finished: bool = keys.flag("whether the stock is removed; false: the teeth as the hob leaves them", True)
+    finishing_diameter: float | None = keys.length(
+        "diameter to which the finishing tool's sharp tip leaves an involute, where stock is more than protuberance",
+        None,
+        above=0,
+        default="none; needed there",
+    )
 
-    chamfer_diameter: Annotated[
-        float | None,
-        Key(
-            "length",
-            "tip form diameter d_Fa at which a semi-topping hob's chamfer begins on the finished flank",
-            low=0,
-            above=True,
-            default="no chamfer",
-            source="ISO 21771",
-        ),
-    ] = None
-    chamfer_angle: Annotated[
-        float | None,
-        Key(
-            "angle",
-            "pressure angle alpha_KP0 of the hob's root, which cuts the chamfer, in the normal section",
-            low=0,
-            high=80,
-            above=True,
-            default="45",
-        ),
-    ] = None
+    chamfer_diameter: float | None = keys.length(
+        "tip form diameter d_Fa at which a semi-topping hob's chamfer begins on the finished flank",
+        None,
+        above=0,
+        default="no chamfer",
+        source="ISO 21771",
+    )
+    chamfer_angle: float | None = keys.angle(
+        "pressure angle alpha_KP0 of the hob's root, which cuts the chamfer, in the normal section",
+        None,
+        above=0,
+        high=80,
+        default="45",
+    )
 
     @model_validator(mode="after")
     def _deep_enough(self) -> Self:
@@ -168,102 +146,70 @@ class CylindricalMember(TurnedTip, MemberTable, Modified):
 
     signed: ClassVar[tuple[str, ...]] = ("teeth",)
 
-    internal: Annotated[
-        bool, Key("flag", "internal gear; a negative number of teeth means the same", source="ISO 21771")
-    ] = False
-    profile_shift: Annotated[
-        float,
-        Key(
-            "coefficient",
-            "profile shift x, positive towards the tip",
-            low=-5,
-            high=5,
-            default="0, or as the centre distance needs",
-            source="ISO 21771",
-        ),
-    ] = DERIVED_VALUE
-    addendum: Annotated[
-        float,
-        Key(
-            "coefficient",
-            "tip above the shifted pitch plane",
-            low=0,
-            high=5,
-            default="1; internal: as far as the mating gear has involute",
-            source="ISO 53",
-        ),
-    ] = DERIVED_VALUE
-    dedendum: Annotated[
-        float,
-        Key("coefficient", "root below the shifted pitch plane", low=0, high=5, default="by profile", source="ISO 53"),
-    ] = DERIVED_VALUE
-    tip_alteration: Annotated[
-        float,
-        Key(
-            "coefficient",
-            "tip alteration k, negative where the tip is shortened",
-            low=-5,
-            high=5,
-            default="what keeps the profile's clearance at the centre distance",
-            source="ISO 21771",
-        ),
-    ] = DERIVED_VALUE
-    tip_diameter: Annotated[
-        float | None,
-        Key(
-            "length", "tip diameter, instead of addendum and tip_alteration", low=0, above=True, default="from addendum"
-        ),
-    ] = None
-    root_diameter: Annotated[
-        float | None,
-        Key("length", "root diameter, instead of dedendum", low=0, above=True, default="from dedendum"),
-    ] = None
-    tool_tip_radius: Annotated[
-        float,
-        Key(
-            "coefficient",
-            "tip rounding of the tool; 0 = sharp edge; of formed gears the radius of the root fillet, in the transverse section",
-            low=0,
-            high=2,
-            default="by profile, or what the tool's tooth has room for",
-            source="ISO 53",
-        ),
-    ] = DERIVED_VALUE
-    manufacture: Annotated[
-        str,
-        Key(
-            "choice",
-            "how an internal gear gets its teeth: generated by a shaper cutter, or formed by a tool with the profile of its "
-            "spaces, as by broaching, wire cutting or moulding",
-            choices=("generated", FORMED_MANUFACTURE),
-        ),
-    ] = "generated"
-    rim: Annotated[
-        float | None,
-        Key("length", "rim outside the root of an internal gear", low=0, above=True, default="3 modules"),
-    ] = None
-    gap_diameter: Annotated[
-        float | None,
-        Key(
-            "length",
-            "diameter of the gap between the halves of a double helical gear",
-            low=0,
-            above=True,
-            default="half a module below the root",
-        ),
-    ] = None
+    internal: bool = keys.flag("internal gear; a negative number of teeth means the same", False, source="ISO 21771")
+    profile_shift: float = keys.coefficient(
+        "profile shift x, positive towards the tip",
+        DERIVED_VALUE,
+        low=-5,
+        high=5,
+        default="0, or as the centre distance needs",
+        source="ISO 21771",
+    )
+    addendum: float = keys.coefficient(
+        "tip above the shifted pitch plane",
+        DERIVED_VALUE,
+        low=0,
+        high=5,
+        default="1; internal: as far as the mating gear has involute",
+        source="ISO 53",
+    )
+    dedendum: float = keys.coefficient(
+        "root below the shifted pitch plane", DERIVED_VALUE, low=0, high=5, default="by profile", source="ISO 53"
+    )
+    tip_alteration: float = keys.coefficient(
+        "tip alteration k, negative where the tip is shortened",
+        DERIVED_VALUE,
+        low=-5,
+        high=5,
+        default="what keeps the profile's clearance at the centre distance",
+        source="ISO 21771",
+    )
+    tip_diameter: float | None = keys.length(
+        "tip diameter, instead of addendum and tip_alteration", None, above=0, default="from addendum"
+    )
+    root_diameter: float | None = keys.length(
+        "root diameter, instead of dedendum", None, above=0, default="from dedendum"
+    )
+    tool_tip_radius: float = keys.coefficient(
+        "tip rounding of the tool; 0 = sharp edge; of formed gears the radius of the root fillet, in the transverse section",
+        DERIVED_VALUE,
+        low=0,
+        high=2,
+        default="by profile, or what the tool's tooth has room for",
+        source="ISO 53",
+    )
+    manufacture: str = keys.choice(
+        "how an internal gear gets its teeth: generated by a shaper cutter, or formed by a tool with the profile of its "
+        "spaces, as by broaching, wire cutting or moulding",
+        ("generated", FORMED_MANUFACTURE),
+        "generated",
+    )
+    rim: float | None = keys.length("rim outside the root of an internal gear", None, above=0, default="3 modules")
+    gap_diameter: float | None = keys.length(
+        "diameter of the gap between the halves of a double helical gear",
+        None,
+        above=0,
+        default="half a module below the root",
+    )
     thickness_allowance: ThicknessAllowance | None = None
-    thickness_made: ThicknessMade = "middle"
-    allowance_by: Annotated[
-        str,
-        Key(
-            "choice",
-            "how the allowance of the thickness is cut: on the flanks alone, the root as the profile shift says, or by feeding the "
-            "tool on to the generating profile shift x_E, which moves the root",
-            choices=("flanks", "feed"),
-            source="ISO 21771",
-        ),
-    ] = "flanks"
+    thickness_made: str = thickness_made_key()
+    allowance_by: str = keys.choice(
+        "how the allowance of the thickness is cut: on the flanks alone, the root as the profile shift says, or by feeding the "
+        "tool on to the generating profile shift x_E, which moves the root",
+        ("flanks", "feed"),
+        "flanks",
+        source="ISO 21771",
+    )
     span: SpanMeasurement | None = None
     balls: BallMeasurement | None = None
     pins: BallMeasurement | None = None
@@ -396,21 +342,20 @@ class CylindricalAssembly(PairRunout, CenterDistanceAllowance):
 
     usual: ClassVar[tuple[str, ...]] = ("center_distance",)
 
-    center_distance: Annotated[
-        float | None,
-        Key("length", "centre distance", low=0, above=True, default="nominal teeth mesh without backlash"),
-    ] = None
-    dx: Annotated[float, Key("length", "offset of the gear along x, away from the pinion's axis if external")] = 0.0
-    dy: Annotated[float, Key("length", "offset of the gear along y")] = 0.0
-    dz: Annotated[float, Key("length", "offset of the gear along its axis")] = 0.0
-    gamma_h: Annotated[float, Key("angle", "misalignment of the gear's axis about x", low=-10, high=10)] = 0.0
-    gamma_v: Annotated[float, Key("angle", "misalignment of the gear's axis about y", low=-10, high=10)] = 0.0
+    center_distance: float | None = keys.length(
+        "centre distance", None, above=0, default="nominal teeth mesh without backlash"
+    )
+    dx: float = keys.length("offset of the gear along x, away from the pinion's axis if external", 0.0)
+    dy: float = keys.length("offset of the gear along y", 0.0)
+    dz: float = keys.length("offset of the gear along its axis", 0.0)
+    gamma_h: float = keys.angle("misalignment of the gear's axis about x", 0.0, low=-10, high=10)
+    gamma_v: float = keys.angle("misalignment of the gear's axis about y", 0.0, low=-10, high=10)
 
 
 #: Class of flank tolerances.
-AccuracyClass = Annotated[
-    int, Key("count", "flank tolerance class, for the data sheet alone", low=1, high=11, source="ISO 1328-1")
-]
+def accuracy_class_key() -> Any:
+    """Return the key of the flank tolerance class."""
+    return keys.count("flank tolerance class, for the data sheet alone", 6, low=1, high=11, source="ISO 1328-1")
 
 
 class ToothingKeys(Design):
@@ -421,55 +366,42 @@ class ToothingKeys(Design):
     #: Names of the tables of members.
     toothed: ClassVar[tuple[str, ...]] = ("pinion", "gear")
     replaces: ClassVar = (("transverse_pressure_angle", "pressure_angle"), ("circumferential_backlash", "backlash"))
-    transverse_module: Annotated[float | None, module_key("transverse module", "given by module")] = None
-    transverse_diametral_pitch: Annotated[
-        float | None, pitch_key("transverse diametral pitch, per inch in any units", "given by module")
-    ] = None
-    profile: Annotated[
-        str,
-        Key("choice", "basic rack: addendum, dedendum and tip rounding", choices=tuple(BASIC_RACKS), source="ISO 53"),
-    ] = "A"
-    pressure_angle: Annotated[
-        float,
-        Key(
-            "angle",
-            "normal pressure angle",
-            low=1,
-            high=45,
-            default="20, or by transverse_pressure_angle",
-            source="ISO 53",
-        ),
-    ] = DERIVED_VALUE
-    transverse_pressure_angle: Annotated[
-        float | None,
-        Key(
-            "angle", "transverse pressure angle, instead of the normal one", low=1, high=60, default="by pressure_angle"
-        ),
-    ] = None
-    helix_angle: Annotated[float, Key("angle", "helix angle at the reference cylinder", low=0, high=60)] = 0.0
-    hand: Annotated[str, Key("choice", "hand of the pinion's helix", choices=("right", "left"))] = "right"
-    backlash: Annotated[
-        float,
-        Key(
-            "length",
-            "normal backlash j_bn at the centre distance; each tooth is thinned for half of it",
-            low=-10,
-            high=1000,
-            default="as shifts, allowances and centre distance give",
-            source="ISO 21771",
-        ),
-    ] = DERIVED_VALUE
-    circumferential_backlash: Annotated[
-        float | None,
-        Key(
-            "length",
-            "backlash j_wt on the working pitch circles, instead of backlash",
-            low=-10,
-            high=1000,
-            default="by backlash",
-            source="ISO 21771",
-        ),
-    ] = None
+    transverse_module: float | None = module_key("transverse module", "given by module")
+    transverse_diametral_pitch: float | None = pitch_key(
+        "transverse diametral pitch, per inch in any units", "given by module"
+    )
+    profile: str = keys.choice(
+        "basic rack: addendum, dedendum and tip rounding", tuple(BASIC_RACKS), "A", source="ISO 53"
+    )
+    pressure_angle: float = keys.angle(
+        "normal pressure angle",
+        DERIVED_VALUE,
+        low=1,
+        high=45,
+        default="20, or by transverse_pressure_angle",
+        source="ISO 53",
+    )
+    transverse_pressure_angle: float | None = keys.angle(
+        "transverse pressure angle, instead of the normal one", None, low=1, high=60, default="by pressure_angle"
+    )
+    helix_angle: float = keys.angle("helix angle at the reference cylinder", 0.0, low=0, high=60)
+    hand: str = keys.choice("hand of the pinion's helix", ("right", "left"), "right")
+    backlash: float = keys.length(
+        "normal backlash j_bn at the centre distance; each tooth is thinned for half of it",
+        DERIVED_VALUE,
+        low=-10,
+        high=1000,
+        default="as shifts, allowances and centre distance give",
+        source="ISO 21771",
+    )
+    circumferential_backlash: float | None = keys.length(
+        "backlash j_wt on the working pitch circles, instead of backlash",
+        None,
+        low=-10,
+        high=1000,
+        default="by backlash",
+        source="ISO 21771",
+    )
 
     @property
     def kind_in_words(self) -> str:
@@ -610,35 +542,28 @@ class ToothingKeys(Design):
 class CylindricalKeys(ToothingKeys):
     """Keys of the designs of cylindrical gears, in addition to `ToothingKeys`."""
 
-    shift_sharing: Annotated[
-        str,
-        Key(
-            "choice",
-            "how the sum of profile shifts that the centre distance needs is divided where they are not given: for equal specific "
-            "sliding, in equal parts, or by the numbers of teeth",
-            choices=("sliding", "equal", "teeth"),
-        ),
-    ] = "sliding"
-    accuracy_class: AccuracyClass = 6
+    shift_sharing: str = keys.choice(
+        "how the sum of profile shifts that the centre distance needs is divided where they are not given: for equal specific "
+        "sliding, in equal parts, or by the numbers of teeth",
+        ("sliding", "equal", "teeth"),
+        "sliding",
+    )
+    accuracy_class: int = accuracy_class_key()
 
 
 class HalvesKeys(CylindricalKeys):
     """Keys of the designs of gears that may be double helical, in addition to `CylindricalKeys`."""
 
-    arrangement: Annotated[
-        str,
-        Key(
-            "choice",
-            "one helix, or two of opposite hands side by side, the first, at the toe, with the pinion's hand; face widths are then "
-            "those of both halves and the gap together",
-            choices=("single", "double_helical"),
-            source="ISO 21771",
-        ),
-    ] = "single"
-    gap: Annotated[
-        float,
-        Key("length", "width of the gap between the halves of double helical gears; 0: they meet in a plane", low=0),
-    ] = 0.0
+    arrangement: str = keys.choice(
+        "one helix, or two of opposite hands side by side, the first, at the toe, with the pinion's hand; face widths are then "
+        "those of both halves and the gap together",
+        ("single", "double_helical"),
+        "single",
+        source="ISO 21771",
+    )
+    gap: float = keys.length(
+        "width of the gap between the halves of double helical gears; 0: they meet in a plane", 0.0, low=0
+    )
 
     @model_validator(mode="after")
     def _sound_halves(self) -> Self:

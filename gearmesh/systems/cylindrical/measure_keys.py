@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Self
+from typing import Self
 
 from pydantic import model_validator
 
-from gearmesh.design.keys import Key, Table, conflict
+from gearmesh.design import keys
+from gearmesh.design.keys import Table, conflict
 
 
 class MeasuredSize(Table):
     """Limits of a measured size: both, or none."""
 
-    upper: Annotated[float | None, Key("length", "upper limit; with it the thickness is given", low=0, above=True)] = (
-        None
-    )
-    lower: Annotated[float | None, Key("length", "lower limit", low=0, above=True)] = None
+    upper: float | None = keys.length("upper limit; with it the thickness is given", None, above=0)
+    lower: float | None = keys.length("lower limit", None, above=0)
 
     @model_validator(mode="after")
     def _sound_limits(self) -> Self:
@@ -30,12 +29,10 @@ class MeasuredSize(Table):
 class SpanMeasurement(MeasuredSize):
     """Span W_k over teeth, of an internal gear over spaces, for the data sheet, and with limits for the thickness."""
 
-    teeth: Annotated[
-        int, Key("count", "number k of teeth, of an internal gear of spaces, of the span W_k", low=1, high=1000)
-    ]
+    teeth: int = keys.count("number k of teeth, of an internal gear of spaces, of the span W_k", low=1, high=1000)
 
 
 class BallMeasurement(MeasuredSize):
     """Dimension over two balls (or pins) in opposite spaces, between them in an internal gear; as the span."""
 
-    diameter: Annotated[float, Key("length", "diameter D_M of the ball or pin", low=0, above=True)]
+    diameter: float = keys.length("diameter D_M of the ball or pin", above=0)

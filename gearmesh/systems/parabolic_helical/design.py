@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from pydantic import model_validator
 
+from gearmesh.design import keys
 from gearmesh.design.core import FlankContact, MemberTable, PairDesign, TurnedTip
-from gearmesh.design.keys import DERIVED_VALUE, Key, Table, conflict, given_or
+from gearmesh.design.keys import DERIVED_VALUE, Table, conflict, given_or
 from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PairRunout
 from gearmesh.systems.common.bounds import at_most
@@ -46,46 +47,38 @@ MIN_TIP_RADIUS = 0.1
 #: clearance, in normal modules, of a default depth below the mating gear's tip
 MIN_CLEARANCE_MODULES = 0.1
 
-#: key of a parabola coefficient
-PARABOLA_KEY = Key(
-    "curvature", "parabola coefficient of the rack cutter's profile; 0 = straight", low=0, high=10, source="[LF04] 17.8"
-)
+
+def parabola_key(value: Any = ...) -> Any:
+    """Return the key of a parabola coefficient, whose default is `value`."""
+    about = "parabola coefficient of the rack cutter's profile; 0 = straight"
+    return keys.curvature(about, value, low=0, high=10, source="[LF04] 17.8")
 
 
 class ParabolicMember(TurnedTip, MemberTable):
     """Keys that pinion and gear have in common."""
 
-    addendum: Annotated[
-        float,
-        Key(
-            "coefficient",
-            "tip above the pitch cylinder",
-            low=0,
-            high=5,
-            default="1, or less (at least 0.3) to leave the crowned tooth a top land of 0.15",
-        ),
-    ] = DERIVED_VALUE
-    dedendum: Annotated[
-        float,
-        Key(
-            "coefficient",
-            "root below the pitch cylinder",
-            low=0,
-            high=5,
-            default="1.25, or less (at least the mating addendum + 0.1) to leave the rack's tooth a rounding",
-        ),
-    ] = DERIVED_VALUE
-    tool_tip_radius: Annotated[
-        float,
-        Key(
-            "coefficient",
-            "tip rounding of the rack: generates the fillet; 0 = sharp edge",
-            low=0,
-            high=2,
-            default="0.3, or 90 % of what the rack's tooth has room for",
-        ),
-    ] = DERIVED_VALUE
-    parabola: Annotated[float, PARABOLA_KEY]
+    addendum: float = keys.coefficient(
+        "tip above the pitch cylinder",
+        DERIVED_VALUE,
+        low=0,
+        high=5,
+        default="1, or less (at least 0.3) to leave the crowned tooth a top land of 0.15",
+    )
+    dedendum: float = keys.coefficient(
+        "root below the pitch cylinder",
+        DERIVED_VALUE,
+        low=0,
+        high=5,
+        default="1.25, or less (at least the mating addendum + 0.1) to leave the rack's tooth a rounding",
+    )
+    tool_tip_radius: float = keys.coefficient(
+        "tip rounding of the rack: generates the fillet; 0 = sharp edge",
+        DERIVED_VALUE,
+        low=0,
+        high=2,
+        default="0.3, or 90 % of what the rack's tooth has room for",
+    )
+    parabola: float = parabola_key()
 
 
 class ParabolicPinion(ParabolicMember):
@@ -93,36 +86,23 @@ class ParabolicPinion(ParabolicMember):
 
     usual: ClassVar[tuple[str, ...]] = ("crowning",)
 
-    crowning: Annotated[
-        str,
-        Key(
-            "choice",
-            "tool that crowns the pinion along its teeth",
-            choices=("worm_plunge", "worm_roll", "disk", "none"),
-            source="[LF04] 17.7",
-        ),
-    ] = "worm_plunge"
-    plunge_coefficient: Annotated[
-        float,
-        Key(
-            "curvature",
-            "a_pl: worm or disk plunges by a_pl s^2 at feed s",
-            low=-1,
-            high=1,
-            source="[LF04] (17.7.8)",
-        ),
-    ] = 0.0
-    roll_coefficient: Annotated[
-        float,
-        Key(
-            "turn per square length",
-            "a_mr: the pinion turns by an extra a_mr s^2 at feed s of the worm, in opposite senses for its flanks",
-            low=-1,
-            high=1,
-            default="removes as much as plunge_coefficient",
-            source="[LF04] (17.7.9)",
-        ),
-    ] = DERIVED_VALUE
+    crowning: str = keys.choice(
+        "tool that crowns the pinion along its teeth",
+        ("worm_plunge", "worm_roll", "disk", "none"),
+        "worm_plunge",
+        source="[LF04] 17.7",
+    )
+    plunge_coefficient: float = keys.curvature(
+        "a_pl: worm or disk plunges by a_pl s^2 at feed s", 0.0, low=-1, high=1, source="[LF04] (17.7.8)"
+    )
+    roll_coefficient: float = keys.turn_per_square_length(
+        "a_mr: the pinion turns by an extra a_mr s^2 at feed s of the worm, in opposite senses for its flanks",
+        DERIVED_VALUE,
+        low=-1,
+        high=1,
+        default="removes as much as plunge_coefficient",
+        source="[LF04] (17.7.9)",
+    )
 
 
 class NovikovGear(ParabolicMember):
@@ -132,7 +112,7 @@ class NovikovGear(ParabolicMember):
 class ModifiedInvoluteGear(ParabolicMember, Modified):
     """Gear, an involute one unless its profile is crowned as well; involute flanks may be modified."""
 
-    parabola: Annotated[float, PARABOLA_KEY] = 0.0
+    parabola: float = parabola_key(0.0)
 
     @model_validator(mode="after")
     def _involute(self) -> Self:
@@ -144,38 +124,26 @@ class ModifiedInvoluteGear(ParabolicMember, Modified):
 class DiskTool(Table):
     """The disk that grinds the pinion."""
 
-    pitch_radius: Annotated[
-        float, Key("length", "radius at the pinion's pitch cylinder", low=0, above=True, default="20 m_n")
-    ] = DERIVED_VALUE
-    vertex: Annotated[
-        float | None,
-        Key(
-            "length",
-            "feed at which the disk does not plunge",
-            default="where it touches the pitch point of the driving flank at mid face",
-        ),
-    ] = None
+    pitch_radius: float = keys.length("radius at the pinion's pitch cylinder", DERIVED_VALUE, above=0, default="20 m_n")
+    vertex: float | None = keys.length(
+        "feed at which the disk does not plunge",
+        None,
+        default="where it touches the pitch point of the driving flank at mid face",
+    )
 
 
 class ParabolicAssembly(PairRunout):
     """Errors of alignment."""
 
-    dE: Annotated[float, Key("length", "change of the centre distance", source="[LF04] 17.8")] = 0.0
-    d_gamma: Annotated[
-        float,
-        Key(
-            "angle",
-            "shaft angle: turn of the gear's axis about the line of centres; d_lambda1 = -d_gamma compensates it",
-            low=-5,
-            high=5,
-        ),
-    ] = 0.0
-    d_lambda1: Annotated[
-        float, Key("angle", "change of the pinion's lead angle on the pitch cylinder", low=-5, high=5)
-    ] = 0.0
-    d_lambda2: Annotated[
-        float, Key("angle", "change of the gear's lead angle on the pitch cylinder", low=-5, high=5)
-    ] = 0.0
+    dE: float = keys.length("change of the centre distance", 0.0, source="[LF04] 17.8")
+    d_gamma: float = keys.angle(
+        "shaft angle: turn of the gear's axis about the line of centres; d_lambda1 = -d_gamma compensates it",
+        0.0,
+        low=-5,
+        high=5,
+    )
+    d_lambda1: float = keys.angle("change of the pinion's lead angle on the pitch cylinder", 0.0, low=-5, high=5)
+    d_lambda2: float = keys.angle("change of the gear's lead angle on the pitch cylinder", 0.0, low=-5, high=5)
 
 
 #: keys of the examples of both kinds
@@ -202,34 +170,26 @@ class ParabolicHelicalDesign(PairDesign):
     #: sign of the gear's parabola: +1 if its rack's profile removes material from the tooth away from the pitch plane
     gear_parabola_sign: ClassVar[float] = 1.0
 
-    pressure_angle: Annotated[
-        float,
-        Key("angle", "normal pressure angle, driving side (the pinion's right flank)", low=5, high=45),
-    ] = 25.0
-    coast_pressure_angle: Annotated[
-        float,
-        Key(
-            "angle",
-            "normal pressure angle, coast side (the pinion's left flank)",
-            low=5,
-            high=45,
-            default="pressure_angle",
-        ),
-    ] = DERIVED_VALUE
-    helix_angle: Annotated[
-        float,
-        Key("angle", "helix angle of the pinion, positive right-handed; the gear's is opposite", low=-60, high=60),
-    ]
-    rack_parameter: Annotated[
-        float,
-        Key(
-            "number",
-            "b: tooth over space of the pinion's rack cutter, at the pitch plane",
-            low=0.2,
-            high=5,
-            source="[LF04] Table 17.8.1",
-        ),
-    ] = 1.0
+    pressure_angle: float = keys.angle(
+        "normal pressure angle, driving side (the pinion's right flank)", 25.0, low=5, high=45
+    )
+    coast_pressure_angle: float = keys.angle(
+        "normal pressure angle, coast side (the pinion's left flank)",
+        DERIVED_VALUE,
+        low=5,
+        high=45,
+        default="pressure_angle",
+    )
+    helix_angle: float = keys.angle(
+        "helix angle of the pinion, positive right-handed; the gear's is opposite", low=-60, high=60
+    )
+    rack_parameter: float = keys.number(
+        "b: tooth over space of the pinion's rack cutter, at the pitch plane",
+        1.0,
+        low=0.2,
+        high=5,
+        source="[LF04] Table 17.8.1",
+    )
     pinion: ParabolicPinion
     gear: ParabolicMember
     worm: WormTool = WormTool()

@@ -7,12 +7,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, Self
+from typing import Any, ClassVar, Self
 
 from pydantic import model_validator
 
+from gearmesh.design import keys
 from gearmesh.design.core import ContactTable, GearBody, Holes, PairDesign, RexsSource, Web
-from gearmesh.design.keys import DERIVED_VALUE, Key, Table, conflict, given_or
+from gearmesh.design.keys import DERIVED_VALUE, Table, conflict, given_or
 from gearmesh.design.runout import PairRunout
 from gearmesh.design.shown import value_text
 from gearmesh.systems.kinds import OWN_KINDS
@@ -20,18 +21,6 @@ from gearmesh.systems.spiral_bevel.iso23509.taper_names import TAPER_NAMES
 
 #: default of settings that local synthesis or standard rules derive
 _SYNTHESIS_DEFAULT = "derived: see gearmesh settings"
-
-#: type of the key `edge_radius` of any head cutter
-EdgeRadius = Annotated[
-    float | None,
-    Key(
-        "length",
-        "rounding of the blade tip: generates the fillet",
-        low=0,
-        default="0.2 mean normal modules or what fits",
-    ),
-]
-
 
 #: largest parameter of an ease-off, mm
 MAX_EASE_OFF_MM = 1.0
@@ -47,142 +36,105 @@ _THICKNESS_TEXT = "mean normal circular thickness s_mn of the tooth as it is cut
 _MOTION_TEXT = "by the cradle's rotation q in rad: a1 q + a2 q^2 + ..."
 
 
-def _blade_angle(default: str, source: str = "") -> Key:
+def edge_radius_key() -> Any:
+    """Return the key of the rounding of the blade tip of any head cutter."""
+    about = "rounding of the blade tip: generates the fillet"
+    return keys.length(about, None, low=0, default="0.2 mean normal modules or what fits")
+
+
+def driving_side_key(side: str) -> Any:
+    """Return the key of the driving side of the pinion."""
+    return keys.choice("driving side of the pinion", ("pinion_concave", "pinion_convex"), side)
+
+
+def _blade_angle(default: str, source: str = "") -> Any:
     """Return the key of a blade's angle with a given default."""
-    return Key(
-        "angle",
-        "blade angle, between blade and cutter axis",
-        low=0,
-        high=60,
-        above=True,
-        default=default,
-        source=source,
-    )
+    about = "blade angle, between blade and cutter axis"
+    return keys.angle(about, None, above=0, high=60, default=default, source=source)
 
 
 class BladeTable(Table):
     """One blade of a cutter, for keys that differ from the cutter's keys."""
 
-    blade_angle: Annotated[float | None, _blade_angle("that of the cutter")] = None
-    blade_radius: Annotated[
-        float | None,
-        Key("length", "radius of a circular-arc blade, > 0 convex; 0 = straight", default="that of the cutter"),
-    ] = None
-    blade_height: Annotated[
-        float | None, Key("length", "height over the tip where blade_angle holds", low=0, default="that of the cutter")
-    ] = None
-    edge_radius: Annotated[
-        float | None, Key("length", "rounding of the blade tip", low=0, default="that of the cutter")
-    ] = None
-    toprem_height: Annotated[
-        float | None, Key("length", "height of the toprem; 0 = none", low=0, default="that of the cutter")
-    ] = None
-    toprem_angle: Annotated[
-        float | None,
-        Key("angle", "between a straight toprem and the cutter axis", low=0, high=60, default="that of the cutter"),
-    ] = None
-    toprem_radius: Annotated[
-        float | None,
-        Key("length", "radius of a tangent toprem arc; 0 = straight", low=0, default="that of the cutter"),
-    ] = None
+    blade_angle: float | None = _blade_angle("that of the cutter")
+    blade_radius: float | None = keys.length(
+        "radius of a circular-arc blade, > 0 convex; 0 = straight", None, default="that of the cutter"
+    )
+    blade_height: float | None = keys.length(
+        "height over the tip where blade_angle holds", None, low=0, default="that of the cutter"
+    )
+    edge_radius: float | None = keys.length("rounding of the blade tip", None, low=0, default="that of the cutter")
+    toprem_height: float | None = keys.length(
+        "height of the toprem; 0 = none", None, low=0, default="that of the cutter"
+    )
+    toprem_angle: float | None = keys.angle(
+        "between a straight toprem and the cutter axis", None, low=0, high=60, default="that of the cutter"
+    )
+    toprem_radius: float | None = keys.length(
+        "radius of a tangent toprem arc; 0 = straight", None, low=0, default="that of the cutter"
+    )
 
 
 class Machine(Table):
     """Machine and cutter settings of a side."""
 
-    radial: Annotated[
-        float | None,
-        Key("length", "radial setting S", low=0, above=True, default=_SYNTHESIS_DEFAULT, source="[AB] (6), (53)"),
-    ] = None
-    cradle_angle: Annotated[
-        float | None,
-        Key("angle", "cradle angle q", low=-180, high=180, default=_SYNTHESIS_DEFAULT, source="[AB] (7), (53)"),
-    ] = None
-    ratio_of_roll: Annotated[
-        float | None,
-        Key(
-            "number",
-            "cradle over blank",
-            low=0,
-            high=10,
-            above=True,
-            default=_SYNTHESIS_DEFAULT,
-            source="[AB] (4), (50)",
-        ),
-    ] = None
-    machining_offset: Annotated[
-        float | None,
-        Key(
-            "length",
-            "blank offset E, > 0 towards the side of the cutter's centre",
-            default=_SYNTHESIS_DEFAULT,
-            source="[AB] (51)",
-        ),
-    ] = None
-    machine_centre_to_back: Annotated[
-        float | None,
-        Key(
-            "length",
-            "machine centre beyond the apex, along the root line",
-            default=_SYNTHESIS_DEFAULT,
-            source="[AB] (52)",
-        ),
-    ] = None
-    sliding_base: Annotated[float, Key("length", "blank withdrawn along the cradle axis", source="[AB] Fig. 4")] = 0.0
-    machine_root_angle: Annotated[
-        float | None, Key("angle", "angle of blank axis and machine plane", low=0, high=90, default="root angle")
-    ] = None
-    modified_roll_c2: Annotated[
-        float, Key("number", "blank turns (q - c2 q^2 - c3 q^3 ...) / ratio", low=-1, high=1)
-    ] = 0.0
-    modified_roll_c3: Annotated[float, Key("number", "modified roll, third order", low=-1, high=1)] = 0.0
-    modified_roll_c4: Annotated[float, Key("number", "modified roll, fourth order", low=-1, high=1)] = 0.0
-    modified_roll_c5: Annotated[float, Key("number", "modified roll, fifth order", low=-1, high=1)] = 0.0
-    modified_roll_c6: Annotated[float, Key("number", "modified roll, sixth order", low=-1, high=1)] = 0.0
-    tilt: Annotated[float, Key("angle", _TILT_TEXT, low=-40, high=40, source="[LF04] 21")] = 0.0
-    swivel: Annotated[
-        float,
-        Key(
-            "angle",
-            "swivel j: direction of the tilt, 0 = towards growing cradle angle, 90 = towards the machine centre",
-            low=-360,
-            high=360,
-            source="[LF04] 21",
-        ),
-    ] = 0.0
-    tilt_motion: Annotated[tuple[float, ...], Key("angle", f"added to tilt {_MOTION_TEXT}", most=MAX_MOTION_ORDER)] = ()
-    swivel_motion: Annotated[
-        tuple[float, ...], Key("angle", f"added to swivel {_MOTION_TEXT}", most=MAX_MOTION_ORDER)
-    ] = ()
-    radial_motion: Annotated[
-        tuple[float, ...], Key("length", f"added to radial {_MOTION_TEXT}", most=MAX_MOTION_ORDER)
-    ] = ()
-    helical_motion: Annotated[
-        tuple[float, ...], Key("length", f"added to sliding_base {_MOTION_TEXT}", most=MAX_MOTION_ORDER)
-    ] = ()
-    vertical_motion: Annotated[
-        tuple[float, ...], Key("length", f"added to machining_offset {_MOTION_TEXT}", most=MAX_MOTION_ORDER)
-    ] = ()
-    blade_angle: Annotated[float | None, _blade_angle(_SYNTHESIS_DEFAULT, "[AB]")] = None
-    blade_radius: Annotated[
-        float, Key("length", "radius of a circular-arc blade, > 0 convex; 0 = straight blade", source="[AB] Table 4")
-    ] = 0.0
-    blade_height: Annotated[
-        float | None,
-        Key("length", "height over the tip where blade_angle holds (circular-arc blade)", low=0, default="mean point"),
-    ] = None
-    edge_radius: EdgeRadius = None
-    toprem_height: Annotated[
-        float,
-        Key("length", "height over the tip where the blade's toprem begins; 0 = none", low=0),
-    ] = 0.0
-    toprem_angle: Annotated[
-        float | None,
-        Key("angle", "between a straight toprem and the cutter axis", low=0, high=60, default="given by toprem_radius"),
-    ] = None
-    toprem_radius: Annotated[
-        float, Key("length", "radius of a toprem that is an arc tangent to the blade; 0 = straight", low=0)
-    ] = 0.0
+    radial: float | None = keys.length(
+        "radial setting S", None, above=0, default=_SYNTHESIS_DEFAULT, source="[AB] (6), (53)"
+    )
+    cradle_angle: float | None = keys.angle(
+        "cradle angle q", None, low=-180, high=180, default=_SYNTHESIS_DEFAULT, source="[AB] (7), (53)"
+    )
+    ratio_of_roll: float | None = keys.number(
+        "cradle over blank", None, above=0, high=10, default=_SYNTHESIS_DEFAULT, source="[AB] (4), (50)"
+    )
+    machining_offset: float | None = keys.length(
+        "blank offset E, > 0 towards the side of the cutter's centre",
+        None,
+        default=_SYNTHESIS_DEFAULT,
+        source="[AB] (51)",
+    )
+    machine_centre_to_back: float | None = keys.length(
+        "machine centre beyond the apex, along the root line", None, default=_SYNTHESIS_DEFAULT, source="[AB] (52)"
+    )
+    sliding_base: float = keys.length("blank withdrawn along the cradle axis", 0.0, source="[AB] Fig. 4")
+    machine_root_angle: float | None = keys.angle(
+        "angle of blank axis and machine plane", None, low=0, high=90, default="root angle"
+    )
+    modified_roll_c2: float = keys.number("blank turns (q - c2 q^2 - c3 q^3 ...) / ratio", 0.0, low=-1, high=1)
+    modified_roll_c3: float = keys.number("modified roll, third order", 0.0, low=-1, high=1)
+    modified_roll_c4: float = keys.number("modified roll, fourth order", 0.0, low=-1, high=1)
+    modified_roll_c5: float = keys.number("modified roll, fifth order", 0.0, low=-1, high=1)
+    modified_roll_c6: float = keys.number("modified roll, sixth order", 0.0, low=-1, high=1)
+    tilt: float = keys.angle(_TILT_TEXT, 0.0, low=-40, high=40, source="[LF04] 21")
+    swivel: float = keys.angle(
+        "swivel j: direction of the tilt, 0 = towards growing cradle angle, 90 = towards the machine centre",
+        0.0,
+        low=-360,
+        high=360,
+        source="[LF04] 21",
+    )
+    tilt_motion: tuple[float, ...] = keys.angle(f"added to tilt {_MOTION_TEXT}", (), most=MAX_MOTION_ORDER)
+    swivel_motion: tuple[float, ...] = keys.angle(f"added to swivel {_MOTION_TEXT}", (), most=MAX_MOTION_ORDER)
+    radial_motion: tuple[float, ...] = keys.length(f"added to radial {_MOTION_TEXT}", (), most=MAX_MOTION_ORDER)
+    helical_motion: tuple[float, ...] = keys.length(f"added to sliding_base {_MOTION_TEXT}", (), most=MAX_MOTION_ORDER)
+    vertical_motion: tuple[float, ...] = keys.length(
+        f"added to machining_offset {_MOTION_TEXT}", (), most=MAX_MOTION_ORDER
+    )
+    blade_angle: float | None = _blade_angle(_SYNTHESIS_DEFAULT, "[AB]")
+    blade_radius: float = keys.length(
+        "radius of a circular-arc blade, > 0 convex; 0 = straight blade", 0.0, source="[AB] Table 4"
+    )
+    blade_height: float | None = keys.length(
+        "height over the tip where blade_angle holds (circular-arc blade)", None, low=0, default="mean point"
+    )
+    edge_radius: float | None = edge_radius_key()
+    toprem_height: float = keys.length("height over the tip where the blade's toprem begins; 0 = none", 0.0, low=0)
+    toprem_angle: float | None = keys.angle(
+        "between a straight toprem and the cutter axis", None, low=0, high=60, default="given by toprem_radius"
+    )
+    toprem_radius: float = keys.length(
+        "radius of a toprem that is an arc tangent to the blade; 0 = straight", 0.0, low=0
+    )
 
 
 class EaseOffTable(Table):
@@ -192,51 +144,33 @@ class EaseOffTable(Table):
     and 1 at the heel. y is -1 as deep as the gear's tip reaches, and 1 at the pinion's tip.
     """
 
-    pressure_angle: Annotated[
-        float,
-        Key(
-            "length",
-            "material missing at the tip; as much in excess where the gear's tip reaches",
-            low=-MAX_EASE_OFF_MM,
-            high=MAX_EASE_OFF_MM,
-        ),
-    ] = 0.0
-    spiral_angle: Annotated[
-        float,
-        Key(
-            "length",
-            "material missing at the heel; as much in excess at the toe",
-            low=-MAX_EASE_OFF_MM,
-            high=MAX_EASE_OFF_MM,
-        ),
-    ] = 0.0
-    profile_crowning: Annotated[
-        float,
-        Key(
-            "length",
-            "material missing at tip and root, by a parabola over the height",
-            low=-MAX_EASE_OFF_MM,
-            high=MAX_EASE_OFF_MM,
-        ),
-    ] = 0.0
-    length_crowning: Annotated[
-        float,
-        Key(
-            "length",
-            "material missing at toe and heel, by a parabola along the face",
-            low=-MAX_EASE_OFF_MM,
-            high=MAX_EASE_OFF_MM,
-        ),
-    ] = 0.0
-    twist: Annotated[
-        float,
-        Key(
-            "length",
-            "material missing at heel tip and toe root, in excess in the other corners",
-            low=-MAX_EASE_OFF_MM,
-            high=MAX_EASE_OFF_MM,
-        ),
-    ] = 0.0
+    pressure_angle: float = keys.length(
+        "material missing at the tip; as much in excess where the gear's tip reaches",
+        0.0,
+        low=-MAX_EASE_OFF_MM,
+        high=MAX_EASE_OFF_MM,
+    )
+    spiral_angle: float = keys.length(
+        "material missing at the heel; as much in excess at the toe", 0.0, low=-MAX_EASE_OFF_MM, high=MAX_EASE_OFF_MM
+    )
+    profile_crowning: float = keys.length(
+        "material missing at tip and root, by a parabola over the height",
+        0.0,
+        low=-MAX_EASE_OFF_MM,
+        high=MAX_EASE_OFF_MM,
+    )
+    length_crowning: float = keys.length(
+        "material missing at toe and heel, by a parabola along the face",
+        0.0,
+        low=-MAX_EASE_OFF_MM,
+        high=MAX_EASE_OFF_MM,
+    )
+    twist: float = keys.length(
+        "material missing at heel tip and toe root, in excess in the other corners",
+        0.0,
+        low=-MAX_EASE_OFF_MM,
+        high=MAX_EASE_OFF_MM,
+    )
 
     @model_validator(mode="after")
     def _whole(self) -> Self:
@@ -250,133 +184,89 @@ class PinionSide(Machine):
     """One side of the pinion: the requested contact, and the settings that give it or are given instead."""
 
     ease_off: EaseOffTable | None = None
-    sliding_base: Annotated[
-        float,
-        Key(
-            "length",
-            "blank withdrawn along the cradle axis",
-            default="that of the other side, or 0; of a tilted cutter where its tip reaches the root line",
-            source="[AB] Fig. 4",
-        ),
-    ] = DERIVED_VALUE
-    tilt: Annotated[
-        float,
-        Key(
-            "angle",
-            _TILT_TEXT,
-            low=-40,
-            high=40,
-            default="0; where the gear is not generated the cutter is upright on the root line",
-            source="[LF04] 21",
-        ),
-    ] = DERIVED_VALUE
-    swivel: Annotated[
-        float,
-        Key(
-            "angle",
-            "swivel j: direction of the tilt, 0 = towards growing cradle angle, 90 = towards the machine centre",
-            low=-360,
-            high=360,
-            default="0, or as for tilt",
-            source="[LF04] 21",
-        ),
-    ] = DERIVED_VALUE
-    machine_root_angle: Annotated[
-        float | None,
-        Key(
-            "angle",
-            "angle of blank axis and machine plane",
-            low=-60,
-            high=90,
-            default="root angle; with tilt left out where the gear is not generated shaft_angle - 90 deg",
-        ),
-    ] = None
-    tip_radius: Annotated[
-        float | None,
-        Key("length", "cutter radius at the tip", low=0, above=True, default=_SYNTHESIS_DEFAULT, source="[AB]"),
-    ] = None
-    index_angle: Annotated[
-        float | None,
-        Key(
-            "angle",
-            "rotation of the blank before this side is cut, in the sense of the cradle angle; 0: the middle of the tooth space is "
-            "on the machine root line at cradle rotation 0",
-            low=-360,
-            high=360,
-            default="by the backlash",
-        ),
-    ] = None
-    mesh_angle: Annotated[
-        float | None,
-        Key(
-            "angle",
-            "rotation of the pinion, in the sense of the cradle angle, from cutting this side to its position in mesh at phi1 = 0; "
-            "with index_angle",
-            low=-360,
-            high=360,
-            default='where it touches the gear at the mean point; 0 of given settings with mean_point = "cradle_zero"',
-        ),
-    ] = None
-    te_at_change: Annotated[
-        float,
-        Key(
-            "number",
-            "TE (arcsec) by which the gear lags at the change of tooth pairs",
-            low=-3600,
-            high=3600,
-            default="10",
-        ),
-    ] = 10.0
-    ratio_derivative: Annotated[
-        float | None,
-        Key(
-            "number",
-            "(d2 phi2/d phi1^2)/(N1/N2) at the mean point, instead of te_at_change",
-            low=-1,
-            high=1,
-            default="from te_at_change",
-            source="[AB] Table 2",
-        ),
-    ] = None
-    path_angle: Annotated[
-        float,
-        Key(
-            "angle",
-            "direction of the path of contact on the gear, from its lengthwise principal direction (to the toe) towards its root",
-            low=-180,
-            high=180,
-            default="chosen: 90, or as far from it as the contact ratio needs",
-            source="[AB] Table 2",
-        ),
-    ] = 90.0
-    semi_major_axis: Annotated[
-        float | None,
-        Key(
-            "length",
-            "semi-major axis of the contact ellipse at the mean point",
-            low=0,
-            above=True,
-            default="face_width / 4, more on a narrow face",
-            source="[AB]",
-        ),
-    ] = None
-    mean_offset: Annotated[
-        float,
-        Key(
-            "length",
-            "mean point farther from the gear's root than the middle of the working depth",
-            default="chosen: the middle of the path",
-            source="[AB]",
-        ),
-    ] = 0.0
-    mean_shift: Annotated[
-        float,
-        Key(
-            "length",
-            "mean point farther from the apex than mean_cone_distance",
-            default="chosen: the middle of the path",
-        ),
-    ] = 0.0
+    sliding_base: float = keys.length(
+        "blank withdrawn along the cradle axis",
+        DERIVED_VALUE,
+        default="that of the other side, or 0; of a tilted cutter where its tip reaches the root line",
+        source="[AB] Fig. 4",
+    )
+    tilt: float = keys.angle(
+        _TILT_TEXT,
+        DERIVED_VALUE,
+        low=-40,
+        high=40,
+        default="0; where the gear is not generated the cutter is upright on the root line",
+        source="[LF04] 21",
+    )
+    swivel: float = keys.angle(
+        "swivel j: direction of the tilt, 0 = towards growing cradle angle, 90 = towards the machine centre",
+        DERIVED_VALUE,
+        low=-360,
+        high=360,
+        default="0, or as for tilt",
+        source="[LF04] 21",
+    )
+    machine_root_angle: float | None = keys.angle(
+        "angle of blank axis and machine plane",
+        None,
+        low=-60,
+        high=90,
+        default="root angle; with tilt left out where the gear is not generated shaft_angle - 90 deg",
+    )
+    tip_radius: float | None = keys.length(
+        "cutter radius at the tip", None, above=0, default=_SYNTHESIS_DEFAULT, source="[AB]"
+    )
+    index_angle: float | None = keys.angle(
+        "rotation of the blank before this side is cut, in the sense of the cradle angle; 0: the middle of the tooth space is "
+        "on the machine root line at cradle rotation 0",
+        None,
+        low=-360,
+        high=360,
+        default="by the backlash",
+    )
+    mesh_angle: float | None = keys.angle(
+        "rotation of the pinion, in the sense of the cradle angle, from cutting this side to its position in mesh at phi1 = 0; "
+        "with index_angle",
+        None,
+        low=-360,
+        high=360,
+        default='where it touches the gear at the mean point; 0 of given settings with mean_point = "cradle_zero"',
+    )
+    te_at_change: float = keys.number(
+        "TE (arcsec) by which the gear lags at the change of tooth pairs", 10.0, low=-3600, high=3600, default="10"
+    )
+    ratio_derivative: float | None = keys.number(
+        "(d2 phi2/d phi1^2)/(N1/N2) at the mean point, instead of te_at_change",
+        None,
+        low=-1,
+        high=1,
+        default="from te_at_change",
+        source="[AB] Table 2",
+    )
+    path_angle: float = keys.angle(
+        "direction of the path of contact on the gear, from its lengthwise principal direction (to the toe) towards its root",
+        90.0,
+        low=-180,
+        high=180,
+        default="chosen: 90, or as far from it as the contact ratio needs",
+        source="[AB] Table 2",
+    )
+    semi_major_axis: float | None = keys.length(
+        "semi-major axis of the contact ellipse at the mean point",
+        None,
+        above=0,
+        default="face_width / 4, more on a narrow face",
+        source="[AB]",
+    )
+    mean_offset: float = keys.length(
+        "mean point farther from the gear's root than the middle of the working depth",
+        0.0,
+        default="chosen: the middle of the path",
+        source="[AB]",
+    )
+    mean_shift: float = keys.length(
+        "mean point farther from the apex than mean_cone_distance", 0.0, default="chosen: the middle of the path"
+    )
 
     @model_validator(mode="after")
     def _meshing_by_index(self) -> Self:
@@ -406,32 +296,21 @@ class PinionSide(Machine):
 class GearCutter(Machine):
     """The gear's spread-blade cutter: both sides in one cut."""
 
-    sliding_base: Annotated[
-        float,
-        Key(
-            "length",
-            "blank withdrawn along the cradle axis",
-            default="where the cutter's tip reaches the root cone: 0 where this passes through the crossing point",
-            source="ISO 23509 t_zR2",
-        ),
-    ] = DERIVED_VALUE
-    tip_radius: Annotated[
-        float | None,
-        Key(
-            "length", "mean of inside and outside tip radius", low=0, above=True, default="ISO 23509", source="[AB] (5)"
-        ),
-    ] = None
-    straightest: Annotated[
-        bool,
-        Key(
-            "flag",
-            "where tip_radius is left out, the largest with which the pair can be made: teeth as straight as can be",
-        ),
-    ] = False
-    point_width: Annotated[
-        float | None,
-        Key("length", "outside minus inside tip radius", low=0, default="by the tooth thickness", source="[AB] (5)"),
-    ] = None
+    sliding_base: float = keys.length(
+        "blank withdrawn along the cradle axis",
+        DERIVED_VALUE,
+        default="where the cutter's tip reaches the root cone: 0 where this passes through the crossing point",
+        source="ISO 23509 t_zR2",
+    )
+    tip_radius: float | None = keys.length(
+        "mean of inside and outside tip radius", None, above=0, default="ISO 23509", source="[AB] (5)"
+    )
+    straightest: bool = keys.flag(
+        "where tip_radius is left out, the largest with which the pair can be made: teeth as straight as can be", False
+    )
+    point_width: float | None = keys.length(
+        "outside minus inside tip radius", None, low=0, default="by the tooth thickness", source="[AB] (5)"
+    )
     outside: BladeTable = BladeTable()
     inside: BladeTable = BladeTable()
 
@@ -451,46 +330,30 @@ class BevelBody(GearBody):
 class BevelMember(BevelBody):
     """Keys of both members."""
 
-    root_angle: Annotated[
-        float | None,
-        Key(
-            "angle",
-            "root angle: root cone through the root at the mean point; through the pitch apex where that leaves the "
-            "whole depth (standard taper)",
-            low=0,
-            high=90,
-            above=True,
-            default="by the taper",
-            source="ISO 23509",
-        ),
-    ] = None
-    face_angle: Annotated[
-        float | None,
-        Key(
-            "angle",
-            "face angle: tip cone through the tip at the mean point",
-            low=0,
-            high=89.5,
-            above=True,
-            default="parallel to the mating gear's root",
-        ),
-    ] = None
+    root_angle: float | None = keys.angle(
+        "root angle: root cone through the root at the mean point; through the pitch apex where that leaves the "
+        "whole depth (standard taper)",
+        None,
+        above=0,
+        high=90,
+        default="by the taper",
+        source="ISO 23509",
+    )
+    face_angle: float | None = keys.angle(
+        "face angle: tip cone through the tip at the mean point",
+        None,
+        above=0,
+        high=89.5,
+        default="parallel to the mating gear's root",
+    )
 
 
 class BevelPinion(BevelMember):
     """The pinion, with settings for each side."""
 
-    thickness: Annotated[
-        float | None,
-        Key(
-            "length",
-            f"{_THICKNESS_TEXT}: by index_angle",
-            low=0,
-            above=True,
-            default="by the backlash",
-            source="ISO 23509",
-        ),
-    ] = None
+    thickness: float | None = keys.length(
+        f"{_THICKNESS_TEXT}: by index_angle", None, above=0, default="by the backlash", source="ISO 23509"
+    )
     concave: PinionSide = PinionSide()
     convex: PinionSide = PinionSide()
 
@@ -509,32 +372,23 @@ class BevelPinion(BevelMember):
 class BevelGear(BevelMember):
     """The gear."""
 
-    thickness: Annotated[
-        float | None,
-        Key(
-            "length",
-            f"{_THICKNESS_TEXT}: by the cutter's point width",
-            low=0,
-            above=True,
-            default="by the blank and the backlash",
-            source="ISO 23509",
-        ),
-    ] = None
+    thickness: float | None = keys.length(
+        f"{_THICKNESS_TEXT}: by the cutter's point width",
+        None,
+        above=0,
+        default="by the blank and the backlash",
+        source="ISO 23509",
+    )
     cutter: GearCutter = GearCutter()
 
 
 class BevelAssembly(PairRunout):
     """Assembly errors: displacements of the members from their nominal positions."""
 
-    dA: Annotated[
-        float, Key("length", "pinion moved along its axis, away from the apex", source="[AB]; [CR3553] 3.5")
-    ] = 0.0
-    dG: Annotated[float, Key("length", "gear moved along its axis, away from the apex", source="[CR3553] 3.5")] = 0.0
-    dV: Annotated[float, Key("length", "pinion axis offset (dE), along y", source="[AB]; [CR3553] 3.5")] = 0.0
-    d_delta: Annotated[float, Key("angle", "increase of the shaft angle", low=-5, high=5, source="[CR3553] 3.5")] = 0.0
-
-
-DrivingSide = Annotated[str, Key("choice", "driving side of the pinion", choices=("pinion_concave", "pinion_convex"))]
+    dA: float = keys.length("pinion moved along its axis, away from the apex", 0.0, source="[AB]; [CR3553] 3.5")
+    dG: float = keys.length("gear moved along its axis, away from the apex", 0.0, source="[CR3553] 3.5")
+    dV: float = keys.length("pinion axis offset (dE), along y", 0.0, source="[AB]; [CR3553] 3.5")
+    d_delta: float = keys.angle("increase of the shaft angle", 0.0, low=-5, high=5, source="[CR3553] 3.5")
 
 
 class BevelContact(ContactTable):
@@ -542,7 +396,7 @@ class BevelContact(ContactTable):
 
     usual: ClassVar[tuple[str, ...]] = ("side",)
 
-    side: DrivingSide = "pinion_concave"
+    side: str = driving_side_key("pinion_concave")
 
     @property
     def pinion_side(self) -> str:
@@ -564,31 +418,15 @@ class BevelDesign(PairDesign):
     pinion: BevelBody
     gear: BevelBody
 
-    module: Annotated[
-        float | None, Key("length", "outer transverse module", low=0, above=True, default="given by diametral_pitch")
-    ] = None
-    diametral_pitch: Annotated[
-        float | None,
-        Key(
-            "pitch",
-            "outer transverse diametral pitch, per inch in any units",
-            low=0,
-            above=True,
-            default="given by module",
-        ),
-    ] = None
-    shaft_angle: Annotated[float, Key("angle", "shaft angle", low=10, high=170, source="ISO 23509")] = 90.0
-    hand: Annotated[str, Key("choice", "hand of spiral of the pinion", choices=("right", "left"))] = "left"
-    face_width: Annotated[
-        float | None,
-        Key(
-            "length",
-            "face width, along the pitch cone",
-            low=0,
-            above=True,
-            default="0.3 outer cone distance, at most 10 m",
-        ),
-    ] = None
+    module: float | None = keys.length("outer transverse module", None, above=0, default="given by diametral_pitch")
+    diametral_pitch: float | None = keys.pitch(
+        "outer transverse diametral pitch, per inch in any units", None, above=0, default="given by module"
+    )
+    shaft_angle: float = keys.angle("shaft angle", 90.0, low=10, high=170, source="ISO 23509")
+    hand: str = keys.choice("hand of spiral of the pinion", ("right", "left"), "left")
+    face_width: float | None = keys.length(
+        "face width, along the pitch cone", None, above=0, default="0.3 outer cone distance, at most 10 m"
+    )
     assembly: BevelAssembly = BevelAssembly()
     contact: BevelContact = BevelContact()
 
@@ -658,88 +496,60 @@ class FaceMilledDesign(BevelDesign):
 
     usual: ClassVar[tuple[str, ...]] = ("spiral_angle", "process")
 
-    process: Annotated[
-        str,
-        Key(
-            "choice",
-            "pinion sides cut with a machine setting each (fixed_setting) or both in one cut (completing); formate: "
-            "gear not generated",
-            choices=PROCESS_NAMES,
-        ),
-    ] = "fixed_setting"
-    backlash: Annotated[
-        float,
-        Key(
-            "length",
-            "normal backlash of the pair at the mean point; each member is thinned for half of it",
-            low=0,
-            default="by module and accuracy_grade",
-            source="AGMA 2005; ISO 23509 (202)-(211)",
-        ),
-    ] = DERIVED_VALUE
-    accuracy_grade: Annotated[
-        int,
-        Key("count", "grade of accuracy, for tolerances and the default backlash", low=2, high=11, source="ISO 17485"),
-    ] = 7
-    spiral_angle: Annotated[float, Key("angle", "mean spiral angle", low=0, high=50, source="ISO 23509")] = 35.0
-    pressure_angle: Annotated[
-        float, Key("angle", "nominal pressure angle: blade angle of the gear", low=10, high=30)
-    ] = 20.0
-    mean_point: Annotated[
-        str,
-        Key(
-            "choice",
-            "position of the mean point along the face: at the mean cone distance, or where cradle rotation 0 generates it",
-            choices=("mean_cone_distance", "cradle_zero"),
-            source="[AB]",
-        ),
-    ] = "mean_cone_distance"
-    clearance: Annotated[
-        float | None,
-        Key(
-            "length",
-            "clearance between tip and the mating gear's root",
-            low=0,
-            above=True,
-            default="0.25 mean normal module",
-        ),
-    ] = None
-    depth_factor: Annotated[
-        float | None,
-        Key(
-            "number",
-            "mean working depth, mean normal modules",
-            low=0.5,
-            high=3,
-            default="k_d by pinion teeth, less against undercut",
-            source="ISO 23509",
-        ),
-    ] = None
-    addendum_factor: Annotated[
-        float | None,
-        Key(
-            "number",
-            "gear's mean addendum over working depth",
-            low=0,
-            high=1,
-            default="c_ham by ratio, less against undercut",
-            source="ISO 23509",
-        ),
-    ] = None
-    thickness_factor: Annotated[
-        float | None,
-        Key(
-            "number",
-            "tooth thickness modification: pinion thicker by this, mean normal modules",
-            low=-1,
-            high=1,
-            default="k_t by teeth",
-            source="ISO 23509",
-        ),
-    ] = None
-    taper: Annotated[
-        str, Key("choice", "how the depth changes from toe to heel", choices=TAPER_NAMES, source="ISO 23509 annex C")
-    ] = "standard"
+    process: str = keys.choice(
+        "pinion sides cut with a machine setting each (fixed_setting) or both in one cut (completing); formate: "
+        "gear not generated",
+        PROCESS_NAMES,
+        "fixed_setting",
+    )
+    backlash: float = keys.length(
+        "normal backlash of the pair at the mean point; each member is thinned for half of it",
+        DERIVED_VALUE,
+        low=0,
+        default="by module and accuracy_grade",
+        source="AGMA 2005; ISO 23509 (202)-(211)",
+    )
+    accuracy_grade: int = keys.count(
+        "grade of accuracy, for tolerances and the default backlash", 7, low=2, high=11, source="ISO 17485"
+    )
+    spiral_angle: float = keys.angle("mean spiral angle", 35.0, low=0, high=50, source="ISO 23509")
+    pressure_angle: float = keys.angle("nominal pressure angle: blade angle of the gear", 20.0, low=10, high=30)
+    mean_point: str = keys.choice(
+        "position of the mean point along the face: at the mean cone distance, or where cradle rotation 0 generates it",
+        ("mean_cone_distance", "cradle_zero"),
+        "mean_cone_distance",
+        source="[AB]",
+    )
+    clearance: float | None = keys.length(
+        "clearance between tip and the mating gear's root", None, above=0, default="0.25 mean normal module"
+    )
+    depth_factor: float | None = keys.number(
+        "mean working depth, mean normal modules",
+        None,
+        low=0.5,
+        high=3,
+        default="k_d by pinion teeth, less against undercut",
+        source="ISO 23509",
+    )
+    addendum_factor: float | None = keys.number(
+        "gear's mean addendum over working depth",
+        None,
+        low=0,
+        high=1,
+        default="c_ham by ratio, less against undercut",
+        source="ISO 23509",
+    )
+    thickness_factor: float | None = keys.number(
+        "tooth thickness modification: pinion thicker by this, mean normal modules",
+        None,
+        low=-1,
+        high=1,
+        default="k_t by teeth",
+        source="ISO 23509",
+    )
+    taper: str = keys.choice(
+        "how the depth changes from toe to heel", TAPER_NAMES, "standard", source="ISO 23509 annex C"
+    )
     contact: SpiralBevelContact = SpiralBevelContact()
     pinion: BevelPinion
     gear: BevelGear
@@ -1043,10 +853,9 @@ class SpiralBevelDesign(FaceMilledDesign):
     example: ClassVar[Mapping[str, Any]] = {"module": 5, "pinion": {"teeth": 13}, "gear": {"teeth": 44}}
     about: ClassVar[str] = OWN_KINDS["spiral_bevel"].about
 
-    mean_cone_distance: Annotated[
-        float | None,
-        Key("length", "cone distance of the mean point", low=0, above=True, default="outer less half the face width"),
-    ] = None
+    mean_cone_distance: float | None = keys.length(
+        "cone distance of the mean point", None, above=0, default="outer less half the face width"
+    )
 
     @property
     def kind_in_words(self) -> str:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar
+from typing import Any, ClassVar
 
-from gearmesh.design.keys import Key
+from gearmesh.design import keys
 from gearmesh.systems.kinds import OWN_KINDS
 from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
 
@@ -23,24 +23,14 @@ class HypoidDesign(FaceMilledDesign):
     about: ClassVar[str] = OWN_KINDS["hypoid"].about
     called: ClassVar[str] = "Hypoid gears"
 
-    offset: Annotated[
-        float,
-        Key(
-            "length",
-            "offset of the axes, > 0 where it makes the pinion's spiral angle the larger one",
-            source="ISO 23509 a",
-        ),
-    ]
-    spiral_angle: Annotated[
-        float, Key("angle", "mean spiral angle of the pinion", low=0, high=80, source="ISO 23509")
-    ] = 50.0
-    limit_share: Annotated[
-        float,
-        Key(
-            "number",
-            "share of the limit pressure angle that the gear's blades compensate: 1 = equal conditions on both sides",
-            low=0,
-            high=1,
-            source="ISO 23509 f_alim",
-        ),
-    ] = 1.0
+    offset: float = keys.length(
+        "offset of the axes, > 0 where it makes the pinion's spiral angle the larger one", source="ISO 23509 a"
+    )
+    spiral_angle: float = keys.angle("mean spiral angle of the pinion", 50.0, low=0, high=80, source="ISO 23509")
+    limit_share: float = keys.number(
+        "share of the limit pressure angle that the gear's blades compensate: 1 = equal conditions on both sides",
+        1.0,
+        low=0,
+        high=1,
+        source="ISO 23509 f_alim",
+    )

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, Self
+from typing import Any, ClassVar, Self
 
 from pydantic import model_validator
 
+from gearmesh.design import keys
 from gearmesh.design.core import Design, FlankContact, MemberBody, MemberTable, RexsSource
-from gearmesh.design.keys import DERIVED_VALUE, Key, Table, conflict, given_or
+from gearmesh.design.keys import DERIVED_VALUE, Table, conflict, given_or
 from gearmesh.design.measured import WormDriveMeasured
 from gearmesh.design.runout import eccentricity, phase
 from gearmesh.member_names import MemberNames
@@ -66,7 +67,7 @@ HOB_DEPENDENT_KEYS = HOB_KEYS | {"hob.center_distance", "hob.swivel_angle"}
 class ThreadCount(Table):
     """Number of threads of a worm."""
 
-    threads: Annotated[int, Key("count", "number of threads z1", low=1, high=10)]
+    threads: int = keys.count("number of threads z1", low=1, high=10)
 
 
 class WormTable(MemberBody, ThreadCount):
@@ -75,173 +76,112 @@ class WormTable(MemberBody, ThreadCount):
     usual: ClassVar[tuple[str, ...]] = ("form", "reference_diameter", "length")
     replaces = (("reference_diameter", "quotient"), ("reference_diameter", "lead_angle"))
 
-    form: Annotated[
-        str,
-        Key(
-            "choice",
-            "flank form: ZA straight in the axial section, ZN straight in the normal section, ZI involute helicoid, ZK ground by "
-            "a straight-sided disk, ZC ground by a disk with a circular-arc profile",
-            choices=tuple(ThreadForm),
-            source="ISO 10828",
-        ),
-    ] = "ZI"
-    right_hand: Annotated[bool, Key("flag", "right-hand threads; else left-hand")] = True
-    reference_diameter: Annotated[
-        float | None,
-        Key(
-            "length",
-            "reference diameter d1",
-            low=0,
-            above=True,
-            default="10 axial modules, or by quotient or lead_angle",
-        ),
-    ] = None
-    quotient: Annotated[
-        float | None,
-        Key("number", "diameter quotient q, in axial modules", low=2, high=100, default="by reference_diameter"),
-    ] = None
-    lead_angle: Annotated[
-        float | None,
-        Key("angle", "lead angle gamma on the reference cylinder", low=0.1, high=60, default="by reference_diameter"),
-    ] = None
-    section: Annotated[
-        str,
-        Key(
-            "choice",
-            "which normal section a ZN flank is straight in: of the space or of the thread",
-            choices=("space", "thread"),
-        ),
-    ] = "space"
-    length: Annotated[
-        float, Key("length", "length of the thread", low=0, above=True, default="2 m sqrt(z2 + 1), DIN 3975")
-    ] = DERIVED_VALUE
-    run_out: Annotated[
-        float,
-        Key(
-            "length",
-            "run-out beyond the length at either end: the root rises towards the tip, flanks and roundings with it, as the "
-            "tool is withdrawn; 0: ends cut square",
-            low=0,
-        ),
-    ] = 0.0
-    addendum: Annotated[
-        float, Key("axial coefficient", "tip above the reference cylinder", low=0, high=3, source="DIN 3975")
-    ] = 1.0
-    dedendum: Annotated[
-        float,
-        Key(
-            "axial coefficient",
-            "root below the reference cylinder",
-            low=0,
-            high=3,
-            default="1.2, less where the flanks end above its rounding",
-            source="DIN 3975",
-        ),
-    ] = DERIVED_VALUE
-    root_rounding: Annotated[
-        float,
-        Key(
-            "axial coefficient",
-            "rounding between flank and root cylinder, in the axial section",
-            low=0,
-            high=2,
-            default="0.2, less where the space has no room for it",
-        ),
-    ] = DERIVED_VALUE
-    thickness: Annotated[
-        float,
-        Key("axial coefficient", "axial thickness of the thread before backlash", low=0.2, high=3, default="pi / 2"),
-    ] = 0.5 * math.pi
-    dual_lead: Annotated[
-        float,
-        Key(
-            "number",
-            "dual lead (duplex) e: leads p_z (1 + e) of right, p_z (1 - e) of left flanks; nominal thickness in the middle",
-            low=-0.2,
-            high=0.2,
-        ),
-    ] = 0.0
-    disk_diameter: Annotated[
-        float,
-        Key("length", "diameter of the grinding disk at its rim, of ZK and ZC", low=0, above=True, default="80 m"),
-    ] = DERIVED_VALUE
-    profile_radius: Annotated[
-        float, Key("length", "radius of the disk's profile, of ZC", low=0, above=True, default="6 m")
-    ] = DERIVED_VALUE
-    wire_diameter: Annotated[
-        float | None,
-        Key(
-            "length",
-            "diameter of the wires or balls of the measure over them",
-            low=0,
-            above=True,
-            default="touch on the reference cylinder",
-        ),
-    ] = None
+    form: str = keys.choice(
+        "flank form: ZA straight in the axial section, ZN straight in the normal section, ZI involute helicoid, ZK ground by "
+        "a straight-sided disk, ZC ground by a disk with a circular-arc profile",
+        tuple(ThreadForm),
+        "ZI",
+        source="ISO 10828",
+    )
+    right_hand: bool = keys.flag("right-hand threads; else left-hand", True)
+    reference_diameter: float | None = keys.length(
+        "reference diameter d1", None, above=0, default="10 axial modules, or by quotient or lead_angle"
+    )
+    quotient: float | None = keys.number(
+        "diameter quotient q, in axial modules", None, low=2, high=100, default="by reference_diameter"
+    )
+    lead_angle: float | None = keys.angle(
+        "lead angle gamma on the reference cylinder", None, low=0.1, high=60, default="by reference_diameter"
+    )
+    section: str = keys.choice(
+        "which normal section a ZN flank is straight in: of the space or of the thread", ("space", "thread"), "space"
+    )
+    length: float = keys.length("length of the thread", DERIVED_VALUE, above=0, default="2 m sqrt(z2 + 1), DIN 3975")
+    run_out: float = keys.length(
+        "run-out beyond the length at either end: the root rises towards the tip, flanks and roundings with it, as the "
+        "tool is withdrawn; 0: ends cut square",
+        0.0,
+        low=0,
+    )
+    addendum: float = keys.axial_coefficient("tip above the reference cylinder", 1.0, low=0, high=3, source="DIN 3975")
+    dedendum: float = keys.axial_coefficient(
+        "root below the reference cylinder",
+        DERIVED_VALUE,
+        low=0,
+        high=3,
+        default="1.2, less where the flanks end above its rounding",
+        source="DIN 3975",
+    )
+    root_rounding: float = keys.axial_coefficient(
+        "rounding between flank and root cylinder, in the axial section",
+        DERIVED_VALUE,
+        low=0,
+        high=2,
+        default="0.2, less where the space has no room for it",
+    )
+    thickness: float = keys.axial_coefficient(
+        "axial thickness of the thread before backlash", 0.5 * math.pi, low=0.2, high=3, default="pi / 2"
+    )
+    dual_lead: float = keys.number(
+        "dual lead (duplex) e: leads p_z (1 + e) of right, p_z (1 - e) of left flanks; nominal thickness in the middle",
+        0.0,
+        low=-0.2,
+        high=0.2,
+    )
+    disk_diameter: float = keys.length(
+        "diameter of the grinding disk at its rim, of ZK and ZC", DERIVED_VALUE, above=0, default="80 m"
+    )
+    profile_radius: float = keys.length("radius of the disk's profile, of ZC", DERIVED_VALUE, above=0, default="6 m")
+    wire_diameter: float | None = keys.length(
+        "diameter of the wires or balls of the measure over them",
+        None,
+        above=0,
+        default="touch on the reference cylinder",
+    )
 
 
 class WheelTable(MemberTable):
     """The wheel, generated by its hob, or a helical gear."""
 
-    form: Annotated[
-        str,
-        Key(
-            "choice",
-            "enveloping: as a hob generates it that stands where the worm will; helical: a cylindrical helical gear of the worm's "
-            "rack, of ZI worms: contact in a point",
-            choices=("enveloping", "helical"),
-        ),
-    ] = "enveloping"
-    face_width: Annotated[
-        float,
-        Key(
-            "length",
-            "face width",
-            low=0,
-            above=True,
-            default="2 m (sqrt(q + 1) + 0.5), DIN 3975, of ZC 2 m (sqrt(q + 1) - 0.5); less where flanks end sooner",
-        ),
-    ] = DERIVED_VALUE
-    profile_shift: Annotated[
-        float,
-        Key(
-            "axial coefficient",
-            "profile shift x2",
-            low=-MAX_PROFILE_SHIFT,
-            high=MAX_PROFILE_SHIFT,
-            default="by center_distance, without it 0, of ZC 0.75",
-        ),
-    ] = DERIVED_VALUE
-    addendum: Annotated[
-        float,
-        Key(
-            "axial coefficient",
-            "tip above the shifted reference circle in the middle plane",
-            low=0,
-            high=3,
-            default="1, or what the tooth has room for",
-        ),
-    ] = DERIVED_VALUE
-    tip_form: Annotated[
-        str,
-        Key(
-            "choice",
-            "throated: an arc about the worm's axis; chamfered: a cylinder and two cones, tangents of that arc; cylindrical: one "
-            "cylinder of the outside diameter",
-            choices=("throated", "chamfered", "cylindrical"),
-        ),
-    ] = "throated"
-    throat_angle: Annotated[
-        float, Key("angle", "angle of the cones of a chamfered throat to the wheel's axis", low=5, high=75)
-    ] = 20.0
-    throat_radius: Annotated[
-        float,
-        Key("length", "radius of the throat in the axial section", low=0, above=True, default="a - d_a2 / 2"),
-    ] = DERIVED_VALUE
-    outside_diameter: Annotated[
-        float,
-        Key("length", "outside diameter d_e2", low=0, above=True, default="d_a2 + m, DIN 3975"),
-    ] = DERIVED_VALUE
+    form: str = keys.choice(
+        "enveloping: as a hob generates it that stands where the worm will; helical: a cylindrical helical gear of the worm's "
+        "rack, of ZI worms: contact in a point",
+        ("enveloping", "helical"),
+        "enveloping",
+    )
+    face_width: float = keys.length(
+        "face width",
+        DERIVED_VALUE,
+        above=0,
+        default="2 m (sqrt(q + 1) + 0.5), DIN 3975, of ZC 2 m (sqrt(q + 1) - 0.5); less where flanks end sooner",
+    )
+    profile_shift: float = keys.axial_coefficient(
+        "profile shift x2",
+        DERIVED_VALUE,
+        low=-MAX_PROFILE_SHIFT,
+        high=MAX_PROFILE_SHIFT,
+        default="by center_distance, without it 0, of ZC 0.75",
+    )
+    addendum: float = keys.axial_coefficient(
+        "tip above the shifted reference circle in the middle plane",
+        DERIVED_VALUE,
+        low=0,
+        high=3,
+        default="1, or what the tooth has room for",
+    )
+    tip_form: str = keys.choice(
+        "throated: an arc about the worm's axis; chamfered: a cylinder and two cones, tangents of that arc; cylindrical: one "
+        "cylinder of the outside diameter",
+        ("throated", "chamfered", "cylindrical"),
+        "throated",
+    )
+    throat_angle: float = keys.angle(
+        "angle of the cones of a chamfered throat to the wheel's axis", 20.0, low=5, high=75
+    )
+    throat_radius: float = keys.length(
+        "radius of the throat in the axial section", DERIVED_VALUE, above=0, default="a - d_a2 / 2"
+    )
+    outside_diameter: float = keys.length("outside diameter d_e2", DERIVED_VALUE, above=0, default="d_a2 + m, DIN 3975")
 
     @property
     def throated(self) -> bool:
@@ -252,69 +192,52 @@ class WheelTable(MemberTable):
 class HobTable(Table):
     """The hob that generates the wheel, with the worm's normal module and profile."""
 
-    reference_diameter: Annotated[
-        float,
-        Key(
-            "length",
-            "reference diameter; larger than the worm's: contact in a point",
-            low=0,
-            above=True,
-            default="the worm's",
-        ),
-    ] = DERIVED_VALUE
-    threads: Annotated[int | None, Key("count", "number of threads", low=1, high=20, default="the worm's")] = None
-    addendum: Annotated[
-        float, Key("axial coefficient", "tip above its reference cylinder: generates the root", low=0, high=3)
-    ] = 1.0 + CLEARANCE_MODULES
-    tip_radius: Annotated[
-        float, Key("axial coefficient", "tip rounding in the axial section: generates the fillet", low=0, high=2)
-    ] = ROUNDING_MODULES
-    pitch_height: Annotated[
-        float,
-        Key(
-            "axial coefficient",
-            "height over the reference cylinders of hob and worm at which both have the same normal pitch and thickness",
-            low=-MAX_PROFILE_SHIFT,
-            high=MAX_PROFILE_SHIFT,
-            default="the pitch point's, x2 of axes at right angles, on the flanks, at least 0 above 20 deg lead; 0 with a swivel",
-        ),
-    ] = DERIVED_VALUE
-    center_distance: Annotated[
-        float,
-        Key("length", "centre distance of cutting a_0", low=0, above=True, default="a + (d_0 - d_1) / 2"),
-    ] = DERIVED_VALUE
-    swivel_angle: Annotated[
-        float,
-        Key(
-            "angle",
-            "swivel eta_0 of the hob's axis out of the worm's: towards the way that larger lead angles ask for",
-            low=-90,
-            high=90,
-            default="gamma_w0 - gamma_w: threads of hob and worm are tangent at the height hob.pitch_height",
-        ),
-    ] = DERIVED_VALUE
-    feed: Annotated[
-        str,
-        Key(
-            "choice",
-            "tangential: along the hob's axis, the wheel turning with it; radial: towards the wheel. Both leave the same wheel; "
-            "the sheet has the way, or the length of the hob, that it takes",
-            choices=("tangential", "radial"),
-        ),
-    ] = "tangential"
+    reference_diameter: float = keys.length(
+        "reference diameter; larger than the worm's: contact in a point", DERIVED_VALUE, above=0, default="the worm's"
+    )
+    threads: int | None = keys.count("number of threads", None, low=1, high=20, default="the worm's")
+    addendum: float = keys.axial_coefficient(
+        "tip above its reference cylinder: generates the root", 1.0 + CLEARANCE_MODULES, low=0, high=3
+    )
+    tip_radius: float = keys.axial_coefficient(
+        "tip rounding in the axial section: generates the fillet", ROUNDING_MODULES, low=0, high=2
+    )
+    pitch_height: float = keys.axial_coefficient(
+        "height over the reference cylinders of hob and worm at which both have the same normal pitch and thickness",
+        DERIVED_VALUE,
+        low=-MAX_PROFILE_SHIFT,
+        high=MAX_PROFILE_SHIFT,
+        default="the pitch point's, x2 of axes at right angles, on the flanks, at least 0 above 20 deg lead; 0 with a swivel",
+    )
+    center_distance: float = keys.length(
+        "centre distance of cutting a_0", DERIVED_VALUE, above=0, default="a + (d_0 - d_1) / 2"
+    )
+    swivel_angle: float = keys.angle(
+        "swivel eta_0 of the hob's axis out of the worm's: towards the way that larger lead angles ask for",
+        DERIVED_VALUE,
+        low=-90,
+        high=90,
+        default="gamma_w0 - gamma_w: threads of hob and worm are tangent at the height hob.pitch_height",
+    )
+    feed: str = keys.choice(
+        "tangential: along the hob's axis, the wheel turning with it; radial: towards the wheel. Both leave the same wheel; "
+        "the sheet has the way, or the length of the hob, that it takes",
+        ("tangential", "radial"),
+        "tangential",
+    )
 
 
 class WormDriveAssembly(Table):
     """Assembly errors: displacements of the members from their nominal positions."""
 
-    da: Annotated[float, Key("length", "change of the centre distance: the wheel away from the worm")] = 0.0
-    dz1: Annotated[float, Key("length", "displacement of the worm along its axis")] = 0.0
-    dz2: Annotated[float, Key("length", "displacement of the wheel along its axis")] = 0.0
-    d_sigma: Annotated[float, Key("angle", "change of the shaft angle", low=-5, high=5)] = 0.0
-    worm_eccentricity: Annotated[float, eccentricity("worm")] = 0.0
-    worm_phase: Annotated[float, phase("worm")] = 0.0
-    wheel_eccentricity: Annotated[float, eccentricity("wheel")] = 0.0
-    wheel_phase: Annotated[float, phase("wheel")] = 0.0
+    da: float = keys.length("change of the centre distance: the wheel away from the worm", 0.0)
+    dz1: float = keys.length("displacement of the worm along its axis", 0.0)
+    dz2: float = keys.length("displacement of the wheel along its axis", 0.0)
+    d_sigma: float = keys.angle("change of the shaft angle", 0.0, low=-5, high=5)
+    worm_eccentricity: float = eccentricity("worm")
+    worm_phase: float = phase("worm")
+    wheel_eccentricity: float = eccentricity("wheel")
+    wheel_phase: float = phase("wheel")
 
 
 class WormDriveDesign(Design):
@@ -326,48 +249,32 @@ class WormDriveDesign(Design):
     about: ClassVar[str] = OWN_KINDS["worm_drive"].about
     called: ClassVar[str] = "Worm drive"
 
-    module_section: Annotated[
-        str,
-        Key(
-            "choice",
-            "which module the key module gives: of the worm's axial or normal section",
-            choices=("axial", "normal"),
-        ),
-    ] = "axial"
-    pressure_angle: Annotated[
-        float,
-        Key(
-            "angle",
-            "pressure angle of the tool: axial of ZA, else normal; of ZK and ZC the disk's",
-            low=5,
-            high=35,
-            source="ISO 10828",
-        ),
-    ] = 20.0
-    shaft_angle: Annotated[float, Key("angle", "angle between the axes", low=45, high=135)] = RIGHT_ANGLE_DEG
-    center_distance: Annotated[
-        float, Key("length", "centre distance a", low=0, above=True, default="by wheel.profile_shift")
-    ] = DERIVED_VALUE
-    backlash_share: Annotated[
-        float,
-        Key(
-            "number",
-            "part of the backlash by which the worm's threads are thinner; by the rest the wheel's teeth are, by thicker threads "
-            "of its hob",
-            low=0,
-            high=1,
-        ),
-    ] = 1.0
-    friction: Annotated[
-        float | None,
-        Key(
-            "number",
-            "coefficient of friction of the flanks, of forces and efficiency in the sheet",
-            low=0,
-            high=1,
-            default="no friction",
-        ),
-    ] = None
+    module_section: str = keys.choice(
+        "which module the key module gives: of the worm's axial or normal section", ("axial", "normal"), "axial"
+    )
+    pressure_angle: float = keys.angle(
+        "pressure angle of the tool: axial of ZA, else normal; of ZK and ZC the disk's",
+        20.0,
+        low=5,
+        high=35,
+        source="ISO 10828",
+    )
+    shaft_angle: float = keys.angle("angle between the axes", RIGHT_ANGLE_DEG, low=45, high=135)
+    center_distance: float = keys.length("centre distance a", DERIVED_VALUE, above=0, default="by wheel.profile_shift")
+    backlash_share: float = keys.number(
+        "part of the backlash by which the worm's threads are thinner; by the rest the wheel's teeth are, by thicker threads "
+        "of its hob",
+        1.0,
+        low=0,
+        high=1,
+    )
+    friction: float | None = keys.number(
+        "coefficient of friction of the flanks, of forces and efficiency in the sheet",
+        None,
+        low=0,
+        high=1,
+        default="no friction",
+    )
     worm: WormTable
     wheel: WheelTable
     hob: HobTable = HobTable()

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, Self
+from typing import Any, ClassVar, Self
 
 from pydantic import model_validator
 
+from gearmesh.design import keys
 from gearmesh.design.core import FlankContact, RexsSource
-from gearmesh.design.keys import Key, conflict
+from gearmesh.design.keys import conflict
 from gearmesh.design.measured import PlanetaryMeasured
 from gearmesh.design.runout import eccentricity, phase
 from gearmesh.member_names import MemberNames
@@ -44,26 +45,18 @@ class RingMember(CylindricalMember):
 class PlanetaryAssembly(CenterDistanceAllowance):
     """Mounting of sun, planets and ring."""
 
-    center_distance: Annotated[
-        float | None,
-        Key(
-            "length",
-            "distance of the planets' axes from the sun's",
-            low=0,
-            above=True,
-            default="sun and planet without backlash",
-        ),
-    ] = None
-    planet_angles: Annotated[
-        str | None,
-        Key("text", 'angles of the planets about the sun, deg, as "0, 118.6, 240"', default="equally spaced"),
-    ] = None
-    sun_eccentricity: Annotated[float, eccentricity("sun")] = 0.0
-    sun_phase: Annotated[float, phase("sun")] = 0.0
-    planet_eccentricity: Annotated[float, eccentricity("planet")] = 0.0
-    planet_phase: Annotated[float, phase("planet")] = 0.0
-    ring_eccentricity: Annotated[float, eccentricity("ring")] = 0.0
-    ring_phase: Annotated[float, phase("ring")] = 0.0
+    center_distance: float | None = keys.length(
+        "distance of the planets' axes from the sun's", None, above=0, default="sun and planet without backlash"
+    )
+    planet_angles: str | None = keys.text(
+        'angles of the planets about the sun, deg, as "0, 118.6, 240"', None, default="equally spaced"
+    )
+    sun_eccentricity: float = eccentricity("sun")
+    sun_phase: float = phase("sun")
+    planet_eccentricity: float = eccentricity("planet")
+    planet_phase: float = phase("planet")
+    ring_eccentricity: float = eccentricity("ring")
+    ring_phase: float = phase("ring")
 
 
 class PlanetaryDesign(HalvesKeys):
@@ -84,10 +77,8 @@ class PlanetaryDesign(HalvesKeys):
     sun: CylindricalMember
     planet: CylindricalMember
     ring: RingMember
-    planets: Annotated[int, Key("count", "number of planets", low=1, high=24)] = 3
-    fixed: Annotated[
-        str, Key("choice", "the fixed member, for speeds and ratio", choices=("ring", "carrier", "sun"))
-    ] = "ring"
+    planets: int = keys.count("number of planets", 3, low=1, high=24)
+    fixed: str = keys.choice("the fixed member, for speeds and ratio", ("ring", "carrier", "sun"), "ring")
     assembly: PlanetaryAssembly = PlanetaryAssembly()
     measured: PlanetaryMeasured | None = None
     rexs: RexsSource | None = None

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, Self
+from typing import Any, ClassVar, Self
 
 from pydantic import model_validator
 
+from gearmesh.design import keys
 from gearmesh.design.core import (
     BODY_TABLES,
     BrokenEdges,
@@ -15,14 +16,14 @@ from gearmesh.design.core import (
     MemberMaterial,
     UnloadedElementTable,
 )
-from gearmesh.design.keys import DERIVED_VALUE, Key, Table, conflict
+from gearmesh.design.keys import DERIVED_VALUE, Table, conflict
 from gearmesh.design.measured import RackMeasured
 from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PinionRunout
 from gearmesh.member_names import MemberNames
 from gearmesh.systems.common.bounds import at_least
-from gearmesh.systems.cylindrical.allowance_keys import ThicknessAllowance, ThicknessMade
-from gearmesh.systems.cylindrical.design import AccuracyClass, CylindricalMember, ToothingKeys
+from gearmesh.systems.cylindrical.allowance_keys import ThicknessAllowance, thickness_made_key
+from gearmesh.systems.cylindrical.design import CylindricalMember, ToothingKeys, accuracy_class_key
 from gearmesh.systems.kinds import OWN_KINDS
 
 #: name of the pinion's table in a design
@@ -38,26 +39,17 @@ class BoltRow(Table):
 
     listed_apart: ClassVar[str] = "bolt holes of the rack"
 
-    count: Annotated[int, Key("count", "number of holes", low=1, high=1000)]
-    diameter: Annotated[float, Key("length", "diameter of each hole", low=0, above=True)]
-    pitch: Annotated[
-        float | None,
-        Key(
-            "length",
-            "distance from one hole to the next",
-            low=0,
-            above=True,
-            default="length of the bar over their number",
-        ),
-    ] = None
-    height: Annotated[
-        float | None,
-        Key("length", "height of their centres over the back", low=0, above=True, default="half way from back to root"),
-    ] = None
-    depth: Annotated[
-        float | None,
-        Key("length", "depth of blind holes, from the heel's face; without it they go through", low=0, above=True),
-    ] = None
+    count: int = keys.count("number of holes", low=1, high=1000)
+    diameter: float = keys.length("diameter of each hole", above=0)
+    pitch: float | None = keys.length(
+        "distance from one hole to the next", None, above=0, default="length of the bar over their number"
+    )
+    height: float | None = keys.length(
+        "height of their centres over the back", None, above=0, default="half way from back to root"
+    )
+    depth: float | None = keys.length(
+        "depth of blind holes, from the heel's face; without it they go through", None, above=0
+    )
 
 
 class BarKeys(Modified):
@@ -65,49 +57,33 @@ class BarKeys(Modified):
 
     usual: ClassVar[tuple[str, ...]] = ("teeth", "height")
 
-    teeth: Annotated[
-        int | None, Key("count", "number of teeth", low=1, high=10000, default="as many as the length has room for")
-    ] = None
-    length: Annotated[
-        float | None,
-        Key(
-            "length",
-            "length of the bar; beyond the teeth, half at either end, it is as high as the root",
-            low=0,
-            above=True,
-            default="number of teeth times pitch",
-        ),
-    ] = None
-    face_width: Annotated[float, Key("length", "width of the bar, across its length", low=0, above=True)]
-    height: Annotated[
-        float,
-        Key(
-            "length",
-            "height of the bar from its back to the tips",
-            low=0,
-            above=True,
-            default="the teeth and 3 modules",
-        ),
-    ] = DERIVED_VALUE
-    addendum: Annotated[
-        float,
-        Key("coefficient", "tip above the reference plane", low=0, high=5, default="by profile", source="ISO 53"),
-    ] = DERIVED_VALUE
-    dedendum: Annotated[
-        float,
-        Key("coefficient", "root below the reference plane", low=0, high=5, default="by profile", source="ISO 53"),
-    ] = DERIVED_VALUE
-    tool_tip_radius: Annotated[
-        float,
-        Key(
-            "coefficient",
-            "radius of the root fillets; 0 = sharp corner",
-            low=0,
-            high=2,
-            default="by profile, or what the space has room for",
-            source="ISO 53",
-        ),
-    ] = DERIVED_VALUE
+    teeth: int | None = keys.count(
+        "number of teeth", None, low=1, high=10000, default="as many as the length has room for"
+    )
+    length: float | None = keys.length(
+        "length of the bar; beyond the teeth, half at either end, it is as high as the root",
+        None,
+        above=0,
+        default="number of teeth times pitch",
+    )
+    face_width: float = keys.length("width of the bar, across its length", above=0)
+    height: float = keys.length(
+        "height of the bar from its back to the tips", DERIVED_VALUE, above=0, default="the teeth and 3 modules"
+    )
+    addendum: float = keys.coefficient(
+        "tip above the reference plane", DERIVED_VALUE, low=0, high=5, default="by profile", source="ISO 53"
+    )
+    dedendum: float = keys.coefficient(
+        "root below the reference plane", DERIVED_VALUE, low=0, high=5, default="by profile", source="ISO 53"
+    )
+    tool_tip_radius: float = keys.coefficient(
+        "radius of the root fillets; 0 = sharp corner",
+        DERIVED_VALUE,
+        low=0,
+        high=2,
+        default="by profile, or what the space has room for",
+        source="ISO 53",
+    )
 
     @model_validator(mode="after")
     def _some_length(self) -> Self:
@@ -127,7 +103,7 @@ class RackTable(BrokenEdges, BarKeys):
 
     bolts: BoltRow | None = None
     thickness_allowance: ThicknessAllowance | None = None
-    thickness_made: ThicknessMade = "middle"
+    thickness_made: str = thickness_made_key()
     material: MemberMaterial | None = None
 
     #: The dedendum always gives the root.
@@ -142,20 +118,16 @@ class RackTable(BrokenEdges, BarKeys):
 class RackAssembly(PinionRunout):
     """Mounting of pinion and rack."""
 
-    mounting_distance: Annotated[
-        float | None,
-        Key(
-            "length",
-            "distance of the pinion's axis from the back of the bar",
-            low=0,
-            above=True,
-            default="nominal teeth mesh without backlash",
-        ),
-    ] = None
-    dx: Annotated[float, Key("length", "offset of the rack along x, away from the pinion's axis")] = 0.0
-    dz: Annotated[float, Key("length", "offset of the rack along the pinion's axis")] = 0.0
-    gamma_h: Annotated[float, Key("angle", "misalignment of the rack and its guide about x", low=-10, high=10)] = 0.0
-    gamma_v: Annotated[float, Key("angle", "misalignment of the rack and its guide about y", low=-10, high=10)] = 0.0
+    mounting_distance: float | None = keys.length(
+        "distance of the pinion's axis from the back of the bar",
+        None,
+        above=0,
+        default="nominal teeth mesh without backlash",
+    )
+    dx: float = keys.length("offset of the rack along x, away from the pinion's axis", 0.0)
+    dz: float = keys.length("offset of the rack along the pinion's axis", 0.0)
+    gamma_h: float = keys.angle("misalignment of the rack and its guide about x", 0.0, low=-10, high=10)
+    gamma_v: float = keys.angle("misalignment of the rack and its guide about y", 0.0, low=-10, high=10)
 
 
 class RackKeys(ToothingKeys):
@@ -219,7 +191,7 @@ class RackDesign(RackKeys):
     called: ClassVar[str] = "Pinion and rack"
 
     pinion: CylindricalMember
-    accuracy_class: AccuracyClass = 6
+    accuracy_class: int = accuracy_class_key()
     assembly: RackAssembly = RackAssembly()
     contact: FlankContact = FlankContact()
 
@@ -254,9 +226,7 @@ class SingleRackDesign(RackKeys):
     about: ClassVar[str] = "a rack of finite length without a pinion, spur or helical [ISO 21771]"
     called: ClassVar[str] = "Rack"
 
-    hand: Annotated[
-        str, Key("choice", "hand of the traces, as of a gear that they are on", choices=("right", "left"))
-    ] = "right"
+    hand: str = keys.choice("hand of the traces, as of a gear that they are on", ("right", "left"), "right")
 
     fe: UnloadedElementTable = UnloadedElementTable()
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, Self
+from typing import Any, ClassVar, Self
 
 from pydantic import model_validator
 
+from gearmesh.design import keys
 from gearmesh.design.core import UnloadedElementTable
-from gearmesh.design.keys import Key, conflict
+from gearmesh.design.keys import conflict
 from gearmesh.design.measured import PairMeasured
 from gearmesh.member_names import MemberNames
 from gearmesh.systems.cylindrical.design import CylindricalMember, HalvesKeys
@@ -34,7 +35,7 @@ class SingleGearDesign(HalvesKeys):
     example: ClassVar[Mapping[str, Any]] = {"module": 1, "gear": {"teeth": 30, "face_width": 10}}
     about: ClassVar[str] = "one spur or helical gear, external or internal, without a mating gear [ISO 21771]"
 
-    hand: Annotated[str, Key("choice", "hand of the gear's helix", choices=("right", "left"))] = "right"
+    hand: str = keys.choice("hand of the gear's helix", ("right", "left"), "right")
     fe: UnloadedElementTable = UnloadedElementTable()
     pinion: CylindricalMember | None = None
     gear: CylindricalMember | None = None

@@ -3,35 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar
+from typing import Any, ClassVar
 
 from pydantic import model_validator
 
-from gearmesh.design.keys import Key, conflict
+from gearmesh.design import keys
+from gearmesh.design.keys import conflict
 from gearmesh.systems.kinds import OWN_KINDS
-from gearmesh.systems.spiral_bevel.design import BevelBody, BevelContact, BevelDesign, DrivingSide, EdgeRadius
+from gearmesh.systems.spiral_bevel.design import BevelBody, BevelContact, BevelDesign, driving_side_key, edge_radius_key
 
 
 class ConjugateMember(BevelBody):
     """One member."""
 
-    r_d: Annotated[
-        float,
-        Key(
-            "length",
-            "cutter radius at the pitch plane (convex side of the pinion)",
-            low=0,
-            above=True,
-            source="[CR3553] Fig. 2.2.4",
-        ),
-    ]
-    edge_radius: EdgeRadius = None
+    r_d: float = keys.length(
+        "cutter radius at the pitch plane (convex side of the pinion)", above=0, source="[CR3553] Fig. 2.2.4"
+    )
+    edge_radius: float | None = edge_radius_key()
 
 
 class ConjugateContact(BevelContact):
     """Contact, by default on the side that [CR3553] takes."""
 
-    side: DrivingSide = "pinion_convex"
+    side: str = driving_side_key("pinion_convex")
 
 
 class ConjugateDesign(BevelDesign):
@@ -48,26 +42,18 @@ class ConjugateDesign(BevelDesign):
     about: ClassVar[str] = OWN_KINDS["spiral_bevel_conjugate"].about
     called: ClassVar[str] = "Conjugate spiral bevel gears"
 
-    beta: Annotated[float, Key("angle", "mean spiral angle", low=0, high=50, source="[CR3553] 2.2")] = 35.0
-    psi_c: Annotated[float, Key("angle", "blade angle", low=5, high=40, source="[CR3553] 2.2")] = 20.0
-    rho: Annotated[
-        float | None,
-        Key(
-            "length",
-            "Geometry II: profile radius of the pinion's cutter; at most 1000 depths of the teeth",
-            low=0,
-            high=5e4,
-            above=True,
-            default="Geometry I: straight blades",
-            source="[CR3553] 2.5",
-        ),
-    ] = None
-    addendum: Annotated[float, Key("number", "mean addendum of both members, mean normal modules", low=0.1, high=2)] = (
-        0.8
+    beta: float = keys.angle("mean spiral angle", 35.0, low=0, high=50, source="[CR3553] 2.2")
+    psi_c: float = keys.angle("blade angle", 20.0, low=5, high=40, source="[CR3553] 2.2")
+    rho: float | None = keys.length(
+        "Geometry II: profile radius of the pinion's cutter; at most 1000 depths of the teeth",
+        None,
+        above=0,
+        high=5e4,
+        default="Geometry I: straight blades",
+        source="[CR3553] 2.5",
     )
-    dedendum: Annotated[float, Key("number", "mean dedendum of both members, mean normal modules", low=0.1, high=2)] = (
-        1.0
-    )
+    addendum: float = keys.number("mean addendum of both members, mean normal modules", 0.8, low=0.1, high=2)
+    dedendum: float = keys.number("mean dedendum of both members, mean normal modules", 1.0, low=0.1, high=2)
     pinion: ConjugateMember
     gear: ConjugateMember
     contact: ConjugateContact = ConjugateContact()
