@@ -205,6 +205,8 @@ class MemberMaterial(Table):
 class MemberMount(Table):
     """Support of a member under load: body, shaft and bearings."""
 
+    needs: ClassVar = (("z", "stiffness", "stiffness, which refers to this point"),)
+
     stiffness: tuple[float | str | tuple[float, ...], ...] | None = keys.stiffness(
         "stiffness of shaft and bearings at z, for displacements x, y, z and small rotations about them, always in N, mm, "
         "rad: its diagonal, or all 6 by 6; in the frame of the member at rotation 0, not rotating",
@@ -222,10 +224,8 @@ class MemberMount(Table):
 
     @model_validator(mode="after")
     def _sound_stiffness(self) -> Self:
-        if self.stiffness is None:
-            if self.z is not None:
-                raise conflict("z", self.z, reason="needs stiffness, which refers to this point")
-        elif isinstance(self.stiffness[0], tuple) and not _positive_definite(self.stiffness):
+        given = self.stiffness
+        if given is not None and isinstance(given[0], tuple) and not _positive_definite(given):
             raise conflict("stiffness", None, reason="its rows must be symmetric and positive definite")
         return self
 
@@ -266,6 +266,8 @@ def _at_one_end(end: str, both: str) -> Any:
 class BrokenEdges(Table):
     """Chamfers and roundings of the edges of teeth, at tips and end faces."""
 
+    exclusive: ClassVar[tuple[tuple[str, str], ...]] = (("tip_rounding", "tip_chamfer"),)
+
     tip_chamfer: float | None = keys.length("45 deg chamfer between flank and top land", None, low=0)
     tip_rounding: float | None = keys.length("rounding between flank and top land", None, low=0)
     end_chamfer: float | None = keys.length(
@@ -284,8 +286,6 @@ class BrokenEdges(Table):
 
     @model_validator(mode="after")
     def _edges(self) -> Self:
-        if self.tip_chamfer and self.tip_rounding:
-            raise conflict("tip_rounding", self.tip_rounding, reason="cannot be given together with tip_chamfer")
         if self.end_chamfer_angle is not None and not (
             self.end_chamfer or self.end_chamfer_toe or self.end_chamfer_heel
         ):
@@ -307,6 +307,8 @@ class BrokenEdges(Table):
 class TurnedTip(Table):
     """Turned tip: a cone or a throat instead of the tip cylinder."""
 
+    exclusive: ClassVar[tuple[tuple[str, str], ...]] = (("tip_throat_radius", "tip_cone_angle"),)
+
     tip_cone_angle: float | None = keys.angle(
         "angle of a conical tip to the axis, positive where it widens along z; the tip diameter is that at mid face",
         None,
@@ -323,14 +325,9 @@ class TurnedTip(Table):
 
     @model_validator(mode="after")
     def _one_tip_surface(self) -> Self:
-        given = {"tip_cone_angle": self.tip_cone_angle, "tip_throat_radius": self.tip_throat_radius}
-        for key, value in given.items():
-            if value and getattr(self, "modified", False):
+        for key in ("tip_cone_angle", "tip_throat_radius"):
+            if (value := getattr(self, key)) and getattr(self, "modified", False):
                 raise conflict(key, value, reason="cannot be given together with modifications")
-        if all(given.values()):
-            raise conflict(
-                "tip_throat_radius", self.tip_throat_radius, reason="cannot be given together with tip_cone_angle"
-            )
         return self
 
 
@@ -514,6 +511,7 @@ class Design(Table):
     """
 
     usual: ClassVar[tuple[str, ...]] = ("units", "name", "module", "backlash")
+    exclusive: ClassVar[tuple[tuple[str, str], ...]] = (("diametral_pitch", "module"),)
 
     #: one line about the kind
     about: ClassVar[str] = ""
@@ -556,11 +554,9 @@ class Design(Table):
 
     @model_validator(mode="after")
     def _one_size(self) -> Self:
-        """Refuse a design without module and diametral pitch, or with both."""
+        """Refuse a design without module and diametral pitch."""
         if self.module is None and self.diametral_pitch is None:
             raise conflict("module", None, reason=f"missing; give module ({self.units}) or diametral_pitch (1/inch)")
-        if self.module is not None and self.diametral_pitch is not None:
-            raise conflict("diametral_pitch", self.diametral_pitch, reason="cannot be given together with module")
         return self
 
     def __init__(self, /, **keys: Any) -> None:

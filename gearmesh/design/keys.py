@@ -398,6 +398,11 @@ class Table(BaseModel):
 
     #: pairs (first, second): a given `first` replaces `second`, and only one of them may be given
     replaces: ClassVar[tuple[tuple[str, str], ...]] = ()
+    #: pairs (key, other), dotted where they are in tables below: only one of them may be given; 0 counts as left out. Each
+    #: class names those that it declares, as in `needs`
+    exclusive: ClassVar[tuple[tuple[str, str], ...]] = ()
+    #: keys that have an effect with another one only: (key, other, that other in words)
+    needs: ClassVar[tuple[tuple[str, str, str], ...]] = ()
     #: keys that the tables of other designs have and this table has not, with the reason
     absent: ClassVar[Mapping[str, str]] = {}
     #: keys whose sign has a meaning for the table, as negative teeth of an internal gear
@@ -454,11 +459,28 @@ class Table(BaseModel):
 
     @model_validator(mode="after")
     def _not_together(self) -> Self:
-        """Refuse both keys of a pair of `replaces`."""
+        """Refuse both keys of a pair of `replaces` or `exclusive`, and a key without the one that it needs."""
         for first, second in self.replaces:
             if getattr(self, first) is not None and second in self.model_fields_set:
                 raise conflict(first, getattr(self, first), reason=f"cannot be given together with {second}")
+        for key, other in _declared(type(self), "exclusive"):
+            if (value := self._at(key)) and self._at(other):
+                shown = None if isinstance(value, Table) else value
+                raise conflict(key, shown, reason=f"cannot be given together with {other}")
+        for key, other, words in _declared(type(self), "needs"):
+            if (value := self._at(key)) is not None and self._at(other) in (
+                None,
+                type(self).model_fields[other].default,
+            ):
+                raise conflict(key, value, reason=f"needs {words}")
         return self
+
+    def _at(self, dotted: str) -> Any:
+        """Return the value of a dotted key; None in a table that is left out."""
+        value: Any = self
+        for name in dotted.split("."):
+            value = getattr(value, name, None)
+        return value
 
     @classmethod
     def names(cls) -> list[str]:
@@ -632,6 +654,12 @@ class Table(BaseModel):
             for name, value in values.items()
             if value is not None
         }
+
+
+@cache
+def _declared(table: type[Table], name: str) -> tuple[tuple[str, ...], ...]:
+    """Return the entries of a class variable that a table and its base classes declare."""
+    return tuple(entry for base in reversed(table.__mro__) for entry in vars(base).get(name, ()))
 
 
 @cache

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from itertools import combinations
 from typing import Any, ClassVar, Self
 
 from pydantic import model_validator
@@ -57,6 +58,11 @@ class ShaperCutter(Table):
 class Hob(Table):
     """Hob of a member: protuberance and chamfer of its profile, and the stock that it leaves for the finishing tool."""
 
+    needs: ClassVar[tuple[tuple[str, str, str], ...]] = (
+        ("protuberance_angle", "protuberance", "a protuberance"),
+        ("chamfer_angle", "chamfer_diameter", "a chamfer_diameter"),
+    )
+
     protuberance: float = keys.length(
         "protuberance pr_P0: how far the tip rounding projects beyond the hob's flank, normal to it",
         0.0,
@@ -99,10 +105,6 @@ class Hob(Table):
 
     @model_validator(mode="after")
     def _deep_enough(self) -> Self:
-        if self.protuberance_angle is not None and not self.protuberance:
-            raise conflict("protuberance_angle", self.protuberance_angle, reason="needs a protuberance")
-        if self.chamfer_angle is not None and self.chamfer_diameter is None:
-            raise conflict("chamfer_angle", self.chamfer_angle, reason="needs a chamfer_diameter")
         notched = self.finished and self.stock > self.protuberance
         if notched and self.finishing_diameter is None:
             raise conflict(
@@ -130,6 +132,10 @@ class Hob(Table):
         return self.protuberance - (self.stock - self.remaining_stock)
 
 
+#: keys of a tip that a hob with a chamfer cannot make
+TIP_SHAPE_KEYS = ("tip_cone_angle", "tip_throat_radius", "tip_chamfer", "tip_rounding")
+#: keys of the size, of which one is given
+SIZE_KEYS = ("module", "diametral_pitch", "transverse_module", "transverse_diametral_pitch")
 #: tables of a body that an internal gear does not have
 NOT_INSIDE = ("keyway", "hub", "web", "toe_hub", "heel_shaft", "toe_shaft", "spokes")
 
@@ -145,6 +151,10 @@ class CylindricalMember(TurnedTip, MemberTable, Modified):
     )
 
     signed: ClassVar[tuple[str, ...]] = ("teeth",)
+    exclusive: ClassVar[tuple[tuple[str, str], ...]] = (
+        ("pins", "balls"),
+        *((key, "hob.chamfer_diameter") for key in TIP_SHAPE_KEYS),
+    )
 
     internal: bool = keys.flag("internal gear; a negative number of teeth means the same", False, source="ISO 21771")
     profile_shift: float = keys.coefficient(
@@ -248,16 +258,11 @@ class CylindricalMember(TurnedTip, MemberTable, Modified):
                     )
         elif self.rim is not None:
             raise conflict("rim", self.rim, reason="only an internal gear has one")
-        self._check_tip_surface()
         if self.formed:
             self._check_formed()
         if self.hob is not None and not self.hobbed:
             tool = "an internal gear has none" if self.internal else "cannot be given together with shaper"
             raise conflict("hob", None, reason=tool)
-        if self.hob is not None and self.hob.chamfer_diameter is not None:
-            for key in ("tip_chamfer", "tip_rounding"):
-                if getattr(self, key):
-                    raise conflict(key, getattr(self, key), reason="cannot be given together with hob.chamfer_diameter")
         if self.shaper is not None and self.shaper.addendum is not None:
             for key in ("dedendum", "root_diameter"):
                 if key in self.model_fields_set and getattr(self, key) is not None:
@@ -265,11 +270,6 @@ class CylindricalMember(TurnedTip, MemberTable, Modified):
                         "shaper.addendum", self.shaper.addendum, reason=f"cannot be given together with {key}"
                     )
         return self
-
-    def _check_tip_surface(self) -> None:
-        for key in ("tip_cone_angle", "tip_throat_radius"):
-            if getattr(self, key) and self.hob is not None and self.hob.chamfer_diameter is not None:
-                raise conflict(key, getattr(self, key), reason="cannot be given together with hob.chamfer_diameter")
 
     def _check_formed(self) -> None:
         if not self.internal:
@@ -289,8 +289,6 @@ class CylindricalMember(TurnedTip, MemberTable, Modified):
 
     @model_validator(mode="after")
     def _one_thickness(self) -> Self:
-        if self.balls is not None and self.pins is not None:
-            raise conflict("pins", None, reason="cannot be given together with balls")
         if self.allowance_by == "feed" and self.formed:
             raise conflict("allowance_by", self.allowance_by, reason="no tool is fed into a formed gear")
         first, *others = [*self._thicknesses, ""]
@@ -366,6 +364,9 @@ class ToothingKeys(Design):
     #: Names of the tables of members.
     toothed: ClassVar[tuple[str, ...]] = ("pinion", "gear")
     replaces: ClassVar = (("transverse_pressure_angle", "pressure_angle"), ("circumferential_backlash", "backlash"))
+    exclusive: ClassVar[tuple[tuple[str, str], ...]] = tuple(
+        (second, first) for first, second in combinations(SIZE_KEYS, 2)
+    )
     transverse_module: float | None = module_key("transverse module", "given by module")
     transverse_diametral_pitch: float | None = pitch_key(
         "transverse diametral pitch, per inch in any units", "given by module"
@@ -427,12 +428,8 @@ class ToothingKeys(Design):
 
     @model_validator(mode="after")
     def _one_size(self) -> Self:
-        sizes = ("module", "diametral_pitch", "transverse_module", "transverse_diametral_pitch")
-        given = [name for name in sizes if getattr(self, name) is not None]
-        if not given:
-            raise conflict("module", None, reason=f"missing; give one of {', '.join(sizes)}")
-        if len(given) > 1:
-            raise conflict(given[1], getattr(self, given[1]), reason=f"cannot be given together with {given[0]}")
+        if all(getattr(self, name) is None for name in SIZE_KEYS):
+            raise conflict("module", None, reason=f"missing; give one of {', '.join(SIZE_KEYS)}")
         return self
 
     @model_validator(mode="after")

@@ -183,6 +183,8 @@ class EaseOffTable(Table):
 class PinionSide(Machine):
     """One side of the pinion: the requested contact, and the settings that give it or are given instead."""
 
+    needs: ClassVar = (("mesh_angle", "index_angle", "index_angle, the position of the side on its tooth"),)
+
     ease_off: EaseOffTable | None = None
     sliding_base: float = keys.length(
         "blank withdrawn along the cradle axis",
@@ -267,14 +269,6 @@ class PinionSide(Machine):
     mean_shift: float = keys.length(
         "mean point farther from the apex than mean_cone_distance", 0.0, default="chosen: the middle of the path"
     )
-
-    @model_validator(mode="after")
-    def _meshing_by_index(self) -> Self:
-        if self.mesh_angle is not None and self.index_angle is None:
-            raise conflict(
-                "mesh_angle", self.mesh_angle, reason="needs index_angle, the position of the side on its tooth"
-            )
-        return self
 
     @property
     def gives_roll(self) -> bool:

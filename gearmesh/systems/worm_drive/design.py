@@ -244,6 +244,11 @@ class WormDriveDesign(Design):
     """A worm and its wheel."""
 
     usual: ClassVar[tuple[str, ...]] = ("pressure_angle", "center_distance")
+    exclusive: ClassVar[tuple[tuple[str, str], ...]] = (
+        ("worm.quotient", "worm.reference_diameter"),
+        ("worm.lead_angle", "worm.reference_diameter"),
+        ("worm.lead_angle", "worm.quotient"),
+    )
     own_kind: ClassVar[str] = "worm_drive"
     example: ClassVar[Mapping[str, Any]] = {"module": 4, "worm": {"threads": 2}, "wheel": {"teeth": 40}}
     about: ClassVar[str] = OWN_KINDS["worm_drive"].about
@@ -489,15 +494,8 @@ class WormDriveDesign(Design):
         return distance + 0.5 * (d0 - d1), math.degrees(swivel)
 
     @model_validator(mode="after")
-    def _one_diameter(self) -> Self:
-        """Refuse more than one key of the worm's diameter, and a diameter too small for the normal module."""
-        given = [key for key in ("reference_diameter", "quotient", "lead_angle") if getattr(self.worm, key) is not None]
-        if len(given) > 1:
-            raise conflict(
-                f"worm.{given[1]}",
-                getattr(self.worm, given[1]),
-                reason=f"cannot be given together with worm.{given[0]}",
-            )
+    def _thick_enough(self) -> Self:
+        """Refuse a diameter of the worm that is too small for the normal module."""
         if self.module_section == "normal" and self.worm.reference_diameter is not None:
             least = self.given_module * self.worm.threads
             if self.worm.reference_diameter <= least:
