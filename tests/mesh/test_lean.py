@@ -114,6 +114,16 @@ def test_seams_of_coarse_meshes_have_few_nodes_that_both_sides_share(
         np.testing.assert_allclose(patch.points[seam], points, rtol=0.0, atol=1e-9)
 
 
+def test_lands_of_threads_that_run_out_have_no_nodes_inside() -> None:
+    """A land is part of a cylinder: rulings from seam to seam are enough. It had 1,810 nodes inside."""
+    tooth = gm.build(gm.load(SAMPLES / "worm_drive_zk_oversize.toml")).members["worm"].tooth
+    land = tessellate(tooth, 0.004, (Region.LAND,)).patches[0]
+    s, t = land.nodes.s, land.nodes.t
+    assert ((s == 0.0) | (s == 1.0) | (t == 0.0) | (t == 1.0)).all()
+    assert len(land.triangles) == s.size - 2
+    assert patch_bounds(land, 0.0, 0.0038).largest <= 0.004
+
+
 def test_links_none_of_whose_edges_can_collapse_stay_as_they_are() -> None:
     """Of two links of this wheel no edge is near enough to the tolerance to be tried with its neighbours moved."""
     mesh = tessellate(tooth_of("worm_drive", "wheel"), 0.2)

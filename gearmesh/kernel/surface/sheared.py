@@ -7,7 +7,7 @@ tool is withdrawn.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -60,7 +60,21 @@ class Withdrawn:
 
     def jet(self, u: Array, v: Array) -> Jet:
         base = self.surface.jet(u, v)
-        h, rate, bend = (column[..., None] for column in self.slide(base.r[..., 2]))
+        slide = self.slide(base.r[..., 2])
+        moved = np.logical_or.reduce([column != 0.0 for column in slide])
+        if moved.all():
+            return self._moved(base, *slide)
+        # points that stay, as all of a thread but its run-out, keep their jet
+        columns = [np.array(np.broadcast_to(getattr(base, field.name), base.r.shape)) for field in fields(Jet)]
+        if moved.any():
+            there = self._moved(Jet(*(column[moved] for column in columns)), *(column[moved] for column in slide))
+            for column, field in zip(columns, fields(Jet), strict=True):
+                column[moved] = getattr(there, field.name)
+        return Jet(*columns)
+
+    def _moved(self, base: Jet, *slide: Array) -> Jet:
+        """Return the jet of points with a jet of the surface that is displaced, by their displacements and derivatives."""
+        h, rate, bend = (column[..., None] for column in slide)
         plane = np.array([1.0, 1.0, 0.0])
         rho = np.hypot(base.r[..., :1], base.r[..., 1:2])
         e, flat = plane * base.r / rho, plane * base.n

@@ -12,8 +12,12 @@ from gearmesh.teeth.region import Region
 from gearmesh.teeth.section import Grid, Link, Sections, parameter
 from gearmesh.teeth.tooth import Tooth
 
-#: samples of the second forms of a link over s and over t
+#: samples of the second forms of a link over s, and over t if the tooth is smooth along the face
 SAMPLE_COUNTS = (25, 9)
+#: least number of cells between samples over t on a smooth stretch of the face, as the run-out of a thread
+CELLS_PER_STRETCH = 4
+#: largest number of samples over t
+MAX_STATION_COUNT = 65
 #: step of t in differences of the ends of links; the ends are known to 1e-11
 STATION_STEP = 1e-4
 #: significant bits of the forms: plans do not depend on last digits, which differ between processors
@@ -48,7 +52,7 @@ class Forms:
     @staticmethod
     def of(tooth: Tooth, regions: tuple[Region, ...]) -> Forms:
         """Return the forms of links of a tooth. Raises TrimError if the tooth cannot be trimmed."""
-        s, t = (np.linspace(0.0, 1.0, samples) for samples in SAMPLE_COUNTS)
+        s, t = (np.linspace(0.0, 1.0, samples) for samples in (SAMPLE_COUNTS[0], _station_count(tooth)))
         around = np.clip(t[:, None] + np.array([-STATION_STEP, 0.0, STATION_STEP]), 0.0, 1.0)
         sections = tooth.sections(around.ravel())
         grids = [tooth.grid(region, s, sections[1::3]) for region in regions]
@@ -58,7 +62,7 @@ class Forms:
         ]
         length, twist, face = np.moveaxis(np.array(second_forms), 1, 0)
         curves = np.stack([grid.points[:, [0, -1]] for grid in grids])
-        second = np.stack([np.zeros(SAMPLE_COUNTS) if grid.v is None else grid.v for grid in grids])
+        second = np.stack([np.zeros((s.size, t.size)) if grid.v is None else grid.v for grid in grids])
         sideways = np.stack([_sideways(grid.points, s[1], t[1]) for grid in grids])
         length, twist, face, outline, sideways = (
             _without_last_digits(form) for form in (length, twist, face, _outline(curves, s), sideways)
@@ -75,7 +79,9 @@ class Forms:
         after = np.concatenate((first, last[-1:]))
         before = np.concatenate((last[-1:] if whole else first[:1], last[:-1], first[:1] if whole else last[-1:]))
         density = np.sqrt(np.maximum(after, before) / (8.0 * tolerance))
-        cells: Array = np.maximum(1.0, np.ceil(np.trapezoid(density, dx=1.0 / (SAMPLE_COUNTS[1] - 1), axis=-1) - 0.05))
+        cells: Array = np.maximum(
+            1.0, np.ceil(np.trapezoid(density, dx=1.0 / (self.face.shape[-1] - 1), axis=-1) - 0.05)
+        )
         return cells
 
     def fewest(self, link: int, tolerance: float, on_seams: int) -> float:
@@ -86,9 +92,17 @@ class Forms:
         """
         bent = self.length[link] * self.face[link] - self.twist[link] ** 2
         density = np.sqrt(np.abs(bent)) / np.where(bent > 0.0, BOWL_AREA_FACTOR, SADDLE_AREA_FACTOR) / tolerance
-        s, t = (np.linspace(0.0, 1.0, samples) for samples in SAMPLE_COUNTS)
+        s, t = (np.linspace(0.0, 1.0, samples) for samples in bent.shape)
         outline = np.ceil(np.trapezoid(np.sqrt(self.outline[link] / (8.0 * tolerance)), s, axis=-1)).sum()
         return float(max(np.trapezoid(np.trapezoid(density, t), s), on_seams + outline - 2.0))
+
+
+def _station_count(tooth: Tooth) -> int:
+    """Return the number of samples over t: enough for the shortest stretch of the face on which the tooth is smooth."""
+    shortest, count = float(np.diff(tooth.smooth_stretches).min()), SAMPLE_COUNTS[1]
+    while (count - 1) * shortest < CELLS_PER_STRETCH and count < MAX_STATION_COUNT:
+        count = 2 * count - 1
+    return count
 
 
 def _without_last_digits(forms: Array) -> Array:

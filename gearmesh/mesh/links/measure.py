@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -32,15 +34,15 @@ def deviations_of(
     # arches need normals of the surface: at a crease the normal may be that of the other side
     arches = np.where(crease[edges].any(axis=1), 0.0, nodes.arch(edges, heights))
     edge = np.maximum(np.abs(heights), arches)
-    inside = peaks(heights[sides], centres)
+    inside = peaks(heights[sides].T, centres)
     return edge, np.maximum(inside, edge[sides].max(axis=1)), normals[count:]
 
 
-def peaks(sides: Array, centres: Array) -> Array:
+def peaks(sides: Sequence[Array] | Array, centres: Array | None = None) -> Array:
     """Return the largest distances (M,), mm, of triangles from the surface.
 
-    - sides: signed distances (M, 3), mm, at the middles of the edges, opposite to the corners.
-    - centres: signed distances (M,), mm, at the centres.
+    - sides: signed distances 3 x (M,), mm, at the middles of the edges, opposite to the corners.
+    - centres: signed distances (M,), mm, at the centres; None for distances to second order.
 
     To second order the distance at barycentric coordinates x, y, z is 4 (a y z + b z x + c x y). Here a, b, c are the
     distances at the middles of the edges. Its extreme is at x : y : z = a (b + c - a) : b (c + a - b) : c (a + b - c).
@@ -48,19 +50,28 @@ def peaks(sides: Array, centres: Array) -> Array:
     order; it vanishes on the edges as x y z does.
     """
     # column by column, because numpy is slow along axes of three
-    a, b, c = sides.T
+    a, b, c = sides
+    largest: Array = np.maximum(np.maximum(np.abs(a), np.abs(b)), np.abs(c))
+    if centres is not None:
+        np.maximum(largest, np.abs(centres), out=largest)
+    # an extreme inside needs distances of one sign at all middles
+    low, high = np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
+    same = np.flatnonzero((low > 0.0) | (high < 0.0))
+    if not same.size:
+        return largest
+    a, b, c = a[same], b[same], c[same]
     total = a + b + c
     x, y, z = a * (total - 2.0 * a), b * (total - 2.0 * b), c * (total - 2.0 * c)
-    largest: Array = np.maximum(np.maximum(np.maximum(np.abs(a), np.abs(b)), np.abs(c)), np.abs(centres))
     inside = np.flatnonzero((x > 0.0) & (y > 0.0) & (z > 0.0))
     if inside.size:
         # extremes inside the triangle, with the third-order rest of the centre
         a, b, c, x, y, z = (values[inside] for values in (a, b, c, x, y, z))
-        total = x + y + z
+        total, inside = x + y + z, same[inside]
         x, y, z = x / total, y / total, z / total
-        more = centres[inside] - 4.0 / 9.0 * (a + b + c)
-        peak = np.abs(4.0 * (a * y * z + b * z * x + c * x * y) + 27.0 * more * x * y * z)
-        largest[inside] = np.maximum(largest[inside], peak)
+        peak = 4.0 * (a * y * z + b * z * x + c * x * y)
+        if centres is not None:
+            peak = peak + 27.0 * (centres[inside] - 4.0 / 9.0 * (a + b + c)) * x * y * z
+        largest[inside] = np.maximum(largest[inside], np.abs(peak))
     return largest
 
 

@@ -6,6 +6,7 @@ sides (see `measure`).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -65,8 +66,9 @@ class Prediction:
             _edges(at_near, to_after, at_after, a - b),
             _edges(lone[0], to_before, lone[1], a[open_] - c[open_]),
         )
-        heights, sizes = (_round((edges[0][k], edges[1][k], edges[2][k]), following, open_) for k in (0, 1))
-        errors = _worst(heights, sizes, area(a, b, c))
+        heights = _round([height for height, _ in edges], following, open_)
+        beside = [size for _, size in edges if size is not None]
+        errors = _worst(heights, _round(beside, following, open_) if beside else None, area(a, b, c))
         # chords on toe and heel are compared with the section curves, too
         for end in (0, 1):
             at_end = np.flatnonzero(near[:, 1] == end)
@@ -109,15 +111,15 @@ def _height(form: Array, away: Array) -> Array:
     return height
 
 
-def _edges(first: Array | None, middle: Array, last: Array | None, away: Array) -> tuple[Array, Array]:
+def _edges(first: Array | None, middle: Array, last: Array | None, away: Array) -> tuple[Array, Array | None]:
     """Return the signed distances (...,), mm, of the middles of edges, and the largest distances (...,), mm, on the edges.
 
-    - first, middle, last: L, M, N (3, ...) at the start, middle and end of the edges; the ends may be None.
+    - first, middle, last: L, M, N (3, ...) at the start, middle and end of the edges; the ends may be None, and the middle
+      is then the farthest point of the edge.
     - away: vectors (..., 2) of the edges.
     """
     if first is None or last is None:
-        height = _height(middle, away)
-        return height, np.abs(height)
+        return _height(middle, away), None
     # the heights at a quarter and three quarters of the edge are 3/8 of these sums
     start_part, end_part = _height((first + 2.0 * middle) / 6.0, away), _height((2.0 * middle + last) / 6.0, away)
     height = start_part + end_part
@@ -125,7 +127,7 @@ def _edges(first: Array | None, middle: Array, last: Array | None, away: Array) 
     return height, np.maximum(np.abs(height), 0.375 * beside)
 
 
-def _round(values: tuple[Array, Array, Array], following: Index, open_: Index) -> Array:
+def _round(values: Sequence[Array], following: Index, open_: Index) -> Array:
     """Return values (3, J, K) at the three sides of the triangles around a node.
 
     - values: at the sides opposite to the node (J, K), at the sides to the next corner (J, K), and at the sides to the last
@@ -140,13 +142,15 @@ def _round(values: tuple[Array, Array, Array], following: Index, open_: Index) -
     return sides
 
 
-def _worst(middles: Array, sizes: Array, areas: Array) -> Array:
+def _worst(middles: Array, sizes: Array | None, areas: Array) -> Array:
     """Return the largest distances (...,) of triangles; inf for triangles without area.
 
     - middles: signed distances (3, ...) at the middles of the sides.
-    - sizes: largest distances (3, ...) on the sides.
+    - sizes: largest distances (3, ...) on the sides, if they are not at the middles.
     - areas: areas (...,) in the (s, t) plane.
     """
-    sides = middles.reshape(3, -1)
-    errors = peaks(sides.T, 4.0 / 9.0 * sides.sum(axis=0)).reshape(areas.shape)
-    return np.where(areas > FLAT_AREA, np.maximum(errors, sizes.max(axis=0)), np.inf)
+    errors = peaks(middles.reshape(3, -1)).reshape(areas.shape)
+    if sizes is not None:
+        np.maximum(errors, sizes.max(axis=0), out=errors)
+    errors[~(areas > FLAT_AREA)] = np.inf
+    return errors

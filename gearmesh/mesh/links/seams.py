@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.mesh.deviation.edges import between_wedges
 from gearmesh.mesh.links.collapse import Index
-from gearmesh.mesh.links.forms import SAMPLE_COUNTS, Forms
+from gearmesh.mesh.links.forms import Forms
 from gearmesh.mesh.links.lines import between
 from gearmesh.mesh.links.prediction import Prediction
 from gearmesh.mesh.links.relaxation import Patience
@@ -221,8 +221,9 @@ def _by_link(s: Array) -> list[tuple[int, Index]]:
 
 def _prediction(forms: Forms, links: Sequence[int]) -> Prediction:
     """Return the prediction for a net of links, with gaps between them."""
-    steps, extent = SAMPLE_COUNTS[0] - 1, 2.0 * len(links) - 1.0
-    table, outline = np.zeros((int(extent) * steps + 1, SAMPLE_COUNTS[1], 3)), np.zeros((2, int(extent) * steps + 1))
+    (_, rows, stations), extent = forms.face.shape, 2.0 * len(links) - 1.0
+    steps = rows - 1
+    table, outline = np.zeros((int(extent) * steps + 1, stations, 3)), np.zeros((2, int(extent) * steps + 1))
     for k in links:
         own = slice(2 * k * steps, (2 * k + 1) * steps + 1)
         table[own] = np.stack([form[k] for form in (forms.length, forms.twist, forms.face)], axis=-1)

@@ -60,7 +60,7 @@ NO_ERROR_SHARE = 1e-9
 #: grid of measured distances, in steps per tolerance: last digits do not choose between equal distances
 STEPS_PER_TOLERANCE = 2.0**20
 #: edges that are evaluated at once
-EDGES_PER_BLOCK = 20_000
+EDGES_PER_BLOCK = 1_000
 #: patches that are relaxed at once
 PATCHES_PER_BLOCK = 2_000
 #: a diagonal turns if the error falls below this share
