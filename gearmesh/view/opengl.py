@@ -44,6 +44,7 @@ _TRIAL_ORDER = Order(
     height=2.0,
     angle=30.0,
     peels=0,
+    depth_step=0,
     primitives=[
         Primitive(
             {

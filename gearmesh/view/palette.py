@@ -32,3 +32,8 @@ GRID_LINE_COLOUR = "#e6eaee"
 CURVE_COLOURS = ("#2c5fa8", "#c8102e", "#2e8b57", "#b8720a", "#7a4fa3", "#4d5a66")
 #: matplotlib's name of the colours of amounts on flanks, from small to large
 COLOUR_MAP = "viridis_r"
+
+
+def rgb(colour: str) -> tuple[int, int, int]:
+    """Return the red, green and blue part (0 to 255) of a colour "#rrggbb"."""
+    return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)

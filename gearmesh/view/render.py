@@ -15,6 +15,7 @@ from gearmesh.formats import PNG_SUFFIX
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.progress import tell
 from gearmesh.view.lettering import MAX_TITLE_WIDTH_SHARE, break_lines
+from gearmesh.view.offscreen.finish import finish
 from gearmesh.view.offscreen.letters import Image, LetteredImage, PixelBox, ticks
 from gearmesh.view.offscreen.shapes import colour_table, drawing_order
 from gearmesh.view.opengl import draw
@@ -60,13 +61,8 @@ def render(scene: Scene, path: Path | str | None = None, size: tuple[int, int] |
 
 def _photograph(scene: Scene, size: tuple[int, int]) -> Image:
     """Return the three-dimensional part of the picture, (H, W, 3)."""
-    from PIL import Image as pillow
-
     order = drawing_order(scene, size)
-    # a pixel is the mean, weighted by distance, of four by four drawn pixels; RGBX tells Pillow to ignore the
-    # transparency
-    large = pillow.frombuffer("RGBX", order["size"], draw(order), "raw", "RGBX", 0, -1)
-    return np.asarray(large.resize(size, pillow.Resampling.BILINEAR).convert("RGB"))
+    return finish(scene, order, draw(order), size)
 
 
 # --- lettering ---
@@ -272,8 +268,13 @@ def _draw_axes(sheet: LetteredImage, camera: Camera) -> None:
 
 
 def _draw_scale(sheet: LetteredImage, camera: Camera, inner: tuple[int, int]) -> None:
-    """Draw a bar of a round length in the lower right corner of the camera's part, at most a seventh of the width."""
-    (wide, high), pixel = sheet.size, camera.height / inner[1]
+    """Draw a bar of a round length in the lower right corner of the camera's part, at most a seventh of the width.
+
+    The bar measures along the camera's `measured` direction if there is one.
+    """
+    (wide, high), pixel, words = sheet.size, camera.height / inner[1], ""
+    if camera.measured is not None:
+        pixel, words = pixel / float(np.hypot(*(camera.axes[:2] @ camera.measured))), " along the tooth"
     power = 10.0 ** np.floor(np.log10(wide * pixel / 7))
     length = max(step * power for step in (1, 2, 5) if step * power <= wide * pixel / 7)
     right, y, tick = inner[0] - 0.02 * wide, 0.97 * high, 0.008 * high
@@ -281,7 +282,8 @@ def _draw_scale(sheet: LetteredImage, camera: Camera, inner: tuple[int, int]) ->
     sheet.line((left, y), (right, y), 1.5)
     for x in (left, right):
         sheet.line((x, y - tick), (x, y + tick), 1.5)
-    sheet.text(((left + right) / 2, y - 0.012 * high), f"{length:g} mm", _NUMBER_POINTS, down=1.0)
+    place = (right, y - 0.012 * high) if words else ((left + right) / 2, y - 0.012 * high)
+    sheet.text(place, f"{length:g} mm{words}", _NUMBER_POINTS, across=1.0 if words else 0.5, down=1.0)
 
 
 def _draw_colour_bar(sheet: LetteredImage, value_map: ValueMap) -> None:

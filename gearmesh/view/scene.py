@@ -35,9 +35,9 @@ class Paint:
 
 
 #: a tooth that is looked at
-STEEL_PAINT = Paint("#b3bbc3", {"flank": "#d3d9df", "fillet": "#c2cad2"})
+STEEL_PAINT = Paint("#c6cdd5", {"flank": "#dce2e9", "fillet": "#ced5dd"})
 #: the rest of its gear
-DULL_STEEL_PAINT = Paint("#d9dee3", {"flank": "#e4e8ec", "fillet": "#dfe4e8"})
+DULL_STEEL_PAINT = Paint("#bdc5ce", {"flank": "#cad1d9", "fillet": "#c2cad3"})
 #: first member
 BLUE_STEEL_PAINT = Paint("#8ba9c9", {"flank": "#a5c0dc", "fillet": "#98b4d2"})
 #: third member
@@ -138,6 +138,10 @@ class Camera:
     parallel: bool = True
     #: distance (mm) of the front plane before the focus: bodies that yield are cut away before it. None: no plane
     front: float | None = None
+    #: unit normal (3,) of the front plane, towards the part that is cut away. None: towards the viewer
+    front_normal: Array | None = None
+    #: direction (3,) along which the scale bar measures. None: across the picture
+    measured: Array | None = None
 
     @property
     def axes(self) -> Array:

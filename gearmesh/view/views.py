@@ -169,15 +169,21 @@ MIN_UPRIGHT_COSINE = 0.9
 #: smallest height of a picture in which a long flank is cut off, in heights of the flank
 MIN_CUT_HEIGHT = 2.6
 #: largest height of a picture in which a long flank is cut off, in heights of the flank
-MAX_CUT_HEIGHT = 9.5
+MAX_CUT_HEIGHT = 12.0
 #: size of a picture relative to its content
-FLANK_MARGIN = 1.2
+FLANK_MARGIN = 1.14
 #: factor by which a picture may grow so that a flank need not be cut off
 MAX_GROWTH = 1.25
 #: position of the name of an end outside of the picture, as a share of the way to the picture's edge
 END_WORD_SHARE = 0.94
 #: distance of this name below the root, in heights of the flank
 END_WORD_DROP = 0.1
+#: length of a flank, in its heights, beyond which it is turned away from the viewer
+MAX_SEEN_LENGTH_HEIGHTS = 3.0
+#: largest angle by which a long flank is turned away
+MAX_TURN_RAD = np.radians(55.0)
+#: angle by which the viewer looks from above
+LOOK_DOWN_RAD = np.radians(20.0)
 #: half the width of a word, as a share of the picture's height
 WORD_HALF_WIDTH = 0.06
 #: distance of the front plane from the foremost point of the flank, in its heights: the fillet is seen, the next tooth
@@ -214,11 +220,11 @@ def frame(back: Array, up: Array, points: Array, size: tuple[int, int], margin: 
 
 
 def flank_camera(view: ToothView, contact: MemberContact) -> Camera:
-    """Return the camera that looks at a flank along its mean outward normal, with its tip on top; the flank fills the
-    picture.
+    """Return the camera that looks at a flank, level and with its tip on top; the flank fills the picture.
 
-    The neighbouring tooth that would hide the flank is cut away. A flank much longer than high is cut off beyond all
-    contact. Raises NoSolutionError if no position has contact.
+    It looks along the mean outward normal, a little from above. A long flank is turned away, so that it appears
+    shorter. The neighbouring tooth that would hide the flank is cut away. A flank much longer than high is cut off
+    beyond all contact. Raises NoSolutionError if no position has contact.
     """
     if not np.isfinite(contact.normal).any():
         raise NoSolutionError(
@@ -226,8 +232,45 @@ def flank_camera(view: ToothView, contact: MemberContact) -> Camera:
         )
     if view.grid is not None and _winds(view.grid):
         return _thread_camera(view.grid, contact, view.size)
+    normal, up = _facing(view, contact)
+    whole, most = _whole_tooth(view, contact, normal, *_looking(view.grid, normal, up))
+    if whole.height <= MAX_GROWTH * most:
+        return whole
+    # too long: the contact is in the middle along the tooth, but the picture never reaches beyond an end
+    part = None if view.grid is None else float(np.ptp(contact.places @ _along(view.grid)))
+    whole, most = _whole_tooth(view, contact, normal, *_looking(view.grid, normal, up, part))
+    (right, rise, _), grid = whole.axes, _flank_points(view)
+    lengths, touched = (grid - whole.focus) @ right, (contact.places - whole.focus) @ right
+    half = 0.5 * most * view.size[0] / view.size[1] / FLANK_MARGIN
+    middle = 0.5 * float(touched.min() + touched.max())
+    aside = float(np.clip(middle, lengths.min() + half, lengths.max() - half)) if np.ptp(lengths) > 2.0 * half else 0.0
+    near = np.abs(lengths - aside) < half
+    lifted = (grid - whole.focus)[near] @ rise
+    shift = aside * right + 0.5 * float(lifted.min() + lifted.max()) * rise
+    moved = replace(whole, position=whole.position + shift, focus=whole.focus + shift, height=min(most, whole.height))
+    assert whole.front is not None
+    return replace(moved, front=whole.front - float(shift @ normal))
+
+
+def _whole_tooth(
+    view: ToothView, contact: MemberContact, normal: Array, back: Array, up: Array, along: Array | None
+) -> tuple[Camera, float]:
+    """Return the camera that holds a whole flank, and the height (mm) of a picture that holds all contact."""
     grid = _flank_points(view)
-    normal = unit(np.nanmean(contact.normal, axis=0))
+    camera = frame(back, up, grid, view.size, margin=FLANK_MARGIN)
+    right, rise, _ = camera.axes
+    height = np.ptp(grid @ rise)
+    # the front plane cuts the next tooth away
+    front = _front(view, camera.focus, normal) + FRONT_CLEARANCE * height
+    # height in the proportions of the picture
+    touched = FLANK_MARGIN * np.ptp(contact.places @ right) * view.size[1] / view.size[0]
+    most = float(np.clip(touched, MIN_CUT_HEIGHT * height, MAX_CUT_HEIGHT * height))
+    return replace(camera, front=front, front_normal=normal, measured=along), most
+
+
+def _facing(view: ToothView, contact: MemberContact) -> tuple[Array, Array]:
+    """Return the mean outward normal (3,) of a flank, on the side of the contact, and the direction (3,) to its tip."""
+    grid, normal = _flank_points(view), unit(np.nanmean(contact.normal, axis=0))
     if view.grid is not None:
         own = cross(np.gradient(view.grid, axis=0), np.gradient(view.grid, axis=1))
         mean = unit(own.reshape(-1, 3).sum(axis=0))
@@ -235,25 +278,36 @@ def flank_camera(view: ToothView, contact: MemberContact) -> Camera:
     land = (
         view.fine.only("land").normals if "land" in view.fine.region_names else grid.mean(axis=0)[None] * PLANE_FACTORS
     )
-    up = unit(land.mean(axis=0))
-    whole = frame(normal, up, grid, view.size, margin=FLANK_MARGIN)
-    right, rise, _ = whole.axes
-    height = np.ptp(grid @ rise)
-    # the front plane cuts the next tooth away
-    front = _front(view, whole) + FRONT_CLEARANCE * height
-    lengths, touched = (grid - whole.focus) @ right, (contact.places - whole.focus) @ right
-    shape = view.size[0] / view.size[1]
-    # height of a picture that holds all contact, in the proportions of the picture
-    most = float(np.clip(FLANK_MARGIN * np.ptp(touched) / shape, MIN_CUT_HEIGHT * height, MAX_CUT_HEIGHT * height))
-    if whole.height <= MAX_GROWTH * most:
-        return replace(whole, front=front)
-    # too long: the contact is in the middle along the tooth, but the picture never reaches beyond an end
-    half, middle = 0.5 * most * shape / FLANK_MARGIN, 0.5 * float(touched.min() + touched.max())
-    aside = float(np.clip(middle, lengths.min() + half, lengths.max() - half))
-    near = np.abs(lengths - aside) < half
-    lifted = (grid - whole.focus)[near] @ rise
-    shift = aside * right + 0.5 * float(lifted.min() + lifted.max()) * rise
-    return replace(whole, position=whole.position + shift, focus=whole.focus + shift, height=most, front=front)
+    return normal, unit(land.mean(axis=0))
+
+
+def _along(grid: Array) -> Array:
+    """Unit vector (3,) from toe to heel of a flank's points (I, J, 3)."""
+    return np.asarray(unit(grid[:, -1].mean(axis=0) - grid[:, 0].mean(axis=0)))
+
+
+def _looking(
+    grid: Array | None, normal: Array, up: Array, part: float | None = None
+) -> tuple[Array, Array, Array | None]:
+    """Return three directions (3,) for a flank's points (I, J, 3): back to the viewer, upwards, and along the tooth.
+
+    The last is None without points. `part` is the length (mm) that is looked at, if it is not the whole flank.
+    """
+    if grid is None:
+        return normal, up, None
+    ends = _along(grid)
+    along = unit(ends - dot(ends, normal) * normal)
+    rise = cross(normal, along)
+    rise = rise * np.sign(rise @ up)
+    length, height = (float(np.ptp(grid @ way)) for way in (along, rise))
+    length = length if part is None else min(part, length)
+    turn = float(np.arccos(np.clip(MAX_SEEN_LENGTH_HEIGHTS * height / max(length, height), np.cos(MAX_TURN_RAD), 1.0)))
+    # towards the end that is in sight anyway: its face shows how deep the teeth are
+    sense = np.sign(normal[2] * along[2]) or 1.0
+    aside = np.cos(turn) * normal + sense * np.sin(turn) * along
+    back = unit(np.cos(LOOK_DOWN_RAD) * aside + np.sin(LOOK_DOWN_RAD) * rise)
+    level_up = cross(back, unit(ends - dot(ends, back) * back))
+    return back, level_up * np.sign(level_up @ rise), ends
 
 
 def flank_pixel(grid: Array, size: tuple[int, int]) -> float:
@@ -316,14 +370,14 @@ def _turn_near(grid: Array, point: Array, least: float) -> slice:
     return slice(first, int(other[other > nearest].min(initial=len(heights))))
 
 
-def _front(view: ToothView, camera: Camera) -> float:
+def _front(view: ToothView, focus: Array, normal: Array) -> float:
     """Distance (mm) of the front plane before the focus: the smallest over the columns of their foremost points.
 
     A gear is round: teeth before this plane would hide the flank.
     """
     if view.grid is None:
-        return float(((_flank_points(view) - camera.focus) @ camera.axes[2]).max())
-    depth = (view.grid - camera.focus) @ camera.axes[2]
+        return float(((_flank_points(view) - focus) @ normal).max())
+    depth = (view.grid - focus) @ normal
     return float(depth.max(axis=0).min())
 
 

@@ -13,6 +13,7 @@ from gearmesh.kernel.numeric.algebra import rotation_about
 from gearmesh.view.offscreen import shapes
 from gearmesh.view.offscreen.shapes import Viewer, drawing_order
 from gearmesh.view.on_tooth import area_edges
+from gearmesh.view.palette import rgb
 from gearmesh.view.scene import Camera, Scene
 
 SIZE = (400, 300)
@@ -21,7 +22,13 @@ SIZE = (400, 300)
 @pytest.fixture(scope="module")
 def scene() -> Scene:
     """A tooth of a spur gear, its body cut open, its end faces seen edge-on."""
-    return built_sample("spur").picture("contact", size=SIZE)._scene
+    made = built_sample("spur").picture("contact", size=SIZE)._scene
+    assert made.camera.front_normal is not None
+    back = made.camera.front_normal
+    camera = replace(
+        made.camera, position=made.camera.focus + made.camera.distance * back, up=np.array([1.0, 0.0, 0.0])
+    )
+    return replace(made, camera=camera)
 
 
 def points(primitive) -> np.ndarray:
@@ -48,7 +55,7 @@ def test_parts_behind_an_edge_on_end_face_stay_hidden(scene: Scene) -> None:
     opened = next(body for body in scene.bodies if body.yields)
     assert scene.camera.front is not None
     lines = [one for one in drawing_order(scene, SIZE)["primitives"] if one["corners"] == 2]
-    inside = [one for one in lines if one["colour"] == tuple(part / 255.0 for part in (0xF4, 0xF6, 0xF8))]
+    inside = [one for one in lines if one["colour"] == tuple(part / 255.0 for part in rgb(shapes.SECTION_COLOUR))]
     assert len(inside) == 1
     ends = points(inside[0])[np.frombuffer(inside[0]["cells"], dtype=np.int64)]
     across = np.abs((opened.own_to_scene.point(opened.mesh.vertices) - scene.camera.focus) @ scene.camera.axes[0]).max()
@@ -120,7 +127,9 @@ def test_lamps_shine_on_what_faces_them_and_colours_are_those_of_paint() -> None
     for normal, colour in zip(np.abs(normals), found, strict=True):
         falls = [max(0.0, float(lamp @ normal)) for lamp, _ in lamps]
         shine = [max(0.0, float((2.0 * (lamp @ normal) * normal - lamp)[2])) ** 20 for lamp, _ in lamps]
-        wanted = 100.0 * (0.25 + sum(fall * strength for fall, (_, strength) in zip(falls, lamps, strict=True)))
+        wanted = 100.0 * (
+            shapes.AMBIENT_SHARE + sum(fall * strength for fall, (_, strength) in zip(falls, lamps, strict=True))
+        )
         wanted += 255.0 * 0.12 * sum(s * strength for s, f, (_, strength) in zip(shine, falls, lamps, strict=True) if f)
         np.testing.assert_allclose(colour, wanted, atol=0.6)
 

@@ -4,7 +4,8 @@ Without a working OpenGL library VTK ends its process with a segmentation fault,
 VTK has a process of its own, which starts while gears are being solved. This file is run as a script. It loads only
 the modules with which VTK renders.
 
-Orders (`Order`, made by `offscreen.shapes`, as `marshal` data) and answers (RGBA, rows from below) follow their length.
+Orders (`Order`, made by `offscreen.shapes`, as `marshal` data) and answers follow their length. An answer has the pixels
+(RGBA, rows from below). If depths are asked for, their shares of the range of depths (float32) and this range follow.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from __future__ import annotations
 import marshal
 import os
 import sys
+from array import array
 from collections.abc import Callable, Iterator
 from math import atan, degrees, radians, tan
 from typing import IO, Any, TypedDict, cast
@@ -75,6 +77,8 @@ class Order(TypedDict):
     peels: int
     #: primitives, in the order of drawing
     primitives: list[Primitive]
+    #: distance of the pixels whose depth is answered, in rows and in columns; 0 for no depth
+    depth_step: int
 
 
 #: values that most primitives share
@@ -131,7 +135,9 @@ def main() -> None:
         if order is None:
             return
         width, height = order["size"]
-        answers.write((4 * width * height).to_bytes(8, "little"))
+        step = order["depth_step"]
+        depths = (-(-width // step)) * (-(-height // step)) + 2 if step else 0
+        answers.write((4 * (width * height + depths)).to_bytes(8, "little"))
         for part in draw(order):
             answers.write(part)
         answers.flush()
@@ -144,7 +150,7 @@ def drawer() -> Callable[[Order], Iterator[memoryview]]:
     OpenGL and VTK hold several copies of a window's pixels.
     """
     import vtkmodules.vtkRenderingOpenGL2  # noqa: F401
-    from vtkmodules.vtkCommonCore import vtkLogger, vtkUnsignedCharArray
+    from vtkmodules.vtkCommonCore import vtkFloatArray, vtkLogger, vtkUnsignedCharArray
     from vtkmodules.vtkRenderingCore import vtkMapper, vtkRenderer, vtkRenderWindow
 
     # suppresses VTK's messages about every window system that it tries
@@ -169,6 +175,7 @@ def drawer() -> Callable[[Order], Iterator[memoryview]]:
         width, height = order["size"]
         strips = -(-height // MAX_STRIP_ROWS)
         rows, pixels = -(-height // strips), vtkUnsignedCharArray()
+        depths, step, kept = vtkFloatArray(), order["depth_step"], []
         window.SetSize(width, rows + 2 * STRIP_MARGIN_ROWS)
         window.AddRenderer(renderer)
         for strip in range(strips):
@@ -177,9 +184,22 @@ def drawer() -> Callable[[Order], Iterator[memoryview]]:
             window.GetRGBACharPixelData(0, STRIP_MARGIN_ROWS, width - 1, STRIP_MARGIN_ROWS + rows - 1, 0, pixels, 0)
             # the last strip may reach beyond the picture
             yield memoryview(cast("Any", pixels)).cast("B")[: 4 * width * (height - strip * rows)]
+            if step:
+                window.GetZbufferData(0, STRIP_MARGIN_ROWS, width - 1, STRIP_MARGIN_ROWS + rows - 1, depths)
+                numbers = range(strip * rows, min(height, (strip + 1) * rows))
+                kept += _thinned(memoryview(cast("Any", depths)), width, step, numbers)
+        if step:
+            yield from kept
+            yield memoryview(array("f", renderer.GetActiveCamera().GetClippingRange()).tobytes())
         window.RemoveRenderer(renderer)
 
     return draw
+
+
+def _thinned(depths: memoryview, width: int, step: int, rows: range) -> list[memoryview]:
+    """Return every `step`-th depth of the rows whose number is a multiple of `step`."""
+    kept = (k * width for k, number in enumerate(rows) if number % step == 0)
+    return [memoryview(depths[first : first + width : step].tobytes()) for first in kept]
 
 
 def _aim(renderer: Any, order: Order, rows: int, strip: int) -> None:

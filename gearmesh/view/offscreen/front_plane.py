@@ -51,6 +51,19 @@ def cut_front(
     )
 
 
+def section_lines(points: Array, cells: NDArray[np.int64], depth: Array) -> Array:
+    """Return the lines (L, 2, 3) in which triangles (C, 3) meet a plane, where the `depth` (V,) of points (V, 3) is 0."""
+    behind = depth[cells] >= 0.0
+    crossed = cells[behind.any(axis=1) & ~behind.all(axis=1)]
+    behind = depth[crossed] >= 0.0
+    odd = (behind == (behind.sum(axis=1) == 1)[:, None]).argmax(axis=1)
+    turned = np.take_along_axis(crossed, (odd[:, None] + np.arange(3)) % 3, axis=1)
+    one, others = turned[:, :1], turned[:, 1:]
+    share = (depth[one] / (depth[one] - depth[others]))[..., None]
+    lines: Array = points[one] + share * (points[others] - points[one])
+    return lines
+
+
 def _corners(
     cells: NDArray[np.int64], behind: NDArray[np.bool_], count: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

@@ -17,21 +17,20 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.view.offscreen.drawing_process import PLAIN_PRIMITIVE, Order, Primitive
-from gearmesh.view.offscreen.front_plane import cut_front
-from gearmesh.view.palette import COLOUR_MAP, INK_COLOUR, REGION_EDGE
+from gearmesh.view.offscreen.front_plane import cut_front, section_lines
+from gearmesh.view.palette import COLOUR_MAP, INK_COLOUR, REGION_EDGE, rgb
 from gearmesh.view.scene import Camera, Curve, Dots, PatternArea, Scene, SceneBody, ValueMap
 
-#: inside of a body that is cut open and has no section colour
-_INSIDE_COLOUR = "#f4f6f8"
+#: section of a body that has no colour of its own for it
+SECTION_COLOUR = "#c4d2e3"
 #: cosine of the largest angle between a normal of a region and their mean at a vertex; beyond it is a sharp edge
 _MIN_SMOOTH_COSINE = np.cos(np.radians(35.0))
 #: directions to the lamps in camera axes (right, up, towards the viewer) and their strengths; no side stays black
 _CAMERA_LAMPS = (
-    ((-0.6, 0.9, 1.0), 0.36),
-    ((1.0, 0.1, 0.3), 0.50),
-    ((-1.0, 0.0, 0.3), 0.34),
-    ((0.0, 0.0, 1.0), 0.26),
-    ((-0.3, -1.0, 0.3), 0.26),
+    ((-0.5, 0.6, 1.0), 0.34),
+    ((0.6, 0.1, 0.8), 0.31),
+    ((-0.7, 0.1, 0.7), 0.22),
+    ((0.0, -1.0, 0.2), 0.10),
 )
 #: smallest sine of the slope between the triangles beside an edge that stands out
 _MIN_FOLD_SINE = 0.05
@@ -39,10 +38,14 @@ _MIN_FOLD_SINE = 0.05
 OVERSAMPLING_FACTOR = 2
 #: cosine up to which a triangle is seen as a line
 _EDGE_ON_COSINE = 1e-6
+#: width of the outline of a section
+SECTION_LINE_PIXELS = 1.6
+#: distance of the drawn pixels whose depth is known
+DEPTH_STEP = 4
 #: slope from which a triangle is seen as a line
 _MAX_SLOPE = 50.0
 #: light from everywhere
-AMBIENT_SHARE = 0.25
+AMBIENT_SHARE = 0.36
 #: share of a lamp's light that is mirrored
 SPECULAR_SHARE = 0.12
 #: power of the cosine by which mirrored light falls off
@@ -73,7 +76,15 @@ def drawing_order(scene: Scene, size: tuple[int, int]) -> Order:
         angle=float(np.degrees(2 * np.arctan2(camera.height / 2, camera.distance))),
         peels=_PEEL_LAYERS if any(body.opacity < 1.0 for body in scene.bodies) else 0,
         primitives=primitives,
+        depth_step=DEPTH_STEP if camera.parallel else 0,
     )
+
+
+def section_colours(scene: Scene) -> tuple[str, ...]:
+    """Return the colours of the sections of bodies that the front plane cuts, each once."""
+    if scene.camera.front is None:
+        return ()
+    return tuple(dict.fromkeys(body.section or SECTION_COLOUR for body in scene.bodies if body.yields))
 
 
 def _from_camera(scene: Scene) -> Scene:
@@ -92,7 +103,12 @@ def _from_camera(scene: Scene) -> Scene:
         curves=tuple(replace(curve, points=place.point(curve.points)) for curve in scene.curves),
         dots=tuple(replace(dots, points=place.point(dots.points)) for dots in scene.dots),
         camera=replace(
-            camera, position=np.array([0.0, 0.0, camera.distance]), focus=np.zeros(3), up=np.array([0.0, 1.0, 0.0])
+            camera,
+            position=np.array([0.0, 0.0, camera.distance]),
+            focus=np.zeros(3),
+            up=np.array([0.0, 1.0, 0.0]),
+            front_normal=None if camera.front_normal is None else camera.axes @ camera.front_normal,
+            measured=None,
         ),
     )
 
@@ -180,9 +196,11 @@ class Viewer:
 
     def depth(self, points: Array, pixels: float) -> Array:
         """Distance (N,), mm, behind the front plane, of points (N, 3) that were moved back by `pixels` pixels."""
-        assert self.camera.front is not None
-        front = self.camera.front - pixels * self.pixel
-        behind: Array = front - (points - self.camera.focus) @ self.camera.axes[2]
+        camera = self.camera
+        assert camera.front is not None
+        normal = camera.axes[2] if camera.front_normal is None else camera.front_normal
+        front = camera.front - pixels * self.pixel * float(camera.axes[2] @ normal)
+        behind: Array = front - (points - camera.focus) @ normal
         return behind
 
 
@@ -301,7 +319,7 @@ def _body(body: SceneBody, viewer: Viewer) -> Iterator[Primitive]:
         return
     corners = mesh.corners()
     cells = np.arange(corners[..., 0].size).reshape(-1, 3)
-    colours = np.array([_rgb(body.paint.of(name)) for name in mesh.region_names], dtype=np.uint8)[mesh.regions]
+    colours = np.array([rgb(body.paint.of(name)) for name in mesh.region_names], dtype=np.uint8)[mesh.regions]
     behind = 4.0 if body.yields else 0.0
     opened = body.yields and viewer.camera.front is not None
     outer = cells
@@ -310,7 +328,7 @@ def _body(body: SceneBody, viewer: Viewer) -> Iterator[Primitive]:
         # horizon and would be drawn as a row of specks
         turned = viewer.faces(corners) & (viewer.facing(corners, mesh.normals) > 0.0)
         outer = cells[turned]
-        yield from _inside(mesh, corners, cells[~turned], body.section or _INSIDE_COLOUR, behind, viewer)
+        yield from _inside(mesh, corners, cells[~turned], body.section or SECTION_COLOUR, behind, viewer)
     # a section has no lines that triangles must stay behind; moving it back by its slopes would pass its plane
     back = behind if body.section is not None else behind + viewer.slopes(corners)[:, None, None]
     points = viewer.move_back(corners, back).reshape(-1, 3)
@@ -322,6 +340,13 @@ def _body(body: SceneBody, viewer: Viewer) -> Iterator[Primitive]:
         points, outer, lit = cut_front(points, outer, viewer.depth(points, behind), lit)
     assert lit is not None
     yield _primitive(points, outer, body.paint.colour, colours=lit.tobytes(), opacity=body.opacity)
+    if opened:
+        pixels = behind - 3.0
+        lines = viewer.move_back(mesh.vertices, pixels)
+        ends = section_lines(lines, mesh.triangles, viewer.depth(lines, pixels)).reshape(-1, 3)
+        if len(ends):
+            pairs = np.arange(len(ends)).reshape(-1, 2)
+            yield _primitive(ends, pairs, INK_COLOUR, width=SECTION_LINE_PIXELS * OVERSAMPLING_FACTOR)
     # lines on the far side would show through a section
     edges = region_edges(mesh, viewer.faces(corners) if opened else None)
     if len(edges) and body.section is None:
@@ -398,10 +423,6 @@ def _floats(values: Array) -> bytes:
     return values.astype(np.float32).tobytes()
 
 
-def _rgb(colour: str) -> tuple[int, int, int]:
-    return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
-
-
 def _share(colour: str) -> tuple[float, float, float]:
-    red, green, blue = _rgb(colour)
+    red, green, blue = rgb(colour)
     return red / 255.0, green / 255.0, blue / 255.0

@@ -1,0 +1,143 @@
+"""Drawn pixels become a picture: sections are hatched, hollows receive less light, drawn pixels are averaged.
+
+The depth of a pixel is compared with the depths around it. Tooth spaces, fillets and bodies behind others become
+darker; flat and raised parts stay as they are. Lines and areas on a body keep their colours, and so does a section.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.view.offscreen.drawing_process import Order
+from gearmesh.view.offscreen.letters import Image
+from gearmesh.view.offscreen.shapes import section_colours
+from gearmesh.view.palette import rgb
+from gearmesh.view.scene import Camera, Scene
+
+#: distance of the lines of a hatching, as a share of the picture's height
+HATCH_SPACING_SHARE = 0.034
+#: width of these lines as a share of their distance
+HATCH_WIDTH_SHARE = 0.09
+#: brightness of these lines relative to the section
+HATCH_BRIGHTNESS = 0.82
+#: distances at which a pixel is compared with others, ascending, as shares of the picture's height
+RADII_SHARES = (0.008, 0.022, 0.05)
+#: pairs of opposite directions at each distance
+DIRECTIONS = 4
+#: share of the light that a deep hollow loses
+LOST_LIGHT_SHARE = 0.55
+#: difference between the brightest and the darkest part of a colour from which it is not steel
+MIN_COLOURED_RANGE = 40
+
+
+def finish(scene: Scene, order: Order, drawn: bytes, size: tuple[int, int]) -> Image:
+    """Return the picture (H, W, 3) of a `size`, in pixels, that an order drew."""
+    from PIL import Image as pillow
+
+    wide, high = order["size"]
+    pixels = np.frombuffer(drawn, dtype=np.uint32, count=wide * high).reshape(high, wide)
+    sections = section_colours(scene)
+    light = _light(scene.camera, order, drawn, pixels, sections)
+    if sections:
+        pixels = _hatch(pixels, sections)
+    # a pixel is the mean, weighted by distance, of four by four drawn pixels; RGBX tells Pillow to ignore the
+    # transparency
+    large = pillow.frombuffer("RGBX", (wide, high), pixels, "raw", "RGBX", 0, -1)
+    image = np.asarray(large.resize(size, pillow.Resampling.BILINEAR).convert("RGB"))
+    if light is None:
+        return image
+    share = np.asarray(pillow.fromarray(light[::-1]).resize(size, pillow.Resampling.BILINEAR))
+    plain = image.min(axis=-1) == 255
+    if scene.maps or scene.areas or scene.curves or scene.dots:
+        plain |= np.ptp(image, axis=-1) > MIN_COLOURED_RANGE
+    share = np.where(plain, np.float32(1.0), share)
+    lit: Image = np.rint(image * share[..., None]).astype(np.uint8)
+    return lit
+
+
+def _words(colours: Sequence[str], brightness: float = 1.0) -> NDArray[np.uint32]:
+    """Return opaque pixels (C,) of colours."""
+    parts = [[*(round(brightness * part) for part in rgb(colour)), 255] for colour in colours]
+    return np.array(parts, dtype=np.uint8).view(np.uint32)[:, 0]
+
+
+def _hatch(pixels: NDArray[np.uint32], sections: Sequence[str]) -> NDArray[np.uint32]:
+    """Return pixels (H, W) with hatching on the colours of sections.
+
+    The lines of different colours lean to different sides, as on drawings.
+    """
+    hatched, period = pixels.copy(), HATCH_SPACING_SHARE * len(pixels)
+    for k, (plain, dark) in enumerate(zip(_words(sections), _words(sections, HATCH_BRIGHTNESS), strict=True)):
+        rows, columns = np.nonzero(pixels == plain)
+        lean = columns - (-1) ** k * rows
+        inked = lean % period < HATCH_WIDTH_SHARE * period
+        hatched[rows[inked], columns[inked]] = dark
+    return hatched
+
+
+def _light(
+    camera: Camera, order: Order, drawn: bytes, pixels: NDArray[np.uint32], sections: Sequence[str]
+) -> NDArray[np.float32] | None:
+    """Return the share of light (h, w) at every `depth_step`-th pixel, rows from below; None without depths."""
+    step = order["depth_step"]
+    if not step:
+        return None
+    thinned = pixels[::step, ::step]
+    values = np.frombuffer(drawn, dtype=np.float32, offset=4 * pixels.size)
+    share, (near, far) = values[:-2].reshape(thinned.shape), values[-2:]
+    pixel = step * camera.height / len(pixels)
+    seen = share < 1.0
+    depth = near + (far - near) * share
+    cut = np.isin(thinned, _words(sections)) if sections else None
+    if cut is not None and cut.any():
+        depth[cut] = _plane_depth(camera, thinned.shape, pixel)[cut]
+    return _hollow_light(depth, seen, pixel)
+
+
+def _plane_depth(camera: Camera, shape: tuple[int, ...], pixel: float) -> NDArray[np.float32]:
+    """Return the depth (h, w), mm, of the front plane at pixels of this length (mm)."""
+    assert camera.front is not None
+    right, up, back = camera.axes @ (camera.axes[2] if camera.front_normal is None else camera.front_normal)
+    y, x = (pixel * (np.arange(count) + 0.5 - 0.5 * count) for count in shape)
+    towards = (camera.front - right * x - up * y[:, None]) / back
+    return np.asarray(camera.distance - towards, dtype=np.float32)
+
+
+def _hollow_light(depth: NDArray[np.float32], seen: NDArray[np.bool_], pixel: float) -> NDArray[np.float32]:
+    """Return the share of light (h, w) of pixels with this depth and length (mm), where a body is `seen` (h, w).
+
+    A pixel is compared with two opposite pixels at a time, so that a slope is no hollow.
+    """
+    if not seen.any():
+        return np.ones(depth.shape, dtype=np.float32)
+    reach = max(1, round(RADII_SHARES[-1] * len(depth)))
+    wide = np.pad(np.where(seen, depth, np.float32(np.inf)), reach, mode="edge")
+    high, long = depth.shape
+    dark = np.zeros(depth.shape, dtype=np.float32)
+    own = np.where(seen, depth, np.float32(0.0))
+    for k, share in enumerate(RADII_SHARES):
+        radius = share * len(depth)
+        unit = np.float32(1.0 / (max(radius, 1.0) * pixel))
+        for turn in np.pi * (np.arange(DIRECTIONS) + k / len(RADII_SHARES)) / DIRECTIONS:
+            right, up = round(radius * np.cos(turn)), round(radius * np.sin(turn))
+            nearer = np.zeros(depth.shape, dtype=np.float32)
+            for sense in (1, -1):
+                first, left = reach + sense * up, reach + sense * right
+                nearer += np.clip((own - wide[first : first + high, left : left + long]) * unit, -1.0, 1.0)
+            dark += np.maximum(nearer, 0.0)
+    light = 1.0 - LOST_LIGHT_SHARE * np.minimum(dark / (DIRECTIONS * len(RADII_SHARES)), 1.0)
+    # a pixel without a body takes the light beside it, which the average over its edge needs
+    weight = _mean(seen.astype(np.float32))
+    beside = _mean(np.where(seen, light, np.float32(0.0))) / np.maximum(weight, np.float32(1e-3))
+    return np.where(weight > 0.0, beside, np.float32(1.0))
+
+
+def _mean(values: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Return the mean of values (h, w) over squares of three by three pixels, taken twice; beyond the edges there is 0."""
+    for _ in range(4):
+        padded = np.pad(values, ((1, 1), (0, 0)))
+        values = ((padded[:-2] + padded[1:-1] + padded[2:]) / np.float32(3.0)).T
+    return values
