@@ -639,6 +639,7 @@ class Gears(ModelledGears):
         pair: int | str = 0,
         dpi: int = 150,
         note: str = "",
+        look: str = "plain",
     ) -> Picture | Diagram:
         """Return a picture, which is drawn when it is saved.
 
@@ -688,6 +689,9 @@ class Gears(ModelledGears):
             Resolution of diagrams, pixels per inch.
         note : str
             Text beside the design's name.
+        look : str
+            "plain", or, for the views "pattern" and "gap", "compound": teeth painted with marking compound, from which
+            contact has rubbed it where the gap is smaller than its thickness `contact.delta`.
 
         Returns
         -------
@@ -697,7 +701,7 @@ class Gears(ModelledGears):
         Raises
         ------
         DesignError
-            For an unknown view, member or torque.
+            For an unknown view, member, torque or look.
         NoSolutionError
             If there is no contact to show.
 
@@ -709,10 +713,12 @@ class Gears(ModelledGears):
         if of is not None:
             from gearmesh.reports.answer_pictures import picture_of_answer
 
+            if look != "plain":
+                raise ArgumentError("look", look, reason="is for pictures of gears alone; leave it or `of` out")
             return picture_of_answer(of, view, member, torque, size, dpi, note)
         from gearmesh.reports.pictures import picture
 
-        return picture(self, view, member, phi1, size, pair, dpi, note)
+        return picture(self, view, member, phi1, size, pair, dpi, note, look)
 
     def save_pictures(self, of: LoadedContact | Study, folder: str | PathLike[str]) -> tuple[Path, ...]:
         """Save all pictures of contact under load, or of a study, as PNG files; pictures of teeth need OpenGL.

@@ -20,10 +20,14 @@ from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.region import Side
 from gearmesh.view import pictures
 from gearmesh.view.picture import (
+    COMPOUND_LOOK,
+    COMPOUND_VIEWS,
     FIGURE_VIEWS,
+    LOOKS,
     MAX_SIDE_PIXELS,
     MIN_SIDE_PIXELS,
     PICTURE_VIEWS,
+    PLAIN_LOOK,
     Animation,
     Diagram,
     Picture,
@@ -54,10 +58,12 @@ def picture(
     pair: int | str,
     dpi: int,
     note: str,
+    look: str = PLAIN_LOOK,
 ) -> Picture | Diagram:
     """Return a picture of gears alone, as `Gears.picture` describes it."""
     if view not in PICTURE_VIEWS:
         raise ArgumentError("view", view, must_be=f"one of {', '.join(PICTURE_VIEWS)}")
+    refuse_look(look, view)
     if size is not None:
         refuse_size(size)
     if not MIN_DPI <= dpi <= MAX_DPI:
@@ -103,12 +109,12 @@ def picture(
     if view == "contact":
         return Picture(pictures.contact_picture(mesh, name, path, size, title=title, whole=whole))
     if view == "pattern":
-        return Picture(pictures.pattern_picture(mesh, name, path, size, title=title, whole=whole))
+        return Picture(pictures.pattern_picture(mesh, name, path, size, title=title, whole=whole, look=look))
     if view == "gap":
         from gearmesh.answers.check import roll_test
 
         patches = roll_test(mesh, path).patches(mesh, name)
-        return Picture(pictures.gap_picture(mesh, name, path, patches, size, title=title, whole=whole))
+        return Picture(pictures.gap_picture(mesh, name, path, patches, size, title=title, whole=whole, look=look))
     if view == "pair" and len(gears.pairs) > 1:
         from gearmesh.answers.bodies.solid import solids_of
 
@@ -137,6 +143,15 @@ def animation(
     title = gears.title + (f", {note}" if note else "")
     rolling = rolling_contact(mesh, path, np.arange(FRAMES_PER_PITCH) / FRAMES_PER_PITCH)
     return Animation(tuple(_section(gears, mesh, rolling, size, title).scenes()))
+
+
+def refuse_look(look: str, view: str) -> None:
+    """Raise ArgumentError for an unknown look, and for marking compound in a view that has no pattern."""
+    if look not in LOOKS:
+        raise ArgumentError("look", look, must_be=f"one of {', '.join(LOOKS)}")
+    if look == COMPOUND_LOOK and view not in COMPOUND_VIEWS:
+        reason = f"is for the views {', '.join(COMPOUND_VIEWS)}; the view is {view}"
+        raise ArgumentError("look", look, reason=reason)
 
 
 def refuse_size(size: tuple[int, int]) -> None:

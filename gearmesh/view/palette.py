@@ -8,6 +8,10 @@ from __future__ import annotations
 
 #: marking compound: ellipses and patterns on a tooth
 COMPOUND_COLOUR = "#8cc0ea"
+#: yellow marking compound, as it is painted on teeth before they are rolled
+MARKING_COLOUR = "#e8b923"
+#: steel from which the compound is rubbed off
+RUBBED_COLOUR = "#8f98a2"
 #: inside of a pattern beneath ellipses, paler than the compound
 PATTERN_COLOUR = "#d3e5f5"
 #: rims of ellipses

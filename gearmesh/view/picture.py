@@ -21,6 +21,14 @@ MAX_SIDE_PIXELS = 16384
 FIGURE_VIEWS = ("flank", "sliding", "zone", "te", "backlash", "turns")
 #: views of gears that a picture can show
 PICTURE_VIEWS = ("contact", "pattern", "gap", "pair", "section", "tool", "contact_lines", *FIGURE_VIEWS)
+#: look of a picture with lines and colours that tell quantities
+PLAIN_LOOK = "plain"
+#: look of a painted tooth from which contact has rubbed the marking compound
+COMPOUND_LOOK = "compound"
+#: looks of pictures
+LOOKS = (PLAIN_LOOK, COMPOUND_LOOK)
+#: views that can be seen with marking compound
+COMPOUND_VIEWS = ("pattern", "gap")
 #: what pictures of loaded contact show; all but the first are figures on paper
 LOADED_VIEWS = ("loaded", "loaded_flank", "loaded_te", "loaded_share", "loaded_stress", "loaded_pair")
 

@@ -24,9 +24,19 @@ from gearmesh.teeth.blank.body import end_names
 from gearmesh.teeth.blank.features import BodyFeatures
 from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.region import Side
+from gearmesh.view.on_tooth import closest_gap, union_level
+from gearmesh.view.picture import COMPOUND_LOOK, PLAIN_LOOK
 from gearmesh.view.projection import flank_projection
 from gearmesh.view.scene import Scene, ToothView, contact_on
-from gearmesh.view.views import flank_pixel, gap_scene, member_scene, pair_scene, pattern_scene, set_scene
+from gearmesh.view.views import (
+    compound_scene,
+    flank_pixel,
+    gap_scene,
+    member_scene,
+    pair_scene,
+    pattern_scene,
+    set_scene,
+)
 
 if TYPE_CHECKING:
     from gearmesh.answers.bodies.solid import Solid
@@ -48,6 +58,10 @@ REUSED_TOLERANCE_PIXELS = 0.5
 WHOLE_TOLERANCE_MM = 0.05
 #: points across and along a flank, from which its direction is found
 TOOL_GRID = (3, 3)
+#: words for a pattern of ellipses in titles, by its look
+_PATTERN_WORDS = {PLAIN_LOOK: "union of the ellipses", COMPOUND_LOOK: "marking compound"}
+#: words for a pattern of the roll test in titles, by its look
+_GAP_WORDS = {PLAIN_LOOK: "roll test of the meshes", COMPOUND_LOOK: "marking compound at positions of the roll test"}
 #: exact points across and along a flank on which patterns are drawn
 PATTERN_GRID = (81, 161)
 #: smallest range of an ease-off scale, larger than the error of the table
@@ -91,11 +105,12 @@ def pattern_picture(
     view: ToothView | None = None,
     title: str = "",
     whole: ContactPath | None = None,
+    look: str = PLAIN_LOOK,
 ) -> Scene:
     """Scene of a member's tooth with its contact pattern: the union of the ellipses, of the `whole` engagement if
     given.
 
-    Raises NoSolutionError for contact along lines or on edges, which has no ellipses.
+    `look` is one of LOOKS. Raises NoSolutionError for contact along lines or on edges, which has no ellipses.
     """
     contact = contact_on(pair.index(name), path if whole is None else whole, pair.mounts)
     if not contact.ellipses.size:
@@ -105,10 +120,24 @@ def pattern_picture(
         )
     view = replace(
         view or tooth_view(pair, name),
-        title=_title(title, f"{name}, contact pattern, union of the ellipses"),
+        title=_title(title, f"{name}, contact pattern, {_PATTERN_WORDS[look]}"),
         size=size,
     )
-    return pattern_scene(view, contact, _pattern_grid(pair, name))
+    grid = _pattern_grid(pair, name)
+    if look == COMPOUND_LOOK:
+        # the gap grows with the square of the distance from the contact, to the thickness of the compound on the ellipse
+        share = union_level(contact, grid) ** 2
+        return compound_scene(view, contact, grid, _stays(share), _rubbed(pair))
+    return pattern_scene(view, contact, grid)
+
+
+def _stays(gap: Array) -> Array:
+    """Share (I, J) of the compound that stays where the gap (I, J) is so large, in thicknesses of the compound."""
+    return np.where(np.isfinite(gap), np.clip(gap, 0.0, 1.0), 1.0)
+
+
+def _rubbed(pair: GearPair) -> str:
+    return f"rubbed off: gap below {1e3 * pair.delta:.3g} µm"
 
 
 def gap_picture(
@@ -120,15 +149,23 @@ def gap_picture(
     view: ToothView | None = None,
     title: str = "",
     whole: ContactPath | None = None,
+    look: str = PLAIN_LOOK,
 ) -> Scene:
-    """Scene of a member's tooth with the gaps of the roll test: `patches` of points, own frame, and gaps, mm."""
+    """Scene of a member's tooth with the gaps of the roll test: `patches` of points, own frame, and gaps, mm.
+
+    `look` is one of LOOKS.
+    """
     contact = contact_on(pair.index(name), path, pair.mounts, whole)
     view = replace(
         view or tooth_view(pair, name),
-        title=_title(title, f"{name}, contact pattern, roll test of the meshes"),
+        title=_title(title, f"{name}, contact pattern, {_GAP_WORDS[look]}"),
         size=size,
     )
-    return gap_scene(view, contact, _pattern_grid(pair, name), patches, pair.delta)
+    grid = _pattern_grid(pair, name)
+    if look == COMPOUND_LOOK:
+        share = _stays(closest_gap(grid, patches) / pair.delta)
+        return compound_scene(view, contact, grid, share, _rubbed(pair))
+    return gap_scene(view, contact, grid, patches, pair.delta)
 
 
 def pair_picture(

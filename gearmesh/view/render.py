@@ -19,7 +19,7 @@ from gearmesh.view.offscreen.finish import finish
 from gearmesh.view.offscreen.letters import Image, LetteredImage, PixelBox, ticks
 from gearmesh.view.offscreen.shapes import colour_table, drawing_order
 from gearmesh.view.opengl import draw
-from gearmesh.view.palette import CURVE_COLOURS
+from gearmesh.view.palette import CURVE_COLOURS, MARKING_COLOUR, RUBBED_COLOUR
 from gearmesh.view.scene import BODIES_WIDTH_SHARE, Camera, Scene, ValueMap, beside_bar
 
 #: suffixes of the files that can be written
@@ -205,6 +205,9 @@ class _Heading:
     def of(cls, scene: Scene, size: tuple[int, int]) -> _Heading:
         """Return the heading of a scene for a picture of a `size`; its height is 0 without title and legend."""
         entries = [_Entry(area.label, area.colour, "area") for area in scene.areas if area.label]
+        for film in scene.films:
+            entries.append(_Entry(film.label, MARKING_COLOUR, "area"))
+            entries.append(_Entry(film.rubbed_label, RUBBED_COLOUR, "area"))
         entries += [_Entry(curve.label, curve.colour, "line", curve.width) for curve in scene.curves if curve.label]
         entries += [_Entry(dots.label, dots.colour, "dot", 6.0) for dots in scene.dots if dots.label]
         if not entries and not scene.title:

@@ -18,7 +18,7 @@ from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import HEEL_END, TOE_END
-from gearmesh.view.palette import COMPOUND_COLOUR, OUTLINE_COLOUR, PATH_COLOUR
+from gearmesh.view.palette import COMPOUND_COLOUR, MARKING_COLOUR, OUTLINE_COLOUR, PATH_COLOUR
 
 Project = Callable[[Array], Array]
 
@@ -38,6 +38,8 @@ class Paint:
 STEEL_PAINT = Paint("#c6cdd5", {"flank": "#dce2e9", "fillet": "#ced5dd"})
 #: the rest of its gear
 DULL_STEEL_PAINT = Paint("#bdc5ce", {"flank": "#cad1d9", "fillet": "#c2cad3"})
+#: a gear whose flanks are painted with marking compound
+MARKED_PAINT = Paint("#c6cdd5", {"flank": MARKING_COLOUR, "fillet": MARKING_COLOUR})
 #: first member
 BLUE_STEEL_PAINT = Paint("#8ba9c9", {"flank": "#a5c0dc", "fillet": "#98b4d2"})
 #: third member
@@ -109,6 +111,22 @@ class PatternArea:
 
 
 @dataclass(frozen=True)
+class CompoundFilm:
+    """Marking compound on a surface patch, lit like a body; where it is rubbed off, the steel shows."""
+
+    #: points (M, N, 3) of the patch, mm
+    points: Array
+    #: share (M, N) of the compound that stays, 0 to 1
+    share: Array
+    #: unit normals (M, N, 3) out of the patch
+    normals: Array
+    #: text of the compound in the legend
+    label: str = "marking compound"
+    #: text of the places without compound
+    rubbed_label: str = "rubbed off"
+
+
+@dataclass(frozen=True)
 class ValueMap:
     """Surface patches in colours of a scale from 0 to `limit`; NaN and values above the limit are not drawn."""
 
@@ -153,6 +171,12 @@ class Camera:
     @property
     def distance(self) -> float:
         return float(np.linalg.norm(self.position - self.focus))
+
+    def moved(self, shift: Array, height: float) -> Camera:
+        """Return the camera moved by `shift` (3,), mm, for a picture of another height (mm); its front plane stays."""
+        normal = self.axes[2] if self.front_normal is None else self.front_normal
+        front = None if self.front is None else self.front - float(shift @ normal)
+        return replace(self, position=self.position + shift, focus=self.focus + shift, height=height, front=front)
 
     def pixels(self, points: Array, size: tuple[int, int]) -> Array:
         """Pixels of points (..., 3) from the left and from the top, and depth from the camera in mm, (..., 3)."""
@@ -201,6 +225,8 @@ class Scene:
     areas: tuple[PatternArea, ...] = ()
     #: coloured maps on the bodies; the first has the colour bar
     maps: tuple[ValueMap, ...] = ()
+    #: marking compound on the bodies
+    films: tuple[CompoundFilm, ...] = ()
     #: words beside the parts that they name
     words: tuple[Word, ...] = ()
     #: title, above the bodies

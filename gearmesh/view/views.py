@@ -29,7 +29,9 @@ from gearmesh.view.scene import (
     BLUE_STEEL_PAINT,
     BRASS_PAINT,
     BRONZE_PAINT,
+    MARKED_PAINT,
     Camera,
+    CompoundFilm,
     Curve,
     MemberContact,
     PatternArea,
@@ -76,6 +78,27 @@ def pattern_scene(view: ToothView, contact: MemberContact, grid: Array, camera: 
         camera=camera,
         areas=(area,) if len(contact.ellipses) else (),
         curves=border + contact_lines(view, contact, count=25) + path_on_surface(view, contact),
+        words=edge_words(view, camera, contact),
+        title=view.title,
+        size=view.size,
+    )
+
+
+def compound_scene(
+    view: ToothView, contact: MemberContact, grid: Array, share: Array, rubbed: str, camera: Camera | None = None
+) -> Scene:
+    """Scene of a tooth painted with marking compound, as it looks after rolling.
+
+    `grid` (I, J, 3) are points of its exact flank, `share` (I, J) the share of the compound that stays there, and
+    `rubbed` tells in the legend from where it is gone.
+    """
+    lifted = lift_grid(grid, contact, view.lift)
+    film = CompoundFilm(lifted, share, unit(lifted - grid), rubbed_label=rubbed)
+    camera = camera or flank_camera(view, contact)
+    return Scene(
+        bodies=tuple(replace(body, paint=MARKED_PAINT) for body in view.bodies),
+        camera=camera,
+        films=(film,),
         words=edge_words(view, camera, contact),
         title=view.title,
         size=view.size,
@@ -247,9 +270,7 @@ def flank_camera(view: ToothView, contact: MemberContact) -> Camera:
     near = np.abs(lengths - aside) < half
     lifted = (grid - whole.focus)[near] @ rise
     shift = aside * right + 0.5 * float(lifted.min() + lifted.max()) * rise
-    moved = replace(whole, position=whole.position + shift, focus=whole.focus + shift, height=min(most, whole.height))
-    assert whole.front is not None
-    return replace(moved, front=whole.front - float(shift @ normal))
+    return whole.moved(shift, min(most, whole.height))
 
 
 def _whole_tooth(

@@ -90,6 +90,7 @@ WRONG: dict[str, dict[str, Any]] = {
     "render": {
         "-o": ("out.xyz", "cannot write out.xyz"),
         "--view": ("x", "Invalid value for '--view'"),
+        "--look": ("x", "Invalid value for '--look'"),
         "--member": ("wheel", "--member = wheel"),
         "--phi1": ("nan", "--phi1 = nan"),
         "--torque": ("-1", "--torque = -1", "--view", "loaded"),

@@ -86,4 +86,4 @@ def _holding(camera: Camera, view: ToothView, grid: Array) -> Camera:
         )
     )
     shift = 0.5 * (low + high) * right
-    return replace(camera, position=camera.position + shift, focus=camera.focus + shift, height=height)
+    return camera.moved(shift, height)

@@ -18,8 +18,8 @@ from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.view.offscreen.drawing_process import PLAIN_PRIMITIVE, Order, Primitive
 from gearmesh.view.offscreen.front_plane import cut_front, section_lines
-from gearmesh.view.palette import COLOUR_MAP, INK_COLOUR, REGION_EDGE, rgb
-from gearmesh.view.scene import Camera, Curve, Dots, PatternArea, Scene, SceneBody, ValueMap
+from gearmesh.view.palette import COLOUR_MAP, INK_COLOUR, MARKING_COLOUR, REGION_EDGE, RUBBED_COLOUR, rgb
+from gearmesh.view.scene import Camera, CompoundFilm, Curve, Dots, PatternArea, Scene, SceneBody, ValueMap
 
 #: section of a body that has no colour of its own for it
 SECTION_COLOUR = "#c4d2e3"
@@ -63,6 +63,7 @@ def drawing_order(scene: Scene, size: tuple[int, int]) -> Order:
     viewer = Viewer(camera, camera.height / size[1], size[0] / size[1])
     primitives = sorted((primitive for body in scene.bodies for primitive in _body(body, viewer)), key=_late)
     primitives += [primitive for area in scene.areas for primitive in _area(area, viewer)]
+    primitives += [primitive for film in scene.films for primitive in _film(film, viewer)]
     primitives += [primitive for value_map in scene.maps for primitive in _map(value_map, viewer)]
     primitives += [primitive for curve in scene.curves for primitive in _curve(curve, viewer)]
     primitives += [primitive for dots in scene.dots for primitive in _dots(dots)]
@@ -99,6 +100,9 @@ def _from_camera(scene: Scene) -> Scene:
         scene,
         bodies=tuple(replace(body, own_to_scene=place @ body.own_to_scene) for body in scene.bodies),
         areas=tuple(replace(area, points=place.point(area.points)) for area in scene.areas),
+        films=tuple(
+            replace(film, points=place.point(film.points), normals=place.vector(film.normals)) for film in scene.films
+        ),
         maps=tuple(replace(value_map, points=place.point(value_map.points)) for value_map in scene.maps),
         curves=tuple(replace(curve, points=place.point(curve.points)) for curve in scene.curves),
         dots=tuple(replace(dots, points=place.point(dots.points)) for dots in scene.dots),
@@ -385,6 +389,18 @@ def _area(area: PatternArea, viewer: Viewer) -> Iterator[Primitive]:
     points, cells, values = _patch(area.points, level)
     if len(cells):
         yield _primitive(viewer.move_back(points, -0.5), cells, area.colour, values=_floats(values), cut=1.0)
+
+
+def _film(film: CompoundFilm, viewer: Viewer) -> Iterator[Primitive]:
+    """Yield compound and bare steel, mixed by the share of the compound that stays."""
+    index = np.arange(film.share.size).reshape(film.share.shape)
+    points, cells, kept = _patch(film.points, index.astype(float))
+    used = kept.astype(np.int64)
+    share = np.clip(film.share.reshape(-1)[used], 0.0, 1.0)[:, None]
+    mixed = share * np.array(rgb(MARKING_COLOUR)) + (1.0 - share) * np.array(rgb(RUBBED_COLOUR))
+    lit = viewer.light(points, film.normals.reshape(-1, 3)[used], np.rint(mixed).astype(np.uint8))
+    if len(cells):
+        yield _primitive(viewer.move_back(points, -0.5), cells, MARKING_COLOUR, colours=lit.tobytes())
 
 
 def _map(value_map: ValueMap, viewer: Viewer) -> Iterator[Primitive]:

@@ -46,10 +46,19 @@ class View(StrEnum):
     loaded_pair = "loaded_pair"
 
 
+class Look(StrEnum):
+    """Look of a pattern."""
+
+    plain = "plain"
+    compound = "compound"
+
+
 #: views of contact under torque
 LOADED_VIEWS = (View.loaded, View.loaded_flank, View.loaded_te, View.loaded_share, View.loaded_stress, View.loaded_pair)
 #: views that are diagrams
 DIAGRAM_VIEWS = (View.flank, View.sliding, View.zone, View.te, View.backlash, View.turns, *LOADED_VIEWS[1:])
+#: views that --look compound is for
+COMPOUND_VIEWS = (View.pattern, View.gap)
 #: value of --member for the grinding worm
 WORM_MEMBER = "worm"
 #: default of --scallop
@@ -134,6 +143,13 @@ def render(
             help="Resolution of figures, in pixels per inch; less where --size has little room.",
         ),
     ] = 150,
+    look: Annotated[
+        Look,
+        typer.Option(
+            "--look",
+            help="Look of the views pattern and gap. compound: teeth painted with marking compound, rubbed off where they touch.",
+        ),
+    ] = Look.plain,
     animate: Annotated[
         Path | None,
         typer.Option("--animate", metavar="FILE.gif", help="Animate the section of the mesh through one pitch."),
@@ -154,6 +170,8 @@ def render(
         raise ArgumentError("phi1", phi1, must_be="a finite number of degrees")
     torques = _torques(view, torque, animate)
     _refuse_for_path(view, tool, scallop, animate)
+    if look == Look.compound and view not in COMPOUND_VIEWS:
+        raise ArgumentError("look", look, reason=f"is for the views {', '.join(COMPOUND_VIEWS)}; --view is {view}")
     if output is None or view not in DIAGRAM_VIEWS:
         begin_drawing()
     # the note leaves out settings of meshes, which change nothing visible, and the name, which the picture shows anyway
@@ -175,7 +193,9 @@ def render(
         if tool is not None:
             path = gears.toolpath(member or names[0], tool, scallop or DEFAULT_SCALLOP)
             return gears.picture(view.value, of=path, size=pixels, note=note), gears.warnings
-        shown = gears.picture(view.value, member, phi1=phi1, size=pixels, pair=mesh, dpi=dpi, note=note)
+        shown = gears.picture(
+            view.value, member, phi1=phi1, size=pixels, pair=mesh, dpi=dpi, note=note, look=look.value
+        )
         return shown, gears.warnings
 
     def animation(gears: Gears) -> Animation:
