@@ -30,6 +30,7 @@ SVG_SUFFIX = ".svg"
 PDF_SUFFIX = ".pdf"
 PNG_SUFFIX = ".png"
 GIF_SUFFIX = ".gif"
+MP4_SUFFIX = ".mp4"
 HTML_SUFFIX = ".html"
 INP_SUFFIX = ".inp"
 MSH_SUFFIX = ".msh"
@@ -118,6 +119,7 @@ FILE_FORMATS = (
     FileFormat(DRAWING_SUFFIXES, "workshop drawing", ("drawing",)),
     FileFormat((PNG_SUFFIX,), "picture", ("render", "fe", "toolpath", "run")),
     FileFormat((GIF_SUFFIX,), "animation of the mesh", ("render",)),
+    FileFormat((MP4_SUFFIX,), "animation of the mesh, by the program ffmpeg", ("render",)),
     FileFormat(DIAGRAM_SUFFIXES, "diagram, or chart of a measured gear", ("render", "grid", "evaluate", "composite")),
     FileFormat((HTML_SUFFIX,), "page with all results, in one file", ("report", "run")),
     FileFormat((INP_SUFFIX,), "finite-element model for CalculiX or Abaqus, mm", ("fe",)),

@@ -752,16 +752,31 @@ class Gears(ModelledGears):
 
     def animation(
         self,
+        view: str = "section",
+        member: str | None = None,
         *,
         phi1: ArrayLike | None = None,
         size: tuple[int, int] = (640, 480),
         pair: int | str = 0,
         note: str = "",
+        look: str = "plain",
     ) -> Animation:
-        """Return an animation of the section through a mesh over one pitch, with the moving contact; drawn when it is saved.
+        """Return an animation of a mesh; it is drawn when it is saved.
 
         Parameters
         ----------
+        view : str
+            Views that go round, through one pitch:
+
+            - "section": mesh cut open across the teeth, with the moving contact
+            - "pair": both members in mesh, without shafts, hubs, keyways and holes
+
+            Views of one tooth over its engagement:
+
+            - "contact": contact ellipse or contact line that rolls over the tooth
+            - "pattern": contact pattern that grows
+        member : str, optional
+            Member whose tooth is shown; by default the pinion.
         phi1 : array_like, optional
             Positions, deg; the section goes through the middle of the contact at these positions. By default the design's.
         size : (int, int)
@@ -770,6 +785,8 @@ class Gears(ModelledGears):
             Number of the mesh, or its members as "sun-planet_1".
         note : str
             Text beside the design's name.
+        look : str
+            "plain", or, for the view "pattern", "compound": marking compound that is rubbed off.
 
         Returns
         -------
@@ -778,8 +795,10 @@ class Gears(ModelledGears):
 
         Raises
         ------
+        DesignError
+            For an unknown view, member or look.
         NoSolutionError
-            If the flanks never meet.
+            If the flanks never meet, or have no ellipses of which a pattern consists.
 
         Examples
         --------
@@ -788,7 +807,7 @@ class Gears(ModelledGears):
         """
         from gearmesh.reports.pictures import animation
 
-        return animation(self, phi1, size, pair, note)
+        return animation(self, view, member, phi1, size, pair, note, look)
 
     # ---------------------------------------------------------------- many of them
 

@@ -5,6 +5,7 @@ Pictures of a tooth load no module for whole solids, for their checks, or for di
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,6 +17,7 @@ from gearmesh.answers.questions import SolvedGears
 from gearmesh.errors import ArgumentError, NoSolutionError
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.systems.system import ToolPart
+from gearmesh.teeth.blank.features import BodyFeatures
 from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.region import Side
 from gearmesh.view import pictures
@@ -23,9 +25,10 @@ from gearmesh.view.picture import (
     COMPOUND_LOOK,
     COMPOUND_VIEWS,
     FIGURE_VIEWS,
-    LOOKS,
     MAX_SIDE_PIXELS,
     MIN_SIDE_PIXELS,
+    MOVING_VIEWS,
+    PICTURE_LOOKS,
     PICTURE_VIEWS,
     PLAIN_LOOK,
     Animation,
@@ -129,26 +132,48 @@ def picture(
 
 
 def animation(
-    gears: SolvedGears, phi1: ArrayLike | None, size: tuple[int, int], pair: int | str, note: str
+    gears: SolvedGears,
+    view: str,
+    member: str | None,
+    phi1: ArrayLike | None,
+    size: tuple[int, int],
+    pair: int | str,
+    note: str,
+    look: str = PLAIN_LOOK,
 ) -> Animation:
-    """Return the section through a mesh, rolling through one pitch, as `Gears.animation` describes it."""
+    """Return a mesh that rolls through one pitch, or contact that rolls over a tooth, as `Gears.animation` describes."""
     from gearmesh.answers.contact.rolling import rolling_contact
-    from gearmesh.view.mesh_section import FRAMES_PER_PITCH
+    from gearmesh.view import motion
 
+    if view not in MOVING_VIEWS:
+        raise ArgumentError("view", view, must_be=f"one of {', '.join(MOVING_VIEWS)}")
+    refuse_look(look, view)
     refuse_size(size)
     if phi1 is not None:
         position_list(phi1)
     mesh = gears.pair(pair)
+    if member not in (None, *mesh.members):
+        raise ArgumentError("member", member, must_be=f"one of {', '.join(mesh.members)}")
     path = gears.contact(phi1, cycle=False, pair=pair).path
     title = gears.title + (f", {note}" if note else "")
-    rolling = rolling_contact(mesh, path, np.arange(FRAMES_PER_PITCH) / FRAMES_PER_PITCH)
-    return Animation(tuple(_section(gears, mesh, rolling, size, title).scenes()))
+    if view in ("section", "pair"):
+        rolling = rolling_contact(mesh, path, np.arange(motion.FRAMES_PER_PITCH) / motion.FRAMES_PER_PITCH)
+        if view == "section":
+            return Animation(tuple(_section(gears, mesh, rolling, size, title).scenes()))
+        # keyways and holes are not alike after one pitch
+        meshes = _meshes(gears, mesh, featured=False)
+        what = f"{title}: {' and '.join(mesh.members)}" if len(gears.pairs) > 1 else f"{title}: pair in mesh"
+        return Animation(tuple(motion.turning_scenes(rolling, meshes, size, what)))
+    rolling = rolling_contact(mesh, path, np.arange(motion.POSITIONS_PER_PITCH) / motion.POSITIONS_PER_PITCH)
+    name = mesh.pinion.name if member is None else member
+    scenes = pictures.rolling_scenes(mesh, name, rolling.contacts, view, size, title, look)
+    return Animation(tuple(scenes), _hold=view == "pattern")
 
 
 def refuse_look(look: str, view: str) -> None:
     """Raise ArgumentError for an unknown look, and for marking compound in a view that has no pattern."""
-    if look not in LOOKS:
-        raise ArgumentError("look", look, must_be=f"one of {', '.join(LOOKS)}")
+    if look not in PICTURE_LOOKS:
+        raise ArgumentError("look", look, must_be=f"one of {', '.join(PICTURE_LOOKS)}")
     if look == COMPOUND_LOOK and view not in COMPOUND_VIEWS:
         reason = f"is for the views {', '.join(COMPOUND_VIEWS)}; the view is {view}"
         raise ArgumentError("look", look, reason=reason)
@@ -226,13 +251,21 @@ def _section(
     return mesh_section(rolling, _meshes(gears, mesh, finest), size, f"{title}: {what}")
 
 
-def _meshes(gears: SolvedGears, mesh: GearPair, tolerance: float | None = None) -> dict[str, TriangleMesh]:
-    """Return the meshes of both members of a pair, own frames, within a tolerance (mm; by default the design's)."""
+def _meshes(
+    gears: SolvedGears, mesh: GearPair, tolerance: float | None = None, featured: bool = True
+) -> dict[str, TriangleMesh]:
+    """Return the meshes of both members of a pair, own frames, within a tolerance (mm; by default the design's).
+
+    They have no shafts, hubs, keyways and holes unless they are `featured`.
+    """
     from gearmesh.mesh.solid import gear_solid
     from gearmesh.teeth.micro_geometry.placed_teeth import placed_teeth
 
     within = gears.within(tolerance)
-    return {name: gear_solid(placed_teeth(member), within, lean=False) for name, member in mesh.members.items()}
+    members = {
+        name: member if featured else replace(member, features=BodyFeatures()) for name, member in mesh.members.items()
+    }
+    return {name: gear_solid(placed_teeth(member), within, lean=False) for name, member in members.items()}
 
 
 def _figure(

@@ -9,31 +9,22 @@ projected onto it along the lengths and drawn paler.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.answers.contact.rolling import RollingContact
 from gearmesh.contact.path import ContactPath
-from gearmesh.errors import OutputError
-from gearmesh.formats import GIF_SUFFIX
-from gearmesh.io.atomic import whole_file
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.flank_frame import FlankFrame
 from gearmesh.teeth.gear_train import GearPair
-from gearmesh.view.render import render
 from gearmesh.view.scene import BLUE_STEEL_PAINT, BRASS_PAINT, Camera, Dots, Scene, SceneBody
 
 #: height of the picture, in heights of a tooth
 PICTURE_HEIGHT_TOOTH_HEIGHTS = 4.2
 #: distance of facets from the exact surface, pixels
 FACET_TOLERANCE_PIXELS = 0.08
-#: pictures of an animation over one pitch
-FRAMES_PER_PITCH = 24
-#: time for which each picture of an animation is shown
-FRAME_TIME_MS = 70
 #: sine of the angle between axes from which a worm is cut in its axial section
 MIN_CROSSED_SINE = 0.7
 #: factors of a point's coordinates that give the direction to the z axis
@@ -164,17 +155,3 @@ def facet(pair: GearPair, size: tuple[int, int]) -> float:
 def _picture_height(pair: GearPair) -> float:
     """Height (mm) of the part of the scene in the picture."""
     return PICTURE_HEIGHT_TOOTH_HEIGHTS * float(np.ptp(FlankFrame.of(pair.pinion, pair.flanks[0]).extent[:, 1]))
-
-
-def write_animation(file: Path, scenes: list[Scene], size: tuple[int, int] | None = None) -> None:
-    """Write scenes as an endless GIF. Raises OutputError for another suffix and if OpenGL does not work."""
-    from PIL import Image
-
-    if file.suffix.lower() != GIF_SUFFIX:
-        raise OutputError("cannot write", file, reason="the suffix of an animation must be .gif")
-    images = [Image.fromarray(render(scene, size=size)) for scene in scenes]
-    # one palette for all, so that nothing flickers
-    palette = images[0].quantize(128)
-    first, *others = (image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images)
-    with whole_file(file) as unfinished:
-        first.save(unfinished, format="GIF", save_all=True, append_images=others, duration=FRAME_TIME_MS, loop=0)

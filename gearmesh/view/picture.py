@@ -26,9 +26,11 @@ PLAIN_LOOK = "plain"
 #: look of a painted tooth from which contact has rubbed the marking compound
 COMPOUND_LOOK = "compound"
 #: looks of pictures
-LOOKS = (PLAIN_LOOK, COMPOUND_LOOK)
+PICTURE_LOOKS = (PLAIN_LOOK, COMPOUND_LOOK)
 #: views that can be seen with marking compound
 COMPOUND_VIEWS = ("pattern", "gap")
+#: views that an animation can show
+MOVING_VIEWS = ("section", "pair", "contact", "pattern")
 #: what pictures of loaded contact show; all but the first are figures on paper
 LOADED_VIEWS = ("loaded", "loaded_flank", "loaded_te", "loaded_share", "loaded_stress", "loaded_pair")
 
@@ -136,15 +138,20 @@ class Diagram:
 
 @dataclass(frozen=True, repr=False)
 class Animation:
-    """Gears that roll through one pitch, over and over; drawing needs off-screen OpenGL."""
+    """Gears that roll through one pitch, or contact that rolls over a tooth, over and over.
+
+    Drawing needs off-screen OpenGL.
+    """
 
     _scenes: tuple[Scene, ...]
+    #: True if the last picture is shown for longer
+    _hold: bool = False
 
     def __repr__(self) -> str:
         return f"<Animation: {self._scenes[0].title}, {len(self._scenes)} pictures>"
 
     def save(self, path: str | PathLike[str]) -> Path:
-        """Draw into a .gif file, whole or not at all.
+        """Draw into a .gif or .mp4 file, whole or not at all. The program ffmpeg writes .mp4.
 
         Parameters
         ----------
@@ -159,16 +166,16 @@ class Animation:
         Raises
         ------
         OutputError
-            For another suffix, or where there is no OpenGL.
+            For another suffix, where there is no OpenGL, or no ffmpeg for .mp4.
 
         Examples
         --------
         >>> gears.animation(size=(160, 120)).save("mesh.gif").name
         'mesh.gif'
         """
-        from gearmesh.view.mesh_section import write_animation
+        from gearmesh.view.animation import write_animation
 
-        write_animation(Path(path), list(self._scenes))
+        write_animation(Path(path), list(self._scenes), hold=self._hold)
         return Path(path)
 
     def __dir__(self) -> list[Any]:

@@ -27,7 +27,7 @@ from gearmesh.teeth.region import Side
 from gearmesh.view.on_tooth import closest_gap, union_level
 from gearmesh.view.picture import COMPOUND_LOOK, PLAIN_LOOK
 from gearmesh.view.projection import flank_projection
-from gearmesh.view.scene import Scene, ToothView, contact_on
+from gearmesh.view.scene import MemberContact, Scene, ToothView, contact_on
 from gearmesh.view.views import (
     compound_scene,
     flank_pixel,
@@ -110,14 +110,10 @@ def pattern_picture(
     """Scene of a member's tooth with its contact pattern: the union of the ellipses, of the `whole` engagement if
     given.
 
-    `look` is one of LOOKS. Raises NoSolutionError for contact along lines or on edges, which has no ellipses.
+    `look` is one of PICTURE_LOOKS. Raises NoSolutionError for contact along lines or on edges, which has no ellipses.
     """
     contact = contact_on(pair.index(name), path if whole is None else whole, pair.mounts)
-    if not contact.ellipses.size:
-        raise NoSolutionError(
-            reason="no position has an ellipse of contact",
-            remedy="the pattern by the roll test (gap) shows the contact",
-        )
+    _refuse_lines(contact)
     view = replace(
         view or tooth_view(pair, name),
         title=_title(title, f"{name}, contact pattern, {_PATTERN_WORDS[look]}"),
@@ -129,6 +125,37 @@ def pattern_picture(
         share = union_level(contact, grid) ** 2
         return compound_scene(view, contact, grid, _stays(share), _rubbed(pair))
     return pattern_scene(view, contact, grid)
+
+
+def rolling_scenes(
+    pair: GearPair, name: str, path: ContactPath, view: str, size: Size, title: str, look: str = PLAIN_LOOK
+) -> list[Scene]:
+    """Scenes of a member's tooth over which the contact of a path rolls: of the views contact and pattern.
+
+    Raises NoSolutionError for a pattern of contact along lines or on edges.
+    """
+    from gearmesh.view import motion
+
+    touching = np.flatnonzero(path.touching)
+    in_order = touching[np.argsort(path.rotation[touching], kind="stable")]
+    contact = contact_on(pair.index(name), path, pair.mounts).at(in_order)
+    if view == "contact":
+        shown = replace(tooth_view(pair, name), title=_title(title, f"{name}, contact"), size=size)
+        return motion.rolling_contact_scenes(shown, contact)
+    _refuse_lines(contact)
+    what = f"{name}, contact pattern, {_PATTERN_WORDS[look]}"
+    shown = replace(tooth_view(pair, name), title=_title(title, what), size=size)
+    rubbed = _rubbed(pair) if look == COMPOUND_LOOK else None
+    return motion.growing_pattern_scenes(shown, contact, _pattern_grid(pair, name), rubbed)
+
+
+def _refuse_lines(contact: MemberContact) -> None:
+    """Raise NoSolutionError for contact along lines or on edges, which has no ellipses."""
+    if not contact.ellipses.size:
+        raise NoSolutionError(
+            reason="no position has an ellipse of contact",
+            remedy="the pattern by the roll test (gap) shows the contact",
+        )
 
 
 def _stays(gap: Array) -> Array:
@@ -153,7 +180,7 @@ def gap_picture(
 ) -> Scene:
     """Scene of a member's tooth with the gaps of the roll test: `patches` of points, own frame, and gaps, mm.
 
-    `look` is one of LOOKS.
+    `look` is one of PICTURE_LOOKS.
     """
     contact = contact_on(pair.index(name), path, pair.mounts, whole)
     view = replace(

@@ -7,7 +7,8 @@ mm, angles in rad, colours "#rrggbb". NaN points interrupt curves, areas and map
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -261,6 +262,13 @@ class MemberContact:
     lines: tuple[Array | None, ...] = ()
     #: points and normals (W, 3) of the path of contact if it is known at more than the P positions
     curve: tuple[Array, Array] | None = None
+
+    def at(self, index: NDArray[np.intp]) -> MemberContact:
+        """Return the contact of some positions (K,), without a curve between the positions."""
+        kept: dict[str, Any] = {
+            each.name: getattr(self, each.name)[index] for each in fields(self) if each.name not in ("lines", "curve")
+        }
+        return MemberContact(**kept, lines=tuple(self.lines[k] for k in index) if self.lines else ())
 
     @property
     def path(self) -> tuple[Array, Array]:

@@ -457,7 +457,11 @@ def test_run_that_fails_leaves_no_empty_folder(job: Asked, here: Path) -> None:
         ("solid SAMPLE --member gear -o a.stl --teeth x", "--teeth = x: must be a whole number"),
         ("render SAMPLE -o a.jpg", "cannot write a.jpg: its suffix must be .png"),
         ("render SAMPLE", "--output: name a file for the picture, or for an animation with --animate"),
-        ("render SAMPLE --animate a.mp4", "cannot write a.mp4: its suffix must be .gif"),
+        ("render SAMPLE --animate a.avi", "cannot write a.avi: its suffix must be .gif or .mp4"),
+        (
+            "render SAMPLE --animate a.gif --view te",
+            "--animate = a.gif: is not for the view te; it is for section, pair,",
+        ),
         ("render SAMPLE -o a.jpg --view flank", "cannot write a.jpg: its suffix must be .png or .svg or .pdf"),
         ("render SAMPLE -o a.png --size 800", "--size = 800: must be WIDTHxHEIGHT in pixels, each from 16 to 16384"),
         ("render SAMPLE -o a.png --size 0x0", "--size = 0x0: must be WIDTHxHEIGHT"),

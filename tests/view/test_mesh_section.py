@@ -12,7 +12,8 @@ from gearmesh.answers.contact.rolling import rolling_contact
 from gearmesh.reports import pictures as reports_pictures
 from gearmesh.teeth.gear_train import GearPair
 from gearmesh.view import opengl
-from gearmesh.view.mesh_section import mesh_section, write_animation
+from gearmesh.view.animation import write_animation
+from gearmesh.view.mesh_section import mesh_section
 
 SAMPLES = Path(__file__).parents[2] / "samples"
 
@@ -92,5 +93,5 @@ def test_an_animation_moves_and_is_the_same_twice(tmp_path: Path) -> None:
         first = np.asarray(image.convert("RGB")).astype(int)
         image.seek(1)
         assert (np.abs(np.asarray(image.convert("RGB")) - first).max(axis=-1) > 40).mean() > 0.01
-    with pytest.raises(gm.OutputError, match=r"the suffix of an animation must be \.gif"):
-        rolling.save(tmp_path / "a.mp4")
+    with pytest.raises(gm.OutputError, match=r"the suffix of an animation must be \.gif or \.mp4"):
+        rolling.save(tmp_path / "a.avi")

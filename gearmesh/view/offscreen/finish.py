@@ -26,7 +26,7 @@ HATCH_BRIGHTNESS = 0.82
 #: distances at which a pixel is compared with others, ascending, as shares of the picture's height
 RADII_SHARES = (0.008, 0.022, 0.05)
 #: pairs of opposite directions at each distance
-DIRECTIONS = 4
+DIRECTIONS_PER_RADIUS = 4
 #: share of the light that a deep hollow loses
 LOST_LIGHT_SHARE = 0.55
 #: difference between the brightest and the darkest part of a colour from which it is not steel
@@ -121,14 +121,14 @@ def _hollow_light(depth: NDArray[np.float32], seen: NDArray[np.bool_], pixel: fl
     for k, share in enumerate(RADII_SHARES):
         radius = share * len(depth)
         unit = np.float32(1.0 / (max(radius, 1.0) * pixel))
-        for turn in np.pi * (np.arange(DIRECTIONS) + k / len(RADII_SHARES)) / DIRECTIONS:
+        for turn in np.pi * (np.arange(DIRECTIONS_PER_RADIUS) + k / len(RADII_SHARES)) / DIRECTIONS_PER_RADIUS:
             right, up = round(radius * np.cos(turn)), round(radius * np.sin(turn))
             nearer = np.zeros(depth.shape, dtype=np.float32)
             for sense in (1, -1):
                 first, left = reach + sense * up, reach + sense * right
                 nearer += np.clip((own - wide[first : first + high, left : left + long]) * unit, -1.0, 1.0)
             dark += np.maximum(nearer, 0.0)
-    light = 1.0 - LOST_LIGHT_SHARE * np.minimum(dark / (DIRECTIONS * len(RADII_SHARES)), 1.0)
+    light = 1.0 - LOST_LIGHT_SHARE * np.minimum(dark / (DIRECTIONS_PER_RADIUS * len(RADII_SHARES)), 1.0)
     # a pixel without a body takes the light beside it, which the average over its edge needs
     weight = _mean(seen.astype(np.float32))
     beside = _mean(np.where(seen, light, np.float32(0.0))) / np.maximum(weight, np.float32(1e-3))

@@ -12,8 +12,9 @@ import typer
 from gearmesh.app.options import DesignFile, Pair, Set, chosen_pair, load_gears, torques_in_nm
 from gearmesh.app.terminal import picture_size, refuse_suffix, refuse_unwritable, warn, working
 from gearmesh.errors import ArgumentError
-from gearmesh.formats import DIAGRAM_SUFFIXES, GIF_SUFFIX, PNG_SUFFIX
+from gearmesh.formats import DIAGRAM_SUFFIXES, GIF_SUFFIX, MP4_SUFFIX, PNG_SUFFIX
 from gearmesh.progress import part
+from gearmesh.view.animation import refuse_file
 from gearmesh.view.opengl import begin_drawing
 
 if TYPE_CHECKING:
@@ -59,6 +60,8 @@ LOADED_VIEWS = (View.loaded, View.loaded_flank, View.loaded_te, View.loaded_shar
 DIAGRAM_VIEWS = (View.flank, View.sliding, View.zone, View.te, View.backlash, View.turns, *LOADED_VIEWS[1:])
 #: views that --look compound is for
 COMPOUND_VIEWS = (View.pattern, View.gap)
+#: views that --animate can show
+MOVING_VIEWS = (View.section, View.pair, View.contact, View.pattern)
 #: value of --member for the grinding worm
 WORM_MEMBER = "worm"
 #: default of --scallop
@@ -82,18 +85,20 @@ def render(
         ),
     ] = None,
     view: Annotated[
-        View,
+        View | None,
         typer.Option(
             "--view",
+            show_default=False,
             help="contact: path and ellipses on a tooth; pattern: the union of the ellipses; gap: the pattern by the roll test; "
             "pair: the gears in mesh; section: a section across the teeth; tool: a member with its tool; contact_lines: of "
             "the tool on the tooth that it generates; flank, sliding: ease-off and sliding velocity on flank planes; zone: "
             "contact lines of all tooth pairs on the flanks and in the plane of action, with limit lines; te, turns: "
             "transmission error, over a mesh cycle and over whole turns of eccentric members; backlash: over a mesh cycle; "
             "toolpath: passes of the ball-end cutter --tool in a space of --member. With --torque: loaded: largest pressures on a "
-            "tooth; loaded_*: pressures on flank planes, transmission error, load sharing, root stress.",
+            "tooth; loaded_*: pressures on flank planes, transmission error, load sharing, root stress. "
+            "[default: contact; section for --animate alone]",
         ),
-    ] = View.contact,
+    ] = None,
     member: Annotated[
         str | None,
         typer.Option(
@@ -152,24 +157,33 @@ def render(
     ] = Look.plain,
     animate: Annotated[
         Path | None,
-        typer.Option("--animate", metavar="FILE.gif", help="Animate the section of the mesh through one pitch."),
+        typer.Option(
+            "--animate",
+            metavar="FILE.(gif|mp4)",
+            help="Animate the view section, pair, contact or pattern: the mesh through one pitch, or contact that rolls over a "
+            "tooth; mp4 by the program ffmpeg.",
+        ),
     ] = None,
     settings: Set = None,
 ) -> None:
     """A picture of the contact on a tooth, of the gears in mesh, of a member with its tool, or an animation of the mesh."""
     pixels = None if size is None else picture_size(size)
+    if view is None:
+        view = View.contact if output is not None or animate is None else View.section
     if output is None and animate is None:
         raise ArgumentError("output", reason="name a file for the picture, or for an animation with --animate")
     if output is not None:
         refuse_suffix(output, *PICTURE_SUFFIXES[view in DIAGRAM_VIEWS])
     if animate is not None:
-        refuse_suffix(animate, GIF_SUFFIX)
+        refuse_suffix(animate, GIF_SUFFIX, MP4_SUFFIX)
+        refuse_file(animate)
+        _refuse_still(view, animate)
     for target in (output, animate):
         refuse_unwritable(target)
     if phi1 is not None and not math.isfinite(phi1):
         raise ArgumentError("phi1", phi1, must_be="a finite number of degrees")
-    torques = _torques(view, torque, animate)
-    _refuse_for_path(view, tool, scallop, animate)
+    torques = _torques(view, torque)
+    _refuse_for_path(view, tool, scallop)
     if look == Look.compound and view not in COMPOUND_VIEWS:
         raise ArgumentError("look", look, reason=f"is for the views {', '.join(COMPOUND_VIEWS)}; --view is {view}")
     if output is None or view not in DIAGRAM_VIEWS:
@@ -199,7 +213,15 @@ def render(
         return shown, gears.warnings
 
     def animation(gears: Gears) -> Animation:
-        return gears.animation(phi1=phi1, size=pixels or ANIMATION_SIZE, pair=mesh_and_names(gears)[0], note=note)
+        return gears.animation(
+            view.value,
+            member,
+            phi1=phi1,
+            size=pixels or ANIMATION_SIZE,
+            pair=mesh_and_names(gears)[0],
+            note=note,
+            look=look.value,
+        )
 
     def ask(gears: Gears) -> object:
         _refuse_member(gears, view, member, mesh_and_names(gears)[1])
@@ -213,9 +235,21 @@ def render(
                 shown, told = picture(gears)
             with part(0.4, 1.0):
                 shown.save(output)
-        if animate is not None:
-            animation(gears).save(animate)
+    if animate is not None:
+        with working("animation"):
+            with part(0.0, 0.2):
+                moving = animation(gears)
+            with part(0.2, 1.0):
+                moving.save(animate)
     warn(told)
+
+
+def _refuse_still(view: View, animate: Path) -> None:
+    """Refuse an animation of a view that does not move."""
+    if view not in MOVING_VIEWS:
+        raise ArgumentError(
+            "animate", animate, reason=f"is not for the view {view}; it is for {', '.join(MOVING_VIEWS)}"
+        )
 
 
 def _refuse_member(gears: Gears, view: View, member: str | None, names: tuple[str, ...]) -> None:
@@ -224,19 +258,16 @@ def _refuse_member(gears: Gears, view: View, member: str | None, names: tuple[st
         raise ArgumentError("member", member, must_be=f"one of {', '.join(names)}")
 
 
-def _refuse_for_path(view: View, tool: str | None, scallop: str | None, animate: Path | None) -> None:
+def _refuse_for_path(view: View, tool: str | None, scallop: str | None) -> None:
     """Refuse options that exclude the view of tool paths, and options that need it."""
-    if view == View.toolpath:
-        if tool is None:
-            raise ArgumentError("tool", reason="missing; the view toolpath needs a cutter, as ball:3mm")
-        if animate is not None:
-            raise ArgumentError("animate", animate, reason=f"is not for the view {view}")
+    if view == View.toolpath and tool is None:
+        raise ArgumentError("tool", reason="missing; the view toolpath needs a cutter, as ball:3mm")
     for name, value in (("tool", tool), ("scallop", scallop)):
         if value is not None and view != View.toolpath:
             raise ArgumentError(name, value, reason=f"is for the view {View.toolpath}; --view is {view}")
 
 
-def _torques(view: View, text: str | None, animate: Path | None) -> list[float]:
+def _torques(view: View, text: str | None) -> list[float]:
     """Return the torques of a view of loaded contact, none for other views. Raises ArgumentError for wrong combinations."""
     if view not in LOADED_VIEWS:
         if text is not None:
@@ -244,8 +275,6 @@ def _torques(view: View, text: str | None, animate: Path | None) -> list[float]:
         return []
     if text is None:
         raise ArgumentError("torque", reason=f"missing; the view {view} needs NM[,NM...] on the pinion")
-    if animate is not None:
-        raise ArgumentError("animate", animate, reason=f"is not for the view {view}")
     torques = torques_in_nm(text)
     if view == View.loaded and len(torques) > 1:
         raise ArgumentError("torque", text, must_be="one torque for the view loaded; loaded_flank takes several")
