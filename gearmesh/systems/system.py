@@ -329,6 +329,25 @@ class System(Generic[DesignT]):
         return self if self.single is None or self.is_single is None or not self.is_single(keys) else self.single
 
 
+@dataclass(frozen=True)
+class _LateFunction:
+    """A function that is loaded on its first call."""
+
+    #: module below `gearmesh.systems`
+    module: str
+    #: name of the function
+    name: str
+
+    def __call__(self, *arguments: Any) -> Any:
+        return getattr(import_module(f"gearmesh.systems.{self.module}"), self.name)(*arguments)
+
+
+def late(reference: str) -> Any:
+    """Return a function of a kind that is loaded on its first call, by its reference, "beveloid.build:build"."""
+    module, _, name = reference.partition(":")
+    return _LateFunction(module, name)
+
+
 #: gear systems by kind
 _REGISTERED_SYSTEMS: dict[str, System[Any]] = {}
 #: group of the entry points by which other packages add gear systems, each under its kind
@@ -403,7 +422,7 @@ def system(kind: Any) -> System[Any]:
     'HypoidDesign'
     """
     if isinstance(kind, str) and kind not in _REGISTERED_SYSTEMS and kind in OWN_KINDS:
-        for registered in import_module(f"gearmesh.systems.registered.{OWN_KINDS[kind].registered}").GEAR_SYSTEMS:
+        for registered in import_module(f"gearmesh.systems.{OWN_KINDS[kind].system}").GEAR_SYSTEMS:
             _REGISTERED_SYSTEMS.setdefault(registered.kind, registered)
     if isinstance(kind, str) and (kind in _REGISTERED_SYSTEMS or _registered_from_outside(kind)):
         return _REGISTERED_SYSTEMS[kind]
