@@ -27,6 +27,7 @@ from gearmesh.contact.engagement.turns import (
     POSITIONS_PER_PITCH,
     FullTurns,
     full_turns,
+    pitches_until_repeat,
     waves_of_turns,
 )
 from gearmesh.contact.fit.fit import play, reversed_pair
@@ -40,11 +41,6 @@ from gearmesh.teeth.region import Side
 
 #: nodes by which a tooth pair is followed beyond its engagement without pitch deviations
 NODES_BEYOND = NODES // 2
-
-
-def pitches_until_repeat(pair: GearPair) -> int:
-    """Return the teeth after which the same deviations meet again; a member without deviations does not count."""
-    return math.lcm(1, *(member.tooth.teeth for member in pair.both if member.index.uneven))
 
 
 def whole_turns(pair: GearPair) -> FullTurns:

@@ -145,9 +145,9 @@ def full_turns(pair: GearPair) -> FullTurns:
 
 
 def pitches_until_repeat(pair: GearPair) -> int:
-    """Return the teeth after which the same teeth of eccentric members meet again; a concentric member does not count."""
-    teeth = (member.tooth.teeth for member in pair.both if member.mount.eccentricity != (0.0, 0.0))
-    return math.lcm(1, *teeth)
+    """Return the teeth after which the same teeth meet again; a member whose teeth are all alike does not count."""
+    counted = (m for m in pair.both if m.index.uneven or m.mount.eccentricity != (0.0, 0.0))
+    return math.lcm(1, *(member.tooth.teeth for member in counted))
 
 
 def _concentric_engagement(pair: GearPair) -> Engagement:

@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gearmesh.contact.engagement.pitch_turns import pitches_until_repeat, refuse_too_many, shifted_advance
-from gearmesh.contact.engagement.turns import concentric_pair, full_turns
+from gearmesh.contact.engagement.pitch_turns import refuse_too_many, shifted_advance
+from gearmesh.contact.engagement.turns import concentric_pair, full_turns, pitches_until_repeat
 from gearmesh.contact.fit.fit import centre_distance, play, reversed_pair
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.errors import DesignError, NoSolutionError

@@ -84,6 +84,12 @@ def rotation_about(axis: str, angle: ArrayLike) -> Array:
     return matrix
 
 
+def axis_distance(r: Array) -> Array:
+    """Return the distances (...,) of points (..., 3) from the z axis."""
+    rho: Array = np.hypot(r[..., 0], r[..., 1])
+    return rho
+
+
 def polar_angle(r: Array) -> Array:
     """Return the polar angle (...,) of points (..., 2 or more) about z, in rad from -pi to pi."""
     return np.arctan2(r[..., 1], r[..., 0])

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from gearmesh.design.core import STEEL_DENSITY_KG_PER_M3, Design
-from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.systems.common.symbol_table import Row, table, tables_of
 from gearmesh.systems.system import Sheet, SheetTable
@@ -140,12 +139,6 @@ def _at_mid_face(member: Member) -> dict[tuple[str, str], float | None]:
         figures |= {("inner diameter of the teeth", "mm"): 2.0 * toe, ("outer diameter of the teeth", "mm"): 2.0 * heel}
         figures |= {(words, "mm"): float(points[:, 2].mean()) for _, words, points in places}
     return figures
-
-
-def _rho(points: Array) -> Array:
-    """Return the distances (N,) of points (N, 3) from the axis, mm."""
-    rho: Array = np.hypot(points[:, 0], points[:, 1])
-    return rho
 
 
 def _axes(pair: GearPair) -> dict[tuple[str, str], float]:

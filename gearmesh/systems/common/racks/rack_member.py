@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from gearmesh.errors import DesignError, VagueError
 from gearmesh.kernel.envelope.envelope import Envelope
 from gearmesh.kernel.motion.rolling import RackRoll
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array, axis_distance
 from gearmesh.kernel.numeric.effort import EffortSpentError, count_effort
 from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.kernel.surface.levels import ConeLevel, LandLevel, PlaneLevel
@@ -217,7 +217,7 @@ def _blank(name: str, spec: MemberTable, rack: RackTooth, roll: Roll, ground: tu
         surface, middle = ground
         try:
             root = Meridian.through(
-                lambda z: _rho(along(surface, np.full_like(z, middle), z, PlaneLevel(0.0))[1].r), (-half, half)
+                lambda z: axis_distance(along(surface, np.full_like(z, middle), z, PlaneLevel(0.0))[1].r), (-half, half)
             )
         except (ValueError, TrimError) as failure:
             raise DesignError(
@@ -231,11 +231,6 @@ def _blank(name: str, spec: MemberTable, rack: RackTooth, roll: Roll, ground: tu
     bore = bore_radius(name, spec.stated_bore, smallest, "the smallest root diameter")
     body = disc_body(name, spec, bore, smallest, float(tip.at(0.0) - root.at(0.0)))
     return Blank(PlaneLevel(0.0), (-half, half), tip, root, body)
-
-
-def _rho(r: Array) -> Array:
-    """Return the distances (...,) of points (..., 3) from the axis."""
-    return np.hypot(r[..., 0], r[..., 1])
 
 
 def prove(name: str, tooth: Tooth, spec: MemberTable, tip_key: str) -> None:

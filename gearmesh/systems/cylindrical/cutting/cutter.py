@@ -9,7 +9,6 @@ from dataclasses import replace
 from gearmesh.design.keys import given_or
 from gearmesh.errors import DesignError
 from gearmesh.systems.cylindrical.cutting.cutter_choice import (
-    TIP_MARGIN_MODULES,
     CutterChoice,
     generating,
     sharp_tool,
@@ -19,7 +18,7 @@ from gearmesh.systems.cylindrical.cutting.formed import form_tool
 from gearmesh.systems.cylindrical.design import BASIC_RACKS
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.systems.cylindrical.geometry.nominal import ToothedGear
-from gearmesh.systems.cylindrical.geometry.shifts import tip_radius
+from gearmesh.systems.cylindrical.geometry.shifts import TIP_MARGIN_MODULES, tip_radius
 from gearmesh.tools.shaper import Shaper
 
 

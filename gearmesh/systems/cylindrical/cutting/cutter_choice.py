@@ -17,6 +17,7 @@ from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.cylindrical.design import FORMED_MANUFACTURE
 from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair, Toothing, distance_of
 from gearmesh.systems.cylindrical.geometry.interference import least_that, reserves
+from gearmesh.systems.cylindrical.geometry.shifts import TIP_MARGIN_MODULES
 from gearmesh.tools.shaper import Shaper
 
 #: teeth of a default cutter, as part of the member's
@@ -27,8 +28,6 @@ MIN_DEFAULT_TEETH = 12
 MAX_DEFAULT_TEETH = 50
 #: fewest teeth of any cutter
 MIN_CUTTER_TEETH = 6
-#: margin between a default tip and the radius at which a cutter's involute ends, or at which it trims
-TIP_MARGIN_MODULES = 0.02
 
 
 def standard_teeth(own: Toothing) -> int:

@@ -18,7 +18,8 @@ from gearmesh.systems.cylindrical.geometry.nominal import MEMBER_NAMES, nominal_
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember
 
-#: margin in an internal gear's default addendum, between its tip and the end of the mating gear's involute
+#: margin between an internal gear's default tip and the radius at which the mating gear's or the cutter's involute ends,
+#: or at which the cutter trims
 TIP_MARGIN_MODULES = 0.02
 #: search range about equal parts for the shifts at which sliding is equal
 MAX_SHIFT_DIFFERENCE = 2.0
