@@ -66,8 +66,8 @@ from .systems.face_gear.design import FaceGearDesign as FaceGearDesign
 from .systems.parabolic_helical.design import ModifiedInvoluteDesign as ModifiedInvoluteDesign
 from .systems.parabolic_helical.design import NovikovDesign as NovikovDesign
 from .systems.spiral_bevel.conjugate.design import ConjugateDesign as ConjugateDesign
+from .systems.spiral_bevel.design import HypoidDesign as HypoidDesign
 from .systems.spiral_bevel.design import SpiralBevelDesign as SpiralBevelDesign
-from .systems.spiral_bevel.hypoid_design import HypoidDesign as HypoidDesign
 from .systems.system import System as System
 from .systems.system import kinds as kinds
 from .systems.system import register as register

@@ -100,7 +100,7 @@ systems.common.standards.iso286: Deviations
 systems.common.worm_keys: WormTool
 systems.cylindrical.allowance_keys: DiameterTolerance ThicknessAllowance
 systems.cylindrical.design: CylindricalAssembly CylindricalMember Hob ShaperCutter
-systems.cylindrical.measure_keys: BallMeasurement SpanMeasurement
+systems.cylindrical.allowance_keys: BallMeasurement SpanMeasurement
 systems.cylindrical.merit: MeshMerit
 systems.cylindrical.planetary.design: PlanetaryAssembly RingMember
 systems.cylindrical.planetary.sizing: RejectedSet SetCandidate SetSearch SetTrial WantedSet

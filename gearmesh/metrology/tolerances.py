@@ -2,18 +2,30 @@
 
     tolerance of class A = round(tolerance of the reference class R x sqrt(2)^(A - R))
 
-A figure is within a class if its amount does not exceed the rounded tolerance. The class of a figure is the finest
-class that it is within.
+A figure is within a class if its amount does not exceed the rounded tolerance [rounding: ISO 1328-1:2013 5.2.3;
+ISO 17485:2006 5.3]. The class of a figure is the finest class that it is within.
 """
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from gearmesh.metrology.tolerance_rounding import round_tolerance
+#: um, below which tolerances are rounded to 0.1 um
+MAX_TENTH_UM = 5.0
+#: um, up to which larger tolerances are rounded to 0.5 um; beyond, to 1 um
+MAX_HALF_UM = 10.0
+
+
+def round_tolerance(tolerance: float) -> float:
+    """Round a tolerance (um): to 0.1 below 5 um, to 0.5 up to 10 um, to 1 beyond; halves are rounded up."""
+    step = 0.1 if tolerance < MAX_TENTH_UM else 0.5 if tolerance <= MAX_HALF_UM else 1.0
+    # a tenth has no exact binary value: return the number that prints as the tolerance
+    return round(math.floor(tolerance / step + 0.5) * step, 1)
+
 
 #: end of a tolerance's symbol, after the symbol of the deviation
 TOLERANCE_SUFFIX = "T"

@@ -62,7 +62,7 @@ OWN_KINDS = {
     ),
     "hypoid": OwnKind(
         "hypoid gears: bevel gears on offset axes, cut by head cutters on a cradle [ISO 23509; AB]",
-        ("spiral_bevel.hypoid_design", "HypoidDesign"),
+        ("spiral_bevel.design", "HypoidDesign"),
     ),
     "face_gear": OwnKind(
         "face gear cut by an involute shaper, and a spur pinion, on intersected or crossed axes [LF04 18]",

@@ -137,7 +137,7 @@ def test_build123d_reads_each_solid_with_its_colour_and_part_name(tmp_path: Path
 def test_occurrences_keep_their_labels_through_files_of_build123d(tmp_path: Path) -> None:
     import build123d
 
-    from gearmesh.cad.programs.build123d_shapes import build123d_shape
+    from gearmesh.cad.programs.shapes import build123d_shape
 
     made = build123d_shape(cubes())
     build123d.export_step(made, tmp_path / "set.step")

@@ -14,7 +14,7 @@ from oracles.places import SAMPLES
 from oracles.same_gears import places
 
 import gearmesh as gm
-from gearmesh.answers.load.mounting import mounts_of
+from gearmesh.answers.load.members import mounts_of
 from gearmesh.design.keys import Table
 
 #: mm, and of rotations: what later versions may differ by

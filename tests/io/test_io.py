@@ -22,8 +22,8 @@ from scipy.spatial import cKDTree
 import gearmesh
 from gearmesh import io
 from gearmesh.errors import OutputError
-from gearmesh.io.attribute import quote
 from gearmesh.io.rebuild import merge
+from gearmesh.io.texts import quote
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.mesh.triangles import TriangleMesh
 

@@ -14,7 +14,7 @@ from oracles.loaded import SMALL, few_elements, geared
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.answers.load.mounting import held_by_rim, mounts_of
+from gearmesh.answers.load.members import held_by_rim, mounts_of
 from gearmesh.contact.hertz import Material
 from gearmesh.errors import DesignError, Status
 from gearmesh.kernel.motion.rigid import Rigid

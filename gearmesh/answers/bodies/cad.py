@@ -158,7 +158,7 @@ class Cad(Result):
         >>> gears.cad("pinion").to_build123d().is_valid
         True
         """
-        from gearmesh.cad.programs.build123d_shapes import build123d_shape
+        from gearmesh.cad.programs.shapes import build123d_shape
 
         return build123d_shape(self.made)
 
@@ -179,7 +179,7 @@ class Cad(Result):
         --------
         >>> gears.cad("pinion").to_cadquery().faces().size()  # doctest: +SKIP
         """
-        from gearmesh.cad.programs.cadquery_shapes import cadquery_shape
+        from gearmesh.cad.programs.shapes import cadquery_shape
 
         return cadquery_shape(self.made)
 

@@ -30,7 +30,7 @@ from gearmesh.answers.bodies.model_figures import (
     SolvedFillets,
     SolvedToothPair,
 )
-from gearmesh.answers.load.materials import materials_of
+from gearmesh.answers.load.members import materials_of
 from gearmesh.answers.result import Result, RunTime, columns, header
 from gearmesh.answers.tables import Listing, cell, figures, round_to
 from gearmesh.design.core import Design

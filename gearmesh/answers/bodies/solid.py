@@ -246,7 +246,7 @@ class Solid(Result):
         >>> gears.solid("pinion", 0.05).to_build123d().is_valid
         True
         """
-        from gearmesh.cad.programs.build123d_shapes import build123d_shape, require_build123d
+        from gearmesh.cad.programs.shapes import build123d_shape, require_build123d
 
         require_build123d()
         return build123d_shape(self._part())
@@ -270,7 +270,7 @@ class Solid(Result):
         --------
         >>> gears.solid("pinion", 0.05).to_cadquery().faces().size()  # doctest: +SKIP
         """
-        from gearmesh.cad.programs.cadquery_shapes import cadquery_shape, require_cadquery
+        from gearmesh.cad.programs.shapes import cadquery_shape, require_cadquery
 
         require_cadquery()
         return cadquery_shape(self._part())

@@ -479,7 +479,7 @@ def contact_of(
     summary = Summary(_summary(pair, path, whole), pair.figures, None if fits is None else FitSummary.of(pair, fits))
     hertz = None
     if torque is not None:
-        from gearmesh.answers.load.materials import materials_of
+        from gearmesh.answers.load.members import materials_of
 
         share, share_warnings = shares(path, whole) if shares is not None else (np.ones(1), [])
         warnings = (*warnings, *share_warnings)

@@ -23,8 +23,7 @@ from gearmesh.answers.load.figures import (
     ToothPairPosition,
     stroke,
 )
-from gearmesh.answers.load.materials import materials_of
-from gearmesh.answers.load.mounting import held_by_rim, mounts_of
+from gearmesh.answers.load.members import held_by_rim, materials_of, mounts_of
 from gearmesh.answers.result import Result, RunTime, columns, header
 from gearmesh.answers.tables import Listing, csv_text, round_to
 from gearmesh.contact.engagement.cycle import Cycle

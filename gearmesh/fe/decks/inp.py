@@ -18,7 +18,7 @@ from gearmesh.fe.decks.registry import register
 from gearmesh.fe.model import ContactPair, CyclicSymmetry, Model, NodeForces, RigidTie
 from gearmesh.formats import INP_SUFFIX
 from gearmesh.io.atomic import whole_file
-from gearmesh.io.rows import lines
+from gearmesh.io.texts import lines
 from gearmesh.mesh.hexahedra.hexes import HexMesh
 
 #: stick slope over contact stiffness in CalculiX: traction over slip below Coulomb's limit

@@ -18,7 +18,7 @@ from gearmesh.fe.decks.registry import register
 from gearmesh.fe.model import Model
 from gearmesh.formats import MSH_SUFFIX
 from gearmesh.io.atomic import whole_file
-from gearmesh.io.rows import lines
+from gearmesh.io.texts import lines
 from gearmesh.mesh.hexahedra.hexes import HEX_EDGES, HEX_FACES, HexMesh
 
 #: Gmsh's numbers of the element types, by number of nodes

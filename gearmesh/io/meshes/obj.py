@@ -12,8 +12,8 @@ from gearmesh.formats import OBJ_SUFFIX
 from gearmesh.io.atomic import whole_file
 from gearmesh.io.rebuild import Indices, built_mesh, by_name, used_part
 from gearmesh.io.registry import Scene, register
-from gearmesh.io.rows import lines
 from gearmesh.io.single import decimal_steps, in_decimals
+from gearmesh.io.texts import lines
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.numerals import parse_numbers, parse_whole_numbers

@@ -16,12 +16,11 @@ from gearmesh import __version__
 from gearmesh.files.xml_tree import xml_root
 from gearmesh.formats import THREEMF_SUFFIX
 from gearmesh.io.atomic import whole_file
-from gearmesh.io.attribute import quote
 from gearmesh.io.palette import region_colours
 from gearmesh.io.rebuild import built_mesh, by_name
 from gearmesh.io.registry import Scene, register
-from gearmesh.io.rows import lines
 from gearmesh.io.single import decimal_steps, in_decimals
+from gearmesh.io.texts import lines, quote
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.numerals import parse_numbers, parse_whole_numbers
 

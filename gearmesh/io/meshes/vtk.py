@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from gearmesh.files.xml_tree import xml_root
 from gearmesh.formats import VTP_SUFFIX, VTU_SUFFIX
 from gearmesh.io.atomic import whole_file
-from gearmesh.io.attribute import quote
 from gearmesh.io.rebuild import built_mesh
 from gearmesh.io.registry import Scene, register
+from gearmesh.io.texts import quote
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.numerals import parse_whole_numbers
 

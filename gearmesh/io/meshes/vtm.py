@@ -14,10 +14,10 @@ import numpy as np
 from gearmesh.files.xml_tree import xml_root
 from gearmesh.formats import VTM_SUFFIX, VTP_SUFFIX
 from gearmesh.io.atomic import whole_file, whole_folder
-from gearmesh.io.attribute import quote
 from gearmesh.io.meshes.vtk import read_piece, write_surface
 from gearmesh.io.rebuild import built_mesh, merge
 from gearmesh.io.registry import Scene, register
+from gearmesh.io.texts import quote
 from gearmesh.mesh.triangles import TriangleMesh
 
 

@@ -1,12 +1,13 @@
 """Rows of symbol, words, unit and values as tables of a sheet; a missing value is a dash with its reason.
 
-A refused value, row or table does not prevent the sheet: values go through `attempt`, tables through `tables_of`.
+A refused value, row or table does not prevent the sheet: values go through `attempt`, tables through `tables_of`. Rows of
+torque, speed and power are the same for all members that turn.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TypeAlias, TypeVar
@@ -128,3 +129,12 @@ def _clean(value: float | int | str | Missing | None) -> float | int | str | Non
     if not isinstance(value, float):
         return value
     return round(value, VALUE_DECIMALS) + 0.0 if math.isfinite(value) else None
+
+
+def running_rows(torques: Sequence[float], speeds: Sequence[float] | None) -> list[Row]:
+    """Return the rows of torques (Nm), speeds (1/min) and powers; only torques if there are no `speeds`."""
+    rows: list[Row] = [("T", "torque", "Nm", tuple(torques))]
+    if speeds is None:
+        return rows
+    power = tuple(1e-3 * torque * math.pi * speed / 30.0 for torque, speed in zip(torques, speeds, strict=True))
+    return [*rows, ("n", "speed", "1/min", tuple(speeds)), ("P", "power, without losses", "kW", power)]

@@ -24,12 +24,13 @@ from gearmesh.design.keys import DERIVED_VALUE, MM_PER, Table, conflict, given_o
 from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PairRunout
 from gearmesh.systems.cylindrical.allowance_keys import (
+    BallMeasurement,
     CenterDistanceAllowance,
     DiameterTolerance,
+    SpanMeasurement,
     ThicknessAllowance,
     thickness_made_key,
 )
-from gearmesh.systems.cylindrical.measure_keys import BallMeasurement, SpanMeasurement
 from gearmesh.systems.kinds import OWN_KINDS
 
 #: basic racks of ISO 53: addendum, dedendum and rounding of the tool's tip, in normal modules

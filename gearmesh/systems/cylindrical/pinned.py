@@ -1,4 +1,7 @@
-"""Values that cylindrical pairs leave to their build: cutters, rims, gaps, angles of hobs, centre distance."""
+"""Values that cylindrical gears leave to their build: cutters, rims, gaps, angles of hobs, centre distance.
+
+Pairs, single gears, pinion and rack, and planetary sets pin the values of their members alike.
+"""
 
 from __future__ import annotations
 
@@ -10,11 +13,19 @@ from gearmesh.systems.cylindrical.cutting.hobbed import DEFAULT_CHAMFER_ANGLE_DE
 from gearmesh.systems.cylindrical.double_helical import half_of
 from gearmesh.systems.cylindrical.geometry.nominal import MEMBER_NAMES
 from gearmesh.systems.cylindrical.geometry.proportions import proportions
+from gearmesh.systems.cylindrical.planetary.build import meshes
+from gearmesh.systems.cylindrical.planetary.design import PLANET_NAME, RING_NAME, SUN_NAME
+from gearmesh.systems.cylindrical.rack.design import PINION_NAME, RACK_NAME
+from gearmesh.systems.cylindrical.rack.proportions import rack_proportions
+from gearmesh.systems.cylindrical.single.build import proportions as single_proportions
 
 if TYPE_CHECKING:
     from gearmesh.systems.common.pinned import Values
     from gearmesh.systems.cylindrical.design import CylindricalDesign
     from gearmesh.systems.cylindrical.geometry.proportions import GearProportions
+    from gearmesh.systems.cylindrical.planetary.design import PlanetaryDesign
+    from gearmesh.systems.cylindrical.rack.design import RackDesign
+    from gearmesh.systems.cylindrical.single.design import SingleGearDesign
     from gearmesh.teeth.gear_train import GearTrain, Member
 
 
@@ -46,3 +57,38 @@ def member_values(gear: GearProportions, called: str, member: Member) -> Values:
     if spec.hob is not None and spec.hob.chamfer_diameter is not None and spec.hob.chamfer_angle is None:
         values["hob.chamfer_angle"] = DEFAULT_CHAMFER_ANGLE_DEG
     return {f"{called}.{key}": value for key, value in values.items()}
+
+
+def single_values(design: SingleGearDesign, train: GearTrain) -> Values:
+    """Return the values for a complete design in mm and the gear built from it."""
+    name = design.member_name
+    return {"arrangement": design.arrangement, **member_values(single_proportions(design), name, train.members[name])}
+
+
+def rack_values(design: RackDesign, train: GearTrain) -> Values:
+    """Return the values for a complete design in mm and the gear set built from it."""
+    geometry = rack_proportions(design)
+    return {
+        "assembly.mounting_distance": geometry.mesh.mounting_distance,
+        f"{RACK_NAME}.teeth": design.rack_teeth,
+        f"{RACK_NAME}.length": design.rack_teeth * design.pitch + 2.0 * design.overhang,
+        **member_values(geometry.of_pair.gear("pinion"), PINION_NAME, train.members[PINION_NAME]),
+    }
+
+
+def planetary_values(design: PlanetaryDesign, train: GearTrain) -> Values:
+    """Return the values for a complete design in mm and the gear set built from it."""
+    both = meshes(design)
+    inner, outer = proportions(both.inner), proportions(both.outer)
+    values: Values = {
+        "arrangement": design.arrangement,
+        "assembly.center_distance": inner.mesh.distance,
+        "assembly.planet_angles": ", ".join(repr(angle) for angle in design.angles),
+    }
+    for gear, name, member in (
+        (inner.gear("pinion"), SUN_NAME, SUN_NAME),
+        (inner.gear("gear"), PLANET_NAME, f"{PLANET_NAME}_1"),
+        (outer.gear("gear"), RING_NAME, RING_NAME),
+    ):
+        values |= member_values(gear, name, train.members[member])
+    return values

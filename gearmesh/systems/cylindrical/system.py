@@ -34,7 +34,7 @@ GEAR_SYSTEMS = (
             late("cylindrical.single.build:build"),
             derive=late("cylindrical.single.build:derived_values"),
             sheet=late("cylindrical.single.sheet:single_sheet"),
-            pinned=late("cylindrical.single.pinned:single_values"),
+            pinned=late("cylindrical.pinned:single_values"),
             drawn=DRAWN_ROWS,
             inspection=late("cylindrical.inspection.basis:single_inspection"),
         ),

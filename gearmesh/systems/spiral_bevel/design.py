@@ -1,6 +1,7 @@
-"""Design of a spiral bevel pair: basic data are enough, every derived value can be given instead [AB; ISO 23509].
+"""Designs of spiral bevel and hypoid pairs: basic data are enough, every derived value can be given instead [AB; ISO 23509].
 
-Straight and zerol bevel gears are the same kind at spiral angle 0.
+Straight and zerol bevel gears are spiral bevel gears at spiral angle 0. A hypoid pair has an offset between its axes; its
+blank follows method 1 of ISO 23509.
 """
 
 from __future__ import annotations
@@ -859,3 +860,29 @@ class SpiralBevelDesign(FaceMilledDesign):
     def apex_base(self) -> float:
         given = self.pinion.root_angle, self.gear.root_angle
         return 0.0 if self.taper == "standard" and given == (None, None) else super().apex_base
+
+
+class HypoidDesign(FaceMilledDesign):
+    """A hypoid pair cut by head cutters."""
+
+    own_kind: ClassVar[str] = "hypoid"
+    example: ClassVar[Mapping[str, Any]] = {
+        "module": 4.5,
+        "offset": 25,
+        "pinion": {"teeth": 12},
+        "gear": {"teeth": 41},
+    }
+    about: ClassVar[str] = OWN_KINDS["hypoid"].about
+    called: ClassVar[str] = "Hypoid gears"
+
+    offset: float = keys.length(
+        "offset of the axes, > 0 where it makes the pinion's spiral angle the larger one", source="ISO 23509 a"
+    )
+    spiral_angle: float = keys.angle("mean spiral angle of the pinion", 50.0, low=0, high=80, source="ISO 23509")
+    limit_share: float = keys.number(
+        "share of the limit pressure angle that the gear's blades compensate: 1 = equal conditions on both sides",
+        1.0,
+        low=0,
+        high=1,
+        source="ISO 23509 f_alim",
+    )

@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Z_AXIS, Array, cross, dot, unit
-from gearmesh.systems.common.running import running_rows
-from gearmesh.systems.common.symbol_table import Row, table
+from gearmesh.systems.common.symbol_table import Row, running_rows, table
 from gearmesh.systems.system import SheetTable, complete_design
 from gearmesh.systems.worm_drive.build import worm_thread
 from gearmesh.systems.worm_drive.contact.conjugate import ThreadMesh

@@ -1,4 +1,7 @@
-"""Sheet of a worm drive: symbols and values of ISO 10828 and DIN 3975, backlash, friction, measures, contact."""
+"""Sheet of a worm drive: symbols and values of ISO 10828 and DIN 3975, backlash, friction, measures, contact.
+
+Workshop drawings of worm and wheel show some of its rows [DIN 3966-3, ISO 1340].
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,7 @@ from gearmesh.contact.fit.fit import fit
 from gearmesh.systems.common.plain_sheet import plain_sheet
 from gearmesh.systems.common.standards.iso10828 import ThreadForm
 from gearmesh.systems.common.symbol_table import Missing, Row, Values, table, tables_by_title, tables_of
-from gearmesh.systems.system import Sheet, SheetTable
+from gearmesh.systems.system import DrawnRows, Sheet, SheetTable
 from gearmesh.systems.worm_drive.build import DIAMETER_TOLERANCE, hob_apart, nominal_thread, wheel_hob, worm_thread
 from gearmesh.systems.worm_drive.cutting.feed import generating_length
 from gearmesh.systems.worm_drive.force_tables import MEMBER_NAMES, efficiencies, thread_mesh
@@ -25,6 +28,7 @@ from gearmesh.teeth.region import Side
 if TYPE_CHECKING:
     from gearmesh.systems.worm_drive.design import WormDriveDesign
     from gearmesh.teeth.gear_train import GearTrain
+
 
 #: columns of tables of the pair
 PAIR_COLUMNS = ("",)
@@ -304,3 +308,15 @@ def _backlash(design: WormDriveDesign, train: GearTrain) -> list[Row]:
 def _friction_angle(friction: float, normal_angle: float) -> float:
     """Return the angle of friction mu / cos(alpha_n), deg."""
     return math.degrees(math.atan(friction / math.cos(normal_angle)))
+
+
+#: symbols of the pair
+PAIR_SYMBOLS = ("a", "Sigma", "m_x", "m_n", "q", "gamma_m", "alpha_0", "alpha_n", "j_n")
+#: symbols of threads and teeth
+TOOTH_SYMBOLS = ("z", "form", "hand", "p_x", "p_z", "x_2", "h_am", "h_fm", "d", "d_a", "d_e", "r_k", "d_f", "d_b")
+#: symbols of the thickness, and of the hob
+CUTTING_SYMBOLS = ("s_mx", "s_mn", "D_M", "M_d", "z_0", "d_0", "d_a0", "gamma_0", "a_0", "eta_0")
+#: rows of the drawing
+DRAWN_ROWS = DrawnRows(
+    own=(*TOOTH_SYMBOLS, *CUTTING_SYMBOLS, *PAIR_SYMBOLS), mating=("z", "d", "d_a"), tip="d_e", reference=("d", "d")
+)

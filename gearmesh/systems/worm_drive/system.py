@@ -5,10 +5,9 @@ from gearmesh.systems.worm_drive.build import ASSEMBLY_DISPLACEMENTS, build, pin
 from gearmesh.systems.worm_drive.contact.pattern import ASSEMBLY_MOVES, pattern_shifts
 from gearmesh.systems.worm_drive.cutting.face_width import derived_values
 from gearmesh.systems.worm_drive.design import WormDriveDesign
-from gearmesh.systems.worm_drive.drawn import DRAWN_ROWS
 from gearmesh.systems.worm_drive.force_tables import pair_forces
 from gearmesh.systems.worm_drive.rexs import WORM_DRIVE
-from gearmesh.systems.worm_drive.sheet import data_sheet
+from gearmesh.systems.worm_drive.sheet import DRAWN_ROWS, data_sheet
 
 GEAR_SYSTEMS = (
     System(

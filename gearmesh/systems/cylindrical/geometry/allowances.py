@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 from gearmesh.errors import DesignError
 from gearmesh.systems.common.bounds import at_least, at_most
+from gearmesh.systems.cylindrical.allowance_keys import BallMeasurement, SpanMeasurement
 from gearmesh.systems.cylindrical.geometry import measures
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
-from gearmesh.systems.cylindrical.measure_keys import BallMeasurement, SpanMeasurement
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import CylindricalMember

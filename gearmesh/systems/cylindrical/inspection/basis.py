@@ -1,26 +1,31 @@
 """Figures by which cylindrical gears are inspected [ISO 1328-1:2013].
 
 The profile control diameter is the active root diameter d_Nf of a gear with a mating gear, else the root form diameter
-d_Ff.
+d_Ff. Sun and planet of a planetary set are taken from their mesh, the ring from its mesh with the planet.
 """
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from gearmesh.design.core import Design
 from gearmesh.metrology.measured_teeth import InspectionBasis, InvoluteFlank
 from gearmesh.metrology.pitch import BallInSpace
 from gearmesh.systems.cylindrical.double_helical import first_halves, half_of
 from gearmesh.systems.cylindrical.geometry.accuracy import tolerance_sizes
 from gearmesh.systems.cylindrical.geometry.nominal import MEMBER_NAMES
 from gearmesh.systems.cylindrical.geometry.proportions import GearsProportions, proportions
+from gearmesh.systems.cylindrical.planetary.build import meshes
+from gearmesh.systems.cylindrical.planetary.design import PLANET_NAME, RING_NAME, SUN_NAME
 from gearmesh.systems.cylindrical.sheet import SheetGears, SheetPair
 from gearmesh.systems.cylindrical.single.build import proportions as single_proportions
 from gearmesh.systems.system import complete_design
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import CylindricalDesign
+    from gearmesh.systems.cylindrical.planetary.design import PlanetaryDesign
     from gearmesh.systems.cylindrical.single.design import SingleGearDesign
     from gearmesh.teeth.gear_train import GearTrain
 
@@ -62,3 +67,14 @@ def inspection_of(gears: SheetGears, number: int) -> InspectionBasis:
         ),
         ball=BallInSpace(own.alpha_t, own.sense * space),
     )
+
+
+def planetary_inspection(design: PlanetaryDesign, train: GearTrain, name: str) -> InspectionBasis:
+    """Return the inspection basis of a member of a planetary design and the gear set built from it."""
+    own = complete_design(design).in_mm()
+    both, key = meshes(own), Design.table_named(name)
+    mesh, names = (both.outer, (PLANET_NAME, RING_NAME)) if key == RING_NAME else (both.inner, (SUN_NAME, PLANET_NAME))
+    half = half_of(mesh)
+    members = tuple(train.members[f"{PLANET_NAME}_1" if called == PLANET_NAME else called] for called in names)
+    basis = inspection_of(SheetPair(half, proportions(half), members), names.index(key))
+    return replace(basis, asked=own.accuracy_class)

@@ -21,16 +21,29 @@ Differences from the printed source:
 - (3.5.5) lacks the sign of (3.5.4), and y of (3.5.17) lacks the factor x_f of (2.2.25).
 - (3.5.31) must be + cot(q_d) tan(psi_c) / (sin(gamma_2) cos(beta)) Delta delta; (3.5.34) and (3.5.35) follow from this
   equation, not from the printed one.
+
+The transmission error of a misassembled or eccentric pair follows from its nominal contact, without errors: each error
+adds a scalar product [CR3553 3.4, 3.5].
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from gearmesh.contact.flanks import analyse
+from gearmesh.design.runout import runout
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
+from gearmesh.systems.spiral_bevel.machine.pair import without_errors
+from gearmesh.systems.system import FirstOrder
+from gearmesh.teeth.gear_train import GearTrain
+
+if TYPE_CHECKING:
+    from gearmesh.systems.spiral_bevel.design import BevelDesign
 
 
 @dataclass(frozen=True)
@@ -192,3 +205,41 @@ def compensation(
         return float(-np.cos(2.0 * spiral_angle) / c * size), float(-2.0 * s * size)
     t = np.tan(cradle_angle)
     return float(-(c - s * t) * size), float(-(s + c * t) * size)
+
+
+BevelT = TypeVar("BevelT", bound="BevelDesign")
+
+
+def first_order(design: BevelT, build: Callable[[BevelT], GearTrain]) -> FirstOrder | None:
+    """Return the closed form for a design in mm that `build` builds, or None for a design without errors."""
+    errors = design.assembly
+    # phases alone are no errors
+    if not any(value for key, value in errors.plain().items() if not key.endswith("_phase")):
+        return None
+
+    def transmission_error(phi1: Array) -> Array:
+        pair = build(design.with_values(without_errors(design))).pairs[0]
+        # nominal contact at phi1, and at the mean point as the last one
+        path = analyse(pair, np.append(phi1, 0.0))
+        pinion_mount, gear_mount = pair.mounts
+        nominal = NominalContact(
+            path.point, path.normal, pinion_mount.axis, gear_mount.axis, pinion_mount.sign, gear_mount.origin
+        )
+        # displacement of the teeth of each member by its eccentricity, in the fixed frame
+        teeth = [
+            member.mount.at(turn).vector(np.array([*runout(design, member.name), 0.0]))
+            for member, turn in zip(pair.both, (path.rotation, path.phi2), strict=True)
+        ]
+        error = (
+            nominal.pinion_axial(errors.dA)
+            + nominal.gear_axial(errors.dG)
+            + nominal.offset(errors.dV)
+            + nominal.shaft_angle(np.radians(errors.d_delta))
+            + nominal.eccentricity(*teeth)
+        )
+        total: Array = path.te + error
+        # relative to the mean point
+        relative: Array = (total - total[-1])[:-1]
+        return relative
+
+    return transmission_error

@@ -12,13 +12,11 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.numeric.algebra import unit as unit_vector
 from gearmesh.kernel.surface.stations import along
-from gearmesh.systems.common.running import running_rows
-from gearmesh.systems.common.symbol_table import table, tables_of
+from gearmesh.systems.common.symbol_table import running_rows, table, tables_of
 from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank, MemberBlank, Proportions
 from gearmesh.systems.spiral_bevel.blank.cone_blank import ConeData, cone_dimensions
 from gearmesh.systems.spiral_bevel.blank.proportion_choice import FACTOR_KEYS
-from gearmesh.systems.spiral_bevel.design import SYNTHESISED_KEYS, SpiralBevelDesign
-from gearmesh.systems.spiral_bevel.hypoid_design import HypoidDesign
+from gearmesh.systems.spiral_bevel.design import SYNTHESISED_KEYS, HypoidDesign, SpiralBevelDesign
 from gearmesh.systems.spiral_bevel.iso23509.dimension_table import pair_rows
 from gearmesh.systems.spiral_bevel.machine.cutting import indexed_backlash
 from gearmesh.systems.spiral_bevel.machine.generated import Generated

@@ -23,8 +23,13 @@ from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank, Proportions, roots_through_apex, tapered_blank
 from gearmesh.systems.spiral_bevel.blank.cone_blank import ConeData, OffsetData, cone_blank
-from gearmesh.systems.spiral_bevel.design import BLADE_KEYS, MAX_MOTION_ORDER, SYNTHESISED_KEYS, SpiralBevelDesign
-from gearmesh.systems.spiral_bevel.hypoid_design import HypoidDesign
+from gearmesh.systems.spiral_bevel.design import (
+    BLADE_KEYS,
+    MAX_MOTION_ORDER,
+    SYNTHESISED_KEYS,
+    HypoidDesign,
+    SpiralBevelDesign,
+)
 from gearmesh.systems.spiral_bevel.machine.gear_cradle import machine_axes, root_normal, turned_after_cut
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
 from gearmesh.systems.spiral_bevel.machine.index import touching_turn

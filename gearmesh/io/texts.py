@@ -1,4 +1,4 @@
-"""Tables of numbers as text, exact and fast."""
+"""Texts of mesh files: attributes of XML, and tables of numbers, exact and fast."""
 
 from __future__ import annotations
 
@@ -6,6 +6,18 @@ from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
+
+_ESCAPED_CHARACTERS = str.maketrans(
+    {"&": "&amp;", "<": "&lt;", ">": "&gt;", "\n": "&#10;", "\r": "&#13;", "\t": "&#9;"}
+)
+
+
+def quote(text: str) -> str:
+    """Return the text quoted and escaped, the same as xml.sax.saxutils.quoteattr, which imports modules that read the web."""
+    text = text.translate(_ESCAPED_CHARACTERS)
+    if '"' not in text:
+        return f'"{text}"'
+    return f"'{text}'" if "'" not in text else '"{}"'.format(text.replace('"', "&quot;"))
 
 
 def lines(template: str, table: NDArray[np.generic], chunk: int = 50_000) -> Iterator[str]:

@@ -1,13 +1,20 @@
-"""Mounting of the members of a pair under load: shafts, bearings and bodies of the design."""
+"""Members of a pair under load: their materials, and how they are mounted on shafts and bearings."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from gearmesh.contact.hertz import Material
 from gearmesh.design.core import Design
 from gearmesh.design.keys import RIGID_WORD
 from gearmesh.loaded.mounts import FlexibleMount
 from gearmesh.teeth.gear_train import GearPair
+
+
+def materials_of(design: Design, pair: GearPair) -> tuple[Material, Material]:
+    """Return the materials of pinion and gear of a pair."""
+    first, second = (Material(*design.elastic(member.name)) for member in pair.both)
+    return first, second
 
 
 def mounts_of(design: Design, pair: GearPair) -> dict[str, FlexibleMount]:
