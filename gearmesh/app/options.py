@@ -40,6 +40,18 @@ DesignFile = Annotated[
         callback=present,
     ),
 ]
+MeasuredFile = Annotated[
+    Path | None,
+    typer.Option(
+        "--measured",
+        metavar="FILE",
+        help="Deviations or points of its flanks, as the table measured of a design reads them; by default that table's.",
+        show_default=False,
+    ),
+]
+MeasuredFlanks = Annotated[str, typer.Option("--flank", metavar="right|left|both", help="Which flanks the file is of.")]
+Member = Annotated[str, typer.Option("--member", metavar="NAME", help="Which gear.", show_default=False)]
+PressureAngle = Annotated[float, typer.Option("--pressure-angle", metavar="DEG", help="Normal pressure angle.")]
 Set = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY=VALUE", help="Set a key of the design, as pinion.teeth=25; may be repeated."),

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from gearmesh.app.options import Curves, Offset
+from gearmesh.app.options import Curves, Offset, PressureAngle
 from gearmesh.app.parts import PartFile
 from gearmesh.app.terminal import refuse_unwritable, show, warn, write_text
 from gearmesh.errors import ArgumentError, GearmeshError
@@ -49,9 +49,7 @@ def gear(
         typer.Option("--bore", metavar="LEN", help="Bore diameter, 0: none. [default: 40 % of the root diameter]"),
     ] = None,
     shift: Annotated[float, typer.Option("--shift", metavar="X", help="Profile shift coefficient.")] = 0.0,
-    pressure_angle: Annotated[
-        float, typer.Option("--pressure-angle", metavar="DEG", help="Normal pressure angle.")
-    ] = 20.0,
+    pressure_angle: PressureAngle = 20.0,
     internal: Annotated[bool, typer.Option("--internal", help="An internal gear.")] = False,
     rack: Annotated[bool, typer.Option("--rack", help="A rack with so many teeth.")] = False,
     tol: Annotated[

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import typer
 
 import gearmesh as gm
-from gearmesh.app.options import Json
+from gearmesh.app.options import Json, PressureAngle
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, working, write_text
 from gearmesh.errors import ArgumentError, OutputError
 from gearmesh.formats import TOML_SUFFIX
@@ -57,9 +57,7 @@ def size(
     tolerance: Annotated[
         float, typer.Option("--tolerance", metavar="PERCENT", help="Permissible relative error of the ratio.")
     ] = 1.0,
-    pressure_angle: Annotated[
-        float, typer.Option("--pressure-angle", metavar="DEG", help="Normal pressure angle.")
-    ] = 20.0,
+    pressure_angle: PressureAngle = 20.0,
     face_width: Annotated[
         str | None, typer.Option("--face-width", metavar="LEN", help="Width of all faces. [default: 10 modules]")
     ] = None,

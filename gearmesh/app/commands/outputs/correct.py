@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from gearmesh.app.options import DesignFile, Json, Set, load_gears
+from gearmesh.app.options import DesignFile, Json, MeasuredFile, MeasuredFlanks, Member, Set, load_gears
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
 from gearmesh.formats import CSV_SUFFIX, TOML_SUFFIX
 
@@ -19,19 +19,9 @@ if TYPE_CHECKING:
 
 def correct(
     design_file: DesignFile,
-    member: Annotated[str, typer.Option("--member", metavar="NAME", help="Which gear.", show_default=False)],
-    measured: Annotated[
-        Path | None,
-        typer.Option(
-            "--measured",
-            metavar="FILE",
-            help="Deviations or points of its flanks, as the table measured of a design reads them; by default that table's.",
-            show_default=False,
-        ),
-    ] = None,
-    flank: Annotated[
-        str, typer.Option("--flank", metavar="right|left|both", help="Which flanks the file is of.")
-    ] = "both",
+    member: Member,
+    measured: MeasuredFile = None,
+    flank: MeasuredFlanks = "both",
     settings: Annotated[
         str | None,
         typer.Option(

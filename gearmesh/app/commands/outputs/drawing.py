@@ -7,14 +7,14 @@ from typing import Annotated
 
 import typer
 
-from gearmesh.app.options import DesignFile, Set, load_gears
+from gearmesh.app.options import DesignFile, Member, Set, load_gears
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, warn, working
 from gearmesh.formats import DRAWING_SUFFIXES
 
 
 def drawing(
     design_file: DesignFile,
-    member: Annotated[str, typer.Option("--member", metavar="NAME", help="Which gear.", show_default=False)],
+    member: Member,
     output: Annotated[
         Path,
         typer.Option("-o", "--output", metavar="FILE.(pdf|svg|png)", help="File to write; its suffix is the format."),

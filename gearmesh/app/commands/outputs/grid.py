@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from gearmesh.app.options import DesignFile, Json, Set, load_gears
+from gearmesh.app.options import DesignFile, Json, Member, Set, load_gears
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
 from gearmesh.formats import DIAGRAM_SUFFIXES, POINT_SUFFIXES
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 def grid(
     design_file: DesignFile,
-    member: Annotated[str, typer.Option("--member", metavar="NAME", help="Which gear.", show_default=False)],
+    member: Member,
     flank: Annotated[str, typer.Option("--flank", metavar="right|left|both", help="Which flanks.")] = "both",
     surface: Annotated[
         str, typer.Option("--surface", metavar="flank|fillet|all", help="Flanks, fillets under them, or both.")

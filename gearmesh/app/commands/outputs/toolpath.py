@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from gearmesh.app.options import DesignFile, Json, Set, load_alone
+from gearmesh.app.options import DesignFile, Json, Member, Set, load_alone
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
 from gearmesh.formats import PNG_SUFFIX, TOOL_PATH_SUFFIXES
 from gearmesh.numerals import parse_whole_number
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 def toolpath(
     design_file: DesignFile,
-    member: Annotated[str, typer.Option("--member", metavar="NAME", help="Which gear.", show_default=False)],
+    member: Member,
     tool: Annotated[
         str,
         typer.Option(

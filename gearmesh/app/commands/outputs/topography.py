@@ -7,14 +7,14 @@ from typing import Annotated
 
 import typer
 
-from gearmesh.app.options import DesignFile, Json, Set, load_gears
+from gearmesh.app.options import DesignFile, Json, Member, Set, load_gears
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, tolerance_in_mm, warn, working, write_text
 from gearmesh.formats import CSV_SUFFIX
 
 
 def topography(
     design_file: DesignFile,
-    member: Annotated[str, typer.Option("--member", metavar="NAME", help="Which gear.", show_default=False)],
+    member: Member,
     flank: Annotated[str, typer.Option("--flank", metavar="right|left", help="Which flank.", show_default=False)],
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="FILE.csv", help="Write the file that a design reads.")
