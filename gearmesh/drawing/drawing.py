@@ -76,7 +76,7 @@ class WorkshopDrawing:
         return saved_bytes(self.save, "drawing.png")
 
     def __dir__(self) -> list[Any]:
-        return ["member", "page", "save", "scale", "sheet", "texts"]
+        return ["member", "save", "scale", "sheet", "texts"]
 
 
 def drawing_of(gears: GearSet, name: str) -> WorkshopDrawing:

@@ -90,7 +90,7 @@ class Picture:
         return saved_bytes(self.save, "picture.png")
 
     def __dir__(self) -> list[Any]:
-        return ["save", "scene"]
+        return ["save"]
 
 
 @dataclass(frozen=True, repr=False)
@@ -179,4 +179,4 @@ class Animation:
         return Path(path)
 
     def __dir__(self) -> list[Any]:
-        return ["save", "scenes"]
+        return ["save"]

@@ -445,3 +445,10 @@ def test_designs_do_not_change() -> None:
         with pytest.raises(gm.DesignError, match=f"{key} = 3: a design does not change; with_values"):
             setattr(table, key, 3)
     assert design == gm.load(SAMPLES / "spur.toml")
+
+
+@pytest.mark.parametrize("kind", [gm.Animation, gm.Diagram, gm.Picture, gm.WorkshopDrawing])
+def test_pictures_list_what_they_have(kind: Any) -> None:
+    listed = dir(object.__new__(kind))
+    assert "save" in listed
+    assert not [name for name in listed if name not in kind.__dataclass_fields__ and not hasattr(kind, name)]
