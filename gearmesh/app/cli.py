@@ -18,6 +18,7 @@ import typer
 
 from gearmesh import __version__
 from gearmesh.app.naming import naming_options
+from gearmesh.app.options import option
 from gearmesh.app.stopping import Stopping
 from gearmesh.app.terminal import one_line
 from gearmesh.errors import GearmeshError
@@ -215,7 +216,7 @@ def _print_version(wanted: bool) -> None:
 
 def _program(
     version: Annotated[
-        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Show the version and exit.")
+        bool, option("--version", "Show the version and exit.", callback=_print_version, is_eager=True)
     ] = False,
 ) -> None:
     pass

@@ -18,6 +18,18 @@ if TYPE_CHECKING:
     from gearmesh import Design, Gears
 
 
+def option(names: str, about: str, **more: Any) -> Any:
+    """Return an option of a command.
+
+    - names: the names and what follows them, as "-o --output FILE".
+    - about: one line of help.
+    - more: other arguments of `typer.Option`.
+    """
+    words = names.split(" ")
+    flags = [word for word in words if word.startswith("-")]
+    return typer.Option(*flags, metavar=" ".join(words[len(flags) :]) or None, help=about, **more)
+
+
 def present(path: Path) -> Path:
     """Return the path of a design file that exists. Raises FileError.
 
@@ -42,89 +54,71 @@ DesignFile = Annotated[
 ]
 MeasuredFile = Annotated[
     Path | None,
-    typer.Option(
-        "--measured",
-        metavar="FILE",
-        help="Deviations or points of its flanks, as the table measured of a design reads them; by default that table's.",
+    option(
+        "--measured FILE",
+        "Deviations or points of its flanks, as the table measured of a design reads them; by default that table's.",
         show_default=False,
     ),
 ]
-MeasuredFlanks = Annotated[str, typer.Option("--flank", metavar="right|left|both", help="Which flanks the file is of.")]
-Member = Annotated[str, typer.Option("--member", metavar="NAME", help="Which gear.", show_default=False)]
-PressureAngle = Annotated[float, typer.Option("--pressure-angle", metavar="DEG", help="Normal pressure angle.")]
+MeasuredFlanks = Annotated[str, option("--flank right|left|both", "Which flanks the file is of.")]
+Member = Annotated[str, option("--member NAME", "Which gear.", show_default=False)]
+PressureAngle = Annotated[float, option("--pressure-angle DEG", "Normal pressure angle.")]
 Set = Annotated[
-    list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help="Set a key of the design, as pinion.teeth=25; may be repeated."),
+    list[str] | None, option("--set KEY=VALUE", "Set a key of the design, as pinion.teeth=25; may be repeated.")
 ]
 Tolerance = Annotated[
     str | None,
-    typer.Option(
-        "--tol",
-        metavar="LEN",
-        help="Largest distance between mesh and exact surface: 10um, 0.01mm, 0.0004in; bare = mm.",
-    ),
+    option("--tol LEN", "Largest distance between mesh and exact surface: 10um, 0.01mm, 0.0004in; bare = mm."),
 ]
 Curves = Annotated[
     str | None,
-    typer.Option(
-        "--curves",
-        metavar="splines|arcs|polyline",
-        help="What flanks and fillets of .dxf and .svg are drawn with; with arcs and polyline a .dxf has one closed polyline "
+    option(
+        "--curves splines|arcs|polyline",
+        "What flanks and fillets of .dxf and .svg are drawn with; with arcs and polyline a .dxf has one closed polyline "
         "for every contour. [default: splines]",
     ),
 ]
 Offset = Annotated[
     str | None,
-    typer.Option(
-        "--offset",
-        metavar="LEN",
-        help="Move flanks, fillets, lands and roots along their normals, of .dxf and .svg the contours, positive away from the "
+    option(
+        "--offset LEN",
+        "Move flanks, fillets, lands and roots along their normals, of .dxf and .svg the contours, positive away from the "
         "gear's material: stock to grind, spark gap of an electrode (--space), 0.135mm; negative: clearance of printed "
         "teeth. End faces and bore stay. Bare = mm. [default: 0]",
     ),
 ]
-Json = Annotated[str | None, typer.Option("--json", metavar="FILE|-", help="Write JSON; - is standard output.")]
-Csv = Annotated[str | None, typer.Option("--csv", metavar="FILE|-", help="Write a table; - is standard output.")]
+Json = Annotated[str | None, option("--json FILE|-", "Write JSON; - is standard output.")]
+Csv = Annotated[str | None, option("--csv FILE|-", "Write a table; - is standard output.")]
 Timing = Annotated[
-    bool, typer.Option("--timing/--no-timing", help="Run times in the JSON, under the key timing.", show_default=False)
+    bool, option("--timing/--no-timing", "Run times in the JSON, under the key timing.", show_default=False)
 ]
 Pair = Annotated[
     str | None,
-    typer.Option(
-        "--pair",
-        metavar="A-B",
-        help="Which mesh: the names of its members, as sun-planet_1. [default: the first]",
-        show_default=False,
+    option(
+        "--pair A-B", "Which mesh: the names of its members, as sun-planet_1. [default: the first]", show_default=False
     ),
 ]
 
 Positions = Annotated[
     str | None,
-    typer.Option(
-        "--phi1",
-        metavar="DEG|START:STOP:COUNT",
-        help="Rotations of the pinion: one, or COUNT from START to STOP.",
-        show_default=False,
+    option(
+        "--phi1 DEG|START:STOP:COUNT", "Rotations of the pinion: one, or COUNT from START to STOP.", show_default=False
     ),
 ]
 
 
 SheetTorque = Annotated[
-    float | None,
-    typer.Option(
-        "--torque", metavar="NM", help="Torque on the pinion (planetary: on the driving member): adds the forces."
-    ),
+    float | None, option("--torque NM", "Torque on the pinion (planetary: on the driving member): adds the forces.")
 ]
 
 SheetSpeed = Annotated[
-    float | None,
-    typer.Option("--speed", metavar="RPM", help="Speed of the member that --torque is on: adds speeds and power."),
+    float | None, option("--speed RPM", "Speed of the member that --torque is on: adds speeds and power.")
 ]
 
 
 def sector_option(about: str) -> Any:
     """Return the option --sector of a command."""
-    return typer.Option("--sector", metavar="K", help=about)
+    return option("--sector K", about)
 
 
 def refuse_torque(torque: float | None) -> None:

@@ -5,9 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
-from gearmesh.app.options import Csv, DesignFile, Json, Pair, Set, chosen_pair, load_gears, refuse_one_stream
+from gearmesh.app.options import Csv, DesignFile, Json, Pair, Set, chosen_pair, load_gears, option, refuse_one_stream
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
 from gearmesh.formats import DIAGRAM_SUFFIXES
 
@@ -16,10 +14,7 @@ def composite(
     design_file: DesignFile,
     json_file: Json = None,
     csv_file: Csv = None,
-    output: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", metavar="FILE", help="Draw the charts: .png, .svg or .pdf.", show_default=False),
-    ] = None,
+    output: Annotated[Path | None, option("-o --output FILE", "Draw the charts: .png, .svg or .pdf.")] = None,
     pair: Pair = None,
     settings: Set = None,
 ) -> None:

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from typing import Annotated
 
-import typer
-
 import gearmesh as gm
-from gearmesh.app.options import DesignFile, Json, Set
+from gearmesh.app.options import DesignFile, Json, Set, option
 from gearmesh.app.terminal import refuse_unwritable, show, warn, working, write_text
 from gearmesh.errors import ArgumentError, DesignError
 
@@ -18,9 +16,7 @@ _MAX_LAND_MODULES = 3.0
 def limits(
     design_file: DesignFile,
     json_file: Json = None,
-    land: Annotated[
-        float, typer.Option("--land", metavar="MODULES", help="Narrowest top land allowed; 0 is a pointed tooth.")
-    ] = 0.0,
+    land: Annotated[float, option("--land MODULES", "Narrowest top land allowed; 0 is a pointed tooth.")] = 0.0,
     settings: Set = None,
 ) -> None:
     """Limits against undercut and pointing: tool depth, tip and number of teeth. Also for designs beyond these limits."""

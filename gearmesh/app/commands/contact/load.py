@@ -17,6 +17,7 @@ from gearmesh.app.options import (
     Timing,
     chosen_pair,
     load_gears,
+    option,
     other_meshes,
     positions_in_degrees,
     refuse_one_stream,
@@ -28,20 +29,12 @@ from gearmesh.errors import NoSolutionError
 
 def load(
     design_file: DesignFile,
-    torque: Annotated[
-        str,
-        typer.Option(
-            "--torque", metavar="NM[,NM...]", help="One torque on the pinion, or several.", show_default=False
-        ),
-    ],
+    torque: Annotated[str, option("--torque NM[,NM...]", "One torque on the pinion, or several.")],
     phi1: Positions = None,
     json_file: Json = None,
     csv_file: Csv = None,
     output: Annotated[
-        Path | None,
-        typer.Option(
-            "-o", "--output", metavar="DIR", help="Folder for loaded.json, loaded.csv and pictures.", show_default=False
-        ),
+        Path | None, option("-o --output DIR", "Folder for loaded.json, loaded.csv and pictures.")
     ] = None,
     pair: Pair = None,
     timing: Timing = True,

@@ -6,9 +6,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
-from gearmesh.app.options import DesignFile, Json, Pair, Set, chosen_pair, load_gears, torques_in_nm
+from gearmesh.app.options import DesignFile, Json, Pair, Set, chosen_pair, load_gears, option, torques_in_nm
 from gearmesh.app.terminal import (
     Progress,
     output_folder,
@@ -37,103 +35,75 @@ def study(
     design_file: DesignFile,
     vary: Annotated[
         list[str] | None,
-        typer.Option(
-            "--vary",
-            metavar="KEY=LOW:HIGH:N|A,B,C",
-            help="Vary a key of the design, as assembly.dV=-0.1:0.1:5; several make a grid. With --sample KEY=LOW:HIGH.",
+        option(
+            "--vary KEY=LOW:HIGH:N|A,B,C",
+            "Vary a key of the design, as assembly.dV=-0.1:0.1:5; several make a grid. With --sample KEY=LOW:HIGH.",
         ),
     ] = None,
-    sample: Annotated[
-        int | None, typer.Option("--sample", metavar="N", help="Draw N rows instead of a grid.", show_default=False)
-    ] = None,
+    sample: Annotated[int | None, option("--sample N", "Draw N rows instead of a grid.")] = None,
     tolerance: Annotated[
         list[str] | None,
-        typer.Option(
-            "--tolerance",
-            metavar="FILE.toml|KEY=SPREAD|class:N",
-            help="Distributions of keys: normal:MEAN:SIGMA, uniform:LOW:HIGH, triangular:LOW:MODE:HIGH, "
+        option(
+            "--tolerance FILE.toml|KEY=SPREAD|class:N",
+            "Distributions of keys: normal:MEAN:SIGMA, uniform:LOW:HIGH, triangular:LOW:MODE:HIGH, "
             "truncated:MEAN:SIGMA:LOW:HIGH; a file of them; flanks of cylindrical gears in a class of ISO 1328-1.",
         ),
     ] = None,
     method: Annotated[
         str,
-        typer.Option(
-            "--method",
-            metavar="lhs|sobol|random|saltelli",
-            help="Sampling method; saltelli: N (keys + 2) rows, for Sobol indices.",
+        option(
+            "--method lhs|sobol|random|saltelli", "Sampling method; saltelli: N (keys + 2) rows, for Sobol indices."
         ),
     ] = "lhs",
-    seed: Annotated[int, typer.Option("--seed", metavar="S", help="Seed of the samples.")] = 0,
+    seed: Annotated[int, option("--seed S", "Seed of the samples.")] = 0,
     record: Annotated[
         str,
-        typer.Option(
-            "--record",
-            metavar="FIGURES",
-            help="path (ms per row), cycle (0.1 s), fit (backlash, clearance: 0.1 s more), load (2 s per torque; "
+        option(
+            "--record FIGURES",
+            "path (ms per row), cycle (0.1 s), fit (backlash, clearance: 0.1 s more), load (2 s per torque; "
             "needs --torque), turns (whole turns: 1 s), all but turns, "
             "or names of figures, with commas.",
         ),
     ] = "path,cycle",
     torque: Annotated[
         str | None,
-        typer.Option(
-            "--torque",
-            metavar="NM[,NM]",
-            help="Torques on the pinion, for --record load: each has its own figures, counted from 1.",
-            show_default=False,
+        option(
+            "--torque NM[,NM]", "Torques on the pinion, for --record load: each has its own figures, counted from 1."
         ),
     ] = None,
     limit: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--limit", metavar="FIGURE>X|FIGURE<X", help="Criterion of a good row, for the yield. Repeatable."
-        ),
+        list[str] | None, option("--limit FIGURE>X|FIGURE<X", "Criterion of a good row, for the yield. Repeatable.")
     ] = None,
     find_limits: Annotated[
         list[str] | None,
-        typer.Option(
-            "--find-limits",
-            metavar="KEY[=REACH]",
-            help="Find the largest values of a key with which every --limit holds [contact_ratio>1], instead of rows.",
+        option(
+            "--find-limits KEY[=REACH]",
+            "Find the largest values of a key with which every --limit holds [contact_ratio>1], instead of rows.",
         ),
     ] = None,
     output: Annotated[
-        Path | None,
-        typer.Option(
-            "-o", "--output", metavar="DIR", help="Folder of results; finished rows are kept and not computed again."
-        ),
+        Path | None, option("-o --output DIR", "Folder of results; finished rows are kept and not computed again.")
     ] = None,
     workers: Annotated[
-        int | None,
-        typer.Option(
-            "--workers", metavar="N", help="Processes. [default: the cores, 1 for small studies]", show_default=False
-        ),
+        int | None, option("--workers N", "Processes. [default: the cores, 1 for small studies]")
     ] = None,
     scheduler: Annotated[
         str | None,
-        typer.Option(
-            "--scheduler",
-            metavar="ADDRESS",
-            help="A Dask scheduler, as tcp://host:8786, or tls://host:8786 with the three files below or those of Dask's own "
+        option(
+            "--scheduler ADDRESS",
+            "A Dask scheduler, as tcp://host:8786, or tls://host:8786 with the three files below or those of Dask's own "
             "configuration.",
         ),
     ] = None,
-    tls_ca_file: Annotated[
-        Path | None, typer.Option("--tls-ca-file", metavar="FILE", help="Certificate of the authority, PEM.")
-    ] = None,
+    tls_ca_file: Annotated[Path | None, option("--tls-ca-file FILE", "Certificate of the authority, PEM.")] = None,
     tls_client_cert: Annotated[
-        Path | None, typer.Option("--tls-client-cert", metavar="FILE", help="Certificate of this client, PEM.")
+        Path | None, option("--tls-client-cert FILE", "Certificate of this client, PEM.")
     ] = None,
-    tls_client_key: Annotated[
-        Path | None, typer.Option("--tls-client-key", metavar="FILE", help="Its private key, PEM.")
-    ] = None,
+    tls_client_key: Annotated[Path | None, option("--tls-client-key FILE", "Its private key, PEM.")] = None,
     parquet: Annotated[
-        bool | None,
-        typer.Option(
-            "--parquet/--no-parquet", help="Write Parquet. [default: where pyarrow is installed]", show_default=False
-        ),
+        bool | None, option("--parquet/--no-parquet", "Write Parquet. [default: where pyarrow is installed]")
     ] = None,
-    pictures: Annotated[bool, typer.Option("--pictures/--no-pictures", help="Draw the figures.")] = True,
+    pictures: Annotated[bool, option("--pictures/--no-pictures", "Draw the figures.")] = True,
     json_file: Json = None,
     pair: Pair = None,
     settings: Set = None,

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
 from gearmesh.app.options import (
     Csv,
     DesignFile,
@@ -15,6 +13,7 @@ from gearmesh.app.options import (
     Timing,
     chosen_pair,
     load_gears,
+    option,
     other_meshes,
     refuse_one_stream,
     refuse_torque,
@@ -32,26 +31,22 @@ def tca(
     csv_file: Csv = None,
     torque: Annotated[
         float | None,
-        typer.Option(
-            "--torque",
-            metavar="NM",
-            help="Torque on the pinion: adds the Hertz pressure, with all of the torque on one tooth pair.",
+        option(
+            "--torque NM", "Torque on the pinion: adds the Hertz pressure, with all of the torque on one tooth pair."
         ),
     ] = None,
     load_sharing: Annotated[
-        bool,
-        typer.Option("--load-sharing", help="With --torque: use the load share of the tooth pair from loaded contact."),
+        bool, option("--load-sharing", "With --torque: use the load share of the tooth pair from loaded contact.")
     ] = False,
     turns: Annotated[
         bool,
-        typer.Option(
+        option(
             "--turns",
-            help="Transmission error of eccentric members over whole turns, until it repeats; --csv then writes these.",
+            "Transmission error of eccentric members over whole turns, until it repeats; --csv then writes these.",
         ),
     ] = False,
     ease_off: Annotated[
-        str | None,
-        typer.Option("--ease-off", metavar="FILE", help="Write the ease-off map of the pinion's flank: .json or .vtu."),
+        str | None, option("--ease-off FILE", "Write the ease-off map of the pinion's flank: .json or .vtu.")
     ] = None,
     pair: Pair = None,
     timing: Timing = True,

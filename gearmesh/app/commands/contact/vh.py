@@ -6,16 +6,15 @@ from typing import Annotated
 
 import typer
 
-from gearmesh.app.options import DesignFile, Json, Set, load_gears
+from gearmesh.app.options import DesignFile, Json, Set, load_gears, option
 from gearmesh.app.terminal import refuse_unwritable, show, warn, working, write_text
 from gearmesh.errors import NoSolutionError
 
 Moved = Annotated[
     str | None,
-    typer.Option(
-        "--move",
-        metavar="A[,B]",
-        help="The displacements to find, of V, H (pinion), J (gear) and alpha (shaft angle): two of bevel gears, of worm drives "
+    option(
+        "--move A[,B]",
+        "The displacements to find, of V, H (pinion), J (gear) and alpha (shaft angle): two of bevel gears, of worm drives "
         "one of V, J and alpha.  [default: V,H; of worm drives J]",
     ),
 ]

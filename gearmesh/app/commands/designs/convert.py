@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from gearmesh.app.options import Json, Set, load_gears, present
+from gearmesh.app.options import Json, Set, load_gears, option, present
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
 from gearmesh.errors import ArgumentError
 from gearmesh.formats import REXS_SUFFIXES, TOML_SUFFIX
@@ -23,29 +23,12 @@ def convert(
             callback=present,
         ),
     ],
-    output: Annotated[
-        Path,
-        typer.Option(
-            "-o",
-            "--output",
-            metavar="OUT",
-            help="Design file (.toml) of a REXS file, or REXS file of a design.",
-            show_default=False,
-        ),
-    ],
-    stage: Annotated[
-        str | None,
-        typer.Option(
-            "--stage", metavar="ID", help="Which stage of a REXS file, where it has several.", show_default=False
-        ),
-    ] = None,
+    output: Annotated[Path, option("-o --output OUT", "Design file (.toml) of a REXS file, or REXS file of a design.")],
+    stage: Annotated[str | None, option("--stage ID", "Which stage of a REXS file, where it has several.")] = None,
     torque: Annotated[
         float | None,
-        typer.Option(
-            "--torque",
-            metavar="NM",
-            help="Of a design: loaded contact under this torque on the pinion too, as results of a load case.",
-            show_default=False,
+        option(
+            "--torque NM", "Of a design: loaded contact under this torque on the pinion too, as results of a load case."
         ),
     ] = None,
     json_file: Json = None,

@@ -15,7 +15,17 @@ import typer
 
 import gearmesh as gm
 from gearmesh.answers.tables import LINE_WIDTH, Listing
-from gearmesh.app.options import Json, Set, SheetSpeed, SheetTorque, load_alone, load_gears, refuse_speed, refuse_torque
+from gearmesh.app.options import (
+    Json,
+    Set,
+    SheetSpeed,
+    SheetTorque,
+    load_alone,
+    load_gears,
+    option,
+    refuse_speed,
+    refuse_torque,
+)
 from gearmesh.app.terminal import refuse_unwritable, show, warn, write_text
 from gearmesh.errors import ArgumentError
 from gearmesh.formats import JSON_SUFFIX, TOML_SUFFIX
@@ -41,29 +51,23 @@ def describe(
             metavar="[TABLE]", help="Only the keys of this table of the kind, as pinion.keyway.", show_default=False
         ),
     ] = None,
-    every_key: Annotated[
-        bool, typer.Option("--all", help="Every key of the kind, not only those that most designs set.")
-    ] = False,
+    every_key: Annotated[bool, option("--all", "Every key of the kind, not only those that most designs set.")] = False,
     json_file: Json = None,
     torque: SheetTorque = None,
     speed: SheetSpeed = None,
-    member: Annotated[
-        str | None,
-        typer.Option("--member", metavar="NAME", help="Only this member, without its mating gear.", show_default=False),
-    ] = None,
+    member: Annotated[str | None, option("--member NAME", "Only this member, without its mating gear.")] = None,
     settings: Set = None,
     figures: Annotated[
         bool,
-        typer.Option(
-            "--figures",
-            help="The meaning of every figure in JSON and tables; add a word to list the keys that contain it.",
+        option(
+            "--figures", "The meaning of every figure in JSON and tables; add a word to list the keys that contain it."
         ),
     ] = False,
     schema: Annotated[
         bool,
-        typer.Option(
+        option(
             "--schema",
-            help="The JSON Schema of the design files of a kind, for editors, or with report that of report.json.",
+            "The JSON Schema of the design files of a kind, for editors, or with report that of report.json.",
         ),
     ] = False,
 ) -> None:
@@ -113,9 +117,9 @@ def describe(
 
 def _refuse(options: Iterable[tuple[str, object]], *, reason: str = "", must_be: str = "") -> None:
     """Raise ArgumentError for the first option that is given."""
-    for option, given in options:
+    for name, given in options:
         if given:
-            raise ArgumentError(option, reason=reason, must_be=must_be)
+            raise ArgumentError(name, reason=reason, must_be=must_be)
 
 
 def _figures(word: str, json_file: str | None) -> None:

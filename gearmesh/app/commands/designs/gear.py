@@ -5,9 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
-from gearmesh.app.options import Curves, Offset, PressureAngle
+from gearmesh.app.options import Curves, Offset, PressureAngle, option
 from gearmesh.app.parts import PartFile
 from gearmesh.app.terminal import refuse_unwritable, show, warn, write_text
 from gearmesh.errors import ArgumentError, GearmeshError
@@ -31,48 +29,36 @@ KEY_OPTIONS = {
 
 
 def gear(
-    teeth: Annotated[int, typer.Option("--teeth", metavar="Z", help="Number of teeth.", show_default=False)],
-    module: Annotated[
-        str | None, typer.Option("--module", metavar="LEN", help="Normal module; bare = mm.", show_default=False)
-    ] = None,
+    teeth: Annotated[int, option("--teeth Z", "Number of teeth.")],
+    module: Annotated[str | None, option("--module LEN", "Normal module; bare = mm.")] = None,
     diametral_pitch: Annotated[
-        float | None,
-        typer.Option("--diametral-pitch", metavar="P", help="Normal diametral pitch, 1/inch, instead of the module."),
+        float | None, option("--diametral-pitch P", "Normal diametral pitch, 1/inch, instead of the module.")
     ] = None,
-    helix: Annotated[float, typer.Option("--helix", metavar="DEG", help="Helix angle.")] = 0.0,
-    hand: Annotated[str, typer.Option("--hand", metavar="right|left", help="Hand of the helix.")] = "right",
-    face: Annotated[
-        str | None, typer.Option("--face", metavar="LEN", help="Face width; bare = mm. [default: 10 modules]")
-    ] = None,
+    helix: Annotated[float, option("--helix DEG", "Helix angle.")] = 0.0,
+    hand: Annotated[str, option("--hand right|left", "Hand of the helix.")] = "right",
+    face: Annotated[str | None, option("--face LEN", "Face width; bare = mm. [default: 10 modules]")] = None,
     bore: Annotated[
-        str | None,
-        typer.Option("--bore", metavar="LEN", help="Bore diameter, 0: none. [default: 40 % of the root diameter]"),
+        str | None, option("--bore LEN", "Bore diameter, 0: none. [default: 40 % of the root diameter]")
     ] = None,
-    shift: Annotated[float, typer.Option("--shift", metavar="X", help="Profile shift coefficient.")] = 0.0,
+    shift: Annotated[float, option("--shift X", "Profile shift coefficient.")] = 0.0,
     pressure_angle: PressureAngle = 20.0,
-    internal: Annotated[bool, typer.Option("--internal", help="An internal gear.")] = False,
-    rack: Annotated[bool, typer.Option("--rack", help="A rack with so many teeth.")] = False,
-    tol: Annotated[
-        str | None,
-        typer.Option("--tol", metavar="LEN", help="Largest distance from the exact surface: 10um; bare = mm."),
-    ] = None,
+    internal: Annotated[bool, option("--internal", "An internal gear.")] = False,
+    rack: Annotated[bool, option("--rack", "A rack with so many teeth.")] = False,
+    tol: Annotated[str | None, option("--tol LEN", "Largest distance from the exact surface: 10um; bare = mm.")] = None,
     output: Annotated[
         Path | None,
-        typer.Option(
-            "-o",
-            "--output",
-            metavar="FILE",
-            help="Mesh, CAD solid or section, by its suffix as of the command solid; .toml: the design. [default: print the sheet]",
+        option(
+            "-o --output FILE",
+            "Mesh, CAD solid or section, by its suffix as of the command solid; .toml: the design. [default: print the sheet]",
         ),
     ] = None,
     curves: Curves = None,
     offset: Offset = None,
     settings: Annotated[
         list[str] | None,
-        typer.Option(
-            "--set",
-            metavar="KEY=VALUE",
-            help="Set any other key of the design, as gear.tip_chamfer=0.2, of a rack rack.height=20; may be repeated.",
+        option(
+            "--set KEY=VALUE",
+            "Set any other key of the design, as gear.tip_chamfer=0.2, of a rack rack.height=20; may be repeated.",
         ),
     ] = None,
 ) -> None:
@@ -82,9 +68,9 @@ def gear(
     name = "rack" if rack else "gear"
     is_design = output is not None and output.suffix.lower() == TOML_SUFFIX
     file = None if output is None or is_design else PartFile(output, tol, curves=curves, offset=offset)
-    for option, value in (("tol", tol), ("curves", curves), ("offset", offset)):
+    for name, value in (("tol", tol), ("curves", curves), ("offset", offset)):
         if value is not None and file is None:
-            raise ArgumentError(option, value, reason="needs -o with the file of a mesh, a CAD solid or a section")
+            raise ArgumentError(name, value, reason="needs -o with the file of a mesh, a CAD solid or a section")
     if file is not None:
         file.refuse(name, (TOML_SUFFIX,))
     refuse_unwritable(output)

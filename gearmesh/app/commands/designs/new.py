@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 import gearmesh as gm
+from gearmesh.app.options import option
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, write_text
 from gearmesh.errors import OutputError
 from gearmesh.formats import TOML_SUFFIX
@@ -16,11 +17,8 @@ from gearmesh.formats import TOML_SUFFIX
 
 def new(
     kind: Annotated[str, typer.Argument(metavar="KIND", show_default=False, help="A kind of design, see describe.")],
-    every_key: Annotated[bool, typer.Option("--all", help="Every key, not only those that most designs set.")] = False,
-    output: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", metavar="FILE.toml", help="File to write. [default: standard output]"),
-    ] = None,
+    every_key: Annotated[bool, option("--all", "Every key, not only those that most designs set.")] = False,
+    output: Annotated[Path | None, option("-o --output FILE.toml", "File to write. [default: standard output]")] = None,
 ) -> None:
     """A commented design file of a kind: the required keys with starting values, and usual keys with their defaults."""
     text = gm.new(kind, short=not every_key)

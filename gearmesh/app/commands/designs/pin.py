@@ -8,19 +8,15 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 import gearmesh as gm
-from gearmesh.app.options import DesignFile, Json, Set, load_gears
+from gearmesh.app.options import DesignFile, Json, Set, load_gears, option
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
 from gearmesh.formats import TOML_SUFFIX
 
 
 def pin(
     design_file: DesignFile,
-    output: Annotated[
-        Path, typer.Option("-o", "--output", metavar="PINNED.toml", help="File to write.", show_default=False)
-    ],
+    output: Annotated[Path, option("-o --output PINNED.toml", "File to write.")],
     json_file: Json = None,
     settings: Set = None,
 ) -> None:

@@ -9,13 +9,14 @@ import typer
 
 from gearmesh import samples
 from gearmesh.answers.tables import Listing
+from gearmesh.app.options import option
 from gearmesh.app.terminal import show
 from gearmesh.errors import OutputError
 
 
 def sample(
     name: Annotated[str | None, typer.Argument(metavar="[NAME]", show_default=False)] = None,
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder to copy it to.")] = Path(),
+    output: Annotated[Path, option("-o --output DIR", "Folder to copy it to.")] = Path(),
 ) -> None:
     """List the samples, guides and notebooks that come with the package, or copy one into a folder."""
     if name is None:

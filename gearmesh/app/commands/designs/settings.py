@@ -9,10 +9,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
 import gearmesh as gm
-from gearmesh.app.options import DesignFile, Json, Set, SheetTorque, load_gears, refuse_torque
+from gearmesh.app.options import DesignFile, Json, Set, SheetTorque, load_gears, option, refuse_torque
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
 from gearmesh.errors import ArgumentError
 from gearmesh.formats import TOML_SUFFIX
@@ -24,21 +22,16 @@ if TYPE_CHECKING:
 
 def settings(
     design_file: DesignFile,
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", metavar="NEW.toml", help="Write the design with these settings.")
-    ] = None,
+    output: Annotated[Path | None, option("-o --output NEW.toml", "Write the design with these settings.")] = None,
     compensate: Annotated[
         bool,
-        typer.Option(
+        option(
             "--compensate",
-            help="Compensate the assembly errors of the design: restore path of contact and transmission error.",
+            "Compensate the assembly errors of the design: restore path of contact and transmission error.",
         ),
     ] = False,
     refinish: Annotated[
-        str | None,
-        typer.Option(
-            "--refinish", metavar="MEMBER", help="circular_arc: the member whose settings change, pinion or gear."
-        ),
+        str | None, option("--refinish MEMBER", "circular_arc: the member whose settings change, pinion or gear.")
     ] = None,
     json_file: Json = None,
     torque: SheetTorque = None,

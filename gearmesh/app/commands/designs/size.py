@@ -6,10 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
-import typer
-
 import gearmesh as gm
-from gearmesh.app.options import Json, PressureAngle
+from gearmesh.app.options import Json, PressureAngle, option
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, working, write_text
 from gearmesh.errors import ArgumentError, OutputError
 from gearmesh.formats import TOML_SUFFIX
@@ -18,55 +16,33 @@ from gearmesh.numerals import parse_number, with_point
 
 
 def size(
-    ratio: Annotated[float, typer.Option("--ratio", metavar="Z2/Z1", help="Gear ratio.", show_default=False)],
-    center_distance: Annotated[
-        str | None,
-        typer.Option("--center-distance", metavar="LEN", help="Centre distance; bare = mm.", show_default=False),
-    ] = None,
+    ratio: Annotated[float, option("--ratio Z2/Z1", "Gear ratio.")],
+    center_distance: Annotated[str | None, option("--center-distance LEN", "Centre distance; bare = mm.")] = None,
     module: Annotated[
-        str | None,
-        typer.Option("--module", metavar="LEN", help="Normal module; bare = mm. [default: planetary: those of ISO 54]"),
+        str | None, option("--module LEN", "Normal module; bare = mm. [default: planetary: those of ISO 54]")
     ] = None,
-    internal: Annotated[bool, typer.Option("--internal", help="The gear is internal.")] = False,
-    planetary: Annotated[bool, typer.Option("--planetary", help="Planetary sets instead of pairs.")] = False,
+    internal: Annotated[bool, option("--internal", "The gear is internal.")] = False,
+    planetary: Annotated[bool, option("--planetary", "Planetary sets instead of pairs.")] = False,
     outside_diameter: Annotated[
-        str | None,
-        typer.Option(
-            "--outside-diameter", metavar="LEN", help="Of the ring with its rim, instead of the centre distance."
-        ),
+        str | None, option("--outside-diameter LEN", "Of the ring with its rim, instead of the centre distance.")
     ] = None,
-    planets: Annotated[
-        int | None, typer.Option("--planets", metavar="N", help="Number of planets. [default: 3]")
-    ] = None,
+    planets: Annotated[int | None, option("--planets N", "Number of planets. [default: 3]")] = None,
     fixed: Annotated[
-        str | None,
-        typer.Option(
-            "--fixed",
-            metavar="ring|carrier|sun",
-            help="The fixed member, for the ratio. [default: ring]",
-        ),
+        str | None, option("--fixed ring|carrier|sun", "The fixed member, for the ratio. [default: ring]")
     ] = None,
     unequal: Annotated[
-        bool, typer.Option("--unequal", help="Planets that cannot be equally spaced, too, at the nearest angles.")
+        bool, option("--unequal", "Planets that cannot be equally spaced, too, at the nearest angles.")
     ] = False,
-    helix: Annotated[str, typer.Option("--helix", metavar="DEG[:DEG]", help="Helix angle, or its range.")] = "0",
+    helix: Annotated[str, option("--helix DEG[:DEG]", "Helix angle, or its range.")] = "0",
     shifts: Annotated[
-        str,
-        typer.Option("--shifts", metavar="X[:X]", help="Range of the sum of the profile shifts, of sun and planet."),
+        str, option("--shifts X[:X]", "Range of the sum of the profile shifts, of sun and planet.")
     ] = "-0.5:1.2",
-    tolerance: Annotated[
-        float, typer.Option("--tolerance", metavar="PERCENT", help="Permissible relative error of the ratio.")
-    ] = 1.0,
+    tolerance: Annotated[float, option("--tolerance PERCENT", "Permissible relative error of the ratio.")] = 1.0,
     pressure_angle: PressureAngle = 20.0,
-    face_width: Annotated[
-        str | None, typer.Option("--face-width", metavar="LEN", help="Width of all faces. [default: 10 modules]")
-    ] = None,
-    most: Annotated[int, typer.Option("--most", metavar="N", help="Number of pairs to print, at most.", min=1)] = 20,
-    choose: Annotated[int, typer.Option("--choose", metavar="N", help="The pair whose design to write.")] = 1,
-    output: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", metavar="FILE.toml", help="Write the design of the chosen pair."),
-    ] = None,
+    face_width: Annotated[str | None, option("--face-width LEN", "Width of all faces. [default: 10 modules]")] = None,
+    most: Annotated[int, option("--most N", "Number of pairs to print, at most.", min=1)] = 20,
+    choose: Annotated[int, option("--choose N", "The pair whose design to write.")] = 1,
+    output: Annotated[Path | None, option("-o --output FILE.toml", "Write the design of the chosen pair.")] = None,
     json_file: Json = None,
 ) -> None:
     """Tooth numbers, helix angles and profile shifts with which cylindrical gears have a ratio and a centre distance.

@@ -6,9 +6,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
-from gearmesh.app.options import DesignFile, Json, MeasuredFile, MeasuredFlanks, Member, Set, load_gears
+from gearmesh.app.options import DesignFile, Json, MeasuredFile, MeasuredFlanks, Member, Set, load_gears, option
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
 from gearmesh.formats import CSV_SUFFIX, TOML_SUFFIX
 
@@ -24,41 +22,24 @@ def correct(
     flank: MeasuredFlanks = "both",
     settings: Annotated[
         str | None,
-        typer.Option(
-            "--settings",
-            metavar="NAME,...",
-            help="Settings that may move, as radial,concave.tilt,helical_motion.2; by default the usual ones.",
-            show_default=False,
+        option(
+            "--settings NAME,...",
+            "Settings that may move, as radial,concave.tilt,helical_motion.2; by default the usual ones.",
         ),
     ] = None,
     noise: Annotated[
         float | None,
-        typer.Option(
-            "--noise",
-            metavar="UM",
-            help="Standard deviation of a measured deviation; by default by what no setting takes away.",
-            show_default=False,
-        ),
+        option("--noise UM", "Standard deviation of a measured deviation; by default by what no setting takes away."),
     ] = None,
-    residual: Annotated[
-        Path | None,
-        typer.Option("--residual", metavar="FILE.csv", help="Write the deviations that are left.", show_default=False),
-    ] = None,
+    residual: Annotated[Path | None, option("--residual FILE.csv", "Write the deviations that are left.")] = None,
     topography: Annotated[
         Path | None,
-        typer.Option(
-            "--topography",
-            metavar="FILE.csv",
-            help="Write what is left as amounts to remove, for dressing; of two flanks FILE_right.csv and FILE_left.csv.",
-            show_default=False,
+        option(
+            "--topography FILE.csv",
+            "Write what is left as amounts to remove, for dressing; of two flanks FILE_right.csv and FILE_left.csv.",
         ),
     ] = None,
-    output: Annotated[
-        Path | None,
-        typer.Option(
-            "-o", "--output", metavar="FILE.toml", help="Write the design with the new settings.", show_default=False
-        ),
-    ] = None,
+    output: Annotated[Path | None, option("-o --output FILE.toml", "Write the design with the new settings.")] = None,
     json_file: Json = None,
     changes: Set = None,
 ) -> None:

@@ -5,9 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
-from gearmesh.app.options import DesignFile, Member, Set, load_gears
+from gearmesh.app.options import DesignFile, Member, Set, load_gears, option
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, warn, working
 from gearmesh.formats import DRAWING_SUFFIXES
 
@@ -15,10 +13,7 @@ from gearmesh.formats import DRAWING_SUFFIXES
 def drawing(
     design_file: DesignFile,
     member: Member,
-    output: Annotated[
-        Path,
-        typer.Option("-o", "--output", metavar="FILE.(pdf|svg|png)", help="File to write; its suffix is the format."),
-    ],
+    output: Annotated[Path, option("-o --output FILE.(pdf|svg|png)", "File to write; its suffix is the format.")],
     settings: Set = None,
 ) -> None:
     """A workshop drawing of one gear: section, view along the axis, dimensions, gear data, title block.

@@ -5,9 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
-from gearmesh.app.options import DesignFile, Json, MeasuredFile, MeasuredFlanks, Member, Set, load_gears
+from gearmesh.app.options import DesignFile, Json, MeasuredFile, MeasuredFlanks, Member, Set, load_gears, option
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
 from gearmesh.formats import DIAGRAM_SUFFIXES
 from gearmesh.progress import part
@@ -24,17 +22,12 @@ def evaluate(
     flank: MeasuredFlanks = "both",
     pitch: Annotated[
         Path | None,
-        typer.Option(
-            "--pitch",
-            metavar="FILE.csv",
-            help="Index deviations of all teeth: columns tooth, right_um, left_um, runout_um; by default those of that table.",
-            show_default=False,
+        option(
+            "--pitch FILE.csv",
+            "Index deviations of all teeth: columns tooth, right_um, left_um, runout_um; by default those of that table.",
         ),
     ] = None,
-    output: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", metavar="FILE", help="Draw the chart: .png, .svg or .pdf.", show_default=False),
-    ] = None,
+    output: Annotated[Path | None, option("-o --output FILE", "Draw the chart: .png, .svg or .pdf.")] = None,
     json_file: Json = None,
     settings: Set = None,
 ) -> None:

@@ -69,8 +69,7 @@ def fe(
         ),
     ] = None,
     teeth: Annotated[
-        str | None,
-        typer.Option("--teeth", metavar="K|all", help="Teeth of each member: an odd number, or all."),
+        str | None, typer.Option("--teeth", metavar="K|all", help="Teeth of each member: an odd number, or all.")
     ] = None,
     sector: Annotated[
         int | None,

@@ -5,23 +5,16 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
-from gearmesh.app.options import DesignFile, Set, design_text, load_design
+from gearmesh.app.options import DesignFile, Set, design_text, load_design, option
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, tolerance_in_mm, write_text
 from gearmesh.formats import MACRO_SUFFIX
 
 
 def freecad(
     design_file: DesignFile,
-    output: Annotated[
-        Path, typer.Option("-o", "--output", metavar="FILE.FCMacro", help="File to write.", show_default=False)
-    ],
+    output: Annotated[Path, option("-o --output FILE.FCMacro", "File to write.")],
     tol: Annotated[
-        str,
-        typer.Option(
-            "--tol", metavar="LEN", help="Largest distance from the exact surface: 10um, 0.01mm, 0.0004in; bare = mm."
-        ),
+        str, option("--tol LEN", "Largest distance from the exact surface: 10um, 0.01mm, 0.0004in; bare = mm.")
     ] = "0.1um",
     settings: Set = None,
 ) -> None:

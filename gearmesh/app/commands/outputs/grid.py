@@ -5,9 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
-from gearmesh.app.options import DesignFile, Json, Member, Set, load_gears
+from gearmesh.app.options import DesignFile, Json, Member, Set, load_gears, option
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
 from gearmesh.formats import DIAGRAM_SUFFIXES, POINT_SUFFIXES
 
@@ -18,40 +16,21 @@ if TYPE_CHECKING:
 def grid(
     design_file: DesignFile,
     member: Member,
-    flank: Annotated[str, typer.Option("--flank", metavar="right|left|both", help="Which flanks.")] = "both",
-    surface: Annotated[
-        str, typer.Option("--surface", metavar="flank|fillet|all", help="Flanks, fillets under them, or both.")
-    ] = "flank",
-    shape: Annotated[
-        str,
-        typer.Option("--grid", metavar="ROWSxCOLUMNS", help="Points from root to tip and from toe to heel."),
-    ] = "5x9",
+    flank: Annotated[str, option("--flank right|left|both", "Which flanks.")] = "both",
+    surface: Annotated[str, option("--surface flank|fillet|all", "Flanks, fillets under them, or both.")] = "flank",
+    shape: Annotated[str, option("--grid ROWSxCOLUMNS", "Points from root to tip and from toe to heel.")] = "5x9",
     margins: Annotated[
-        str,
-        typer.Option(
-            "--margins", metavar="P,F", help="Shares of profile and face beside the edges that have no points."
-        ),
+        str, option("--margins P,F", "Shares of profile and face beside the edges that have no points.")
     ] = "0.1,0.1",
     ball: Annotated[
-        str | None,
-        typer.Option(
-            "--ball",
-            metavar="LEN",
-            help="Diameter of the probe's ball: its centres are written too.",
-            show_default=False,
-        ),
+        str | None, option("--ball LEN", "Diameter of the probe's ball: its centres are written too.")
     ] = None,
-    output: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", metavar="FILE", help="Write a .csv or .txt file.", show_default=False),
-    ] = None,
+    output: Annotated[Path | None, option("-o --output FILE", "Write a .csv or .txt file.")] = None,
     chart: Annotated[
         Path | None,
-        typer.Option(
-            "--chart",
-            metavar="FILE",
-            help="Draw theoretical profile and helix charts of a cylindrical gear, with the band of its class: .png, .svg, .pdf.",
-            show_default=False,
+        option(
+            "--chart FILE",
+            "Draw theoretical profile and helix charts of a cylindrical gear, with the band of its class: .png, .svg, .pdf.",
         ),
     ] = None,
     json_file: Json = None,

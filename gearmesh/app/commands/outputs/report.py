@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from gearmesh.app.options import DesignFile, Set, Tolerance, design_text, load_gears, stem, torques_in_nm
+from gearmesh.app.options import DesignFile, Set, Tolerance, design_text, load_gears, option, stem, torques_in_nm
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, tolerance_in_mm, warn, working
 from gearmesh.errors import NoSolutionError
 from gearmesh.formats import HTML_SUFFIX
@@ -20,26 +20,16 @@ if TYPE_CHECKING:
 
 def report(
     design_file: DesignFile,
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", metavar="FILE.html", help="Page to write. [default: DESIGN.html]")
-    ] = None,
+    output: Annotated[Path | None, option("-o --output FILE.html", "Page to write. [default: DESIGN.html]")] = None,
     tol: Tolerance = None,
     check: Annotated[
-        bool,
-        typer.Option("--check", help="Also check meshes and contact, as `check` does, with the verdicts on the page."),
+        bool, option("--check", "Also check meshes and contact, as `check` does, with the verdicts on the page.")
     ] = False,
     study: Annotated[
-        list[Path] | None,
-        typer.Option("--study", metavar="DIR", help="Folder of a finished study to include. Repeatable."),
+        list[Path] | None, option("--study DIR", "Folder of a finished study to include. Repeatable.")
     ] = None,
     torque: Annotated[
-        str | None,
-        typer.Option(
-            "--torque",
-            metavar="NM[,NM...]",
-            help="One torque on the pinion, or several: adds contact under load.",
-            show_default=False,
-        ),
+        str | None, option("--torque NM[,NM...]", "One torque on the pinion, or several: adds contact under load.")
     ] = None,
     settings: Set = None,
 ) -> None:

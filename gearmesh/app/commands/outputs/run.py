@@ -15,6 +15,7 @@ from gearmesh.app.options import (
     Tolerance,
     design_text,
     load_design,
+    option,
     stem,
     torques_in_nm,
 )
@@ -25,21 +26,17 @@ from gearmesh.view.opengl import begin_drawing
 
 def run(
     design_file: DesignFile,
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", metavar="DIR", help="Folder for the results. [default: out/DESIGN]")
-    ] = None,
+    output: Annotated[Path | None, option("-o --output DIR", "Folder for the results. [default: out/DESIGN]")] = None,
     tol: Tolerance = None,
     torque: Annotated[
         str | None,
-        typer.Option(
-            "--torque",
-            metavar="NM[,NM...]",
-            help="One torque on the pinion of the first mesh, or several: adds loaded contact of every mesh, as `load`.",
-            show_default=False,
+        option(
+            "--torque NM[,NM...]",
+            "One torque on the pinion of the first mesh, or several: adds loaded contact of every mesh, as `load`.",
         ),
     ] = None,
     timing: Timing = True,
-    no_report: Annotated[bool, typer.Option("--no-report", help="Without report.html, the page of `report`.")] = False,
+    no_report: Annotated[bool, option("--no-report", "Without report.html, the page of `report`.")] = False,
     settings: Set = None,
 ) -> None:
     """The main job: solids, contact, check and pictures in a folder."""

@@ -5,9 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
-from gearmesh.app.options import Curves, DesignFile, Offset, Set, load_alone, load_gears, sector_option
+from gearmesh.app.options import Curves, DesignFile, Offset, Set, load_alone, load_gears, option, sector_option
 from gearmesh.app.parts import ALL_MEMBERS, BOTH_MEMBERS, PartFile
 from gearmesh.errors import ArgumentError
 
@@ -22,66 +20,56 @@ def solid(
     design_file: DesignFile,
     member: Annotated[
         str,
-        typer.Option(
-            "--member",
-            metavar="NAME|all|worm",
-            help="Which member, as pinion or gear; all (or both): all of them in mesh; worm: the grinding worm of the pinion or "
+        option(
+            "--member NAME|all|worm",
+            "Which member, as pinion or gear; all (or both): all of them in mesh; worm: the grinding worm of the pinion or "
             "face gear.",
-            show_default=False,
         ),
     ],
-    output: Annotated[
-        Path, typer.Option("-o", "--output", metavar="FILE", help="File to write; its suffix is the format.")
-    ],
+    output: Annotated[Path, option("-o --output FILE", "File to write; its suffix is the format.")],
     tol: Annotated[
         str | None,
-        typer.Option(
-            "--tol",
-            metavar="LEN",
-            help="Largest distance from the exact surface: 10um, 0.01mm, 0.0004in; bare = mm. "
+        option(
+            "--tol LEN",
+            "Largest distance from the exact surface: 10um, 0.01mm, 0.0004in; bare = mm. "
             "[default: the design's for a mesh, 0.1um for .step, .dxf, .svg]",
         ),
     ] = None,
     section: Annotated[
         str | None,
-        typer.Option(
-            "--section",
-            metavar="Z|axial",
-            help="Position of the section of .dxf and .svg along the axis: 5mm, -0.1in; bare = mm; axial: through the axis of a "
+        option(
+            "--section Z|axial",
+            "Position of the section of .dxf and .svg along the axis: 5mm, -0.1in; bare = mm; axial: through the axis of a "
             "worm. [default: mid face]",
         ),
     ] = None,
     curves: Curves = None,
     offset: Offset = None,
-    teeth: Annotated[int | None, typer.Option("--teeth", metavar="K", help="Only the first K teeth.")] = None,
+    teeth: Annotated[int | None, option("--teeth K", "Only the first K teeth.")] = None,
     flank_only: Annotated[
         str | None,
-        typer.Option(
-            "--flank-only",
-            metavar="right|left|both",
-            help="Only these flanks, as open surfaces for metrology; .ply and .vtp have normals and parameters at every vertex.",
+        option(
+            "--flank-only right|left|both",
+            "Only these flanks, as open surfaces for metrology; .ply and .vtp have normals and parameters at every vertex.",
         ),
     ] = None,
     space: Annotated[
         bool,
-        typer.Option(
+        option(
             "--space",
-            help="The space between two teeth as a solid: a broach, an electrode; of double helical gears that of one half.",
+            "The space between two teeth as a solid: a broach, an electrode; of double helical gears that of one half.",
         ),
     ] = False,
     blank: Annotated[
         bool,
-        typer.Option(
+        option(
             "--blank",
-            help="The blank before its teeth are cut: turned up to the tips, with hubs, bore and web, without keyway and holes; "
+            "The blank before its teeth are cut: turned up to the tips, with hubs, bore and web, without keyway and holes; "
             ".dxf and .svg: its half section with the axis.",
         ),
     ] = False,
     phi1: Annotated[
-        float | None,
-        typer.Option(
-            "--phi1", metavar="DEG", help="Rotation of the pinion at which --member all is in mesh. [default: 0]"
-        ),
+        float | None, option("--phi1 DEG", "Rotation of the pinion at which --member all is in mesh. [default: 0]")
     ] = None,
     sector: Annotated[
         int | None,
@@ -89,12 +77,10 @@ def solid(
     ] = None,
     names: Annotated[
         Path | None,
-        typer.Option(
-            "--names",
-            metavar="FILE",
-            help="With .step: write a table of its faces too, .csv or .json: number, member, name, region, side, tooth, for "
+        option(
+            "--names FILE",
+            "With .step: write a table of its faces too, .csv or .json: number, member, name, region, side, tooth, for "
             "programs that number faces and drop their names, as gmsh.",
-            show_default=False,
         ),
     ] = None,
     settings: Set = None,

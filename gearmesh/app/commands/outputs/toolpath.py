@@ -5,9 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
-from gearmesh.app.options import DesignFile, Json, Member, Set, load_alone
+from gearmesh.app.options import DesignFile, Json, Member, Set, load_alone, option
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
 from gearmesh.formats import PNG_SUFFIX, TOOL_PATH_SUFFIXES
 from gearmesh.numerals import parse_whole_number
@@ -22,69 +20,47 @@ def toolpath(
     member: Member,
     tool: Annotated[
         str,
-        typer.Option(
-            "--tool",
-            metavar="ball:D[,L[,H]]",
-            help="Ball-end cutter: diameter of ball and shank, length of the shank beyond the ball's centre, and diameter of the "
+        option(
+            "--tool ball:D[,L[,H]]",
+            "Ball-end cutter: diameter of ball and shank, length of the shank beyond the ball's centre, and diameter of the "
             "holder that follows, as ball:3mm,40mm,20mm; bare = mm. [default: length 5 D, no holder]",
-            show_default=False,
         ),
     ],
     scallop: Annotated[
         str,
-        typer.Option(
-            "--scallop",
-            metavar="LEN",
-            help="The most that is left over the exact surfaces, chords included: 10um, 0.01mm; bare = mm.",
-            show_default=False,
+        option(
+            "--scallop LEN", "The most that is left over the exact surfaces, chords included: 10um, 0.01mm; bare = mm."
         ),
     ],
     output: Annotated[
         Path | None,
-        typer.Option(
-            "-o",
-            "--output",
-            metavar="FILE.(cls|csv|vtp|png)",
-            help="APT cutter location file, table, lines for VTK, or a picture of the passes.",
+        option(
+            "-o --output FILE.(cls|csv|vtp|png)",
+            "APT cutter location file, table, lines for VTK, or a picture of the passes.",
         ),
     ] = None,
-    stock: Annotated[
-        str, typer.Option("--stock", metavar="LEN", help="Stock left over the exact surfaces, along the normals.")
-    ] = "0",
+    stock: Annotated[str, option("--stock LEN", "Stock left over the exact surfaces, along the normals.")] = "0",
     tol: Annotated[
         str | None,
-        typer.Option(
-            "--tol",
-            metavar="LEN",
-            help="The part of the scallop that chords between points may take. [default: a tenth]",
-            show_default=False,
-        ),
+        option("--tol LEN", "The part of the scallop that chords between points may take. [default: a tenth]"),
     ] = None,
-    flank: Annotated[
-        str, typer.Option("--flank", metavar="right|left|both", help="Flanks that are finished.")
-    ] = "both",
-    surfaces: Annotated[
-        str,
-        typer.Option("--surfaces", metavar="all|flanks", help="Flanks with fillets and root, or flanks alone."),
-    ] = "all",
+    flank: Annotated[str, option("--flank right|left|both", "Flanks that are finished.")] = "both",
+    surfaces: Annotated[str, option("--surfaces all|flanks", "Flanks with fillets and root, or flanks alone.")] = "all",
     spaces: Annotated[
-        str,
-        typer.Option("--spaces", metavar="all|K", help="All spaces, or one: that before tooth K; 0 is on the x axis."),
+        str, option("--spaces all|K", "All spaces, or one: that before tooth K; 0 is on the x axis.")
     ] = "0",
-    order: Annotated[str, typer.Option("--order", metavar="zigzag|one-way", help="Feed order.")] = "zigzag",
+    order: Annotated[str, option("--order zigzag|one-way", "Feed order.")] = "zigzag",
     lead: Annotated[
-        float | None,
-        typer.Option("--lead", metavar="DEG", help="Angle of the tool axis towards the heel. [default: chosen]"),
+        float | None, option("--lead DEG", "Angle of the tool axis towards the heel. [default: chosen]")
     ] = None,
     tilt: Annotated[
         float | None,
-        typer.Option(
-            "--tilt",
-            metavar="DEG",
-            help="Angle of the tool axis from the middle of the space, away from the flank that is cut. [default: chosen]",
+        option(
+            "--tilt DEG",
+            "Angle of the tool axis from the middle of the space, away from the flank that is cut. [default: chosen]",
         ),
     ] = None,
-    feed: Annotated[float, typer.Option("--feed", metavar="MMPM", help="Feed in mm/min, for .cls.")] = 500.0,
+    feed: Annotated[float, option("--feed MMPM", "Feed in mm/min, for .cls.")] = 500.0,
     json_file: Json = None,
     settings: Set = None,
 ) -> None:

@@ -5,9 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
-from gearmesh.app.options import DesignFile, Json, Member, Set, load_gears
+from gearmesh.app.options import DesignFile, Json, Member, Set, load_gears, option
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, tolerance_in_mm, warn, working, write_text
 from gearmesh.formats import CSV_SUFFIX
 
@@ -15,18 +13,11 @@ from gearmesh.formats import CSV_SUFFIX
 def topography(
     design_file: DesignFile,
     member: Member,
-    flank: Annotated[str, typer.Option("--flank", metavar="right|left", help="Which flank.", show_default=False)],
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", metavar="FILE.csv", help="Write the file that a design reads.")
-    ] = None,
+    flank: Annotated[str, option("--flank right|left", "Which flank.")],
+    output: Annotated[Path | None, option("-o --output FILE.csv", "Write the file that a design reads.")] = None,
     tol: Annotated[
         str | None,
-        typer.Option(
-            "--tol",
-            metavar="LEN",
-            help="Largest distance between the flank and the spline through the amounts. [default: 0.01um]",
-            show_default=False,
-        ),
+        option("--tol LEN", "Largest distance between the flank and the spline through the amounts. [default: 0.01um]"),
     ] = None,
     json_file: Json = None,
     settings: Set = None,
