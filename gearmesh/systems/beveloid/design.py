@@ -125,18 +125,7 @@ class BeveloidDesign(PairDesign):
     contact: FlankContact = FlankContact()
 
     def derived_values(self) -> dict[str, float]:
-        """Return the tip roundings of the racks that the file leaves out; see the key's default.
-
-        Returns
-        -------
-        dict of str to float
-            By dotted key, in the file's units.
-
-        Examples
-        --------
-        >>> sorted(gm.load("samples/beveloid_crossed.toml", complete=False).derived_values())[:2]
-        ['contact.delta', 'contact.phi1.start']
-        """
+        # the tip roundings of the racks that the file leaves out; see the key's default.
         return {
             **super().derived_values(),
             **{f"{name}.tool_tip_radius": self._rounding(getattr(self, name)) for name in ("pinion", "gear")},

@@ -135,18 +135,7 @@ class CircularArcDesign(PairDesign):
     contact: CircularArcContact = CircularArcContact()
 
     def derived_values(self) -> dict[str, float]:
-        """Return the rack and pitch radii that the file leaves out; see the keys' defaults.
-
-        Returns
-        -------
-        dict of str to float
-            By dotted key, in the file's units.
-
-        Examples
-        --------
-        >>> sorted(gm.load("samples/circular_arc.toml", complete=False).derived_values())[:2]
-        ['center_distance', 'contact.delta']
-        """
+        # the rack and pitch radii that the file leaves out; see the keys' defaults.
         m, theta = self.given_module, math.radians(self.pressure_angle)
         radius = given_or(self.pinion.profile_radius, 1.35 * m)
         a, b = given_or(self.pinion.a, 0.3988 * m), given_or(self.pinion.b, 0.2439 * m)

@@ -216,18 +216,7 @@ class FaceGearDesign(PairDesign):
         return max(min(self.pinion.teeth + MORE_SHAPER_TEETH, self.gear.teeth), self.pinion.teeth)
 
     def derived_values(self) -> dict[str, float]:
-        """Return tool and blank that the file leaves out, except values that need the geometry (`build.derived_values`).
-
-        Returns
-        -------
-        dict of str to float
-            By dotted key, in the file's units.
-
-        Examples
-        --------
-        >>> sorted(gm.load("samples/face_gear.toml", complete=False).derived_values())[:2]
-        ['contact.delta', 'contact.phi1.start']
-        """
+        # tool and blank that the file leaves out, except values that need the geometry (`build.derived_values`).
         rim, radius = (
             given_or(self.gear.rim, RIM_MODULES * self.given_module),
             given_or(self.worm.pitch_radius, self.shaper_teeth * self.given_module),

@@ -222,18 +222,7 @@ class ParabolicHelicalDesign(PairDesign):
         return 0.5 * self.pinion.teeth * self.given_module / math.cos(math.radians(self.helix_angle))
 
     def derived_values(self) -> dict[str, float]:
-        """Return coast side, tools and modified roll that the file leaves out; see the keys' defaults.
-
-        Returns
-        -------
-        dict of str to float
-            By dotted key, in the file's units.
-
-        Examples
-        --------
-        >>> sorted(gm.load("samples/novikov.toml", complete=False).derived_values())[:2]
-        ['coast_pressure_angle', 'contact.delta']
-        """
+        # coast side, tools and modified roll that the file leaves out; see the keys' defaults.
         m = self.given_module
         arm = (
             self._pitch_radius * math.cos(math.radians(self.helix_angle)) / math.tan(math.radians(self.pressure_angle))

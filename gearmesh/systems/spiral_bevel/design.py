@@ -806,21 +806,9 @@ class FaceMilledDesign(BevelDesign):
         return self.formate and left and any(getattr(own, key) is None for key in SYNTHESISED_KEYS)
 
     def derived_values(self) -> dict[str, float]:
-        """Return backlash, tilt, swivel and sliding bases that the file leaves out.
-
-        Values that need the geometry are not included: sliding bases of tilted cutters, and their tilt and swivel for a
-        gear that is not generated. Both sides of the pinion are cut to one depth.
-
-        Returns
-        -------
-        dict of str to float
-            By dotted key, in the file's units.
-
-        Examples
-        --------
-        >>> sorted(gm.load("samples/spiral_bevel_basic.toml", complete=False).derived_values())[:2]
-        ['backlash', 'contact.delta']
-        """
+        # backlash, tilt, swivel and sliding bases that the file leaves out. Values that need the geometry are not
+        # included: sliding bases of tilted cutters, and their tilt and swivel for a gear that is not generated. Both
+        # sides of the pinion are cut to one depth.
         defaults = super().derived_values()
         if self.pinion.thickness is None:
             defaults["backlash"] = self._suggested_backlash

@@ -390,20 +390,8 @@ class WormDriveDesign(Design):
         return "the worm's own hob (hob.reference_diameter left out), or a smaller lead angle of the worm, keeps them apart"
 
     def derived_values(self) -> dict[str, float]:
-        """Return values that the file leaves out [DIN 3975], except face width, addendum and rounding.
-
-        `face_width.derived_values` has those. The throat follows from the addendum, and is left open with it.
-
-        Returns
-        -------
-        dict of str to float
-            By dotted key, in the file's units.
-
-        Examples
-        --------
-        >>> sorted(gm.load("samples/worm_drive.toml", complete=False).derived_values())[:2]
-        ['center_distance', 'contact.delta']
-        """
+        # values that the file leaves out [DIN 3975], except face width, addendum and rounding.
+        # `face_width.derived_values` has those. The throat follows from the addendum, and is left open with it.
         m, d1, wheel = self.axial_module, self.reference_diameter, self.wheel
         concave = self.worm.form == ThreadForm.ZC
         usual = self._zero_shift_distance + (CONCAVE_SHIFT_MODULES * m if concave else 0.0)
