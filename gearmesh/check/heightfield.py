@@ -47,6 +47,10 @@ PIECES_PER_EXTENT = 60
 MAX_HALVINGS = 14
 
 
+#: arrays of one length, a quantity each: faster than rows of several quantities
+Columns: TypeAlias = tuple[Array, ...]
+
+
 class HeightChart(Protocol):
     """Two flat coordinates and a height, in the chart's own frame; mm, but rad for heights of `Arcs` and `Slides`."""
 
@@ -62,8 +66,11 @@ class HeightChart(Protocol):
     def uphill(self, r: Array) -> Array:
         """Return unit directions (..., 3) of increasing height."""
 
-    def plane_height(self, flat: Array, normal: Array, offset: Array, near: Array) -> Array:
-        """Return heights (...,) of the planes normal . r = offset over `flat`, on the branch of `near` (..., 3)."""
+    def planes(self, normal: Array, offset: Array, near: Array) -> Columns:
+        """Return what `plane_height` needs of the planes normal . r = offset on the branch of `near` (T, 3), (T,) each."""
+
+    def plane_height(self, flat: Columns, planes: Columns) -> Array:
+        """Return heights (N,) of planes over flat coordinates, (N,) each."""
 
     def lowest(self, corners: Array) -> Array:
         """Return lower bounds (T, 2) of the flat coordinates over triangles (T, 3, 3); upper bounds are corners."""
@@ -92,12 +99,15 @@ class Arcs:
         rho = np.hypot(r[..., 0], r[..., 1])
         return self.sense * np.stack((-r[..., 1] / rho, r[..., 0] / rho, np.zeros_like(rho)), axis=-1)
 
-    def plane_height(self, flat: Array, normal: Array, offset: Array, near: Array) -> Array:
-        # solve |n_xy| rho cos(theta - direction of n_xy) = offset - n_z z, with the root on the side of `near`
+    def planes(self, normal: Array, offset: Array, near: Array) -> Columns:
         middle = polar_angle(normal)
-        length = flat[..., 0] * np.hypot(normal[..., 0], normal[..., 1])
-        half = np.arccos((offset - normal[..., 2] * flat[..., 1]) / length)
         side = np.sign(_wrap(polar_angle(near) - middle))
+        return middle, side, np.hypot(normal[..., 0], normal[..., 1]), normal[..., 2], offset
+
+    def plane_height(self, flat: Columns, planes: Columns) -> Array:
+        # solve |n_xy| rho cos(theta - direction of n_xy) = offset - n_z z, with the root on the side of `near`
+        (rho, z), (middle, side, level, n_z, offset) = flat, planes
+        half = np.arccos((offset - n_z * z) / (rho * level))
         return self._height(middle + side * half)
 
     def lowest(self, corners: Array) -> Array:
@@ -144,9 +154,12 @@ class Slides:
     def uphill(self, r: Array) -> Array:
         return np.broadcast_to(np.array([0.0, self.sense, 0.0]), r.shape)
 
-    def plane_height(self, flat: Array, normal: Array, offset: Array, near: Array) -> Array:
-        y = (offset - normal[..., 0] * flat[..., 0] - normal[..., 2] * flat[..., 1]) / normal[..., 1]
-        height: Array = self.sense * y / self.radius
+    def planes(self, normal: Array, offset: Array, near: Array) -> Columns:
+        return normal[..., 0], normal[..., 1], normal[..., 2], offset
+
+    def plane_height(self, flat: Columns, planes: Columns) -> Array:
+        (x, z), (n_x, n_y, n_z, offset) = flat, planes
+        height: Array = self.sense * ((offset - n_x * x - n_z * z) / n_y) / self.radius
         return height
 
     def lowest(self, corners: Array) -> Array:
@@ -187,8 +200,13 @@ class Rays:
     def uphill(self, r: Array) -> Array:
         return np.broadcast_to(np.array([0.0, 0.0, 1.0]), r.shape)
 
-    def plane_height(self, flat: Array, normal: Array, offset: Array, near: Array) -> Array:
-        return (offset - normal[..., 0] * flat[..., 0] - normal[..., 1] * flat[..., 1]) / normal[..., 2]
+    def planes(self, normal: Array, offset: Array, near: Array) -> Columns:
+        return normal[..., 0], normal[..., 1], normal[..., 2], offset
+
+    def plane_height(self, flat: Columns, planes: Columns) -> Array:
+        (x, y), (n_x, n_y, n_z, offset) = flat, planes
+        height: Array = (offset - n_x * x - n_y * y) / n_z
+        return height
 
     def lowest(self, corners: Array) -> Array:
         corner: Array = corners[..., :2].min(axis=1)
@@ -375,9 +393,11 @@ class MeshField:
         return np.ascontiguousarray((low - margin).T), np.ascontiguousarray((high + margin).T)
 
     @cached_property
-    def _middles(self) -> Array:
-        middles: Array = self.corners.mean(axis=1)
-        return middles
+    def _planes(self) -> Columns:
+        """The planes of the triangles for the chart, (T,) each."""
+        normal = self._area_vectors
+        with np.errstate(all="ignore"):  # a triangle without area is never hit
+            return self.chart.planes(normal, dot(normal, self.corners[:, 0]), self.corners.mean(axis=1))
 
     @cached_property
     def _area_vectors(self) -> Array:
@@ -386,11 +406,11 @@ class MeshField:
 
     @cached_property
     def _duals(self) -> Array:
-        """Vectors (T, 2, 3) whose products with r - corner 0 are the weights of corners 1 and 2."""
+        """Vectors (2, T, 3) whose products with r - corner 0 are the weights of corners 1 and 2."""
         a, b, c = np.moveaxis(self.corners, 1, 0)
         normal = self._area_vectors
         with np.errstate(all="ignore"):  # a triangle without area is never hit
-            return np.stack((cross(c - a, normal), cross(normal, b - a)), axis=1) / dot(normal, normal)[:, None, None]
+            return np.stack((cross(c - a, normal), cross(normal, b - a))) / dot(normal, normal)[:, None]
 
     @cached_property
     def _bins(self) -> _Bins:
@@ -423,21 +443,21 @@ class MeshField:
             near = (along >= low[triangle]) & (along <= high[triangle])
             query, triangle = query[near], triangle[near]
 
-        corner, normal = self.corners[triangle, 0], self._area_vectors[triangle]
+        # queries whose line may meet a triangle, with what belongs to the triangle alone looked up
+        here = flat[query]
         with np.errstate(all="ignore"):  # lines that run along a plane or miss it
-            height = self.chart.plane_height(flat[query], normal, dot(normal, corner), self._middles[triangle])
-            point = self.chart.join(flat[query], height)
-            weight_1, weight_2 = np.einsum("nkj,nj->kn", self._duals[triangle], point - corner)
+            planes = tuple(column[triangle] for column in self._planes)
+            height = self.chart.plane_height((here[:, 0], here[:, 1]), planes)
+            point = self.chart.join(here, height)
+            off_corner = point - self.corners[triangle, 0]
+            weight_1, weight_2 = (dot(dual[triangle], off_corner) for dual in self._duals)
             hit = (
                 (weight_1 >= -BARYCENTRIC_SLACK)
                 & (weight_2 >= -BARYCENTRIC_SLACK)
                 & (weight_1 + weight_2 <= 1.0 + BARYCENTRIC_SLACK)
             )
         query, triangle, height, point = query[hit], triangle[hit], height[hit], point[hit]
-
-        # the highest or lowest hit of each query
-        best = np.lexsort((-self.side * height, query))
-        best = best[np.diff(query[best], prepend=-1) > 0]
+        best = _first_highest(query, self.side * height)
         hits = _misses(len(flat))
         hits.height[query[best]] = height[best]
         hits.point[query[best]] = point[best]
@@ -832,6 +852,16 @@ def _misses(count: int) -> Hits:
     return Hits(np.full(count, np.nan), nan, nan.copy(), np.zeros(count, dtype=np.int64))
 
 
+def _first_highest(owner: NDArray[np.int64], height: Array) -> NDArray[np.intp]:
+    """Return the index of the first of the highest values of every owner; `owner` (N,) ascends."""
+    first = np.flatnonzero(np.diff(owner, prepend=-1))
+    if len(first) == len(owner):
+        return first
+    top = np.repeat(np.maximum.reduceat(height, first), np.diff(first, append=len(owner)))
+    highest = np.flatnonzero(height == top)
+    return highest[np.diff(owner[highest], prepend=-1) > 0]
+
+
 def _expand(counts: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Return for counts (N,) every owner repeated by its count, and the running number within the owner."""
     owner = np.repeat(np.arange(len(counts)), counts)
@@ -840,4 +870,8 @@ def _expand(counts: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.in
 
 def _wrap(angle: Array) -> Array:
     """Return angles (...,) in [-pi, pi)."""
-    return np.mod(angle + np.pi, 2.0 * np.pi) - np.pi
+    turned = angle + np.pi
+    # most angles are there already, and the remainder takes as long as ten sums
+    if ((turned < 0.0) | (turned >= 2.0 * np.pi)).any():
+        turned = np.mod(turned, 2.0 * np.pi)
+    return turned - np.pi
