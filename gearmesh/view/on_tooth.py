@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, every_nth, unit
-from gearmesh.kernel.numeric.roots import last_true
+from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.view.palette import EDGE_COLOUR, LINE_COLOUR, PATH_COLOUR
 from gearmesh.view.scene import Curve, Dots, MemberContact, Project, ToothView
 
@@ -30,10 +30,10 @@ NORMAL_DISTANCE_WEIGHT = 0.25
 #: rings of points from the centre of an ellipse to its edge; chords between them are at most 0.4 pixels below the flank
 #: (spiral bevel), discs are drawn at least 1.3 pixels above it
 RINGS_PER_ELLIPSE = 5
-#: rounds of the search for the end of a ray, to less than a ten-thousandth of its length
-EDGE_SEARCH_ROUNDS = 7
-#: parts into which a round divides the interval; a projection costs much, each of its points little
-EDGE_SEARCH_PARTS = 4
+#: share of a ray within which its end on the flank's edge is found
+EDGE_SEARCH_SHARE = 6e-5
+#: distance beyond the edges, mm, of places that have none, such as places without a closest point of the surface
+BEYOND_MM = 1e3
 
 
 def ellipses_on_surface(
@@ -51,9 +51,14 @@ def ellipses_on_surface(
     turn = np.broadcast_to(np.linspace(0.0, 2.0 * np.pi, rays), (len(chosen), rays))
     which = np.broadcast_to(chosen[:, None], turn.shape)
 
-    def place(which: NDArray[np.int64], angle: Array, part: Array) -> Array:
+    def above(which: NDArray[np.int64], angle: Array, part: Array) -> Array:
+        """Points (..., 3) in the tangent planes, at parts of the radii of the ellipses `which`."""
         a, b = part * contact.semi_major[which] * np.cos(angle), part * contact.semi_minor[which] * np.sin(angle)
-        return project(contact.point[which] + a[..., None] * contact.major[which] + b[..., None] * contact.minor[which])
+        point: Array = contact.point[which] + a[..., None] * contact.major[which]
+        return point + b[..., None] * contact.minor[which]
+
+    def place(which: NDArray[np.int64], angle: Array, part: Array) -> Array:
+        return project(above(which, angle, part))
 
     reach = np.ones(turn.shape)
     rim = place(which, turn, reach)
@@ -61,7 +66,9 @@ def ellipses_on_surface(
     # Each ray ends at the flank's edge: the disc is cut there, not at the nearest sample.
     out_which, out_turn = which[outside], turn[outside]
     reach[outside] = _last_inside(
-        lambda part, k: place(out_which[k], out_turn[k], part), np.zeros(out_turn.shape), np.ones(out_turn.shape)
+        lambda part, k: project.beyond(above(out_which[k], out_turn[k], part)),
+        np.zeros(out_turn.shape),
+        np.ones(out_turn.shape),
     )
     edge = rim.copy()
     edge[outside] = place(out_which, out_turn, reach[outside])
@@ -77,7 +84,7 @@ def ellipses_on_surface(
     inner, outer = column + outside[row, column], column + ~outside[row, column]
     ends = which[row, 0]
     last = _last_inside(
-        lambda angle, k: place(ends[k], angle, np.ones(angle.shape)), turn[row, inner], turn[row, outer]
+        lambda angle, k: project.beyond(above(ends[k], angle, np.ones(angle.shape))), turn[row, inner], turn[row, outer]
     )
     rim[row, outer] = place(ends, last, np.ones(last.shape))
     normal = lift * contact.normal[chosen]
@@ -262,17 +269,18 @@ def _bilinear(values: Array, index: Array) -> Array:
     return mixed
 
 
-def _last_inside(place: Callable[[Array, NDArray[np.intp]], Array], inside: Array, outside: Array) -> Array:
-    """Return the last parameter (K,) at which `place` is finite, between `inside` and `outside`, by repeated
-    subdivision.
+def _last_inside(beyond: Callable[[Array, NDArray[np.intp]], Array], inside: Array, outside: Array) -> Array:
+    """Return the last parameter (K,), within `EDGE_SEARCH_SHARE`, at which a place is on the flank.
+
+    `beyond` returns distances beyond the edges at parameters (M,) of the members (M,). The places at `inside` are on the
+    flank, the places at `outside` are not.
     """
-    return last_true(
-        lambda x, index: np.isfinite(place(x, index)[..., 0]),
-        inside,
-        outside,
-        rounds=EDGE_SEARCH_ROUNDS,
-        split=EDGE_SEARCH_PARTS,
-    )[0]
+
+    def finite(x: Array, index: NDArray[np.intp]) -> Array:
+        return np.minimum(beyond(x, index), BEYOND_MM)
+
+    tolerance = EDGE_SEARCH_SHARE * float(np.abs(outside - inside).max(initial=0.0))
+    return bracketed_root(finite, inside, outside, tolerance=tolerance).before
 
 
 def _refine(values: Array, between: int) -> Array:

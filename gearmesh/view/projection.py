@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.contact.conditions.meshing import Flank
 from gearmesh.contact.flanks import contact_flank
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.surface.nearest import nearest
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Side
-from gearmesh.view.scene import Project
 
 #: start points of projections across and along a flank
 START_GRID = (31, 61)
@@ -20,30 +22,49 @@ EDGE_TOLERANCE_MM = 1e-6
 MAX_POINTS_AT_ONCE = 2048
 
 
-def flank_projection(member: Member, side: Side) -> Project:
-    """Return the function that maps points (..., 3) near a flank to the closest points of the trimmed exact flank.
+@dataclass(frozen=True)
+class FlankFeet:
+    """Projection onto the exact flank of a member, in its own frame, mm."""
 
-    It returns NaN beyond the edges. Own frame, mm.
-    """
-    flank = contact_flank(member, side)
+    #: the flank with its edges
+    flank: Flank
+    #: start points (S, 3)
+    starts: Array
+    #: surface parameters (S, 2) of the start points
+    parameters: Array
+
+    def __call__(self, points: Array) -> Array:
+        """Return the closest points (..., 3) of the trimmed flank, NaN beyond its edges."""
+        places, beyond = self._feet(points)
+        return np.where((beyond > 0.0)[..., None], np.nan, places)
+
+    def beyond(self, points: Array) -> Array:
+        """Return distances (...,) of the projections of points (..., 3) beyond the edges, mm; not above 0 on the flank."""
+        return self._feet(points)[1]
+
+    def _feet(self, q: Array) -> tuple[Array, Array]:
+        """Return closest points (..., 3) of the surface, and their distances (...,) beyond the edges less the tolerance.
+
+        The distance is infinite where there is no closest point.
+        """
+        known = np.isfinite(q).all(axis=-1)
+        places, beyond = np.full(q.shape, np.nan), np.full(q.shape[:-1], np.inf)
+        distance, start = _nearest_start(q[known], self.starts)
+        foot = nearest(self.flank.surface, q[known], *self.parameters[start].T)
+        jet = foot.jet
+        # beyond a singular line of the surface the search can end farther away than it started, or not converge
+        lost = np.linalg.norm(jet.r - q[known], axis=-1) > distance + 1e-9
+        lost |= ~(foot.residual <= EDGE_TOLERANCE_MM)
+        places[known] = jet.r
+        beyond[known] = np.where(lost, np.inf, self.flank.margin(foot.values, jet.r) - EDGE_TOLERANCE_MM)
+        return places, beyond
+
+
+def flank_projection(member: Member, side: Side) -> FlankFeet:
+    """Return the projection onto the trimmed flank of one side of a member's tooth."""
     s, t = (np.linspace(0.0, 1.0, n) for n in START_GRID)
     grid = member.tooth.flank_grid(side, s, t)
-    starts, (p, v) = grid.points.reshape(-1, 3), grid.parameters.reshape(-1, 2).T
-
-    def project(q: Array) -> Array:
-        known = np.isfinite(q).all(axis=-1)
-        places = np.full(q.shape, np.nan)
-        distance, start = _nearest_start(q[known], starts)
-        foot = nearest(flank.surface, q[known], p[start], v[start])
-        jet = foot.jet
-        outside = flank.margin(foot.values, jet.r) > EDGE_TOLERANCE_MM
-        # beyond a singular line of the surface the search can end farther away than it started, or not converge
-        outside |= np.linalg.norm(jet.r - q[known], axis=-1) > distance + 1e-9
-        outside |= ~(foot.residual <= EDGE_TOLERANCE_MM)
-        places[known] = np.where(outside[:, None], np.nan, jet.r)
-        return places
-
-    return project
+    return FlankFeet(contact_flank(member, side), grid.points.reshape(-1, 3), grid.parameters.reshape(-1, 2))
 
 
 def _nearest_start(q: Array, starts: Array) -> tuple[Array, NDArray[np.int64]]:

@@ -6,9 +6,9 @@ mm, angles in rad, colours "#rrggbb". NaN points interrupt curves, areas and map
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,15 @@ from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import HEEL_END, TOE_END
 from gearmesh.view.palette import COMPOUND_COLOUR, MARKING_COLOUR, OUTLINE_COLOUR, PATH_COLOUR
 
-Project = Callable[[Array], Array]
+
+class Project(Protocol):
+    """Projection of points onto a flank."""
+
+    def __call__(self, points: Array) -> Array:
+        """Return the closest points (..., 3) of the trimmed flank, NaN beyond its edges."""
+
+    def beyond(self, points: Array) -> Array:
+        """Return distances (...,) of the projections of points (..., 3) beyond the edges, mm; not above 0 on the flank."""
 
 
 @dataclass(frozen=True)

@@ -63,11 +63,19 @@ def flank_normal(angle):
     return np.stack((np.sin(angle), np.cos(angle), np.zeros_like(angle)), axis=-1)
 
 
-def project(points):
+class OntoFlank:
     """Closest points of the flank, NaN beyond its edges."""
-    angle = np.arctan2(points[..., 0] - AXIS[0], points[..., 1] - AXIS[1])
-    outside = (np.abs(angle) > REACH) | (np.abs(points[..., 2]) > HALF_WIDTH)
-    return np.where(outside[..., None], np.nan, flank_point(angle, points[..., 2]))
+
+    def __call__(self, points):
+        angle = np.arctan2(points[..., 0] - AXIS[0], points[..., 1] - AXIS[1])
+        return np.where((self.beyond(points) > 0.0)[..., None], np.nan, flank_point(angle, points[..., 2]))
+
+    def beyond(self, points):
+        angle = np.arctan2(points[..., 0] - AXIS[0], points[..., 1] - AXIS[1])
+        return np.maximum(RADIUS * (np.abs(angle) - REACH), np.abs(points[..., 2]) - HALF_WIDTH)
+
+
+project = OntoFlank()
 
 
 def flank_grid(count=(41, 81)):

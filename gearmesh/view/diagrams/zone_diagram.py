@@ -26,6 +26,7 @@ from gearmesh.view.diagrams.flank_diagrams import (
     draw_outline,
     flank_window,
     name_edges,
+    swept_patch,
 )
 from gearmesh.view.diagrams.flank_plane import FlankPlane, strips
 from gearmesh.view.diagrams.plots import new_figure, save_figure, sheet
@@ -36,7 +37,6 @@ from gearmesh.view.palette import (
     INK_COLOUR,
     LINE_COLOUR,
     PATH_COLOUR,
-    PATTERN_COLOUR,
 )
 from gearmesh.view.scene import contact_on, jumps
 
@@ -169,13 +169,10 @@ def _extent(space: _ZoneLines) -> Array:
 
 
 def _draw_space(axes: Any, shown: ZoneOfContact, space: _ZoneLines) -> None:
-    from matplotlib.collections import LineCollection, PolyCollection
+    from matplotlib.collections import LineCollection
 
     if space.strips:
-        quads = list(np.concatenate(space.strips))
-        axes.add_collection(
-            PolyCollection(quads, facecolors=PATTERN_COLOUR, edgecolors=PATTERN_COLOUR, linewidths=0.5, zorder=1)
-        )
+        axes.add_patch(swept_patch(space.strips))
     if space.lines:
         axes.add_collection(LineCollection(list(space.lines), colors=LINE_COLOUR, linewidths=1.1, zorder=3))
     known = np.asarray(np.isfinite(space.path).all(axis=1))
