@@ -457,7 +457,7 @@ class MeshField:
                 & (weight_1 + weight_2 <= 1.0 + BARYCENTRIC_SLACK)
             )
         query, triangle, height, point = query[hit], triangle[hit], height[hit], point[hit]
-        best = _first_highest(query, self.side * height)
+        best = first_highest(query, self.side * height)
         hits = _misses(len(flat))
         hits.height[query[best]] = height[best]
         hits.point[query[best]] = point[best]
@@ -852,7 +852,7 @@ def _misses(count: int) -> Hits:
     return Hits(np.full(count, np.nan), nan, nan.copy(), np.zeros(count, dtype=np.int64))
 
 
-def _first_highest(owner: NDArray[np.int64], height: Array) -> NDArray[np.intp]:
+def first_highest(owner: NDArray[np.int64], height: Array) -> NDArray[np.intp]:
     """Return the index of the first of the highest values of every owner; `owner` (N,) ascends."""
     first = np.flatnonzero(np.diff(owner, prepend=-1))
     if len(first) == len(owner):

@@ -12,6 +12,8 @@ facets of the mesh, too little to be seen as a gap:
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +38,101 @@ EDGE_SEARCH_SHARE = 6e-5
 BEYOND_MM = 1e3
 
 
+@dataclass(frozen=True)
+class _Ellipses:
+    """Rays from the centres of E contact ellipses to their edges, or to the edges of the flank."""
+
+    #: the contact
+    contact: MemberContact
+    #: positions (E,) of the ellipses
+    chosen: NDArray[np.int64]
+    #: projection onto the flank
+    project: Project
+    #: number of the rays; the last is the first
+    rays: int
+
+    @property
+    def turn(self) -> Array:
+        """Angles (E, rays) from the major axes, rad."""
+        return np.broadcast_to(np.linspace(0.0, 2.0 * np.pi, self.rays), (len(self.chosen), self.rays))
+
+    @property
+    def which(self) -> NDArray[np.int64]:
+        """Positions (E, rays)."""
+        return np.broadcast_to(self.chosen[:, None], self.turn.shape)
+
+    def above(self, which: NDArray[np.int64], angle: Array, part: Array) -> Array:
+        """Points (..., 3) in the tangent planes, at parts of the radii of the ellipses `which`."""
+        c = self.contact
+        a, b = part * c.semi_major[which] * np.cos(angle), part * c.semi_minor[which] * np.sin(angle)
+        point: Array = c.point[which] + a[..., None] * c.major[which] + b[..., None] * c.minor[which]
+        return point
+
+    def place(self, which: NDArray[np.int64], angle: Array, part: Array) -> Array:
+        """Points (..., 3) on the flank, NaN beyond its edges."""
+        return self.project(self.above(which, angle, part))
+
+    @cached_property
+    def rim(self) -> Array:
+        """Edges (E, rays, 3) of whole ellipses on the flank, NaN beyond it."""
+        return self.place(self.which, self.turn, np.ones(self.turn.shape))
+
+    @property
+    def outside(self) -> NDArray[np.bool_]:
+        """True (E, rays) where an ellipse ends beyond the flank."""
+        return np.asarray(~np.isfinite(self.rim[..., 0]))
+
+    @cached_property
+    def reach(self) -> Array:
+        """Parts (E, rays) of the radii up to the edges of the flank; a nearest sample would leave steps."""
+        reach, outside = np.ones(self.turn.shape), self.outside
+        which, turn = self.which[outside], self.turn[outside]
+        reach[outside] = _last_inside(
+            lambda part, k: self.project.beyond(self.above(which[k], turn[k], part)),
+            np.zeros(turn.shape),
+            np.ones(turn.shape),
+        )
+        return reach
+
+    @cached_property
+    def edge(self) -> Array:
+        """Edges (E, rays, 3) of the ellipses, cut off at the edges of the flank."""
+        edge, outside = self.rim.copy(), self.outside
+        edge[outside] = self.place(self.which[outside], self.turn[outside], self.reach[outside])
+        return edge
+
+    def discs(self, rings: int) -> Array:
+        """Points (E, rings, rays, 3) from the centre to the edge."""
+        part = np.linspace(0.0, 1.0, rings)[1:-1, None] * self.reach[:, None, :]
+        which, turn = (np.broadcast_to(own[:, None], part.shape) for own in (self.which, self.turn))
+        within = self.place(which, turn, part)
+        zero = np.zeros(len(self.chosen))
+        middle = self.place(self.chosen, zero, zero)
+        middle = np.broadcast_to(middle[:, None, None], (len(self.chosen), 1, self.rays, 3))
+        return np.concatenate((middle, within, self.edge[:, None]), axis=1)
+
+    def outlines(self) -> Array:
+        """Edges (E, rays, 3) of whole ellipses, which end where they cross the edges of the flank."""
+        rim, outside, turn = self.rim.copy(), self.outside, self.turn
+        row, column = np.nonzero(outside[:, 1:] != outside[:, :-1])
+        inner, outer = column + outside[row, column], column + ~outside[row, column]
+        ends = self.which[row, 0]
+        last = _last_inside(
+            lambda angle, k: self.project.beyond(self.above(ends[k], angle, np.ones(angle.shape))),
+            turn[row, inner],
+            turn[row, outer],
+        )
+        rim[row, outer] = self.place(ends, last, np.ones(last.shape))
+        return rim
+
+
+def ellipse_edges(contact: MemberContact, chosen: NDArray[np.int64], project: Project, rays: int) -> Array:
+    """Edges (E, rays, 3) of contact ellipses of the positions `chosen` (E,), on the surface, cut off at the flank's
+    edges.
+    """
+    return _Ellipses(contact, chosen, project, rays).edge
+
+
 def ellipses_on_surface(
     contact: MemberContact,
     chosen: NDArray[np.int64],
@@ -48,48 +145,11 @@ def ellipses_on_surface(
 
     Returns discs (E, rings, rays, 3) and outlines (E (rays + 1), 3), separated by NaN.
     """
-    turn = np.broadcast_to(np.linspace(0.0, 2.0 * np.pi, rays), (len(chosen), rays))
-    which = np.broadcast_to(chosen[:, None], turn.shape)
-
-    def above(which: NDArray[np.int64], angle: Array, part: Array) -> Array:
-        """Points (..., 3) in the tangent planes, at parts of the radii of the ellipses `which`."""
-        a, b = part * contact.semi_major[which] * np.cos(angle), part * contact.semi_minor[which] * np.sin(angle)
-        point: Array = contact.point[which] + a[..., None] * contact.major[which]
-        return point + b[..., None] * contact.minor[which]
-
-    def place(which: NDArray[np.int64], angle: Array, part: Array) -> Array:
-        return project(above(which, angle, part))
-
-    reach = np.ones(turn.shape)
-    rim = place(which, turn, reach)
-    outside = ~np.isfinite(rim[..., 0])
-    # Each ray ends at the flank's edge: the disc is cut there, not at the nearest sample.
-    out_which, out_turn = which[outside], turn[outside]
-    reach[outside] = _last_inside(
-        lambda part, k: project.beyond(above(out_which[k], out_turn[k], part)),
-        np.zeros(out_turn.shape),
-        np.ones(out_turn.shape),
-    )
-    edge = rim.copy()
-    edge[outside] = place(out_which, out_turn, reach[outside])
-    # Rings between the centre and the edge of the disc.
-    part = np.linspace(0.0, 1.0, rings)[1:-1, None] * reach[:, None, :]
-    grown = part.shape
-    rings_within = place(np.broadcast_to(which[:, None], grown), np.broadcast_to(turn[:, None], grown), part)
-    middle = place(chosen, np.zeros(len(chosen)), np.zeros(len(chosen)))
-    middle = np.broadcast_to(middle[:, None, None], (len(chosen), 1, rays, 3))
-    discs = np.concatenate((middle, rings_within, edge[:, None]), axis=1)
-    # The outline ends where it crosses the edge, between two samples.
-    row, column = np.nonzero(outside[:, 1:] != outside[:, :-1])
-    inner, outer = column + outside[row, column], column + ~outside[row, column]
-    ends = which[row, 0]
-    last = _last_inside(
-        lambda angle, k: project.beyond(above(ends[k], angle, np.ones(angle.shape))), turn[row, inner], turn[row, outer]
-    )
-    rim[row, outer] = place(ends, last, np.ones(last.shape))
+    ellipses = _Ellipses(contact, chosen, project, rays)
     normal = lift * contact.normal[chosen]
-    rim = np.concatenate((rim + 1.5 * normal[:, None], np.full((len(chosen), 1, 3), np.nan)), axis=1)
-    return discs + normal[:, None, None], rim.reshape(-1, 3)
+    gap = np.full((len(chosen), 1, 3), np.nan)
+    outlines = np.concatenate((ellipses.outlines() + 1.5 * normal[:, None], gap), axis=1)
+    return ellipses.discs(rings) + normal[:, None, None], outlines.reshape(-1, 3)
 
 
 def path_on_surface(view: ToothView, contact: MemberContact, between: int = 8) -> tuple[Curve, ...]:

@@ -11,7 +11,7 @@ from oracles.examples import some
 from oracles.places import SAMPLES
 from scipy.interpolate import CubicSpline
 
-from gearmesh.check.heightfield import Arcs, GridFlank, HeightFlank, MeshFlank, PatchedFlank
+from gearmesh.check.heightfield import Arcs, GridFlank, HeightFlank, MeshFlank, PatchedFlank, first_highest
 from gearmesh.check.members import flank_patches, roll_flanks
 from gearmesh.check.touch import FirstTouch, first_touch
 from gearmesh.contact.flanks import analyse
@@ -293,3 +293,14 @@ def test_patches_are_one_flank() -> None:
         assert found is not None
         turns.append(found.turn)
     assert abs(turns[0] - turns[1]) < 1e-3 * ARCSEC
+
+
+@pytest.mark.quick
+def test_first_of_the_highest_hits_counts() -> None:
+    """Per line, as sorting by line and height would give it; equal heights keep their order."""
+    random = np.random.default_rng(3)
+    owner = np.sort(random.integers(0, 300, 1000))
+    height = random.integers(-2, 3, 1000) / 2.0
+    order = np.lexsort((-height, owner))
+    wanted = order[np.diff(owner[order], prepend=-1) > 0]
+    np.testing.assert_array_equal(first_highest(owner, height), wanted)

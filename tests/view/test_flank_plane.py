@@ -18,7 +18,7 @@ from gearmesh.contact.flanks import solver_pair
 from gearmesh.kernel.numeric.algebra import dot, unit
 from gearmesh.view.diagrams import flank_diagrams
 from gearmesh.view.diagrams.flank_diagrams import ContactPanel, FieldPanel, flank_window, plot_flanks
-from gearmesh.view.diagrams.flank_plane import FlankPlane
+from gearmesh.view.diagrams.flank_plane import PLANE_GRID, FlankPlane
 from gearmesh.view.pictures import flank_rows
 from gearmesh.view.scene import contact_on
 
@@ -241,3 +241,13 @@ def test_pictures_of_sliding_have_the_velocity_for_either_member() -> None:
         ("gear", False): 0,
         ("gear", True): 2,
     }
+
+
+@pytest.mark.quick
+def test_points_of_a_plane_are_those_of_the_flank() -> None:
+    """Splines through a quarter of them are off by less than a ten-thousandth of a pixel."""
+    pair = contact("spiral_bevel_basic").pair
+    plane = FlankPlane.of(pair.pinion, pair.flanks[0])
+    exact = pair.pinion.tooth.flank_grid(pair.flanks[0], *(np.linspace(0.0, 1.0, n) for n in PLANE_GRID)).points
+    assert plane.grid.shape == (*PLANE_GRID, 3)
+    np.testing.assert_allclose(plane.grid, exact, atol=1e-6)
