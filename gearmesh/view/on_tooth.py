@@ -104,8 +104,8 @@ class _Ellipses:
     def discs(self, rings: int) -> Array:
         """Points (E, rings, rays, 3) from the centre to the edge."""
         part = np.linspace(0.0, 1.0, rings)[1:-1, None] * self.reach[:, None, :]
-        which, turn = (np.broadcast_to(own[:, None], part.shape) for own in (self.which, self.turn))
-        within = self.place(which, turn, part)
+        which, turn = self.which[:, None], self.turn[:, None]
+        within = self.place(np.broadcast_to(which, part.shape), np.broadcast_to(turn, part.shape), part)
         zero = np.zeros(len(self.chosen))
         middle = self.place(self.chosen, zero, zero)
         middle = np.broadcast_to(middle[:, None, None], (len(self.chosen), 1, self.rays, 3))
