@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.contact.conditions.meshing import Flank
 from gearmesh.contact.flanks import contact_flank
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.surface.nearest import nearest
+from gearmesh.kernel.surface.surface import Surface
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Side
 
@@ -26,8 +27,10 @@ MAX_POINTS_AT_ONCE = 2048
 class FlankFeet:
     """Projection onto the exact flank of a member, in its own frame, mm."""
 
-    #: the flank with its edges
-    flank: Flank
+    #: surface of the flank
+    surface: Surface
+    #: distance (N,) of points beyond the edges, from surface parameters (N, 2) and points (N, 3)
+    margin: Callable[[Array, Array], Array]
     #: start points (S, 3)
     starts: Array
     #: surface parameters (S, 2) of the start points
@@ -50,13 +53,13 @@ class FlankFeet:
         known = np.isfinite(q).all(axis=-1)
         places, beyond = np.full(q.shape, np.nan), np.full(q.shape[:-1], np.inf)
         distance, start = _nearest_start(q[known], self.starts)
-        foot = nearest(self.flank.surface, q[known], *self.parameters[start].T)
+        foot = nearest(self.surface, q[known], *self.parameters[start].T)
         jet = foot.jet
         # beyond a singular line of the surface the search can end farther away than it started, or not converge
         lost = np.linalg.norm(jet.r - q[known], axis=-1) > distance + 1e-9
         lost |= ~(foot.residual <= EDGE_TOLERANCE_MM)
         places[known] = jet.r
-        beyond[known] = np.where(lost, np.inf, self.flank.margin(foot.values, jet.r) - EDGE_TOLERANCE_MM)
+        beyond[known] = np.where(lost, np.inf, self.margin(foot.values, jet.r) - EDGE_TOLERANCE_MM)
         return places, beyond
 
 
@@ -64,7 +67,8 @@ def flank_projection(member: Member, side: Side) -> FlankFeet:
     """Return the projection onto the trimmed flank of one side of a member's tooth."""
     s, t = (np.linspace(0.0, 1.0, n) for n in START_GRID)
     grid = member.tooth.flank_grid(side, s, t)
-    return FlankFeet(contact_flank(member, side), grid.points.reshape(-1, 3), grid.parameters.reshape(-1, 2))
+    flank = contact_flank(member, side)
+    return FlankFeet(flank.surface, flank.margin, grid.points.reshape(-1, 3), grid.parameters.reshape(-1, 2))
 
 
 def _nearest_start(q: Array, starts: Array) -> tuple[Array, NDArray[np.int64]]:
