@@ -48,7 +48,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, unit
 from gearmesh.loaded.compliance.half_space import point_displacements
 from gearmesh.loaded.compliance.incompatible_modes import UNIT_CORNERS, corner_stresses, stiffness, unknowns
-from gearmesh.loaded.compliance.layers import LayeredStiffness
+from gearmesh.loaded.compliance.layers import responses
 from gearmesh.loaded.compliance.quarter_space import release
 from gearmesh.loaded.compliance.sector_grid import WEB_RIM_POWER, FilletSize, sector_grid
 from gearmesh.loaded.compliance.threads import one_thread
@@ -502,23 +502,20 @@ class Condensed:
         from scipy.sparse import csr_array, hstack
 
         right, left, held = (unknowns(nodes[:, None]).ravel() for nodes in (sector.right, sector.left, sector.held))
-        # inner unknowns are eliminated layer by layer; Y = L^-1 F for couplings to the cuts, loads and stresses
+        # inner unknowns are eliminated layer by layer, under couplings to the cuts, loads and stresses
         cut = np.concatenate((right, left))
         layer = np.repeat(sector.layer, 3)
         layer[held] = layer[cut] = -1
         presses, stresses, whole = sector.presses, sector.stresses, sector.stiffness
-        loads = [whole[:, cut], presses, stresses]
-        columns = np.cumsum([0, *(load.shape[1] for load in loads)])
-        y = LayeredStiffness.of(whole, layer).forward(csr_array(hstack(loads)))
-        on_cut, pressed, asked = (y[:, low:high] for low, high in pairwise(columns))
+        loads = csr_array(hstack([whole[:, cut], presses, stresses]))
+        on_cut, pressed = slice(0, cut.size), slice(cut.size, cut.size + presses.shape[1])
+        within = slice(cut.size, loads.shape[1])
+        of_cuts, within_of_cuts, inner = responses(
+            whole, layer, loads, [(on_cut, on_cut), (on_cut, within), (within, pressed)]
+        )
         # loads and stresses that act on nodes of the cuts themselves
         on_cut_directly = np.concatenate((presses[cut].toarray(), stresses[cut].toarray()), axis=1)
-        inner_columns = np.concatenate((pressed, asked), axis=1)
-        condensed = whole[cut][:, cut].toarray() - on_cut.T @ on_cut
-        go_on()
-        asked_of_cuts = on_cut_directly - on_cut.T @ inner_columns
-        go_on()
-        return Condensed(sector, condensed, asked_of_cuts, inner_columns.T @ pressed)
+        return Condensed(sector, whole[cut][:, cut].toarray() - of_cuts, on_cut_directly - within_of_cuts, inner)
 
     @property
     def loads(self) -> Array:
@@ -649,11 +646,15 @@ def _contact_compliance(sector: Sector, depth: int) -> Array:
     layer[free] = sector.layer[free]
     base_unknowns = unknowns(base_nodes[:, None]).ravel()
     loads = csr_array(hstack([sector.presses, sector.stiffness[:, base_unknowns]]))
-    y = LayeredStiffness.of(sector.stiffness, np.repeat(layer, 3)).forward(loads)
-    count = sector.flank.size
-    pressed, base_columns = y[:, :count], y[:, count:]
+    pressed = slice(0, sector.flank.size)
     # L of the flank's nodes; deflections of the half-space at the base, transferred to the flank by the elements
-    return -pressed.T @ pressed + (pressed.T @ base_columns) @ _half_spaces(sector, base_nodes)
+    local, transfer = responses(
+        sector.stiffness,
+        np.repeat(layer, 3),
+        loads,
+        [(pressed, pressed), (pressed, slice(pressed.stop, loads.shape[1]))],
+    )
+    return -local + transfer @ _half_spaces(sector, base_nodes)
 
 
 def _half_spaces(sector: Sector, nodes: Index) -> Array:
