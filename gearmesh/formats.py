@@ -35,6 +35,10 @@ HTML_SUFFIX = ".html"
 INP_SUFFIX = ".inp"
 MSH_SUFFIX = ".msh"
 CDB_SUFFIX = ".cdb"
+BDF_SUFFIX = ".bdf"
+K_SUFFIX = ".k"
+MED_SUFFIX = ".med"
+COMM_SUFFIX = ".comm"
 CLS_SUFFIX = ".cls"
 MACRO_SUFFIX = ".FCMacro"
 REXS_XML_SUFFIX = ".rexs"
@@ -124,8 +128,15 @@ FILE_FORMATS = (
     FileFormat((HTML_SUFFIX,), "page with all results, in one file", ("report", "run")),
     FileFormat((INP_SUFFIX,), "finite-element model for CalculiX or Abaqus, mm", ("fe",)),
     FileFormat((MSH_SUFFIX,), "finite-element mesh for Gmsh 4.1, mm", ("fe",)),
-    FileFormat((VTU_SUFFIX,), "finite-element mesh for VTK, mm", ("fe",)),
-    FileFormat((CDB_SUFFIX,), "finite-element mesh for Ansys, mm", ("fe",), (), "ansys"),
+    FileFormat(
+        (VTU_SUFFIX,), "finite-element mesh for VTK, mm; with --solve displacements, stresses, pressure", ("fe",)
+    ),
+    FileFormat((CDB_SUFFIX,), "finite-element model for Ansys Mechanical APDL, mm", ("fe",)),
+    FileFormat((BDF_SUFFIX,), "finite-element model for Nastran (SOL 101, Simcenter), mm", ("fe",)),
+    FileFormat((K_SUFFIX,), "finite-element model for LS-DYNA (implicit), mm", ("fe",)),
+    FileFormat(
+        (MED_SUFFIX,), "finite-element model for Code_Aster, mm; its commands (.comm) beside it", ("fe",), (), "med"
+    ),
     FileFormat((VTU_SUFFIX,), "ease-off map over a flank, mm", ("tca",)),
     FileFormat((CLS_SUFFIX,), "cutter locations of a tool path, mm", ("toolpath",)),
     FileFormat((VTP_SUFFIX,), "tool path as lines, mm", ("toolpath",)),

@@ -36,13 +36,14 @@ NEARLY_ROUND = 1e-4
 
 @dataclass(frozen=True)
 class Material:
-    """Isotropic elastic material with Young's modulus (MPa) and Poisson's ratio.
+    """Isotropic elastic material with Young's modulus (MPa), Poisson's ratio, and density (kg/m^3) if it is known.
 
     Raises DesignError for values that no material has.
     """
 
     youngs_modulus: float = 206000.0
     poisson_ratio: float = 0.3
+    density: float | None = None
 
     def __post_init__(self) -> None:
         if not 0.0 < self.youngs_modulus < np.inf:

@@ -19,6 +19,7 @@ from gearmesh.errors import NoSolutionError, OutputError
 from gearmesh.fe.decks.inp import reference_nodes, write_solved
 from gearmesh.fe.model import Model, RigidTie
 from gearmesh.fe.results import ContactTotal, NodalSolution, ReferenceNode
+from gearmesh.formats import INP_SUFFIX
 from gearmesh.io.atomic import PathLike, files_together, scratch_folder
 from gearmesh.kernel.numeric.algebra import Array
 
@@ -37,7 +38,7 @@ NOT_TOUCHING = (
 Progress = Callable[[float, str], None]
 
 #: files of a solution that may be kept: deck, fields, tables, increments, iterations, what ccx printed
-KEPT_SUFFIXES = (".inp", ".frd", ".dat", ".sta", ".cvg", ".log")
+KEPT_SUFFIXES = (INP_SUFFIX, ".frd", ".dat", ".sta", ".cvg", ".log")
 
 #: name of the deck without its suffix
 _JOB_NAME = "model"
@@ -64,7 +65,7 @@ def solve(
     """
     executable = program()
     with scratch_folder() as folder:
-        write_solved(model, folder / f"{_JOB_NAME}.inp")
+        write_solved(model, folder / f"{_JOB_NAME}{INP_SUFFIX}")
         loose = bool(model.contacts) and any(_loose(tie) for tie in model.ties)
         try:
             run(executable, folder, progress, threads, must_touch=loose)

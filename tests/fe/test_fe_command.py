@@ -205,7 +205,10 @@ def test_other_formats_hold_the_same_mesh(tmp_path: Path, suffix: str) -> None:
         (["-o", "x.inp", "--picture", "x.png"], "--picture = x.png: must be left out without --solve"),
         (["-o", "x.inp", "--keep", "kept"], "--keep = kept: must be left out without --solve"),
         (["-o", "x"], "cannot write x: no suffix"),
-        (["-o", "x.stl"], "unknown suffix .stl; allowed for finite-element models are .inp, .vtu, .cdb, .msh"),
+        (
+            ["-o", "x.stl"],
+            "unknown suffix .stl; allowed for finite-element models are .bdf, .cdb, .inp, .k, .med, .msh, .vtu",
+        ),
         (["-o", "x.msh", "--for", "abaqus"], "the suffix of abaqus files is .inp"),
         (["-o", "nowhere/x.inp"], "the folder nowhere does not exist"),
     ],
@@ -215,6 +218,16 @@ def test_refusals_name_key_value_and_what_is_allowed(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     assert words in refused("fe", CROSSED, *arguments, *COARSE)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.quick
+def test_without_medcoupling(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Named before the design is built."""
+    monkeypatch.setattr("gearmesh.build", None)
+    monkeypatch.setattr("gearmesh.fe.decks.aster.find_spec", lambda _: None)
+    message = refused("fe", CROSSED, "-o", tmp_path / "x.med", *COARSE)
+    assert 'MED files need medcoupling: pip install "gearmesh[med]"' in message
     assert list(tmp_path.iterdir()) == []
 
 

@@ -103,7 +103,9 @@ def test_nodes_of_the_cuts_are_pairs_and_named_in_the_deck(tmp_path: Path, order
         text = model.save(tmp_path / f"{program}.inp", program=program).read_text()
         tie = re.search(r"\*TIE, CYCLIC SYMMETRY, NAME=(.*)\ngear_cut_left, gear_cut_right\n", text)
         assert tie is not None
-        assert f"*CYCLIC SYMMETRY MODEL, N=4, TIE={tie[1]}\n" in text
+        # Abaqus takes no name of a tie
+        named = f", TIE={tie[1]}" if program == "calculix" else ""
+        assert f"*CYCLIC SYMMETRY MODEL, N=4{named}\n" in text
         assert "*NSET, NSET=gear_cut_right\n" in text
 
 

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 from gearmesh.answers.bodies.extract import at_nominal_places
 from gearmesh.answers.bodies.model_figures import CyclicFigures, MeshFigures, UnloadedModelFigures
+from gearmesh.answers.load.members import material_of
 from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, figures
-from gearmesh.contact.hertz import Material
 from gearmesh.deprecated import Deprecated
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, DesignError
@@ -91,7 +91,7 @@ class FiniteElementModel(Result):
         return {**header(self.design), "model": self.figures, "solution": None}
 
     def save(self, path: str | PathLike[str], *, timing: bool = True, program: str | None = None) -> Path:
-        """Write the model (.inp, .msh, .vtu, .cdb) or its figures (.json).
+        """Write the model (.inp, .bdf, .cdb, .k, .med with .comm), its mesh (.msh, .vtu) or its figures (.json).
 
         Parameters
         ----------
@@ -232,7 +232,7 @@ def unloaded_elements_of(
     (member,) = train.unpaired
     if members is not None and tuple(members) != (member.name,):
         raise ArgumentError("members", list(members), must_be=f"left out, or {member.name}")
-    material = Material(*design.elastic(member.name))
+    material = material_of(design, member.name)
     if sector is not None:
         check_sector(member, sector)
     request = mesh_request_of(design, [member], sector)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from gearmesh.contact.hertz import Material
-from gearmesh.design.core import Design
+from gearmesh.design.core import STEEL_DENSITY_KG_PER_M3, Design
 from gearmesh.design.keys import RIGID_WORD
 from gearmesh.loaded.mounts import FlexibleMount
 from gearmesh.teeth.gear_train import GearPair
@@ -13,8 +13,14 @@ from gearmesh.teeth.gear_train import GearPair
 
 def materials_of(design: Design, pair: GearPair) -> tuple[Material, Material]:
     """Return the materials of pinion and gear of a pair."""
-    first, second = (Material(*design.elastic(member.name)) for member in pair.both)
+    first, second = (material_of(design, member.name) for member in pair.both)
     return first, second
+
+
+def material_of(design: Design, member: str) -> Material:
+    """Return the material of a member, by its name."""
+    density = design.material.density
+    return Material(*design.elastic(member), STEEL_DENSITY_KG_PER_M3 if density is None else density)
 
 
 def mounts_of(design: Design, pair: GearPair) -> dict[str, FlexibleMount]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 # Importing a format registers it.
-from gearmesh.fe.decks import inp, mapdl, msh, vtu  # noqa: F401
+from gearmesh.fe.decks import aster, dyna, inp, mapdl, msh, nastran, vtu  # noqa: F401
 from gearmesh.fe.decks.registry import DeckFormat, format_of, formats, write_model
 
 __all__ = ["DeckFormat", "format_of", "formats", "write_model"]

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.fe.decks.fields import T_PER_MM3
 from gearmesh.fe.decks.registry import register
 from gearmesh.fe.model import ContactPair, CyclicSymmetry, Model, NodeForces, RigidTie
 from gearmesh.formats import INP_SUFFIX
@@ -100,20 +101,22 @@ def _write(path: Path, deck: Iterator[str]) -> None:
 
 
 def _deck(model: Model, dialect: _Dialect) -> Iterator[str]:
-    yield f"*HEADING\n{' '.join(model.title.split())}\n** mm, N, MPa\n"
+    yield f"*HEADING\n{' '.join(model.title.split())}\n** mm, N, MPa, t\n"
     yield from (f"** {line}\n" for line in model.note_lines)
     nodes = reference_nodes(model, dialect.rotation_node)
     yield from _nodes(model, nodes)
     yield from _mesh(model.mesh)
     for name, material in model.materials.items():
         yield f"*MATERIAL, NAME={name}\n*ELASTIC\n{material.youngs_modulus:.12g}, {material.poisson_ratio:.12g}\n"
+        if material.density is not None:
+            yield f"*DENSITY\n{T_PER_MM3 * material.density:.12g}\n"
         yield f"*SOLID SECTION, ELSET={name}, MATERIAL={name}\n"
     for tie, pair in zip(model.ties, nodes, strict=True):
         yield from _tie(tie, pair, dialect)
     for i, contact in enumerate(model.contacts, 1):
         yield from _contact(contact, f"contact_{i}", dialect)
     if model.cyclic is not None:
-        yield from _cyclic(model.cyclic)
+        yield from _cyclic(model.cyclic, dialect)
     solver = f", SOLVER={_solver(model)}" if dialect.rotation_node else ""
     yield f"*STEP\n*STATIC{solver}\n1., 1.\n"
     for support in model.supports:
@@ -196,12 +199,12 @@ def _contact(contact: ContactPair, name: str, dialect: _Dialect) -> Iterator[str
     yield f"*CONTACT PAIR, INTERACTION={name}, TYPE=SURFACE TO SURFACE\n{contact.slave}, {contact.master}\n"
 
 
-def _cyclic(cyclic: CyclicSymmetry) -> Iterator[str]:
+def _cyclic(cyclic: CyclicSymmetry, dialect: _Dialect) -> Iterator[str]:
     """Return the tie of the cut faces: nodes of the last cut face follow those of the first, rotated by a sector."""
     tie = f"{cyclic.first}_{cyclic.last}"
     yield f"** node k of the set {cyclic.last} is node k of {cyclic.first}, turned by 360 deg / {cyclic.sectors}\n"
     yield f"*TIE, CYCLIC SYMMETRY, NAME={tie}\n{cyclic.last}, {cyclic.first}\n"
-    yield f"*CYCLIC SYMMETRY MODEL, N={cyclic.sectors}, TIE={tie}\n"
+    yield f"*CYCLIC SYMMETRY MODEL, N={cyclic.sectors}{f', TIE={tie}' if dialect.rotation_node else ''}\n"
     yield ", ".join(_NUMBER_FORMAT % x for x in cyclic.axis.ravel()) + "\n"
 
 

@@ -1,53 +1,173 @@
-"""Ansys archive (.cdb): hexahedra as SOLID185 or SOLID186, a component for each set, and materials.
+"""Ansys archive (.cdb): a static analysis of Mechanical APDL, which `/INPUT` or the batch option -i runs.
 
-mapdl-archive writes it. The archive has no supports, contacts and loads; the components for them are there.
+Hexahedra are SOLID185 with enhanced strains or SOLID186, with a component for each set. Contacts are CONTA174 and
+TARGE170 elements on the faces, with outward normals and a real constant set for each pair: the stiffness as pressure over
+penetration. A rigid set follows a MASS21 element without mass by constraint equations.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
-from gearmesh.errors import OutputError
+from gearmesh.fe.decks.fields import (
+    T_PER_MM3,
+    corners_then_middles,
+    cyclic_equations,
+    one_line,
+    rows_of_numbers,
+)
 from gearmesh.fe.decks.registry import register
-from gearmesh.fe.decks.vtu import members
 from gearmesh.fe.model import Model
 from gearmesh.formats import CDB_SUFFIX
 from gearmesh.io.atomic import whole_file
+from gearmesh.io.rows import lines
 
-#: message without mapdl-archive
-MISSING_PACKAGE = 'Ansys archives need mapdl-archive: pip install "gearmesh[ansys]"'
-#: enhanced strains, as in C3D8I, for SOLID185, which is type 3 of mapdl-archive
-_ENHANCED_STRAINS = "KEYOPT,3,2,2\n"
+#: numbers of the element types
+_SOLID, _TARGET, _CONTACT, _MASS = 1, 2, 3, 4
+#: number of the real constants of the reference nodes; contact k has this number + k
+_REAL = 10
+#: directions of displacements and rotations, of forces and moments
+_MOTIONS = ("UX", "UY", "UZ", "ROTX", "ROTY", "ROTZ")
+_LOADS = ("FX", "FY", "FZ", "MX", "MY", "MZ")
+#: coefficient of an equation below which the term is left out
+_MIN_COEFFICIENT = 1e-14
 
 
 def write(model: Model, path: Path) -> None:
-    """Write mesh, sets and materials. Raises OutputError without mapdl-archive."""
-    try:
-        import mapdl_archive
-    except ImportError:
-        raise OutputError("cannot write", path, reason=MISSING_PACKAGE) from None
-    import pyvista
+    """Write the whole archive."""
+    with whole_file(path) as temporary, open(temporary, "w", encoding="ascii", errors="replace", newline="\n") as file:
+        file.writelines(_archive(model))
 
+
+def _archive(model: Model) -> Iterator[str]:
+    yield f"/COM,{one_line(model.title)}\n/COM,mm, N, MPa, t\n"
+    yield from (f"/COM,{line}\n" for line in model.note_lines)
+    yield f"/PREP7\n/NOPR\n/TITLE,{one_line(model.title)[:70]}\n"
+    yield from _types(model)
+    yield from _mesh(model)
+    yield from _components(model)
+    yield from _contacts(model)
+    yield from _ties(model)
+    yield from _cyclic(model)
+    yield from _supports(model)
+    # bodies that contact alone holds converge in the first substep, since they overlap
+    yield "ALLSEL,ALL\nFINISH\n/SOLU\nANTYPE,STATIC\nNLGEOM,OFF\nTIME,1\nOUTRES,ALL,LAST\n"
+    yield "SOLVE\nFINISH\n/GOPR\n"
+
+
+def _types(model: Model) -> Iterator[str]:
+    if model.mesh.second_order:
+        yield f"ET,{_SOLID},186\n"
+    else:
+        yield f"ET,{_SOLID},185\nKEYOPT,{_SOLID},2,2\n"
+    for number, material in enumerate(model.materials.values(), 1):
+        yield f"MP,EX,{number},{material.youngs_modulus:.12g}\nMP,PRXY,{number},{material.poisson_ratio:.12g}\n"
+        if material.density is not None:
+            yield f"MP,DENS,{number},{T_PER_MM3 * material.density:.12g}\n"
+    if model.contacts:
+        # penalty stiffness, points of Gauss, initial overlap counts
+        yield f"ET,{_TARGET},170\nET,{_CONTACT},174\n"
+        yield f"KEYOPT,{_CONTACT},2,1\nKEYOPT,{_CONTACT},4,0\nKEYOPT,{_CONTACT},9,0\nKEYOPT,{_CONTACT},12,0\n"
+    if model.ties:
+        # six degrees of freedom, no mass
+        yield f"ET,{_MASS},21\nKEYOPT,{_MASS},3,0\nR,{_REAL},0,0,0,0,0,0\n"
+
+
+def _mesh(model: Model) -> Iterator[str]:
     mesh = model.mesh
-    kind = pyvista.CellType.QUADRATIC_HEXAHEDRON if mesh.second_order else pyvista.CellType.HEXAHEDRON
-    grid = pyvista.UnstructuredGrid({kind: mesh.elements}, mesh.nodes)
-    material = np.zeros(len(mesh.elements), np.int32)
-    properties = [] if mesh.second_order else [_ENHANCED_STRAINS]
-    for number, (name, own) in enumerate(model.materials.items(), 1):
+    points = np.concatenate((mesh.nodes, [tie.point for tie in model.ties])) if model.ties else mesh.nodes
+    count = len(points)
+    yield f"NBLOCK,6,SOLID,{count:10d},{count:10d}\n(3i9,6e21.13e3)\n"
+    table = np.column_stack((np.arange(1, count + 1), points))
+    yield from lines(f"%9d{0:9d}{0:9d}%21.13E%21.13E%21.13E\n", table)
+    yield "N,R5.3,LOC,       -1,\n"
+    elements = mesh.elements
+    material = np.zeros(len(elements), np.int64)
+    for number, name in enumerate(model.materials, 1):
         material[mesh.element_sets[name]] = number
-        properties.append(f"MP,EX,{number},{own.youngs_modulus:.12g}\nMP,PRXY,{number},{own.poisson_ratio:.12g}\n")
-    grid.cell_data["ansys_material_type"] = material
-    grid.cell_data["ansys_real_constant"] = np.ones(len(mesh.elements), np.int32)
-    for name, nodes in mesh.node_sets.items():
-        grid.point_data[name] = members(nodes, len(mesh.nodes))
-    for name, elements in mesh.element_sets.items():
-        grid.cell_data[name] = members(elements, len(mesh.elements))
-    with whole_file(path) as temporary:
-        mapdl_archive.save_as_archive(temporary, grid, reset_etype=True, comments=["mm, N, MPa", *model.note_lines])
-        with open(temporary, "a", encoding="ascii", newline="\n") as file:
-            file.writelines(properties)
+    yield f"EBLOCK,19,SOLID,{len(elements):10d},{len(elements):10d}\n(19i10)\n"
+    # material, type, real constants, section, frame, four flags, count of nodes, unused, number, nodes
+    head = f"%10d{_SOLID:10d}{1:10d}{1:10d}{0:10d}{0:10d}{0:10d}{0:10d}{elements.shape[1]:10d}{0:10d}%10d"
+    template = head + "%10d" * 8 + ("\n" + "%10d" * 12 if mesh.second_order else "") + "\n"
+    yield from lines(template, np.column_stack((material, np.arange(1, len(elements) + 1), elements + 1)))
+    yield "        -1\n"
 
 
-register("ansys", CDB_SUFFIX, "Ansys archive: mesh, a component for each set, materials", write)
+def component_names(model: Model) -> tuple[dict[str, str], dict[str, str]]:
+    """Return the names of components by node sets and by element sets; one name has one component in Ansys."""
+    nodes = {name: name.upper() for name in model.mesh.node_sets}
+    taken = set(nodes.values())
+    return nodes, {
+        name: f"{name.upper()}_E" if name.upper() in taken else name.upper() for name in model.mesh.element_sets
+    }
+
+
+def _components(model: Model) -> Iterator[str]:
+    mesh, (of_nodes, of_elements) = model.mesh, component_names(model)
+    for kind, names, sets in (("NODE", of_nodes, mesh.node_sets), ("ELEM", of_elements, mesh.element_sets)):
+        for name, members in sets.items():
+            yield f"CMBLOCK,{names[name]},{kind},{len(members):8d}\n(8i10)\n"
+            yield from rows_of_numbers(np.sort(members) + 1, "%10d", 8)
+
+
+def _contacts(model: Model) -> Iterator[str]:
+    mesh = model.mesh
+    next_element = len(mesh.elements) + 1
+    shape = "QUA8" if mesh.second_order else "QUAD"
+    for k, contact in enumerate(model.contacts, 1):
+        real, material = _REAL + k, len(model.materials) + k
+        yield f"/COM,{contact.slave} on {contact.master}\n"
+        # a negative FKN is the stiffness itself
+        yield f"R,{real},0,0,{-contact.stiffness:.9g},0.1\nMP,MU,{material},{contact.friction:.12g}\n"
+        for kind, name in ((_TARGET, contact.master), (_CONTACT, contact.slave)):
+            nodes = corners_then_middles(mesh, name) + 1
+            yield f"TYPE,{kind}\nREAL,{real}\nMAT,{material}\n"
+            yield f"TSHAP,{shape}\n" if kind == _TARGET else ""
+            numbers = np.arange(next_element, next_element + len(nodes))
+            yield from lines("EN" + ",%d" * (1 + nodes.shape[1]) + "\n", np.column_stack((numbers, nodes)))
+            next_element += len(nodes)
+
+
+def _ties(model: Model) -> Iterator[str]:
+    of_nodes, _ = component_names(model)
+    for node, tie in enumerate(model.ties, len(model.mesh.nodes) + 1):
+        yield f"/COM,{tie.node_set}\nTYPE,{_MASS}\nREAL,{_REAL}\nE,{node}\n"
+        yield f"CMSEL,S,{of_nodes[tie.node_set]}\nNSEL,A,NODE,,{node}\nCERIG,{node},ALL,UXYZ\nALLSEL,ALL\n"
+        for motion, load, move, force in zip(tie.motion, tie.load, _MOTIONS, _LOADS, strict=True):
+            if motion is not None:
+                yield f"D,{node},{move},{motion:.12g}\n"
+            elif load:
+                yield f"F,{node},{force},{load:.12g}\n"
+
+
+def _cyclic(model: Model) -> Iterator[str]:
+    """Return the equations of a sector's cut faces, one for each node and direction."""
+    if model.cyclic is None:
+        return
+    equations = cyclic_equations(model.mesh, model.cyclic)
+    pairs = np.column_stack((equations.dependent, equations.independent)) + 1
+    for row, coefficients in enumerate(equations.rotation.tolist()):
+        terms = [(_MOTIONS[d], -c) for d, c in enumerate(coefficients) if abs(c) > _MIN_COEFFICIENT]
+        # NEXT is the number of the equation, which stays the same for further terms of it as HIGH
+        template = f"CE,NEXT,0,%d,{_MOTIONS[row]},1" + "".join(
+            (",%d" if k < 2 else "\nCE,HIGH,0,%d") + f",{move},{c:.15g}" for k, (move, c) in enumerate(terms)
+        )
+        yield from lines(template + "\n", np.column_stack((pairs[:, :1], *([pairs[:, 1:]] * len(terms)))))
+
+
+def _supports(model: Model) -> Iterator[str]:
+    of_nodes, _ = component_names(model)
+    for support in model.supports:
+        yield f"CMSEL,S,{of_nodes[support.node_set]}\n"
+        yield from (f"D,ALL,{_MOTIONS[d]},{support.value:.12g}\n" for d in support.directions)
+        yield "ALLSEL,ALL\n"
+    for forces in model.forces:
+        for d, force in enumerate(_LOADS[:3]):
+            table = np.column_stack((forces.nodes + 1, forces.forces[:, d]))
+            yield from lines(f"F,%d,{force},%.12g\n", table[table[:, 1] != 0.0])
+
+
+register("ansys", CDB_SUFFIX, "Mechanical APDL: mesh, contact elements, supports, loads, a static step", write)

@@ -24,15 +24,23 @@ class DeckFormat:
     suffix: str
     description: str
     write: Writer
+    #: raises OutputError where a package that the format needs is missing
+    require: Callable[[Path], None]
 
 
 #: registered formats, by name
 _DECK_FORMATS: dict[str, DeckFormat] = {}
 
 
-def register(name: str, suffix: str, description: str, write: Writer) -> None:
+def _needs_nothing(_: Path) -> None:
+    """Accept any path: the format needs no package."""
+
+
+def register(
+    name: str, suffix: str, description: str, write: Writer, require: Callable[[Path], None] = _needs_nothing
+) -> None:
     """Register a format; the first format with a suffix is the default for this suffix."""
-    _DECK_FORMATS[name] = DeckFormat(suffix, description, write)
+    _DECK_FORMATS[name] = DeckFormat(suffix, description, write, require)
 
 
 def formats() -> dict[str, DeckFormat]:
@@ -41,8 +49,13 @@ def formats() -> dict[str, DeckFormat]:
 
 
 def format_of(path: PathLike, name: str | None = None) -> DeckFormat:
-    """Return the format called `name`, by default the format of the suffix. Raises the OutputError of `write_model`."""
-    return _by_suffix(path) if name is None else _by_name(name, path)
+    """Return the format called `name`, by default the format of the suffix.
+
+    Raises the OutputError of `write_model`, also where a package is missing.
+    """
+    entry = _by_suffix(path) if name is None else _by_name(name, path)
+    entry.require(Path(path))
+    return entry
 
 
 def write_model(model: Model, path: PathLike, name: str | None = None) -> None:
@@ -62,14 +75,14 @@ def _by_suffix(path: PathLike) -> DeckFormat:
         if entry.suffix == suffix:
             return entry
     fault = f"unknown suffix {suffix}" if suffix else "no suffix"
-    allowed = ", ".join(dict.fromkeys(entry.suffix for entry in _DECK_FORMATS.values()))
+    allowed = ", ".join(sorted({entry.suffix for entry in _DECK_FORMATS.values()}))
     raise OutputError("cannot write", path, reason=f"{fault}; allowed for finite-element models are {allowed}")
 
 
 def _by_name(name: str, path: PathLike) -> DeckFormat:
     if name not in _DECK_FORMATS:
         raise OutputError(
-            "cannot write", path, reason=f"unknown format {name}", allowed=f"one of {', '.join(_DECK_FORMATS)}"
+            "cannot write", path, reason=f"unknown format {name}", allowed=f"one of {', '.join(sorted(_DECK_FORMATS))}"
         )
     entry = _DECK_FORMATS[name]
     if Path(path).suffix.lower() != entry.suffix:

@@ -64,8 +64,8 @@ def fe(
             "-o",
             "--output",
             metavar="FILE|DIR",
-            help="Model to write: .inp, .msh, .vtu or .cdb; with --solve results: .vtu, or a folder; "
-            "for several positions a folder of decks.",
+            help="Model to write: .inp, .bdf, .cdb, .k, .med; mesh alone: .msh, .vtu; with --solve results: .vtu, or a "
+            "folder; for several positions a folder of decks.",
         ),
     ] = None,
     teeth: Annotated[
