@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.errors import OutputError
-from gearmesh.fe.decks.fields import T_PER_MM3, corners_then_middles, one_line
+from gearmesh.fe.decks.fields import T_PER_MM3_OF_KG_PER_M3, corners_then_middles, one_line
 from gearmesh.fe.decks.registry import register
 from gearmesh.fe.model import ContactPair, Model, RigidTie
 from gearmesh.formats import COMM_SUFFIX, MED_SUFFIX
@@ -24,27 +24,30 @@ from gearmesh.io.atomic import whole_file, whole_text
 from gearmesh.mesh.hexahedra.hexes import HEX_EDGES, HexMesh
 
 #: message without medcoupling
-MISSING_PACKAGE = 'MED files need medcoupling: pip install "gearmesh[med]"'
+MISSING_PACKAGE_MESSAGE = 'MED files need medcoupling: pip install "gearmesh[med]"'
 #: longest name of a group in Code_Aster
-MAX_GROUP_NAME = 24
+MAX_GROUP_NAME_LENGTH = 24
 #: place in our order of each corner of a MED hexahedron
-_CORNERS = (0, 3, 2, 1, 4, 7, 6, 5)
+MED_CORNER_ORDER = (0, 3, 2, 1, 4, 7, 6, 5)
 #: its edges: bottom, top, uprights
-_EDGES = ((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7))
+MED_EDGE_CORNERS = ((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7))
 #: place in our order of each of its nodes
-MED_ORDER = [
-    *_CORNERS,
-    *(8 + next(i for i, edge in enumerate(HEX_EDGES) if {*edge} == {_CORNERS[a], _CORNERS[b]}) for a, b in _EDGES),
+MED_NODE_ORDER = [
+    *MED_CORNER_ORDER,
+    *(
+        8 + next(i for i, edge in enumerate(HEX_EDGES) if {*edge} == {MED_CORNER_ORDER[a], MED_CORNER_ORDER[b]})
+        for a, b in MED_EDGE_CORNERS
+    ),
 ]
 #: degrees of freedom, and the keywords of forces at nodes
-_MOTIONS = ("DX", "DY", "DZ", "DRX", "DRY", "DRZ")
-_LOADS = ("FX", "FY", "FZ", "MX", "MY", "MZ")
+MOTION_NAMES = ("DX", "DY", "DZ", "DRX", "DRY", "DRZ")
+LOAD_NAMES = ("FX", "FY", "FZ", "MX", "MY", "MZ")
 
 
 def require(path: Path) -> None:
     """Raise OutputError without medcoupling."""
     if find_spec("medcoupling") is None:
-        raise OutputError("cannot write", path, reason=MISSING_PACKAGE)
+        raise OutputError("cannot write", path, reason=MISSING_PACKAGE_MESSAGE)
 
 
 def write(model: Model, path: Path) -> None:
@@ -63,9 +66,9 @@ def write(model: Model, path: Path) -> None:
 def _refuse_long_names(model: Model, path: Path) -> None:
     names = [*model.mesh.node_sets, *model.mesh.element_sets, *map(_reference, model.ties)]
     for name in names:
-        if len(name) > MAX_GROUP_NAME:
+        if len(name) > MAX_GROUP_NAME_LENGTH:
             raise OutputError(
-                "cannot write", path, reason=f"Code_Aster takes names of {MAX_GROUP_NAME} letters, not {name}"
+                "cannot write", path, reason=f"Code_Aster takes names of {MAX_GROUP_NAME_LENGTH} letters, not {name}"
             )
 
 
@@ -92,7 +95,7 @@ def _med(model: Model) -> Any:
     points = np.concatenate((mesh.nodes, [tie.point for tie in model.ties])) if model.ties else mesh.nodes
     coordinates = mc.DataArrayDouble(np.ascontiguousarray(points))
     coordinates.setInfoOnComponents(["X [mm]", "Y [mm]", "Z [mm]"])
-    order = MED_ORDER if mesh.second_order else list(_CORNERS)
+    order = MED_NODE_ORDER if mesh.second_order else list(MED_CORNER_ORDER)
     # each face once, by its number among all faces of all elements
     numbers = {name: faces @ [6, 1] for name, faces in mesh.face_sets.items()}
     face_numbers = np.unique(np.concatenate([np.empty(0, np.int64), *numbers.values()]))
@@ -165,7 +168,7 @@ def _names(names: list[str]) -> str:
 
 def _materials(model: Model) -> Iterator[str]:
     for k, material in enumerate(model.materials.values(), 1):
-        density = "" if material.density is None else f", RHO={T_PER_MM3 * material.density:.12g}"
+        density = "" if material.density is None else f", RHO={T_PER_MM3_OF_KG_PER_M3 * material.density:.12g}"
         yield f"elastic{k} = DEFI_MATERIAU(ELAS=_F(E={material.youngs_modulus:.12g}, "
         yield f"NU={material.poisson_ratio:.12g}{density}))\n"
     yield "matter = AFFE_MATERIAU(MAILLAGE=mesh, AFFE=(\n"
@@ -178,12 +181,12 @@ def _charges(model: Model) -> Iterator[str]:
     held: list[str] = []
     moved: list[str] = []
     for support in model.supports:
-        values = ", ".join(f"{_MOTIONS[d]}={support.value:.12g}" for d in support.directions)
+        values = ", ".join(f"{MOTION_NAMES[d]}={support.value:.12g}" for d in support.directions)
         (moved if support.value else held).append(f"_F(GROUP_NO='{support.node_set}', {values})")
     loads: list[str] = []
     for tie in model.ties:
         name = _reference(tie)
-        for motion, load, move, force in zip(tie.motion, tie.load, _MOTIONS, _LOADS, strict=True):
+        for motion, load, move, force in zip(tie.motion, tie.load, MOTION_NAMES, LOAD_NAMES, strict=True):
             if motion is not None:
                 (moved if motion else held).append(f"_F(GROUP_NO='{name}', {move}={motion:.12g})")
             elif load:
@@ -196,7 +199,9 @@ def _charges(model: Model) -> Iterator[str]:
 def _node_forces(model: Model) -> list[str]:
     """Return forces on nodes; each node is a group, since names of nodes differ between versions."""
     return [
-        f"_F(GROUP_NO='{_node(node)}', " + ", ".join(f"{a}={x:.12g}" for a, x in zip(_LOADS, force, strict=False)) + ")"
+        f"_F(GROUP_NO='{_node(node)}', "
+        + ", ".join(f"{a}={x:.12g}" for a, x in zip(LOAD_NAMES, force, strict=False))
+        + ")"
         for forces in model.forces
         for node, force in zip(forces.nodes.tolist(), forces.forces.tolist(), strict=True)
     ]

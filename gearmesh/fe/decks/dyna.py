@@ -13,7 +13,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.fe.decks.fields import T_PER_MM3, coordinate_field, cyclic_equations, one_line, rows_of_numbers
+from gearmesh.fe.decks.fields import (
+    T_PER_MM3_OF_KG_PER_M3,
+    coordinate_field,
+    cyclic_equations,
+    one_line,
+    rows_of_numbers,
+)
 from gearmesh.fe.decks.registry import register
 from gearmesh.fe.model import Model, RigidTie
 from gearmesh.formats import K_SUFFIX
@@ -21,17 +27,17 @@ from gearmesh.io.atomic import whole_file
 from gearmesh.io.rows import lines
 
 #: element formulations of first and second order
-_FORMULATIONS = {False: 62, True: 23}
+FORMULATION_NUMBERS = {False: 62, True: 23}
 #: code of a combination of directions x, y, z that a rigid body's centre may not move or rotate along
-_CODES = {(): 0, (0,): 1, (1,): 2, (2,): 3, (0, 1): 4, (1, 2): 5, (0, 2): 6, (0, 1, 2): 7}
+DIRECTION_CODES = {(): 0, (0,): 1, (1,): 2, (2,): 3, (0, 1): 4, (1, 2): 5, (0, 2): 6, (0, 1, 2): 7}
 #: numbers of directions of motions and loads: x, y, z, and rotations about them
-_DIRECTIONS = (1, 2, 3, 5, 6, 7)
+DIRECTION_NUMBERS = (1, 2, 3, 5, 6, 7)
 #: mass (t) and moments of inertia (t mm^2) of rigid bodies, of which a static analysis makes no use
-_RIGID_MASS = 1e-3
+RIGID_MASS_T = 1e-3
 #: density, t/mm^3, of a material without one
-_NO_DENSITY = 1e-12
+MISSING_DENSITY_T_PER_MM3 = 1e-12
 #: coefficient of an equation below which the term is left out
-_MIN_COEFFICIENT = 1e-14
+MIN_EQUATION_COEFFICIENT = 1e-14
 
 
 def write(model: Model, path: Path) -> None:
@@ -50,9 +56,9 @@ def _file(model: Model) -> Iterator[str]:
     yield f"*DATABASE_BINARY_D3PLOT\n{1.0:10.1f}\n*DATABASE_RCFORC\n{1.0:10.1f}\n"
     # loads and motions grow with the time
     yield f"*DEFINE_CURVE\n{1:10d}\n{0.0:20.1f}{0.0:20.1f}\n{1.0:20.1f}{1.0:20.1f}\n"
-    yield f"*SECTION_SOLID\n{1:10d}{_FORMULATIONS[model.mesh.second_order]:10d}\n"
+    yield f"*SECTION_SOLID\n{1:10d}{FORMULATION_NUMBERS[model.mesh.second_order]:10d}\n"
     for number, (name, material) in enumerate(model.materials.items(), 1):
-        density = _NO_DENSITY if material.density is None else T_PER_MM3 * material.density
+        density = MISSING_DENSITY_T_PER_MM3 if material.density is None else T_PER_MM3_OF_KG_PER_M3 * material.density
         yield f"*PART\n{name}\n{number:10d}{1:10d}{number:10d}\n*MAT_ELASTIC_TITLE\n{name}\n"
         yield f"{number:10d}{density:10.3E}{_number(material.youngs_modulus)}{_number(material.poisson_ratio)}\n"
     yield from _mesh(model)
@@ -61,7 +67,7 @@ def _file(model: Model) -> Iterator[str]:
     for number, tie in enumerate(model.ties):
         yield from _tie(model, number, tie)
     for forces in model.forces:
-        table = np.column_stack((np.repeat(forces.nodes + 1, 3), np.tile(_DIRECTIONS[:3], len(forces.nodes))))
+        table = np.column_stack((np.repeat(forces.nodes + 1, 3), np.tile(DIRECTION_NUMBERS[:3], len(forces.nodes))))
         # long fields, of 20 characters
         yield "*LOAD_NODE_POINT +\n"
         yield from lines(f"%20d%20d{1:20d}%20.12E\n", np.column_stack((table, forces.forces.ravel())))
@@ -133,7 +139,7 @@ def _supports(model: Model) -> Iterator[str]:
         if support.value:
             yield "*BOUNDARY_PRESCRIBED_MOTION_SET\n"
             for d in support.directions:
-                yield f"{number:10d}{_DIRECTIONS[d]:10d}{2:10d}{1:10d}{_number(support.value)}\n"
+                yield f"{number:10d}{DIRECTION_NUMBERS[d]:10d}{2:10d}{1:10d}{_number(support.value)}\n"
         else:
             flags = "".join(f"{int(d in support.directions):10d}" for d in range(3))
             yield f"*BOUNDARY_SPC_SET\n{number:10d}{0:10d}{flags}\n"
@@ -148,10 +154,10 @@ def _tie(model: Model, number: int, tie: RigidTie) -> Iterator[str]:
     yield f"{body:10d}{0:10d}{nodes[_rigid_name(tie)]:10d}{reference:10d}\n"
     yield f"{1:10d}{fixed[0]:10d}{fixed[1]:10d}\n"
     centre = "".join(_number(x) for x in tie.point)
-    yield f"{centre}{_RIGID_MASS:10.3E}{0:10d}{reference:10d}\n"
-    inertia = [_RIGID_MASS, 0.0, 0.0, _RIGID_MASS, 0.0, _RIGID_MASS]
+    yield f"{centre}{RIGID_MASS_T:10.3E}{0:10d}{reference:10d}\n"
+    inertia = [RIGID_MASS_T, 0.0, 0.0, RIGID_MASS_T, 0.0, RIGID_MASS_T]
     yield "".join(f"{x:10.3E}" for x in inertia) + "\n" + f"{0.0:10.1f}" * 6 + "\n"
-    for direction, motion, load in zip(_DIRECTIONS, tie.motion, tie.load, strict=True):
+    for direction, motion, load in zip(DIRECTION_NUMBERS, tie.motion, tie.load, strict=True):
         if motion:
             yield f"*BOUNDARY_PRESCRIBED_MOTION_RIGID\n{body:10d}{direction:10d}{2:10d}{1:10d}{_number(motion)}\n"
         elif motion is None and load:
@@ -160,7 +166,7 @@ def _tie(model: Model, number: int, tie: RigidTie) -> Iterator[str]:
 
 def _fixed(motion: Sequence[float | None]) -> int:
     """Return the code of the directions that are held; those with a prescribed motion are not."""
-    return _CODES[tuple(d for d, value in enumerate(motion) if value == 0.0)]
+    return DIRECTION_CODES[tuple(d for d, value in enumerate(motion) if value == 0.0)]
 
 
 def _contacts(model: Model) -> Iterator[str]:
@@ -180,7 +186,7 @@ def _cyclic(model: Model) -> Iterator[str]:
         return
     equations, number = cyclic_equations(model.mesh, model.cyclic), 0
     for row, coefficients in enumerate(equations.rotation.tolist()):
-        terms = [(d + 1, -c) for d, c in enumerate(coefficients) if abs(c) > _MIN_COEFFICIENT]
+        terms = [(d + 1, -c) for d, c in enumerate(coefficients) if abs(c) > MIN_EQUATION_COEFFICIENT]
         template = f"*CONSTRAINED_MULTIPLE_GLOBAL +\n%20d\n{1 + len(terms):20d}\n%20d{row + 1:20d}{1.0:20.1f}\n"
         template += "".join(f"%20d{d:20d}{c:20.12E}\n" for d, c in terms)
         count = len(equations.dependent)

@@ -14,9 +14,9 @@ from gearmesh.kernel.numeric.algebra import Array, unit
 from gearmesh.mesh.hexahedra.hexes import HexMesh
 
 #: t/mm^3 in a kg/m^3
-T_PER_MM3 = 1e-12
+T_PER_MM3_OF_KG_PER_M3 = 1e-12
 #: order of the mid-side nodes where edges between bottom and top precede those of the top
-UPRIGHT_EDGES_FIRST = [*range(12), 16, 17, 18, 19, 12, 13, 14, 15]
+UPRIGHT_EDGES_FIRST_ORDER = [*range(12), 16, 17, 18, 19, 12, 13, 14, 15]
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.fe.decks.fields import T_PER_MM3
+from gearmesh.fe.decks.fields import T_PER_MM3_OF_KG_PER_M3
 from gearmesh.fe.decks.registry import register
 from gearmesh.fe.model import ContactPair, CyclicSymmetry, Model, NodeForces, RigidTie
 from gearmesh.formats import INP_SUFFIX
@@ -109,7 +109,7 @@ def _deck(model: Model, dialect: _Dialect) -> Iterator[str]:
     for name, material in model.materials.items():
         yield f"*MATERIAL, NAME={name}\n*ELASTIC\n{material.youngs_modulus:.12g}, {material.poisson_ratio:.12g}\n"
         if material.density is not None:
-            yield f"*DENSITY\n{T_PER_MM3 * material.density:.12g}\n"
+            yield f"*DENSITY\n{T_PER_MM3_OF_KG_PER_M3 * material.density:.12g}\n"
         yield f"*SOLID SECTION, ELSET={name}, MATERIAL={name}\n"
     for tie, pair in zip(model.ties, nodes, strict=True):
         yield from _tie(tie, pair, dialect)

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from gearmesh.fe.decks.fields import (
-    T_PER_MM3,
+    T_PER_MM3_OF_KG_PER_M3,
     corners_then_middles,
     cyclic_equations,
     one_line,
@@ -26,14 +26,14 @@ from gearmesh.io.atomic import whole_file
 from gearmesh.io.rows import lines
 
 #: numbers of the element types
-_SOLID, _TARGET, _CONTACT, _MASS = 1, 2, 3, 4
+SOLID_TYPE_NUMBER, TARGET_TYPE_NUMBER, CONTACT_TYPE_NUMBER, MASS_TYPE_NUMBER = 1, 2, 3, 4
 #: number of the real constants of the reference nodes; contact k has this number + k
-_REAL = 10
+FIRST_REAL_NUMBER = 10
 #: directions of displacements and rotations, of forces and moments
-_MOTIONS = ("UX", "UY", "UZ", "ROTX", "ROTY", "ROTZ")
-_LOADS = ("FX", "FY", "FZ", "MX", "MY", "MZ")
+MOTION_NAMES = ("UX", "UY", "UZ", "ROTX", "ROTY", "ROTZ")
+LOAD_NAMES = ("FX", "FY", "FZ", "MX", "MY", "MZ")
 #: coefficient of an equation below which the term is left out
-_MIN_COEFFICIENT = 1e-14
+MIN_EQUATION_COEFFICIENT = 1e-14
 
 
 def write(model: Model, path: Path) -> None:
@@ -60,20 +60,21 @@ def _archive(model: Model) -> Iterator[str]:
 
 def _types(model: Model) -> Iterator[str]:
     if model.mesh.second_order:
-        yield f"ET,{_SOLID},186\n"
+        yield f"ET,{SOLID_TYPE_NUMBER},186\n"
     else:
-        yield f"ET,{_SOLID},185\nKEYOPT,{_SOLID},2,2\n"
+        yield f"ET,{SOLID_TYPE_NUMBER},185\nKEYOPT,{SOLID_TYPE_NUMBER},2,2\n"
     for number, material in enumerate(model.materials.values(), 1):
         yield f"MP,EX,{number},{material.youngs_modulus:.12g}\nMP,PRXY,{number},{material.poisson_ratio:.12g}\n"
         if material.density is not None:
-            yield f"MP,DENS,{number},{T_PER_MM3 * material.density:.12g}\n"
+            yield f"MP,DENS,{number},{T_PER_MM3_OF_KG_PER_M3 * material.density:.12g}\n"
     if model.contacts:
-        # penalty stiffness, points of Gauss, initial overlap counts
-        yield f"ET,{_TARGET},170\nET,{_CONTACT},174\n"
-        yield f"KEYOPT,{_CONTACT},2,1\nKEYOPT,{_CONTACT},4,0\nKEYOPT,{_CONTACT},9,0\nKEYOPT,{_CONTACT},12,0\n"
+        yield f"ET,{TARGET_TYPE_NUMBER},170\nET,{CONTACT_TYPE_NUMBER},174\n"
+        # penalty stiffness, detection at Gauss points, initial overlap counts, standard contact
+        for option, value in ((2, 1), (4, 0), (9, 0), (12, 0)):
+            yield f"KEYOPT,{CONTACT_TYPE_NUMBER},{option},{value}\n"
     if model.ties:
         # six degrees of freedom, no mass
-        yield f"ET,{_MASS},21\nKEYOPT,{_MASS},3,0\nR,{_REAL},0,0,0,0,0,0\n"
+        yield f"ET,{MASS_TYPE_NUMBER},21\nKEYOPT,{MASS_TYPE_NUMBER},3,0\nR,{FIRST_REAL_NUMBER},0,0,0,0,0,0\n"
 
 
 def _mesh(model: Model) -> Iterator[str]:
@@ -90,7 +91,7 @@ def _mesh(model: Model) -> Iterator[str]:
         material[mesh.element_sets[name]] = number
     yield f"EBLOCK,19,SOLID,{len(elements):10d},{len(elements):10d}\n(19i10)\n"
     # material, type, real constants, section, frame, four flags, count of nodes, unused, number, nodes
-    head = f"%10d{_SOLID:10d}{1:10d}{1:10d}{0:10d}{0:10d}{0:10d}{0:10d}{elements.shape[1]:10d}{0:10d}%10d"
+    head = f"%10d{SOLID_TYPE_NUMBER:10d}{1:10d}{1:10d}{0:10d}{0:10d}{0:10d}{0:10d}{elements.shape[1]:10d}{0:10d}%10d"
     template = head + "%10d" * 8 + ("\n" + "%10d" * 12 if mesh.second_order else "") + "\n"
     yield from lines(template, np.column_stack((material, np.arange(1, len(elements) + 1), elements + 1)))
     yield "        -1\n"
@@ -118,14 +119,14 @@ def _contacts(model: Model) -> Iterator[str]:
     next_element = len(mesh.elements) + 1
     shape = "QUA8" if mesh.second_order else "QUAD"
     for k, contact in enumerate(model.contacts, 1):
-        real, material = _REAL + k, len(model.materials) + k
+        real, material = FIRST_REAL_NUMBER + k, len(model.materials) + k
         yield f"/COM,{contact.slave} on {contact.master}\n"
         # a negative FKN is the stiffness itself
         yield f"R,{real},0,0,{-contact.stiffness:.9g},0.1\nMP,MU,{material},{contact.friction:.12g}\n"
-        for kind, name in ((_TARGET, contact.master), (_CONTACT, contact.slave)):
+        for kind, name in ((TARGET_TYPE_NUMBER, contact.master), (CONTACT_TYPE_NUMBER, contact.slave)):
             nodes = corners_then_middles(mesh, name) + 1
             yield f"TYPE,{kind}\nREAL,{real}\nMAT,{material}\n"
-            yield f"TSHAP,{shape}\n" if kind == _TARGET else ""
+            yield f"TSHAP,{shape}\n" if kind == TARGET_TYPE_NUMBER else ""
             numbers = np.arange(next_element, next_element + len(nodes))
             yield from lines("EN" + ",%d" * (1 + nodes.shape[1]) + "\n", np.column_stack((numbers, nodes)))
             next_element += len(nodes)
@@ -134,9 +135,9 @@ def _contacts(model: Model) -> Iterator[str]:
 def _ties(model: Model) -> Iterator[str]:
     of_nodes, _ = component_names(model)
     for node, tie in enumerate(model.ties, len(model.mesh.nodes) + 1):
-        yield f"/COM,{tie.node_set}\nTYPE,{_MASS}\nREAL,{_REAL}\nE,{node}\n"
+        yield f"/COM,{tie.node_set}\nTYPE,{MASS_TYPE_NUMBER}\nREAL,{FIRST_REAL_NUMBER}\nE,{node}\n"
         yield f"CMSEL,S,{of_nodes[tie.node_set]}\nNSEL,A,NODE,,{node}\nCERIG,{node},ALL,UXYZ\nALLSEL,ALL\n"
-        for motion, load, move, force in zip(tie.motion, tie.load, _MOTIONS, _LOADS, strict=True):
+        for motion, load, move, force in zip(tie.motion, tie.load, MOTION_NAMES, LOAD_NAMES, strict=True):
             if motion is not None:
                 yield f"D,{node},{move},{motion:.12g}\n"
             elif load:
@@ -150,9 +151,9 @@ def _cyclic(model: Model) -> Iterator[str]:
     equations = cyclic_equations(model.mesh, model.cyclic)
     pairs = np.column_stack((equations.dependent, equations.independent)) + 1
     for row, coefficients in enumerate(equations.rotation.tolist()):
-        terms = [(_MOTIONS[d], -c) for d, c in enumerate(coefficients) if abs(c) > _MIN_COEFFICIENT]
+        terms = [(MOTION_NAMES[d], -c) for d, c in enumerate(coefficients) if abs(c) > MIN_EQUATION_COEFFICIENT]
         # NEXT is the number of the equation, which stays the same for further terms of it as HIGH
-        template = f"CE,NEXT,0,%d,{_MOTIONS[row]},1" + "".join(
+        template = f"CE,NEXT,0,%d,{MOTION_NAMES[row]},1" + "".join(
             (",%d" if k < 2 else "\nCE,HIGH,0,%d") + f",{move},{c:.15g}" for k, (move, c) in enumerate(terms)
         )
         yield from lines(template + "\n", np.column_stack((pairs[:, :1], *([pairs[:, 1:]] * len(terms)))))
@@ -162,10 +163,10 @@ def _supports(model: Model) -> Iterator[str]:
     of_nodes, _ = component_names(model)
     for support in model.supports:
         yield f"CMSEL,S,{of_nodes[support.node_set]}\n"
-        yield from (f"D,ALL,{_MOTIONS[d]},{support.value:.12g}\n" for d in support.directions)
+        yield from (f"D,ALL,{MOTION_NAMES[d]},{support.value:.12g}\n" for d in support.directions)
         yield "ALLSEL,ALL\n"
     for forces in model.forces:
-        for d, force in enumerate(_LOADS[:3]):
+        for d, force in enumerate(LOAD_NAMES[:3]):
             table = np.column_stack((forces.nodes + 1, forces.forces[:, d]))
             yield from lines(f"F,%d,{force},%.12g\n", table[table[:, 1] != 0.0])
 

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.fe.decks.fields import (
-    T_PER_MM3,
-    UPRIGHT_EDGES_FIRST,
+    T_PER_MM3_OF_KG_PER_M3,
+    UPRIGHT_EDGES_FIRST_ORDER,
     coordinate_field,
     cyclic_equations,
     longest_edge,
@@ -30,11 +30,11 @@ from gearmesh.io.rows import lines
 from gearmesh.mesh.hexahedra.hexes import HexMesh
 
 #: numbers of the sets of constraints, loads and equations
-_SPC, _LOAD, _MPC = 1, 2, 3
+SPC_SET_NUMBER, LOAD_SET_NUMBER, MPC_SET_NUMBER = 1, 2, 3
 #: number of the set of all contacts; contact k has this number + k
-_CONTACTS = 100
+CONTACT_SET_NUMBER = 100
 #: coefficient of an MPC below which the term is left out
-_MIN_COEFFICIENT = 1e-14
+MIN_EQUATION_COEFFICIENT = 1e-14
 
 
 def write(model: Model, path: Path) -> None:
@@ -48,7 +48,7 @@ def _deck(model: Model) -> Iterator[str]:
     yield "BEGIN BULK\nPARAM,POST,-1\n"
     yield from _mesh(model)
     for number, (name, material) in enumerate(model.materials.items(), 1):
-        density = 0.0 if material.density is None else T_PER_MM3 * material.density
+        density = 0.0 if material.density is None else T_PER_MM3_OF_KG_PER_M3 * material.density
         yield f"$ {name}\nPSOLID  {number:8d}{number:8d}\n"
         yield f"MAT1*   {number:16d}{material.youngs_modulus:16.9E}{'':16}{material.poisson_ratio:16.9E}\n"
         yield f"*       {density:16.9E}\n"
@@ -75,10 +75,10 @@ def _case_control(model: Model) -> Iterator[str]:
             yield from rows_of_numbers(members + 1, "%d", 7, between=",", end=",")
     yield "SUBCASE 1\n"
     wanted = (
-        ("SPC", _SPC, model.supports or model.ties),
-        ("LOAD", _LOAD, _loaded(model)),
-        ("MPC", _MPC, model.cyclic),
-        ("BCSET", _CONTACTS, model.contacts),
+        ("SPC", SPC_SET_NUMBER, model.supports or model.ties),
+        ("LOAD", LOAD_SET_NUMBER, _loaded(model)),
+        ("MPC", MPC_SET_NUMBER, model.cyclic),
+        ("BCSET", CONTACT_SET_NUMBER, model.contacts),
     )
     yield from (f"  {word} = {chosen}\n" for word, chosen, there in wanted if there)
     yield "  DISPLACEMENT = ALL\n  SPCFORCES = ALL\n  STRESS(CORNER) = ALL\n"
@@ -100,7 +100,7 @@ def _mesh(model: Model) -> Iterator[str]:
     # float64 holds node numbers exactly, and %d prints them without a point
     table = np.column_stack((np.arange(1, len(points) + 1), points))
     yield from lines(f"GRID*   %16d{'':16}{field}{field}\n*       {field}\n", table)
-    elements = mesh.elements[:, UPRIGHT_EDGES_FIRST] if mesh.second_order else mesh.elements
+    elements = mesh.elements[:, UPRIGHT_EDGES_FIRST_ORDER] if mesh.second_order else mesh.elements
     rows = ["%8d" * 8, "%8d" * 2] if not mesh.second_order else ["%8d" * 8, "%8d" * 8, "%8d" * 6]
     template = "CHEXA   " + "\n+       ".join(rows) + "\n"
     properties = np.zeros(len(elements), np.int64)
@@ -114,7 +114,7 @@ def _supports(model: Model) -> Iterator[str]:
         components = int("".join(str(d + 1) for d in sorted(support.directions)))
         nodes = model.mesh.node_sets[support.node_set] + 1
         yield f"$ {support.node_set}\n"
-        yield from _card("SPC1", np.concatenate(([_SPC, components], nodes)))
+        yield from _card("SPC1", np.concatenate(([SPC_SET_NUMBER, components], nodes)))
         if support.value:
             for direction in support.directions:
                 yield from (_enforced(node, direction + 1, support.value) for node in nodes.tolist())
@@ -128,7 +128,7 @@ def _ties(model: Model) -> Iterator[str]:
         yield from _card("RBE2", np.concatenate(([element + k, node, 123], model.mesh.node_sets[tie.node_set] + 1)))
         held = [d + 1 for d in range(6) if tie.motion[d] is not None]
         if held:
-            yield f"SPC1    {_SPC:8d}{''.join(map(str, held)):>8}{node:8d}\n"
+            yield f"SPC1    {SPC_SET_NUMBER:8d}{''.join(map(str, held)):>8}{node:8d}\n"
         for d, motion in enumerate(tie.motion):
             if motion:
                 yield _enforced(node, d + 1, motion)
@@ -139,13 +139,13 @@ def _ties(model: Model) -> Iterator[str]:
 
 
 def _enforced(node: int, component: int, value: float) -> str:
-    return f"SPCD*   {_LOAD:16d}{node:16d}{component:16d}{value:16.9E}\n"
+    return f"SPCD*   {LOAD_SET_NUMBER:16d}{node:16d}{component:16d}{value:16.9E}\n"
 
 
 def _vector(card: str, node: int, vector: list[float]) -> str:
     """Return a force or moment in the basic frame: a factor of 1 and three components."""
     numbers = "".join(f"{x:16.9E}" for x in vector)
-    return f"{card:8}{_LOAD:16d}{node:16d}{0:16d}{1.0:16.9E}\n*       {numbers}\n"
+    return f"{card:8}{LOAD_SET_NUMBER:16d}{node:16d}{0:16d}{1.0:16.9E}\n*       {numbers}\n"
 
 
 def _contacts(model: Model) -> Iterator[str]:
@@ -154,12 +154,14 @@ def _contacts(model: Model) -> Iterator[str]:
     for contact in model.contacts:
         for name in (contact.slave, contact.master):
             if name not in numbers:
-                numbers[name] = _CONTACTS + len(numbers) + len(model.contacts) + 1
+                numbers[name] = CONTACT_SET_NUMBER + len(numbers) + len(model.contacts) + 1
                 yield from _faces(mesh, name, numbers[name])
-    for k, contact in enumerate(model.contacts, _CONTACTS + 1):
+    for k, contact in enumerate(model.contacts, CONTACT_SET_NUMBER + 1):
         yield from _contact(contact, k, numbers, longest_edge(mesh, contact.slave))
     if model.contacts:
-        yield from _card("BCTADD", np.concatenate(([_CONTACTS], np.arange(len(model.contacts)) + _CONTACTS + 1)))
+        yield from _card(
+            "BCTADD", np.concatenate(([CONTACT_SET_NUMBER], np.arange(len(model.contacts)) + CONTACT_SET_NUMBER + 1))
+        )
 
 
 def _faces(mesh: HexMesh, name: str, number: int) -> Iterator[str]:
@@ -198,9 +200,9 @@ def _cyclic(model: Model) -> Iterator[str]:
         return
     equations = cyclic_equations(model.mesh, model.cyclic)
     for row, coefficients in enumerate(equations.rotation.tolist()):
-        terms = [(d + 1, -c) for d, c in enumerate(coefficients) if abs(c) > _MIN_COEFFICIENT]
+        terms = [(d + 1, -c) for d, c in enumerate(coefficients) if abs(c) > MIN_EQUATION_COEFFICIENT]
         # a line of the small format has two terms; here each of its halves has one, after a blank field in every second
-        template = f"MPC*    {_MPC:16d}%16d{row + 1:16d}{1.0:16.9E}\n" + "".join(
+        template = f"MPC*    {MPC_SET_NUMBER:16d}%16d{row + 1:16d}{1.0:16.9E}\n" + "".join(
             f"*       {'':{16 * (k % 2)}}%16d{d:16d}{c:16.9E}\n" for k, (d, c) in enumerate(terms)
         )
         table = np.column_stack((equations.dependent, *([equations.independent] * len(terms)))) + 1
