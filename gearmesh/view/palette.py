@@ -36,6 +36,8 @@ GRID_LINE_COLOUR = "#e6eaee"
 CURVE_COLOURS = ("#2c5fa8", "#c8102e", "#2e8b57", "#b8720a", "#7a4fa3", "#4d5a66")
 #: matplotlib's name of the colours of amounts on flanks, from small to large
 COLOUR_MAP = "viridis_r"
+#: matplotlib's name of the colours of finite-element results: small is pale, large is warm and dark
+RESULT_COLOUR_MAP = "YlOrRd"
 
 
 def rgb(colour: str) -> tuple[int, int, int]:

@@ -293,7 +293,7 @@ def _draw_colour_bar(sheet: LetteredImage, value_map: ValueMap) -> None:
     """Draw the colours from 0, at the bottom, to the map's limit, with round values and the label beside them."""
     wide, high = sheet.size
     box = PixelBox((BODIES_WIDTH_SHARE + 0.02) * wide, 0.2 * high, (BODIES_WIDTH_SHARE + 0.042) * wide, 0.85 * high)
-    sheet.paste(colour_table()[::-1, None, :3], box)
+    sheet.paste(colour_table(value_map.colours)[::-1, None, :3], box)
     for begin, end in zip(box.corners, np.roll(box.corners, 1, axis=0), strict=True):
         sheet.line(begin, end, 0.8, rim=False)
     values, numbers = ticks(value_map.limit)

@@ -19,7 +19,7 @@ from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import HEEL_END, TOE_END
-from gearmesh.view.palette import COMPOUND_COLOUR, MARKING_COLOUR, OUTLINE_COLOUR, PATH_COLOUR
+from gearmesh.view.palette import COLOUR_MAP, COMPOUND_COLOUR, MARKING_COLOUR, OUTLINE_COLOUR, PATH_COLOUR
 
 
 class Project(Protocol):
@@ -147,6 +147,8 @@ class ValueMap:
     limit: float
     #: quantity and unit beside the colour bar
     label: str = "gap (µm)"
+    #: matplotlib's name of the colours
+    colours: str = COLOUR_MAP
 
 
 @dataclass(frozen=True)

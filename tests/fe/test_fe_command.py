@@ -28,7 +28,7 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.designs import load
 from gearmesh.view.load.fe_views import STRESS_SHARE, pressure_scene, stress_scene
 from gearmesh.view.opengl import missing_opengl_message
-from gearmesh.view.palette import COLOUR_MAP
+from gearmesh.view.palette import RESULT_COLOUR_MAP
 from gearmesh.view.render import render
 from gearmesh.view.scene import Camera, beside_bar
 
@@ -163,14 +163,20 @@ def test_unresolved_pressures_are_said_in_their_line(monkeypatch: pytest.MonkeyP
     ):
         built = model_of(wanted)
         solution, _ = pretended(built, pressed)
-        monkeypatch.setattr("gearmesh.fe.ccx.solve", lambda *_, found=solution: found)
+        monkeypatch.setattr("gearmesh.fe.ccx.solve", lambda *_, found=solution, **__: found)
         solved = built.solve()
         assert solved.document()["solution"]["pressure_resolved"] is (not words)
         line = next(row for row in str(solved).splitlines() if row.startswith("max_pressure_mpa"))
         assert ("(unresolved:" in line) is ("(unresolved:" in solved.headline) is bool(words)
         assert words in solved.headline
-        title = pressure_scene(built._model, solution, built._built.at, note=solved.reserve).title
-        assert title.endswith(" MPa" if not words else f" MPa ({solved.reserve})")
+        scene = pressure_scene(built._model, solution, built._built.at, note=solved.reserve)
+        assert scene.title.endswith(" MPa" if not words else f" MPa by Hertz ({solved.reserve})")
+        # nobody may use a pressure that is not resolved: it ends no scale, and stands last
+        by_hertz = built.measured.hertz_p0
+        assert scene.maps[0].limit == pytest.approx(by_hertz if words else 1000.0, rel=1e-2)
+        rows = [row for row in str(solved).splitlines() if row[:1].strip()]
+        assert rows[-1].startswith("max_pressure_mpa") is bool(words)
+        assert (f"pressure by Hertz {by_hertz:.5g} MPa" in solved.headline) is bool(words)
 
 
 @pytest.mark.parametrize("suffix", [".msh", ".vtu"])
@@ -298,9 +304,22 @@ def test_pictures_show_what_was_solved() -> None:
     scene = pressure_scene(built._model, solution, built._built.at, (800, 600))
     (value_map,) = scene.maps
     assert value_map.limit == pytest.approx(1000.0, rel=1e-2)
+    # the pressed tooth alone, whole and closed, with the edges of its elements
+    (body,), (edges,) = scene.bodies, scene.curves
+    shown = body.mesh.vertices[np.unique(body.mesh.triangles)]
+    x, y, _ = np.moveaxis(scene.camera.pixels(shown, beside_bar((800, 600))), -1, 0)
+    assert (x > 0.0).all()
+    assert (x < beside_bar((800, 600))[0]).all()
+    assert (y > 0.0).all()
+    assert (y < 600.0).all()
+    sides = np.sort(body.mesh.triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    assert (np.unique(sides, axis=0, return_counts=True)[1] == 2).all()
+    drawn = edges.points.reshape(-1, 3, 3)[:, :2]
+    assert np.isin(drawn.reshape(-1, 3).round(9), built.mesh.nodes.round(9)).all()
+    assert len(drawn) > 100
     assert np.linalg.norm(value_map.points - place, axis=-1).max() < 3.0
     image = render(replace(scene, title=""))
-    darkest = 255 * np.array(matplotlib.colormaps[COLOUR_MAP](1.0)[:3])
+    darkest = 255 * np.array(matplotlib.colormaps[RESULT_COLOUR_MAP](1.0)[:3])
     assert np.abs(pixel(image, scene.camera, place) - darkest).max() < 25
 
     scene = stress_scene(built._model, solution, built._built.at, (800, 600))
@@ -312,8 +331,8 @@ def test_pictures_show_what_was_solved() -> None:
     assert value_map.limit == pytest.approx(STRESS_SHARE * worst, rel=1e-9)
     assert f"{worst:.0f} MPa" in scene.title
     heel = built.mesh.nodes[built.mesh.face_corners("pinion_heel")].mean(axis=1)
-    image = render(scene)
-    expected = 255 * np.array(matplotlib.colormaps[COLOUR_MAP](17.0 / value_map.limit)[:3])
+    image = render(replace(scene, curves=()))
+    expected = 255 * np.array(matplotlib.colormaps[RESULT_COLOUR_MAP](17.0 / value_map.limit)[:3])
     seen = [np.abs(pixel(image, scene.camera, point) - expected).max() < 12 for point in heel]
     # what is not behind an edge or the gear
     assert np.mean(seen) > 0.8

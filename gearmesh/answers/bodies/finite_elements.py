@@ -179,8 +179,15 @@ class FiniteElementSolution(Result):
     @property
     def headline(self) -> str:
         contact = self.measured.contact
-        pressure = "" if contact is None else f"; pressure {contact.max_pressure:.5g} MPa{self._reserve}"
-        return f"{self.problem.headline}{pressure}"
+        if contact is None:
+            return self.problem.headline
+        largest = f"pressure {contact.max_pressure:.5g} MPa{self._reserve}"
+        by_hertz = self.problem.measured.hertz_p0
+        if self.reserve and not math.isnan(by_hertz):
+            largest = (
+                f"pressure by Hertz {by_hertz:.5g} MPa, of the elements {contact.max_pressure:.5g} MPa{self._reserve}"
+            )
+        return f"{self.problem.headline}; {largest}"
 
     @property
     def reserve(self) -> str:
@@ -206,8 +213,15 @@ class FiniteElementSolution(Result):
         return [
             *self.problem.listings,
             *tables,
-            figures("Solution", Summary(map(self._with_reserve, self.figures.entries))),
+            figures("Solution", Summary(self._solution_entries)),
         ]
+
+    @property
+    def _solution_entries(self) -> list[Entry]:
+        """Figures for a table; a pressure that is not resolved stands last, with the reason."""
+        entries = [self._with_reserve(entry) for entry in self.figures.entries]
+        peak = SolvedContact.key_of("max_pressure")
+        return sorted(entries, key=lambda entry: entry.key == peak and bool(self.reserve))
 
     def _with_reserve(self, entry: Entry) -> Entry:
         """Return a figure for a table, with the reason appended to an unresolved pressure."""

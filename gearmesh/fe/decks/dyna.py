@@ -24,7 +24,7 @@ from gearmesh.fe.decks.registry import register
 from gearmesh.fe.model import Model, RigidTie
 from gearmesh.formats import K_SUFFIX
 from gearmesh.io.atomic import whole_file
-from gearmesh.io.rows import lines
+from gearmesh.io.texts import lines
 
 #: element formulations of first and second order
 FORMULATION_NUMBERS = {False: 62, True: 23}

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.fe.model import CyclicSymmetry
-from gearmesh.io.rows import lines
+from gearmesh.io.texts import lines
 from gearmesh.kernel.numeric.algebra import Array, unit
 from gearmesh.mesh.hexahedra.hexes import HexMesh
 

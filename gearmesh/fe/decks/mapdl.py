@@ -23,7 +23,7 @@ from gearmesh.fe.decks.registry import register
 from gearmesh.fe.model import Model
 from gearmesh.formats import CDB_SUFFIX
 from gearmesh.io.atomic import whole_file
-from gearmesh.io.rows import lines
+from gearmesh.io.texts import lines
 
 #: numbers of the element types
 SOLID_TYPE_NUMBER, TARGET_TYPE_NUMBER, CONTACT_TYPE_NUMBER, MASS_TYPE_NUMBER = 1, 2, 3, 4

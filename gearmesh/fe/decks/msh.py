@@ -72,10 +72,11 @@ def _file(model: Model) -> Iterator[str]:
 def _combinations(marks: NDArray[np.bool_]) -> tuple[NDArray[np.int64], list[list[int]]]:
     """Return the combination (C,) of sets of each member from the membership (sets, C), and the groups of each
     combination."""
-    combinations, combination_of = np.unique(marks.T, axis=0, return_inverse=True)
-    return combination_of.reshape(-1), [
-        [int(i) + 1 for i in np.flatnonzero(combination)] for combination in combinations
-    ]
+    # the combination of a member as one number of as many bytes as the sets fill, in the order of its bits
+    packed = np.ascontiguousarray(np.packbits(marks, axis=0).T)
+    keys = packed.view(f"V{packed.shape[1]}")[:, 0] if packed.size else np.zeros(len(packed), "V1")
+    _, first, combination_of = np.unique(keys, return_index=True, return_inverse=True)
+    return combination_of.reshape(-1), [[int(i) + 1 for i in np.flatnonzero(marks[:, member])] for member in first]
 
 
 def _membership(sets: dict[str, NDArray[np.int64]], count: int) -> NDArray[np.bool_]:

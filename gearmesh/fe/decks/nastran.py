@@ -26,7 +26,7 @@ from gearmesh.fe.decks.registry import register
 from gearmesh.fe.model import ContactPair, Model
 from gearmesh.formats import BDF_SUFFIX
 from gearmesh.io.atomic import whole_file
-from gearmesh.io.rows import lines
+from gearmesh.io.texts import lines
 from gearmesh.mesh.hexahedra.hexes import HexMesh
 
 #: numbers of the sets of constraints, loads and equations

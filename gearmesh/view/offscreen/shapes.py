@@ -18,7 +18,7 @@ from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.view.offscreen.drawing_process import PLAIN_PRIMITIVE, Order, Primitive
 from gearmesh.view.offscreen.front_plane import cut_front, section_lines
-from gearmesh.view.palette import COLOUR_MAP, INK_COLOUR, MARKING_COLOUR, REGION_EDGE, RUBBED_COLOUR, rgb
+from gearmesh.view.palette import INK_COLOUR, MARKING_COLOUR, REGION_EDGE, RUBBED_COLOUR, rgb
 from gearmesh.view.scene import Camera, CompoundFilm, Curve, Dots, PatternArea, Scene, SceneBody, ValueMap
 
 #: section of a body that has no colour of its own for it
@@ -407,15 +407,16 @@ def _map(value_map: ValueMap, viewer: Viewer) -> Iterator[Primitive]:
     points, cells, values = _patch(value_map.points, value_map.values)
     if len(cells):
         # Unlit, so that a colour on the tooth is exactly the colour in the bar.
-        points, limit, table = viewer.move_back(points, -0.5), value_map.limit, colour_table().tobytes()
+        points, limit = viewer.move_back(points, -0.5), value_map.limit
+        table = colour_table(value_map.colours).tobytes()
         yield _primitive(points, cells, INK_COLOUR, values=_floats(values), limit=limit, table=table, cut=limit)
 
 
-def colour_table() -> NDArray[np.uint8]:
-    """Colours (256, 4) of amounts on flanks, from zero to the largest."""
+def colour_table(name: str) -> NDArray[np.uint8]:
+    """Colours (256, 4) of a scale from zero to the largest, by matplotlib's name of the colours."""
     from matplotlib import colormaps
 
-    table: NDArray[np.uint8] = (colormaps[COLOUR_MAP](np.linspace(0.0, 1.0, 256)) * 255.0).round().astype(np.uint8)
+    table: NDArray[np.uint8] = (colormaps[name](np.linspace(0.0, 1.0, 256)) * 255.0).round().astype(np.uint8)
     return table
 
 
