@@ -19,7 +19,7 @@ from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.flank_frame import FlankFrame
 from gearmesh.teeth.gear_train import GearPair
-from gearmesh.view.scene import BLUE_STEEL_PAINT, BRASS_PAINT, Camera, Dots, Scene, SceneBody
+from gearmesh.view.scene import PALE_BLUE_PAINT, PALE_BRASS_PAINT, Camera, Dots, Scene, SceneBody
 
 #: height of the picture, in heights of a tooth
 PICTURE_HEIGHT_TOOTH_HEIGHTS = 4.2
@@ -84,7 +84,7 @@ class MeshSection:
                 self.meshes,
                 self.rolling.pair.both,
                 turns,
-                (BLUE_STEEL_PAINT, BRASS_PAINT),
+                (PALE_BLUE_PAINT, PALE_BRASS_PAINT),
                 SECTION_COLOURS,
                 strict=True,
             )

@@ -55,6 +55,10 @@ BLUE_STEEL_PAINT = Paint("#8ba9c9", {"flank": "#a5c0dc", "fillet": "#98b4d2"})
 BRONZE_PAINT = Paint("#b98d72", {"flank": "#cda68d", "fillet": "#c39a80"})
 #: second member
 BRASS_PAINT = Paint("#cdae7a", {"flank": "#dfc595", "fillet": "#d6ba88"})
+#: first member behind a section
+PALE_BLUE_PAINT = Paint("#e3eaf2")
+#: second member behind a section
+PALE_BRASS_PAINT = Paint("#f4efe4")
 #: tools
 TOOL_PAINT = Paint("#7f93c9", {"flank": "#92a6dc", "fillet": "#d98f5c"})
 

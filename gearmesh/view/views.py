@@ -223,6 +223,15 @@ NORMAL_WEIGHT = 0.7
 #: factors of a point's coordinates that leave its part perpendicular to z
 PLANE_FACTORS = np.array([1.0, 1.0, 0.0])
 
+#: size of the picture of a pair relative to the pair
+PAIR_MARGIN = 1.18
+#: distance by which a pair is below the middle of its picture, under the heading, as a share of the height
+HEADING_SHIFT = 0.035
+#: components of the direction of view along the gear's axis that are tried for a pair seen from the side
+SIDE_VIEW_HEIGHTS = (0.6, 0.9, 1.2)
+#: cosine of the angle within which a rack is turned level
+MIN_LEVEL_COSINE = 0.7
+
 #: shaft angle from which a pair is looked at from the side
 SIDE_VIEW_ANGLE_RAD = np.radians(55.0)
 
@@ -469,6 +478,22 @@ def _towards(axis: Array, points: Array) -> tuple[Array, bool]:
     return (-axis if tells and middle < 0.0 else axis), tells
 
 
+def _level(pair: GearPair, back: Array, up: Array) -> Array:
+    """Return the direction upwards (3,) near `up` by which a rack is level; `up` itself for gears that turn."""
+    for mount in pair.mounts:
+        if mount.joint.travel is not None:
+            way = unit(mount.at(1.0).translation - mount.at(0.0).translation)
+            level = unit(cross(back, way - dot(way, unit(back)) * unit(back)))
+            return np.asarray(level * np.sign(level @ up)) if abs(level @ up) > MIN_LEVEL_COSINE else up
+    return up
+
+
+def _filled(camera: Camera, points: Array, size: tuple[int, int]) -> float:
+    """Share of a picture that the box around points (K, 3) takes."""
+    wide, high = np.ptp((points - camera.focus) @ camera.axes[:2].T, axis=0) / camera.height
+    return float(wide * high * size[1] / size[0])
+
+
 def pair_camera(
     pair: GearPair,
     pinion: Array,
@@ -493,13 +518,21 @@ def pair_camera(
         if not of_pinion and cross(first, second) @ apart < 0.0:
             first = -first
         side = unit(cross(first, second))
-        whole = frame(0.9 * side - 0.6 * second - 0.5 * first, -second, points, size)
+        # a flat ring is seen from higher up than a wheel
+        ways = [(0.9 * side - height * second - 0.5 * first, -second) for height in SIDE_VIEW_HEIGHTS]
     else:
         along = unit(first + np.where(dot(first, second) < 0, -second, second))
         above = unit(apart - dot(apart, along) * along)
         ups = (above, cross(above, along))
-        views = (frame(along + 0.4 * up + 0.3 * cross(up, along), up, points, size) for up in ups)
-        whole = min(views, key=lambda camera: camera.height)
+        ways = [
+            (along + 0.4 * up + 0.3 * cross(up, along), _level(pair, along + 0.4 * up + 0.3 * cross(up, along), up))
+            for up in ups
+        ]
+    whole = max(
+        (frame(back, up, points, size, PAIR_MARGIN) for back, up in ways),
+        key=lambda camera: _filled(camera, points, size),
+    )
+    whole = whole.moved(HEADING_SHIFT * whole.height * whole.axes[1], whole.height)
     if close_up is None:
         return whole
     point, radius = close_up

@@ -145,3 +145,20 @@ def test_border_of_an_area_is_drawn_where_it_reaches() -> None:
         assert np.isnan(side[4:]).all()
     np.testing.assert_allclose(left[:3], grid[:, 0])
     assert np.isnan(right).all()
+
+
+@pytest.mark.quick
+def test_lines_that_would_be_a_dark_band_are_left_out() -> None:
+    """A comb of 41 lines: at 20 pixels apart all are drawn, at one pixel none; a knot of other lines alone goes."""
+    camera = Camera(np.array([0.0, 0.0, 100.0]), np.zeros(3), np.array([0.0, 1.0, 0.0]), 100.0)
+    x = np.repeat(np.arange(-20.0, 21.0), 2)
+    y = np.tile([-60.0, 60.0], 41)
+    edges = np.arange(82).reshape(-1, 2)
+    for spacing, count in ((20.0, 41), (1.0, 0)):
+        points = np.stack((spacing * x, y, 0.0 * x), axis=-1)
+        assert len(Viewer(camera, 1.0).apart(points, edges)) == count
+    knot = np.stack((8.0 + 0.05 * x, 0.4 * y, 0.0 * x), axis=-1)
+    corner = np.concatenate((np.stack((20.0 * x, 20.0 * y, 0.0 * x), axis=-1), knot))
+    kept = Viewer(camera, 1.0).apart(corner, np.arange(164).reshape(-1, 2))
+    # the line of the comb beside the knot stays: it is crowded along a fiftieth of its length
+    np.testing.assert_array_equal(kept, edges)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from oracles.built import built_sample
 from oracles.places import SAMPLES
 
 import gearmesh as gm
@@ -23,3 +24,30 @@ def test_a_worm_is_in_front_whatever_rounding_says(aside: tuple[float, float]) -
     camera = pair_camera(pair, *bodies, (800, 600))
     worm, wheel = (body.mean(axis=0) for body in bodies)
     assert (camera.position - camera.focus) @ (worm - wheel) > 0.0
+
+
+def test_a_rack_is_level_and_a_ring_fills_its_picture() -> None:
+    """Of a rack both ends of an edge are at one height; 35 % above face gears was blank."""
+    scene = built_sample("rack").picture("pair", size=(800, 600))._scene
+    rack = scene.bodies[1]
+    low, high = (rack.own_to_scene.point(rack.mesh.vertices[end]) for end in _ends(rack.mesh.vertices))
+    seen = scene.camera.pixels(np.stack((low, high)), (800, 600))
+    assert abs(seen[1, 1] - seen[0, 1]) < 1.0 < 400.0 < abs(seen[1, 0] - seen[0, 0])
+    scene = built_sample("face_gear").picture("pair", size=(800, 600))._scene
+    seen = np.concatenate(
+        [scene.camera.pixels(body.own_to_scene.point(body.mesh.vertices), (800, 600)) for body in scene.bodies]
+    )
+    assert np.ptp(seen[:, 0]) * np.ptp(seen[:, 1]) > 0.55 * 800 * 600
+    # under the heading, and within the picture
+    assert seen[:, 1].min() > 0.09 * 600
+    assert seen[:, 1].max() < 600
+
+
+def _ends(vertices: np.ndarray) -> tuple[int, int]:
+    """Numbers of the ends of the longest straight edge along a rack: alike but for their place along it."""
+    spread = np.ptp(vertices, axis=0)
+    along = int(spread.argmax())
+    across = np.delete(vertices, along, axis=1).round(6)
+    first = int(vertices[:, along].argmin())
+    alike = np.flatnonzero((across == across[first]).all(axis=1))
+    return first, int(alike[vertices[alike, along].argmax()])

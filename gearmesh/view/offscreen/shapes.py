@@ -38,8 +38,14 @@ _MIN_FOLD_SINE = 0.05
 OVERSAMPLING_FACTOR = 2
 #: cosine up to which a triangle is seen as a line
 _EDGE_ON_COSINE = 1e-6
+#: strength of the colours of bodies beyond their section, relative to bodies that are not cut
+BEYOND_SECTION_STRENGTH = 0.4
 #: width of the outline of a section
 SECTION_LINE_PIXELS = 1.6
+#: size of the cells in which lines are counted, pixels
+CROWD_CELL_PIXELS = 16.0
+#: lines across a cell, in front and behind, from which they are a dark band and left out
+MAX_CROWD_LINES = 14.0
 #: distance of the drawn pixels whose depth is known
 DEPTH_STEP = 4
 #: slope from which a triangle is seen as a line
@@ -147,6 +153,29 @@ class Viewer:
         edge = 0.5 * self.camera.height * np.array([self.shape, 1.0]) + EDGE_MARGIN_PIXELS * self.pixel
         inside: NDArray[np.bool_] = ((across.min(axis=1) < edge) & (across.max(axis=1) > -edge)).all(axis=1)
         return inside
+
+    def apart(self, points: Array, edges: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Return the edges (E, 2) of points (V, 3) that are not so close to others that they would be a dark band.
+
+        There is none if half of their length is crowded.
+        """
+        if not len(edges) or not self.camera.parallel:
+            return edges
+        start, end = np.moveaxis(points[edges] @ self.camera.axes[:2].T / (self.pixel * CROWD_CELL_PIXELS), 1, 0)
+        length = np.hypot(*(end - start).T)
+        count = np.ceil(length).astype(np.int64) + (length == 0.0)
+        edge = np.repeat(np.arange(len(edges)), count)
+        part = (np.arange(len(edge)) - np.repeat(np.cumsum(count) - count, count) + 0.5) / count[edge]
+        places = np.floor(start[edge] + part[:, None] * (end - start)[edge]).astype(np.int64)
+        places -= places.min(axis=0)
+        cell = places[:, 0] * (places[:, 1].max() + 1) + places[:, 1]
+        cell = np.unique(cell, return_inverse=True)[1].reshape(-1)
+        # length of lines in a cell, in lengths of the cell
+        crowd = np.bincount(cell, (length / count)[edge])
+        around = np.bincount(edge, crowd[cell]) / count
+        if length[around > MAX_CROWD_LINES].sum() > 0.5 * length.sum():
+            return edges[:0]
+        return edges[around < 2.0 * MAX_CROWD_LINES]
 
     def light(self, points: Array, normals: Array, colours: NDArray[np.uint8]) -> NDArray[np.uint8]:
         """Colours (N, 3) of points (N, 3) in the light of all lamps; normals (N, 3) may have either sense.
@@ -336,13 +365,15 @@ def _body(body: SceneBody, viewer: Viewer) -> Iterator[Primitive]:
     # a section has no lines that triangles must stay behind; moving it back by its slopes would pass its plane
     back = behind if body.section is not None else behind + viewer.slopes(corners)[:, None, None]
     points = viewer.move_back(corners, back).reshape(-1, 3)
-    lit: NDArray[np.uint8] | None = viewer.light(
-        points, corner_normals(mesh).reshape(-1, 3), np.repeat(colours, 3, axis=0)
-    )
+    lit = viewer.light(points, corner_normals(mesh).reshape(-1, 3), np.repeat(colours, 3, axis=0))
+    if body.section is not None:
+        # what is beyond a section is pale
+        lit = np.rint(255.0 - BEYOND_SECTION_STRENGTH * (255.0 - lit)).astype(np.uint8)
     outer = _nearest_first(outer, points)
     if opened:
-        points, outer, lit = cut_front(points, outer, viewer.depth(points, behind), lit)
-    assert lit is not None
+        points, outer, shades = cut_front(points, outer, viewer.depth(points, behind), lit)
+        assert shades is not None
+        lit = shades
     yield _primitive(points, outer, body.paint.colour, colours=lit.tobytes(), opacity=body.opacity)
     if opened:
         pixels = behind - 3.0
@@ -352,7 +383,7 @@ def _body(body: SceneBody, viewer: Viewer) -> Iterator[Primitive]:
             pairs = np.arange(len(ends)).reshape(-1, 2)
             yield _primitive(ends, pairs, INK_COLOUR, width=SECTION_LINE_PIXELS * OVERSAMPLING_FACTOR)
     # lines on the far side would show through a section
-    edges = region_edges(mesh, viewer.faces(corners) if opened else None)
+    edges = viewer.apart(mesh.vertices, region_edges(mesh, viewer.faces(corners) if opened else None))
     if len(edges) and body.section is None:
         pixels = behind - 0.5
         lines = viewer.move_back(mesh.vertices, pixels)

@@ -12,6 +12,8 @@ same side.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from gearmesh.kernel.motion.rigid import Rigid
@@ -25,9 +27,11 @@ from gearmesh.view.tools.tool_scene import sheet_mesh
 from gearmesh.view.views import frame
 
 #: size of the picture relative to its content
-CONTACT_MARGIN = 1.3
+CONTACT_MARGIN = 1.22
 #: distance between tool and tooth, in heights of the generating surface
 GAP_HEIGHTS = 0.45
+#: distance from the middle of a line of contact up to which a thread is shown, relative to the size of the tooth
+VISIBLE_THREAD_SHARE = 0.5
 #: height of lines above the generating surface, relative to its size
 LIFT_SIZE_SHARE = 1e-3
 
@@ -36,6 +40,7 @@ def tool_contact_scene(
     tool: ToolContact, tooth: TriangleMesh, title: str = "", size: tuple[int, int] = (1600, 1200)
 ) -> Scene:
     """Scene of the tool's generating side, and above it the mesh of that `tooth`, own frame; in the tool's frame."""
+    tool = _part_in_sight(tool)
     mesh, active = sheet_mesh(tool.sheets, tool.name), tool.active
     lift = LIFT_SIZE_SHARE * float(np.linalg.norm(np.ptp(active.points.reshape(-1, 3), axis=0)))
     seen = _axes(active, -1.0)
@@ -56,6 +61,29 @@ def tool_contact_scene(
     return Scene(bodies, camera, tuple(curves), words=words, title=title, size=size)
 
 
+def _part_in_sight(tool: ToolContact) -> ToolContact:
+    """Return a tool that is fed with only a part of its thread and of its line of contact; other tools as they are.
+
+    The line goes round the worm. The part is about as long as the tooth, which a whole worm would make small.
+    """
+    if tool.rolls:
+        return tool
+    (line,) = tool.lines
+    known = line.points[np.isfinite(line.points[:, 0])]
+    middle = known[len(known) // 2]
+    reach = VISIBLE_THREAD_SHARE * float(np.linalg.norm(np.ptp(tool.flank.points.reshape(-1, 3), axis=0)))
+
+    def part(sheet: ToolSheet) -> ToolSheet:
+        away = np.linalg.norm(sheet.points - middle, axis=-1).min(axis=0)
+        nearest, far = int(away.argmin()), np.flatnonzero(away > reach)
+        kept = slice(int(far[far < nearest].max(initial=-1)) + 1, int(far[far > nearest].min(initial=len(away))))
+        return replace(sheet, points=sheet.points[:, kept], normals=sheet.normals[:, kept])
+
+    near = np.linalg.norm(line.points - middle, axis=-1) <= reach
+    short = replace(line, points=np.where(near[:, None], line.points, np.nan))
+    return replace(tool, sheets=tuple(map(part, tool.sheets)), active=part(tool.active), lines=(short,))
+
+
 def _axes(sheet: ToolSheet, sense: float) -> Array:
     """Rows (3, 3): directions to the right, up and towards the viewer of a grid from root to tip and from toe to heel.
 
@@ -74,17 +102,15 @@ def _open(tool: ToolContact, seen: Array, tooth: TriangleMesh) -> Rigid:
     viewer.
     """
     turn = seen.T @ _axes(tool.flank, 1.0)
-    active, flank = tool.active.points.reshape(-1, 3) @ seen.T, tool.flank.points.reshape(-1, 3) @ turn.T @ seen.T
-    shift = 0.5 * (active.max(axis=0) + active.min(axis=0) - flank.max(axis=0) - flank.min(axis=0))
-    above = (_near(tool).reshape(-1, 3) @ seen.T)[:, 1].max() + GAP_HEIGHTS * float(np.ptp(active[:, 1]))
+    near, flank = _near(tool).reshape(-1, 3) @ seen.T, tool.flank.points.reshape(-1, 3) @ turn.T @ seen.T
+    shift = 0.5 * (near.max(axis=0) + near.min(axis=0) - flank.max(axis=0) - flank.min(axis=0))
+    above = near[:, 1].max() + GAP_HEIGHTS * float(np.ptp(near[:, 1]))
     shift[1] = above - (tooth.vertices @ turn.T @ seen.T)[:, 1].min()
     return Rigid(turn, shift @ seen)
 
 
 def _near(tool: ToolContact) -> Array:
     """Points (K, 3) of the tool that the picture must hold."""
-    if not tool.rolls:
-        return tool.active.points.reshape(-1, 3)
     return np.concatenate([sheet.points.reshape(-1, 3) for sheet in tool.sheets])
 
 

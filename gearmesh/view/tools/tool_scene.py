@@ -21,6 +21,10 @@ from gearmesh.view.views import frame
 TOOL_MARGIN = 1.45
 #: size of the picture relative to a rack or shaper, whose axes are too far away to be shown
 CLOSE_MARGIN = 2.2
+#: size of the picture relative to a member and such a tool
+WHOLE_MARGIN = 1.3
+#: factor up to which this picture may be larger than the picture of the tool, so that the whole member is shown
+MAX_WHOLE_GROWTH = 1.4
 #: smallest distances of words across and up, as shares of the picture's height; one of them must hold
 MIN_WORD_DISTANCES = (0.35, 0.08)
 #: opacity of a tool's working surfaces
@@ -68,6 +72,9 @@ def tool_scene(
     else:
         held, margin = tool.tool_to_own.point(mesh.vertices), CLOSE_MARGIN
     camera = frame(*_looking(tool, grid), held, size, margin)
+    if not tool.axes:
+        whole = frame(*_looking(tool, grid), seen, size, WHOLE_MARGIN)
+        camera = whole if whole.height < MAX_WHOLE_GROWTH * camera.height else camera
     words = [_axis_name(*line, camera) for line in lines] if tool.axes else []
     if any(_too_near(words[-1], word, camera) for word in words[:-1]):
         words[-1] = replace(words[-1], point=words[-1].inside, inside=words[-1].point)
