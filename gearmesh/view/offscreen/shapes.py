@@ -175,7 +175,8 @@ class Viewer:
         around = np.bincount(edge, crowd[cell]) / count
         if length[around > MAX_CROWD_LINES].sum() > 0.5 * length.sum():
             return edges[:0]
-        return edges[around < 2.0 * MAX_CROWD_LINES]
+        kept: NDArray[np.int64] = edges[around < 2.0 * MAX_CROWD_LINES]
+        return kept
 
     def light(self, points: Array, normals: Array, colours: NDArray[np.uint8]) -> NDArray[np.uint8]:
         """Colours (N, 3) of points (N, 3) in the light of all lamps; normals (N, 3) may have either sense.
