@@ -18,6 +18,7 @@ from gearmesh.answers.load.loaded import LoadedContact
 from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.mesh.tessellate import tessellate
+from gearmesh.progress import Progress
 from gearmesh.view.load import loaded_diagrams
 from gearmesh.view.load.footprints import Footprints, largest_pressure, scale_limit
 from gearmesh.view.load.loaded_pictures import LoadedPictures
@@ -160,8 +161,20 @@ def test_what_is_no_picture_is_said(loaded: LoadedContact) -> None:
 def test_render_draws_loaded_contact(loaded: LoadedContact, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     asked: list[Any] = []
-    monkeypatch.setattr(gm.Gears, "loaded_contact", lambda self, *args, **more: asked.append((args, more)) or loaded)
-    assert run("render", CROSSED, "-o", "a.svg", "--view", "loaded_te", "--torque", "2,10")[0] == 0
+
+    def solve(gears: gm.Gears, *args: Any, progress: Progress, **more: Any) -> LoadedContact:
+        progress(0.0, "bending of teeth")
+        asked.append((args, more))
+        return loaded
+
+    monkeypatch.setattr(gm.Gears, "loaded_contact", solve)
+    done, _, said = run("render", CROSSED, "-o", "a.svg", "--view", "loaded_te", "--torque", "2,10")
+    assert done == 0
+    # the solver was silent for minutes
+    assert [line for line in said.splitlines() if "warning" not in line] == [
+        "gearmesh: bending of teeth",
+        "gearmesh: picture",
+    ]
     assert (tmp_path / "a.svg").read_text().startswith("<?xml")
     # once of gears that are not built, for refusals, and once of those that are
     assert asked == [(([2.0, 10.0], None), {"pair": "pinion-gear"})] * 2

@@ -13,7 +13,7 @@ from gearmesh.app.options import DesignFile, Pair, Set, chosen_pair, load_gears,
 from gearmesh.app.terminal import picture_size, refuse_suffix, refuse_unwritable, warn, working
 from gearmesh.errors import ArgumentError
 from gearmesh.formats import DIAGRAM_SUFFIXES, GIF_SUFFIX, MP4_SUFFIX, PNG_SUFFIX
-from gearmesh.progress import part
+from gearmesh.progress import Progress, part, silent
 from gearmesh.view.animation import refuse_file
 from gearmesh.view.opengl import begin_drawing
 
@@ -66,6 +66,8 @@ MOVING_VIEWS = (View.section, View.pair, View.contact, View.pattern)
 WORM_MEMBER = "worm"
 #: default of --scallop
 DEFAULT_SCALLOP = "10um"
+#: share of the work on a picture of contact under load that solves the contact
+LOADED_SHARE = 0.9
 #: width and height of an animation, pixels
 ANIMATION_SIZE = (640, 480)
 #: suffixes of pictures (False) and of diagrams (True)
@@ -197,11 +199,14 @@ def render(
             return 0, gears.names.members
         return chosen_pair(gears, pair), gears.names.pairs[gears.names.pair_number(chosen_pair(gears, pair))]
 
-    def picture(gears: Gears) -> tuple[Picture | Diagram, tuple[str, ...]]:
-        """Return the picture and its warnings."""
+    def picture(gears: Gears, told: Progress = silent) -> tuple[Picture | Diagram, tuple[str, ...]]:
+        """Return the picture and its warnings; the stages of contact under load are told."""
         mesh, names = mesh_and_names(gears)
         if torques:
-            loaded = gears.loaded_contact(torques, phi1, pair=mesh)
+            loaded = gears.loaded_contact(
+                torques, phi1, pair=mesh, progress=lambda done, doing: told(LOADED_SHARE * done, doing)
+            )
+            told(LOADED_SHARE, "picture")
             shown = gears.picture(view.value, member, of=loaded, size=pixels, dpi=dpi, note=note)
             return shown, loaded.warnings
         if tool is not None:
@@ -229,10 +234,10 @@ def render(
 
     gears = load_gears(design_file, settings, ask)
     told = gears.warnings
-    with working("picture"):
+    with working("picture") as progress:
         if output is not None:
             with part(0.0, 0.4 if not torques and tool is None else 1.0):
-                shown, told = picture(gears)
+                shown, told = picture(gears, progress)
             with part(0.4, 1.0):
                 shown.save(output)
     if animate is not None:
