@@ -481,8 +481,9 @@ def _towards(axis: Array, points: Array) -> tuple[Array, bool]:
 def _level(pair: GearPair, back: Array, up: Array) -> Array:
     """Return the direction upwards (3,) near `up` by which a rack is level; `up` itself for gears that turn."""
     for mount in pair.mounts:
-        if mount.joint.travel is not None:
-            way = unit(mount.at(1.0).translation - mount.at(0.0).translation)
+        first, second = mount.at(0.0), mount.at(1.0)
+        if np.allclose(first.rotation, second.rotation):
+            way = unit(second.translation - first.translation)
             level = unit(cross(back, way - dot(way, unit(back)) * unit(back)))
             return np.asarray(level * np.sign(level @ up)) if abs(level @ up) > MIN_LEVEL_COSINE else up
     return up
