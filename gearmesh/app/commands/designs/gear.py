@@ -68,9 +68,9 @@ def gear(
     name = "rack" if rack else "gear"
     is_design = output is not None and output.suffix.lower() == TOML_SUFFIX
     file = None if output is None or is_design else PartFile(output, tol, curves=curves, offset=offset)
-    for name, value in (("tol", tol), ("curves", curves), ("offset", offset)):
+    for argument, value in (("tol", tol), ("curves", curves), ("offset", offset)):
         if value is not None and file is None:
-            raise ArgumentError(name, value, reason="needs -o with the file of a mesh, a CAD solid or a section")
+            raise ArgumentError(argument, value, reason="needs -o with the file of a mesh, a CAD solid or a section")
     if file is not None:
         file.refuse(name, (TOML_SUFFIX,))
     refuse_unwritable(output)
