@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sized
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -12,6 +13,7 @@ from gearmesh.arguments import checks_methods
 from gearmesh.design.core import Design
 from gearmesh.design.shown import html_table
 from gearmesh.errors import ArgumentError, NoSolutionError
+from gearmesh.figures import Figures, Summary, figure
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.lengths import Length, tolerance_in_mm
@@ -105,6 +107,13 @@ class MembersAlone(Mapping[str, Member]):
 
     def __len__(self) -> int:
         return len(self._parts)
+
+
+@dataclass(frozen=True)
+class StockFigures(Figures):
+    """Stock on the flanks of a part."""
+
+    flank_stock: float = figure("stock on the flanks, normal to them", "mm", "q")
 
 
 @checks_methods
@@ -270,6 +279,61 @@ class GearSet(Picklable):
             return systems.worm(self.design)
         member = self.member(name)
         return systems.ToolPart(member) if self._parts is None else self._parts[name]
+
+    def stocked_part(self, name: str) -> systems.ToolPart:
+        """A part as `part` returns it, with the stock that its key `stock` leaves on the flanks.
+
+        Parameters
+        ----------
+        name : str
+            Name, for example "pinion" or "worm".
+
+        Returns
+        -------
+        ToolPart
+            The member with stock, its figures and warnings.
+
+        Raises
+        ------
+        DesignError
+            For another name, and for stock for which the spaces have no room, with the largest that fits.
+
+        Examples
+        --------
+        >>> gears.stocked_part("gear").member is gears.member("gear")
+        True
+        """
+        part, stock = self.part(name), self.stock(name)
+        if not stock:
+            return part
+        from gearmesh.teeth.stock import stock_member
+
+        try:
+            stocked = stock_member(part.member, stock)
+        except ArgumentError as failure:
+            raise failure.rename(f"{self.design.table_named(name)}.stock") from failure
+        return replace(part, member=stocked, figures=Summary(part.figures, StockFigures(stock)))
+
+    def stock(self, name: str) -> float:
+        """Stock on the flanks of a part, as its key `stock` gives it.
+
+        Parameters
+        ----------
+        name : str
+            Name, for example "pinion".
+
+        Returns
+        -------
+        float
+            mm.
+
+        Examples
+        --------
+        >>> gears.stock("gear")
+        0.0
+        """
+        table = getattr(self.design.in_mm(), self.design.table_named(name), None)
+        return float(getattr(table, "stock", 0.0))
 
     def member(self, name: str) -> Member:
         """A member of the gear set.

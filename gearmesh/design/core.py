@@ -304,6 +304,18 @@ class BrokenEdges(Table):
         return self
 
 
+class FlankStock(Table):
+    """Stock for a finishing tool."""
+
+    stock: float = keys.length(
+        "stock on each flank, normal to it, in solids, sections, STEP files and tool paths; root and lands, contact and load "
+        "are those of the finished gear",
+        0.0,
+        low=0,
+        high=100,
+    )
+
+
 class TurnedTip(Table):
     """Turned tip: a cone or a throat instead of the tip cylinder."""
 
@@ -373,7 +385,7 @@ class TurnedBody(Table):
         return 0.0 if self.bore is None and (self.heel_shaft or self.toe_shaft) else self.bore
 
 
-class MemberBody(BrokenEdges, TurnedBody):
+class MemberBody(FlankStock, BrokenEdges, TurnedBody):
     """Keys of every member, with teeth or threads."""
 
     rank: ClassVar[int] = 0

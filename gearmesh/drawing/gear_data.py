@@ -26,7 +26,7 @@ from gearmesh.teeth.tooth import Tooth
 
 #: keys that appear elsewhere on the drawing
 KEYS_SHOWN_ELSEWHERE = (
-    *("gearmesh", "name", "kind", "units", "teeth"),
+    *("gearmesh", "name", "kind", "units", "teeth", "stock"),
     *("end_chamfer", "end_chamfer_toe", "end_chamfer_heel", "end_chamfer_angle"),
     *("end_rounding", "end_rounding_toe", "end_rounding_heel"),
 )
@@ -72,7 +72,7 @@ def facts_of(gears: GearSet, member: Member) -> Facts:
     deviations = tuple(_value(tables, symbol, member.name) for symbol in TIP_DEVIATIONS)
     density = STEEL_DENSITY_KG_PER_M3 if design.material.density is None else design.material.density
     return Facts(
-        rows=(*rows[:own_rows], *_end_chamfers(member), *rows[own_rows:]),
+        rows=(*rows[:own_rows], *_end_chamfers(member), *_stock(gears.stock(member.name)), *rows[own_rows:]),
         tip=None if drawn_rows is None else _value(tables, drawn_rows.tip, member.name),
         reference=(float(ends[0]), float(ends[1])) if len(ends) == 2 and None not in ends else None,
         tip_deviations=(float(deviations[0]), float(deviations[1])) if None not in deviations else None,
@@ -83,6 +83,11 @@ def facts_of(gears: GearSet, member: Member) -> Facts:
         version=f"gearmesh {__version__}",
         units="mm, deg",
     )
+
+
+def _stock(stock: float) -> list[DataRow]:
+    """Return a row for the stock (mm) on the flanks, if there is any."""
+    return [DataRow("stock on each flank, not drawn", "q", f"{number(stock)} mm")] if stock else []
 
 
 def _count(tooth: Tooth) -> str:

@@ -36,6 +36,8 @@ from gearmesh.teeth.tooth_side import Bottom, TipCorner, ToothSide
 
 #: key that a refusal names
 OFFSET_KEY = "offset"
+#: reason for a section that crosses itself or its neighbours
+CROSSED_TEETH = "the teeth would cut themselves or each other"
 #: samples of every link of a section on which an offset is tested
 LINK_SAMPLES = 33
 #: accuracy of the largest offset, as a share of the tooth's height
@@ -229,8 +231,8 @@ def _fault(made: Tooth, base: Tooth) -> str:
     for (region, grid), after in zip(grids.items(), [*grids.values()][1:], strict=False):
         if np.abs(grid.points[-1] - after.points[0]).max() > MAX_LINK_GAP_MM:
             return f"the {_words(region)} would part from what it meets"
-    if _crosses(made, np.concatenate([grid.points[1:] for grid in grids.values()])):
-        return "the teeth would cut themselves or each other"
+    if crosses_itself(made, np.concatenate([grid.points[1:] for grid in grids.values()])):
+        return CROSSED_TEETH
     return ""
 
 
@@ -258,7 +260,7 @@ def _words(region: Region) -> str:
     return str(region).replace("_", " ")
 
 
-def _crosses(tooth: Tooth, points: Array) -> bool:
+def crosses_itself(tooth: Tooth, points: Array) -> bool:
     """True if a section of one pitch, points (N, T, 3), crosses itself or its neighbours.
 
     The points are laid into the plane of (arc length round the joint, height).

@@ -68,6 +68,8 @@ class ToothSide:
     sharp: bool = False
     #: True if flank and fillet overlap at a hollow corner of the tool and end where they cross
     crossed: bool = False
+    #: parameter p of the flank up to which it may cross the fillet, from the form point; None: up to the tip
+    crossing_end: float | None = None
     #: description of the tool that made the side
     tool: ToolDescription = field(kw_only=True)
     #: flank and fillet by their motion of the tool; None if their parameters differ, or if no tool is known

@@ -105,7 +105,10 @@ def form_point(
         )
         p[cut], q[cut] = undercut.x[:, 0], undercut.x[:, 2]
     if side.crossed and not cut.all():
-        p[~cut], q[~cut] = _crossing(side, tip[0][~cut], (t[~cut], stations[~cut]), axial, root)
+        ends = tip[0][~cut]
+        if side.crossing_end is not None:
+            ends = np.full_like(ends, side.crossing_end)
+        p[~cut], q[~cut] = _crossing(side, ends, (t[~cut], stations[~cut]), axial, root)
     return p, q, undercut
 
 

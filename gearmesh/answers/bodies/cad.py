@@ -327,7 +327,7 @@ def cad_of(
         if member is None and value is not None:
             raise ArgumentError(name, value, must_be="left out for several members")
     if member is not None and (extract.flanks or teeth is not None):
-        tool_part = gears.part(member)
+        tool_part = gears.stocked_part(member)
         most = tool_part.member.tooth.teeth
         if teeth is not None and not 1 <= teeth <= most:
             raise ArgumentError("teeth", teeth, must_be=f"a whole number from 1 to {most}")
@@ -335,7 +335,7 @@ def cad_of(
             return _surfaces_of(gears, tool_part, tolerance, extract, teeth)
     make = cad_blank if extract.blank else cad_space if extract.space else partial(cad_solid, pitches=extract.sector)
     places = {} if member is not None else gears.places_at(phi1)
-    wanted = [gears.part(name) for name in ([member] if member is not None else places)]
+    wanted = [gears.stocked_part(name) for name in ([member] if member is not None else places)]
     made, measured, warnings = dict[str, Part](), dict[str, CadFigures](), list[str]()
     for alike in in_turn(_alike([part.member for part in wanted])):
         body, left_out = extract.repeat(extract.shift(alike[0]))

@@ -174,7 +174,7 @@ def section_of(
         name, value = ("offset", offset) if offset else ("z", "axial" if axial else z)
         raise ArgumentError(name, value, must_be="left out with blank, which is drawn by its outline")
     kind = Curves(curves)
-    part = gears.part(member)
+    part = gears.stocked_part(member)
     placed_member = placed_teeth(part.member)
     # mid face of a double helical member is the middle of its first half, where it has teeth
     low, high = placed_member.tooth.blank.body.ends

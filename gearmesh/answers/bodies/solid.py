@@ -513,7 +513,7 @@ def solid_of(
 
     `tolerance` is in mm; `place` is the place of the part in the file.
     """
-    part, gear_warnings = gears.part(name), gears.warnings
+    part, gear_warnings = gears.stocked_part(name), gears.warnings
     return member_solid(
         gears.design,
         part.member,

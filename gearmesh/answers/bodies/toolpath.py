@@ -313,4 +313,6 @@ def tool_path_of(
         tilt=None if tilt is None else math.radians(tilt),
     )
     cutter = BallCutter.of(tool)
-    return ToolPathAnswer(gears.design, member, tool_path(gears.part(member).member, cutter, asked), asked, float(feed))
+    return ToolPathAnswer(
+        gears.design, member, tool_path(gears.stocked_part(member).member, cutter, asked), asked, float(feed)
+    )

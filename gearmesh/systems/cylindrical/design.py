@@ -155,6 +155,7 @@ class CylindricalMember(TurnedTip, MemberTable, Modified):
     exclusive: ClassVar[tuple[tuple[str, str], ...]] = (
         ("pins", "balls"),
         *((key, "hob.chamfer_diameter") for key in TIP_SHAPE_KEYS),
+        ("stock", "hob.stock"),
     )
 
     internal: bool = keys.flag("internal gear; a negative number of teeth means the same", False, source="ISO 21771")

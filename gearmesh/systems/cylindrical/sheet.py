@@ -549,7 +549,7 @@ def _measures(pair: SheetGears) -> list[Row]:
                     for toothing, size in zip(teeth, sizes, strict=True)
                 ),
             )
-            for end, teeth in _states(pair, ends=ends).items()
+            for end, teeth in (_states(pair, ends=ends) | (_stocked(pair) if ends else {})).items()
         ]
 
     return [
@@ -639,9 +639,20 @@ def _states(pair: SheetGears, *, ends: bool) -> dict[str, tuple[Toothing, ...]]:
     return states
 
 
+def _stocked(pair: SheetGears) -> dict[str, tuple[Toothing, ...]]:
+    """Return the teeth with the stock on their flanks, by the suffix of the words; nothing if no member has stock."""
+    if not any(spec.stock for spec in pair.specs):
+        return {}
+    own = zip(pair.teeth, pair.specs, strict=True)
+    thicker = (
+        replace(teeth, allowance=teeth.allowance + 2.0 * spec.stock / math.cos(teeth.alpha)) for teeth, spec in own
+    )
+    return {", with stock": tuple(thicker)}
+
+
 def _suffix(words: str) -> str:
     """Return the suffix of a row's symbol for the suffix of its words."""
-    return words.replace(", ", "_")
+    return words.replace(", ", "_").replace(" ", "_")
 
 
 def _chord_rows(pair: SheetGears) -> list[Row]:

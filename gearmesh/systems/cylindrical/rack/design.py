@@ -13,6 +13,7 @@ from gearmesh.design.core import (
     BODY_TABLES,
     BrokenEdges,
     FlankContact,
+    FlankStock,
     MemberMaterial,
     UnloadedElementTable,
 )
@@ -92,7 +93,7 @@ class BarKeys(Modified):
         return self
 
 
-class RackTable(BrokenEdges, BarKeys):
+class RackTable(FlankStock, BrokenEdges, BarKeys):
     """The rack."""
 
     rank: ClassVar[int] = 0
