@@ -1,6 +1,6 @@
 """What studies cost: CPU seconds a row in this process, on two processes and on a Dask cluster, and what Dask itself takes.
 
-    python scripts/study_bench.py [--rows 2000] [--loads] [--write]
+    python scripts/study_bench.py [--rows 3200] [--loads] [--write]
 
 CPU seconds are those of all processes together, so that they do not depend on what else the machine does; `--write` keeps the
 tables in scripts/measured. With `--loads` only studies under load are measured.
@@ -22,7 +22,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 import tables
 
 import gearmesh as gm
-from gearmesh.study.rows.work import _build
+from gearmesh.study.rows.work import MAX_BATCHED_ROWS, _build
 
 ROOT = Path(__file__).parents[1]
 BEVEL = ROOT / "samples" / "spiral_bevel_basic.toml"
@@ -58,7 +58,7 @@ COLUMNS = {
     "dask": {
         "task": "time of Dask for a task, ms",
         "tasks": "tasks without work",
-        "chunk": "work in a chunk of 50 misalignments, s",
+        "chunk": f"work in a chunk of {MAX_BATCHED_ROWS} misalignments, s",
         "share": "time of Dask over the work, %",
     },
 }
@@ -133,7 +133,7 @@ def measured(rows: int, designs: int) -> tuple[list[dict[str, Any]], list[dict[s
         ),
     ]
     task = overhead()
-    chunk = 50 * 1e-3 * found[0]["each"]
+    chunk = MAX_BATCHED_ROWS * 1e-3 * found[0]["each"]
     return found, [{"task": 1e3 * task, "tasks": TASKS, "chunk": chunk, "share": 100.0 * task / chunk}]
 
 
@@ -159,7 +159,7 @@ def loads() -> list[dict[str, Any]]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--rows", type=int, default=2000)
+    parser.add_argument("--rows", type=int, default=3200)
     parser.add_argument("--designs", type=int, default=40)
     parser.add_argument("--write", action="store_true", help="keep the tables in scripts/measured")
     parser.add_argument("--loads", action="store_true", help="only studies under load")

@@ -61,6 +61,15 @@ class ContactPath:
     #: parts (P,) in contact, numbers in `pair.PARTS`, 0 on the flanks
     part: NDArray[np.intp]
 
+    def part_of(self, which: slice) -> ContactPath:
+        """Return the path at some of its positions."""
+        values: dict[str, Any] = {"lines": self.lines[which]}
+        for field in fields(self):
+            own = getattr(self, field.name)
+            if isinstance(own, np.ndarray):
+                values[field.name] = own[which]
+        return replace(self, **values)
+
     def without(self, nothing: ContactPath, which: NDArray[np.bool_]) -> ContactPath:
         """Return the path with the values of another path at some positions.
 

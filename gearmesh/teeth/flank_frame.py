@@ -59,8 +59,8 @@ class FlankFrame:
         steps, ends, thirds = np.linspace(0.0, 1.0, EDGE_POINTS), [0.0, 1.0], [0.0, 0.5, 1.0]
         way = slice(None, None, 1 if end_names(tooth.blank.axial) == (TOE_END, HEEL_END) else -1)
         cross, along, up = (
-            _values(levels, tooth.flank_grid(side, *grid).points[:, way])
-            for grid in ((thirds, thirds), (ends, steps), (steps, ends))
+            _values(levels, grid.points[:, way])
+            for grid in tooth.flank_grids(side, (thirds, thirds), (ends, steps), (steps, ends))
         )
         signs = np.sign([cross[1, 2, 0] - cross[1, 0, 0], cross[2, 1, 1] - cross[0, 1, 1]])
         return FlankFrame(levels, cross[1, 1], signs, cross[1, 1], along, up)

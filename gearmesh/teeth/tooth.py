@@ -934,10 +934,42 @@ class Tooth:
         >>> print(f"{np.hypot(*tip[:2]):.3f}")
         20.000
         """
+        return self.flank_grids(which, (s, t))[0]
+
+    def flank_grids(self, which: Side, *grids: tuple[ArrayLike, ArrayLike]) -> list[Grid]:
+        """Return several grids of a trimmed flank, which is trimmed once for all of them.
+
+        Parameters
+        ----------
+        which : Side
+            "right" or "left".
+        *grids : tuple of array_like
+            Shares s (S,) and stations t (T,) of each grid, as in `flank_grid`.
+
+        Returns
+        -------
+        list of Grid
+
+        Raises
+        ------
+        TrimError
+            Where the tooth cannot be trimmed there.
+
+        Examples
+        --------
+        >>> tooth = gears.members["pinion"].tooth
+        >>> [grid.points.shape for grid in tooth.flank_grids("right", ([1.0], [0.5]), ([0.0, 1.0], [0.5]))]
+        [(1, 1, 3), (2, 1, 3)]
+        """
         which = Side(which)
-        t, s = np.atleast_1d(np.asarray(t, dtype=float)), np.asarray(s, dtype=float)[:, None]
-        ends = self.ends(which, t)
-        return self._flank(which).between(s if which is Side.RIGHT else 1.0 - s, ends, self.stations(t))
+        wanted = [(np.asarray(s, dtype=float)[:, None], np.atleast_1d(np.asarray(t, dtype=float))) for s, t in grids]
+        stations, place = np.unique(np.concatenate([t for _, t in wanted]), return_inverse=True)
+        ends, flank = self.ends(which, stations), self._flank(which)
+        places = np.split(place, np.cumsum([t.size for _, t in wanted])[:-1])
+        return [
+            flank.between(s if which is Side.RIGHT else 1.0 - s, ends[at], self.stations(t))
+            for (s, t), at in zip(wanted, places, strict=True)
+        ]
 
     def volume(self, order: int = 24) -> float:
         """Return the volume of all teeth and the body, by Gauss quadrature of exact section areas.

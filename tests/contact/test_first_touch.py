@@ -12,6 +12,8 @@ from oracles.places import SAMPLES
 
 from gearmesh.check.members import roll_flanks, roll_members
 from gearmesh.contact.assemblies import many_assemblies
+from gearmesh.contact.conditions import refinement
+from gearmesh.contact.conditions.refinement import Trial, solve
 from gearmesh.contact.engagement.cycle import mesh_cycle
 from gearmesh.contact.engagement.engagement import whole_engagement
 from gearmesh.contact.first_touch import field
@@ -122,6 +124,21 @@ def test_an_edge_ahead_of_a_summit_is_found_among_many_assemblies() -> None:
     single = many_assemblies(pair, (alone[0], alone[1]), phi1[1:2])
     assert together.edges[16 * 21 + 1].tolist() == single.edges[0].tolist() == [1, -1]
     assert together.advance[16 * 21 + 1] == pytest.approx(single.advance[0], abs=1e-12)
+
+
+def test_positions_with_a_line_of_contact_are_complete_after_one_round(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing of both flanks is ahead of their line: places beside it were solved for in four rounds."""
+    rounds = list[int]()
+
+    def counted(pair: Pair, phi1: Array, trial: Trial) -> None:
+        rounds.append(len(trial.position))
+        solve(pair, phi1, trial)
+
+    monkeypatch.setattr(refinement, "solve", counted)
+    pair = solver_pair(sample("helical"))
+    contacts, _ = touches(pair, np.linspace(-0.5, 0.5, 21) * pair.pitch)
+    assert contacts.line.all()
+    assert len([count for count in rounds if count]) == 1
 
 
 def test_fillets_and_tip_edges_are_sampled_near_contact_alone(monkeypatch: pytest.MonkeyPatch) -> None:

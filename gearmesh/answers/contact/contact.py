@@ -36,7 +36,7 @@ from gearmesh.answers.contact.fit import (
     verdict,
 )
 from gearmesh.answers.contact.pattern import PatternFigures, images, pattern_figures, pattern_listing
-from gearmesh.answers.contact.sides import SideContact, side_contacts, whole_path
+from gearmesh.answers.contact.sides import SideContact, side_contacts, whole_path, whole_positions
 from gearmesh.answers.contact.turns import TurnsDetails, TurnsSummary, turns_listing, turns_warnings
 from gearmesh.answers.contact.zone import ZoneFigures, zone_of_lines
 from gearmesh.answers.result import Result, columns, header
@@ -101,6 +101,8 @@ class Contact(Result):
     turns: FullTurns | None = None
     #: whole engagement of the tooth pair; None if it has not been followed
     engagement: Engagement | None = None
+    #: path from first to last contact if it was solved together with `path`, else None
+    _solved_whole: ContactPath | None = None
 
     @property
     def suffixes(self) -> tuple[str, ...]:
@@ -193,6 +195,8 @@ class Contact(Result):
         """
         if self.fit is not None and self.fit.jammed:
             return None
+        if self._solved_whole is not None:
+            return self._solved_whole
         followed = self.engagement or whole_engagement(solver_pair(self.pair), self.pair.pitch)
         touching = followed is not None and followed.contacts.touching.any()
         known = None if self.cycle is None or self.pair.eccentric else self.cycle.engagement
@@ -467,14 +471,20 @@ def contact_of(
             whole.engagement if whole is not None and known else engagement_range(followed, pair.pitch, whole)
         )
         design = design.with_values(dict(zip(PHI1_RANGE_KEYS, map(float, ends), strict=True)))
+    # the positions of a design are solved together with those of the whole engagement, which takes hardly more time
+    more = np.empty(0)
     if phi1 is None:
+        if whole is not None and pair.generation is None and not pair.eccentric:
+            more = whole_positions(whole.engagement)
         wanted = design.contact.phi1
         phi1 = np.radians(np.linspace(wanted.start, wanted.stop, wanted.count))
     # gears that jam have no contact: these positions of the path stay empty
     jams = np.zeros(len(phi1), dtype=bool) if fits is None else fits.jams(phi1)
-    path = jammed_path(flanks, phi1)
+    path, solved_whole = jammed_path(flanks, phi1), None
     if fits is None or not (fits.jammed and jams.all()):
-        path = contact_path(flanks, phi1, pair.generation, engagement=followed).without(path, jams)
+        solved = contact_path(flanks, np.concatenate((phi1, more)), pair.generation, engagement=followed)
+        path = solved.part_of(slice(0, len(phi1))).without(path, jams)
+        solved_whole = solved.part_of(slice(len(phi1), None)) if more.size else None
     tell(0.9)
     summary = Summary(_summary(pair, path, whole), pair.figures, None if fits is None else FitSummary.of(pair, fits))
     hertz = None
@@ -519,6 +529,7 @@ def contact_of(
         _neighbours(pair, path, followed, whole),
         all_turns,
         None if whole is None or whole.curve is None else followed,
+        solved_whole,
     )
 
 

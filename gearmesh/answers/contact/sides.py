@@ -74,8 +74,12 @@ def whole_path(pair: GearPair, engagement: Engagement, known_range: tuple[float,
     `known_range`: the rotations (rad) of first and last contact, if they are known.
     """
     ends = engagement_range(engagement, pair.pitch) if known_range is None else known_range
-    phi1 = np.linspace(*ends, ENGAGEMENT_POSITIONS)
-    return contact_path(solver_pair(pair), phi1, None, engagement=engagement)
+    return contact_path(solver_pair(pair), whole_positions(ends), None, engagement=engagement)
+
+
+def whole_positions(ends: tuple[float, float]) -> Array:
+    """Return the closely spaced positions, rad, of a path from first to last contact at two rotations, rad."""
+    return np.linspace(*ends, ENGAGEMENT_POSITIONS)
 
 
 def side_contacts(

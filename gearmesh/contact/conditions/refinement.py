@@ -198,7 +198,7 @@ def refine_candidates(
             unsolved = (trial.edges[:, 0] < 0) & ~trial.good & np.isfinite(trial.most)
             lost = np.flatnonzero(unsolved & (trial.most >= contacts.advance[trial.position]))
             trial.most[lost] = np.minimum(trial.most[lost], look(trial.position[lost], trial.start[lost]))
-        trial = _next(pair, phi1, trial, contacts, tried if edges else None)
+        trial = _next(pair, phi1, trial, contacts, number, tried if edges else None)
 
 
 def _rank(advance: Array, edges: NDArray[np.intp]) -> Array:
@@ -379,14 +379,16 @@ def shape(pair: Pair, touch: Touch) -> tuple[NDArray[np.bool_], NDArray[np.bool_
     return ellipse.line, ellipse.crossing
 
 
-def _next(pair: Pair, phi1: Array, trial: Trial, contacts: Contacts, tried: TriedPlaces | None) -> Trial:
+def _next(pair: Pair, phi1: Array, trial: Trial, contacts: Contacts, number: int, tried: TriedPlaces | None) -> Trial:
     """Return the trials of the next round: new places on edges, and places that are not solved yet.
 
     A place beyond an edge, or without a solution, that may still be ahead leads to this edge alone, and to its crossing with the
     edge of the place. The crossing is nearer to the start of the place than to its end. Places in `tried` are not repeated; None
-    stands for no edges.
+    stands for no edges. Positions where part `number` touches along a line are complete.
     """
-    leading = trial.most >= contacts.advance[trial.position]
+    # nothing of these surfaces is ahead of their contact along a line
+    complete = contacts.line[trial.position] & (contacts.part[trial.position] == number)
+    leading = (trial.most >= contacts.advance[trial.position]) & ~complete
     unsolved = np.flatnonzero((trial.goes > 0) & leading)
     new = unsolved[:0]
     x, edges = trial.x[new], trial.edges[new]
