@@ -36,6 +36,7 @@ KEY_ENDINGS = {
     "%": "_percent",
     "modules": "_modules",
     "s": "",
+    "Hz": "_hz",
 }
 #: size, by unit, below which a table shows 0: above rounding, far below any measurement
 ZERO_SIZES = {
@@ -48,6 +49,7 @@ ZERO_SIZES = {
     "MPa": 1e-6,
     "N": 1e-6,
     "Nm": 1e-9,
+    "Hz": 1e-9,
 }
 #: place of the name of a member in a key
 MEMBER_PLACE = "{member}"

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.errors import NoSolutionError, OutputError
-from gearmesh.fe.decks.inp import reference_nodes, write_solved
+from gearmesh.fe.decks.inp import reference_nodes, write_modes, write_solved
 from gearmesh.fe.model import Model, RigidTie
 from gearmesh.fe.results import ContactTotal, NodalSolution, ReferenceNode
 from gearmesh.formats import INP_SUFFIX
@@ -73,6 +73,31 @@ def solve(
             if keep is not None:
                 _keep(folder, keep)
         return read(model, folder)
+
+
+def frequencies(
+    model: Model, count: int, progress: Progress | None = None, threads: int | None = None, keep: PathLike | None = None
+) -> list[float]:
+    """Return the lowest `count` natural frequencies, Hz, of a model without contact, as it is held.
+
+    Raises the errors of `solve`.
+    """
+    executable = program()
+    with scratch_folder() as folder:
+        write_modes(model, folder / f"{_JOB_NAME}{INP_SUFFIX}", count)
+        try:
+            run(executable, folder, progress, threads)
+        finally:
+            if keep is not None:
+                _keep(folder, keep)
+        text = (folder / f"{_JOB_NAME}.dat").read_text()
+    # rows: mode, eigenvalue, frequency in rad/s, in Hz, imaginary part
+    table = text.partition("E I G E N V A L U E   O U T P U T")[2].partition("P A R T I C I P A T I O N")[0]
+    rows = [line.split() for line in table.splitlines()]
+    found = [float(row[3]) for row in rows if len(row) == 5 and row[0].isdigit()]
+    if len(found) < count:
+        raise NoSolutionError(reason=f"ccx found {len(found)} of {count} natural frequencies")
+    return found[:count]
 
 
 def _keep(folder: Path, target: PathLike) -> None:

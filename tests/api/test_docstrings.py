@@ -125,6 +125,7 @@ LEFT_OUT = {
     "Solid.to_cadquery": "CadQuery needs OpenCASCADE 7, everything else here 8",
     "FiniteElements.solve": "CalculiX takes a minute; tests/fe runs it",
     "FiniteElementSolution.save": "CalculiX takes a minute; tests/fe runs it",
+    "FiniteElementModel.with_frequencies": "CalculiX takes a minute; tests/fe runs it",
 }
 #: examples that need OpenGL
 DRAWN = ("Picture.save", "Animation.save", "Gears.animation", "Gears.report", "ReportPage.save", "Gears.run")

@@ -115,6 +115,7 @@ WRONG: dict[str, dict[str, Any]] = {
         "--pair": ("a-b", "--pair = a-b"),
         "--picture": ("out.png", "--picture = out.png"),
         "--keep": ("kept", "--keep = kept"),
+        "--frequencies": ("0", "--frequencies = 0"),
     },
     "limits": {"--land": ("9", "--land = 9")},
     "topography": {

@@ -211,6 +211,10 @@ def test_other_formats_hold_the_same_mesh(tmp_path: Path, suffix: str) -> None:
         (["-o", "x.inp", "--picture", "x.png"], "--picture = x.png: must be left out without --solve"),
         (["-o", "x.inp", "--keep", "kept"], "--keep = kept: must be left out without --solve"),
         (["-o", "x"], "cannot write x: no suffix"),
+        (["--frequencies", "0"], "--frequencies = 0: must be a number from 1 to 100"),
+        (["--frequencies", "3", "--sector", "1"], "--frequencies = 3: must be left out for a sector"),
+        (["--frequencies", "3", "--solve"], "--frequencies = 3: must be left out with --solve"),
+        (["--frequencies", "3"], "--frequencies = 3: must be left out for members in mesh; choose one member"),
         (
             ["-o", "x.stl"],
             "unknown suffix .stl; allowed for finite-element models are .bdf, .cdb, .inp, .k, .med, .msh, .vtu",
@@ -245,6 +249,22 @@ def test_without_calculix(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
     message = refused("fe", CROSSED, "-o", tmp_path / "x.inp", "--solve", *COARSE)
     assert "apt-get install calculix-ccx" in message
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.sweep
+@needs_ccx
+def test_natural_frequencies_fall_as_the_root_of_the_density(tmp_path: Path) -> None:
+    arguments = ["fe", CROSSED, "--member", "pinion", "--teeth", "1", "--frequencies", "3", "--json", "-", *COARSE]
+    found = []
+    for density in ("7850", "1962.5"):
+        status, out, _ = run(*arguments, "--set", f"material.density={density}", "--keep", tmp_path / density)
+        assert status == 0
+        rows = json.loads(out)["natural_frequencies"]
+        assert [row["mode"] for row in rows] == [1, 2, 3]
+        found.append([row["frequency_hz"] for row in rows])
+        assert "*FREQUENCY\n3\n" in (tmp_path / density / "model.inp").read_text()
+    np.testing.assert_allclose(found[1], 2.0 * np.array(found[0]), rtol=1e-5)
+    assert found[0][0] > 1e4
 
 
 @pytest.mark.sweep

@@ -16,7 +16,7 @@ from gearmesh.contact.hertz import STEEL, Material
 from gearmesh.errors import NoSolutionError, OutputError
 from gearmesh.fe import ccx
 from gearmesh.fe.decks.vtu import write_mesh
-from gearmesh.fe.model import ContactPair, Model, RigidTie, Support
+from gearmesh.fe.model import ContactPair, Model, NodeForces, RigidTie, Support
 from gearmesh.fe.results import contact_figures, largest_principal
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import rotation_about
@@ -109,6 +109,22 @@ def test_stresses_at_integration_points_stand_in_their_order(tmp_path: Path) -> 
         name = f"stress_at_point_{k + 1}_mpa"
         np.testing.assert_array_equal(grid.cell_data[name], solution.point_stress[:, k])
         np.testing.assert_array_equal(read.cell_data[name][0], solution.point_stress[:, k])
+
+
+@pytest.mark.quick
+@needs_ccx
+def test_natural_frequencies_of_a_cantilever_are_those_of_its_density() -> None:
+    """A bar of 20 x 1 x 0.8 mm: k^2 / (2 pi) sqrt(E I / (rho A L^4)), both planes, within 0.3 % (shear, rotary inertia)."""
+    length, width, height, modulus, density = 20.0, 1.0, 0.8, 2e5, 7800.0
+    bar = block(
+        *(np.linspace(0.0, end, count) for end, count in ((length, 11), (width, 2), (height, 2))), second_order=True
+    )
+    load = NodeForces(np.array([1]), np.array([[1.0, 2.0, 3.0]]))
+    model = Model("bar", bar, {"all": Material(modulus, 0.0, density)}, supports=(Support("x0"),), forces=(load,))
+    found = ccx.frequencies(model, 3)
+    slender = 1.8751040687**2 / (2.0 * np.pi * length**2) * np.sqrt(modulus / (1e-12 * density) / 12.0)
+    np.testing.assert_allclose(found[:2], slender * np.array([height, width]), rtol=3e-3)
+    assert found == sorted(found)
 
 
 @pytest.mark.sweep

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn, Self
 
 from gearmesh.answers.bodies.extract import at_nominal_places
-from gearmesh.answers.bodies.model_figures import CyclicFigures, MeshFigures, UnloadedModelFigures
+from gearmesh.answers.bodies.model_figures import CyclicFigures, MeshFigures, ModeFigures, UnloadedModelFigures
 from gearmesh.answers.load.members import material_of
 from gearmesh.answers.result import Result, columns, header
-from gearmesh.answers.tables import Listing, figures
+from gearmesh.answers.tables import Listing, figures, round_to
 from gearmesh.deprecated import Deprecated
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, DesignError
@@ -31,6 +31,8 @@ from gearmesh.teeth.gear_train import GearTrain, Member
 if TYPE_CHECKING:
     import pyvista
 
+#: largest number of natural frequencies
+MAX_MODE_COUNT = 100
 #: scaled Jacobian below which elements cause a warning
 MIN_JACOBIAN = 0.2
 
@@ -50,6 +52,8 @@ class FiniteElementModel(Result):
     measured: MeshFigures
     #: warnings, one line each
     warnings: tuple[str, ...]
+    #: natural frequencies, if they were asked for
+    modes: tuple[ModeFigures, ...] = field(default=(), kw_only=True)
     model = Deprecated("_model", "0.19.0", "`mesh` has nodes, elements and sets, and save() writes all of it")
 
     @property
@@ -81,14 +85,63 @@ class FiniteElementModel(Result):
 
     @property
     def listings(self) -> list[Listing]:
-        return [figures("Model", self.figures)]
+        rows = [[mode.mode, round_to(mode.frequency, 3)] for mode in self.modes]
+        heads = [ModeFigures.key_of("mode"), ModeFigures.key_of("frequency")]
+        return [figures("Model", self.figures), *([Listing("Natural frequencies", heads, rows)] if rows else [])]
 
     def to_dict(self) -> dict[str, list[Any]]:
         return columns([self.measured.flat])
 
     @property
     def sections(self) -> Mapping[str, Content]:
-        return {**header(self.design), "model": self.figures, "solution": None}
+        modes = {"natural_frequencies": list(self.modes)} if self.modes else {}
+        return {**header(self.design), "model": self.figures, "solution": None, **modes}
+
+    def with_frequencies(
+        self,
+        count: int,
+        progress: Callable[[float, str], None] | None = None,
+        *,
+        keep: str | PathLike[str] | None = None,
+    ) -> Self:
+        """The model with its lowest natural frequencies by CalculiX: of one member, held as it is, without loads.
+
+        Parameters
+        ----------
+        count : int
+            Number of frequencies.
+        progress : callable, optional
+            As for `FiniteElements.solve`.
+        keep : str or os.PathLike, optional
+            As for `FiniteElements.solve`.
+
+        Returns
+        -------
+        FiniteElementModel
+            The same model; `modes` has the frequencies.
+
+        Raises
+        ------
+        ArgumentError
+            If the count is not from 1 to 100, for members in mesh, and for a sector.
+        OutputError
+            If CalculiX is not installed.
+        NoSolutionError
+            If CalculiX fails.
+
+        Examples
+        --------
+        >>> gears.finite_elements(members=["pinion"]).with_frequencies(10).modes[0].frequency  # doctest: +SKIP
+        """
+        from gearmesh.fe import ccx
+
+        refuse_mode_count(count)
+        if self._model.contacts:
+            raise ArgumentError("frequencies", count, must_be="left out for members in mesh; choose one member")
+        if self._model.cyclic is not None:
+            raise ArgumentError("frequencies", count, must_be="left out for a sector")
+        found = ccx.frequencies(self._model, count, progress, keep=keep)
+        return replace(self, modes=tuple(ModeFigures(k, each) for k, each in enumerate(found, 1)))
 
     def save(self, path: str | PathLike[str], *, timing: bool = True, program: str | None = None) -> Path:
         """Write the model (.inp, .bdf, .cdb, .k, .med with .comm), its mesh (.msh, .vtu) or its figures (.json).
@@ -176,6 +229,12 @@ class UnloadedFiniteElements(FiniteElementModel):
         gearmesh.errors.ArgumentError: solve = true: needs a mating gear: add the table [pinion]
         """
         raise self.train.needs_pair("solve", True)
+
+
+def refuse_mode_count(count: int) -> None:
+    """Raise ArgumentError for a number of natural frequencies that is not from 1 to `MAX_MODE_COUNT`."""
+    if not 1 <= count <= MAX_MODE_COUNT:
+        raise ArgumentError("frequencies", count, must_be=f"a number from 1 to {MAX_MODE_COUNT}")
 
 
 def mesh_request_of(design: Design, members: Iterable[Member], sector: int | None = None) -> MeshRequest:

@@ -68,6 +68,14 @@ class MeshFigures(Figures):
 
 
 @dataclass(frozen=True)
+class ModeFigures(Figures):
+    """A natural vibration of a finite-element model, as it is held."""
+
+    mode: int = figure("number of the mode", whole=True)
+    frequency: float = figure("natural frequency", "Hz", "f")
+
+
+@dataclass(frozen=True)
 class CyclicFigures(Figures):
     """The cyclic symmetry of a finite-element model of a sector."""
 

@@ -51,6 +51,8 @@ class _Dialect:
     requests: str
     #: requests of further results as text
     prints: str = ""
+    #: procedure of the step; a static one if empty
+    step: str = ""
 
 
 #: keywords of CalculiX
@@ -95,6 +97,16 @@ def write_abaqus(model: Model, path: Path) -> None:
     _write(path, _deck(model, _ABAQUS_DIALECT))
 
 
+def write_modes(model: Model, path: Path, count: int) -> None:
+    """Write the deck for ccx with a step for the lowest natural frequencies instead of loads.
+
+    `count`: number of frequencies.
+    """
+    unloaded = replace(model, forces=(), ties=tuple(replace(tie, load=(0.0,) * 6) for tie in model.ties))
+    dialect = replace(_CALCULIX_DIALECT, step=f"*FREQUENCY\n{count}\n", requests="*NODE FILE\nU\n")
+    _write(path, _deck(unloaded, dialect))
+
+
 def _write(path: Path, deck: Iterator[str]) -> None:
     with whole_file(path) as temporary, open(temporary, "w", encoding="utf-8", newline="\n") as file:
         file.writelines(deck)
@@ -118,7 +130,7 @@ def _deck(model: Model, dialect: _Dialect) -> Iterator[str]:
     if model.cyclic is not None:
         yield from _cyclic(model.cyclic, dialect)
     solver = f", SOLVER={_solver(model)}" if dialect.rotation_node else ""
-    yield f"*STEP\n*STATIC{solver}\n1., 1.\n"
+    yield "*STEP\n" + (dialect.step or f"*STATIC{solver}\n1., 1.\n")
     for support in model.supports:
         yield "*BOUNDARY\n"
         yield from (f"{support.node_set}, {d + 1}, {d + 1}, {support.value:.12g}\n" for d in support.directions)
@@ -127,7 +139,7 @@ def _deck(model: Model, dialect: _Dialect) -> Iterator[str]:
     for forces in model.forces:
         yield from _forces(forces)
     yield dialect.requests
-    yield from _calculix_prints(model) if dialect.rotation_node else ()
+    yield from _calculix_prints(model) if dialect.rotation_node and not dialect.step else ()
     yield dialect.prints
     yield "*END STEP\n"
 

@@ -95,6 +95,10 @@ def fe(
     pair: Pair = None,
     solve: Annotated[bool, typer.Option("--solve", help="Run CalculiX and read back stress and pressure.")] = False,
     json_file: Json = None,
+    frequencies: Annotated[
+        int | None,
+        typer.Option("--frequencies", metavar="N", help="Lowest natural frequencies of one member, by CalculiX."),
+    ] = None,
     keep: Annotated[
         Path | None, typer.Option("--keep", metavar="DIR", help="With --solve: keep deck, .frd and .dat in a folder.")
     ] = None,
@@ -106,7 +110,7 @@ def fe(
 ) -> None:
     """Finite-element model of the teeth in mesh, ready to run. The table [fe] sets the numbers of teeth and elements."""
     positions = positions_in_degrees(phi1) or [0.0]
-    _refuse_fe_options(output, picture, keep, solve)
+    _refuse_fe_options(output, picture, keep, solve, frequencies)
     folder = output is not None and not output.suffix and (solve or len(positions) > 1)
     if len(positions) > 1:
         _refuse_for_several(str(phi1), output, solve)
@@ -115,7 +119,7 @@ def fe(
 
         format_of(output, None if program is None else program.value)
     if sector is not None:
-        _refuse_for_sector(sector, teeth, len(positions))
+        _refuse_for_sector(sector, teeth, len(positions), frequencies)
     for file in (None if folder else output, json_file, picture):
         refuse_unwritable(file)
     for each in (output if folder else None, keep):
@@ -133,10 +137,12 @@ def fe(
             _refuse_unpaired(gears, phi1=phi1, rotation=rotation, friction=friction, pair=pair, solve=solve or None)
         mesh = chosen_pair(gears, pair) if gears.names.pairs else 0
         names = gears.names.pairs[gears.names.pair_number(mesh)] if gears.names.pairs else gears.names.members
+        if frequencies is not None and gears.names.pairs and member == BOTH_MEMBERS:
+            raise ArgumentError("frequencies", frequencies, must_be="left out for members in mesh; choose one member")
         return mesh, _members(gears, names, member, friction)
 
     overrides = [*(settings or []), *_fe_overrides(teeth, torque)]
-    if solve:
+    if solve or frequencies is not None:
         _require_programs(picture)
     gears = load_gears(design_file, overrides, model_of)
     mesh, members = modelled_members(gears)
@@ -160,7 +166,10 @@ def fe(
                 model = model_of(gears)
             if output is not None and not (solve and output.suffix.lower() in ("", *SOLUTION_SUFFIXES)):
                 model.save(output, program=chosen)
-            answer = _solve(gears, model, output, keep, picture, progress) if solve else model
+            if solve:
+                answer = _solve(gears, model, output, keep, picture, progress)
+            else:
+                answer = model if frequencies is None else model.with_frequencies(frequencies, progress, keep=keep)
             warnings = model.warnings
     write_text(json_file, lambda: answer.json(timing=timing))
     if json_file != "-":
@@ -215,13 +224,22 @@ def _solve(
     return solution
 
 
-def _refuse_fe_options(output: Path | None, picture: Path | None, keep: Path | None, solve: bool) -> None:
+def _refuse_fe_options(
+    output: Path | None, picture: Path | None, keep: Path | None, solve: bool, frequencies: int | None
+) -> None:
     """Refuse options of `fe` that are wrong for any design."""
-    if output is None and not solve:
+    if frequencies is not None:
+        from gearmesh.answers.bodies.finite_element_model import refuse_mode_count
+
+        refuse_mode_count(frequencies)
+        if solve:
+            raise ArgumentError("frequencies", frequencies, must_be="left out with --solve")
+    elif output is None and not solve:
         raise ArgumentError("output", reason="missing; name a file to write, or give --solve")
-    for option, value in (("picture", picture), ("keep", keep)):
-        if value is not None and not solve:
-            raise ArgumentError(option, value, must_be="left out without --solve")
+    if picture is not None and not solve:
+        raise ArgumentError("picture", picture, must_be="left out without --solve")
+    if keep is not None and not solve and frequencies is None:
+        raise ArgumentError("keep", keep, must_be="left out without --solve")
     if picture is not None:
         refuse_suffix(picture, PNG_SUFFIX)
 
@@ -246,8 +264,10 @@ def _refuse_for_several(phi1: str, output: Path | None, solve: bool) -> None:
         raise ArgumentError("output", output, must_be="a folder for several positions, a name without suffix")
 
 
-def _refuse_for_sector(sector: int, teeth: str | None, positions: int) -> None:
+def _refuse_for_sector(sector: int, teeth: str | None, positions: int, frequencies: int | None) -> None:
     """Refuse options that exclude a sector."""
+    if frequencies is not None:
+        raise ArgumentError("frequencies", frequencies, must_be="left out for a sector")
     if teeth is not None:
         raise ArgumentError("teeth", teeth, must_be="left out with --sector")
     if positions > 1:
