@@ -16,7 +16,7 @@ import gearmesh as gm
 from gearmesh.cad.brep import exact_volume
 from gearmesh.cad.section import member_section
 from gearmesh.mesh.solid import gear_solid, prove
-from gearmesh.systems.common.bodies.parallel_keys import keyway_in_hub
+from gearmesh.systems.common.standards.din6885 import keyway_in_hub
 from gearmesh.teeth.blank.features import BodyFeatures, Drilling
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import BODY_REGIONS

@@ -391,7 +391,7 @@ class WormDriveDesign(Design):
 
     def derived_values(self) -> dict[str, float]:
         # values that the file leaves out [DIN 3975], except face width, addendum and rounding.
-        # `face_width.derived_values` has those. The throat follows from the addendum, and is left open with it.
+        # `cutting.proportions.derived_values` has those. The throat follows from the addendum, and is left open with it.
         m, d1, wheel = self.axial_module, self.reference_diameter, self.wheel
         concave = self.worm.form == ThreadForm.ZC
         usual = self._zero_shift_distance + (CONCAVE_SHIFT_MODULES * m if concave else 0.0)

@@ -3,7 +3,7 @@
 from gearmesh.systems.system import PatternCheck, System
 from gearmesh.systems.worm_drive.build import ASSEMBLY_DISPLACEMENTS, build, pinned_values
 from gearmesh.systems.worm_drive.contact.pattern import ASSEMBLY_MOVES, pattern_shifts
-from gearmesh.systems.worm_drive.cutting.face_width import derived_values
+from gearmesh.systems.worm_drive.cutting.proportions import derived_values
 from gearmesh.systems.worm_drive.design import WormDriveDesign
 from gearmesh.systems.worm_drive.force_tables import pair_forces
 from gearmesh.systems.worm_drive.rexs import WORM_DRIVE

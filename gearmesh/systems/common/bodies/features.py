@@ -21,8 +21,8 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.polylines import contains
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.systems.common.bodies.body import LEAST_RIM, LEAST_WALL, RIM_DEPTHS
-from gearmesh.systems.common.bodies.parallel_keys import MAX_BORE_MM, MIN_BORE_MM, keyway_in_hub
 from gearmesh.systems.common.bounds import at_least, at_most
+from gearmesh.systems.common.standards.din6885 import MAX_BORE_MM, MIN_BORE_MM, keyway_in_hub
 from gearmesh.systems.common.tooth_edges import largest
 from gearmesh.teeth.blank.body import Body, Disc, TurnedStep
 from gearmesh.teeth.blank.features import BodyFeatures, Boss, ClosedLine, Drilling, Pattern, Slot, Spokes

@@ -1,4 +1,7 @@
-"""Sheet of a spiral bevel pair: blank, cutters and machine settings for the shop; dimensions; forces."""
+"""Sheet of a spiral bevel pair: blank, cutters and machine settings for the shop; dimensions; forces.
+
+A requested ease-off adds tables of what is reached of it, and of the residual topography.
+"""
 
 from __future__ import annotations
 
@@ -24,9 +27,9 @@ from gearmesh.systems.spiral_bevel.machine.maker_settings import maker_table
 from gearmesh.systems.spiral_bevel.machine.pair import BLADE_SIDES, HAND_SIGNS, MATING_SIDES, nominal_base
 from gearmesh.systems.spiral_bevel.sheet.accuracy import tolerance_table
 from gearmesh.systems.spiral_bevel.sheet.dimension_sheet import CutPair, dimension_tables
-from gearmesh.systems.spiral_bevel.sheet.form_tables import form_tables
 from gearmesh.systems.spiral_bevel.sheet.thrusts import thrust_table
 from gearmesh.systems.spiral_bevel.sheet.tooth_measures import width_across
+from gearmesh.systems.spiral_bevel.synthesis.flank_form import form_figures
 from gearmesh.systems.spiral_bevel.synthesis.settings import mean_point, offset_data
 from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import bevel_teeth
 from gearmesh.systems.system import Sheet, SheetTable
@@ -37,6 +40,8 @@ from gearmesh.tools.rack import at_height
 
 if TYPE_CHECKING:
     from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
+    from gearmesh.systems.spiral_bevel.synthesis.settings import FlankForm
+
 
 #: title of the table of hypoid gears
 OFFSET_TITLE = "Pitch plane with offset [ISO 23509]"
@@ -394,3 +399,37 @@ def pair_rows_of(blank: BevelBlank, unit: float, noun: str) -> tuple[tuple[Any, 
         *((item, noun, float(value / unit)) for item, value in lengths),
         *((item, "deg", float(np.degrees(value))) for item, value in angles),
     )
+
+
+#: decimals of values in um
+UM_DECIMALS = 2
+
+
+def form_tables(design: FaceMilledDesign, forms: dict[str, FlankForm]) -> Iterator[SheetTable]:
+    """Return the requested and reached ease-off, and the residual topography of each side, um."""
+    if not forms:
+        return
+    rows: dict[str, list[float | None]] = {}
+    for name, form in forms.items():
+        target = design.ease_off(name)
+        for key, value in form.parameters.items():
+            rows.setdefault(key, []).extend((_um(1e3 * getattr(target, key)), _um(1e3 * value)))
+        figures = form_figures(form)
+        rows.setdefault("residual_max", []).extend((None, _um(figures.ease_off_residual_max)))
+        rows.setdefault("residual_rms", []).extend((None, _um(figures.ease_off_residual_rms)))
+    heads = tuple(f"{name} {what}" for name in forms for what in ("asked", "reached"))
+    yield SheetTable("Ease-off", heads, tuple((key, "um", *values) for key, values in rows.items()))
+    for name, form in forms.items():
+        # rows from the pinion's tip downwards
+        x, y, um = (grid[:, ::-2] for grid in (form.along, form.up, 1e3 * form.residual))
+        row_numbers = np.flatnonzero(np.isfinite(um).any(axis=0))
+        yield SheetTable(
+            f"Residual topography of pinion {name}, toe (-1) to heel (1), gear's tip (-1) to pinion's tip (1)",
+            tuple(f"{value:.4g}" for value in x[:, 0]),
+            tuple((f"{y[0, k]:.2f}", "um", *map(_um, um[:, k])) for k in row_numbers),
+        )
+
+
+def _um(value: float) -> float | None:
+    """Return a value (um) as it is reported, or None."""
+    return round(float(value), UM_DECIMALS) + 0.0 if np.isfinite(value) else None
