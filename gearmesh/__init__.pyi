@@ -46,6 +46,7 @@ from .errors import DesignError as DesignError
 from .errors import GearmeshError as GearmeshError
 from .errors import NoSolutionError as NoSolutionError
 from .errors import OutputError as OutputError
+from .explore.explorer import Explorer as Explorer
 from .figures import Summary as Summary
 from .kernel.motion.rigid import Rigid as Rigid
 from .loaded.mounts import FlexibleMount as FlexibleMount

@@ -7,6 +7,7 @@ processes must run the same version of the program.
 
 from __future__ import annotations
 
+import hashlib
 import inspect
 import io
 import pickle
@@ -14,11 +15,16 @@ import sys
 from collections.abc import Iterator
 from importlib import import_module
 from types import CellType, CodeType, FunctionType
-from typing import Any
+from typing import Any, ClassVar
+
+import numpy as np
 
 from gearmesh import __version__
 from gearmesh.errors import OutputError
 
+#: significant digits of numbers in fingerprints, and size below which numbers are rounding errors
+FINGERPRINT_DIGITS = 12
+ROUNDING_ERROR = 1e-15
 #: part of the qualified name of a function within another
 _INNER_NAME = ".<locals>"
 #: mark of a closure cell without a value
@@ -42,6 +48,16 @@ def from_bytes(version: str, content: bytes) -> Any:
     return pickle.loads(content)
 
 
+def fingerprint(value: Any) -> str:
+    """Return a text that is equal for values which differ by the rounding of their numbers alone.
+
+    It must be computed before an object remembers anything of its use.
+    """
+    file = io.BytesIO()
+    _Fingerprinter(file, pickle.HIGHEST_PROTOCOL).dump(value)
+    return hashlib.sha256(file.getvalue()).hexdigest()
+
+
 class Picklable:
     """Base of objects that pickle with all their parts."""
 
@@ -59,11 +75,36 @@ class _Pickler(pickle.Pickler):
     """Pickler that also pickles functions within functions."""
 
     def reducer_override(self, value: Any) -> Any:
-        if isinstance(value, FunctionType) and _INNER_NAME in value.__qualname__:
-            cells = value.__closure__ or ()
-            state = (value.__defaults__, value.__kwdefaults__, [_content(cell) for cell in cells])
-            return _function, (_place(value), len(cells)), state, None, None, _fill
-        return NotImplemented
+        return _reduced(value)
+
+
+def _reduced(value: Any) -> Any:
+    """Return how a function within another is pickled; NotImplemented for any other value."""
+    if isinstance(value, FunctionType) and _INNER_NAME in value.__qualname__:
+        cells = value.__closure__ or ()
+        state = (value.__defaults__, value.__kwdefaults__, [_content(cell) for cell in cells])
+        return _function, (_place(value), len(cells)), state, None, None, _fill
+    return NotImplemented
+
+
+class _Fingerprinter(pickle._Pickler):
+    """Pickler that writes numbers as texts of fewer digits; nothing reads what it writes."""
+
+    dispatch: ClassVar[dict[type, Any]] = dict(pickle._Pickler.dispatch)
+
+    def reducer_override(self, value: Any) -> Any:
+        if isinstance(value, np.ndarray) and value.dtype.kind == "f":
+            return tuple, ((*value.shape, *map(_few_digits, value.ravel().tolist())),)
+        return _reduced(value)
+
+    def _save_number(self: Any, value: float) -> None:
+        self.save(_few_digits(value))
+
+    dispatch[float] = _save_number
+
+
+def _few_digits(value: float) -> str:
+    return f"{value:.{FINGERPRINT_DIGITS}g}" if abs(value) >= ROUNDING_ERROR else "0"
 
 
 def _content(cell: Any) -> Any:

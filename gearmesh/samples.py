@@ -75,6 +75,11 @@ def copy(name: str, folder: str | Path) -> Path:
     return Path(folder) / sample.name
 
 
+def folder_path() -> Path:
+    """Return the folder of the samples."""
+    return Path(str(_folder()))
+
+
 def _find(name: str) -> Traversable:
     """Return the file of a sample or guide, named with or without its suffix."""
     files = _files()

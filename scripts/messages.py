@@ -63,6 +63,7 @@ def sources() -> list[Path]:
     """All files with texts: the package, the page, the READMEs, guides and pages of the site."""
     own = [path for end in ("py", "md", "html") for path in PACKAGE.rglob(f"*.{end}")]
     page = [PACKAGE / "view" / "report" / name for name in ("scene.js", "view.js")]
+    page += sorted((PACKAGE / "explore" / "page").glob("*.js"))
     beside = [ROOT / "README.md", ROOT / "samples" / "README.md", ROOT / "scripts" / "README.md"]
     pages = [path for folder in ("samples/guides", "scripts/site/pages") for path in (ROOT / folder).rglob("*.md")]
     return sorted((*own, *page)) + beside + sorted(pages)

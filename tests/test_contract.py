@@ -66,9 +66,11 @@ MAY_IMPORT: dict[str, str] = {
     "view": "kernel tools teeth contact mesh check fe loaded io answers",  # and of solvers their results alone
     "drawing": "kernel teeth design systems cad answers view",  # of answers the sheet, of view the writer of figures
     "reports": "kernel teeth design files systems mesh io answers view drawing study",
+    # the local page
+    "explore": "design systems samples mesh teeth answers view reports",
     # only app and gearmesh import api
-    "api": "teeth design systems cad answers view drawing study reports",
-    "app": "api answers view samples systems design files exchange io cad fe contact study",  # nobody imports app
+    "api": "teeth design systems cad answers view drawing study reports explore",
+    "app": "api answers view explore samples systems design files exchange io cad fe contact study",  # nobody imports app
 }
 #: the only packages of others that may be loaded by importing, and those that may be loaded inside functions too
 LIGHT = {"numpy", "pydantic", "typer", "rich", "click", "threadpoolctl"}
@@ -87,6 +89,9 @@ HEAVY = {
     "meshio",
     "tomli_w",
     "ezdxf",
+    "starlette",
+    "uvicorn",
+    "websockets",
 }
 #: what view may import of the solvers' packages: what they found, not how it is found
 SOLVERS = ("contact", "loaded")
@@ -124,7 +129,7 @@ def package_of(parts: tuple[str, ...]) -> str:
 def imported(file: str, source: str) -> list[tuple[int, bool, str]]:
     """(line, on importing, absolute dotted name) of all imports in a file, those for types too; `from a import b` gives a.b."""
     package, found = Path(file).parts[:-1], []
-    inner = {id(n) for f in nodes(source) if isinstance(f, ast.FunctionDef) for n in ast.walk(f)}
+    inner = {id(n) for f in nodes(source) if isinstance(f, ast.FunctionDef | ast.AsyncFunctionDef) for n in ast.walk(f)}
     checking = {id(n) for f in nodes(source) if isinstance(f, ast.If)
                 and "TYPE_CHECKING" in (getattr(f.test, "id", ""), getattr(f.test, "attr", ""))
               for n in ast.walk(f)}  # fmt: skip

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from gearmesh.answers.pinned import Pinned
     from gearmesh.answers.sheet import Compensation, DesignSheet
     from gearmesh.drawing.drawing import WorkshopDrawing
+    from gearmesh.explore.explorer import Explorer
     from gearmesh.reports.report import ReportPage
     from gearmesh.reports.run import Report
     from gearmesh.study.largest_errors import LargestErrors
@@ -1029,6 +1030,38 @@ class Gears(ModelledGears):
                 for k, loaded_mesh in loaded_meshes(self, torque, contacts, progress).items()
             },
         )
+
+    def explore(self, port: int = 0, *, browser: bool = True) -> Explorer:
+        """Open a page on this machine on which turning a number turns the gear; needs `pip install "gearmesh[explore]"`.
+
+        Parameters
+        ----------
+        port : int
+            Port on this machine, or 0 for any free one.
+        browser : bool
+            Open the page in the browser.
+
+        Returns
+        -------
+        Explorer
+            The running page: its address, `wait()` and `close()`. As a context manager it closes itself.
+
+        Raises
+        ------
+        DesignError
+            For a port that is in use.
+        OutputError
+            Where the server library is not installed.
+
+        Examples
+        --------
+        >>> with gears.explore(browser=False) as page:
+        ...     page.url.startswith("http://127.0.0.1:")
+        True
+        """
+        from gearmesh.explore.explorer import explore
+
+        return explore(self.design, port, browser=browser)
 
     # ---------------------------------------------------------------- the main job
 

@@ -836,13 +836,8 @@ class Design(Table):
         20
         """
         gone = tuple(key for key, value in values.items() if value is None)
-        kept = (
-            (key, value)
-            for key, value in self.own()
-            if not f"{key}.".startswith(tuple(f"{prefix}." for prefix in gone))
-        )
         given = ((key, value) for key, value in values.items() if value is not None)
-        stated = type(self)(**with_keys({}, (*kept, *given)))
+        stated = type(self)(**with_keys(self.stated(gone), given))
         complete = stated.plain()
         for dotted, value in self.derived_keys():
             *tables, last = dotted.split(".")

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import numbers
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any, ClassVar, Literal, Self, get_args
@@ -595,6 +595,39 @@ class Table(BaseModel):
                 yield from value.own(f"{prefix}{name}.")
             else:
                 yield prefix + name, value
+
+    def stated(self, gone: Collection[str] = ()) -> dict[str, Any]:
+        """Return what was set as nested tables, as in a file: also tables that are there without a key, as `keyway = {}`.
+
+        Parameters
+        ----------
+        gone : collection of str
+            Dotted keys and tables to leave out.
+
+        Returns
+        -------
+        dict of str to values
+            The dict loads back to the same table.
+
+        Examples
+        --------
+        >>> design.stated(["contact"])["pinion"]["teeth"]
+        18
+        """
+        found: dict[str, Any] = {}
+        for name in self.names():
+            value = getattr(self, name)
+            if name not in self.model_fields_set or value is None or name in gone:
+                continue
+            if isinstance(value, Table):
+                inner = [key.removeprefix(f"{name}.") for key in gone if key.startswith(f"{name}.")]
+                table = value.stated(inner)
+                # a table whose last key is left out is left out, too
+                if table or not any(True for _ in value.own()):
+                    found[name] = table
+            else:
+                found[name] = value
+        return found
 
     def _count_as_set(self, other: Table) -> None:
         """Count the keys as set that are set in `other`, a table of the same class."""

@@ -21,7 +21,6 @@ from gearmesh.answers.limits import limits_of
 from gearmesh.answers.sheet import DesignSheet, sheet_of
 from gearmesh.answers.tables import Listing, as_html, figures
 from gearmesh.design.core import Design
-from gearmesh.design.dotted import with_keys
 from gearmesh.design.files import with_version
 from gearmesh.drawing.drawing import WorkshopDrawing, drawing_of
 from gearmesh.errors import NoSolutionError, OutputArgumentError, OutputError
@@ -159,7 +158,7 @@ def report_page(
     solids = {} if check is None else check.solids
     members = [_staged_member(member, tolerance, solids.get(name)) for name, member in gears.members.items()]
     meshes = {member.member.name: member.whole for member in members}
-    overview = _overview(gears, moving, meshes)
+    overview = overview_scene(gears, moving, meshes)
     skipped = opengl.missing_opengl_message()
     if images is None:
         images = [] if skipped else _draw(gears, moving, members, overview)
@@ -232,7 +231,7 @@ def _worst(
     return next(iter(ordered), None)
 
 
-def _overview(gears: GearSet, contacts: Mapping[int, Contact], meshes: Mapping[str, TriangleMesh]) -> Scene:
+def overview_scene(gears: GearSet, contacts: Mapping[int, Contact], meshes: Mapping[str, TriangleMesh]) -> Scene:
     """Return the picture of all gears, in mesh if they mesh."""
     if 0 not in contacts:
         axis = next(iter(gears.members.values())).mount.axis
@@ -423,7 +422,7 @@ def _of(name: str) -> str:
 
 def given_keys(design: Design) -> str:
     """Return the keys that a design sets, as TOML."""
-    return with_version(with_keys({}, design.own()))
+    return with_version(design.stated())
 
 
 def _contact_tables(contact: Contact) -> list[Listing]:

@@ -612,7 +612,7 @@ def _eccentric(design: Design, train: GearTrain) -> GearTrain:
     return replace(train, pairs=pairs, alike=())
 
 
-def _try_build(design: Design) -> object:
+def try_build(design: Design) -> object:
     """Build the gear set of a design, or try it faster if the system can."""
     own = system_of(design)
     return own.build(_fill(design).in_mm()) if own.tried is None else own.tried(design.in_mm())
@@ -666,7 +666,7 @@ def _refused_by_name(
 
         # refusals are in mm
         failure.lengths_in = (design.units, design.mm_per_unit)
-        told = diagnose(design, failure, tried or _try_build, _derived_values)
+        told = diagnose(design, failure, tried or try_build, _derived_values)
         # an error that is its own cause would send whoever follows causes round in a circle
         raise told from (failure if told is not failure else failure.__cause__)
 

@@ -79,6 +79,7 @@ PYTHON = (
             "Animation",
             "Report",
             "ReportPage",
+            "Explorer",
             "load_rexs",
             "RexsReading",
             "RexsExport",

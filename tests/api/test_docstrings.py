@@ -123,6 +123,7 @@ LEFT_OUT = {
     "Cad.to_cadquery": "CadQuery needs OpenCASCADE 7, everything else here 8",
     "Gears.to_cadquery": "CadQuery needs OpenCASCADE 7, everything else here 8",
     "Solid.to_cadquery": "CadQuery needs OpenCASCADE 7, everything else here 8",
+    "Explorer.wait": "it waits for Ctrl-C",
     "FiniteElements.solve": "CalculiX takes a minute; tests/fe runs it",
     "FiniteElementSolution.save": "CalculiX takes a minute; tests/fe runs it",
     "FiniteElementModel.with_frequencies": "CalculiX takes a minute; tests/fe runs it",

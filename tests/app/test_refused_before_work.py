@@ -45,6 +45,7 @@ BASE: dict[str, list[str]] = {
     "describe": [SPUR],
     "prove": [SPUR],
     "new": ["hypoid"],
+    "explore": [SPUR, "--no-browser"],
     "pin": [SPUR, "-o", "out.toml"],
     "convert": [SPUR, "-o", "out.rexs"],
     "sample": ["spur"],
@@ -193,6 +194,7 @@ WRONG: dict[str, dict[str, Any]] = {
         "--tls-client-key": ("nowhere.pem", "--tls-ca-file: missing"),
         "--pair": ("a-b", "--pair = a-b"),
     },
+    "explore": {"--port": ("80", "--port = 80")},
     "describe": {
         "--torque": ("-1", "--torque = -1"),
         "--speed": ("10", "--speed = 10"),

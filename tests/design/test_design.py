@@ -535,3 +535,12 @@ def test_derived_values_out_of_range_have_the_digits_of_other_figures() -> None:
         load(SAMPLES / "helical.toml", ["assembly.center_distance=220"])
     with pytest.raises(DesignError, match=r"pinion.profile_shift = 12.3456789: must be"):
         load(SAMPLES / "helical.toml", ["pinion.profile_shift=12.3456789"])
+
+
+def test_tables_without_a_key_stay_when_other_keys_change() -> None:
+    design = load(SAMPLES / "zerol.toml")
+    assert design.stated()["gear"] == {"teeth": 30, "cutter": {}}
+    assert design.with_values({"name": "other"}).stated()["gear"] == design.stated()["gear"]
+    assert "cutter" not in design.with_values({"gear.cutter": None}).stated()["gear"]
+    own = design.with_values({"gear.cutter.tilt": 1.0})
+    assert "cutter" not in own.with_values({"gear.cutter.tilt": None}).stated()["gear"]

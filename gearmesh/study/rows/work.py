@@ -307,7 +307,7 @@ def displacing_keys(kind: str) -> tuple[str, ...]:
 
 def own_keys(design: Design) -> Mapping[str, Any]:
     """Return the keys that a design sets, as nested tables."""
-    return with_keys({}, design.own())
+    return design.stated()
 
 
 def remount(flanks: Pair, pair: GearPair) -> Pair:

@@ -70,6 +70,11 @@ class StagedMember:
     #: mesh of everything that is not repeated with the teeth
     rest: TriangleMesh
 
+    @property
+    def reach(self) -> float:
+        """Largest distance (mm) of the mesh from the origin of its own frame."""
+        return float(np.linalg.norm(self.whole.vertices, axis=1).max())
+
     @staticmethod
     def of(member: Member, tolerance: float) -> StagedMember:
         """Mesh a member within `tolerance`, mm."""
@@ -97,31 +102,40 @@ def stage(
     shapes: list[dict[str, Any]] = []
     shown = []
     for staged in members:
-        shape = {"tooth": packed_mesh(staged.tooth), "rest": packed_mesh(staged.rest)}
+        shape = shape_data(staged)
         if shape not in shapes:
             shapes.append(shape)
-        shown.append(
-            _member(staged.member, shapes.index(shape), float(np.linalg.norm(staged.whole.vertices, axis=1).max()))
-        )
+        shown.append(member_data(staged.member, shapes.index(shape), staged.reach))
     names = [staged.member.name for staged in members]
     return {
-        "camera": {
-            "back": (camera.position - camera.focus).tolist(),
-            "focus": camera.focus.tolist(),
-            "up": np.asarray(camera.up).tolist(),
-            "height": camera.height,
-        },
+        "camera": camera_data(camera),
         "shapes": shapes,
         "members": shown,
-        "pairs": [_pair(train, staged, names) for staged in pairs],
+        "pairs": [pair_data(train, staged, names) for staged in pairs],
     }
+
+
+def camera_data(camera: Camera) -> dict[str, Any]:
+    """Return the data of the camera with which the view begins."""
+    return {
+        "back": (camera.position - camera.focus).tolist(),
+        "focus": camera.focus.tolist(),
+        "up": np.asarray(camera.up).tolist(),
+        "height": camera.height,
+    }
+
+
+def shape_data(staged: StagedMember) -> dict[str, Any]:
+    """Return the data of the shape of a member: its tooth, and everything that is not repeated."""
+    return {"tooth": packed_mesh(staged.tooth), "rest": packed_mesh(staged.rest)}
 
 
 def _part(mesh: TriangleMesh, chosen: Any) -> TriangleMesh:
     return replace(mesh, triangles=mesh.triangles[chosen], regions=mesh.regions[chosen], normals=mesh.normals[chosen])
 
 
-def _member(member: Member, shape: int, reach: float) -> dict[str, Any]:
+def member_data(member: Member, shape: int, reach: float) -> dict[str, Any]:
+    """Return the data of a member: its mounting and teeth, the number of its shape, and its `reach` (mm) from its origin."""
     joint, mount = member.tooth.joint, member.mount
     places = joint.places(member.tooth.teeth)
     paint = MEMBER_PAINTS[shape % len(MEMBER_PAINTS)]
@@ -143,7 +157,8 @@ def _member(member: Member, shape: int, reach: float) -> dict[str, Any]:
     }
 
 
-def _pair(train: GearTrain, staged: StagedPair, names: list[str]) -> dict[str, Any]:
+def pair_data(train: GearTrain, staged: StagedPair, names: list[str]) -> dict[str, Any]:
+    """Return the data of the contact of a pair; `names` are those of all members, in the order of the view."""
     pair, path, turns = staged.pair, staged.contact.path, staged.contact.turns
     rad, unit = pair.output.reading.error
     return {

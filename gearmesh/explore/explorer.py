@@ -1,0 +1,185 @@
+"""A running page: its address, and its end."""
+
+from __future__ import annotations
+
+import socket
+import threading
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Self
+
+from gearmesh.design.core import Design
+from gearmesh.design.files import override, read, text_of, toml, with_version
+from gearmesh.errors import ArgumentError, OutputError
+from gearmesh.explore.rewriting import rewritten
+from gearmesh.explore.state import OPENED_NAME, Origin, flat, nested
+from gearmesh.formats import JSON_SUFFIX
+from gearmesh.systems.designs import parse_as_stated
+
+if TYPE_CHECKING:
+    import uvicorn
+
+#: address of this machine
+LOOPBACK_ADDRESS = "127.0.0.1"
+#: smallest and largest port that may be chosen; 0 stands for any free one
+MIN_PORT, MAX_PORT = 1024, 65535
+#: time in which the server must have started, s
+START_S = 30.0
+#: name of the extra with the server library
+EXTRA_NAME = "explore"
+
+
+class Explorer:
+    """A page on this machine on which turning a number turns the gear, served until it is closed.
+
+    Use it as a context manager, or close it.
+    """
+
+    def __init__(self, opened: Origin | None = None, port: int = 0, *, browser: bool = True) -> None:
+        refuse_port(port)
+        require_server()
+        import uvicorn
+
+        from gearmesh.explore.server import MAX_FRAME_BYTES, Gate, application
+
+        self._socket = _bound(port)
+        self.port = int(self._socket.getsockname()[1])
+        self._gate = Gate()
+        app, self.pages = application(opened, self._gate, self.port)
+        config = uvicorn.Config(
+            app,
+            ws_max_size=MAX_FRAME_BYTES,
+            log_config=None,
+            access_log=False,
+            server_header=False,
+            proxy_headers=False,
+            ws_per_message_deflate=False,
+            lifespan="on",
+            timeout_graceful_shutdown=1,
+        )
+        self._server = uvicorn.Server(config)
+        self._thread = threading.Thread(target=self._server.run, args=([self._socket],), daemon=True)
+        self._thread.start()
+        _wait_for(self._server, self._thread)
+        if browser:
+            import webbrowser
+
+            webbrowser.open(self.url)
+
+    @property
+    def url(self) -> str:
+        """Address of the page; its token is good once.
+
+        Returns
+        -------
+        str
+            With 127.0.0.1, the port and the token.
+
+        Examples
+        --------
+        >>> with gears.explore(browser=False) as page:
+        ...     page.url.partition(":")[0]
+        'http'
+        """
+        return f"http://{LOOPBACK_ADDRESS}:{self.port}/?token={self._gate.token}"
+
+    def wait(self) -> None:
+        """Wait until the page is closed, or Ctrl-C.
+
+        Examples
+        --------
+        >>> gears.explore().wait()  # doctest: +SKIP
+        """
+        while self._thread.is_alive():
+            self._thread.join(0.5)
+
+    def close(self) -> None:
+        """End the server and its process.
+
+        Examples
+        --------
+        >>> gears.explore(browser=False).close()
+        """
+        self._server.should_exit = True
+        self._thread.join()
+        self._socket.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        return f"<Explorer: http://{LOOPBACK_ADDRESS}:{self.port}>"
+
+
+def explore(design: Design, port: int, *, browser: bool) -> Explorer:
+    """Return the running page of a design."""
+    return Explorer(origin_of(design), port, browser=browser)
+
+
+def origin_of(design: Design) -> Origin:
+    """Return the origin of a design without a file: the keys that it sets."""
+    keys: Mapping[str, Any] = {**design.stated(), "kind": design.kind}
+    return Origin.of_text(OPENED_NAME, with_version(keys), keys, Path())
+
+
+def origin_of_file(path: Path, overrides: Sequence[str] = ()) -> Origin:
+    """Return the origin of a design file with overridden keys. Raises DesignError as `gearmesh.load` does."""
+    data = override(read(path), overrides)
+    text = toml(data) if path.suffix.lower() == JSON_SUFFIX else rewritten(text_of(path), dict(flat(data)))
+    origin = Origin.of_text(OPENED_NAME, text, data, path.parent)
+    parse_as_stated(nested(origin.keys))
+    return origin
+
+
+def refuse_port(port: int) -> None:
+    """Raise ArgumentError for a port that cannot be chosen."""
+    if isinstance(port, bool) or not isinstance(port, int) or not (port == 0 or MIN_PORT <= port <= MAX_PORT):
+        raise ArgumentError(
+            "port", port, must_be=f"a whole number from {MIN_PORT} to {MAX_PORT}, or 0 for any free port"
+        )
+
+
+def require_server() -> None:
+    """Raise OutputError where the server library is not installed."""
+    try:
+        import starlette  # noqa: F401
+        import uvicorn  # noqa: F401
+        import websockets  # noqa: F401
+    except ImportError as missing:
+        raise OutputError(
+            "explore", reason=f"needs {missing.name}", remedy=f'pip install "gearmesh[{EXTRA_NAME}]"'
+        ) from None
+
+
+def _bound(port: int) -> socket.socket:
+    """Return a socket that listens on a port of this machine alone. Raises OutputError for a port in use."""
+    made = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    if hasattr(socket, "SO_EXCLUSIVEADDRUSE"):  # of Windows, where another program could listen, too
+        made.setsockopt(socket.SOL_SOCKET, socket.SO_EXCLUSIVEADDRUSE, 1)
+    else:
+        made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        made.bind((LOOPBACK_ADDRESS, port))
+    except OSError as failure:
+        made.close()
+        reason = failure.strerror or str(failure)
+        raise ArgumentError(
+            "port", port, reason=reason.lower(), remedy="choose another, or 0 for any free port"
+        ) from None
+    return made
+
+
+def _wait_for(server: uvicorn.Server, thread: threading.Thread) -> None:
+    """Wait until a server has started. Raises OutputError if it does not."""
+    end = time.monotonic() + START_S
+    while not server.started:
+        if not thread.is_alive() or time.monotonic() > end:
+            raise OutputError("explore", reason="the server did not start")
+        time.sleep(0.005)

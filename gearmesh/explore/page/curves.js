@@ -1,0 +1,139 @@
+// Curves of the contact of a pair: transmission error over the rotation, and the path of contact on the pinion's flank. Both have a
+// cursor at the position of the view, and move it where they are pressed.
+window.gearmeshCurves = function (parent, moveTo) {
+  "use strict";
+
+  const NAMES = "http://www.w3.org/2000/svg", WIDTH = 360, HEIGHT = 190, LEFT = 52, RIGHT = 12, TOP = 22, BOTTOM = 34;
+  const floats = (text) => new Float32Array(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer);
+
+  function made(name, attributes, text) {
+    const each = document.createElementNS(NAMES, name);
+    for (const [key, value] of Object.entries(attributes)) each.setAttribute(key, String(value));
+    if (text !== undefined) each.textContent = text;
+    return each;
+  }
+
+  // ends of a scale, a little wider than the values
+  function ends(values, least) {
+    let low = Infinity, high = -Infinity;
+    for (const value of values) if (Number.isFinite(value)) { low = Math.min(low, value); high = Math.max(high, value); }
+    if (low > high) return [0, 1];
+    const spare = Math.max(0.06 * (high - low), least / 2);
+    return [low - spare, high + spare];
+  }
+
+  const digits = (low, high) => Math.max(0, Math.min(6, 2 - Math.floor(Math.log10(Math.max(high - low, 1e-6)))));
+  const shown = (value, count) => (Number(value.toFixed(count)) || 0).toFixed(count).replace("-", "−");
+
+  function chart(title, label) {
+    const figure = document.createElement("figure"), caption = document.createElement("figcaption");
+    const svg = made("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: "img", "aria-label": title });
+    caption.textContent = title;
+    figure.append(svg, caption);
+    parent.append(figure);
+    return { svg, caption, label };
+  }
+
+  function axes(svg, [x0, x1], [y0, y1], across, upwards) {
+    const x = (value) => LEFT + (value - x0) / (x1 - x0) * (WIDTH - LEFT - RIGHT);
+    const y = (value) => HEIGHT - BOTTOM - (value - y0) / (y1 - y0) * (HEIGHT - TOP - BOTTOM);
+    svg.append(made("rect", { x: LEFT, y: TOP, width: WIDTH - LEFT - RIGHT, height: HEIGHT - TOP - BOTTOM, class: "axis", fill: "none" }));
+    const [dx, dy] = [digits(x0, x1), digits(y0, y1)];
+    svg.append(made("text", { x: LEFT, y: HEIGHT - BOTTOM + 14 }, shown(x0, dx)),
+      made("text", { x: WIDTH - RIGHT, y: HEIGHT - BOTTOM + 14, "text-anchor": "end" }, shown(x1, dx)),
+      made("text", { x: (LEFT + WIDTH - RIGHT) / 2, y: HEIGHT - 6, "text-anchor": "middle" }, across),
+      made("text", { x: LEFT - 5, y: HEIGHT - BOTTOM, "text-anchor": "end" }, shown(y0, dy)),
+      made("text", { x: LEFT - 5, y: TOP + 9, "text-anchor": "end" }, shown(y1, dy)),
+      made("text", { x: LEFT, y: 13 }, upwards));
+    return { x, y };
+  }
+
+  function path(xs, ys, scale) {
+    let text = "", open = false;
+    for (let k = 0; k < xs.length; k++) {
+      const known = Number.isFinite(xs[k]) && Number.isFinite(ys[k]);
+      if (known) text += `${open ? "L" : "M"}${scale.x(xs[k]).toFixed(2)},${scale.y(ys[k]).toFixed(2)}`;
+      open = known;
+    }
+    return text;
+  }
+
+  const degrees = (values) => Array.from(values, (value) => value * 180 / Math.PI);
+
+  // points of a flank as distance along the axis and from it; of a part that slides, across and up
+  function onFlank(points, slides) {
+    const along = [], out = [];
+    for (let k = 0; k + 2 < points.length; k += 3) {
+      along.push(points[k + 2]);
+      out.push(slides ? points[k] : Math.hypot(points[k], points[k + 1]));
+    }
+    return [along, out];
+  }
+
+  let now = null;
+
+  function seek(svg, xs, scale, event) {
+    const box = svg.getBoundingClientRect(), at = (event.clientX - box.left) / box.width * WIDTH;
+    let best = 0;
+    xs.forEach((value, k) => { if (Math.abs(scale.x(value) - at) < Math.abs(scale.x(xs[best]) - at)) best = k; });
+    moveTo(xs.length > 1 ? best / (xs.length - 1) : 0);
+  }
+
+  function show(pair, members, pinned) {
+    parent.replaceChildren();
+    now = null;
+    if (!pair) return;
+    const phi1 = degrees(floats(pair.phi1)), te = Array.from(floats(pair.te)), flank = pair.flanks[0];
+    const before = pinned && { phi1: degrees(floats(pinned.phi1)), te: Array.from(floats(pinned.te)), flank: pinned.flanks[0] };
+
+    const first = chart(`Transmission error of a tooth pair, ${pair.name}`);
+    const every = before ? [...te, ...before.te] : te;
+    const scale = axes(first.svg, ends(before ? [...phi1, ...before.phi1] : phi1, 1e-3), ends(every, 0.01), "φ₁ (°)", pair.te_unit);
+    if (before) first.svg.append(made("path", { d: path(before.phi1, before.te, scale), class: "pinned" }));
+    first.svg.append(made("path", { d: path(phi1, te, scale), class: "line" }));
+    const line = made("line", { y1: TOP, y2: HEIGHT - BOTTOM, class: "cursor" });
+    first.svg.append(line);
+
+    const member = members[pair.members[0]];
+    const second = chart(`Path of contact on the ${member.name}'s flank`);
+    const [rows, columns] = flank.shape, [along, out] = onFlank(floats(flank.points), Boolean(member.travel));
+    const [px, py] = onFlank(floats(flank.contact), Boolean(member.travel));
+    const border = [];
+    for (let j = 0; j < columns; j++) border.push(j);
+    for (let i = 1; i < rows; i++) border.push(i * columns + columns - 1);
+    for (let j = columns - 2; j >= 0; j--) border.push((rows - 1) * columns + j);
+    for (let i = rows - 2; i >= 0; i--) border.push(i * columns);
+    const places = axes(second.svg, ends(along, 1e-3), ends(out, 1e-3), "along the axis (mm)", member.travel ? "height (mm)" : "radius (mm)");
+    second.svg.append(made("path", { d: path(border.map((k) => along[k]), border.map((k) => out[k]), places), class: "edge" }));
+    if (before) {
+      const [bx, by] = onFlank(floats(before.flank.contact), Boolean(member.travel));
+      second.svg.append(made("path", { d: path(bx, by, places), class: "pinned" }));
+    }
+    second.svg.append(made("path", { d: path(px, py, places), class: "line" }));
+    const spot = made("circle", { r: 5, class: "spot" });
+    second.svg.append(spot);
+
+    for (const [svg, xs, of] of [[first.svg, phi1, scale], [second.svg, px, places]]) {
+      svg.addEventListener("pointerdown", (event) => { svg.setPointerCapture(event.pointerId); seek(svg, xs, of, event); });
+      svg.addEventListener("pointermove", (event) => { if (event.buttons) seek(svg, xs, of, event); });
+    }
+    now = { pair, phi1, te, scale, line, px, py, places, spot, caption: first.caption, title: first.caption.textContent };
+  }
+
+  function follow(share) {
+    if (!now) return;
+    const k = Math.round(share * (now.phi1.length - 1));
+    const x = now.scale.x(now.phi1[k]);
+    now.line.setAttribute("x1", x);
+    now.line.setAttribute("x2", x);
+    now.caption.textContent = `${now.title}: ${Number.isFinite(now.te[k]) ? `${shown(now.te[k], 3)} ${now.pair.te_unit}` : "no contact"} at φ₁ = ${shown(now.phi1[k], 2)}°`;
+    const known = Number.isFinite(now.px[k]);
+    now.spot.setAttribute("visibility", known ? "visible" : "hidden");
+    if (known) {
+      now.spot.setAttribute("cx", now.places.x(now.px[k]));
+      now.spot.setAttribute("cy", now.places.y(now.py[k]));
+    }
+  }
+
+  return { show, follow };
+};

@@ -1,0 +1,669 @@
+// The page of gearmesh explore. It keeps what was set (`state`), its history and its link; a process of the program computes all
+// figures, curves and meshes. Every change asks anew; what comes for an older question is not shown.
+(function () {
+  "use strict";
+
+  const element = (id) => document.getElementById(id);
+  const STORED = "gearmesh-explore", MAX_HISTORY = 200, SLOW_MS = 500, AGAIN_MS = 1000, DIGITS = 4;
+  const UNITS = { um: "µm", deg: "°", arcsec: "arcsec" };
+
+  // ---------------------------------------------------------------- the program
+
+  let socket = null, entered = false, count = 0, opened = null;
+  const asked = new Map();
+
+  function connect() {
+    socket = new WebSocket(`ws://${location.host}/socket`);
+    socket.addEventListener("open", () => {
+      const token = new URLSearchParams(location.search).get("token");
+      socket.send(JSON.stringify({ do: "enter", token, secret: localStorage.getItem(STORED) }));
+    });
+    socket.addEventListener("message", (event) => take(JSON.parse(event.data)));
+    socket.addEventListener("close", (event) => {
+      asked.clear();
+      busy = null;
+      if (event.code === 4403 || (!entered && event.code === 4429)) return;
+      trouble(entered ? "The program has ended, or cannot be reached. What was set stays here and in the link." : "The program cannot be reached.");
+      setTimeout(connect, AGAIN_MS);
+    });
+  }
+
+  function ask(what, fields = {}) {
+    if (!entered || socket.readyState !== WebSocket.OPEN) return null;
+    const id = ++count;
+    asked.set(id, { what, ...fields });
+    socket.send(JSON.stringify({ do: what, id, ...fields }));
+    return id;
+  }
+
+  function trouble(line) {
+    element("trouble").textContent = line;
+    element("trouble").hidden = !line;
+  }
+
+  const answers = {
+    entered(message) {
+      const first = !entered;
+      entered = true;
+      localStorage.setItem(STORED, message.secret);
+      history.replaceState(null, "", location.pathname + location.hash);
+      opened = message.opened;
+      trouble("");
+      if (state) show(null);
+      else if (first) begin();
+    },
+    wrong(message) { trouble(message.line); },
+    worker(message) { trouble(message.works ? "" : message.line); },
+    start: showStart,
+    opened(message) { replace({ from: message.from, keys: message.keys }, null); },
+    design: takeDesign,
+    figures: takeFigures,
+    scene: takeScene,
+    range: takeRange,
+    file(message) { save(message.name, Uint8Array.from(atob(message.content), (c) => c.charCodeAt(0))); },
+    refused: takeRefusal,
+    progress(message) { if (busy) busy.doing = `${message.doing}, ${Math.round(100 * message.share)} %`; },
+    end(message) {
+      asked.delete(message.id);
+      if (busy?.id === message.id) {
+        busy = null;
+        element("status").textContent = "";
+        askRange();
+      }
+      if (filing === message.id) {
+        filing = null;
+        element("status").textContent = "";
+      }
+    },
+  };
+
+  const OF_SHOW = ["design", "figures", "scene"];
+
+  function take(message) {
+    if (OF_SHOW.includes(message.type) && message.id !== latest) return;
+    answers[message.type]?.(message);
+  }
+
+  // ---------------------------------------------------------------- state, history, link
+
+  let state = null, latest = null, busy = null, filing = null, past = [], place = -1, merging = null;
+
+  const encode = (value) => btoa(String.fromCharCode(...new TextEncoder().encode(JSON.stringify(value))))
+    .replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");
+  function decode(text) {
+    try {
+      const bytes = Uint8Array.from(atob(text.replaceAll("-", "+").replaceAll("_", "/")), (c) => c.charCodeAt(0));
+      const value = JSON.parse(new TextDecoder().decode(bytes));
+      return typeof value.from === "string" && typeof value.keys === "object" ? value : null;
+    } catch {
+      return null;
+    }
+  }
+
+  function begin() {
+    const linked = location.hash.length > 1 ? decode(location.hash.slice(1)) : null;
+    if (location.hash.length > 1 && !linked) trouble("The link has no state that can be read.");
+    if (linked) replace(linked, null);
+    else if (opened) replace(opened, null);
+    else ask("start");
+  }
+
+  // other gears: the history begins anew, the camera too
+  function replace(given, last) {
+    past = [];
+    place = -1;
+    rowsOf = null;
+    unpin();
+    commit(given, last);
+  }
+
+  // `live` changes of one key, as by a slider, are one step of the history
+  function commit(next, last, live = false) {
+    state = next;
+    if (live && merging === last && place >= 0) past[place] = next;
+    else {
+      past = [...past.slice(Math.max(0, place + 2 - MAX_HISTORY), place + 1), next];
+      place = past.length - 1;
+    }
+    merging = live ? last : null;
+    show(last);
+  }
+
+  function step(by) {
+    if (!past[place + by]) return;
+    place += by;
+    state = past[place];
+    merging = null;
+    show(null);
+  }
+
+  function show(last) {
+    element("start").hidden = true;
+    element("work").hidden = false;
+    element("undo").disabled = place <= 0;
+    element("redo").disabled = place >= past.length - 1;
+    history.replaceState(null, "", `${location.pathname}#${encode(state)}`);
+    latest = ask("show", { from: state.from, keys: state.keys, last, have: scene ? held : [], rows: rowsOf });
+    if (latest === null) return;
+    busy = { id: latest, doing: "", since: performance.now() };
+  }
+
+  setInterval(() => {
+    if (busy && performance.now() - busy.since > SLOW_MS) element("status").textContent = busy.doing ? `Working: ${busy.doing}` : "Working";
+  }, 100);
+
+  function set(key, value, live = false) {
+    const keys = { ...state.keys };
+    if (value === undefined) delete keys[key];
+    else keys[key] = value;
+    if (JSON.stringify(keys) === JSON.stringify(state.keys)) return;
+    commit({ ...state, keys }, key, live);
+  }
+
+  // ---------------------------------------------------------------- keys
+
+  let rowsOf = null, rows = [], values = {}, members = [], errorKeys = [], shownRows = new Map(), chosen = null, ranges = new Map(), rangeAsked = null;
+
+  function takeDesign(message) {
+    element("title").textContent = document.title = message.title;
+    values = message.values;
+    members = message.members;
+    errorKeys = message.errors;
+    const before = element("saved-member").value;
+    options(element("saved-member"), [...members, "all"].map((name) => [name, name]));
+    if ([...members, "all"].includes(before)) element("saved-member").value = before;
+    if (message.rows) {
+      rows = message.rows;
+      rowsOf = message.of;
+      ranges.clear();
+      listKeys();
+      listErrors();
+    }
+    refuse(null);
+    ranges.clear();
+    updateKeys();
+  }
+
+  function options(select, choices) {
+    select.replaceChildren(...choices.map(([key, text]) => Object.assign(document.createElement("option"), { value: key, textContent: text })));
+  }
+
+  const isSet = (key) => Object.hasOwn(state.keys, key);
+  const valueOf = (key) => isSet(key) ? state.keys[key] : values[key];
+
+  function inText(value) {
+    if (value === undefined || value === null) return "";
+    if (Array.isArray(value)) return JSON.stringify(value).slice(1, -1).replaceAll(",", ", ");
+    return typeof value === "number" ? String(Math.abs(value) < 1e-12 ? 0 : Number(value.toPrecision(10))) : String(value);
+  }
+
+  // the value that a text stands for: a number, a list, or the text itself, as a length with its unit
+  function fromText(row, text) {
+    const plain = text.trim();
+    if (plain === "") return undefined;
+    if (row.list) {
+      try {
+        return JSON.parse(`[${plain}]`);
+      } catch {
+        return plain.split(",").map((part) => Number.isFinite(Number(part)) ? Number(part) : part.trim());
+      }
+    }
+    if (row.input !== "number") return plain;
+    const number = Number(plain.replace("−", "-"));
+    return Number.isFinite(number) ? number : plain;
+  }
+
+  function listKeys() {
+    const words = element("search").value.trim().toLowerCase().split(/\s+/).filter(Boolean), every = element("every").checked;
+    const groups = new Map();
+    for (const row of rows) {
+      if (errorKeys.includes(row.key)) continue;
+      const found = words.every((word) => row.key.toLowerCase().includes(word) || row.about.toLowerCase().includes(word));
+      if (!(words.length ? found : every || row.usual || isSet(row.key))) continue;
+      const table = row.key.includes(".") ? row.key.slice(0, row.key.lastIndexOf(".")) : "";
+      groups.set(table, [...(groups.get(table) ?? []), row]);
+    }
+    shownRows = new Map();
+    const open = new Set([...document.querySelectorAll("#groups details[open]")].map((each) => each.dataset.table));
+    const first = !document.querySelector("#groups details");
+    element("groups").replaceChildren(...[...groups].map(([table, inside]) => {
+      const details = document.createElement("details"), summary = document.createElement("summary");
+      details.dataset.table = table;
+      summary.textContent = table || "general";
+      details.open = words.length > 0 || (first ? !table.includes(".") && groups.size < 12 || inside.some((row) => isSet(row.key)) : open.has(table));
+      details.append(summary, ...inside.map(rowOf));
+      return details;
+    }));
+    if (!groups.size) element("groups").textContent = "No key has these words.";
+  }
+
+  function rowOf(row) {
+    const item = document.createElement("div"), name = row.key.slice(row.key.lastIndexOf(".") + 1), id = `key-${row.key}`;
+    item.className = "key";
+    item.dataset.key = row.key;
+    const label = Object.assign(document.createElement("label"), { htmlFor: id, textContent: name.replaceAll("_", " "), title: row.about });
+    let input;
+    if (row.input === "choice" || row.input === "flag") {
+      input = document.createElement("select");
+      options(input, (row.input === "flag" ? ["true", "false"] : row.choices).map((each) => [each, each.replaceAll("_", " ")]));
+      input.addEventListener("change", () => set(row.key, row.input === "flag" ? input.value === "true" : input.value));
+    } else {
+      input = Object.assign(document.createElement("input"), { type: "text", spellcheck: false });
+      if (row.input === "number") input.inputMode = "decimal";
+      input.addEventListener("change", () => set(row.key, fromText(row, input.value)));
+    }
+    input.id = id;
+    const unit = Object.assign(document.createElement("span"), { className: "unit", textContent: row.unit === "-" ? "" : row.unit });
+    const back = Object.assign(document.createElement("button"), { type: "button", className: "back", textContent: "↺", title: `Default: ${row.default}` });
+    back.setAttribute("aria-label", `Back to the default of ${row.key}`);
+    back.addEventListener("click", () => set(row.key, undefined));
+    item.append(label, input, unit, back);
+    item.addEventListener("focusin", () => choose(row, item));
+    shownRows.set(row.key, { row, item, input, back });
+    return item;
+  }
+
+  function updateKeys() {
+    // a key that was set elsewhere gets its row
+    if (Object.keys(state.keys).some((key) => !shownRows.has(key) && !errorKeys.includes(key) && rows.some((row) => row.key === key)) && !element("search").value) listKeys();
+    for (const { row, item, input, back } of shownRows.values()) {
+      const given = isSet(row.key);
+      item.classList.toggle("free", !given);
+      back.style.visibility = given && row.default !== "required" ? "visible" : "hidden";
+      if (document.activeElement !== input || input.tagName === "SELECT") input.value = inText(valueOf(row.key));
+      else if (given) input.value = inText(state.keys[row.key]);
+      if (!given && input.tagName === "INPUT" && values[row.key] === undefined) input.placeholder = row.default;
+      const slider = item.querySelector("input[type=range]");
+      if (slider && document.activeElement !== slider && typeof valueOf(row.key) === "number") slider.value = valueOf(row.key);
+    }
+    updateErrors();
+  }
+
+  // the row in use shows its meaning, what is allowed, and a slider over what builds
+  function choose(row, item) {
+    if (chosen?.row.key === row.key && item.querySelector(".more")) return;
+    chosen?.item.querySelectorAll(".more, input[type=range]").forEach((each) => each.remove());
+    chosen = { row, item };
+    const more = document.createElement("div");
+    more.className = "more";
+    more.textContent = `${row.about}${row.source ? ` [${row.source.replace(/^\[|\]$/g, "")}]` : ""}. Allowed: ${row.allowed}. Default: ${row.default}.`;
+    item.append(more);
+    askRange();
+  }
+
+  function askRange() {
+    const row = chosen?.row;
+    if (!row || row.input !== "number" || busy || typeof valueOf(row.key) !== "number") return;
+    if (ranges.has(row.key)) showRange(row.key);
+    else if (rangeAsked !== `${latest}/${row.key}`) {
+      rangeAsked = `${latest}/${row.key}`;
+      ask("range", { from: state.from, keys: state.keys, key: row.key });
+    }
+  }
+
+  // 1, 2 or 5 times a power of ten
+  function even(size) {
+    const power = 10 ** Math.floor(Math.log10(size)), first = size / power;
+    return (first < 1.5 ? 1 : first < 3.5 ? 2 : first < 7.5 ? 5 : 10) * power;
+  }
+
+  const snapped = (value, by) => Number((Math.round(value / by) * by).toPrecision(10));
+
+  function slider(key, low, high, by, label) {
+    const made = Object.assign(document.createElement("input"), { type: "range", min: low, max: high, step: by });
+    made.setAttribute("aria-label", label);
+    made.value = valueOf(key) ?? 0;
+    const moved = (live) => set(key, Math.min(Math.max(snapped(Number(made.value), by), low), high), live);
+    made.addEventListener("input", () => moved(true));
+    made.addEventListener("change", () => { moved(true); merging = null; });
+    return made;
+  }
+
+  function takeRange(message) {
+    ranges.set(message.key, message);
+    showRange(message.key);
+  }
+
+  function showRange(key) {
+    if (chosen?.row.key !== key) return;
+    const { row, item } = chosen, found = ranges.get(key), before = item.querySelector("input[type=range]");
+    if (before && (document.activeElement === before || Number(before.min) === found.low)) return;
+    before?.remove();
+    if (!(found.high > found.low)) return;
+    const by = row.whole ? 1 : even((found.high - found.low) / 200);
+    const low = row.whole ? found.low : Math.ceil(found.low / by - 1e-9) * by, high = row.whole ? found.high : Math.floor(found.high / by + 1e-9) * by;
+    const made = slider(key, low, high, by, `${key}, from ${inText(low)} to ${inText(high)}`);
+    item.append(made);
+    const more = item.querySelector(".more");
+    const words = (value, known) => `${inText(Number(value.toPrecision(5)))}${known ? "" : " or beyond"}`;
+    if (more) more.textContent = `${more.textContent.replace(/ Builds from .*$/, "")} Builds from ${words(found.low, found.low_known)} to ${words(found.high, found.high_known)}.`;
+  }
+
+  // ---------------------------------------------------------------- refusals
+
+  function takeRefusal(message) {
+    const about = asked.get(message.id)?.what;
+    if (about === "range") return;
+    if (about !== "show") {
+      trouble(message.line);
+      return;
+    }
+    if (message.id !== latest) return;
+    for (const id of ["view", "results"]) element(id).classList.add("old");
+    refuse(message);
+    if (!rows.length) element("title").textContent = "gearmesh explore";
+  }
+
+  function refuse(message) {
+    document.querySelectorAll(".key .refusal").forEach((each) => each.remove());
+    const general = element("refusal");
+    general.hidden = true;
+    general.replaceChildren();
+    if (!message) return;
+    const row = shownRows.get(message.key);
+    const target = row ? Object.assign(document.createElement("div"), { className: "refusal" }) : general;
+    target.append(message.line);
+    for (const offer of message.offers) {
+      const button = Object.assign(document.createElement("button"), { type: "button", textContent: offer.text });
+      button.addEventListener("click", () => set(offer.key, offer.value));
+      target.append(document.createElement("br"), button);
+    }
+    target.hidden = false;
+    if (row) {
+      target.setAttribute("role", "alert");
+      row.item.append(target);
+      row.item.closest("details").open = true;
+    }
+  }
+
+  // ---------------------------------------------------------------- figures
+
+  let figures = [], pinned = null;
+
+  function amount(value, signed = false) {
+    if (value === null || value === undefined) return "not known";
+    const size = Math.abs(value), whole = size >= 1000 ? size.toFixed(0) : String(Number(size.toPrecision(DIGITS)));
+    const sign = value < 0 && Number(whole) ? "−" : signed && Number(whole) ? "+" : "";
+    return sign + whole;
+  }
+  const unitOf = (unit) => UNITS[unit] ?? unit;
+
+  function takeFigures(message) {
+    for (const id of ["view", "results"]) element(id).classList.remove("old");
+    figures = message.meshes;
+    element("pin").disabled = false;
+    drawFigures();
+    const box = document.createElement("div");
+    if (message.warnings.length) {
+      box.className = "warnings";
+      const list = document.createElement("ul");
+      list.append(...message.warnings.map((line) => Object.assign(document.createElement("li"), { textContent: line })));
+      box.append(Object.assign(document.createElement("h2"), { textContent: "Warnings" }), list);
+    } else {
+      box.className = "good";
+      box.textContent = "No warnings.";
+    }
+    element("warnings-here").replaceChildren(box);
+    drawCompare();
+  }
+
+  function nameOf(figure) {
+    const member = members.find((name) => figure.key.includes(`_${name}_`));
+    const words = figure.about.split(/[:;]/)[0];
+    return `${member ? `${member[0].toUpperCase()}${member.slice(1).replaceAll("_", " ")}: ${words}` : `${words[0].toUpperCase()}${words.slice(1)}`}`;
+  }
+
+  function figureOf(mesh, figure) {
+    const item = document.createElement("div"), term = document.createElement("dt"), said = document.createElement("dd");
+    item.className = "figure";
+    item.dataset.figure = figure.key;
+    term.textContent = nameOf(figure);
+    term.title = figure.about;
+    const strong = document.createElement("strong");
+    strong.textContent = figure.value === null ? "not known" : `${amount(figure.value)} ${unitOf(figure.unit)}`.trim();
+    said.append(strong);
+    const before = pinned?.figures.find((each) => each.name === mesh.name)?.figures.find((each) => each.key === figure.key);
+    if (before && before.value !== null && figure.value !== null) {
+      const change = document.createElement("span");
+      change.className = "change";
+      change.textContent = before.value === figure.value ? "as pinned" : `${amount(figure.value - before.value, true)} ${unitOf(figure.unit)}`.trim();
+      said.append(change);
+    }
+    item.append(term, said);
+    return item;
+  }
+
+  function drawFigures() {
+    const open = new Set([...document.querySelectorAll("#figures details[open]")].map((each) => each.dataset.mesh));
+    element("figures").replaceChildren(...figures.flatMap((mesh) => {
+      const main = document.createElement("dl"), more = document.createElement("dl"), rest = document.createElement("details");
+      main.append(...mesh.figures.filter((each) => each.main).map((each) => figureOf(mesh, each)));
+      more.append(...mesh.figures.filter((each) => !each.main).map((each) => figureOf(mesh, each)));
+      rest.dataset.mesh = mesh.name;
+      rest.open = open.has(mesh.name);
+      rest.append(Object.assign(document.createElement("summary"), { textContent: "More figures" }), more);
+      const head = figures.length > 1 ? [Object.assign(document.createElement("h3"), { textContent: mesh.name })] : [];
+      return [...head, main, rest];
+    }));
+    if (!figures.length) element("figures").textContent = "A gear without a mating gear has no contact.";
+  }
+
+  // ---------------------------------------------------------------- errors of assembly
+
+  let errorRows = new Map();
+
+  function listErrors() {
+    element("errors").hidden = !errorKeys.length;
+    errorRows = new Map();
+    const size = typeof values.module === "number" ? values.module : typeof values.diametral_pitch === "number" ? 1 / values.diametral_pitch : 1;
+    element("error-rows").replaceChildren(...errorKeys.map((key) => {
+      const row = rows.find((each) => each.key === key), item = document.createElement("div");
+      item.className = "error";
+      item.dataset.key = key;
+      const id = `error-${key}`;
+      const label = Object.assign(document.createElement("label"), { htmlFor: id, textContent: `${key.split(".")[1].replaceAll("_", " ")}`, title: row.about });
+      const input = Object.assign(document.createElement("input"), { type: "text", id, inputMode: "decimal" });
+      const unit = Object.assign(document.createElement("span"), { className: "unit", textContent: row.unit });
+      const back = Object.assign(document.createElement("button"), { type: "button", className: "back", textContent: "0" });
+      back.setAttribute("aria-label", `${key} back to its default`);
+      const reach = row.length ? even(size / 10) : 0.5;
+      const range = slider(key, -reach, reach, even(reach / 100), `${row.about}, ${row.unit}`);
+      input.addEventListener("change", () => set(key, fromText(row, input.value)));
+      back.addEventListener("click", () => set(key, undefined));
+      const about = Object.assign(document.createElement("small"), { className: "hint", textContent: row.about });
+      about.style.gridColumn = "1 / -1";
+      item.append(label, input, unit, back, range, about);
+      errorRows.set(key, { input, range, back });
+      return item;
+    }));
+    updateErrors();
+  }
+
+  function updateErrors() {
+    for (const [key, { input, range, back }] of errorRows) {
+      const value = valueOf(key) ?? 0;
+      if (document.activeElement !== input) input.value = inText(value);
+      if (document.activeElement !== range && typeof value === "number") range.value = value;
+      back.style.visibility = isSet(key) ? "visible" : "hidden";
+    }
+  }
+
+  // ---------------------------------------------------------------- scene and curves
+
+  let held = [], shown = null, scene = null, share = 0.5;
+  const curves = window.gearmeshCurves(element("curves"), (to) => {
+    if (!scene) {
+      share = to;
+      curves.follow(to);
+      return;
+    }
+    element("roll").value = to;
+    element("roll").dispatchEvent(new Event("input"));
+  });
+  try {
+    scene = window.gearmeshScene();
+  } catch {
+    scene = null;
+  }
+  element("no-view").hidden = Boolean(scene);
+  scene?.listen(({ pair, x }) => {
+    share = x;
+    if (pair !== drawn) drawCurves(pair);
+    curves.follow(x);
+  });
+  let drawn = null;
+
+  function drawCurves(name) {
+    drawn = name;
+    const pair = shown?.pairs.find((each) => each.name === name) ?? shown?.pairs[0];
+    curves.show(pair, shown?.members ?? [], pinned?.pairs?.find((each) => each.name === pair?.name));
+    curves.follow(share);
+  }
+
+  function takeScene(message) {
+    shown = message.pairs ? message : { ...shown, shapes: message.shapes, members: message.members };
+    drawn = null;
+    if (scene) {
+      held = message.shapes.map((shape) => shape.key);
+      scene.show(shown);
+    }
+    if (drawn === null) drawCurves(scene?.state.pair ?? shown.pairs[0]?.name);
+  }
+
+  // ---------------------------------------------------------------- pinned state
+
+  function pin() {
+    pinned = { state, figures, pairs: shown?.pairs, values, picture: scene && shown ? scene.picture() : null };
+    element("unpin").hidden = false;
+    drawFigures();
+    drawCurves(drawn);
+    drawCompare();
+  }
+
+  function unpin() {
+    pinned = null;
+    element("unpin").hidden = true;
+    element("compare").hidden = true;
+  }
+
+  function table(title, heads, lines) {
+    const scroll = document.createElement("div"), made = document.createElement("table");
+    scroll.className = "scroll";
+    made.append(Object.assign(document.createElement("caption"), { textContent: title }));
+    for (const [k, line] of [heads, ...lines].entries()) {
+      const row = document.createElement("tr");
+      row.append(...line.map((text) => Object.assign(document.createElement(k ? "td" : "th"), { textContent: text })));
+      made.append(row);
+    }
+    scroll.append(made);
+    return scroll;
+  }
+
+  function drawCompare() {
+    element("compare").hidden = !pinned;
+    if (!pinned) return;
+    const every = new Set([...Object.keys(pinned.values), ...Object.keys(values), ...Object.keys(state.keys), ...Object.keys(pinned.state.keys)]);
+    const before = (key) => Object.hasOwn(pinned.state.keys, key) ? pinned.state.keys[key] : pinned.values[key];
+    const other = [...every].filter((key) => JSON.stringify(before(key)) !== JSON.stringify(valueOf(key)));
+    const parts = [table(other.length ? "Keys that differ" : "No key differs", ["key", "pinned", "present"], other.map((key) => [key, inText(before(key)), inText(valueOf(key))]))];
+    for (const mesh of figures) {
+      const pinnedMesh = pinned.figures.find((each) => each.name === mesh.name);
+      const lines = mesh.figures.filter((each) => each.main).map((each) => {
+        const then = pinnedMesh?.figures.find((figure) => figure.key === each.key)?.value ?? null;
+        const change = then === null || each.value === null ? "" : amount(each.value - then, true) || "0";
+        return [nameOf(each), amount(then), amount(each.value), change, unitOf(each.unit)];
+      });
+      parts.push(table(`Figures of ${mesh.name}`, ["figure", "pinned", "present", "change", "unit"], lines));
+    }
+    if (pinned.picture) {
+      const pictures = document.createElement("div");
+      pictures.className = "pictures";
+      for (const [caption, source] of [["pinned", pinned.picture], ["present", scene.picture()]]) {
+        const figure = document.createElement("figure");
+        figure.append(Object.assign(document.createElement("img"), { src: source, alt: `The view, ${caption}` }),
+          Object.assign(document.createElement("figcaption"), { textContent: caption }));
+        pictures.append(figure);
+      }
+      parts.push(pictures);
+    }
+    element("compared").replaceChildren(...parts);
+  }
+
+  // ---------------------------------------------------------------- files
+
+  function save(name, content, type = "application/octet-stream") {
+    const link = document.createElement("a"), address = URL.createObjectURL(new Blob([content], { type }));
+    Object.assign(link, { href: address, download: name });
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(address), 1000);
+  }
+
+  element("save").addEventListener("change", async () => {
+    const what = element("save").value, member = element("saved-member").value;
+    element("save").value = "";
+    if (!state || !what) return;
+    if (what === "picture") {
+      if (!scene || !shown) trouble("Without WebGL there is no picture.");
+      else save("view.png", Uint8Array.from(atob(scene.picture().split(",")[1]), (c) => c.charCodeAt(0)), "image/png");
+      return;
+    }
+    trouble("");
+    filing = ask("file", { from: state.from, keys: state.keys, suffix: what, member });
+    element("status").textContent = "Writing the file";
+  });
+
+  // ---------------------------------------------------------------- kinds and samples
+
+  function showStart(message) {
+    element("work").hidden = true;
+    element("start").hidden = false;
+    const card = (name, about, from, picture) => {
+      const item = document.createElement("li"), button = Object.assign(document.createElement("button"), { type: "button" });
+      if (picture) {
+        const image = Object.assign(document.createElement("img"), { src: picture, alt: "", width: 320, height: 240 });
+        image.addEventListener("error", () => image.remove());
+        button.append(image);
+      }
+      button.append(Object.assign(document.createElement("strong"), { textContent: name }), Object.assign(document.createElement("small"), { textContent: about }));
+      button.addEventListener("click", () => ask("open", { from }));
+      item.append(button);
+      return item;
+    };
+    element("kinds").replaceChildren(...message.kinds.map((kind) => card(kind.name.replaceAll("_", " "), kind.about, `kind:${kind.name}`, `/kinds/${kind.name}.jpg`)));
+    element("samples").replaceChildren(...message.samples.map((sample) => card(sample.name.replaceAll("_", " "), sample.about, `sample:${sample.name}`)));
+    element("title").textContent = document.title = "gearmesh explore";
+  }
+
+  // ---------------------------------------------------------------- controls
+
+  element("undo").addEventListener("click", () => step(-1));
+  element("redo").addEventListener("click", () => step(1));
+  element("pin").addEventListener("click", pin);
+  element("unpin").addEventListener("click", () => {
+    unpin();
+    drawFigures();
+    drawCurves(drawn);
+  });
+  element("other").addEventListener("click", () => ask("start"));
+  element("search").addEventListener("input", () => { listKeys(); updateKeys(); });
+  element("every").addEventListener("change", () => { listKeys(); updateKeys(); });
+  element("groups").addEventListener("submit", (event) => event.preventDefault());
+  addEventListener("keydown", (event) => {
+    if (!(event.ctrlKey || event.metaKey) || !["z", "y"].includes(event.key.toLowerCase())) return;
+    if (event.target.matches("input[type=text], input[type=search]")) return;
+    step(event.key.toLowerCase() === "y" || event.shiftKey ? 1 : -1);
+    event.preventDefault();
+  });
+  addEventListener("hashchange", () => {
+    const linked = decode(location.hash.slice(1));
+    if (linked && entered) replace(linked, null);
+  });
+  connect();
+
+  window.gearmeshExplore = {
+    get state() {
+      return { state, busy: Boolean(busy), entered, figures, values, latest, history: past.length, scene: scene?.state ?? null, held, ranges: Object.fromEntries(ranges) };
+    },
+    send: (text) => socket.send(text),
+  };
+})();

@@ -1,0 +1,58 @@
+"""Refusals as a page shows them: the line, the key it belongs to, and values that would be allowed."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from gearmesh.design.core import Design
+from gearmesh.errors import GearmeshError
+
+#: distance from a bound that is excluded itself, over the bound
+INSIDE_SHARE = 1e-5
+#: significant digits of offered values
+OFFERED_DIGITS = 6
+
+
+def refusal(error: GearmeshError, design: type[Design], mm_per_unit: float) -> dict[str, Any]:
+    """Return an error with the key beside which it is shown, and the offers that would mend it, as plain data."""
+    errors = [error, *getattr(error, "others", ())]
+    offers = [offer for each in errors if (offer := _offer(each, design, mm_per_unit)) is not None]
+    line = str(error)
+    return {"line": " ".join(line.split()), "key": error.key, "offers": offers}
+
+
+def _offer(error: GearmeshError, design: type[Design], mm_per_unit: float) -> dict[str, Any] | None:
+    """Return the allowed value nearest to a refused one, in the design's units; None if the error has no bounds."""
+    key, bounds, value = design.key_at(error.key), error.bounds, error.value
+    if key is None or not key.is_numeric or bounds is None or not isinstance(value, int | float):
+        return None
+    # fields of errors are in mm unless they name the design's unit
+    scale = mm_per_unit**key.power if bounds.unit in ("mm", "1/mm") else 1.0
+    if key.power and bounds.unit == "" and error.unit == "mm":
+        scale = mm_per_unit**key.power
+    ends = [
+        (end / scale, included, inwards)
+        for end, included, inwards in ((bounds.low, bounds.includes_low, 1), (bounds.high, bounds.includes_high, -1))
+        if end is not None
+    ]
+    if not ends:
+        return None
+    refused = value / (mm_per_unit**key.power if error.unit == "mm" else 1.0)
+    end, included, inwards = min(ends, key=lambda each: abs(each[0] - refused))
+    if not included:
+        end += inwards * (1.0 if key.unit == "count" else INSIDE_SHARE * (abs(end) or 1.0))
+    offered = round(end) if key.unit == "count" else _rounded(end, inwards)
+    shown = f"{offered:g}" if isinstance(offered, int) else f"{offered:.{OFFERED_DIGITS}g}"
+    return {"key": error.key, "value": offered, "text": f"set {error.key} to {shown}"}
+
+
+def _rounded(value: float, inwards: int) -> float:
+    """Return a value with few digits, rounded into the allowed range."""
+    if value == 0.0:
+        return 0.0
+    step = 10.0 ** (math.floor(math.log10(abs(value))) - OFFERED_DIGITS + 1)
+    steps = value / step
+    nearest = round(steps)
+    whole = nearest if abs(steps - nearest) < 1e-4 else math.ceil(steps) if inwards > 0 else math.floor(steps)
+    return float(f"{whole * step:.{OFFERED_DIGITS}g}")

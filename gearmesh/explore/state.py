@@ -1,0 +1,151 @@
+"""The state of a page: the keys that are set, and the design that they were opened from."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from gearmesh import samples
+from gearmesh.design.core import Design
+from gearmesh.design.dotted import with_keys
+from gearmesh.design.files import anchor
+from gearmesh.errors import ArgumentError, DesignError
+from gearmesh.systems.designs import new, parse_as_stated
+from gearmesh.systems.system import system
+
+#: name of the design that the program was started with
+OPENED_NAME = "opened"
+#: first parts of the names of other designs
+KIND_PREFIX, SAMPLE_PREFIX = "kind:", "sample:"
+#: limit of the keys of a state
+MAX_KEYS = 500
+#: limit of the characters of a text among the values
+MAX_TEXT_CHARACTERS = 500
+#: limit of the entries of a list among the values, and of the lists in it
+MAX_LIST_ENTRIES = 256
+#: names of keys
+_KEY_PATTERN = re.compile(r"[a-z][a-z0-9_]{0,40}(\.[a-z][a-z0-9_]{0,40}){0,5}")
+
+
+@dataclass(frozen=True)
+class Origin:
+    """Design that a page starts from."""
+
+    #: "opened", or a kind or sample as "kind:hypoid"
+    name: str
+    #: text of its file
+    text: str
+    #: values of its keys by dotted name; files with their whole path
+    keys: Mapping[str, Any]
+    #: keys that name files, with the names that stand in the text
+    named: Mapping[str, Any]
+
+    @property
+    def design(self) -> type[Design]:
+        """Class of its designs."""
+        return design_class_of(self.keys)
+
+    @property
+    def files(self) -> dict[str, Any]:
+        """Keys that name files, which a page can neither see nor set."""
+        return {key: value for key, value in self.keys.items() if is_file(self.design, key)}
+
+    @property
+    def shown(self) -> dict[str, Any]:
+        """Keys that a page sees."""
+        return {key: value for key, value in self.keys.items() if not is_file(self.design, key)}
+
+    @staticmethod
+    def of_text(name: str, text: str, data: Mapping[str, Any], folder: Path) -> Origin:
+        """Return the origin of a design file: its text, its data, and the folder of the files that it names."""
+        stated = dict(flat(data))
+        design = design_class_of(stated)
+        names = {key: value for key, value in stated.items() if is_file(design, key)}
+        return Origin(name, text, dict(flat(anchor(data, design, folder.resolve()))), names)
+
+    @staticmethod
+    def find(name: str) -> Origin:
+        """Return the origin of a kind or a sample. Raises ArgumentError for other names."""
+        if name.startswith(KIND_PREFIX):
+            text = new(name.removeprefix(KIND_PREFIX), short=True)
+            return Origin.of_text(name, text, tomllib.loads(text), Path())
+        if name.startswith(SAMPLE_PREFIX):
+            sample = name.removeprefix(SAMPLE_PREFIX)
+            text = samples.text(sample)
+            return Origin.of_text(name, text, tomllib.loads(text), samples.folder_path())
+        raise ArgumentError("from", name, must_be=f"{OPENED_NAME}, {KIND_PREFIX}KIND or {SAMPLE_PREFIX}NAME")
+
+
+def design_class_of(keys: Mapping[str, Any]) -> type[Design]:
+    """Return the class of the designs with these dotted keys. Raises DesignError for an unknown kind."""
+    return system(keys.get("kind")).of_keys(nested(keys)).design
+
+
+def nested(keys: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the tables of dotted keys; a table without a key has the value {}."""
+    return with_keys({}, sorted(keys.items(), key=lambda each: each[1] != {}))
+
+
+def flat(data: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield the dotted keys of nested tables with their values; a table without a key has the value {}."""
+    for name, value in data.items():
+        if isinstance(value, Mapping) and value:
+            yield from flat(value, f"{prefix}{name}.")
+        else:
+            yield prefix + name, value
+
+
+def is_file(design: type[Design], dotted: str) -> bool:
+    """True for a key that names a file."""
+    key = design.key_at(dotted)
+    return key is not None and key.unit == "file"
+
+
+def refuse_keys(keys: Any) -> dict[str, Any]:
+    """Return the keys of a message of a page. Raises DesignError for anything that is no flat table of plain values."""
+    if not isinstance(keys, dict) or len(keys) > MAX_KEYS:
+        raise ArgumentError("keys", must_be=f"a table of at most {MAX_KEYS} keys")
+    for key, value in keys.items():
+        if not _KEY_PATTERN.fullmatch(key):
+            raise ArgumentError("keys", entry=json.dumps(key)[:80], must_be="a dotted name of a key")
+        if not _is_plain(value, 2):
+            raise ArgumentError("keys", entry=key, must_be="a finite number, a text, true, false or a list of them")
+    for key in keys:
+        tables = key.split(".")[:-1]
+        names = (".".join(tables[: k + 1]) for k in range(len(tables)))
+        if table := next((name for name in names if keys.get(name, {}) != {}), None):
+            raise DesignError(table, keys[table], reason=f"a table, in which {key} is set, has no value")
+    return keys
+
+
+def _is_plain(value: Any, depth: int) -> bool:
+    if isinstance(value, list):
+        return depth > 0 and len(value) <= MAX_LIST_ENTRIES and all(_is_plain(item, depth - 1) for item in value)
+    if value == {}:
+        return depth == 2
+    if isinstance(value, str):
+        return len(value) <= MAX_TEXT_CHARACTERS
+    return isinstance(value, bool | int) or (isinstance(value, float) and math.isfinite(value))
+
+
+def refuse_files(keys: Mapping[str, Any]) -> None:
+    """Raise DesignError for a key that names a file: pages have no way to the disk."""
+    design = design_class_of(keys)
+    for key in keys:
+        if is_file(design, key):
+            raise DesignError(
+                key, reason="names a file, which a page cannot choose", remedy="set it in the design file"
+            )
+
+
+def as_stated(keys: Mapping[str, Any], origin: Origin) -> Design:
+    """Return the design of the keys of a page, with the files of its origin. Raises DesignError."""
+    refuse_files(keys)
+    whole = {**keys, **origin.files} if design_class_of(keys) is origin.design else dict(keys)
+    return parse_as_stated(nested(whole))

@@ -1,0 +1,89 @@
+"""The process for heavy work: reads requests from standard input, writes answers to standard output, ends with its input.
+
+A request is JSON with a `job`. Its answers begin with a line that names the job and their type; the last one is "end". A request
+{"cancel": job} ends work that is not wanted any more.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import queue
+import sys
+import threading
+import time
+from typing import Any, BinaryIO
+
+from gearmesh.explore.frames import read_frame, write_frame
+
+#: least time between two reports of progress, s
+PROGRESS_INTERVAL_S = 0.05
+
+
+class Inbox:
+    """Requests that are waiting, and those that are not wanted any more."""
+
+    def __init__(self, stream: BinaryIO) -> None:
+        self.requests: queue.Queue[dict[str, Any] | None] = queue.Queue()
+        self.cancelled: set[int] = set()
+        self._stream = stream
+        threading.Thread(target=self._read, daemon=True).start()
+
+    def _read(self) -> None:
+        while (content := read_frame(self._stream)) is not None:
+            request = json.loads(content)
+            if "cancel" in request:
+                self.cancelled.add(request["cancel"])
+            else:
+                self.requests.put(request)
+        # nobody listens any more: work that still runs is of no use
+        os._exit(0)
+
+
+def main() -> None:
+    """Answer requests until the input ends."""
+    # what a library prints must not come between messages
+    output = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)
+    inbox = Inbox(sys.stdin.buffer)
+    opened = inbox.requests.get()
+    assert opened is not None, "the first message"
+
+    from gearmesh.explore.state import Origin
+    from gearmesh.explore.workshop import Job, Stale, Workshop
+
+    workshop = Workshop(None if opened["opened"] is None else Origin(**opened["opened"]))
+    while (request := inbox.requests.get()) is not None:
+        number = int(request.pop("job"))
+        told = 0.0
+
+        def send(message: dict[str, Any], number: int = number, request: dict[str, Any] = request) -> None:
+            nonlocal told
+            if message["type"] == "progress":
+                now = time.monotonic()
+                if now - told < PROGRESS_INTERVAL_S:
+                    return
+                told = now
+            head = json.dumps({"job": number, "type": message["type"]}).encode()
+            content = {**message, "id": request.get("id")}
+            write_frame(output, head + b"\n" + json.dumps(content, separators=(",", ":"), allow_nan=False).encode())
+
+        job = Job(send, lambda number=number: number in inbox.cancelled)  # type: ignore[misc]
+        status = "done"
+        try:
+            job.check()
+            workshop.answer(request, job)
+        except Stale:
+            status = "cancelled"
+        except MemoryError:
+            send({"type": "refused", "line": "out of memory: choose coarser gears", "key": "", "offers": []})
+        except Exception as fault:  # a fault of the program, which the page must show
+            print(f"gearmesh explore: {type(fault).__name__}: {fault}", file=sys.stderr)
+            line = " ".join(f"a fault of the program: {type(fault).__name__}: {fault}".split())
+            send({"type": "refused", "line": line[:300], "key": "", "offers": []})
+        inbox.cancelled.discard(number)
+        send({"type": "end", "status": status})
+
+
+if __name__ == "__main__":
+    main()

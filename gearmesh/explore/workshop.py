@@ -1,0 +1,499 @@
+"""Gears of the states of pages: built, solved and packed in steps, each of which a page shows at once.
+
+What did not change is not computed again:
+
+- a state that was shown before, as after undo;
+- the gears, where only errors of assembly changed: their members are moved, not built;
+- the meshes of a member whose surfaces are the same, and their way to a page that has them.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+from collections import OrderedDict
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Generic, TypeVar
+
+import numpy as np
+
+from gearmesh.answers.bodies.questions import ModelledGears
+from gearmesh.answers.contact.contact import Contact
+from gearmesh.answers.contact.staging import staged_contact
+from gearmesh.design.core import Design
+from gearmesh.errors import ArgumentError, GearmeshError, NoSolutionError
+from gearmesh.explore.keys import error_keys, key_rows, plain_values
+from gearmesh.explore.ranges import builds, key_range
+from gearmesh.explore.refusals import refusal
+from gearmesh.explore.saving import design_file, file_name, gear_file, refuse_file
+from gearmesh.explore.state import OPENED_NAME, Origin, as_stated, design_class_of, refuse_keys
+from gearmesh.figures import Summary, at_resolution
+from gearmesh.formats import TOML_SUFFIX
+from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.pickling import fingerprint
+from gearmesh.progress import listening
+from gearmesh.systems.system import build, complete_design, system_of
+from gearmesh.teeth.gear_train import GearTrain, Member
+from gearmesh.view.pictures import members_picture
+from gearmesh.view.report.stage import (
+    MEMBER_PAINTS,
+    StagedMember,
+    StagedPair,
+    camera_data,
+    member_data,
+    pair_data,
+    shape_data,
+)
+
+#: tolerances of the meshes that are shown one after the other, over the module
+TOLERANCE_MODULES = (0.02, 0.002)
+#: smallest and largest of these tolerances, mm
+TOLERANCE_LIMITS_MM = (0.002, 0.1)
+#: limits of what is kept: states, built gears, and bytes of meshes
+MAX_KEPT_STATES = 12
+MAX_KEPT_GEARS = 4
+MAX_KEPT_SHAPE_BYTES = 24_000_000
+#: figures at the head of the list, by the beginning of their keys
+MAIN_FIGURES = (
+    "contact_ratio",
+    "mesh_te_peak_to_peak",
+    "backlash_normal_min",
+    "backlash_min",
+    "tip_clearance",
+    "interference",
+)
+
+Kept = TypeVar("Kept")
+
+
+class Stale(BaseException):
+    """The work is not wanted any more; no handler of other errors must stop it."""
+
+
+class Shelf(Generic[Kept]):
+    """Things by key, the last used of which are kept up to a limit."""
+
+    def __init__(self, limit: int, size: Callable[[Kept], int] = lambda thing: 1) -> None:
+        self._limit, self._size = limit, size
+        self._things: OrderedDict[str, Kept] = OrderedDict()
+
+    def get(self, key: str) -> Kept | None:
+        """Return what is kept under a key, or None."""
+        if key in self._things:
+            self._things.move_to_end(key)
+        return self._things.get(key)
+
+    def put(self, key: str, thing: Kept) -> Kept:
+        """Keep a thing and return it; what was not used for the longest time goes."""
+        self._things[key] = thing
+        self._things.move_to_end(key)
+        while len(self._things) > 1 and sum(map(self._size, self._things.values())) > self._limit:
+            self._things.popitem(last=False)
+        return thing
+
+
+@dataclass
+class Built:
+    """Gears of a design, with the marks of the surfaces of their members."""
+
+    gears: ModelledGears
+    #: mark of the surfaces of each member, equal for equal surfaces
+    marks: dict[str, str]
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """Mesh of a member, packed for a page."""
+
+    #: key of the shape
+    key: str
+    data: dict[str, Any]
+    reach: float
+    #: mesh of the whole member, own frame
+    whole: TriangleMesh
+
+    @property
+    def size(self) -> int:
+        """Bytes, about."""
+        packed = sum(len(text) for part in self.data.values() for text in part.values() if isinstance(text, str))
+        mesh = self.whole
+        return packed + mesh.vertices.nbytes + mesh.triangles.nbytes + mesh.regions.nbytes + mesh.normals.nbytes
+
+
+@dataclass
+class Job:
+    """Work for one message of a page."""
+
+    #: called with each answer
+    answer: Callable[[dict[str, Any]], None]
+    #: True if the work is not wanted any more
+    is_stale: Callable[[], bool] = lambda: False
+    #: part of the work that is done, and its name
+    doing: str = ""
+    #: share of the whole work at which the present stage begins, and at which it ends
+    stage: tuple[float, float] = field(default=(0.0, 1.0))
+
+    def check(self) -> None:
+        """Raise Stale if the work is not wanted any more."""
+        if self.is_stale():
+            raise Stale
+
+    def say(self, kind: str, **fields: Any) -> None:
+        """Answer with a message of a kind."""
+        self.check()
+        self.answer({**fields, "type": kind})
+
+    def begin(self, doing: str, first: float, last: float) -> None:
+        """Begin a stage of the work."""
+        self.doing, self.stage = doing, (first, last)
+        self.progress(0.0)
+
+    def progress(self, share: float) -> None:
+        """Report how far the present stage is."""
+        first, last = self.stage
+        self.say("progress", doing=self.doing, share=round(first + share * (last - first), 3))
+
+
+class Workshop:
+    """Gears of the states of pages."""
+
+    def __init__(self, opened: Origin | None) -> None:
+        self.origins = {} if opened is None else {OPENED_NAME: opened}
+        self.states: Shelf[list[dict[str, Any]]] = Shelf(MAX_KEPT_STATES)
+        self.built: Shelf[Built] = Shelf(MAX_KEPT_GEARS)
+        self.cameras: Shelf[dict[str, Any]] = Shelf(MAX_KEPT_STATES)
+        self.shapes: Shelf[Shape] = Shelf(MAX_KEPT_SHAPE_BYTES, lambda shape: shape.size)
+
+    def answer(self, request: Mapping[str, Any], job: Job) -> None:
+        """Answer one message of a page. Errors of gearmesh are answers, too; raises Stale if it is not wanted any more."""
+        questions = {
+            "show": self._show,
+            "range": self._range,
+            "file": self._file,
+            "open": self._open,
+            "start": self._start,
+        }
+        design: type[Design] | None = None
+        try:
+            question = questions.get(str(request.get("do")))
+            if question is None:
+                raise ArgumentError("do", must_be=f"one of {', '.join(questions)}")
+            with listening(job.progress):
+                question(request, job)
+        except GearmeshError as error:
+            try:
+                design = design_class_of(request["keys"])
+                mm = 25.4 if request["keys"].get("units") == "inch" else 1.0
+            except (GearmeshError, LookupError, TypeError, AttributeError):
+                design, mm = Design, 1.0
+            job.say("refused", **refusal(error, design, mm))
+
+    # ---------------------------------------------------------------- questions
+
+    def _origin(self, name: Any) -> Origin:
+        if not isinstance(name, str) or len(name) > 80:
+            raise ArgumentError("from", must_be="a text")
+        if name not in self.origins:
+            if name == OPENED_NAME:
+                raise ArgumentError("from", name, reason="the program was started without a design")
+            self.origins[name] = Origin.find(name)
+        return self.origins[name]
+
+    def _start(self, request: Mapping[str, Any], job: Job) -> None:
+        """List the kinds and the samples."""
+        from gearmesh import samples
+        from gearmesh.systems.system import about, loaded_kinds
+
+        names = [name for name in samples.names() if (samples.folder_path() / f"{name}.toml").is_file()]
+        job.say(
+            "start",
+            kinds=[{"name": kind, "about": about(kind)} for kind in loaded_kinds()],
+            samples=[{"name": name, "about": samples.headline(name)} for name in names],
+            opened=OPENED_NAME in self.origins,
+        )
+
+    def _open(self, request: Mapping[str, Any], job: Job) -> None:
+        """Send the keys of a kind, a sample or the opened design."""
+        origin = self._origin(request.get("from"))
+        job.say("opened", **{"from": origin.name, "keys": origin.shown})
+
+    def _range(self, request: Mapping[str, Any], job: Job) -> None:
+        """Send the range of a key with which the gears can be built."""
+        design, dotted = self._stated(request), request.get("key")
+        key = type(design).key_at(dotted) if isinstance(dotted, str) else None
+        if key is None or not key.is_numeric:
+            raise ArgumentError("key", must_be="a key with a number")
+        job.begin(f"which values of {dotted} build", 0.0, 1.0)
+        whole = complete_design(design)
+        value = dict(plain_values(whole)).get(str(dotted))
+        if not isinstance(value, int | float):
+            raise ArgumentError("key", str(dotted), reason="has no value from which to search")
+
+        def works(tried: float) -> bool:
+            job.check()
+            return builds(design, str(dotted), tried)
+
+        found = key_range(whole, str(dotted), value, works)
+        fields = {"low": found.low, "high": found.high, "low_known": found.low_known, "high_known": found.high_known}
+        job.say("range", key=dotted, value=value, **fields)
+
+    def _file(self, request: Mapping[str, Any], job: Job) -> None:
+        """Send a file that the browser saves."""
+        suffix, member = request.get("suffix"), request.get("member")
+        refuse_file(suffix, member)
+        design, origin = self._stated(request), self._origin(request.get("from"))
+        source = design_file(request["keys"], origin)
+        content = source
+        if suffix != TOML_SUFFIX:
+            job.begin("gears", 0.0, 0.1)
+            gears = self._gears(design).gears
+            if member not in (*gears.members, "all"):
+                raise ArgumentError("member", str(member), must_be=f"one of {', '.join(gears.members)}, all")
+            job.begin(f"file {suffix}", 0.1, 1.0)
+            contacts = {k: gears.contact(pair=k) for k in gears.train.different} if suffix == ".html" else {}
+            content = gear_file(gears, contacts, str(suffix), str(member), source.decode())
+        name = file_name(design.title, str(member), str(suffix))
+        job.say("file", name=name, content=base64.b64encode(content).decode("ascii"))
+
+    def _stated(self, request: Mapping[str, Any]) -> Design:
+        """Return the design of a state; a refusal looks first at the key that the page changed last."""
+        design, last = (
+            as_stated(refuse_keys(request.get("keys")), self._origin(request.get("from"))),
+            request.get("last"),
+        )
+        return design.with_changed_keys([last]) if isinstance(last, str) else design
+
+    # ---------------------------------------------------------------- gears
+
+    def _show(self, request: Mapping[str, Any], job: Job) -> None:
+        """Send design, figures and scene of a state, the meshes first coarse, then fine."""
+        have = request.get("have")
+        have = [key for key in have if isinstance(key, str)] if isinstance(have, list) else []
+        have.append(str(request.get("rows")))
+        keys = refuse_keys(request.get("keys"))
+        mark = _mark([request.get("from"), sorted(keys.items())])
+        known = self.states.get(mark)
+        if known is None:
+            design = self._stated(request)
+            known = []
+            for message in self._steps(design, job):
+                known.append(message)
+                job.answer(_sent(message, have))
+                # a page keeps the meshes of the scene that it shows, and no others
+                have = [shape["key"] for shape in message["shapes"]] if message["type"] == "scene" else have
+                job.check()
+            self.states.put(mark, known)
+            return
+        # meshes that a finer one follows are not sent again
+        last = max((k for k, message in enumerate(known) if message["type"] == "scene"), default=-1)
+        for k, message in enumerate(known):
+            if message["type"] != "scene" or k == last:
+                job.check()
+                job.answer(_sent(message if k != last else self._whole_scene(known), have))
+
+    @staticmethod
+    def _whole_scene(messages: Sequence[dict[str, Any]]) -> dict[str, Any]:
+        """Return the last scene of a state with the contact that came with the first."""
+        first, *more = [message for message in messages if message["type"] == "scene"]
+        return {**first, **more[-1]} if more else first
+
+    def _steps(self, design: Design, job: Job) -> Iterator[dict[str, Any]]:
+        job.begin("gears", 0.0, 0.2)
+        built = self._gears(design)
+        gears, train = built.gears, built.gears.train
+        whole = gears.design
+        own = system_of(whole)
+        yield {
+            "type": "design",
+            "title": whole.title,
+            "kind": whole.kind,
+            "kind_in_words": whole.kind_in_words,
+            "units": whole.units,
+            "values": dict(plain_values(whole)),
+            "of": f"{type(whole).__name__}/{whole.units}",
+            "rows": key_rows(type(whole), whole.units),
+            "errors": error_keys(own, type(whole)),
+            "members": list(gears.members),
+        }
+        contacts: dict[int, Contact] = {}
+        different = train.different if train.pairs else ()
+        for number, k in enumerate(different):
+            share = 0.2 + 0.4 * number / len(different)
+            job.begin(f"contact of {train.pairs[k].name}", share, share + 0.4 / len(different))
+            contacts[k] = gears.contact(pair=k)
+        lines = [*gears.warnings, *(line for contact in contacts.values() for line in contact.warnings)]
+        yield {
+            "type": "figures",
+            "meshes": [{"name": each.pair.name, "figures": list(_figures(each.summary))} for each in contacts.values()],
+            "warnings": list(dict.fromkeys(lines)),
+        }
+        moving = {k: contact for k, contact in contacts.items() if contact.path.touching.any() and not contact.stuck}
+        job.begin("contact pattern", 0.6, 0.7)
+        staged = [StagedPair(staged_contact(train, contact), {}) for contact in moving.values()]
+        names = list(gears.members)
+        pairs = [pair_data(train, each, names) for each in staged]
+        low, high = TOLERANCE_LIMITS_MM
+        module = whole.given_module * whole.mm_per_unit
+        coarse, fine = (float(np.clip(modules * module, low, high)) for modules in TOLERANCE_MODULES)
+        # a fine mesh that is there is shown at once
+        shapes = [
+            self._known_shape(built.marks[name], fine) or self._shape(member, built.marks[name], coarse, job, 0.7)
+            for name, member in gears.members.items()
+        ]
+        camera = self._camera(gears, moving, built.marks, shapes, coarse)
+        yield {"type": "scene", "camera": camera, "pairs": pairs, **_scene(gears.members, shapes)}
+        finest = [self._shape(member, built.marks[name], fine, job, 0.85) for name, member in gears.members.items()]
+        if finest != shapes:
+            yield {"type": "scene", **_scene(gears.members, finest)}
+
+    def _gears(self, design: Design) -> Built:
+        """Return the gears of a design; where only errors of assembly differ, those of a known design are moved."""
+        own = system_of(design)
+        errors = error_keys(own, type(design))
+        set_errors = {key: value for key, value in design.own() if key in errors}
+        plain = design.with_values(dict.fromkeys(set_errors)) if set_errors else design
+        mark = _mark(plain.stated())
+        still = self.built.get(mark)
+        if still is None:
+            complete = complete_design(plain)
+            train = build(complete)
+            still = self.built.put(mark, Built(ModelledGears(complete, train), _marks(train)))
+        values = [design.key_at(key) and _value(design, key) for key in errors]
+        if not any(values) or len(still.gears.train.pairs) != 1:
+            if any(values):
+                complete = complete_design(design)
+                train = build(complete)
+                return Built(ModelledGears(complete, train), _marks(train))
+            return still
+        return Built(_moved(still.gears, design, errors), still.marks)
+
+    def _known_shape(self, mark: str, tolerance: float) -> Shape | None:
+        return self.shapes.get(_shape_key(mark, tolerance))
+
+    def _shape(self, member: Member, mark: str, tolerance: float, job: Job, share: float) -> Shape:
+        """Return the packed mesh of a member within a tolerance (mm); known surfaces keep their mesh."""
+        known = self._known_shape(mark, tolerance)
+        if known is not None:
+            return known
+        job.begin(f"mesh of {member.name} within {1e3 * tolerance:.3g} um", share, share + 0.1)
+        staged, key = StagedMember.of(member, tolerance), _shape_key(mark, tolerance)
+        return self.shapes.put(key, Shape(key, shape_data(staged), staged.reach, staged.whole))
+
+    def _camera(
+        self,
+        gears: ModelledGears,
+        contacts: Mapping[int, Contact],
+        marks: Mapping[str, str],
+        shapes: Sequence[Shape],
+        tolerance: float,
+    ) -> dict[str, Any]:
+        """Return the camera that sees all gears; it stays while their surfaces stay."""
+        from gearmesh.reports.report import overview_scene
+
+        mark = _mark(sorted(marks.items()))
+        known = self.cameras.get(mark)
+        if known is not None:
+            return known
+        meshes = dict(zip(gears.members, (shape.whole for shape in shapes), strict=True))
+        try:
+            seen = overview_scene(gears, contacts, meshes)
+        except NoSolutionError:
+            # gears that do not touch stand as they are mounted
+            placed = {name: meshes[name].move(member.mount.at(0.0)) for name, member in gears.members.items()}
+            seen = members_picture(placed, next(iter(gears.members.values())).mount.axis)
+        return self.cameras.put(mark, camera_data(seen.camera))
+
+
+# ---------------------------------------------------------------- parts of answers
+
+
+def _moved(gears: ModelledGears, design: Design, errors: Sequence[str]) -> ModelledGears:
+    """Return the gears of one pair with errors of assembly; the teeth stay, only the mounts move."""
+    known = system_of(design).displacements
+    assert known is not None
+    given = {key: _value(design, key) for key in errors}
+    own, (pair,) = gears.design.in_mm(), gears.train.pairs
+    scale = {key: design.mm_per_unit if (of := design.key_at(key)) and of.power else 1.0 for key in errors}
+    values = {key.partition(".")[2]: np.array([scale[key] * value]) for key, value in given.items()}
+    bases = known.displaced(own, gears.train, values)
+    first, second = (
+        replace(member, mount=replace(member.mount, base=replace(base, rotation=np.broadcast_to(base.rotation, (1, 3, 3))[0],
+                translation=np.broadcast_to(base.translation, (1, 3))[0])))
+        for member, base in zip(pair.both, bases, strict=True)
+    )  # fmt: skip
+    train = replace(gears.train, pairs=(replace(pair, pinion=first, gear=second),))
+    stated = {key: value for key, value in given.items() if design.sets(key)}
+    return ModelledGears(gears.design.with_values(stated), train)
+
+
+def _value(design: Design, dotted: str) -> float:
+    """Return the value of a key of a design."""
+    value: Any = design
+    for name in dotted.split("."):
+        value = getattr(value, name)
+    return float(value)
+
+
+def _marks(train: GearTrain) -> dict[str, str]:
+    """Return marks of the surfaces of the members; computed before the members remember anything of their use."""
+    paints = dict[str, int]()
+    marks = {}
+    for name, member in train.members.items():
+        surfaces = fingerprint((member.tooth, member.features, member.rows, member.overhang))[:24]
+        paint = paints.setdefault(surfaces, len(paints)) % len(MEMBER_PAINTS)
+        marks[name] = f"{surfaces}/{paint}"
+    return marks
+
+
+def _scene(members: Mapping[str, Member], shapes: Sequence[Shape]) -> dict[str, Any]:
+    """Return members and shapes of a scene; members with one shape share it."""
+    keys = list(dict.fromkeys(shape.key for shape in shapes))
+    by_key = {shape.key: shape for shape in shapes}
+    return {
+        "shapes": [{"key": key, **by_key[key].data} for key in keys],
+        "members": [
+            member_data(member, keys.index(shape.key), shape.reach)
+            for member, shape in zip(members.values(), shapes, strict=True)
+        ],
+    }
+
+
+def _figures(summary: Summary) -> Iterator[dict[str, Any]]:
+    """Yield the figures that are numbers, the main ones first."""
+    entries = [entry for entry in summary.flat.entries if entry.figure.shown and not entry.figure.timing]
+    ranks = {
+        entry.key: next((k for k, main in enumerate(MAIN_FIGURES) if entry.key.startswith(main)), None)
+        for entry in entries
+    }
+    for entry in sorted(entries, key=lambda entry: (ranks[entry.key] is None, ranks[entry.key])):
+        value = at_resolution(entry.known, entry.figure.resolution)
+        if isinstance(value, bool) or not isinstance(value, int | float | None):
+            continue
+        yield {
+            "key": entry.key,
+            "about": entry.figure.meaning,
+            "symbol": entry.figure.symbol,
+            "unit": entry.figure.unit,
+            "value": None if value is None or not np.isfinite(value) else value,
+            "main": ranks[entry.key] is not None,
+        }
+
+
+def _sent(message: Mapping[str, Any], have: Sequence[str]) -> dict[str, Any]:
+    """Return a message without the meshes and the list of keys that the page has."""
+    if message["type"] == "design" and message["of"] in have:
+        return {key: value for key, value in message.items() if key != "rows"}
+    if message["type"] != "scene":
+        return dict(message)
+    shapes = [{"key": shape["key"]} if shape["key"] in have else shape for shape in message["shapes"]]
+    return {**message, "shapes": shapes}
+
+
+def _shape_key(mark: str, tolerance: float) -> str:
+    return _mark([mark, f"{tolerance:.9g}"])
+
+
+def _mark(value: Any) -> str:
+    return hashlib.sha256(json.dumps(value, sort_keys=True, default=repr).encode()).hexdigest()[:24]

@@ -1,0 +1,254 @@
+"""The server of the local page: who gets in, and what it answers to messages that no page sends."""
+
+from __future__ import annotations
+
+import http.client
+import json
+import random
+import socket
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import pytest
+from oracles.command_line import refused
+from oracles.places import SAMPLES
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.sync.client import ClientConnection, connect
+
+from gearmesh.explore.explorer import Explorer, origin_of_file
+from gearmesh.explore.server import MAX_FRAME_BYTES, MAX_MESSAGE_BYTES
+
+SPUR = SAMPLES / "spur.toml"
+
+
+@pytest.fixture(scope="module")
+def running() -> Iterator[Explorer]:
+    with Explorer(origin_of_file(SPUR), browser=False) as page:
+        yield page
+
+
+def answer(page: Explorer, path: str, method: str = "GET", **headers: str) -> tuple[int, str, dict[str, str]]:
+    """Status, text and headers of an answer; a header named Host replaces that of the client."""
+    link = http.client.HTTPConnection("127.0.0.1", page.port, timeout=10)
+    link.putrequest(method, path, skip_host="Host" in headers)
+    for name, value in headers.items():
+        link.putheader(name.replace("_", "-"), value)
+    link.endheaders()
+    given = link.getresponse()
+    text = given.read().decode("utf-8", "replace")
+    link.close()
+    return given.status, text, {name.lower(): value for name, value in given.getheaders()}
+
+
+@contextmanager
+def opened(page: Explorer, **headers: Any) -> Iterator[ClientConnection]:
+    origin = headers.pop("origin", f"http://127.0.0.1:{page.port}")
+    with connect(f"ws://127.0.0.1:{page.port}/socket", origin=origin, max_size=None, **headers) as link:
+        yield link
+
+
+@contextmanager
+def entered(page: Explorer) -> Iterator[ClientConnection]:
+    """A connection of a page that is in; the first takes the token, the others its secret."""
+    with opened(page) as link:
+        secret = getattr(page, "known_secret", None)
+        token = page.url.partition("token=")[2]
+        link.send(json.dumps({"do": "enter", "token": token, "secret": secret}))
+        message = json.loads(link.recv(timeout=10))
+        assert message["type"] == "entered", message
+        page.known_secret = message["secret"]  # type: ignore[attr-defined]
+        yield link
+
+
+def test_page_is_bound_to_this_machine_and_to_itself(running: Explorer) -> None:
+    status, text, headers = answer(running, "/")
+    assert (status, headers["content-type"]) == (200, "text/html; charset=utf-8")
+    policy = dict(part.strip().split(" ", 1) for part in headers["content-security-policy"].split(";"))
+    assert policy["default-src"] == "'none'"
+    assert policy["script-src"] == policy["style-src"] == "'self'"
+    assert policy["frame-ancestors"] == policy["base-uri"] == policy["form-action"] == "'none'"
+    # nothing of the page is inline, and nothing comes from elsewhere
+    assert "<style" not in text
+    assert "onclick" not in text
+    assert text.count("<script") == text.count('<script src="/')
+    assert headers["referrer-policy"] == "no-referrer"
+    assert running._socket.getsockname()[0] == "127.0.0.1"
+
+
+@pytest.mark.parametrize(
+    ("headers", "why"),
+    [
+        ({"Host": "evil.example"}, "Host"),
+        ({"Host": "evil.example:{port}"}, "Host"),
+        ({"Host": "127.0.0.1:1"}, "Host"),
+        ({"Origin": "http://evil.example"}, "Origin"),
+        ({"Origin": "null"}, "Origin"),
+        ({"Sec_Fetch_Site": "cross-site"}, "another site"),
+    ],
+)
+def test_other_sites_get_nothing(running: Explorer, headers: dict[str, str], why: str) -> None:
+    given = {name: value.format(port=running.port) for name, value in headers.items()}
+    for path in ("/", "/explore.js", "/kinds/cylindrical.jpg"):
+        status, text, _ = answer(running, path, **given)
+        assert status == 403
+        assert why in text
+        assert len(text.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    "path",
+    ["/../pyproject.toml", "/kinds/..%2f..%2fserver.py", "/etc/passwd", "//etc/passwd", "/kinds/%00", "/explore.py"],
+)
+def test_paths_lead_nowhere(running: Explorer, path: str) -> None:
+    status, text, _ = answer(running, path)
+    assert status == 404
+    assert "import" not in text
+
+
+def test_only_reading(running: Explorer) -> None:
+    assert {answer(running, "/", method)[0] for method in ("POST", "PUT", "DELETE")} == {405}
+
+
+def test_wrong_token(running: Explorer) -> None:
+    status, text, _ = answer(running, "/?token=guess")
+    assert (status, text) == (403, "refused: the token in the address is wrong\n")
+    for first in (
+        {"do": "enter", "token": "guess"},
+        {"do": "show"},
+        "enter",
+        {"do": "enter", "token": 3, "secret": []},
+    ):
+        with opened(running) as link:
+            link.send(json.dumps(first))
+            assert json.loads(link.recv(timeout=10))["type"] == "wrong"
+            with pytest.raises(ConnectionClosed):
+                link.recv(timeout=10)
+
+
+@pytest.mark.parametrize("origin", [None, "http://evil.example", "null"])
+def test_sockets_of_other_sites_are_refused(running: Explorer, origin: str | None) -> None:
+    with pytest.raises(InvalidStatus), opened(running, origin=origin):
+        pass
+
+
+def test_token_is_good_once(running: Explorer) -> None:
+    with entered(running) as link:
+        assert link is not None
+    with opened(running) as link:
+        link.send(json.dumps({"do": "enter", "token": running.url.partition("token=")[2]}))
+        message = json.loads(link.recv(timeout=10))
+        assert message["type"] == "wrong"
+        assert "used before" in message["line"]
+
+
+def malformed(count: int) -> Iterator[str | bytes]:
+    """Messages that no page sends: no JSON, no object, wrong fields, wrong values, deep, long, binary."""
+    chance = random.Random(57)
+    good = {"do": "show", "from": "opened", "keys": {"kind": "cylindrical"}}
+    junk: list[Any] = [
+        None,
+        True,
+        -1,
+        1e308,
+        "",
+        "x" * 600,
+        [],
+        [[[[]]]],
+        {},
+        {"a": {"b": 1}},
+        "../../etc/passwd",
+        "\u0000",
+        "sample:../x",
+        10**400,
+    ]
+    show = {"do": "show", "from": "opened"}
+    objects: list[Any] = [
+        {**show, "keys": {"kind": "spur", "pinion": {"teeth": 3}}},
+        {**show, "keys": {"kind": "cylindrical", "pinion": 3, "pinion.teeth": 20}},
+        {**show, "keys": {"kind": "cylindrical", "measured.pinion.right": "/etc/passwd"}},
+        {**good, "do": "file", "suffix": ".exe", "member": "pinion"},
+        {**good, "do": "file", "suffix": ".stl", "member": "../../x"},
+        {**good, "do": "range", "key": "name"},
+        {"do": "open", "from": "sample:../../pyproject"},
+        {"do": "open", "from": "kind:nothing"},
+    ]
+    fixed: list[str | bytes] = [
+        *(
+            "",
+            "{",
+            "null",
+            "[]",
+            "3",
+            '"show"',
+            "NaN",
+            '{"do": NaN}',
+            '{"do": Infinity}',
+            "[" * 60_000,
+            '{"a":' * 10_000,
+        ),
+        *(
+            b"",
+            b"\xff\xfe",
+            b'{"do": "show"}',
+            "\ufffd",
+            '{"do": "\\ud800"}',
+            '{"do": "show", "from": "\\ud800", "keys": {}}',
+        ),
+        '{"do": "show", "id": "' + "x" * MAX_MESSAGE_BYTES + '"}',
+        *map(json.dumps, objects),
+    ]
+    yield from fixed
+    for _ in range(count - len(fixed)):
+        message: dict[str, Any] = dict(
+            good, do=chance.choice(["show", "range", "file", "open", "start", "enter", "stop"])
+        )
+        for _ in range(chance.randint(1, 3)):
+            message[chance.choice(["do", "from", "keys", "key", "suffix", "member", "id"])] = chance.choice(junk)
+        keys = message["keys"]
+        if isinstance(keys, dict) and chance.random() < 0.5:
+            name = chance.choice(["Module", "pinion..teeth", "", "a" * 99, "pinion.teeth", "module"])
+            message["keys"] = {**keys, name: chance.choice(junk)}
+        yield json.dumps(message)
+
+
+def test_200_malformed_messages_are_answered_and_end_nothing(running: Explorer) -> None:
+    with entered(running) as link:
+        for text in malformed(200):
+            link.send(text)
+            types = []
+            while not types or (types[-1] not in ("wrong", "end")):
+                message = json.loads(link.recv(timeout=30))
+                if message.get("id") is None or message["type"] in ("wrong", "end", "refused"):
+                    types.append(message["type"])
+                    line = message.get("line", "")
+                    assert len(line.splitlines()) <= 1
+                    assert "fault of the program" not in line, (text[:200], line)
+                    assert "root:" not in line
+        # a page still gets its gears
+        link.send(json.dumps({"do": "show", "id": 7, **running.pages.opened_state}))
+        found = [json.loads(link.recv(timeout=60)) for _ in range(1)]
+        while found[-1]["type"] != "end":
+            found.append(json.loads(link.recv(timeout=60)))
+        assert {"design", "figures", "scene"} <= {message["type"] for message in found}
+        # a message that is far too long closes its own connection alone
+        link.send("x" * (MAX_FRAME_BYTES + 1))
+        with pytest.raises(ConnectionClosed):
+            [link.recv(timeout=10) for _ in range(9)]
+    assert answer(running, "/")[0] == 200
+
+
+def test_port_in_use_is_one_line() -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        line = refused("explore", SPUR, "--no-browser", "--port", str(port))
+        assert line.startswith(f"--port = {port}: address already in use")
+    assert refused("explore", "--no-browser", "--port", "80").startswith(
+        "--port = 80: must be a whole number from 1024"
+    )
+    assert refused("explore", "cylindrcal", "--no-browser").startswith('kind = "cylindrcal"')
+    assert refused("explore", SPUR, "--no-browser", "--set", "pinion.teeth=x").startswith(
+        'pinion.teeth = "x": must be a whole'
+    )

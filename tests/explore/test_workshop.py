@@ -1,0 +1,195 @@
+"""Gears of states of the local page: what comes, in which order, what is computed again, and what is refused with which offer."""
+
+from __future__ import annotations
+
+import tomllib
+from typing import Any
+
+import numpy as np
+import pytest
+from oracles.places import SAMPLES
+
+import gearmesh as gm
+from gearmesh.explore.explorer import origin_of, origin_of_file
+from gearmesh.explore.ranges import key_range
+from gearmesh.explore.rewriting import rewritten
+from gearmesh.explore.state import Origin, flat
+from gearmesh.explore.workshop import Job, Stale, Workshop
+
+
+@pytest.fixture(scope="module")
+def workshop() -> Workshop:
+    return Workshop(origin_of_file(SAMPLES / "helical.toml"))
+
+
+def ask(
+    workshop: Workshop, what: str = "show", changes: dict[str, Any] | None = None, **fields: Any
+) -> list[dict[str, Any]]:
+    """Answers without progress; `changes` are put into the keys of the opened design."""
+    found: list[dict[str, Any]] = []
+    keys = {**workshop.origins["opened"].shown, **(changes or {})}
+    workshop.answer({"do": what, "from": "opened", "keys": keys, **fields}, Job(found.append))
+    return [message for message in found if message["type"] != "progress"]
+
+
+def figure(messages: list[dict[str, Any]], key: str) -> float:
+    (found,) = [message for message in messages if message["type"] == "figures"]
+    return next(each["value"] for each in found["meshes"][0]["figures"] if each["key"] == key)
+
+
+def test_figures_come_first_and_what_is_known_does_not_come_again(
+    workshop: Workshop, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    first = ask(workshop)
+    assert [message["type"] for message in first] == ["design", "figures", "scene", "scene"]
+    gears = gm.build(gm.load(SAMPLES / "helical.toml"))
+    assert figure(first, "contact_ratio") == pytest.approx(gears.contact().summary["contact_ratio"], rel=1e-12)
+    held = [shape["key"] for shape in first[-1]["shapes"]]
+
+    # an error of assembly: no build, no mesh, other contact, as of gears built with it
+    monkeypatch.setattr("gearmesh.explore.workshop.build", lambda design: pytest.fail("gears were built"))
+    monkeypatch.setattr("gearmesh.explore.workshop.StagedMember.of", lambda *_: pytest.fail("a tooth was meshed"))
+    moved = ask(workshop, changes={"assembly.dx": 0.05, "assembly.dy": 0.01}, have=held, rows=first[0]["of"])
+    assert [message["type"] for message in moved] == ["design", "figures", "scene"]
+    assert "rows" not in moved[0]
+    assert all(set(shape) == {"key"} for shape in moved[-1]["shapes"])
+    built = gm.build(gm.load(SAMPLES / "helical.toml", ["assembly.dx=0.05", "assembly.dy=0.01"])).contact()
+    for key in ("contact_ratio", "mesh_te_peak_to_peak_arcsec", "backlash_normal_min_mm", "tip_clearance_pinion_mm"):
+        assert figure(moved, key) == pytest.approx(built.summary[key], rel=1e-9, abs=1e-9)
+
+    # back again: nothing is solved either
+    monkeypatch.setattr(
+        "gearmesh.explore.workshop.ModelledGears.contact", lambda *_, **__: pytest.fail("contact was solved")
+    )
+    again = ask(workshop, have=held)
+    assert figure(again, "contact_ratio") == figure(first, "contact_ratio")
+    assert again[-1]["pairs"] == first[2]["pairs"]
+
+
+def test_work_that_is_not_wanted_ends(workshop: Workshop) -> None:
+    found: list[dict[str, Any]] = []
+    job = Job(found.append, lambda: len(found) >= 2)
+    keys = {**workshop.origins["opened"].shown, "pinion.teeth": 25}
+    with pytest.raises(Stale):
+        workshop.answer({"do": "show", "from": "opened", "keys": keys}, job)
+    assert "scene" not in {message["type"] for message in found}
+
+
+@pytest.mark.parametrize(
+    ("changes", "key", "units"),
+    [
+        ({"pressure_angle": 44}, "pressure_angle", "mm"),
+        ({"gear.bore": 400}, "gear.bore", "mm"),
+        ({"gear.bore": 16}, "gear.bore", "inch"),
+    ],
+)
+def test_offer_of_a_refusal_builds(changes: dict[str, Any], key: str, units: str) -> None:
+    origin = origin_of(
+        gm.load(SAMPLES / "helical.toml").with_values(
+            {"units": units, "module": 5 if units == "mm" else 0.2, "pinion.face_width": 2, "gear.face_width": 2}
+        )
+    )
+    workshop = Workshop(origin)
+    (message,) = ask(workshop, changes=changes, last=key)
+    assert message["type"] == "refused"
+    assert message["key"] == key
+    assert message["line"].startswith(f"{key} = {changes[key]}")
+    offer = next(offer for offer in message["offers"] if offer["key"] == key)
+    assert ask(workshop, changes={key: offer["value"]})[0]["type"] == "design"
+
+
+def test_range_is_what_builds(workshop: Workshop) -> None:
+    design = gm.load(SAMPLES / "helical.toml")
+    found = key_range(design, "pressure_angle", 20.0)
+    for value, builds in ((found.low, True), (found.high, True), (found.high + 2.0, False)):
+        try:
+            gm.build(design.with_values({"pressure_angle": value}))
+        except gm.GearmeshError:
+            assert not builds
+        else:
+            assert builds
+    (message,) = ask(workshop, "range", key="pinion.teeth")
+    assert message["low"] == 3
+    assert message["low_known"]
+
+
+def test_pages_do_not_see_files() -> None:
+    origin = origin_of_file(SAMPLES / "hypoid_measured.toml")
+    assert origin.files
+    assert not set(origin.files) & set(origin.shown)
+    (message,) = ask(Workshop(origin), changes={next(iter(origin.files)): "x.csv"})
+    assert message["type"] == "refused"
+    assert "a page cannot choose" in message["line"]
+    # the file that is saved names them as the opened file does
+    (key, name), *_ = origin.named.items()
+    saved = rewritten(origin.text, {**origin.shown, **origin.named})
+    assert dict(flat(tomllib.loads(saved)))[key] == name
+    assert "/" not in name
+
+
+SAVED = """# a pair
+kind = "cylindrical"  # spur
+module = 2   # mm
+pinion = { teeth = 20, face_width = 22 }  # the small one
+
+# the wheel
+[gear]
+teeth = 41  # prime
+face_width = "2cm"
+
+[contact.phi1]
+count = 21
+"""
+
+
+@pytest.mark.quick
+def test_saved_design_keeps_comments_and_order() -> None:
+    keys = dict(flat(tomllib.loads(SAVED)))
+    assert rewritten(SAVED, keys) == SAVED
+    changed = {
+        **keys,
+        "module": 2.5,
+        "gear.teeth": 43,
+        "pinion.bore": 8.0,
+        "gear.keyway.width": 3.0,
+        "backlash": 0.1,
+        "pinion.teeth": 21,
+    }
+    del changed["contact.phi1.count"]
+    made = rewritten(SAVED, changed)
+    assert dict(flat(tomllib.loads(made))) == changed
+    for line in (
+        "# a pair",
+        "# the wheel",
+        "module = 2.5  # mm",
+        "teeth = 43  # prime",
+        'face_width = "2cm"',
+        'kind = "cylindrical"  # spur',
+    ):
+        assert line in made.splitlines()
+    assert "# the small one" in made
+    assert made.index("backlash") < made.index("[gear]")
+
+
+def test_saved_design_of_every_sample_reads_back() -> None:
+    chance = np.random.default_rng(57)
+    for path in sorted(SAMPLES.glob("*.toml")):
+        text = path.read_text(encoding="utf-8")
+        keys = dict(flat(tomllib.loads(text)))
+        assert rewritten(text, keys) == text
+        changed = {
+            key: value * 1.5 if isinstance(value, float) else value
+            for key, value in keys.items()
+            if chance.random() < 0.8
+        }
+        changed["extra.table.key"] = 1
+        made = rewritten(text, changed)
+        assert dict(flat(tomllib.loads(made))) == changed, path
+        comments = [line for line in text.splitlines() if line.startswith("#")]
+        assert [line for line in made.splitlines() if line.startswith("#")] == comments, path
+
+
+@pytest.mark.parametrize("name", ["kind:hypoid", "sample:planetary"])
+def test_kinds_and_samples_open(name: str) -> None:
+    origin = Origin.find(name)
+    assert origin.shown["kind"] == name.partition(":")[2]
