@@ -95,6 +95,16 @@ class Explorer:
         while self._thread.is_alive():
             self._thread.join(0.5)
 
+    def stop(self) -> None:
+        """Let the server end; `wait` then returns.
+
+        Examples
+        --------
+        >>> with gears.explore(browser=False) as page:
+        ...     page.stop()
+        """
+        self._server.should_exit = True
+
     def close(self) -> None:
         """End the server and its process.
 
@@ -102,7 +112,7 @@ class Explorer:
         --------
         >>> gears.explore(browser=False).close()
         """
-        self._server.should_exit = True
+        self.stop()
         self._thread.join()
         self._socket.close()
 

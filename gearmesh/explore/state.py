@@ -30,7 +30,7 @@ MAX_TEXT_CHARACTERS = 500
 #: limit of the entries of a list among the values, and of the lists in it
 MAX_LIST_ENTRIES = 256
 #: names of keys
-_KEY_PATTERN = re.compile(r"[a-z][a-z0-9_]{0,40}(\.[a-z][a-z0-9_]{0,40}){0,5}")
+_KEY_PATTERN = re.compile(r"[A-Za-z]\w{0,40}(\.[A-Za-z]\w{0,40}){0,5}", re.ASCII)
 
 
 @dataclass(frozen=True)

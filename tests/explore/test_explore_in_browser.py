@@ -241,6 +241,29 @@ def test_saved_design_gives_the_same_gears(browser: Any, downloads: Path) -> Non
     assert own.read_bytes() == solid.read_bytes()
 
 
+def test_distance_of_two_points_and_other_gears(browser: Any) -> None:
+    browser.execute_script(
+        """const canvas = document.getElementById("canvas"), box = canvas.getBoundingClientRect();
+        for (const share of [0.3, 0.6]) for (const type of ["pointerdown", "pointerup"]) canvas.dispatchEvent(new PointerEvent(type,
+          { clientX: box.left + share * box.width, clientY: box.top + 0.6 * box.height, shiftKey: true, pointerId: 1 }))"""
+    )
+    text = browser.find_element("id", "distance").text
+    assert text.startswith("Distance of the two points: ")
+    assert 1.0 < float(text.split()[-2]) < 200.0
+    before = page_state(browser)["scene"]["camera"]
+    press(browser, "#other")
+    wait_for(lambda: browser.find_elements("css selector", "#kinds button"))
+    assert len(browser.find_elements("css selector", "#kinds img")) == len(gm.kinds())
+    browser.execute_script(
+        "[...document.querySelectorAll('#kinds button')].find((each) => each.textContent.startsWith('rack')).click()"
+    )
+    wait_for(lambda: page_state(browser)["values"].get("kind") == "rack")
+    other = settled(browser)
+    # other gears are looked at anew, and have a history of their own
+    assert np.abs(np.subtract(other["scene"]["camera"], before)).max() > 1.0
+    assert other["history"] == 1
+
+
 def test_narrow_dark_and_by_keyboard(browser: Any, tmp_path: Path) -> None:
     from selenium.webdriver.common.keys import Keys
 

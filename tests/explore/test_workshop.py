@@ -13,7 +13,7 @@ import gearmesh as gm
 from gearmesh.explore.explorer import origin_of, origin_of_file
 from gearmesh.explore.ranges import key_range
 from gearmesh.explore.rewriting import rewritten
-from gearmesh.explore.state import Origin, flat
+from gearmesh.explore.state import Origin, flat, refuse_keys
 from gearmesh.explore.workshop import Job, Stale, Workshop
 
 
@@ -187,6 +187,12 @@ def test_saved_design_of_every_sample_reads_back() -> None:
         assert dict(flat(tomllib.loads(made))) == changed, path
         comments = [line for line in text.splitlines() if line.startswith("#")]
         assert [line for line in made.splitlines() if line.startswith("#")] == comments, path
+
+
+def test_keys_of_every_kind_may_be_set() -> None:
+    for kind in gm.kinds():
+        for line in gm.system(kind).design.key_lines():
+            assert refuse_keys({line.key: 1.0}) == {line.key: 1.0}
 
 
 @pytest.mark.parametrize("name", ["kind:hypoid", "sample:planetary"])

@@ -77,16 +77,18 @@
     },
   };
 
+  let heard = () => {};
   const OF_SHOW = ["design", "figures", "scene"];
 
   function take(message) {
     if (OF_SHOW.includes(message.type) && message.id !== latest) return;
     answers[message.type]?.(message);
+    if (message.id === latest) heard(message.type);
   }
 
   // ---------------------------------------------------------------- state, history, link
 
-  let state = null, latest = null, busy = null, filing = null, past = [], place = -1, merging = null;
+  let state = null, anew = true, latest = null, busy = null, filing = null, past = [], place = -1, merging = null;
 
   const encode = (value) => btoa(String.fromCharCode(...new TextEncoder().encode(JSON.stringify(value))))
     .replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");
@@ -113,6 +115,8 @@
     past = [];
     place = -1;
     rowsOf = null;
+    chosen = null;
+    anew = true;
     unpin();
     commit(given, last);
   }
@@ -139,7 +143,7 @@
 
   function show(last) {
     element("start").hidden = true;
-    element("work").hidden = false;
+    element("work").hidden = element("tools").hidden = false;
     element("undo").disabled = place <= 0;
     element("redo").disabled = place >= past.length - 1;
     history.replaceState(null, "", `${location.pathname}#${encode(state)}`);
@@ -176,6 +180,7 @@
       rows = message.rows;
       rowsOf = message.of;
       ranges.clear();
+      element("groups").replaceChildren();
       listKeys();
       listErrors();
     }
@@ -525,7 +530,8 @@
     drawn = null;
     if (scene) {
       held = message.shapes.map((shape) => shape.key);
-      scene.show(shown);
+      scene.show(shown, anew);
+      anew = false;
     }
     if (drawn === null) drawCurves(scene?.state.pair ?? shown.pairs[0]?.name);
   }
@@ -616,6 +622,7 @@
 
   function showStart(message) {
     element("work").hidden = true;
+    element("tools").hidden = !state;
     element("start").hidden = false;
     const card = (name, about, from, picture) => {
       const item = document.createElement("li"), button = Object.assign(document.createElement("button"), { type: "button" });
@@ -662,8 +669,8 @@
 
   window.gearmeshExplore = {
     get state() {
-      return { state, busy: Boolean(busy), entered, figures, values, latest, history: past.length, scene: scene?.state ?? null, held, ranges: Object.fromEntries(ranges) };
+      return { state, busy: Boolean(busy), entered, figures, values, errors: errorKeys, latest, history: past.length, scene: scene?.state ?? null, held, ranges: Object.fromEntries(ranges) };
     },
-    send: (text) => socket.send(text),
+    listen: (listener) => { heard = listener; },
   };
 })();

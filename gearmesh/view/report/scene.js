@@ -332,6 +332,7 @@ window.gearmeshScene = function () {
   const degrees = (angle) => `${rounded(angle * 180 / Math.PI, 3)}°`;
 
   function showPosition() {
+    clearTape();
     const x = Number(roll.value) * (current.phi1.length - 1), nearest = Math.round(x);
     const turns = current.turns.map((track) => at(track, 1, x)[0]);
     members.forEach((member, k) => turned(member, turns[k]));
@@ -596,14 +597,47 @@ window.gearmeshScene = function () {
 
   const ray = new THREE.Raycaster(), plane = new THREE.Plane();
 
-  function memberAt(x, y) {
+  function hitAt(x, y) {
     const box = canvas.getBoundingClientRect();
     scene.updateMatrixWorld();
     ray.setFromCamera(new THREE.Vector2((x - box.left) / box.width * 2 - 1, 1 - (y - box.top) / box.height * 2), camera);
     const shown = members.filter((member) => member.mode !== "hidden");
-    const hit = ray.intersectObjects(shown.flatMap((member) => member.solids), false)
+    return ray.intersectObjects(shown.flatMap((member) => member.solids), false)
       .find((each) => !renderer.clippingPlanes.length || plane.distanceToPoint(each.point) >= 0);
+  }
+
+  function memberAt(x, y) {
+    const hit = hitAt(x, y);
     return hit ? members.findIndex((member) => member.solids.includes(hit.object)) : -1;
+  }
+
+  // distance between two points clicked with the Shift key; a third begins anew, and points of gears that move are gone
+  const ends = [], tape = new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial(seen));
+  tape.renderOrder = 11;
+  tape.frustumCulled = tape.visible = false;
+  scene.add(tape);
+
+  function clearTape() {
+    if (!ends.length) return;
+    ends.length = 0;
+    tape.visible = false;
+    element("distance").textContent = "";
+    stale = true;
+  }
+
+  function mark(x, y) {
+    const hit = hitAt(x, y);
+    if (ends.length === 2) clearTape();
+    if (!hit) return;
+    ends.push(hit.point.clone());
+    tape.visible = ends.length === 2;
+    element("distance").textContent = "First point taken; Shift and click a second one.";
+    if (!tape.visible) return;
+    tape.geometry.dispose();
+    tape.geometry = new THREE.BufferGeometry();
+    tape.geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(ends.flatMap((end) => end.toArray())), 3));
+    element("distance").textContent = `Distance of the two points: ${ends[0].distanceTo(ends[1]).toPrecision(4)} mm`;
+    stale = true;
   }
 
   function cut() {
@@ -625,7 +659,10 @@ window.gearmeshScene = function () {
   let pressed = null;
   canvas.addEventListener("pointerdown", (event) => { pressed = [event.clientX, event.clientY]; });
   canvas.addEventListener("pointerup", (event) => {
-    if (pressed && Math.hypot(event.clientX - pressed[0], event.clientY - pressed[1]) < CLICK) pick(memberAt(event.clientX, event.clientY));
+    if (pressed && Math.hypot(event.clientX - pressed[0], event.clientY - pressed[1]) < CLICK) {
+      if (event.shiftKey) mark(event.clientX, event.clientY);
+      else pick(memberAt(event.clientX, event.clientY));
+    }
     pressed = null;
   });
   canvas.addEventListener("keydown", (event) => {
@@ -696,7 +733,9 @@ window.gearmeshScene = function () {
     }
   }
 
-  function show(given) {
+  // `anew`: other gears, which are looked at as at the first time
+  function show(given, anew = false) {
+    clearTape();
     const modes = new Map(members.map((member) => [member.name, member.mode])), look = element("look").value;
     const shown = current?.name, chosen = members[picked]?.name;
     drop();
@@ -704,8 +743,7 @@ window.gearmeshScene = function () {
     takeShapes();
     members = data.members.map(memberOf);
     pairs = data.pairs.map(pairOf);
-    // other members are other gears, which are looked at anew
-    const kept = modes.size === members.length && members.every((member) => modes.has(member.name));
+    const kept = !anew && modes.size === members.length && members.every((member) => modes.has(member.name));
     measure();
     listMembers();
     pick(kept ? members.findIndex((member) => member.name === chosen) : -1);

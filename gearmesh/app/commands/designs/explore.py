@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 from pathlib import Path
 from typing import Annotated
 
@@ -35,7 +36,10 @@ def explore(
         opened = origin_of_file(present(Path(what)), settings or ()) if is_file else Origin.find(KIND_PREFIX + what)
     with Explorer(opened, port, browser=not no_browser) as page:
         print(f"{page.url}\nCtrl-C ends the page; the address is good once.", flush=True)
+        # a stop is how this command ends, and no failure
+        before = {number: signal.signal(number, lambda *_: page.stop()) for number in (signal.SIGINT, signal.SIGTERM)}
         try:
             page.wait()
-        except KeyboardInterrupt:
-            raise typer.Exit from None
+        finally:
+            for number, handler in before.items():
+                signal.signal(number, handler)
