@@ -2,13 +2,23 @@
 
 from __future__ import annotations
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from oracles.built import built_sample
 
 from gearmesh.kernel.numeric.algebra import unit
 from gearmesh.view import opengl
-from gearmesh.view.offscreen.finish import LOST_LIGHT_SHARE, _hollow_light, _plane_depth
+from gearmesh.view.offscreen.finish import (
+    HATCH_SPACING_SHARE,
+    HATCH_WIDTH_SHARE,
+    LOST_LIGHT_SHARE,
+    _hatch,
+    _hollow_light,
+    _plane_depth,
+    _words,
+)
 from gearmesh.view.offscreen.front_plane import section_lines
 from gearmesh.view.render import render
 from gearmesh.view.scene import Camera
@@ -73,3 +83,19 @@ def test_no_part_of_a_tooth_or_its_body_is_nearly_white() -> None:
     palest = image.min(axis=-1)
     assert (palest == 255).mean() < 0.25
     assert ((palest >= 235) & (palest < 255)).mean() < 0.02
+
+
+@pytest.mark.quick
+def test_hatching_takes_little_more_memory_than_the_picture() -> None:
+    """Rows are hatched in blocks, with the lines of the whole picture; indices of all pixels took five times as much."""
+    colours = ["#c4d1e3"]
+    pixels = np.full((900, 1200), _words(colours)[0])
+    tracemalloc.start()
+    hatched = _hatch(pixels, colours)
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    rows, columns = np.nonzero(hatched != pixels)
+    period = HATCH_SPACING_SHARE * len(pixels)
+    assert ((columns - rows) % period < HATCH_WIDTH_SHARE * period).all()
+    assert len(rows) == pytest.approx(HATCH_WIDTH_SHARE * pixels.size, rel=0.03)
+    assert most < 3 * pixels.nbytes
