@@ -44,6 +44,11 @@ MACRO_SUFFIX = ".FCMacro"
 REXS_XML_SUFFIX = ".rexs"
 REXS_JSON_SUFFIX = ".rexsj"
 REXS_ZIP_SUFFIX = ".rexsz"
+#: versions of DXF files, the oldest first; the default is the oldest with splines, which most programs read
+DXF_VERSIONS = ("R12", "R2000", "R2004", "R2007", "R2010", "R2013", "R2018")
+DEFAULT_DXF_VERSION = "R2000"
+#: version that has no splines and no lightweight polylines
+DXF_VERSION_WITHOUT_SPLINES = "R12"
 
 # ---------------------------------------------------------------- groups that one command, or one answer, writes
 

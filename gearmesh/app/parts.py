@@ -3,14 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, tolerance_in_mm, warn, working
+from gearmesh.app.terminal import refuse_folder, refuse_suffix, refuse_unwritable, show, tolerance_in_mm, warn, working
 from gearmesh.cad.planes import AXIAL_PLANE
 from gearmesh.errors import ArgumentError, OutputError
-from gearmesh.formats import CSV_SUFFIX, DXF_SUFFIX, JSON_SUFFIX, SECTION_SUFFIXES, STEP_SUFFIXES
+from gearmesh.formats import (
+    CSV_SUFFIX,
+    DEFAULT_DXF_VERSION,
+    DXF_SUFFIX,
+    DXF_VERSION_WITHOUT_SPLINES,
+    DXF_VERSIONS,
+    JSON_SUFFIX,
+    SECTION_SUFFIXES,
+    STEP_SUFFIXES,
+    STL_SUFFIX,
+)
 from gearmesh.lengths import in_mm
 
 if TYPE_CHECKING:
@@ -52,6 +62,8 @@ class PartFile:
     names: Path | None = None
     #: True for the blank before the teeth are cut
     blank: bool = False
+    #: version of a DXF file
+    dxf: str | None = None
 
     @property
     def suffix(self) -> str:
@@ -63,8 +75,21 @@ class PartFile:
         """True if the format holds only whole gears."""
         return self.suffix in SECTION_SUFFIXES
 
+    def is_folder(self, member: str) -> bool:
+        """True if the output is a folder, in which each member has an STL file of its own."""
+        return not self.suffix and member in (BOTH_MEMBERS, ALL_MEMBERS)
+
+    def files(self, gears: Gears, member: str) -> dict[str, PartFile]:
+        """Return the files to write, by their members: this file, or one for every member in a folder."""
+        if not self.is_folder(member):
+            return {member: self}
+        return {name: replace(self, output=self.output / f"{name}{STL_SUFFIX}") for name in gears.members}
+
     def refuse(self, member: str, others: tuple[str, ...] = ()) -> None:
         """Raise ArgumentError or OutputError for options that are wrong for any design; `others`: further suffixes."""
+        if self.is_folder(member):
+            self._refuse_in_folder()
+            return
         from gearmesh import io
 
         suffix, several = self.suffix, (*io.formats(several=True), *STEP_SUFFIXES)
@@ -77,6 +102,8 @@ class PartFile:
             raise ArgumentError(
                 "member", member, reason=f"{suffix} holds one part; for {member} use {', '.join(several)}"
             )
+        if self.dxf is not None:
+            self._refuse_version()
         for name, value in (("section", self.section), ("curves", self.curves)):
             if value is not None and suffix not in SECTION_SUFFIXES:
                 raise ArgumentError(
@@ -98,6 +125,24 @@ class PartFile:
             refuse_suffix(self.names, CSV_SUFFIX, JSON_SUFFIX)
         for file in (self.output, self.names):
             refuse_unwritable(file)
+        self._lengths()
+
+    def _refuse_in_folder(self) -> None:
+        """Raise ArgumentError or OutputError for options that do not apply to STL files of all members."""
+        for name, value in (
+            ("section", self.section),
+            ("curves", self.curves),
+            ("dxf", self.dxf),
+            ("names", self.names),
+            ("phi1", self.phi1),
+            ("teeth", self.teeth),
+            ("sector", self.sector),
+            ("space", self.space or None),
+            ("flank_only", self.flank_only),
+        ):
+            if value is not None:
+                raise ArgumentError(name, value, must_be="left out for a folder, which holds all members as STL files")
+        refuse_folder(self.output)
         self._lengths()
 
     def _refuse_extract(self, member: str) -> None:
@@ -134,6 +179,17 @@ class PartFile:
             if value is not None:
                 raise ArgumentError(name, value, must_be="left out with --blank, which has no teeth")
 
+    def _refuse_version(self) -> None:
+        """Raise ArgumentError for a version of DXF that does not exist, has no splines, or is given for another file."""
+        if self.suffix != DXF_SUFFIX:
+            raise ArgumentError("dxf", self.dxf, must_be=f"left out for {self.suffix}")
+        if self.dxf not in DXF_VERSIONS:
+            raise ArgumentError("dxf", self.dxf, must_be=f"one of {', '.join(DXF_VERSIONS)}")
+        if self.dxf == DXF_VERSION_WITHOUT_SPLINES and self.curves == "splines":
+            raise ArgumentError(
+                "curves", self.curves, reason=f"DXF {self.dxf} has no splines", allowed="arcs or polyline"
+            )
+
     def _lengths(self) -> tuple[float | None, float | str | None, float]:
         """Return tolerance, position of the section and offset, mm. Raises DesignError for texts that are no lengths."""
         z = self.section if self.section in (None, AXIAL_PLANE) else in_mm("--section", self.section)
@@ -144,7 +200,9 @@ class PartFile:
         tolerance, z, away = self._lengths()
         every = member in (BOTH_MEMBERS, ALL_MEMBERS)
         if self.suffix in SECTION_SUFFIXES:
-            return gears.section(member, z, tolerance, curves=self.curves or "splines", offset=away, blank=self.blank)
+            version = self.dxf or DEFAULT_DXF_VERSION
+            curves = self.curves or ("arcs" if version == DXF_VERSION_WITHOUT_SPLINES else "splines")
+            return gears.section(member, z, tolerance, curves=curves, offset=away, blank=self.blank, dxf=version)
         if self.suffix in STEP_SUFFIXES:
             return gears.cad(
                 None if every else member,
@@ -173,6 +231,9 @@ class PartFile:
 
     def write(self, gears: Gears, member: str) -> None:
         """Make the part of a member, or of all members, write the file, and print the figures."""
+        if self.is_folder(member):
+            self._write_folder(gears, member)
+            return
         every = member in (BOTH_MEMBERS, ALL_MEMBERS)
         of = "blank" if self.blank else "space" if self.space else "flanks" if self.flank_only else "solid"
         if self.suffix in SECTION_SUFFIXES and not self.blank:
@@ -185,3 +246,16 @@ class PartFile:
                 names().save(self.names)
         show(made.listings)
         warn(made.warnings, made.complaints)
+
+    def _write_folder(self, gears: Gears, member: str) -> None:
+        """Make all members, write their files, and print the figures of each."""
+        made = {}
+        for name, file in self.files(gears, member).items():
+            with working(f"{'blank' if self.blank else 'solid'} of the {name}"):
+                made[file.output] = file.make(gears, name)
+        self.output.mkdir(parents=True, exist_ok=True)
+        for target, solid in made.items():
+            solid.save(target)
+        show([replace(listing, title=target.stem) for target, solid in made.items() for listing in solid.listings])
+        for solid in made.values():
+            warn(solid.warnings, solid.complaints)

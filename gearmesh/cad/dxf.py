@@ -15,12 +15,13 @@ import numpy as np
 from gearmesh.cad.contours.curves import Contour, PlaneSpline
 from gearmesh.cad.programs.requirements import require
 from gearmesh.cad.section import MemberSection
+from gearmesh.formats import DEFAULT_DXF_VERSION, DXF_VERSION_WITHOUT_SPLINES
 from gearmesh.io.atomic import PathLike, whole_file
 from gearmesh.io.digits import angle_on_grid, curve_on_grid
 from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve
 
-#: the oldest version with splines: most programs read it
-DXF_VERSION = "R2000"
+#: number of the version R12 in its files
+OLDEST_DXF_NUMBER = "AC1009"
 #: name of the line type of axes
 AXIS_LINE = "CENTER"
 #: length of its pattern, then dashes and (negative) gaps, mm
@@ -32,10 +33,13 @@ def require_ezdxf() -> None:
     require("ezdxf", "DXF needs ezdxf", "cad")
 
 
-def write_dxf(section: MemberSection, path: PathLike, description: str, joined: bool = False) -> None:
+def write_dxf(
+    section: MemberSection, path: PathLike, description: str, joined: bool = False, version: str = DEFAULT_DXF_VERSION
+) -> None:
     """Write the contours of a section, curve by curve, on layers named after member and contour.
 
-    `description` is a comment at the beginning. `joined` contours consist of arcs and lines, and each becomes one polyline.
+    `description` is a comment at the beginning, `version` one of DXF_VERSIONS. `joined` contours consist of arcs and lines,
+    and each becomes one polyline.
     Raises OutputError for a file that cannot be written, and without ezdxf.
     """
     require_ezdxf()
@@ -43,8 +47,9 @@ def write_dxf(section: MemberSection, path: PathLike, description: str, joined: 
     from ezdxf.filemanagement import new
 
     with _without_dates():
-        document = new(DXF_VERSION)
-        document.units = units.MM
+        document = new(version)
+        if version != DXF_VERSION_WITHOUT_SPLINES:
+            document.units = units.MM
         space, reach = document.modelspace(), float(curve_on_grid(np.asarray(section.reach)))
         space.reset_extents((-reach, -reach, 0.0), (reach, reach, 0.0))
         for layer, contour in zip(section.layers, section.contours, strict=True):
@@ -98,7 +103,9 @@ def _add_joined(space: Any, contour: Contour, layer: str) -> None:
         )
         for curve in contour.curves
     ]
-    space.add_lwpolyline(points, format="xyb", close=True, dxfattribs={"layer": layer})
+    old = space.dxfversion <= OLDEST_DXF_NUMBER
+    add = space.add_polyline2d if old else space.add_lwpolyline
+    add(points, format="xyb", close=True, dxfattribs={"layer": layer})
 
 
 @contextmanager

@@ -81,6 +81,7 @@ WRONG: dict[str, dict[str, Any]] = {
         "--tol": ("-1um", "--tol = -1um"),
         "--section": ("x", "--section = x", "-o", "out.dxf"),
         "--curves": ("cubic", "--curves = cubic", "-o", "out.dxf"),
+        "--dxf": ("R13", "--dxf = R13", "-o", "out.dxf"),
         "--offset": ("x", "--offset = x"),
         "--teeth": ("1000", "--teeth = 1000"),
         "--flank-only": ("top", "--flank-only = top"),

@@ -8,12 +8,15 @@ from typing import Any
 import numpy as np
 import pytest
 from ezdxf.filemanagement import readfile
+from ezdxf.math import Vec2
+from ezdxf.path import make_path
 from oracles.built import built_sample
 from oracles.cad_readers import by_opencascade
-from oracles.command_line import refused
+from oracles.command_line import refused, run
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh.formats import DXF_VERSION_WITHOUT_SPLINES, DXF_VERSIONS
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.plane.curves import PlaneLine
 from gearmesh.teeth.region import Region
@@ -165,6 +168,10 @@ def test_dxf_file_of_a_blank_is_its_half_section_with_the_axis(case: str, tmp_pa
 @pytest.mark.parametrize(
     ("options", "said"),
     [
+        ("--member all -o parts/ --phi1 3", "--phi1 = 3: must be left out for a folder"),
+        ("--member pinion -o a.svg --dxf R12", "--dxf = R12: must be left out for .svg"),
+        ("--member pinion -o a.dxf --dxf R13", "--dxf = R13: must be one of R12, R2000"),
+        ("--member pinion -o a.dxf --dxf R12 --curves splines", "--curves = splines: DXF R12 has no splines"),
         ("--member all -o a.3mf", "--blank = true: must be left out for --member = all"),
         ("--member pinion -o a.stl --teeth 2", "--teeth = 2: must be left out with --blank"),
         ("--member pinion -o a.step --offset 0.1", "--offset = 0.1: must be left out with --blank"),
@@ -173,3 +180,33 @@ def test_dxf_file_of_a_blank_is_its_half_section_with_the_axis(case: str, tmp_pa
 )
 def test_what_a_blank_has_not_is_refused(options: str, said: str) -> None:
     assert refused("solid", SAMPLES / "spur.toml", "--blank", *options.split()).startswith(said)
+
+
+@pytest.mark.parametrize("version", DXF_VERSIONS)
+def test_dxf_of_every_version_is_read_with_the_same_area(version: str, tmp_path: Path) -> None:
+    curves = "arcs" if version == DXF_VERSION_WITHOUT_SPLINES else "splines"
+    section = built_sample("spur").section("pinion", curves=curves, tolerance="1um", dxf=version)
+    document = readfile(section.save(tmp_path / "pinion.dxf"))
+    assert not document.audit().has_errors
+    assert document.acad_release == version
+    # the curves as they are read, in the plane
+    points = [Vec2(point) for entity in document.modelspace() for point in make_path(entity).flattening(1e-4)]
+    largest = max(point.magnitude for point in points)
+    assert largest == pytest.approx(float(built_sample("spur").members["pinion"].tooth.blank.tip.at(0.0)), abs=1e-3)
+    kinds = {entity.dxftype() for entity in document.modelspace()}
+    assert kinds == ({"POLYLINE", "CIRCLE"} if curves == "arcs" else {"ARC", "SPLINE", "CIRCLE"})
+
+
+def test_a_folder_gets_an_stl_file_of_every_member(tmp_path: Path) -> None:
+    import trimesh
+
+    folder = tmp_path / "new" / "parts"
+    status, out, _ = run("solid", SAMPLES / "spur.toml", "--member", "all", "-o", folder, "--tol", "0.05")
+    assert status == 0
+    assert sorted(file.name for file in folder.iterdir()) == ["gear.stl", "pinion.stl"]
+    for name in ("pinion", "gear"):
+        assert name in out
+        mesh = trimesh.load_mesh(folder / f"{name}.stl")
+        assert mesh.is_watertight
+        # in its own frame
+        assert np.abs(mesh.bounds.sum(axis=0)[:2]).max() < 0.5

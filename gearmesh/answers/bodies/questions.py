@@ -12,6 +12,7 @@ import numpy as np
 from gearmesh.answers.gearset import position_list
 from gearmesh.answers.questions import SolvedGears
 from gearmesh.arguments import checks_methods
+from gearmesh.formats import DEFAULT_DXF_VERSION
 from gearmesh.lengths import Length, in_mm
 from gearmesh.numerals import parse_number, parse_whole_number
 from gearmesh.progress import Progress, silent
@@ -290,6 +291,7 @@ class ModelledGears(SolvedGears):
         curves: str = "splines",
         offset: Length = 0.0,
         blank: bool = False,
+        dxf: str = DEFAULT_DXF_VERSION,
     ) -> Section:
         """The transverse section of one member, or the axial section of a worm, as contours.
 
@@ -314,6 +316,9 @@ class ModelledGears(SolvedGears):
         blank : bool
             The outline of the blank before its teeth are cut, instead of a section: the half section over z and radius,
             with the axis; of a rack its bar across the axis.
+        dxf : str
+            Version of DXF files: "R12", "R2000", "R2004", "R2007", "R2010", "R2013" or "R2018". R12 has no splines, so
+            that it needs other `curves`.
 
         Returns
         -------
@@ -340,7 +345,8 @@ class ModelledGears(SolvedGears):
         axial = z == AXIAL_PLANE
         place = None if z is None or axial else in_mm("z", z)
         within = self.within(tolerance, DEFAULT_TOLERANCE_MM)
-        return section_of(self, member, place, within, curves, in_mm("offset", offset), axial=axial, blank=blank)
+        away = in_mm("offset", offset)
+        return section_of(self, member, place, within, curves, away, axial=axial, blank=blank, dxf=dxf)
 
     def topography(self, member: str, flank: str = "right", tolerance: Length | None = None) -> FlankTopography:
         """The material that modifications remove from a flank, as a grid of amounts.

@@ -13,7 +13,14 @@ from gearmesh.answers.tables import Listing, figures
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, Summary, figure
-from gearmesh.formats import DXF_SUFFIX, JSON_SUFFIX, SECTION_SUFFIXES
+from gearmesh.formats import (
+    DEFAULT_DXF_VERSION,
+    DXF_SUFFIX,
+    DXF_VERSION_WITHOUT_SPLINES,
+    DXF_VERSIONS,
+    JSON_SUFFIX,
+    SECTION_SUFFIXES,
+)
 
 if TYPE_CHECKING:
     from gearmesh.cad.contours.curves import Contour
@@ -66,6 +73,8 @@ class Section(Result):
     offset: float = 0.0
     #: largest stock that a tool at the offset leaves in corners, mm
     stock_left: float = 0.0
+    #: version of a DXF file
+    dxf: str = DEFAULT_DXF_VERSION
 
     @property
     def suffixes(self) -> tuple[str, ...]:
@@ -136,9 +145,9 @@ class Section(Result):
 
     def _write(self, target: Path) -> None:
         if target.suffix.lower() == DXF_SUFFIX:
-            from gearmesh.cad import dxf
+            from gearmesh.cad.dxf import write_dxf
 
-            dxf.write_dxf(self.cut, target, self.description, joined=self.curves != "splines")
+            write_dxf(self.cut, target, self.description, joined=self.curves != "splines", version=self.dxf)
         else:
             from gearmesh.cad import svg
 
@@ -155,6 +164,7 @@ def section_of(
     *,
     axial: bool = False,
     blank: bool = False,
+    dxf: str = DEFAULT_DXF_VERSION,
 ) -> Section:
     """Return the section of a member at z (default: mid face), the `axial` section of a thread, or the outline of the
     `blank`, as `Gears.section` describes it.
@@ -173,6 +183,10 @@ def section_of(
     if blank and (offset or axial or z is not None):
         name, value = ("offset", offset) if offset else ("z", "axial" if axial else z)
         raise ArgumentError(name, value, must_be="left out with blank, which is drawn by its outline")
+    if dxf not in DXF_VERSIONS:
+        raise ArgumentError("dxf", dxf, must_be=f"one of {', '.join(DXF_VERSIONS)}")
+    if dxf == DXF_VERSION_WITHOUT_SPLINES and curves == Curves.SPLINES:
+        raise ArgumentError("curves", curves, reason=f"DXF {dxf} has no splines", allowed="arcs or polyline")
     kind = Curves(curves)
     part = gears.stocked_part(member)
     placed_member = placed_teeth(part.member)
@@ -193,4 +207,4 @@ def section_of(
         warnings.append(
             f"{member}: a tool at this offset leaves up to {stock:.3g} mm of stock in corners sharper than itself"
         )
-    return Section(gears.design, section.cut, tolerance, tuple(warnings), curves, offset, stock)
+    return Section(gears.design, section.cut, tolerance, tuple(warnings), curves, offset, stock, dxf)

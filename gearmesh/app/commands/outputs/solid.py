@@ -26,7 +26,13 @@ def solid(
             "face gear.",
         ),
     ],
-    output: Annotated[Path, option("-o --output FILE", "File to write; its suffix is the format.")],
+    output: Annotated[
+        Path,
+        option(
+            "-o --output FILE",
+            "File to write; its suffix is the format. With --member all, a folder: an STL file for each member.",
+        ),
+    ],
     tol: Annotated[
         str | None,
         option(
@@ -44,6 +50,13 @@ def solid(
         ),
     ] = None,
     curves: Curves = None,
+    dxf: Annotated[
+        str | None,
+        option(
+            "--dxf VERSION",
+            "Version of .dxf: R12, R2000, R2004, R2007, R2010, R2013, R2018; R12 has arcs or polylines. [default: R2000]",
+        ),
+    ] = None,
     offset: Offset = None,
     teeth: Annotated[int | None, option("--teeth K", "Only the first K teeth.")] = None,
     flank_only: Annotated[
@@ -87,7 +100,7 @@ def solid(
 ) -> None:
     """One gear or its grinding worm, or both gears in mesh, as watertight meshes or CAD solids; or a section of one; or the space
     between two teeth, flanks alone, a sector, or the blank."""
-    file = PartFile(output, tol, section, curves, offset, teeth, flank_only, space, phi1, sector, names, blank)
+    file = PartFile(output, tol, section, curves, offset, teeth, flank_only, space, phi1, sector, names, blank, dxf)
     file.refuse(member)
     together = member in (BOTH_MEMBERS, ALL_MEMBERS, WORM_MEMBER)
 
@@ -95,7 +108,7 @@ def solid(
         _refuse_member(gears, member)
         if teeth is not None:
             _refuse_teeth(gears, member, file.suffix, teeth, file.is_whole)
-        return file.make(gears, member)
+        return [own.make(gears, name) for name, own in file.files(gears, member).items()]
 
     gears = (load_gears if together else load_alone)(design_file, settings, ask)
     file.write(gears, member)
