@@ -13,6 +13,7 @@ import pytest
 
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array, cross, unit
+from gearmesh.systems.spiral_bevel.iso23509 import methods
 from gearmesh.systems.spiral_bevel.iso23509.blank_cones import MatingPlane, blank_cones
 from gearmesh.systems.spiral_bevel.iso23509.dimension_table import dimension_rows
 from gearmesh.systems.spiral_bevel.iso23509.dimensions import BevelDimensions, bevel_dimensions
@@ -240,6 +241,16 @@ def test_centres_of_method_2_are_on_a_line() -> None:
     phi6 = np.arcsin(cutter.radius * np.sin(line.centre_angle) / line.centre_distance)
     check = cones.mean_cone_distances[1] * np.sin(phi6) / np.sin(np.pi - turn - phi6)
     assert check == pytest.approx(cones.mean_cone_distances[0], rel=1e-12)
+
+
+def test_pitch_cones_of_a_known_pair_are_not_looked_for_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The search was half of each of the 36 pinions of a correction, whose machine settings differ, not their cones."""
+    given = 1, (11, 41), np.radians(90.0), 25.0, 200.0, 30.0, np.radians(45.0)
+    known = with_offset(OffsetPair(*given, FaceCutter(90.0)))
+    monkeypatch.setattr(methods, "_roots", lambda pair: pytest.fail("pitch cones are looked for again"))
+    assert with_offset(OffsetPair(*given, FaceCutter(90.0))) == known
+    with pytest.raises(pytest.fail.Exception, match="looked for again"):
+        with_offset(OffsetPair(*given, FaceCutter(90.5)))
 
 
 def test_tip_and_root_cones_touch_their_planes(placed: list[tuple[OffsetPair, InSpace]]) -> None:

@@ -25,6 +25,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import TypeAlias
 
 import numpy as np
@@ -49,6 +50,8 @@ OFFSET_STEPS = 8
 MAX_ANGLE_CHANGE = float(np.radians(8.0))
 #: shortest step over the offset
 MIN_STEP_SHARE = 1e-6
+#: largest number of pairs whose pitch angles are kept
+MAX_CACHED_PAIRS = 64
 
 #: condition of a method: (pair, tangent cones (N,)) -> residuals (N,)
 Condition: TypeAlias = "Callable[[OffsetPair, TangentCones], Array]"
@@ -272,10 +275,12 @@ def with_offset(pair: OffsetPair) -> PitchCones:
     return _place(pair, pair.touching(np.array([wheel])))
 
 
+@lru_cache(maxsize=MAX_CACHED_PAIRS)
 def _follow(pair: OffsetPair) -> tuple[float, float]:
     """Return the wheel's pitch angle (rad), and the offset (mm) that it belongs to.
 
-    The offset is the pair's, or the largest that is reached from the cones without offset.
+    The offset is the pair's, or the largest that is reached from the cones without offset. Designs that differ in other
+    keys, as machine settings, share the result.
     """
     wheel, reached = bevel_pitch_angles(pair.teeth, pair.shaft_angle)[1], 0.0
     step = longest = pair.offset / OFFSET_STEPS
