@@ -211,6 +211,7 @@ def test_other_formats_hold_the_same_mesh(tmp_path: Path, suffix: str) -> None:
         (["-o", "x.inp", "--picture", "x.png"], "--picture = x.png: must be left out without --solve"),
         (["-o", "x.inp", "--keep", "kept"], "--keep = kept: must be left out without --solve"),
         (["-o", "x"], "cannot write x: no suffix"),
+        (["-o", "x.med", "--sector", "1", "--member", "pinion"], "--sector = 1: must be left out for .med files"),
         (["--frequencies", "0"], "--frequencies = 0: must be a number from 1 to 100"),
         (["--frequencies", "3", "--sector", "1"], "--frequencies = 3: must be left out for a sector"),
         (["--frequencies", "3", "--solve"], "--frequencies = 3: must be left out with --solve"),

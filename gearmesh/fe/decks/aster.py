@@ -255,4 +255,6 @@ def _solution(model: Model) -> Iterator[str]:
     yield "IMPR_RESU(FORMAT='MED', UNITE=80, RESU=_F(RESULTAT=result))\n"
 
 
-register("aster", MED_SUFFIX, "Code_Aster: mesh and groups as MED, commands (.comm) beside it", write, require)
+register(
+    "aster", MED_SUFFIX, "Code_Aster: mesh and groups as MED, commands (.comm) beside it", write, require, sectors=False
+)

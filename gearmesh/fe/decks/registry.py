@@ -26,6 +26,8 @@ class DeckFormat:
     write: Writer
     #: raises OutputError where a package that the format needs is missing
     require: Callable[[Path], None]
+    #: True if a file holds the cyclic symmetry of a sector, or has no supports at all
+    sectors: bool
 
 
 #: registered formats, by name
@@ -37,10 +39,16 @@ def _needs_nothing(_: Path) -> None:
 
 
 def register(
-    name: str, suffix: str, description: str, write: Writer, require: Callable[[Path], None] = _needs_nothing
+    name: str,
+    suffix: str,
+    description: str,
+    write: Writer,
+    require: Callable[[Path], None] = _needs_nothing,
+    *,
+    sectors: bool = True,
 ) -> None:
     """Register a format; the first format with a suffix is the default for this suffix."""
-    _DECK_FORMATS[name] = DeckFormat(suffix, description, write, require)
+    _DECK_FORMATS[name] = DeckFormat(suffix, description, write, require, sectors)
 
 
 def formats() -> dict[str, DeckFormat]:

@@ -117,7 +117,9 @@ def fe(
     elif output is not None and output.suffix.lower() != JSON_SUFFIX and not folder:
         from gearmesh.fe.decks import format_of
 
-        format_of(output, None if program is None else program.value)
+        chosen_format = format_of(output, None if program is None else program.value)
+        if sector is not None and not chosen_format.sectors:
+            raise ArgumentError("sector", sector, must_be=f"left out for {output.suffix} files")
     if sector is not None:
         _refuse_for_sector(sector, teeth, len(positions), frequencies)
     for file in (None if folder else output, json_file, picture):
