@@ -51,6 +51,8 @@ PLANES = ("spiral_bevel_basic", "circular_arc", "face_gear")
 PLANE = (900, 600)
 #: designs whose flanks are shown under torques (Nm), and the one of them at which a tooth is
 LOADED = {"spiral_bevel_basic": ("20,60,150", "60")}
+#: designs of which the pattern is shown in marking compound
+MARKED = ("spiral_bevel_basic",)
 #: designs of which a member is shown with its tool
 TOOLS = {"spiral_bevel_basic": "gear"}
 #: designs of which a member is shown with its grinding worm
@@ -155,6 +157,7 @@ def gallery() -> list[Picture]:
     scripts = sorted(path.stem for path in SAMPLES.glob("*.py"))
     tools = [tool(*each) for each in TOOLS.items()] + [tool(*each, "contact_lines") for each in TOUCHED.items()]
     tools += [replace(tool(sample, "worm"), name=f"{sample}_worm") for sample in GROUND]
+    marked = [rendered(f"{each}_compound", each, "--view", "pattern", "--look", "compound") for each in MARKED]
     under_load = [picture for sample, torques in LOADED.items() for picture in loaded(sample, *torques)]
     paths = [tool_path(sample, *rest) for sample, rest in CUT.items()]
     drawings = [drawing(sample, *rest) for sample, rest in DRAWINGS.items()]
@@ -164,6 +167,7 @@ def gallery() -> list[Picture]:
         *map(pair, PAIRS),
         *map(plane, PLANES),
         *tools,
+        *marked,
         *under_load,
         *drawings,
         *paths,
