@@ -48,7 +48,7 @@ STEEL_PAINT = Paint("#c6cdd5", {"flank": "#dce2e9", "fillet": "#ced5dd"})
 #: the rest of its gear
 DULL_STEEL_PAINT = Paint("#bdc5ce", {"flank": "#cad1d9", "fillet": "#c2cad3"})
 #: a gear whose flanks are painted with marking compound
-MARKED_PAINT = Paint("#c6cdd5", {"flank": MARKING_COLOUR, "fillet": MARKING_COLOUR})
+MARKED_PAINT = Paint(STEEL_PAINT.colour, {"flank": MARKING_COLOUR, "fillet": MARKING_COLOUR})
 #: first member
 BLUE_STEEL_PAINT = Paint("#8ba9c9", {"flank": "#a5c0dc", "fillet": "#98b4d2"})
 #: third member
