@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from gearmesh.design.shown import html_table
-from gearmesh.figures import Figures, Summary, shown_values
+from gearmesh.figures import Figures, Summary, at_resolution, shown_values
 from gearmesh.files import csv_table
 
 #: characters in a line
@@ -63,6 +63,27 @@ def figures(title: str, values: Figures | Summary) -> Listing:
         value = plain(value)
         rows.append((key, ", ".join(map(cell, value)) if isinstance(value, list) else value))
     return Listing(title, ("", ""), rows, run_time_keys(values))
+
+
+def described(title: str, values: Figures | Summary) -> Listing:
+    """Return figures as a table for people: meaning, value to four digits, unit and key.
+
+    Unknown figures, sizes of rounding and run times are left out.
+    """
+    rows = []
+    for entry in values.entries:
+        known, value = entry.figure, plain(at_resolution(entry.value, entry.figure.resolution))
+        if known.timing or known.rounding or value is None or value == []:
+            continue
+        text = ", ".join(map(_four_digits, value)) if isinstance(value, list) else _four_digits(value)
+        rows.append((known.meaning, text, known.unit, known.key))
+    return Listing(title, ("", "value", "unit", "key"), rows)
+
+
+def _four_digits(value: Any) -> str:
+    if not isinstance(value, float):
+        return cell(value)
+    return f"{value:.4g}" if abs(value) < 1e4 else f"{value:.0f}"
 
 
 def run_time_keys(values: Figures | Summary) -> frozenset[str]:

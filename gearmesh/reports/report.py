@@ -6,10 +6,14 @@ import platform
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from html import escape
 from importlib.metadata import PackageNotFoundError, version
 from io import BytesIO
 from os import PathLike
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from gearmesh import __version__
 from gearmesh.answers.bodies.solid import Solid
@@ -19,7 +23,7 @@ from gearmesh.answers.contact.staging import staged_contact
 from gearmesh.answers.gearset import GearSet
 from gearmesh.answers.limits import limits_of
 from gearmesh.answers.sheet import DesignSheet, sheet_of
-from gearmesh.answers.tables import Listing, as_html, figures
+from gearmesh.answers.tables import Listing, as_html, cell, described, round_to
 from gearmesh.design.core import Design
 from gearmesh.design.files import with_version
 from gearmesh.drawing.drawing import WorkshopDrawing, drawing_of
@@ -39,6 +43,7 @@ from gearmesh.view.offscreen.letters import Image
 from gearmesh.view.picture import saved_bytes
 from gearmesh.view.render import render
 from gearmesh.view.report import page as pages
+from gearmesh.view.report.bars import pattern_bars
 from gearmesh.view.report.card import Card, mesh_card
 from gearmesh.view.report.page import PageSection, drawing, listing, picture, three_version
 from gearmesh.view.report.stage import StagedMember, StagedPair, stage
@@ -56,6 +61,10 @@ MAP_DPI = 80
 JPEG_QUALITY_PERCENT = 80
 #: libraries whose versions a page lists, beside gearmesh, Python and three.js
 LISTED_LIBRARIES = ("numpy", "scipy", "manifold3d", "matplotlib", "pyvista", "vtk")
+#: decimals of the data sheet on the page, mm and deg
+SHEET_DECIMALS = 4
+#: beginning of the caption of contact on the flanks
+FLANKS_CAPTION = "Contact on the flanks"
 #: limit of a file of a study that is shown, bytes
 MAX_STUDY_FILE_BYTES = 64 * BYTES_PER_MIB
 
@@ -68,6 +77,11 @@ class PagePlots:
     contact: list[tuple[str, bytes]] = field(default_factory=list)
     #: plots of loaded contact
     loaded: list[tuple[str, bytes]] = field(default_factory=list)
+
+    def split(self, caption: str) -> tuple[list[tuple[str, bytes]], list[tuple[str, bytes]]]:
+        """Return the plots of contact whose caption begins with a text, and the others."""
+        first = [plot for plot in self.contact if plot[0].startswith(caption)]
+        return first, [plot for plot in self.contact if plot not in first]
 
 
 @dataclass(frozen=True, repr=False)
@@ -192,22 +206,20 @@ def report_page(
         lines = (*lines, skipped)
     warnings = tuple(dict.fromkeys(lines))
     teeth = ", ".join(f"{name} {member.tooth.teeth}" for name, member in gears.members.items())
-    summary = "; ".join(
-        [f"{gears.design.kind_in_words}, teeth: {teeth}", *(contact.headline for contact in [*contacts.values()][:1])]
-    )
     card = Card(
         tuple(mesh_card(contact, loads[k].contact if k in loads else None) for k, contact in contacts.items()),
-        _worst(gears, contacts, check, loads) or skipped,
-        len(warnings),
+        tuple(dict.fromkeys((*_most_important(gears, contacts, check, loads), *warnings))),
+        None if check is None else len(check.verdicts),
+        () if check is None else tuple(check.complaints),
     )
-    html = pages.page(gears.title, summary, card, warnings, data, shots, sections)
+    html = pages.page(gears.title, f"{gears.design.kind_in_words}, teeth: {teeth}", card, data, shots, sections)
     return ReportPage(gears.title, html, warnings, skipped, len(moving) < len(contacts), tuple(complaints))
 
 
-def _worst(
+def _most_important(
     gears: GearSet, contacts: Mapping[int, Contact], check: Check | None, loads: Mapping[int, LoadedPictures]
-) -> str | None:
-    """Return the most important warning, None if there is none.
+) -> list[str]:
+    """Return all warnings, the most important ones first.
 
     First come failed checks, gears that do not fit, loads that did not converge, and gears whose fit is not known. Then
     come warnings of contact, of loaded contact, of the design, and of the check.
@@ -218,7 +230,7 @@ def _worst(
         k: [line for line in contact.warnings if line not in gears.warnings] for k, contact in contacts.items()
     }
     loaded_contacts = [load.contact for load in loads.values()]
-    ordered = [
+    return [
         *([] if check is None else check.complaints),
         *(line for k, lines in contact_lines.items() if verdicts[k] is False for line in lines),
         *(line for loaded in loaded_contacts for line in loaded.complaints),
@@ -228,7 +240,6 @@ def _worst(
         *gears.warnings,
         *([] if check is None else check.warnings),
     ]
-    return next(iter(ordered), None)
 
 
 def overview_scene(gears: GearSet, contacts: Mapping[int, Contact], meshes: Mapping[str, TriangleMesh]) -> Scene:
@@ -300,32 +311,57 @@ def _sections(
     sheet: DesignSheet,
 ) -> list[PageSection]:
     sections = []
-    if contacts:
-        listings = [table for contact in contacts.values() for table in _contact_tables(contact)]
-        sections.append(PageSection("Contact", _tables(listings)))
-    else:
+    bars = [
+        (f"<h3>{escape(contact.pair.name)}</h3>" if len(contacts) > 1 else "")
+        + pattern_bars(contact.patterns, contact.pair.delta)
+        for contact in contacts.values()
+        if contact.patterns
+    ]
+    flanks, others = plots.split(FLANKS_CAPTION)
+    if bars:
+        sections.append(PageSection("Contact pattern", "".join(bars) + "".join(drawing(*plot) for plot in flanks)))
+    if not contacts:
         sections += _sections_alone(gears)
+    if body := "".join(drawing(*plot) for plot in (others if bars else plots.contact)):
+        sections.append(PageSection("Plots", f'<div class="plots">{body}</div>'))
     if loaded:
         tables = _tables([
             replace(loaded_contact.listings[0], title=f"{loaded_contact.listings[0].title} of {loaded_contact.pair.name}")
             for loaded_contact in (under.contact for under in loaded.values())
         ])  # fmt: skip
         body = "".join(drawing(*plot) for plot in plots.loaded)
-        sections.append(PageSection("Under load", tables + body))
-    if check is not None:
-        sections.append(PageSection("Checks", _tables(check.listings)))
+        sections.append(PageSection("Under load", f'{tables}<div class="plots">{body}</div>'))
     # the view already shows the first picture
     if shots[1:]:
         body = "".join(picture(*shot) for shot in shots[1:])
         sections.append(PageSection("Pictures", f'<div class="pictures">{body}</div>'))
-    if body := "".join(drawing(*plot) for plot in plots.contact):
-        sections.append(PageSection("Plots", body))
     sections += [study_section(folder) for folder in studies]
-    sections.append(PageSection("Data sheet", _tables(sheet.listings)))
+    known_rows = [listing for listing in map(_known, sheet.listings) if listing.rows]
+    sections.append(PageSection("Data sheet", f'<div class="sheet">{_tables(known_rows)}</div>'))
+    if contacts:
+        listings = [table for contact in contacts.values() for table in _contact_tables(contact)]
+        sections.append(PageSection("Figures and positions", _tables(listings), folded=True))
+    if check is not None:
+        sections.append(PageSection("Checks", _tables(check.listings), folded=True))
     text = given_keys(gears.design) if source is None else source
-    sections.append(PageSection("Design file", listing(text, "Copy the design file")))
-    sections.append(PageSection("Versions", _tables([_versions()])))
+    sections.append(PageSection("Design file", listing(text, "Copy the design file"), folded=True))
+    sections.append(PageSection("Versions", _tables([_versions()]), folded=True))
     return sections
+
+
+def _known(table: Listing) -> Listing:
+    """Return a table of the data sheet without rows that have no value, and with the decimals that say something."""
+    first = next((k for k, column in enumerate(table.columns) if column == "unit"), 0) + 1
+    rows = [row for row in table.rows if any(text != "-" for text in map(cell, row[first:]))]
+    return replace(table, rows=[[_few_decimals(value) for value in row] for row in rows])
+
+
+def _few_decimals(value: Any) -> Any:
+    """Return a value of the data sheet rounded to `SHEET_DECIMALS`, and to as many digits where it is small."""
+    if not isinstance(value, float) or not np.isfinite(value):
+        return value
+    small = abs(value) < 10.0 ** (1 - SHEET_DECIMALS // 2)
+    return float(f"{value:.{SHEET_DECIMALS}g}") if small else round_to(value, SHEET_DECIMALS)
 
 
 def _sections_alone(gears: GearSet) -> list[PageSection]:
@@ -387,7 +423,7 @@ def draw_plots(
             for view, diagram in under_torque.diagrams(MAP_DPI, note).items():
                 # the diagram of flanks is a PNG file: maps
                 file = diagram.save(maps if view == "loaded_flank" else curves)
-                made.loaded.append((diagram.title, file.read_bytes()))
+                made.loaded.append((diagram.title.removeprefix(f"{gears.title}: "), file.read_bytes()))
     return made
 
 
@@ -398,7 +434,7 @@ def te_caption(of: str) -> str:
 
 def flanks_caption(of: str) -> str:
     """Caption of the contact on the flanks of a pair, named if there are several."""
-    return f"Contact on the flanks{_of(of)}"
+    return f"{FLANKS_CAPTION}{_of(of)}"
 
 
 def modifications_caption(name: str) -> str:
@@ -428,7 +464,7 @@ def given_keys(design: Design) -> str:
 def _contact_tables(contact: Contact) -> list[Listing]:
     name = contact.pair.name
     tables = [replace(listing, title=f"{listing.title} of {name}") for listing in contact.listings[:-1]]
-    return [figures(f"Figures of {name}", contact.summary), *tables]
+    return [described(f"Figures of {name}", contact.summary), *tables]
 
 
 def _versions() -> Listing:

@@ -18,6 +18,8 @@ OPTIONS = (
     "--headless",
     "--no-sandbox",
     "--disable-gpu",
+    # a page with a view that turns by itself would never be at rest
+    "--force-prefers-reduced-motion",
     "--disable-background-networking",
     "--no-first-run",
     "--window-size=1000,900",

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from oracles.browser import chromium, needs_chromium, requests
+from oracles.browser import chromium, needs_chromium, requests, resize
 from oracles.loaded import loaded_contact
 from oracles.places import SAMPLES
 
@@ -84,8 +84,13 @@ def test_browser_draws_rolls_and_picks(page: str, browser: Any, tmp_path: Path) 
     assert len(np.unique((255 * first).round().astype(int).reshape(-1, 3), axis=0)) > 100
     assert before["triangles"] > 5000
 
-    # it begins at the contact, which stands in the middle of the view
-    assert browser.find_element("id", "look").get_property("value") == "contact"
+    # it begins with the whole gears; the contact stands in the middle of the view that looks at it
+    assert browser.find_element("id", "look").get_property("value") == ""
+    assert {each.get_property("value") for each in browser.find_elements("css selector", "#members select")} == {
+        "solid"
+    }
+    choose(browser, "look", "contact")
+    first = pixels(browser, tmp_path / "contact.png")
     red = np.argwhere(first[..., 0] - first[..., 1] > 0.3)
     assert np.abs(red - np.array(first.shape[:2]) / 2).max(axis=1).min() < 6
 
@@ -225,3 +230,51 @@ def test_browser_fits_a_phone(page: str, browser: Any) -> None:
         .map((each) => each.outerHTML)"""
     )
     assert unnamed == []
+
+
+@pytest.mark.sweep
+def test_first_screen_has_the_gears_and_eight_figures(page: str, browser: Any) -> None:
+    """At 1280 x 800 the turning pair is beside its figures; a phone has them in one column, and raw tables are folded."""
+    features = [{"name": "prefers-reduced-motion", "value": "no-preference"}]
+    browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": features})
+    resize(browser, 1280, 800)
+    browser.get(page)
+    boxes = {
+        name: browser.execute_script(
+            "return document.querySelector(arguments[0]).getBoundingClientRect().toJSON()", name
+        )
+        for name in ("#canvas", "#card dl", "#card .good", "#roll")
+    }
+    assert max(box["bottom"] for box in boxes.values()) <= 800
+    assert boxes["#canvas"]["right"] <= boxes["#card dl"]["left"]
+    assert len(browser.find_elements("css selector", "#card dt")) == 8
+    assert min(boxes["#canvas"]["width"], boxes["#canvas"]["height"]) > 350
+
+    # the gears turn by themselves, and never leave their engagement; a hand on the slider stops them
+    wait = "const done = arguments[1]; setTimeout(done, arguments[0])"
+    before = state(browser)["phi1"]
+    browser.execute_async_script(wait, 400)
+    assert state(browser)["phi1"] != before
+    choose(browser, "roll", "0.25", "input")
+    still = state(browser)["phi1"]
+    browser.execute_async_script(wait, 200)
+    assert state(browser)["phi1"] == still
+
+    bars = browser.find_elements("css selector", ".bar [role=img]")
+    assert len(bars) == 8
+    assert not any(each.is_displayed() for each in browser.find_elements("css selector", ".folded table, .folded pre"))
+    resize(browser, 390, 844)
+    lefts = browser.execute_script(
+        "return ['#canvas', '#card'].map((each) => document.querySelector(each).getBoundingClientRect().left)"
+    )
+    assert max(lefts) < 40
+    browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
+
+
+@pytest.mark.sweep
+def test_page_prints_on_few_sheets(page: str, browser: Any) -> None:
+    """Folded tables, the slider and the licence stay off paper."""
+    browser.get(page)
+    made = browser.execute_cdp_cmd("Page.printToPDF", {"printBackground": True, "preferCSSPageSize": True})
+    sheets = base64.b64decode(made["data"]).count(b"/Type /Page\n")
+    assert 2 <= sheets <= 5

@@ -9,6 +9,7 @@ import numpy as np
 
 from gearmesh.answers.contact.contact import Contact
 from gearmesh.answers.load.loaded import LoadedContact
+from gearmesh.kernel.numeric.algebra import Array
 
 #: transmission error below which the card says so instead of a number: the last digit of tables, arcsec or um
 MIN_SHOWN_ERROR = 1e-3
@@ -43,16 +44,31 @@ class MeshCard:
 
 @dataclass(frozen=True)
 class Card:
-    """The card of a page: the figures of its meshes, the most important warning, and the number of all warnings."""
+    """The card of a page."""
 
+    #: figures of the meshes
     meshes: tuple[MeshCard, ...] = ()
-    worst: str | None = None
-    warnings: int = 0
+    #: all warnings, the most important one first
+    warnings: tuple[str, ...] = ()
+    #: number of checks; None if nothing was checked
+    checks: int | None = None
+    #: checks that failed, one line each
+    failures: tuple[str, ...] = ()
+
+    @property
+    def verdict(self) -> str:
+        """All checks in one line."""
+        if self.checks is None:
+            return "Not checked: the option --check compares meshes and contact by a second route."
+        if self.failures:
+            return f"{len(self.failures)} of {self.checks} checks fail: {'; '.join(self.failures)}"
+        return f"All {self.checks} checks hold."
 
 
 def mesh_card(contact: Contact, loaded: LoadedContact | None = None) -> MeshCard:
-    """Return the figures of a pair with solved contact, and of its contact under torque if there is one."""
-    figures = (*_cycle(contact), *_fit(contact), *_pressure(contact, loaded))
+    """Return the eight figures of a pair with solved contact; the last is the pressure if there is a torque."""
+    pressure = tuple(_pressure(contact, loaded))
+    figures = (*_cycle(contact), *_fit(contact), *_pattern(contact), *(pressure or (_ratio(contact),)))
     return MeshCard(contact.pair.name, figures)
 
 
@@ -67,9 +83,56 @@ def _cycle(contact: Contact) -> Iterator[CardFigure]:
     label, swing = "Mesh transmission error", np.nan if cycle is None else cycle.peak_to_peak
     if np.isfinite(swing):
         rad, unit = contact.pair.output.reading.error
-        yield CardFigure(label, error(float(swing) / rad, unit.replace("um", "\u00b5m")), "peak to peak, without load")
+        shown_unit = unit.replace("um", "\u00b5m")
+        yield CardFigure(label, error(float(swing) / rad, shown_unit), "peak to peak, without load")
+        assert cycle is not None
+        yield CardFigure("Harmonics 1, 2, 3 of it", *_harmonics(np.abs(cycle.harmonics[:3]) / rad, shown_unit))
     else:
         yield CardFigure(label, "not known", "no whole mesh cycle")
+        yield CardFigure("Harmonics 1, 2, 3 of it", "not known", "no whole mesh cycle")
+
+
+def _harmonics(amplitudes: Array, unit: str) -> tuple[str, str]:
+    """Return the amplitudes of the first harmonics of the mesh frequency, and a note."""
+    note = "amplitudes at the mesh frequency and its multiples"
+    if not np.isfinite(amplitudes).all() or amplitudes.max(initial=0.0) < MIN_SHOWN_ERROR:
+        return error(0.0, unit), note
+    values = [number(value) if value >= MIN_SHOWN_ERROR else "0" for value in amplitudes.tolist()]
+    return f"{', '.join(values)}{NO_BREAK_SPACE}{unit}", note
+
+
+def _pattern(contact: Contact) -> Iterator[CardFigure]:
+    """Yield place and size of the contact pattern on the drive side of the pinion, or of the side that has one."""
+    if not contact.patterns:
+        yield CardFigure("Contact pattern", "none", "the flanks touch on edges alone, or not at all")
+        return
+    first = contact.patterns[0]
+    yield CardFigure(
+        "Centre of the contact pattern",
+        f"{percent(first.centre_face)} of face, {percent(first.centre_height)} of height",
+        f"{first.member}, {first.side} side; from toe and root limit",
+    )
+    yield CardFigure(
+        "Size of the contact pattern",
+        f"{percent(first.length)} long, {percent(first.width)} wide",
+        "in parts of face and working height, without load",
+    )
+
+
+def percent(value: float) -> str:
+    """Text of a percentage, whole."""
+    return f"{value:.0f}{NO_BREAK_SPACE}%"
+
+
+def _ratio(contact: Contact) -> CardFigure:
+    """Return the ratio of the teeth; of a rack the travel per turn of the pinion."""
+    travel = contact.pair.output.travel
+    if travel is not None:
+        return CardFigure("Travel per turn", length(2.0 * np.pi * contact.pair.ratio * travel), "of the pinion")
+    first, second = contact.pair.both
+    return CardFigure(
+        "Gear ratio", number(1.0 / abs(contact.pair.ratio)), f"{second.tooth.teeth} : {first.tooth.teeth} teeth"
+    )
 
 
 def _pairs(ratio: float) -> str:

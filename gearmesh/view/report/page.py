@@ -14,15 +14,16 @@ from dataclasses import dataclass
 from importlib.resources import files
 from typing import Any
 
-from gearmesh.view.report.card import Card
+from gearmesh.view.report.card import Card, MeshCard
 
 
 @dataclass(frozen=True)
 class PageSection:
-    """A part of the page with a heading: `body` is HTML."""
+    """A part of the page with a heading: `body` is HTML, which a `folded` part shows only when it is opened."""
 
     heading: str
     body: str
+    folded: bool = False
 
     @property
     def anchor(self) -> str:
@@ -33,12 +34,11 @@ def page(
     title: str,
     summary: str,
     card: Card,
-    warnings: Sequence[str],
     stage: Mapping[str, Any],
     pictures: Sequence[tuple[str, bytes]],
     sections: Sequence[PageSection],
 ) -> str:
-    """Return the page: title and a line under it, the card, the view, all warnings, then the sections.
+    """Return the page: title and a line under it, the view with the card beside it, then the sections.
 
     `pictures` are captions and JPEG files; the first replaces the view if a browser cannot draw it.
     """
@@ -50,7 +50,6 @@ def page(
             f'<a href="#{section.anchor}">{html.escape(section.heading)}</a>' for section in sections
         ),
         "CARD": _card(card),
-        "WARNINGS": _warnings(warnings),
         "PICTURE": picture(*pictures[0], identity="still") if pictures else "",
         "SECTIONS": "\n".join(map(_section, sections)),
         "STAGE": script_json(stage),
@@ -101,32 +100,37 @@ def _figure(image: str, caption: str, identity: str = "") -> str:
 
 
 def _section(section: PageSection) -> str:
-    return f'<section id="{section.anchor}"><h2>{html.escape(section.heading)}</h2>\n{section.body}\n</section>'
+    heading = html.escape(section.heading)
+    if section.folded:
+        body = f"<details><summary><h2>{heading}</h2></summary>\n{section.body}\n</details>"
+        return f'<section id="{section.anchor}" class="folded">{body}</section>'
+    return f'<section id="{section.anchor}"><h2>{heading}</h2>\n{section.body}\n</section>'
+
+
+def card_figures(mesh: MeshCard) -> str:
+    """Return the figures of a mesh as a list with terms."""
+    figures = "".join(
+        f"<div><dt>{html.escape(figure.label)}</dt><dd><strong>{html.escape(figure.value)}</strong>"
+        f"{f'<small>{html.escape(figure.note)}</small>' if figure.note else ''}</dd></div>"
+        for figure in mesh.figures
+    )
+    return f"<dl>{figures}</dl>"
 
 
 def _card(card: Card) -> str:
     parts = []
     for mesh in card.meshes:
         heading = f"<h3>{html.escape(mesh.mesh)}</h3>" if len(card.meshes) > 1 else ""
-        figures = "".join(
-            f"<div><dt>{html.escape(figure.label)}</dt><dd><strong>{html.escape(figure.value)}</strong>"
-            f"{f'<small>{html.escape(figure.note)}</small>' if figure.note else ''}</dd></div>"
-            for figure in mesh.figures
-        )
-        parts.append(f"{heading}<dl>{figures}</dl>")
-    if card.worst is None:
+        parts.append(heading + card_figures(mesh))
+    parts.append(f'<p class="{"failed" if card.failures else "good"}">{html.escape(card.verdict)}</p>')
+    if not card.warnings:
         parts.append('<p class="good">No warnings.</p>')
     else:
-        link = f' <a href="#warnings">All {card.warnings} warnings</a>' if card.warnings > 1 else ""
-        parts.append(f'<p class="worst"><strong>Warning:</strong> {html.escape(card.worst)}{link}</p>')
+        count = f" ({len(card.warnings)})" if len(card.warnings) > 1 else ""
+        items = "".join(f"<li>{html.escape(line)}</li>" for line in card.warnings)
+        heading = f"<h3>Warning{'s' * bool(count)}{count}</h3>"
+        parts.append(f'<div id="warnings" class="warnings" tabindex="0">{heading}<ul>{items}</ul></div>')
     return f'<section id="card" aria-label="At a glance">{"".join(parts)}</section>'
-
-
-def _warnings(lines: Sequence[str]) -> str:
-    if not lines:
-        return ""
-    items = "".join(f"<li>{html.escape(line)}</li>" for line in lines)
-    return f'<section id="warnings" class="warnings"><h2>Warnings</h2><ul>{items}</ul></section>'
 
 
 def page_file(name: str) -> str:

@@ -437,7 +437,7 @@ window.gearmeshScene = function () {
     roll.disabled = element("play").disabled = current.phi1.length < 2;
     if (!kept) {
       roll.value = roll.disabled ? 0 : 0.5;
-      lookAt(CONTACT);
+      lookAt("");
     }
     showColours();
     showPosition();
@@ -573,10 +573,21 @@ window.gearmeshScene = function () {
     stale = false;
   }
 
+  // where the slider goes on from a place: the whole gears look alike after every pitch, so that they seem to turn on and on; of
+  // a tooth the whole engagement is shown
+  function further(place) {
+    const { phi1 } = current, part = Math.abs(members[current.members[0]].pitch / (phi1[phi1.length - 1] - phi1[0]));
+    if (element("look").value !== "" || !(part < 1)) return place % 1;
+    return place > 0.5 * (1 + part) ? place - part * Math.ceil((place - 0.5 * (1 + part)) / part) : place;
+  }
+
+  let inView = true;
+  new IntersectionObserver(([entry]) => { inView = entry.isIntersecting; }).observe(canvas);
+
   function frame(now) {
     requestAnimationFrame(frame);
-    if (rolling && current) {
-      roll.value = (Number(roll.value) + Math.min(now - clock, 100) / 1000 / SECONDS) % 1;
+    if (rolling && current && inView) {
+      roll.value = further(Number(roll.value) + Math.min(now - clock, 100) / 1000 / SECONDS);
       showPosition();
     }
     clock = now;
@@ -707,13 +718,17 @@ window.gearmeshScene = function () {
   element("look").addEventListener("change", (event) => lookAt(event.target.value));
   element("cut").addEventListener("change", cut);
   element("place").addEventListener("input", cut);
-  roll.addEventListener("input", showPosition);
-  element("play").addEventListener("click", () => {
-    rolling = !rolling;
+  roll.addEventListener("input", () => {
+    setRolling(false);
+    showPosition();
+  });
+  function setRolling(wanted) {
+    rolling = wanted;
     element("play").setAttribute("aria-pressed", String(rolling));
     element("play").textContent = rolling ? "Stop" : "Roll";
     element("position").setAttribute("role", rolling ? "none" : "status");
-  });
+  }
+  element("play").addEventListener("click", () => setRolling(!rolling));
   addEventListener("beforeprint", () => {
     draw();
     element("print-view").src = canvas.toDataURL("image/png");
@@ -768,6 +783,7 @@ window.gearmeshScene = function () {
 
   return {
     show,
+    roll: setRolling,
     listen: (listener) => { heard = listener; },
     picture: () => {
       draw();

@@ -27,4 +27,6 @@
   element("stand-in").hidden = true;
   scene.show(JSON.parse(element("stage").textContent));
   window.gearmeshView = scene;
+  // the gears turn until somebody moves the slider, or the reader's system asks for stillness
+  if (!matchMedia("(prefers-reduced-motion: reduce)").matches && !element("play").disabled) scene.roll(true);
 })();
