@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gearmesh.answers.contact.contact import Contact
+from gearmesh.answers.contact.figures import SlideSummary
 from gearmesh.answers.load.loaded import LoadedContact
 from gearmesh.kernel.numeric.algebra import Array
 
@@ -126,9 +127,9 @@ def percent(value: float) -> str:
 
 def _ratio(contact: Contact) -> CardFigure:
     """Return the ratio of the teeth; of a rack the travel per turn of the pinion."""
-    travel = contact.pair.output.travel
+    travel = contact.summary.get(SlideSummary.key_of("displacement_per_turn"))
     if travel is not None:
-        return CardFigure("Travel per turn", length(2.0 * np.pi * contact.pair.ratio * travel), "of the pinion")
+        return CardFigure("Travel per turn", length(travel), "of the pinion")
     first, second = contact.pair.both
     return CardFigure(
         "Gear ratio", number(1.0 / abs(contact.pair.ratio)), f"{second.tooth.teeth} : {first.tooth.teeth} teeth"
