@@ -127,9 +127,9 @@ def percent(value: float) -> str:
 
 def _ratio(contact: Contact) -> CardFigure:
     """Return the ratio of the teeth; of a rack the travel per turn of the pinion."""
-    travel = contact.summary.get(SlideSummary.key_of("displacement_per_turn"))
-    if travel is not None:
-        return CardFigure("Travel per turn", length(travel), "of the pinion")
+    slid = contact.summary.entry(SlideSummary.key_of("displacement_per_turn"))
+    if slid is not None:
+        return CardFigure("Travel per turn", length(slid.value), "of the pinion")
     first, second = contact.pair.both
     return CardFigure(
         "Gear ratio", number(1.0 / abs(contact.pair.ratio)), f"{second.tooth.teeth} : {first.tooth.teeth} teeth"
