@@ -1063,6 +1063,34 @@ class Gears(ModelledGears):
 
         return explore(self.design, port, browser=browser)
 
+    def compare(self, other: Gears) -> ReportPage:
+        """Return the page that has these gears beside others: figures with their change, keys that differ, patterns.
+
+        Parameters
+        ----------
+        other : Gears
+            The other gears; meshes are compared by their order. Another kind is compared by what both have.
+
+        Returns
+        -------
+        ReportPage
+            `save("comparison.html")` writes it.
+
+        Raises
+        ------
+        NoSolutionError
+            If either has no mesh, or a pair has no contact at any position.
+
+        Examples
+        --------
+        >>> gears.compare(gears).save("comparison.html").name
+        'comparison.html'
+        """
+        from gearmesh.reports.comparison import comparison_page
+
+        contacts = [{k: gears.contact(pair=k) for k in gears.train.different} for gears in (self, other)]
+        return comparison_page((self, other), (contacts[0], contacts[1]))
+
     # ---------------------------------------------------------------- the main job
 
     def run(

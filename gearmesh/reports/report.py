@@ -325,7 +325,7 @@ def _sections(
     if body := "".join(drawing(*plot) for plot in (others if bars else plots.contact)):
         sections.append(PageSection("Plots", f'<div class="plots">{body}</div>'))
     if loaded:
-        tables = _tables([
+        tables = tables_html([
             replace(loaded_contact.listings[0], title=f"{loaded_contact.listings[0].title} of {loaded_contact.pair.name}")
             for loaded_contact in (under.contact for under in loaded.values())
         ])  # fmt: skip
@@ -337,15 +337,15 @@ def _sections(
         sections.append(PageSection("Pictures", f'<div class="pictures">{body}</div>'))
     sections += [study_section(folder) for folder in studies]
     known_rows = [listing for listing in map(_known, sheet.listings) if listing.rows]
-    sections.append(PageSection("Data sheet", f'<div class="sheet">{_tables(known_rows)}</div>'))
+    sections.append(PageSection("Data sheet", f'<div class="sheet">{tables_html(known_rows)}</div>'))
     if contacts:
         listings = [table for contact in contacts.values() for table in _contact_tables(contact)]
-        sections.append(PageSection("Figures and positions", _tables(listings), folded=True))
+        sections.append(PageSection("Figures and positions", tables_html(listings), folded=True))
     if check is not None:
-        sections.append(PageSection("Checks", _tables(check.listings), folded=True))
+        sections.append(PageSection("Checks", tables_html(check.listings), folded=True))
     text = given_keys(gears.design) if source is None else source
     sections.append(PageSection("Design file", listing(text, "Copy the design file"), folded=True))
-    sections.append(PageSection("Versions", _tables([_versions()]), folded=True))
+    sections.append(PageSection("Versions", tables_html([_versions()]), folded=True))
     return sections
 
 
@@ -369,7 +369,7 @@ def _sections_alone(gears: GearSet) -> list[PageSection]:
     body = "".join(drawing(f"Drawing of the {name}", _svg(drawing_of(gears, name))) for name in gears.members)
     return [
         PageSection("Drawing", body),
-        PageSection("Limits", _tables(limits_of(gears.design, gears.train).listings)),
+        PageSection("Limits", tables_html(limits_of(gears.design, gears.train).listings)),
     ]
 
 
@@ -383,7 +383,7 @@ def study_section(folder: Path) -> PageSection:
         document = read_json(folder / "study.json", MAX_STUDY_FILE_BYTES, "finished study", OutputError)
         summary = StudySummary.read(document)
         remarks = [[line] for line in summary.warnings]
-        tables = _tables([*summary.tables, *([Listing("Warnings", ("",), remarks)] if remarks else [])])
+        tables = tables_html([*summary.tables, *([Listing("Warnings", ("",), remarks)] if remarks else [])])
     except (OutputError, LookupError, ValueError, TypeError, AttributeError) as failure:
         why = f": {failure}" if isinstance(failure, OutputError) else ""
         raise OutputArgumentError(
@@ -476,6 +476,6 @@ def _versions() -> Listing:
     return Listing("", ("", ""), [*rows, ("three.js", three_version())])
 
 
-def _tables(listings: Sequence[Listing]) -> str:
+def tables_html(listings: Sequence[Listing]) -> str:
     """Return tables as HTML, without run times; each scrolls by itself."""
     return "\n".join(f'<div class="scroll" tabindex="0">{as_html([listing.timeless])}</div>' for listing in listings)

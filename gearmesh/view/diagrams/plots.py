@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -113,6 +113,54 @@ def plot_transmission_error(
     for plot in (axes, *others):
         plot.grid(True, color=GRID_LINE_COLOUR, lw=0.8)
         plot.set_axisbelow(True)
+    figure.suptitle(title, color=INK_COLOUR)
+    save_figure(figure, file)
+
+
+@dataclass(frozen=True)
+class ErrorCurve:
+    """Transmission error of gears over one pitch, to be compared with another."""
+
+    #: label
+    label: str
+    #: rotations (N,) of the pinion, in pitches
+    pitches: Array
+    #: transmission errors (N,), in `unit`
+    errors: Array
+    #: amplitudes (H,) of the harmonics of the mesh frequency, in `unit`
+    harmonics: Array
+    #: unit of the errors
+    unit: str
+
+
+def plot_compared_errors(
+    file: Path | str, curves: Sequence[ErrorCurve], title: str = "", size: tuple[int, int] | None = None, dpi: int = 150
+) -> None:
+    """Plot transmission errors in one unit over a pitch, and the amplitudes of their harmonics side by side.
+
+    Raises OutputError if the file cannot be written.
+    """
+    unit = curves[0].unit.replace("um", "µm")
+    inches, dots = sheet((10.5, 4.2), size, dpi)
+    figure = new_figure(inches, dots)
+    axes, bars = figure.subplots(1, 2, width_ratios=(2.2, 1.0))
+    width = 0.8 / len(curves)
+    for k, curve in enumerate(curves):
+        colour = CURVE_COLOURS[k % len(CURVE_COLOURS)]
+        # from the largest error downwards, as errors have no zero of their own
+        axes.plot(curve.pitches, curve.errors - np.nanmax(curve.errors), color=colour, lw=2.0, label=curve.label)
+        order = np.arange(1, len(curve.harmonics) + 1)
+        bars.bar(order + (k - 0.5 * (len(curves) - 1)) * width, curve.harmonics, color=colour, width=width)
+        bars.set_xticks(order)
+    low = min(float(np.nanmin(curve.errors) - np.nanmax(curve.errors)) for curve in curves)
+    room = max(-0.1 * low, MIN_TE_RANGE / 2)
+    axes.set(xlim=(0.0, 1.0), ylim=(low - room, room))
+    axes.set(xlabel="pinion rotation, pitches", ylabel=f"transmission error ({unit})")
+    bars.set(xlabel="harmonic of the mesh frequency", ylabel=f"amplitude ({unit})")
+    for plot in (axes, bars):
+        plot.grid(True, color=GRID_LINE_COLOUR, lw=0.8)
+        plot.set_axisbelow(True)
+    axes.legend(fontsize=9)
     figure.suptitle(title, color=INK_COLOUR)
     save_figure(figure, file)
 

@@ -33,6 +33,10 @@ class CardFigure:
     label: str
     value: str
     note: str = ""
+    #: first number of the value, in its unit (lengths in mm); None if there is none
+    amount: float | None = None
+    #: unit of the amount
+    unit: str = ""
 
 
 @dataclass(frozen=True)
@@ -77,7 +81,7 @@ def _cycle(contact: Contact) -> Iterator[CardFigure]:
     cycle = contact.cycle
     known = cycle is not None and np.isfinite(cycle.contact_ratio)
     yield (
-        CardFigure("Contact ratio", number(cycle.contact_ratio), _pairs(cycle.contact_ratio))
+        CardFigure("Contact ratio", number(cycle.contact_ratio), _pairs(cycle.contact_ratio), cycle.contact_ratio)
         if cycle is not None and known
         else CardFigure("Contact ratio", "not known", "no whole mesh cycle")
     )
@@ -85,9 +89,12 @@ def _cycle(contact: Contact) -> Iterator[CardFigure]:
     if np.isfinite(swing):
         rad, unit = contact.pair.output.reading.error
         shown_unit = unit.replace("um", "\u00b5m")
-        yield CardFigure(label, error(float(swing) / rad, shown_unit), "peak to peak, without load")
+        yield CardFigure(
+            label, error(float(swing) / rad, shown_unit), "peak to peak, without load", float(swing) / rad, shown_unit
+        )
         assert cycle is not None
-        yield CardFigure("Harmonics 1, 2, 3 of it", *_harmonics(np.abs(cycle.harmonics[:3]) / rad, shown_unit))
+        harmonics = np.abs(cycle.harmonics[:3]) / rad
+        yield CardFigure("Harmonics 1, 2, 3 of it", *_harmonics(harmonics, shown_unit), float(harmonics[0]), shown_unit)
     else:
         yield CardFigure(label, "not known", "no whole mesh cycle")
         yield CardFigure("Harmonics 1, 2, 3 of it", "not known", "no whole mesh cycle")
@@ -112,11 +119,15 @@ def _pattern(contact: Contact) -> Iterator[CardFigure]:
         "Centre of the contact pattern",
         f"{percent(first.centre_face)} of face, {percent(first.centre_height)} of height",
         f"{first.member}, {first.side} side; from toe and root limit",
+        first.centre_face,
+        "%",
     )
     yield CardFigure(
         "Size of the contact pattern",
         f"{percent(first.length)} long, {percent(first.width)} wide",
         "in parts of face and working height, without load",
+        first.length,
+        "%",
     )
 
 
@@ -131,9 +142,8 @@ def _ratio(contact: Contact) -> CardFigure:
     if slid is not None:
         return CardFigure("Travel per turn", length(slid.value), "of the pinion")
     first, second = contact.pair.both
-    return CardFigure(
-        "Gear ratio", number(1.0 / abs(contact.pair.ratio)), f"{second.tooth.teeth} : {first.tooth.teeth} teeth"
-    )
+    ratio = 1.0 / abs(contact.pair.ratio)
+    return CardFigure("Gear ratio", number(ratio), f"{second.tooth.teeth} : {first.tooth.teeth} teeth", ratio)
 
 
 def _pairs(ratio: float) -> str:
@@ -153,7 +163,8 @@ def _fit(contact: Contact) -> Iterator[CardFigure]:
     else:
         backlash, least = span(*fit.normal_backlash), length(fit.normal_backlash[0])
         note = "negative: the gears are jammed" if least.startswith(MINUS_SIGN) else _turn(contact, fit.backlash[0])
-        yield CardFigure("Normal backlash", backlash, "" if least == ZERO_LENGTH else note)
+        least_backlash = float(fit.normal_backlash[0])
+        yield CardFigure("Normal backlash", backlash, "" if least == ZERO_LENGTH else note, least_backlash, "mm")
     if fit is None:
         return
     distances = ["not known" if tip is None else length(tip.distance) for tip in fit.clearances]
@@ -162,7 +173,8 @@ def _fit(contact: Contact) -> Iterator[CardFigure]:
     note = "tips of both members" if alike else ""
     deepest = length(max((clash.depth for clash in fit.interference), default=0.0))
     note = note if deepest == ZERO_LENGTH else f"a tip is {deepest} in a fillet"
-    yield CardFigure("Tip clearance", distances[0] if alike else ", ".join(named), note)
+    first = None if fit.clearances[0] is None else fit.clearances[0].distance
+    yield CardFigure("Tip clearance", distances[0] if alike else ", ".join(named), note, first, "mm")
 
 
 #: signs that replace units behind a number
@@ -185,7 +197,8 @@ def _pressure(contact: Contact, loaded: LoadedContact | None) -> Iterator[CardFi
             yield CardFigure(label, "edge contact", f"{at}: the peak pressure is singular and is not reported")
         else:
             also = ", without the singular peak of edge contact" if singular else ""
-            yield CardFigure(label, f"{number(highest.max_pressure)}{NO_BREAK_SPACE}MPa", at + also)
+            pressure = f"{number(highest.max_pressure)}{NO_BREAK_SPACE}MPa"
+            yield CardFigure(label, pressure, at + also, highest.max_pressure, "MPa")
     elif (hertz := contact.hertz) is not None and np.isfinite(hertz.peak_pressure).any():
         yield CardFigure(
             label,

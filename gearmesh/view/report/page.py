@@ -63,6 +63,19 @@ def page(
     return re.sub(r"\{\{([A-Z]+)\}\}", lambda match: parts[match[1]], page_file("page.html"))
 
 
+def plain_page(title: str, summary: str, sections: Sequence[PageSection]) -> str:
+    """Return a page of sections without a view: it has no script."""
+    links = "".join(f'<a href="#{section.anchor}">{html.escape(section.heading)}</a>' for section in sections)
+    parts = {
+        "TITLE": html.escape(title),
+        "SUMMARY": html.escape(summary),
+        "STYLE": page_file("page.css"),
+        "NAVIGATION": links,
+        "SECTIONS": "\n".join(map(_section, sections)),
+    }
+    return re.sub(r"\{\{([A-Z]+)\}\}", lambda match: parts[match[1]], page_file("plain.html"))
+
+
 def script_json(document: Mapping[str, Any]) -> str:
     """Return JSON for a script element: none of its characters can begin a tag or a comment."""
     text = json.dumps(document, separators=(",", ":"), allow_nan=False)

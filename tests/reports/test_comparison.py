@@ -1,0 +1,63 @@
+"""The page of two designs: their figures with the change, the keys that differ, and what one design alone may ask for."""
+
+from __future__ import annotations
+
+import re
+from html import unescape
+from pathlib import Path
+
+import pytest
+from oracles.command_line import refused, run
+from oracles.places import SAMPLES
+
+import gearmesh as gm
+from gearmesh.reports.comparison import change
+
+
+def rows(page: str, heading: str) -> dict[str, list[str]]:
+    """Cells of the table under a heading, by the first cell of the row."""
+    (body,) = re.findall(rf"<h2>{heading}</h2>(.*?)</section>", page, re.DOTALL)
+    cells = [re.findall(r"<td>(.*?)</td>", row) for row in re.findall(r"<tr>(.*?)</tr>", body)]
+    return {row[0]: [unescape(text) for text in row[1:]] for row in cells if row}
+
+
+def test_two_designs_stand_side_by_side(tmp_path: Path) -> None:
+    """Only the key that differs is listed, though one design leaves it to its default; the change is that of the solver."""
+    first = gm.build(gm.load(SAMPLES / "spur.toml"))
+    second = gm.build(gm.load(SAMPLES / "spur.toml", ["name=B&B", "pinion.addendum=0.9"]))
+    page = first.compare(second).save(tmp_path / "both.html").read_text(encoding="utf-8")
+    assert rows(page, "Keys that differ") == {
+        "name": [first.design.title, "B&B"],
+        "pinion.addendum": ["1 (default)", "0.9"],
+    }
+    ratios = [gears.contact().summary["contact_ratio"] for gears in (first, second)]
+    shown = rows(page, "Figures")
+    assert len(shown) == 8
+    assert [float(text) for text in shown["Contact ratio"][:2]] == pytest.approx(ratios, abs=5e-3)
+    step = ratios[1] - ratios[0]
+    assert step < -0.05
+    assert float(shown["Contact ratio"][2].split()[0].replace("\u2212", "-")) == pytest.approx(step, abs=5e-4)
+    assert shown["Gear ratio"][2] == "equal"
+    assert "<script" not in page
+    assert page.count("<img ") == 3
+
+
+@pytest.mark.parametrize(
+    ("amounts", "unit", "text"),
+    [
+        ((2.0, 2.5), "mm", "+0.5 mm (+25 %)"),
+        ((50.0, 40.0), "%", "\u221210 %"),
+        ((0.0, 1.0), "", "+1"),
+        ((3.0, None), "", ""),
+    ],
+)
+def test_change_has_sign_unit_and_share(amounts: tuple[float, float | None], unit: str, text: str) -> None:
+    assert change(*amounts, unit) == text
+
+
+def test_what_belongs_to_one_design_is_refused_with_two() -> None:
+    both = ("report", SAMPLES / "spur.toml", SAMPLES / "rack.toml")
+    assert refused(*both, "--check") == "--check: must be left out where two designs are compared"
+    assert "another.toml" in refused("report", SAMPLES / "spur.toml", "another.toml")
+    status, _, err = run("report", SAMPLES / "spur.toml", SAMPLES / "spur.toml", "-o", "both.txt")
+    assert (status, "its suffix must be .html" in err) == (2, True)
