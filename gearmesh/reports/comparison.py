@@ -24,7 +24,7 @@ from gearmesh.view.report.card import MINUS_SIGN, CardFigure, mesh_card, number
 from gearmesh.view.report.page import PageSection, drawing
 
 #: letters before the titles of both designs
-LETTERS = ("A", "B")
+DESIGN_LETTERS = ("A", "B")
 #: change below which two figures are equal, relative to the larger one
 EQUAL_SHARE = 1e-9
 
@@ -40,7 +40,7 @@ def comparison_page(
         if not solved:
             raise NoSolutionError(gears.title, reason="has no mesh, so that there is nothing to compare")
     meshes = list(zip(contacts[0].values(), contacts[1].values(), strict=False))
-    titles = [f"{letter}: {gears.title}" for letter, gears in zip(LETTERS, both, strict=True)]
+    titles = [f"{letter}: {gears.title}" for letter, gears in zip(DESIGN_LETTERS, both, strict=True)]
     sections = [
         PageSection("Figures", "".join(_figures(mesh, titles, len(meshes) > 1) for mesh in meshes)),
         PageSection("Keys that differ", tables_html([_keys(*(gears.design for gears in both))])),
@@ -52,7 +52,7 @@ def comparison_page(
         for gears, solved in zip(both, contacts, strict=True)
     ]
     warnings = tuple(
-        dict.fromkeys(f"{letter}: {line}" for letter, own in zip(LETTERS, lines, strict=True) for line in own)
+        dict.fromkeys(f"{letter}: {line}" for letter, own in zip(DESIGN_LETTERS, lines, strict=True) for line in own)
     )
     if warnings:
         sections.insert(1, PageSection("Warnings", tables_html([Listing("", ("",), [[line] for line in warnings])])))
@@ -106,7 +106,7 @@ def _keys(first: Design, second: Design) -> Listing:
                 "" if key in keys or value is None else " (default)" for keys, value in zip(own, values, strict=True)
             ]
             rows.append([key, *(_value(value) + note for value, note in zip(values, notes, strict=True))])
-    return Listing("" if rows else "No key differs", ("key", *LETTERS), rows)
+    return Listing("" if rows else "No key differs", ("key", *DESIGN_LETTERS), rows)
 
 
 def _flat(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
@@ -128,7 +128,7 @@ def _value(value: Any) -> str:
 def _patterns(mesh: tuple[Contact, Contact]) -> str:
     """Return the patterns of two meshes beside each other: bars, and the flanks of the drive side."""
     parts = []
-    for letter, contact in zip(LETTERS, mesh, strict=True):
+    for letter, contact in zip(DESIGN_LETTERS, mesh, strict=True):
         heading = f"<h3>{escape(f'{letter}: {contact.pair.name}')}</h3>"
         if not contact.patterns:
             parts.append(f"<div>{heading}<p>No pattern: the flanks touch on edges alone, or not at all.</p></div>")
@@ -149,7 +149,7 @@ def _patterns(mesh: tuple[Contact, Contact]) -> str:
 def _errors(mesh: tuple[Contact, Contact]) -> str:
     """Return the transmission errors of two meshes over one pitch in one plot, with their harmonics."""
     curves = []
-    for letter, contact in zip(LETTERS, mesh, strict=True):
+    for letter, contact in zip(DESIGN_LETTERS, mesh, strict=True):
         rad, unit = contact.pair.output.reading.error
         if contact.cycle is not None and contact.cycle.gears is not None:
             phi1, te = contact.cycle.gears
