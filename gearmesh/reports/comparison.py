@@ -75,8 +75,8 @@ def _figures(mesh: tuple[Contact, Contact], titles: Sequence[str], named: bool) 
 def _row(first: CardFigure | None, second: CardFigure | None) -> Iterator[str]:
     """Yield both values and the change of the first number of a figure."""
     yield from ("-" if figure is None else figure.value for figure in (first, second))
-    amounts = [None if figure is None else figure.amount for figure in (first, second)]
-    yield change(*amounts, "" if first is None else first.unit)
+    before, after = (None if figure is None else figure.amount for figure in (first, second))
+    yield change(before, after, "" if first is None else first.unit)
 
 
 def change(first: float | None, second: float | None, unit: str = "") -> str:

@@ -34,7 +34,7 @@ def report(
     other_file: Annotated[
         Path | None,
         typer.Argument(
-            metavar="[OTHER]",
+            metavar="OTHER",
             help="Another design: the page compares both.",
             show_default=False,
             callback=lambda path: None if path is None else present(path),
