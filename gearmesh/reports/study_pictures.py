@@ -11,6 +11,7 @@ from gearmesh.kernel.numeric.algebra import ARCSEC, cross
 from gearmesh.kernel.numeric.algebra import unit as unit_vector
 from gearmesh.study.rows.path_figures import carries
 from gearmesh.study.rows.patterns import AssemblyContact
+from gearmesh.study.rows.work import displacing_keys
 from gearmesh.study.statistics import REPORTED_PERCENTILES
 from gearmesh.study.study import Study
 from gearmesh.study.variance import MIN_FIRST_ORDER_SUM
@@ -32,6 +33,8 @@ MESH_TE_KEY = "mesh_te_peak_to_peak_arcsec"
 MAX_MATRIX_VALUES = 9
 #: points across and along the flank on which its patterns are drawn
 PATTERN_GRID = (61, 121)
+#: letters in a line of a label, which is broken where it is drawn
+LINE_LETTERS = 999
 #: smallest number of rows for a histogram
 MIN_HISTOGRAM_ROWS = 20
 
@@ -56,7 +59,8 @@ def study_pictures(study: Study, folder: Path) -> list[Path]:
         shape = study.plan.shape if len(keys) == len(study.plan.keys) else ()
         plot_responses(file("responses"), keys, figures, shape, f"{name}: response to {', '.join(study.plan.keys)}")
     if len({effect.key for effect in study.effects}) > 1:
-        plot_tornado(file("tornado"), sensitivity_bars(study), f"{name}: sensitivities")
+        labels = {key: _label(study, key) for key in study.plan.keys}
+        plot_tornado(file("tornado"), sensitivity_bars(study), f"{name}: sensitivities", labels)
     if figures and len(study.plan) >= MIN_HISTOGRAM_ROWS:
         good = "" if study.good is None else f", yield {100.0 * study.good:.4g} %"
         plot_histograms(file("histograms"), figures, REPORTED_PERCENTILES, f"{name}: {len(study.plan)} rows{good}")
@@ -67,9 +71,10 @@ def study_pictures(study: Study, folder: Path) -> list[Path]:
 
 def _figure(study: Study, name: str) -> StudyFigure:
     entry = study.nominal.entry(name)
-    stem, unit = (name, "") if entry is None else (entry.figure.stem, entry.figure.unit)
+    stem, unit = (name, "") if entry is None else (entry.figure.stem, entry.figure.unit.replace("um", "\u00b5m"))
     limits = tuple(limit.value for limit in study.limits if limit.figure == name)
-    return StudyFigure(name, stem, unit, study.numbers(name), limits)
+    meaning = "" if entry is None else entry.figure.meaning
+    return StudyFigure(name, stem, unit, study.numbers(name), limits, meaning)
 
 
 def sensitivity_bars(study: Study) -> list[SwingBars | ShareBars]:
@@ -77,9 +82,17 @@ def sensitivity_bars(study: Study) -> list[SwingBars | ShareBars]:
     bars: list[SwingBars | ShareBars] = []
     for name in study.plotted_figures:
         figure_effects = [effect for effect in study.effects if effect.figure == name]
+        label = _figure(study, name).label(LINE_LETTERS)
         if figure_effects and figure_effects[0].linear:
             middle = float(np.nanmean(study.numbers(name)))
-            bars.append(SwingBars(name, middle, [(effect.key, effect.low, effect.high) for effect in figure_effects]))
+            bars.append(
+                SwingBars(
+                    name,
+                    middle,
+                    [(effect.key, effect.low, effect.high) for effect in figure_effects],
+                    label,
+                )
+            )
         elif figure_effects:
             shares = [
                 (share.key, share.first, share.first_error, _number(share.total), _number(share.total_error))
@@ -89,7 +102,7 @@ def sensitivity_bars(study: Study) -> list[SwingBars | ShareBars]:
             alone = sum(first for _, first, *_ in shares)
             hidden = shares and np.isnan(shares[0][3]) and alone < MIN_FIRST_ORDER_SUM
             remark = f"first order {100.0 * max(alone, 0.0):.0f} %: most of it are interactions" if hidden else ""
-            bars.append(ShareBars(name, figure_effects[0].explained, shares, remark))
+            bars.append(ShareBars(name, figure_effects[0].explained, shares, remark, label))
     return bars
 
 
@@ -98,10 +111,14 @@ def _number(value: float | None) -> float:
 
 
 def _label(study: Study, key: str) -> str:
-    """Return the name of a key with its unit."""
+    """Return the name of a key with its unit, and what it means; of an assembly error, what it means if it is positive."""
     known = type(study.design).key_at(key)
-    unit = "" if known is None else {"length": study.design.units, "angle": "deg"}.get(known.unit, "")
-    return f"{key} ({unit})" if unit else key
+    if known is None:
+        return key
+    unit = {"length": study.design.units, "angle": "deg"}.get(known.unit, "")
+    moving = key in displacing_keys(study.design.kind)
+    named = f"{key.rpartition('.')[2] if moving else key}{f', {unit}' if unit else ''}"
+    return f"{named} ({'+: ' if moving else ''}{known.about})" if known.about else named
 
 
 def _matrix(study: Study, file: Path, name: str) -> None:

@@ -3,23 +3,29 @@
 The section is perpendicular to the lengths of the pinion (axis, cone distance). It passes through the contact in the
 middle of the path. A worm is cut in its axial section, through its axis and perpendicular to the wheel's axis; this is
 the middle section of the wheel. Every tooth pair in mesh has a dot at its contact. Contact outside of the section is
-projected onto it along the lengths and drawn paler.
+projected onto it along the lengths and drawn paler. On parallel axes the picture has pitch circles, the line of action
+where all normals of contact lie on one line, and the numbers of the teeth.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.answers.contact.rolling import RollingContact
 from gearmesh.contact.path import ContactPath
+from gearmesh.kernel.motion.rigid import MAX_SINE_OF_PARALLEL
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.flank_frame import FlankFrame
 from gearmesh.teeth.gear_train import GearPair
-from gearmesh.view.scene import PALE_BLUE_PAINT, PALE_BRASS_PAINT, Camera, Dots, Scene, SceneBody
+from gearmesh.teeth.region import Side
+from gearmesh.view.palette import INK_COLOUR, PATH_COLOUR
+from gearmesh.view.scene import PALE_BLUE_PAINT, PALE_BRASS_PAINT, Camera, Curve, Dots, Scene, SceneBody, Word
 
 #: height of the picture, in heights of a tooth
 PICTURE_HEIGHT_TOOTH_HEIGHTS = 4.2
@@ -31,6 +37,16 @@ MIN_CROSSED_SINE = 0.7
 AXIS_DIRECTION_FACTORS = np.array([-1.0, -1.0, 0.0])
 #: colour of contact outside of the section
 OUTSIDE_CONTACT_COLOUR = "#e39aa6"
+#: distance of lines in front of the section, as a share of the picture's height
+FRONT_SHARE = 0.01
+#: points of a pitch circle
+CIRCLE_POINTS = 721
+#: sine of the angle, and distance as a share of the picture's height, within which normals lie on one line of action
+MAX_SINE_OF_ACTION = 1e-3
+#: margin of the picture without tooth numbers, as a share of its sides
+NUMBER_MARGIN_SHARE = 0.08
+#: stations along the face between which the middle of a tooth is interpolated
+FACE_STATIONS = 9
 #: colours of the cut faces of pinion and gear
 SECTION_COLOURS = ("#c3d6ea", "#ecdcbc")
 
@@ -104,7 +120,82 @@ class MeshSection:
                     OUTSIDE_CONTACT_COLOUR,
                 )
             )
-        return Scene(bodies, self.camera, dots=tuple(dots), title=self.title, size=self.size)
+        return Scene(
+            bodies,
+            self.camera,
+            curves=self._lines,
+            dots=tuple(dots),
+            words=tuple(self._tooth_numbers(turns)),
+            title=self.title,
+            size=self.size,
+        )
+
+    @cached_property
+    def _pitch_point(self) -> Array | None:
+        """Point (3,) of equal velocity in the section, fixed frame; None for axes that are not parallel, and for racks."""
+        first, second = self.rolling.pair.mounts
+        if float(np.linalg.norm(cross(first.axis, second.axis))) > MAX_SINE_OF_PARALLEL:
+            return None
+        turning = dot(first.spin, first.axis), self.rolling.pair.ratio * dot(second.spin, first.axis)
+        if turning[1] in (0.0, turning[0]):
+            return None
+        centre, other = (self._in_section(mount.origin) for mount in (first, second))
+        return np.asarray(centre + turning[1] / (turning[1] - turning[0]) * (other - centre))
+
+    def _in_section(self, point: Array) -> Array:
+        """Project points (..., 3) on the section along the axes."""
+        back = self.camera.axes[2]
+        return np.asarray(point - dot(point - self.camera.focus, back)[..., None] * back)
+
+    @cached_property
+    def _lines(self) -> tuple[Curve, ...]:
+        """Pitch circles of a pair on parallel axes, and its line of action if all normals of contact lie on one line."""
+        pitch_point = self._pitch_point
+        if pitch_point is None:
+            return ()
+        right, up, back = self.camera.axes
+        front = FRONT_SHARE * self.camera.height * back
+        turn = np.linspace(0.0, 2.0 * np.pi, CIRCLE_POINTS)[:, None]
+        circles = []
+        for mount in self.rolling.pair.mounts:
+            centre = self._in_section(mount.origin)
+            radius = float(np.linalg.norm(pitch_point - centre))
+            circles += [centre + radius * (np.cos(turn) * right + np.sin(turn) * up) + front, np.full((1, 3), np.nan)]
+        curves = [Curve(np.concatenate(circles), "pitch circles", INK_COLOUR, 1.5)]
+        path = self.rolling.path
+        inside = np.isin(path.kind, ("point", "line"))
+        normals = path.normal[inside] - dot(path.normal[inside], back)[:, None] * back
+        if inside.any():
+            way = unit(normals[0])
+            aside = cross(self._in_section(path.point[inside]) - pitch_point, way)
+            straight = np.linalg.norm(cross(unit(normals), way), axis=-1).max() < MAX_SINE_OF_ACTION
+            if straight and np.linalg.norm(aside, axis=-1).max() < MAX_SINE_OF_ACTION * self.camera.height:
+                ends = np.array([[-1.0], [1.0]]) * self.camera.height * way
+                curves.append(Curve(pitch_point + ends + front, "line of action", PATH_COLOUR, 2.0))
+        return tuple(curves)
+
+    def _tooth_numbers(self, turns: tuple[float, float]) -> Iterator[Word]:
+        """Yield the numbers of the teeth in the picture, of a pair on parallel axes."""
+        if self._pitch_point is None:
+            return
+        margin = NUMBER_MARGIN_SHARE * np.array(self.size)
+        for member, turn in zip(self.rolling.pair.both, turns, strict=True):
+            to_fixed, tooth = member.mount.at(turn), member.tooth
+            along = float(to_fixed.inverse.point(self._in_section(member.mount.origin))[2])
+            steps = np.linspace(0.0, 1.0, FACE_STATIONS)
+            grids = [tooth.flank_grid(side, np.array([0.5]), steps).points[0] for side in Side]
+            x, y = (
+                np.mean([np.interp(along, *grid[np.argsort(grid[:, 2])][:, [2, k]].T) for grid in grids])
+                for k in (0, 1)
+            )
+            angles = tooth.pitch_angle * np.arange(tooth.teeth)
+            c, s = np.cos(angles), np.sin(angles)
+            own = np.stack((c * x - s * y, s * x + c * y, np.full(len(c), along)), axis=-1)
+            axis = self._in_section(member.mount.origin)
+            for number, place in enumerate(to_fixed.point(own)):
+                pixel = self.camera.pixels(place, self.size)[:2]
+                if (pixel > margin).all() and (pixel < np.array(self.size) - margin).all():
+                    yield Word(str(number), place, axis)
 
     def _outside(self, points: Array) -> NDArray[np.bool_]:
         """True (...,) for contact points (..., 3) that lie before or behind the section."""

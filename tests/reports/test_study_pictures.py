@@ -37,8 +37,8 @@ def test_cells_are_the_contact_of_each_design(matrices: list[Matrix], tmp_path: 
     study = gm.build(gm.load(sample, own)).study(vary, record=("path_shift_length_mm",), workers=1)
     study_pictures.study_pictures(study, tmp_path)
     [(cells, rows, columns)] = matrices
-    assert columns == ("assembly.dV (mm)", [-0.1, 0.0, 0.1])
-    assert rows == ("assembly.dA (mm)", [0.0, 0.05])
+    assert columns == ("dV, mm (+: pinion axis offset (dE), along y)", [-0.1, 0.0, 0.1])
+    assert rows == ("dA, mm (+: pinion moved along its axis, away from the apex)", [0.0, 0.05])
     cell = cells[1][0]
     assert cell.panel is not None
     assert cell.pair is not None
@@ -83,7 +83,7 @@ def test_lines_sweep_and_what_fails_says_why(matrices: list[Matrix], tmp_path: P
     study = gm.build(gm.load(sample)).study({"pinion.teeth": [2, 20, 21]}, record=("path",), workers=1)
     study_pictures.study_pictures(study, tmp_path)
     [([cells], rows, columns)] = matrices
-    assert (rows, columns) == (("", [""]), ("pinion.teeth", [2, 20, 21]))
+    assert (rows, columns) == (("", [""]), ("pinion.teeth (number of teeth)", [2, 20, 21]))
     assert cells[0].panel is None
     assert "pinion.teeth" in cells[0].reason
     first, second = (each.panel for each in cells[1:])

@@ -48,6 +48,32 @@ def test_contact_of_spur_gears_moves_along_the_line_of_action() -> None:
     assert angle == pytest.approx(2.0 * np.pi / teeth, abs=1e-9)
 
 
+def test_section_has_pitch_circles_line_of_action_and_tooth_numbers() -> None:
+    """Of spur gears z 20, 40, module 3 mm, 20 deg; a pair on crossed axes has neither circles nor numbers."""
+    gears = gm.build(gm.load(SAMPLES / "spur.toml"))
+    pair = gears.pairs[0]
+    rolling = rolling_contact(pair, gears.contact(cycle=False).path, np.arange(3) / 3)
+    section = mesh_section(rolling, dict.fromkeys(pair.members, None), (640, 480))
+    scenes = section.scenes()
+    circles, action = scenes[0].curves
+    assert [circles.label, action.label] == ["pitch circles", "line of action"]
+    back = section.camera.axes[2]
+    for mount, part, member in zip(pair.mounts, np.split(circles.points, 2), pair.both, strict=True):
+        away = part[:-1] - mount.origin
+        radii = np.linalg.norm(away - (away @ back)[:, None] * back, axis=-1)
+        assert radii == pytest.approx(1.5 * member.tooth.teeth, rel=1e-9)
+    way = np.diff(action.points, axis=0)[0]
+    for mount, base in zip(pair.mounts, (30.0, 60.0), strict=True):
+        arm = np.cross(action.points[0] - mount.origin, way / np.linalg.norm(way)) @ mount.axis
+        assert abs(arm) == pytest.approx(base * np.cos(np.radians(20.0)), rel=1e-6)
+    # numbers stand in the middle of teeth, and go with them from picture to picture
+    first, second = ({(word.text, *word.inside): word.point for word in scene.words} for scene in scenes[:2])
+    steps = [np.linalg.norm(second[key] - first[key]) for key in first.keys() & second.keys()]
+    assert len(steps) >= 4
+    # a third of a pitch at the pitch circles, of which the numbers stand near
+    assert steps == pytest.approx([np.pi] * len(steps), rel=0.06)
+
+
 def test_section_of_a_worm_drive_is_axial_section_and_middle_section() -> None:
     """Through the worm's axis, across the wheel's; lines of contact have their dots where they cross it."""
     gears = gm.build(gm.load(SAMPLES / "worm_drive.toml"))

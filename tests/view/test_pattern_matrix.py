@@ -53,7 +53,7 @@ def test_cells_stand_where_their_errors_are(monkeypatch: pytest.MonkeyPatch) -> 
     assert above.get_xlim() == other.get_xlim()
     assert below.get_ylim() == error.get_ylim()
     assert (above.get_ylabel(), axes[1, 0, 0].get_ylabel()) == ("2", "1")
-    assert [each.get_xlabel() for each in axes[1, 1]] == ["three", "4"]
+    assert [each.get_xlabel() for each in axes[1, 1]] == ["three", "φ₁ (deg)\n4"]
     assert [text.get_text() for text in axes[1, 0, 0].texts] == ["no contact"]
     for each, cell in zip((below, error), cells[::-1], strict=True):
         assert [text.get_text() for text in each.texts] == [f"{cell.mesh_te:.3g}"]

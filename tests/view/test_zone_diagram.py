@@ -10,7 +10,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.view.diagrams import plots, zone_diagram
+from gearmesh.view.diagrams import plots, study_plots, zone_diagram
 from gearmesh.view.diagrams.plots import sheet
 
 
@@ -32,6 +32,44 @@ def test_small_zone_has_whole_legend_and_lines_without_dots(figures: list[Any]) 
     words = [text.get_text() for text in figure.legends[0].get_texts()]
     assert "contact lines" in words
     assert not any(word.startswith(("contact at", "path")) for word in words)
+
+
+def test_far_limit_line_is_said_and_short_flanks_are_side_by_side(figures: list[Any]) -> None:
+    """The limiting line of the rack took a third of the panel of the helical gear; it lies 3.7 mm below its root."""
+    for name in ("helical", "beveloid_crossed"):
+        gm.build(gm.load(SAMPLES / f"{name}.toml")).picture("zone").save("zone.png")
+    helical, beveloid = figures
+    pinion, gear, _ = helical.axes
+    assert "limiting line of the tool (undercut): 3.72 mm away" in gear.get_title()
+    assert "limiting line" not in pinion.get_title()
+    heights = [np.ptp(axes.get_ylim()) for axes in (pinion, gear)]
+    assert heights[1] < 1.4 * heights[0]
+    assert not any("limiting" in text.get_text() for text in helical.legends[0].get_texts())
+    first, second, zone = (axes.get_subplotspec() for axes in beveloid.axes)
+    assert first.rowspan == second.rowspan
+    assert first.colspan != second.colspan
+    assert len(zone.colspan) == 2
+    # a slender path lies down, with its labels
+    assert beveloid.axes[2].get_ylabel().startswith("along the axis of the pinion")
+
+
+def test_tornado_has_words_and_values(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Keys were their dotted names and bars had no figures."""
+    kept: list[Any] = []
+    monkeypatch.setattr(study_plots, "save_figure", lambda figure, file: kept.append(figure))
+    bars = [
+        study_plots.SwingBars("te", 2.0, [("assembly.dV", 1.25, 2.75)], "transmission error (arcsec)"),
+        study_plots.ShareBars(
+            "te", 0.5, [("assembly.dV", 0.4, 0.0, np.nan, np.nan)], "", "transmission error (arcsec)"
+        ),
+    ]
+    study_plots.plot_tornado("tornado.png", bars, "title", {"assembly.dV": "dV, mm (+: along y)"})
+    swing, share = kept[0].axes
+    assert [label.get_text() for label in swing.get_yticklabels()] == ["dV, mm (+: along y)"]
+    assert {"1.25", "2.75"} <= {text.get_text() for text in swing.texts}
+    assert [text.get_text() for text in share.texts] == [" 40 %"]
+    assert swing.get_xlabel() == "transmission error (arcsec); 2 in the middle"
+    assert share.get_xlabel().startswith("share of the variance of: transmission error (arcsec)")
 
 
 def test_no_backlash_is_drawn_as_none(figures: list[Any]) -> None:

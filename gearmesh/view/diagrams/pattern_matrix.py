@@ -26,6 +26,7 @@ from gearmesh.view.diagrams.flank_diagrams import (
 )
 from gearmesh.view.diagrams.flank_plane import FlankPlane
 from gearmesh.view.diagrams.plots import new_figure, save_figure
+from gearmesh.view.diagrams.study_plots import label_lines
 from gearmesh.view.palette import CURVE_COLOURS, FAINT_COLOUR, GRID_LINE_COLOUR, INK_COLOUR
 from gearmesh.view.scene import MemberContact
 
@@ -49,6 +50,10 @@ ESTIMATE_PREFIX = "estimate of "
 APPROXIMATE_SIGN = "\u2248 "
 #: smallest width of a figure, for its legend
 MIN_FIGURE_WIDTH_INCHES = 8.5
+#: width of a figure whose legend has one row
+MIN_LEGEND_ROW_INCHES = 12.0
+#: letters of a label on an inch
+LETTERS_PER_INCH = 8.0
 #: letters in a line of a reason
 REASON_LINE_LETTERS = 34
 #: letters of a whole reason
@@ -128,7 +133,11 @@ def plot_matrix(
             else:
                 below.tick_params(labelleft=False)
             if i == 0:
-                below.set_xlabel(_word(columns[1][j]), fontsize=10, color=INK_COLOUR)
+                # the rotation has an axis in the lowest row alone: it is the same in all rows
+                if cells[i][j].panel is not None:
+                    below.tick_params(labelbottom=True, bottom=True)
+                angle = "φ₁ (deg)\n" if cells[i][j].panel is not None else ""
+                below.set_xlabel(f"{angle}{_word(columns[1][j])}", fontsize=9, color=INK_COLOUR)
     handles = {
         label: handle for axes in grid.flat for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
     }
@@ -138,15 +147,15 @@ def plot_matrix(
             handles.values(),
             handles.keys(),
             loc="outside lower center",
-            ncols=6,
+            ncols=6 if inches[0] >= MIN_LEGEND_ROW_INCHES else 3,
             frameon=False,
             fontsize=8,
-            title=columns[0],
+            title=label_lines(columns[0], int(LETTERS_PER_INCH * inches[0])),
             title_fontproperties={"size": 12},
         )
     else:
-        figure.supxlabel(columns[0], color=INK_COLOUR)
-    figure.supylabel(rows[0], color=INK_COLOUR)
+        figure.supxlabel(label_lines(columns[0], int(LETTERS_PER_INCH * inches[0])), color=INK_COLOUR)
+    figure.supylabel(label_lines(rows[0], int(LETTERS_PER_INCH * inches[1])), color=INK_COLOUR)
     figure.suptitle(title + (f" ({magnified:g} times as high)" if magnified > 1.0 else ""), color=INK_COLOUR)
     save_figure(figure, file)
 

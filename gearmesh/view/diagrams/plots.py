@@ -40,7 +40,7 @@ MIN_TE_RANGE = 0.01
 #: smallest harmonic (arcsec, um) of a cycle whose harmonics are shown
 _MIN_HARMONIC = 1e-3
 #: smallest range of backlash that is shown, as a share of the backlash
-_MIN_PLAY_RANGE_SHARE = 1e-3
+_MIN_PLAY_RANGE_SHARE = 0.05
 #: backlash that counts as zero
 _ZERO_PLAY_DEG = 1e-7
 #: range either way that is drawn for zero backlash
@@ -189,7 +189,8 @@ def plot_backlash(
         max(curve.greatest, float(np.nanmax(curve.backlash))),
     )
     most = max(abs(low), abs(high))
-    room = max(0.15 * (high - low), _MIN_PLAY_RANGE_SHARE * most if most > _ZERO_PLAY_DEG else _ZERO_PLAY_RANGE_DEG)
+    shown_range = _MIN_PLAY_RANGE_SHARE * most if most > _ZERO_PLAY_DEG else 2.0 * _ZERO_PLAY_RANGE_DEG
+    room = max(0.15 * (high - low), 0.5 * (shown_range - (high - low)))
     axes.set_ylim(low - room, high + room)
     axes.set_xlim(float(curve.phi1[0]), float(curve.phi1[-1]))
     axes.ticklabel_format(useOffset=False)
@@ -239,6 +240,9 @@ def _draw_errors(axes: Any, path: ContactPath, cycle: Cycle | None, rad: float, 
     room = max(0.7 * (high - low), MIN_TE_RANGE / 2)
     axes.set_ylim(low - room, high + room)
     axes.set(xlabel="pinion rotation φ₁ (deg)", ylabel=f"transmission error ({unit})")
+    if high - low < _MIN_HARMONIC:
+        # a flat curve needs words: its axis has the size of rounding
+        axes.set_title(f"no transmission error: below {_MIN_HARMONIC:g} {unit}", fontsize=9, color=INK_COLOUR)
 
 
 def _draw_cycle(axes: Any, cycle: Cycle, pair: Array, gears: Array, rad: float) -> None:

@@ -5,9 +5,10 @@ All take plain arrays and write one file each, as the plots of `plots.py` do.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,12 @@ from gearmesh.view.palette import CURVE_COLOURS, INK_COLOUR
 
 #: lines of a response plot that can be distinguished by colour
 _MAX_COLOURED_LINES = 9
+#: letters in a line of the label of a key
+KEY_LINE_LETTERS = 38
+#: letters in a line of the label of a figure beside an axis
+FIGURE_LINE_LETTERS = 34
+#: letters in a line of the label of a figure under an axis
+TITLE_LINE_LETTERS = 80
 #: total orders, and counts of histograms
 PALE_COLOUR = "#b9c9df"
 
@@ -36,6 +43,19 @@ class StudyFigure:
     values: Array
     #: limits that it has to keep
     limits: tuple[float, ...] = ()
+    #: its meaning in words
+    meaning: str = ""
+
+    def label(self, letters: int) -> str:
+        """Meaning and unit in lines of so many `letters`; the name of a figure without a meaning."""
+        return label_lines(
+            f"{self.meaning} ({self.unit})" if self.meaning and self.unit else self.meaning or self.name, letters
+        )
+
+
+def label_lines(text: str, letters: int) -> str:
+    """Return a label in lines of so many letters; words are kept whole."""
+    return fill(text, letters, break_long_words=False, break_on_hyphens=False)
 
 
 def plot_responses(
@@ -61,9 +81,9 @@ def plot_responses(
             for limit in response.limits:
                 own.axhline(limit, color=CURVE_COLOURS[1], lw=1.0, ls="--")
             if i == down - 1:
-                own.set_xlabel(key)
+                own.set_xlabel(label_lines(key, KEY_LINE_LETTERS), fontsize=9)
             if j == 0:
-                own.set_ylabel(_two_lines(response), fontsize=8)
+                own.set_ylabel(response.label(FIGURE_LINE_LETTERS), fontsize=8)
     save_figure(figure, file)
 
 
@@ -77,7 +97,7 @@ def _draw_lines(axes: Any, keys: Sequence[tuple[str, Array]], j: int, values: Ar
     shades = colormaps["viridis"](np.linspace(0.0, 0.85, table.shape[1]))
     for k in range(table.shape[1]):
         axes.plot(x[:, k], table[:, k], color=shades[k], marker="o", ms=2.5, lw=1.1, label=f"{other[0, k]:.4g}")
-    axes.legend(title=keys[1 - j][0], fontsize=6, title_fontsize=6)
+    axes.legend(title=keys[1 - j][0].partition(" (")[0], fontsize=7, title_fontsize=7)
 
 
 @dataclass(frozen=True)
@@ -91,6 +111,8 @@ class SwingBars:
     name: str
     middle: float
     keys: Sequence[tuple[str, float, float]]
+    #: meaning and unit of the figure
+    label: str = ""
 
 
 @dataclass(frozen=True)
@@ -105,12 +127,22 @@ class ShareBars:
     keys: Sequence[tuple[str, float, float, float, float]]
     #: a note in the diagram
     remark: str = ""
+    #: meaning and unit of the figure
+    label: str = ""
 
 
-def plot_tornado(file: Path | str, bars: Sequence[SwingBars | ShareBars], title: str) -> None:
-    """Plot sensitivities, one diagram for each figure: its swing with each key, or each key's share of its variance."""
-    heights = [1.2 + 0.34 * len(own_bars.keys) for own_bars in bars]
-    figure = new_figure((7.0, 0.8 + sum(heights)), SCREEN_DPI)
+def plot_tornado(
+    file: Path | str, bars: Sequence[SwingBars | ShareBars], title: str, labels: Mapping[str, str] | None = None
+) -> None:
+    """Plot sensitivities, one diagram for each figure: its swing with each key, or each key's share of its variance.
+
+    `labels`: words for keys.
+    """
+    words = {} if labels is None else {key: label_lines(text, KEY_LINE_LETTERS) for key, text in labels.items()}
+    heights = [
+        1.2 + sum(0.2 + 0.17 * (1 + words.get(key, key).count("\n")) for key, *_ in own_bars.keys) for own_bars in bars
+    ]
+    figure = new_figure((8.0, 0.8 + sum(heights)), SCREEN_DPI)
     figure.suptitle(title)
     for own, own_bars in zip(
         figure.subplots(len(bars), 1, squeeze=False, height_ratios=heights)[:, 0], bars, strict=True
@@ -119,7 +151,7 @@ def plot_tornado(file: Path | str, bars: Sequence[SwingBars | ShareBars], title:
             _draw_swings(own, own_bars)
         else:
             _draw_shares(own, own_bars)
-        own.set_yticks(range(len(own_bars.keys)), [key for key, *_ in own_bars.keys])
+        own.set_yticks(range(len(own_bars.keys)), [words.get(key, key) for key, *_ in own_bars.keys], fontsize=8)
         if own_bars.keys:
             own.set_ylim(len(own_bars.keys) - 0.5, -0.5)
             # above the axis, where no bar is
@@ -134,8 +166,21 @@ def _draw_swings(axes: Any, bars: SwingBars) -> None:
     ):
         at = np.array(ends) - bars.middle
         axes.barh(range(len(bars.keys)), at, left=bars.middle, color=colour, height=0.65, label=label)
+        for row, end in enumerate(ends):
+            axes.annotate(
+                f"{end:.3g}",
+                (end, row),
+                (3 if end >= bars.middle else -3, 0),
+                textcoords="offset points",
+                ha="left" if end >= bars.middle else "right",
+                va="center",
+                fontsize=7,
+            )
     axes.axvline(bars.middle, color=INK_COLOUR, lw=0.8)
-    axes.set_xlabel(bars.name, fontsize=9)
+    axes.margins(x=0.12)
+    axes.set_xlabel(
+        f"{label_lines(bars.label or bars.name, TITLE_LINE_LETTERS)}; {bars.middle:.3g} in the middle", fontsize=9
+    )
 
 
 def _draw_shares(axes: Any, bars: ShareBars) -> None:
@@ -144,7 +189,8 @@ def _draw_shares(axes: Any, bars: ShareBars) -> None:
     if not bars.keys:
         # words alone: axes without bars look as if something were missing
         axes.set_axis_off()
-        words = f"{bars.name}: {why};\nkeys are not ranked: too few rows, or an incomplete grid"
+        what = label_lines(bars.label or bars.name, TITLE_LINE_LETTERS)
+        words = f"{what}: {why};\nkeys are not ranked: too few rows, or an incomplete grid"
         axes.text(0.5, 0.5, words, ha="center", va="center", fontsize=9)
         return
     first, first_error, total, total_error = np.array([share[1:] for share in bars.keys]).T
@@ -161,7 +207,10 @@ def _draw_shares(axes: Any, bars: ShareBars) -> None:
     if bars.remark:
         axes.text(0.98, 0.06, bars.remark, transform=axes.transAxes, ha="right", fontsize=8)
     axes.set_xlim(0.0, max(1.0, 1.05 * float(np.nanmax([first, np.where(np.isfinite(total), total, 0.0)]))))
-    axes.set_xlabel(f"share of the variance of {bars.name}:\n{why}", fontsize=9)
+    for row, share in enumerate(np.maximum(first, 0.0).tolist()):
+        axes.text(share, row, f" {100.0 * share:.0f} %", va="center", fontsize=7)
+    what = label_lines(f"share of the variance of: {bars.label or bars.name}", TITLE_LINE_LETTERS)
+    axes.set_xlabel(f"{what}\n{why}", fontsize=9)
 
 
 def plot_histograms(file: Path | str, figures: Sequence[StudyFigure], percentiles: Sequence[int], title: str) -> None:
@@ -180,7 +229,7 @@ def plot_histograms(file: Path | str, figures: Sequence[StudyFigure], percentile
                 own.text(at, top, label, rotation=90, fontsize=6, ha="right", va="top")
         for limit in own_figure.limits:
             own.axvline(limit, color=CURVE_COLOURS[1], lw=1.4, ls="--")
-        own.set_xlabel(own_figure.name, fontsize=9)
+        own.set_xlabel(own_figure.label(TITLE_LINE_LETTERS), fontsize=9)
         own.set_ylabel("rows", fontsize=8)
     save_figure(figure, file)
 
@@ -191,8 +240,3 @@ def percentile_marks(values: Array, percentiles: Sequence[int]) -> list[tuple[fl
     for p, at in zip(percentiles, np.percentile(values, percentiles).tolist(), strict=True):
         marks.setdefault(at, []).append(str(p))
     return [(at, f"{', '.join(names)} %") for at, names in marks.items()]
-
-
-def _two_lines(figure: StudyFigure) -> str:
-    """Name of a figure over two lines, its unit on the second."""
-    return f"{figure.stem}\n({figure.unit})" if figure.unit else figure.name

@@ -15,7 +15,9 @@ from typing import Any
 import numpy as np
 
 from gearmesh.answers.contact.zone import ZoneOfContact
+from gearmesh.contact.zone import LimitLine
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.teeth.flank_frame import FlankFrame
 from gearmesh.view.diagrams.flank_diagrams import (
     ABOVE_PANEL_INCHES,
     BESIDE_PANEL_INCHES,
@@ -25,6 +27,7 @@ from gearmesh.view.diagrams.flank_diagrams import (
     draw_contact,
     draw_outline,
     flank_window,
+    is_long,
     name_edges,
     swept_patch,
 )
@@ -40,8 +43,14 @@ from gearmesh.view.palette import (
 )
 from gearmesh.view.scene import contact_on, jumps
 
-#: distance beyond a flank, in its heights, up to which a limit line is shown
-LIMIT_REACH_HEIGHTS = 0.6
+#: distance beyond a flank, in its heights, up to which a limit line is shown; one farther away is named in the title
+LIMIT_REACH_HEIGHTS = 0.2
+#: share of the width of the figure that a flank panel has if both are side by side
+HALF_WIDTH_SHARE = 0.5
+#: largest height of the zone in space, as a share of its width
+MAX_ZONE_HEIGHT_SHARE = 0.45
+#: width of the zone in space, as a share of its height, below which its axes are exchanged
+MIN_UPRIGHT_SHARE = 0.7
 #: margin around the zone in space, as a share of its height
 ZONE_MARGIN = 0.15
 #: length of the zone in space, in its heights, up to which it is drawn to scale
@@ -66,14 +75,31 @@ class _ZoneLines:
     path: Array
     #: limit lines (L, 2), each with True for an undercut limit
     limits: Sequence[tuple[Array, bool]]
+    #: True if length is drawn upwards and the other coordinate to the right
+    lying: bool = False
+
+    @property
+    def turned(self) -> _ZoneLines:
+        """The lines with exchanged coordinates."""
+        return _ZoneLines(
+            [line[:, ::-1] for line in self.lines],
+            [strip[..., ::-1] for strip in self.strips],
+            [line[:, ::-1] for line in self.now],
+            self.path[:, ::-1],
+            [(line[:, ::-1], undercut) for line, undercut in self.limits],
+            True,
+        )
 
 
 def plot_zone(
     file: Path | str, shown: ZoneOfContact, title: str, size: tuple[int, int] | None = None, dpi: int = 150
 ) -> None:
     """Plot the zone of contact. Raises OutputError if the file cannot be written."""
-    pair, width = shown.pair, FIGURE_WIDTH_INCHES - BESIDE_PANEL_INCHES
+    pair = shown.pair
     panels = [_panel(shown, name) for name in pair.members]
+    # long flanks are above each other, short ones side by side, as on other diagrams
+    long = is_long([panel.plane for panel in panels])
+    width = (1.0 if long else HALF_WIDTH_SHARE) * FIGURE_WIDTH_INCHES - BESIDE_PANEL_INCHES
     windows = [_window(shown, panel, width) for panel in panels]
     space = _in_space(shown)
     (left, right), (low, high) = _extent(space)
@@ -81,10 +107,15 @@ def plot_zone(
         width * (top - bottom) * magnified / (end - begin) + ABOVE_PANEL_INCHES
         for (begin, end), (bottom, top), magnified in windows
     ]
-    heights.append(min(width * (high - low) / (right - left), 0.45 * width) + ABOVE_PANEL_INCHES)
+    if not long:
+        heights = [max(heights)]
+    wide = FIGURE_WIDTH_INCHES - BESIDE_PANEL_INCHES
+    heights.append(min(wide * (high - low) / (right - left), MAX_ZONE_HEIGHT_SHARE * wide) + ABOVE_PANEL_INCHES)
     inches, dots = sheet((FIGURE_WIDTH_INCHES, sum(heights) + 0.8), size, dpi)
     figure = new_figure(inches, dots)
-    *flanks, below = figure.subplots(3, 1, gridspec_kw={"height_ratios": heights})
+    grid = figure.add_gridspec(len(heights), 1 if long else 2, height_ratios=heights)
+    flanks = [figure.add_subplot(grid[k, 0] if long else grid[0, k]) for k in range(2)]
+    below = figure.add_subplot(grid[-1, :])
     for axes, panel, window in zip(flanks, panels, windows, strict=True):
         _draw_flank(axes, shown, panel, window)
     _draw_space(below, shown, space)
@@ -116,12 +147,32 @@ def _window(shown: ZoneOfContact, panel: ContactPanel, width: float) -> tuple[An
     (left, low), (right, high) = frame.extent
     limit = shown.limits.get(panel.plane.member.name)
     if limit is not None:
-        lengths, places = frame.places(limit.own).T
-        reach = LIMIT_REACH_HEIGHTS * (high - low)
-        near = (lengths >= left) & (lengths <= right) & (places > low - reach) & (places < high + reach)
-        if near.any():
-            low, high = min(low, float(places[near].min())), max(high, float(places[near].max()))
+        near = _near(frame, limit)
+        if near.size:
+            low, high = min(low, float(near[:, 1].min())), max(high, float(near[:, 1].max()))
     return flank_window(np.array([[left, low], [right, high]]), panel.extent, width)
+
+
+def _near(frame: FlankFrame, limit: LimitLine) -> Array:
+    """Return the places (N, 2) of a limit line that are on a flank or near it."""
+    (left, low), (right, high) = frame.extent
+    lengths, places = frame.places(limit.own).T
+    reach = LIMIT_REACH_HEIGHTS * (high - low)
+    near = (lengths >= left) & (lengths <= right) & (places > low - reach) & (places < high + reach)
+    return np.asarray(np.stack((lengths, places), axis=-1)[near])
+
+
+def _far_words(frame: FlankFrame, limit: LimitLine) -> str:
+    """Return where a limit line is that is too far from the flank to be drawn; "" if some of it is near."""
+    if _near(frame, limit).size:
+        return ""
+    (left, low), (right, high) = frame.extent
+    lengths, places = frame.places(limit.own).T
+    beside = places[(lengths >= left) & (lengths <= right)]
+    if not beside.size:
+        return ""
+    away = float(np.minimum(np.abs(beside - low), np.abs(beside - high)).min())
+    return f"{LIMIT_LABELS[limit.undercut]}: {away:.3g} mm away"
 
 
 def _draw_flank(axes: Any, shown: ZoneOfContact, panel: ContactPanel, window: tuple[Any, Any, float]) -> None:
@@ -131,13 +182,15 @@ def _draw_flank(axes: Any, shown: ZoneOfContact, panel: ContactPanel, window: tu
     draw_outline(axes, plane, window)
     _mark(axes, plane.lines(contact_on(which, shown.now, pair.mounts)), shown)
     limit = shown.limits.get(plane.member.name)
-    if limit is not None:
+    if limit is not None and _near(plane.frame, limit).size:
         _draw_limit(axes, plane.frame.places(limit.own), undercut=limit.undercut)
     low, high = plane.frame.outline[:, 0].min(), plane.frame.outline[:, 0].max()
     (left, right), _, magnified = window
     notes = [f"{magnified:g} times as high"] if magnified > 1.0 else []
     notes += [f"cut off: flank from {low:.4g} to {high:.4g} mm"] if left > low or right < high else []
-    axes.set_title(panel.name + (f"  ({', '.join(notes)})" if notes else ""), fontsize=10, color=INK_COLOUR)
+    far = "" if limit is None else _far_words(plane.frame, limit)
+    title = panel.name + (f"  ({', '.join(notes)})" if notes else "") + (f"\n{far}" if far else "")
+    axes.set_title(title, fontsize=10, color=INK_COLOUR)
     axes.set_xlabel(plane.labels[0], fontsize=9)
     axes.set_ylabel(plane.labels[1], fontsize=9)
     axes.tick_params(labelsize=8)
@@ -151,13 +204,15 @@ def _in_space(shown: ZoneOfContact) -> _ZoneLines:
     path = places(whole.point)
     path[[line is not None for line in lines]] = np.nan
     path = np.insert(path, jumps(whole.point1, whole.kind == "edge", whole.rotation) + 1, np.nan, axis=0)
-    return _ZoneLines(
+    made = _ZoneLines(
         [line for line in lines if line is not None],
         strips(lines),
         [places(line) for line in shown.now.lines if line is not None],
         path,
         [(places(limit.fixed), limit.undercut) for limit in shown.limits.values()],
     )
+    (left, right), (low, high) = _extent(made)
+    return made if right - left >= MIN_UPRIGHT_SHARE * (high - low) else made.turned
 
 
 def _extent(space: _ZoneLines) -> Array:
@@ -181,14 +236,16 @@ def _draw_space(axes: Any, shown: ZoneOfContact, space: _ZoneLines) -> None:
         axes.plot(*space.path.T, color=PATH_COLOUR, lw=1.8, zorder=5, label="path of contact")
         points = shown.now.touching & np.array([line is None for line in shown.now.lines])
         if points.any():
-            at = shown.plane.places(shown.now.point[points])
+            at = shown.plane.places(shown.now.point[points])[:, :: -1 if space.lying else 1]
             axes.plot(
                 *at.T, color=CURVE_COLOURS[1], ls="", marker="o", ms=6.0, zorder=7, label=f"contact at {_at(shown)}"
             )
     _mark(axes, space.now, shown)
-    for limit, undercut in space.limits:
-        _draw_limit(axes, limit, undercut=undercut)
     (left, right), (low, high) = _extent(space)
+    for limit, undercut in space.limits:
+        within = (limit >= [left, low]) & (limit <= [right, high])
+        if within.all(axis=-1).any():
+            _draw_limit(axes, limit, undercut=undercut)
     axes.set_xlim(left, right)
     axes.set_ylim(low, high)
     if (right - left) <= MAX_SCALE_LENGTH * (high - low):
@@ -198,8 +255,9 @@ def _draw_space(axes: Any, shown: ZoneOfContact, space: _ZoneLines) -> None:
     count = int(shown.now.touching.sum())
     pairs = f"{count} tooth pair{'' if count == 1 else 's'} in contact"
     axes.set_title(f"zone of contact, {shown.plane.name}: {pairs}", fontsize=10, color=INK_COLOUR)
-    axes.set_xlabel(shown.plane.labels[0], fontsize=9)
-    axes.set_ylabel(shown.plane.labels[1], fontsize=9)
+    across, up = shown.plane.labels[:: -1 if space.lying else 1]
+    axes.set_xlabel(across, fontsize=9)
+    axes.set_ylabel(up, fontsize=9)
     axes.tick_params(labelsize=8)
 
 
