@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 
 from gearmesh.answers.contact.zone import ZoneOfContact
-from gearmesh.contact.zone import LimitLine
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.flank_frame import FlankFrame
 from gearmesh.view.diagrams.flank_diagrams import (
@@ -147,32 +146,32 @@ def _window(shown: ZoneOfContact, panel: ContactPanel, width: float) -> tuple[An
     (left, low), (right, high) = frame.extent
     limit = shown.limits.get(panel.plane.member.name)
     if limit is not None:
-        near = _near(frame, limit)
+        near = _near(frame, limit.own)
         if near.size:
             low, high = min(low, float(near[:, 1].min())), max(high, float(near[:, 1].max()))
     return flank_window(np.array([[left, low], [right, high]]), panel.extent, width)
 
 
-def _near(frame: FlankFrame, limit: LimitLine) -> Array:
-    """Return the places (N, 2) of a limit line that are on a flank or near it."""
+def _near(frame: FlankFrame, limit: Array) -> Array:
+    """Return the places (N, 2) of a limit line, own frame (L, 3), that are on a flank or near it."""
     (left, low), (right, high) = frame.extent
-    lengths, places = frame.places(limit.own).T
+    lengths, places = frame.places(limit).T
     reach = LIMIT_REACH_HEIGHTS * (high - low)
     near = (lengths >= left) & (lengths <= right) & (places > low - reach) & (places < high + reach)
     return np.asarray(np.stack((lengths, places), axis=-1)[near])
 
 
-def _far_words(frame: FlankFrame, limit: LimitLine) -> str:
+def _far_words(frame: FlankFrame, limit: Array, *, undercut: bool) -> str:
     """Return where a limit line is that is too far from the flank to be drawn; "" if some of it is near."""
     if _near(frame, limit).size:
         return ""
     (left, low), (right, high) = frame.extent
-    lengths, places = frame.places(limit.own).T
+    lengths, places = frame.places(limit).T
     beside = places[(lengths >= left) & (lengths <= right)]
     if not beside.size:
         return ""
     away = float(np.minimum(np.abs(beside - low), np.abs(beside - high)).min())
-    return f"{LIMIT_LABELS[limit.undercut]}: {away:.3g} mm away"
+    return f"{LIMIT_LABELS[undercut]}: {away:.3g} mm away"
 
 
 def _draw_flank(axes: Any, shown: ZoneOfContact, panel: ContactPanel, window: tuple[Any, Any, float]) -> None:
@@ -182,13 +181,13 @@ def _draw_flank(axes: Any, shown: ZoneOfContact, panel: ContactPanel, window: tu
     draw_outline(axes, plane, window)
     _mark(axes, plane.lines(contact_on(which, shown.now, pair.mounts)), shown)
     limit = shown.limits.get(plane.member.name)
-    if limit is not None and _near(plane.frame, limit).size:
+    if limit is not None and _near(plane.frame, limit.own).size:
         _draw_limit(axes, plane.frame.places(limit.own), undercut=limit.undercut)
     low, high = plane.frame.outline[:, 0].min(), plane.frame.outline[:, 0].max()
     (left, right), _, magnified = window
     notes = [f"{magnified:g} times as high"] if magnified > 1.0 else []
     notes += [f"cut off: flank from {low:.4g} to {high:.4g} mm"] if left > low or right < high else []
-    far = "" if limit is None else _far_words(plane.frame, limit)
+    far = "" if limit is None else _far_words(plane.frame, limit.own, undercut=limit.undercut)
     title = panel.name + (f"  ({', '.join(notes)})" if notes else "") + (f"\n{far}" if far else "")
     axes.set_title(title, fontsize=10, color=INK_COLOUR)
     axes.set_xlabel(plane.labels[0], fontsize=9)
