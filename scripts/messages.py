@@ -23,7 +23,16 @@ PACKAGE = ROOT / "gearmesh"
 KINDS = ("refusal", "figure", "key", "option", "command", "label", "file", "message")
 DOCUMENTS = ("docstring", "readme")
 #: what the texts given to these are
-CALLS = {"figure": "figure", "Key": "key", "Option": "option", "Argument": "option", "conflict": "refusal"}
+CALLS = {
+    "figure": "figure",
+    "Key": "key",
+    "Option": "option",
+    "option": "option",
+    "Argument": "option",
+    "conflict": "refusal",
+}
+#: module whose functions make keys of a design: `keys.length(...)`
+KEYS_MODULE = "keys"
 #: what other texts in a folder of the package are
 FOLDERS = {"view": "label", "cad": "file", "io": "file", "fe/decks": "file"}
 #: fields of a refusal that are texts even if they are one word
@@ -146,6 +155,9 @@ def _kind_of(function: ast.expr) -> str:
     name = (
         function.attr if isinstance(function, ast.Attribute) else function.id if isinstance(function, ast.Name) else ""
     )
+    owner = function.value if isinstance(function, ast.Attribute) else None
+    if isinstance(owner, ast.Name) and owner.id == KEYS_MODULE:
+        return "key"
     return "refusal" if name.endswith("Error") else CALLS.get(name, "")
 
 

@@ -11,19 +11,19 @@ from gearmesh.answers.bodies.questions import ModelledGears
 from gearmesh.errors import ArgumentError
 from gearmesh.explore.rewriting import rewritten
 from gearmesh.explore.state import Origin
-from gearmesh.formats import DXF_SUFFIX, HTML_SUFFIX, STEP_SUFFIX, TOML_SUFFIX
+from gearmesh.formats import DXF_SUFFIX, HTML_SUFFIX, STEP_SUFFIX, STL_SUFFIX, THREEMF_SUFFIX, TOML_SUFFIX
 
 if TYPE_CHECKING:
     from gearmesh.answers.contact.contact import Contact
 
 #: suffixes of meshes
-MESH_SUFFIXES = (".stl", ".3mf")
+MESH_SUFFIXES = (STL_SUFFIX, THREEMF_SUFFIX)
 #: suffixes of the files that a page can save
 SAVED_SUFFIXES = (TOML_SUFFIX, *MESH_SUFFIXES, STEP_SUFFIX, DXF_SUFFIX, HTML_SUFFIX)
 #: name for all members in mesh
 ALL_MEMBERS = "all"
 #: suffixes of files that hold one member
-SINGLE_SUFFIXES = (".stl", DXF_SUFFIX)
+SINGLE_SUFFIXES = (STL_SUFFIX, DXF_SUFFIX)
 #: name of files of designs without a name
 DEFAULT_STEM = "design"
 

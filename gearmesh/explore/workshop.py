@@ -30,7 +30,7 @@ from gearmesh.explore.refusals import refusal
 from gearmesh.explore.saving import design_file, file_name, gear_file, refuse_file
 from gearmesh.explore.state import OPENED_NAME, Origin, as_stated, design_class_of, refuse_keys
 from gearmesh.figures import Summary, at_resolution
-from gearmesh.formats import TOML_SUFFIX
+from gearmesh.formats import HTML_SUFFIX, TOML_SUFFIX
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.pickling import fingerprint
 from gearmesh.progress import listening
@@ -252,7 +252,7 @@ class Workshop:
             if member not in (*gears.members, "all"):
                 raise ArgumentError("member", str(member), must_be=f"one of {', '.join(gears.members)}, all")
             job.begin(f"file {suffix}", 0.1, 1.0)
-            contacts = {k: gears.contact(pair=k) for k in gears.train.different} if suffix == ".html" else {}
+            contacts = {k: gears.contact(pair=k) for k in gears.train.different} if suffix == HTML_SUFFIX else {}
             content = gear_file(gears, contacts, str(suffix), str(member), source.decode())
         name = file_name(design.title, str(member), str(suffix))
         job.say("file", name=name, content=base64.b64encode(content).decode("ascii"))

@@ -355,11 +355,11 @@ def test_check(job: Asked) -> None:
 @pytest.mark.quick
 def test_render(job: Asked, here: Path) -> None:
     assert run("render", INTERSECTED, "-o", "a.png", "--size", "320x200")[0] == 0
-    how = {"phi1": None, "size": (320, 200), "dpi": 150, "note": ""}
+    how = {"phi1": None, "size": (320, 200), "dpi": 150, "note": "", "look": "plain"}
     assert job.asked == {"view": "contact", "member": None, "path": Path("a.png"), **how}
     varied = ("--set", "contact.delta=5um", "--dpi", "90")
     assert run("render", INTERSECTED, "-o", "a.svg", "--view", "flank", *varied)[0] == 0
-    how = {"phi1": None, "size": None, "dpi": 90, "note": "contact.delta=5um"}
+    how = {"phi1": None, "size": None, "dpi": 90, "note": "contact.delta=5um", "look": "plain"}
     assert job.asked == {"view": "flank", "member": None, "path": Path("a.svg"), **how}
 
 
