@@ -7,6 +7,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from docutils import nodes
+
 sys.path.insert(0, str(Path(__file__).parent))
 
 from gearmesh import __version__
@@ -63,6 +65,14 @@ def setup(app: Any) -> None:
     # before napoleon, which takes the words before a colon for the type of a property
     app.connect("autodoc-process-docstring", plain_first_line, priority=400)
     app.connect("autodoc-process-signature", plain_signature)
+    app.connect("doctree-read", full_pictures)
+
+
+def full_pictures(app: Any, doctree: nodes.document) -> None:
+    """Give pictures without a width their own size: Sphinx links pictures that have a size to their file."""
+    for picture in doctree.findall(nodes.image):
+        if not {"width", "height", "scale"} & set(picture.attributes):
+            picture["scale"] = 100
 
 
 def plain_first_line(app: Any, what: str, name: str, value: object, options: object, lines: list[str]) -> None:

@@ -45,16 +45,27 @@ class Page(HTMLParser):
         super().__init__()
         self.links: list[str] = []
         self.loaded: list[str] = []
+        #: address of each picture, and of the link around it
+        self.pictures: list[tuple[str, str]] = []
+        self._around = ""
         self.places: set[str] = set()
         self.feed(path.read_text(encoding="utf-8"))
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         known = {name: value or "" for name, value in attrs}
         self.places |= {known[name] for name in ("id", "name") if name in known}
+        if tag == "a":
+            self._around = known.get("href", "")
+        if tag == "img":
+            self.pictures.append((known["src"], self._around))
         if "src" in known:
             self.loaded.append(known["src"])
         if "href" in known:
             (self.links if tag == "a" else self.loaded).append(known["href"])
+
+    def handle_endtag(self, tag: str) -> None:
+        if tag == "a":
+            self._around = ""
 
 
 @pytest.fixture(scope="module")
@@ -98,6 +109,12 @@ def test_links_anchors_and_files_are_there(site: Path, pages: dict[Path, Page]) 
     assert not broken
     # what the theme says of itself, which is followed by a click alone
     assert [link for _, link in foreign if not link.endswith("/furo")] == []
+
+
+def test_pictures_open_in_full_size(pages: dict[Path, Page]) -> None:
+    pictures = {(path.name, *picture) for path, page in pages.items() for picture in page.pictures}
+    assert len(pictures) > 80
+    assert {(name, shown, opened) for name, shown, opened in pictures if opened != shown} == set()
 
 
 def test_the_reference_has_all_that_the_program_has(pages: dict[Path, Page], site: Path) -> None:
