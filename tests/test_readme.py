@@ -8,6 +8,7 @@ import re
 import shlex
 import subprocess
 import sys
+import urllib.request
 from pathlib import Path
 from typing import Any
 
@@ -152,6 +153,19 @@ def section(title: str) -> str:
     return found[1]
 
 
+def page_is_served_until_it_is_ended(program: tuple[str, ...], folder: Path) -> None:
+    """The command that ends only when it is told to."""
+    whole = (*program, "--no-browser")
+    with subprocess.Popen(whole, cwd=folder, stdout=subprocess.PIPE, text=True, env=OWN) as process:
+        try:
+            assert process.stdout is not None
+            with urllib.request.urlopen(process.stdout.readline().strip(), timeout=30) as page:
+                assert b"<title>gearmesh explore</title>" in page.read()
+        finally:
+            process.terminate()
+        assert process.wait(30) == 0 or os.name == "nt"
+
+
 def test_the_first_design_becomes_what_the_readme_says(tmp_path: Path) -> None:
     """Five lines of TOML; each command writes its file, and the Python prints what stands after it."""
     text = section("A pair of spur gears")
@@ -161,6 +175,9 @@ def test_the_first_design_becomes_what_the_readme_says(tmp_path: Path) -> None:
     python = (sys.executable, "-c", blocks["python"])
     programs = [(sys.executable, "-m", "gearmesh", *shlex.split(line)) for line in commands(text)]
     for program in (python, *(p for p in programs if "spur.toml" in p)):
+        if "explore" in program:
+            page_is_served_until_it_is_ended(program, tmp_path)
+            continue
         process = subprocess.run(program, cwd=tmp_path, capture_output=True, text=True, check=False, env=OWN)
         assert process.returncode == 0, process.stderr
         assert process.stdout == blocks["text"] or program is not python
