@@ -35,8 +35,6 @@ class Facts:
     title: str
     #: name of the member, and its number of teeth
     part: str
-    #: elastic modulus and density
-    material: str
     #: mass of the member
     mass: str
     #: version of the program

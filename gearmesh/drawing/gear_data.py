@@ -16,17 +16,17 @@ from gearmesh.design.core import STEEL_DENSITY_KG_PER_M3, Design
 from gearmesh.design.keys import Key, Table
 from gearmesh.drawing.facts import DataRow, Facts, number
 from gearmesh.systems import system as systems
-from gearmesh.systems.common.plain_sheet import MASS_TITLE
+from gearmesh.systems.common.plain_sheet import MASS_TITLE, TOOLS_TITLE
 from gearmesh.systems.system import DrawnRows, SheetTable
 from gearmesh.teeth.blank.body import end_names
 from gearmesh.teeth.blank.end_edge import SHARP_ENDS
 from gearmesh.teeth.gear_train import Member
-from gearmesh.teeth.region import HEEL_END, TOE_END
+from gearmesh.teeth.region import HEEL_END, TOE_END, Region
 from gearmesh.teeth.tooth import Tooth
 
 #: keys that appear elsewhere on the drawing
 KEYS_SHOWN_ELSEWHERE = (
-    *("gearmesh", "name", "kind", "units", "teeth", "stock"),
+    *("gearmesh", "hand", "name", "kind", "units", "teeth", "stock"),
     *("end_chamfer", "end_chamfer_toe", "end_chamfer_heel", "end_chamfer_angle"),
     *("end_rounding", "end_rounding_toe", "end_rounding_heel"),
 )
@@ -36,7 +36,20 @@ KEY_UNITS = {"length": "mm", "angle": "deg", "coefficient": "m_n"}
 TIP_DEVIATIONS = ("A_dae", "A_dai")
 #: symbols of rows that are words, because no standard has a symbol for them
 WORD_SYMBOLS = frozenset(
-    ("fixed", "feed", "form", "gap", "hand", "interference", "taper", "tool", "trimming", "trochoid", "undercut")
+    (
+        "fixed",
+        "feed",
+        "rack",
+        "form",
+        "gap",
+        "hand",
+        "interference",
+        "taper",
+        "tool",
+        "trimming",
+        "trochoid",
+        "undercut",
+    )
 )
 #: names of rows that have words of another kind in the sheet
 ROW_NAMES = {"tool": "tool"}
@@ -46,6 +59,8 @@ DEVIATION_SYMBOL = re.compile(r"([fF])_([fH]?)([ab])T")
 TRACE_INDICES = {"a": "alpha", "b": "beta"}
 #: symbols as ISO 23509 prints them, letter and index, which the sheet joins
 LETTER_AND_INDEX = re.compile(r"([Rbdhstx])([acefimnorstwxzFR]{1,3})")
+#: largest turn (rad), and smallest advance (mm), of teeth without a hand
+STRAIGHT_TURN_RAD = 1e-9
 #: m^3 per mm^3
 M3_PER_MM3 = 1e-9
 
@@ -62,27 +77,98 @@ def facts_of(gears: GearSet, member: Member) -> Facts:
     ]
     if drawn_rows is None:
         keys = _keys(design, member.name)
-        rows = [*keys, *(row for row in _everything(tables, member.name) if row not in keys)]
+        rows = [
+            *keys,
+            *_hand(member),
+            *(row for row in _everything(tables, member.name) if row not in keys),
+            *_teeth_of_mates(gears, mates),
+        ]
     else:
-        tolerances = drawn_rows.tolerances if drawn_rows.accuracy in design.model_fields_set else ()
-        rows = _rows(tables, member.name, mates, drawn_rows, tolerances)
+        rows = _rows(tables, member.name, mates, drawn_rows, drawn_rows.accuracy in design.model_fields_set)
     own_rows = next((k for k, row in enumerate(rows) if row.heading), len(rows))
     reference = None if drawn_rows is None or drawn_rows.reference is None else drawn_rows.reference
     ends = tuple(_value(tables, symbol, member.name) for symbol in reference or ())
     deviations = tuple(_value(tables, symbol, member.name) for symbol in TIP_DEVIATIONS)
-    density = STEEL_DENSITY_KG_PER_M3 if design.material.density is None else design.material.density
+    given = design.in_mm().material.density
+    density = STEEL_DENSITY_KG_PER_M3 if given is None else given
+    modulus, _ = design.in_mm().elastic(member.name)
+    own = [*rows[:own_rows], *_end_chamfers(member), *_stock(gears.stock(member.name))]
     return Facts(
-        rows=(*rows[:own_rows], *_end_chamfers(member), *_stock(gears.stock(member.name)), *rows[own_rows:]),
+        rows=(
+            *own,
+            *_tools(tables, member.name, {row.symbol for row in own}),
+            *_material(modulus, density),
+            *rows[own_rows:],
+        ),
         tip=None if drawn_rows is None else _value(tables, drawn_rows.tip, member.name),
         reference=(float(ends[0]), float(ends[1])) if len(ends) == 2 and None not in ends else None,
         tip_deviations=(float(deviations[0]), float(deviations[1])) if None not in deviations else None,
         title=design.title,
         part=f"{member.name.replace('_', ' ')}, {_count(member.tooth)}",
-        material=f"E {number(design.material.youngs_modulus / 1000.0)} GPa, {number(density)} kg/m\N{SUPERSCRIPT THREE}",
         mass=f"{number(density * M3_PER_MM3 * exact_volume(member))} kg",
         version=f"gearmesh {__version__}",
         units="mm, deg",
     )
+
+
+def _hand(member: Member) -> list[DataRow]:
+    """Return a row for the hand of the teeth, from the middle of the tooth at both ends; none for straight teeth."""
+    tooth = member.one_tooth
+    angles, levels = [], []
+    for station in (0.0, 1.0):
+        section = tooth.sections([station])
+        # middle of the land
+        land = tooth.grid(Region.LAND, np.array([0.0, 1.0]), section).points[0]
+        middle = land.mean(axis=0)
+        angles.append(np.arctan2(middle[1], middle[0]))
+        levels.append(middle[2])
+    turn, advance = np.diff(angles)[0], np.diff(levels)[0]
+    if abs(turn) < STRAIGHT_TURN_RAD or abs(advance) < STRAIGHT_TURN_RAD:
+        return []
+    return [DataRow("hand of the teeth", "", "right" if turn * advance > 0.0 else "left")]
+
+
+def _teeth_of_mates(gears: GearSet, mates: Iterable[str]) -> list[DataRow]:
+    """Return a heading for each mating gear, and its number of teeth."""
+    rows: list[DataRow] = []
+    for name in {_column(mate): mate for mate in mates}.values():
+        rows += [
+            DataRow(f"Mating gear: {_column(name)}", heading=True),
+            DataRow("teeth", "z", str(gears.member(name).tooth.teeth)),
+        ]
+    return rows
+
+
+def _material(modulus: float, density: float) -> list[DataRow]:
+    """Return the rows of Young's modulus (MPa) and density (kg/m^3)."""
+    return [
+        DataRow("Young's modulus", "E", f"{number(modulus / 1000.0)} GPa"),
+        DataRow("density", "rho", f"{number(density)} kg/m\N{SUPERSCRIPT THREE}"),
+    ]
+
+
+def _tools(tables: Iterable[SheetTable], name: str, shown: set[str]) -> list[DataRow]:
+    """Return the rows of the tools of a member: both flanks beside each other if their tools differ.
+
+    `shown`: symbols that the drawing has already.
+    """
+    table = next((table for table in tables if table.title == TOOLS_TITLE), None)
+    if table is None:
+        return []
+    columns = [k for k, column in enumerate(table.columns) if column.partition(",")[0] in (name, _column(name))][:2]
+    suffix = ", right / left" if len(columns) > 1 else ""
+    rows: list[DataRow] = []
+    for symbol, (words, unit, *values) in zip(table.symbols, table.rows, strict=True):
+        ends = [values[k] for k in columns]
+        if not ends or ends[0] is None or drawn_symbol(symbol) in shown - {""}:
+            continue
+        words = words if symbol == "tool" else f"tool: {words}"
+        if len(set(ends)) == 1:
+            rows.append(_row(symbol, words, unit, ends[0]))
+        else:
+            joined = " / ".join("-" if end is None else number(end) if isinstance(end, float) else end for end in ends)
+            rows.append(_row(symbol, words + suffix, unit, joined))
+    return rows
 
 
 def _stock(stock: float) -> list[DataRow]:
@@ -161,13 +247,19 @@ def _value(tables: Iterable[SheetTable], symbol: str, name: str) -> Any:
 
 
 def _rows(
-    tables: Iterable[SheetTable], name: str, mates: Iterable[str], drawn: DrawnRows, tolerances: tuple[str, ...]
+    tables: Iterable[SheetTable], name: str, mates: Iterable[str], drawn: DrawnRows, has_class: bool
 ) -> list[DataRow]:
-    """Return rows by their symbols, followed by the rows of the mating gears."""
+    """Return rows by their symbols, followed by the rows of the mating gears.
+
+    `has_class`: the design sets the accuracy class. Otherwise the drawing has the default class without its tolerances.
+    """
     cells = list(_cells(tables, name, drawn.ranges))
     rows: list[DataRow] = []
-    for symbol in (*drawn.own, *tolerances):
+    for symbol in drawn.own:
         rows += [*(_row(*cell) for cell in _first(cells, symbol)), *_limits(cells, symbol)]
+    for symbol in drawn.tolerances if has_class else drawn.tolerances[:1]:
+        for _, words, unit, value in _first(cells, symbol):
+            rows.append(_row(symbol, words, unit, value if has_class else f"{value}, default"))
     for mate in dict.fromkeys(_column(mate) for mate in mates):
         mate_cells = list(_cells(tables, mate))
         of_mate = [_row(*cell) for symbol in drawn.mating for cell in _first(mate_cells, symbol)]
@@ -183,11 +275,9 @@ def _first(cells: Iterable[tuple[str, str, str, Any]], symbol: str) -> list[tupl
 
 def _everything(tables: Iterable[SheetTable], name: str) -> list[DataRow]:
     """Return all rows about a member, and about its pairs in tables with a column for the member."""
-    return [
-        _row(*cell)
-        for cell in _cells([table for table in tables if table.columns != ("",) and table.title != MASS_TITLE], name)
-        if cell[1] != "volume"
-    ]
+    titles_elsewhere = MASS_TITLE, TOOLS_TITLE
+    own = [table for table in tables if table.columns != ("",) and table.title not in titles_elsewhere]
+    return [_row(*cell) for cell in _cells(own, name) if cell[1] != "volume"]
 
 
 def _keys(design: Design, name: str) -> list[DataRow]:

@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING
 
 from gearmesh.drawing.canvas import CAPITALS_SHARE, POINTS_PER_MM, Canvas, Lettering, Pen, text_width
 from gearmesh.drawing.facts import DataRow, Facts
-from gearmesh.drawing.paper import DRAWING_SCALES, PAPER_SIZES, Paper, scale_name
+from gearmesh.drawing.paper import (
+    DRAWING_SCALES,
+    INTERMEDIATE_GAIN,
+    INTERMEDIATE_SCALES,
+    PAPER_SIZES,
+    Paper,
+    scale_name,
+)
 from gearmesh.drawing.views import Views
 
 if TYPE_CHECKING:
@@ -51,7 +58,8 @@ class Page:
 def compose(views: Views, facts: Facts) -> Page:
     """Arrange views, gear data and title block on a sheet.
 
-    The sheet is A4 if the views fit at full size or larger, otherwise A3 at the largest scale that fits.
+    The sheet is A4 if the views fit at full size or larger, otherwise A3 at the largest scale that fits. Intermediate
+    scales are used where they draw the views a fifth larger, so that they fill the sheet.
     """
     rows = DATA_ROW_HEIGHT_MM * (len(facts.rows) + 1)
     for paper in PAPER_SIZES:
@@ -60,10 +68,7 @@ def compose(views: Views, facts: Facts) -> Page:
             right - left - sum(DATA_COLUMN_WIDTHS_MM) - 2.0 * VIEW_MARGIN_MM,
             high - low - TITLE_HEIGHT_MM - 2.0 * VIEW_MARGIN_MM,
         )
-        fitting = (
-            s for s in DRAWING_SCALES if all(size <= most for size, most in zip(views.size(s), room, strict=True))
-        )
-        scale = next(fitting, None)
+        scale = _largest(views, room)
         last = paper is PAPER_SIZES[-1]
         if last or (scale is not None and scale >= paper.scale and rows <= room[1] + VIEW_MARGIN_MM):
             break
@@ -79,6 +84,19 @@ def compose(views: Views, facts: Facts) -> Page:
     _data(canvas, facts, low, right, high)
     _title(canvas, facts, paper, scale)
     return Page(canvas, paper, scale)
+
+
+def _largest(views: Views, room: tuple[float, float]) -> float | None:
+    """Return the largest recommended scale at which views fit; an intermediate one if it is much larger. None if no
+    scale is small enough.
+    """
+    recommended, intermediate = (
+        next((s for s in scales if all(size <= most for size, most in zip(views.size(s), room, strict=True))), None)
+        for scales in (DRAWING_SCALES, INTERMEDIATE_SCALES)
+    )
+    if recommended is None or intermediate is None or intermediate < INTERMEDIATE_GAIN * recommended:
+        return recommended
+    return intermediate
 
 
 def _data(canvas: Canvas, facts: Facts, low: float, right: float, high: float) -> None:
@@ -135,7 +153,7 @@ def _title(canvas: Canvas, facts: Facts, paper: Paper, scale: float) -> None:
     high, step = low + TITLE_HEIGHT_MM - 2.0, (TITLE_HEIGHT_MM - 2.0) / rows
     cells = (
         (("Design", facts.title), ("Part", facts.part), ("Scale", scale_name(scale)), ("Sheet", paper.name)),
-        (("Material", facts.material), ("Mass", facts.mass), ("Units", facts.units), ("Projection", "")),
+        (("Material and heat treatment", ""), ("Mass", facts.mass), ("Units", facts.units), ("Projection", "")),
         (("Made with", facts.version), ("Gear teeth", "ISO 2203"), ("Dimensions", "ISO 129-1"), ("", "")),
     )
     canvas.line((left, low), (left, high), (right, high))

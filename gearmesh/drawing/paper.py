@@ -16,6 +16,16 @@ DRAWING_SCALES = tuple(
         reverse=True,
     )
 )
+#: scales between them, the largest first
+INTERMEDIATE_SCALES = tuple(
+    sorted(
+        [factor * power for power in (1.0, 10.0) for factor in (1.25, 1.5, 2.5, 3.0, 4.0)]
+        + [1.0 / (factor * power) for power in (1.0, 10.0, 100.0) for factor in (1.25, 1.5, 2.5, 3.0, 4.0, 6.0, 8.0)],
+        reverse=True,
+    )
+)
+#: least ratio of an intermediate scale to the recommended scale in its place
+INTERMEDIATE_GAIN = 1.2
 
 
 @dataclass(frozen=True)
@@ -43,4 +53,4 @@ PAPER_SIZES = (Paper("A4", 297.0, 210.0, 1.0), Paper("A3", 420.0, 297.0, 0.0))
 
 def scale_name(scale: float) -> str:
     """Return a scale as 1:2 or 5:1."""
-    return f"{scale:g}:1" if scale >= 1.0 else f"1:{round(1.0 / scale):d}"
+    return f"{scale:g}:1" if scale >= 1.0 else f"1:{1.0 / scale:g}"

@@ -244,7 +244,7 @@ class DrawnRows:
     tip: str = ""
     #: symbols of the reference or pitch diameter at toe and heel
     reference: tuple[str, str] | None = None
-    #: rows that are shown if the design sets the key `accuracy`
+    #: the class, and the rows that are shown beside it if the design sets the key `accuracy`
     tolerances: tuple[str, ...] = ()
     #: the key of the accuracy class
     accuracy: str = ""

@@ -14,10 +14,11 @@ import gearmesh as gm
 from gearmesh.cad.section import member_section
 from gearmesh.drawing.canvas import HATCH_SPACING_MM, Box, Canvas, Pen
 from gearmesh.drawing.drawing import WorkshopDrawing
+from gearmesh.drawing.facts import number
 from gearmesh.drawing.gear_data import drawn_symbol, facts_of
 from gearmesh.drawing.outline import bar_faces, outline_of
 from gearmesh.drawing.page import TABLE_LETTER_HEIGHT_MM, formula
-from gearmesh.drawing.paper import DRAWING_SCALES, scale_name
+from gearmesh.drawing.paper import DRAWING_SCALES, INTERMEDIATE_SCALES, scale_name
 
 #: sample, changes, member, texts that must be there: key dimensions, hole pattern, tolerances, limits of the span
 KEYED = [
@@ -71,7 +72,7 @@ def test_texts_say_what_the_gear_is_and_none_lies_on_another(case: str) -> None:
     for stroke in made._page.canvas.strokes:
         assert np.all(stroke.points >= np.array([left, low]) - 1e-9)
         assert np.all(stroke.points <= np.array([right, high]) + 1e-9)
-    assert made._page.scale in DRAWING_SCALES
+    assert made._page.scale in (*DRAWING_SCALES, *INTERMEDIATE_SCALES)
 
 
 def test_lines_are_to_scale_and_hatching_is_where_material_is() -> None:
@@ -103,7 +104,8 @@ def test_hatching_leaves_openings_out() -> None:
     assert not inside.any()
     area = HATCH_SPACING_MM * sum(np.linalg.norm(np.diff(stroke.points, axis=0)) for stroke in canvas.strokes)
     assert area == pytest.approx(3200.0, rel=0.02)
-    assert [scale_name(scale) for scale in (2.0, 1.0, 0.05)] == ["2:1", "1:1", "1:20"]
+    scales = (2.0, 1.25, 1.0, 1.0 / 1.5, 0.05)
+    assert [scale_name(scale) for scale in scales] == ["2:1", "1.25:1", "1:1", "1:1.5", "1:20"]
     assert Box(0.0, 0.0, 1.0, 1.0).overlaps(Box(0.9, 0.9, 2.0, 2.0))
 
 
@@ -119,6 +121,8 @@ def test_table_has_tolerances_only_for_a_given_accuracy_class() -> None:
         assert f"{limits[symbol][2]:g} µm" in texts
     plain = gm.build(gm.load(SAMPLES / "helical.toml")).drawing("gear").texts
     assert "f_pT" not in plain
+    assert {"flank tolerance class", "6, default"} <= set(plain)
+    assert "7" in texts
     assert "W_k" in plain
 
 
@@ -234,3 +238,46 @@ def test_symbols_with_greek_letters_are_as_large_as_others() -> None:
     """Their size is that of the letters, not of these letters' names."""
     page = gm.build(gm.load(SAMPLES / "helical.toml", ["accuracy_class=7"])).drawing("pinion")._page
     assert {one.height for one in page.canvas.letters if one.symbol} == {TABLE_LETTER_HEIGHT_MM}
+
+
+def rows_of(sample: str, member: str, *changes: str) -> dict[str, str]:
+    """Values of the rows of gear data by their words."""
+    gears = gm.build(gm.load(SAMPLES / f"{sample}.toml", list(changes)))
+    return {row.words: row.value for row in facts_of(gears, gears.train.members[member]).rows}
+
+
+def test_basic_rack_or_tool_is_a_row() -> None:
+    """A hobbed gear has its basic rack [DIN 3966-1], by name where it is standard; a shaped gear its cutter."""
+    standard = rows_of("helical", "gear")
+    assert standard["basic rack profile"] == "ISO 53, A"
+    changes = 'profile="D"', "gear.tool_tip_radius=0.3", "gear.profile_shift=0.2"
+    own = rows_of("helical", "gear", *changes)
+    assert own["basic rack profile"] == "as below"
+    factors = [own[f"{words} of the basic rack"] for words in ("addendum", "dedendum", "fillet", "pressure angle")]
+    assert factors == ["1 m_n", "1.4 m_n", "0.3 m_n", "20\N{DEGREE SIGN}"]
+    assert rows_of("helical", "pinion", *changes)["basic rack profile"] == "ISO 53, D"
+    ring = rows_of("internal", "gear")
+    assert "basic rack profile" not in ring
+    assert (ring["tool"], ring["tool: teeth"]) == ("shaper", "28")
+    bevel = rows_of("hypoid", "gear")
+    assert (bevel["tool"], bevel["tool: point radius, right / left"]) == ("head cutter", "74.945 / 77.455 mm")
+
+
+def test_hand_is_of_the_member() -> None:
+    """The gear of a right-hand pinion on parallel axes is left-hand; its design has the hand of the pinion alone."""
+    assert [rows_of("circular_arc", name)["hand of the teeth"] for name in ("pinion", "gear")] == ["right", "left"]
+    assert [rows_of("helical", name)["hand of the helix"] for name in ("pinion", "gear")] == ["right", "left"]
+    assert "hand of the teeth" not in rows_of("face_gear", "pinion")
+    assert rows_of("face_gear", "gear")["Mating gear: pinion"] == ""
+
+
+def test_material_is_of_the_member_and_its_name_is_left_to_the_workshop() -> None:
+    own = rows_of("helical", "gear", "gear.material.youngs_modulus=110000", "material.density=7300")
+    assert (own["Young's modulus"], own["density"]) == ("110 GPa", f"{number(7300.0)} kg/m\N{SUPERSCRIPT THREE}")
+    assert rows_of("helical", "pinion")["Young's modulus"] == "206 GPa"
+
+
+def test_intermediate_scales_fill_the_sheet() -> None:
+    """No other scale of the two series, a fifth larger, would fit on A3; recommended scales stay where they do."""
+    scales = {name: gm.build(gm.load(SAMPLES / f"{name}.toml")).drawing("gear").scale for name in ("helical", "hypoid")}
+    assert scales == {"helical": "1:1.5", "hypoid": "1:1"}

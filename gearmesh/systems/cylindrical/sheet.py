@@ -30,6 +30,7 @@ from gearmesh.systems.common.symbol_table import (
     tables_of,
     values_of,
 )
+from gearmesh.systems.cylindrical.design import BASIC_RACKS
 from gearmesh.systems.cylindrical.double_helical import half_of, half_width
 from gearmesh.systems.cylindrical.geometry import measures
 from gearmesh.systems.cylindrical.geometry.accuracy import tolerance_sizes
@@ -64,6 +65,10 @@ from gearmesh.teeth.gear_train import GearTrain, Member
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember, HalvesKeys
 
+#: title of the table of basic racks
+BASIC_RACK_TITLE = "Basic rack"
+#: largest difference of a proportion of a standard basic rack
+BASIC_RACK_TOLERANCE_MODULES = 1e-9
 #: reasons of missing values
 UNDERCUT_REASON = "the tool undercuts the flank"
 NO_SPAN = "no number of teeth has a span that touches the flank within the face width"
@@ -142,6 +147,7 @@ def member_tables(pair: SheetGears, names: tuple[str, ...] = MEMBER_NAMES) -> tu
             "Members": (names, lambda: _member_rows(pair)),
             "Measures of the tooth thickness": (names, lambda: _measures(pair)),
             "As cut by feeding the tool for the allowance": (names, lambda: _cut_rows(pair)),
+            BASIC_RACK_TITLE: (names, lambda: _basic_rack_rows(pair)),
             "Root: tangent of 30 deg, internal 60 deg": (names, lambda: _root_rows(pair)),
             "Reserves (negative: none)": (names, lambda: _reserves(pair)),
             "Bodies": (names, lambda: _bodies(pair)),
@@ -426,6 +432,37 @@ def _member_rows(pair: SheetGears) -> list[Row]:
             "mm",
             pair.of_all(lambda k: measures.thickness_at(teeth[k], geometry.tips[k])),
         ),
+    ]
+
+
+def _basic_rack_rows(pair: SheetGears) -> list[Row]:
+    """Return the rows of the basic rack of each member that a hob or rack cutter generates; none if there is no such
+    member.
+    """
+    specs, teeth, roots = pair.specs, pair.teeth, pair.geometry.roots
+    if not any(spec.hobbed for spec in specs):
+        return []
+
+    def of_hobbed(value: Callable[[int], float | str]) -> Values:
+        return pair.of_all(lambda k: value(k) if specs[k].hobbed else None)
+
+    def dedendum(k: int) -> float:
+        own = teeth[k]
+        return (own.radius - roots[k]) / own.module + own.shift
+
+    def profile(k: int) -> str:
+        """Return the name of the basic rack, if the tooth has all of its proportions."""
+        given = specs[k].addendum, dedendum(k), specs[k].tool_tip_radius
+        standard = BASIC_RACKS[pair.design.profile]
+        is_standard = max(abs(a - b) for a, b in zip(given, standard, strict=True)) < BASIC_RACK_TOLERANCE_MODULES
+        return f"ISO 53, {pair.design.profile}" if is_standard else "as below"
+
+    return [
+        ("rack", "basic rack profile", "", of_hobbed(profile)),
+        ("alpha_P", "pressure angle of the basic rack", "deg", of_hobbed(lambda k: math.degrees(teeth[k].alpha))),
+        ("h_aP", "addendum of the basic rack", "m_n", of_hobbed(lambda k: specs[k].addendum)),
+        ("h_fP", "dedendum of the basic rack", "m_n", of_hobbed(dedendum)),
+        ("rho_fP", "fillet of the basic rack", "m_n", of_hobbed(lambda k: specs[k].tool_tip_radius)),
     ]
 
 
