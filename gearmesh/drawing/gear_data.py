@@ -317,6 +317,8 @@ def _row(symbol: str, words: str, unit: str, value: Any) -> DataRow:
     """Return a row of gear data; lengths in um have one decimal, other numbers four."""
     if isinstance(value, float):
         value = number(value, 1 if unit == "um" else 4)
+    elif isinstance(value, int):
+        value = str(value).replace("-", "\N{MINUS SIGN}")
     sign = {"-": "", "deg": "\N{DEGREE SIGN}", "um": "µm", "m_n": "m_n"}.get(unit, unit)
     text = f"{value}{'' if sign == chr(176) else ' '}{sign}".strip()
     return DataRow(ROW_NAMES.get(symbol, words.partition(";")[0]), drawn_symbol(symbol), text)

@@ -44,6 +44,8 @@ GREEK_NAME = re.compile(rf"^({'|'.join(GREEK_LETTERS)})(?=$|[\d'*])")
 SPACE_IN_FORMULA = r"\ "
 #: height of letters in tables
 TABLE_LETTER_HEIGHT_MM = 2.0
+#: smallest height of letters in names of quantities
+MIN_WORD_HEIGHT_MM = 1.4
 
 
 @dataclass(frozen=True)
@@ -117,7 +119,7 @@ def _data(canvas: Canvas, facts: Facts, low: float, right: float, high: float) -
     for k, row in enumerate(rows):
         y = high - DATA_ROW_HEIGHT_MM * (k + 1.5)
         canvas.line((left, y + 0.5 * DATA_ROW_HEIGHT_MM), (right, y + 0.5 * DATA_ROW_HEIGHT_MM), pen=Pen.THIN)
-        canvas.text(_lettering(left + 1.0, y, row.words, DATA_COLUMN_WIDTHS_MM[0] - 2.0, bold=row.heading))
+        canvas.text(_lettering(left + 1.0, y, _readable(row.words), DATA_COLUMN_WIDTHS_MM[0] - 2.0, bold=row.heading))
         if not row.heading:
             # size for the Greek letters, not for their names in ASCII
             size = _lettering(first + 1.0, y, "".join(symbol_parts(row.symbol)), DATA_COLUMN_WIDTHS_MM[1] - 2.0)
@@ -136,6 +138,13 @@ def _data(canvas: Canvas, facts: Facts, low: float, right: float, high: float) -
         top = high if x == left else high - DATA_ROW_HEIGHT_MM
         canvas.line((x, low), (x, top), pen=Pen.OUTLINE if x == left else Pen.THIN)
     canvas.line((left, low), (right, low))
+
+
+def _readable(words: str) -> str:
+    """Return the name of a quantity without its last clauses, as many as make its letters too small to read."""
+    while "," in words and _lettering(0.0, 0.0, words, DATA_COLUMN_WIDTHS_MM[0] - 2.0).height < MIN_WORD_HEIGHT_MM:
+        words = words.rpartition(",")[0]
+    return words
 
 
 def _lettering(x: float, y: float, text: str, width: float, align: str = "left", bold: bool = False) -> Lettering:

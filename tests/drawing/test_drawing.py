@@ -277,7 +277,25 @@ def test_material_is_of_the_member_and_its_name_is_left_to_the_workshop() -> Non
     assert rows_of("helical", "pinion")["Young's modulus"] == "206 GPa"
 
 
+def test_names_of_rows_are_large_enough_to_read() -> None:
+    """The swivel of the hob has three clauses in the sheet; with all of them its letters were 0.6 mm high."""
+    page = gm.build(gm.load(SAMPLES / "worm_drive.toml")).drawing("wheel")._page
+    heights = {letters.text: letters.height for letters in page.canvas.letters if letters.align == "left"}
+    assert [text for text in heights if text.startswith("swivel of the hob") and not text.endswith("h_w0")]
+    assert min(height for text, height in heights.items() if " " in text) >= 1.4
+
+
 def test_intermediate_scales_fill_the_sheet() -> None:
     """No other scale of the two series, a fifth larger, would fit on A3; recommended scales stay where they do."""
     scales = {name: gm.build(gm.load(SAMPLES / f"{name}.toml")).drawing("gear").scale for name in ("helical", "hypoid")}
     assert scales == {"helical": "1:1.5", "hypoid": "1:1"}
+
+
+def test_protuberance_and_stock_of_the_hob_are_rows() -> None:
+    """They are beside the basic rack, with the design's values; teeth of internal gears are below 0."""
+    own = rows_of("hob_protuberance", "pinion", "pinion.hob.stock=0.13")
+    assert own["protuberance of the hob"] == "0.2 mm"
+    assert own["stock that the hob leaves on each flank"] == "0.13 mm"
+    assert "protuberance of the hob" not in rows_of("hob_protuberance", "gear")
+    gears = gm.build(gm.load(SAMPLES / "internal.toml"))
+    assert facts_of(gears, gears.train.members["gear"]).rows[0].value == "\N{MINUS SIGN}70"

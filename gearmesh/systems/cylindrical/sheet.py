@@ -63,7 +63,7 @@ from gearmesh.teeth.blank.moments import member_moments
 from gearmesh.teeth.gear_train import GearTrain, Member
 
 if TYPE_CHECKING:
-    from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember, HalvesKeys
+    from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember, HalvesKeys, Hob
 
 #: title of the table of basic racks
 BASIC_RACK_TITLE = "Basic rack"
@@ -457,12 +457,26 @@ def _basic_rack_rows(pair: SheetGears) -> list[Row]:
         is_standard = max(abs(a - b) for a, b in zip(given, standard, strict=True)) < BASIC_RACK_TOLERANCE_MODULES
         return f"ISO 53, {pair.design.profile}" if is_standard else "as below"
 
+    def of_hob(value: Callable[[Hob], float]) -> Values:
+        """Return a value of the hobs of all members; None without one."""
+        return pair.of_all(lambda k: None if (hob := specs[k].hob) is None else value(hob))
+
+    protuberance, stock = of_hob(lambda hob: hob.protuberance), of_hob(lambda hob: hob.stock)
+    of_hobs: list[Row] = [
+        row
+        for row in (
+            ("pr_P0", "protuberance of the hob", "mm", protuberance),
+            ("q", "stock that the hob leaves on each flank", "mm", stock),
+        )
+        if any(row[-1])
+    ]
     return [
         ("rack", "basic rack profile", "", of_hobbed(profile)),
         ("alpha_P", "pressure angle of the basic rack", "deg", of_hobbed(lambda k: math.degrees(teeth[k].alpha))),
         ("h_aP", "addendum of the basic rack", "m_n", of_hobbed(lambda k: specs[k].addendum)),
         ("h_fP", "dedendum of the basic rack", "m_n", of_hobbed(dedendum)),
         ("rho_fP", "fillet of the basic rack", "m_n", of_hobbed(lambda k: specs[k].tool_tip_radius)),
+        *of_hobs,
     ]
 
 
