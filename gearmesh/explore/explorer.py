@@ -14,9 +14,10 @@ from gearmesh.design.core import Design
 from gearmesh.design.files import override, read, text_of, toml, with_version
 from gearmesh.errors import ArgumentError, OutputError
 from gearmesh.explore.rewriting import rewritten
-from gearmesh.explore.state import OPENED_NAME, Origin, flat, nested
+from gearmesh.explore.state import KIND_PREFIX, OPENED_NAME, Origin, flat, nested
 from gearmesh.formats import JSON_SUFFIX
 from gearmesh.systems.designs import parse_as_stated
+from gearmesh.systems.system import try_build
 
 if TYPE_CHECKING:
     import uvicorn
@@ -143,8 +144,21 @@ def origin_of_file(path: Path, overrides: Sequence[str] = ()) -> Origin:
     """Return the origin of a design file with overridden keys. Raises DesignError as `gearmesh.load` does."""
     data = override(read(path), overrides)
     text = toml(data) if path.suffix.lower() == JSON_SUFFIX else rewritten(text_of(path), dict(flat(data)))
-    origin = Origin.of_text(OPENED_NAME, text, data, path.parent)
-    parse_as_stated(nested(origin.keys))
+    return _whole(Origin.of_text(OPENED_NAME, text, data, path.parent))
+
+
+def origin_of_kind(kind: str, overrides: Sequence[str] = ()) -> Origin:
+    """Return the origin of a new design of a kind with overridden keys. Raises DesignError as `gearmesh.load` does."""
+    new = Origin.find(KIND_PREFIX + kind)
+    if not overrides:
+        return new
+    data = override(nested(new.keys), overrides)
+    return _whole(Origin.of_text(OPENED_NAME, rewritten(new.text, dict(flat(data))), data, Path()))
+
+
+def _whole(origin: Origin) -> Origin:
+    """Return an origin. Raises DesignError or NoSolutionError if its gears cannot be built."""
+    try_build(parse_as_stated(nested(origin.keys)))
     return origin
 
 

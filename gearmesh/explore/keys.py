@@ -7,7 +7,8 @@ from collections.abc import Iterator
 from typing import Any
 
 from gearmesh.design.core import Design
-from gearmesh.design.keys import MM_PER
+from gearmesh.design.keys import MM_PER, Key
+from gearmesh.figures import ZERO_SIZES, at_resolution
 from gearmesh.systems.system import System
 
 
@@ -47,9 +48,17 @@ def error_keys(system: System[Any], design: type[Design]) -> list[str]:
 
 
 def plain_values(design: Design) -> Iterator[tuple[str, Any]]:
-    """Yield all keys of a design that have a value, set or not, without names of files."""
+    """Yield all keys of a design that have a value, set or not, without names of files; rounding is shown as 0."""
     from gearmesh.explore.state import flat, is_file
 
-    for key, value in flat(design.plain()):
-        if not is_file(type(design), key):
-            yield key, list(value) if isinstance(value, tuple) else value
+    for dotted, value in flat(design.plain()):
+        if not is_file(type(design), dotted):
+            key = type(design).key_at(dotted)
+            yield dotted, at_resolution(value, 0.0 if key is None else _resolution(key, design.mm_per_unit))
+
+
+def _resolution(key: Key, mm_per_unit: float) -> float:
+    """Return the size below which a value of a key is rounding, in the design's units; 0 where this is not known."""
+    if key.power == 1:
+        return ZERO_SIZES["mm"] / mm_per_unit
+    return ZERO_SIZES["deg"] if key.unit == "angle" else 0.0

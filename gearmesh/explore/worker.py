@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import os
 import queue
+import signal
 import sys
 import threading
 import time
@@ -42,6 +43,8 @@ class Inbox:
 
 def main() -> None:
     """Answer requests until the input ends."""
+    # Ctrl-C in a terminal is for the program, which then ends the input
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     # what a library prints must not come between messages
     output = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)

@@ -21,7 +21,7 @@ import numpy as np
 
 from gearmesh.answers.bodies.questions import ModelledGears
 from gearmesh.answers.contact.contact import Contact
-from gearmesh.answers.contact.staging import staged_contact
+from gearmesh.answers.contact.staging import first_contact, staged_contact
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, GearmeshError, NoSolutionError
 from gearmesh.explore.keys import error_keys, key_rows, plain_values
@@ -164,6 +164,8 @@ class Workshop:
         self.states: Shelf[list[dict[str, Any]]] = Shelf(MAX_KEPT_STATES)
         self.built: Shelf[Built] = Shelf(MAX_KEPT_GEARS)
         self.cameras: Shelf[dict[str, Any]] = Shelf(MAX_KEPT_STATES)
+        # first and last position of the contact of each pair
+        self.ends: Shelf[dict[int, tuple[float, float]]] = Shelf(MAX_KEPT_STATES)
         self.shapes: Shelf[Shape] = Shelf(MAX_KEPT_SHAPE_BYTES, lambda shape: shape.size)
 
     def answer(self, request: Mapping[str, Any], job: Job) -> None:
@@ -295,9 +297,11 @@ class Workshop:
 
     @staticmethod
     def _whole_scene(messages: Sequence[dict[str, Any]]) -> dict[str, Any]:
-        """Return the last scene of a state with the contact that came with the first."""
-        first, *more = [message for message in messages if message["type"] == "scene"]
-        return {**first, **more[-1]} if more else first
+        """Return the last scene of a state with the camera and the contact that came with others."""
+        whole: dict[str, Any] = {}
+        for message in messages:
+            whole |= message if message["type"] == "scene" else {}
+        return whole
 
     def _steps(self, design: Design, job: Job) -> Iterator[dict[str, Any]]:
         job.begin("gears", 0.0, 0.2)
@@ -317,12 +321,22 @@ class Workshop:
             "errors": error_keys(own, type(whole)),
             "members": list(gears.members),
         }
-        contacts: dict[int, Contact] = {}
+        module = whole.given_module * whole.mm_per_unit
+        low, high = TOLERANCE_LIMITS_MM
+        coarse, fine = (float(np.clip(modules * module, low, high)) for modules in TOLERANCE_MODULES)
+        names = list(gears.members)
         different = train.different if train.pairs else ()
+        # where no tooth changed, contact at few positions is there long before the mesh cycle
+        positions = _mark([sorted(built.marks.items()), whole.contact.stated()])
+        first = self._first_scene(gears, built.marks, fine, self.ends.get(positions))
+        if first is not None:
+            yield first
+        contacts: dict[int, Contact] = {}
         for number, k in enumerate(different):
             share = 0.2 + 0.4 * number / len(different)
             job.begin(f"contact of {train.pairs[k].name}", share, share + 0.4 / len(different))
             contacts[k] = gears.contact(pair=k)
+        self.ends.put(positions, {k: (contact.path.phi1[0], contact.path.phi1[-1]) for k, contact in contacts.items()})
         lines = [*gears.warnings, *(line for contact in contacts.values() for line in contact.warnings)]
         yield {
             "type": "figures",
@@ -332,11 +346,7 @@ class Workshop:
         moving = {k: contact for k, contact in contacts.items() if contact.path.touching.any() and not contact.stuck}
         job.begin("contact pattern", 0.6, 0.7)
         staged = [StagedPair(staged_contact(train, contact), {}) for contact in moving.values()]
-        names = list(gears.members)
         pairs = [pair_data(train, each, names) for each in staged]
-        low, high = TOLERANCE_LIMITS_MM
-        module = whole.given_module * whole.mm_per_unit
-        coarse, fine = (float(np.clip(modules * module, low, high)) for modules in TOLERANCE_MODULES)
         # a fine mesh that is there is shown at once
         shapes = [
             self._known_shape(built.marks[name], fine) or self._shape(member, built.marks[name], coarse, job, 0.7)
@@ -368,6 +378,30 @@ class Workshop:
                 return Built(ModelledGears(complete, train), _marks(train))
             return still
         return Built(_moved(still.gears, design, errors), still.marks)
+
+    def _first_scene(
+        self,
+        gears: ModelledGears,
+        marks: Mapping[str, str],
+        tolerance: float,
+        ends: dict[int, tuple[float, float]] | None,
+    ) -> dict[str, Any] | None:
+        """Return the scene with contact at few positions between the `ends` of an earlier one.
+
+        None unless meshes, camera and ends are known from other positions of the same teeth.
+        """
+        names = list(gears.members)
+        shapes = [shape for name in names if (shape := self._known_shape(marks[name], tolerance)) is not None]
+        camera = self.cameras.get(_mark(sorted(marks.items())))
+        if len(shapes) != len(names) or camera is None or not ends:
+            return None
+        try:
+            found = [first_contact(gears.train, gears.train.pairs[k], own) for k, own in ends.items()]
+        except GearmeshError:
+            # the whole contact says why
+            return None
+        pairs = [pair_data(gears.train, StagedPair(each, {}), names) | {"later": True} for each in found if each]
+        return {"type": "scene", "camera": camera, "pairs": pairs, **_scene(gears.members, shapes)} if pairs else None
 
     def _known_shape(self, mark: str, tolerance: float) -> Shape | None:
         return self.shapes.get(_shape_key(mark, tolerance))

@@ -167,6 +167,23 @@ def test_a_refusal_stands_beside_its_key_and_its_remedy_mends(browser: Any) -> N
     assert "old" not in browser.find_element("id", "view").get_attribute("class")
 
 
+def test_values_that_follow_are_short_and_whole_in_their_title(browser: Any) -> None:
+    values = put(browser, "pinion.profile_shift", "0.3")["values"]
+    browser.execute_script("document.getElementById('every').click()")
+    shown = browser.execute_script(
+        """return Object.fromEntries([...document.querySelectorAll(".key.free input[type=text]")]
+        .map((field) => [field.closest(".key").dataset.key, [field.value, field.title]]))"""
+    )
+    browser.execute_script("document.getElementById('every').click()")
+    numbers = {key: shown[key] for key, value in values.items() if isinstance(value, float) and key in shown}
+    long = {key for key in numbers if values[key] != float(f"{values[key]:.6g}")}
+    assert long
+    for key, (text, title) in numbers.items():
+        assert float(text) == pytest.approx(values[key], rel=6e-6)
+        assert len(text.split("e")[0].lstrip("-0.").replace(".", "")) <= 6 or float(text) >= 1e6
+        assert float(title) == values[key]
+
+
 def test_slider_of_an_error_and_pinned_state(browser: Any) -> None:
     press(browser, "#pin")
     browser.execute_script(

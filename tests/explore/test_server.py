@@ -4,8 +4,13 @@ from __future__ import annotations
 
 import http.client
 import json
+import os
 import random
+import signal
 import socket
+import subprocess
+import sys
+import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -16,7 +21,7 @@ from oracles.places import SAMPLES
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
-from gearmesh.explore.explorer import Explorer, origin_of_file
+from gearmesh.explore.explorer import Explorer, origin_of_file, origin_of_kind
 from gearmesh.explore.server import MAX_FRAME_BYTES, MAX_MESSAGE_BYTES
 
 SPUR = SAMPLES / "spur.toml"
@@ -252,3 +257,27 @@ def test_port_in_use_is_one_line() -> None:
     assert refused("explore", SPUR, "--no-browser", "--set", "pinion.teeth=x").startswith(
         'pinion.teeth = "x": must be a whole'
     )
+    # gears that cannot be built: of a file, and of a kind with other values
+    assert refused("explore", SPUR, "--no-browser", "--set", "pressure_angle=44").startswith("pinion.dedendum = 1.25: ")
+    assert refused("explore", "hypoid", "--no-browser", "--set", "pinion.teth=9").startswith("pinion.teth: unknown key")
+    assert refused("explore", "--no-browser", "--set", "module=2").startswith("--set = module=2: needs a design")
+
+
+def test_values_given_with_a_kind_are_those_of_its_page() -> None:
+    origin = origin_of_kind("cylindrical", ["pinion.teeth=23"])
+    assert origin.shown["pinion.teeth"] == 23
+    assert tomllib.loads(origin.text)["pinion"]["teeth"] == 23
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
+def test_interrupt_of_a_terminal_ends_all_without_a_word() -> None:
+    """Ctrl-C goes to all processes of the terminal, also to the one for heavy work."""
+    program = (sys.executable, "-m", "gearmesh", "explore", str(SPUR), "--no-browser")
+    with subprocess.Popen(program, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline().startswith(b"http://127.0.0.1:")
+        os.killpg(process.pid, signal.SIGINT)
+        assert process.communicate(timeout=30)[1] == b""
+        assert process.returncode == 0
+    with pytest.raises(ProcessLookupError):
+        os.killpg(process.pid, 0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import tomllib
 from typing import Any
 
@@ -11,10 +12,12 @@ from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh.explore.explorer import origin_of, origin_of_file
+from gearmesh.explore.keys import plain_values
 from gearmesh.explore.ranges import key_range
 from gearmesh.explore.rewriting import rewritten
 from gearmesh.explore.state import Origin, flat, refuse_keys
 from gearmesh.explore.workshop import Job, Stale, Workshop
+from gearmesh.systems.system import complete_design
 
 
 @pytest.fixture(scope="module")
@@ -32,8 +35,12 @@ def ask(
     return [message for message in found if message["type"] != "progress"]
 
 
+def of(messages: list[dict[str, Any]], kind: str) -> list[dict[str, Any]]:
+    return [message for message in messages if message["type"] == kind]
+
+
 def figure(messages: list[dict[str, Any]], key: str) -> float:
-    (found,) = [message for message in messages if message["type"] == "figures"]
+    (found,) = of(messages, "figures")
     return next(each["value"] for each in found["meshes"][0]["figures"] if each["key"] == key)
 
 
@@ -50,7 +57,15 @@ def test_figures_come_first_and_what_is_known_does_not_come_again(
     monkeypatch.setattr("gearmesh.explore.workshop.build", lambda design: pytest.fail("gears were built"))
     monkeypatch.setattr("gearmesh.explore.workshop.StagedMember.of", lambda *_: pytest.fail("a tooth was meshed"))
     moved = ask(workshop, changes={"assembly.dx": 0.05, "assembly.dy": 0.01}, have=held, rows=first[0]["of"])
-    assert [message["type"] for message in moved] == ["design", "figures", "scene"]
+    assert [message["type"] for message in moved] == ["design", "scene", "figures", "scene"]
+    # the first pattern comes before the mesh cycle, on the path of contact that comes after it
+    first_path, path = (curve(scene) for scene in of(moved, "scene"))
+    assert 5 < len(first_path) < len(path)
+    assert np.interp(first_path[:, 0], *path.T) == pytest.approx(first_path[:, 1], abs=2e-3)
+    assert np.ptp(first_path[:, 0]) == pytest.approx(np.ptp(path[:, 0]), rel=0.1)
+    fields = [{each["key"] for each in scene["pairs"][0]["flanks"][0]["fields"]} for scene in of(moved, "scene")]
+    assert "pattern" in fields[0]
+    assert fields[1] >= {"pattern", "ease_off", "gap"}
     assert "rows" not in moved[0]
     assert all(set(shape) == {"key"} for shape in moved[-1]["shapes"])
     built = gm.build(gm.load(SAMPLES / "helical.toml", ["assembly.dx=0.05", "assembly.dy=0.01"])).contact()
@@ -64,6 +79,24 @@ def test_figures_come_first_and_what_is_known_does_not_come_again(
     again = ask(workshop, have=held)
     assert figure(again, "contact_ratio") == figure(first, "contact_ratio")
     assert again[-1]["pairs"] == first[2]["pairs"]
+    again = ask(workshop, changes={"assembly.dx": 0.05, "assembly.dy": 0.01}, have=held)
+    assert [message["type"] for message in again] == ["design", "figures", "scene"]
+    assert again[-1]["pairs"] == moved[-1]["pairs"]
+
+
+def curve(scene: dict[str, Any]) -> np.ndarray:
+    """Rotations and transmission errors (P, 2) of the pair of a scene."""
+    (pair,) = scene["pairs"]
+    return np.stack([np.frombuffer(base64.b64decode(pair[key]), dtype=np.float32) for key in ("phi1", "te")], axis=-1)
+
+
+def test_rounding_is_shown_as_zero() -> None:
+    """The backlash of gears without backlash is about 1e-14 mm, and no slider must begin with a step of its size."""
+    for units in ("mm", "inch"):
+        design = gm.load(SAMPLES / "helical.toml").with_values({"units": units, "pinion.face_width": 2})
+        assert dict(plain_values(complete_design(design)))["backlash"] == 0.0
+    small = gm.load(SAMPLES / "helical.toml").with_values({"backlash": 2e-9})
+    assert dict(plain_values(small))["backlash"] == 2e-9
 
 
 def test_work_that_is_not_wanted_ends(workshop: Workshop) -> None:

@@ -9,8 +9,10 @@ import numpy as np
 from gearmesh.answers.contact.contact import Contact
 from gearmesh.contact.engagement.cycle import Cycle
 from gearmesh.contact.engagement.ease_off import ease_off, gaps_at
+from gearmesh.contact.engagement.engagement import Engagement
 from gearmesh.contact.engagement.train_turns import train_turns
 from gearmesh.contact.flanks import solver_pair
+from gearmesh.contact.pair import Pair
 from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
 from gearmesh.kernel.numeric.algebra import Array
@@ -19,6 +21,8 @@ from gearmesh.teeth.region import Side
 
 #: positions of the slider
 SLIDER_POSITIONS = 61
+#: positions of the contact that is shown before the mesh cycle is known
+FIRST_POSITIONS = 21
 #: points across and along a flank at which gaps are computed
 GAP_GRID = (41, 65)
 #: limit of the distance between columns, in heights of the flank, unless MAX_COLUMNS is reached
@@ -56,8 +60,8 @@ class StagedContact:
     turns: dict[str, Array]
     #: mesh cycle
     cycle: Cycle | None
-    #: gaps over the pinion's flank
-    gaps: FlankGaps
+    #: gaps over the pinion's flank; None where the ellipses of a first contact are enough for its pattern
+    gaps: FlankGaps | None
 
 
 def staged_contact(train: GearTrain, contact: Contact) -> StagedContact:
@@ -69,8 +73,29 @@ def staged_contact(train: GearTrain, contact: Contact) -> StagedContact:
     if not path.touching.all():
         path = contact_path(flanks, phi1[path.touching], pair.generation)
     return StagedContact(
-        pair, path, train_turns(train, pair, path.rotation, path.phi2), contact.cycle, _gaps(contact, path)
+        pair,
+        path,
+        train_turns(train, pair, path.rotation, path.phi2),
+        contact.cycle,
+        _gaps(pair, flanks, path, contact.engagement),
     )
+
+
+def first_contact(train: GearTrain, pair: GearPair, ends: tuple[float, float]) -> StagedContact | None:
+    """Return the contact of a pair at few positions between two (rad), without mesh cycle and ease-off.
+
+    None if nothing touches. Gears that jam are not recognised: this takes the mesh cycle.
+    """
+    flanks = solver_pair(pair)
+    path = contact_path(flanks, np.linspace(*ends, FIRST_POSITIONS if np.ptp(ends) else 1), pair.generation)
+    met = np.flatnonzero(path.touching)
+    if not met.size:
+        return None
+    path = path.part_of(slice(met[0], met[-1] + 1))
+    if not path.touching.all():
+        path = contact_path(flanks, path.phi1[path.touching], pair.generation)
+    gaps = None if np.isfinite(path.semi_major).any() else _gaps(pair, flanks, path, None)
+    return StagedContact(pair, path, train_turns(train, pair, path.rotation, path.phi2), None, gaps)
 
 
 def flank_places(member: Member, side: Side) -> tuple[Array, Array]:
@@ -84,14 +109,11 @@ def flank_places(member: Member, side: Side) -> tuple[Array, Array]:
     return s, np.linspace(EDGE_MARGIN, 1.0 - EDGE_MARGIN, columns)
 
 
-def _gaps(contact: Contact, path: ContactPath) -> FlankGaps:
-    pair, flanks = contact.pair, solver_pair(contact.pair)
+def _gaps(pair: GearPair, flanks: Pair, path: ContactPath, engagement: Engagement | None) -> FlankGaps:
     side = pair.flanks[0]
     parameters = pair.pinion.tooth.flank_grid(side, *flank_places(pair.pinion, side)).parameters
     least = np.nan_to_num(gaps_at(flanks, path.rotation, path.phi2, parameters), nan=np.inf).min(axis=0)
-    amount = None
-    if contact.engagement is not None:
-        amount = ease_off(contact.engagement, pair.pitch, parameters).distance
+    amount = None if engagement is None else ease_off(engagement, pair.pitch, parameters).distance
     # phi1 = 0, or the nearest position of the path
     phi1 = np.clip(np.zeros(1), path.phi1.min(), path.phi1.max())
     rotation, phi2 = (np.interp(phi1, path.phi1, turn) for turn in (path.rotation, path.phi2))

@@ -4,7 +4,7 @@
   "use strict";
 
   const element = (id) => document.getElementById(id);
-  const STORED = "gearmesh-explore", MAX_HISTORY = 200, SLOW_MS = 500, AGAIN_MS = 1000, DIGITS = 4;
+  const STORED = "gearmesh-explore", MAX_HISTORY = 200, SLOW_MS = 500, AGAIN_MS = 1000, DIGITS = 4, SET_DIGITS = 10, DERIVED_DIGITS = 6;
   const UNITS = { um: "µm", deg: "°", arcsec: "arcsec" };
 
   // ---------------------------------------------------------------- the program
@@ -196,11 +196,14 @@
   const isSet = (key) => Object.hasOwn(state.keys, key);
   const valueOf = (key) => isSet(key) ? state.keys[key] : values[key];
 
-  function inText(value) {
+  // a value as text; one that follows from others has fewer digits
+  function inText(value, digits = SET_DIGITS) {
     if (value === undefined || value === null) return "";
-    if (Array.isArray(value)) return JSON.stringify(value).slice(1, -1).replaceAll(",", ", ");
-    return typeof value === "number" ? String(Math.abs(value) < 1e-12 ? 0 : Number(value.toPrecision(10))) : String(value);
+    if (Array.isArray(value)) return value.map((each) => Array.isArray(each) ? `[${inText(each, digits)}]` : typeof each === "string" ? JSON.stringify(each) : inText(each, digits)).join(", ");
+    return typeof value === "number" ? String(Math.abs(value) < 1e-12 ? 0 : Number(value.toPrecision(digits))) : String(value);
   }
+
+  const keyText = (key, keys, known) => Object.hasOwn(keys, key) ? inText(keys[key]) : inText(known[key], DERIVED_DIGITS);
 
   // the value that a text stands for: a number, a list, or the text itself, as a length with its unit
   function fromText(row, text) {
@@ -275,8 +278,9 @@
       const given = isSet(row.key);
       item.classList.toggle("free", !given);
       back.style.visibility = given && row.default !== "required" ? "visible" : "hidden";
-      if (document.activeElement !== input || input.tagName === "SELECT") input.value = inText(valueOf(row.key));
+      if (document.activeElement !== input || input.tagName === "SELECT") input.value = keyText(row.key, state.keys, values);
       else if (given) input.value = inText(state.keys[row.key]);
+      input.title = given || input.tagName === "SELECT" ? "" : inText(values[row.key], 17);
       if (!given && input.tagName === "INPUT" && values[row.key] === undefined) input.placeholder = row.default;
       const slider = item.querySelector("input[type=range]");
       if (slider && document.activeElement !== slider && typeof valueOf(row.key) === "number") slider.value = valueOf(row.key);
@@ -526,6 +530,7 @@
   }
 
   function takeScene(message) {
+    element("view").classList.remove("old");
     shown = message.pairs ? message : { ...shown, shapes: message.shapes, members: message.members };
     drawn = null;
     if (scene) {
@@ -569,9 +574,9 @@
     element("compare").hidden = !pinned;
     if (!pinned) return;
     const every = new Set([...Object.keys(pinned.values), ...Object.keys(values), ...Object.keys(state.keys), ...Object.keys(pinned.state.keys)]);
-    const before = (key) => Object.hasOwn(pinned.state.keys, key) ? pinned.state.keys[key] : pinned.values[key];
-    const other = [...every].filter((key) => JSON.stringify(before(key)) !== JSON.stringify(valueOf(key)));
-    const parts = [table(other.length ? "Keys that differ" : "No key differs", ["key", "pinned", "present"], other.map((key) => [key, inText(before(key)), inText(valueOf(key))]))];
+    const before = (key) => keyText(key, pinned.state.keys, pinned.values), now = (key) => keyText(key, state.keys, values);
+    const other = [...every].filter((key) => before(key) !== now(key));
+    const parts = [table(other.length ? "Keys that differ" : "No key differs", ["key", "pinned", "present"], other.map((key) => [key, before(key), now(key)]))];
     for (const mesh of figures) {
       const pinnedMesh = pinned.figures.find((each) => each.name === mesh.name);
       const lines = mesh.figures.filter((each) => each.main).map((each) => {

@@ -419,6 +419,8 @@ window.gearmeshScene = function () {
     pairs.forEach((pair) => pair.flanks.forEach((flank) => { flank.mesh.visible = pair === current; }));
     const keys = new Map(current.flanks.flatMap((flank) => flank.fields).map((field) => [field.key, field.label]));
     if (current.loaded) keys.set(NOW, "pressure now (MPa)");
+    // a scene with more fields follows: what is chosen stays so
+    if (current.later) for (const { value, textContent } of element("field").options) if (value && !keys.has(value)) keys.set(value, textContent);
     const before = element("field").value, chosen = element("torque").value;
     options(element("field"), [["", "contact now"], ...keys], keys.has(before) ? before : keys.keys().next().value ?? "");
     const torques = (current.loaded?.loads ?? []).map((load, k) => [String(k), `${Number(load.torque.toPrecision(4))} Nm`]);

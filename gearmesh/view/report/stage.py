@@ -252,9 +252,9 @@ def _fields(staged: StagedPair, name: str, contact: MemberContact, points: Array
     elif staged.patches.get(name):
         share = closest_gap(points, staged.patches[name]) / pair.delta
         add("pattern", "pattern: roll-test gap below the thickness of the marking compound", share, 1.0)
-    if pair.index(name) == 1:
-        return fields
     gaps = staged.contact.gaps
+    if pair.index(name) == 1 or gaps is None:
+        return fields
     if not any(field["key"] == "pattern" for field in fields):
         share = np.where(gaps.least < np.inf, np.maximum(gaps.least, 0.0), np.nan) / pair.delta
         add("pattern", "pattern: least gap of all positions below the thickness of the marking compound", share, 1.0)

@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from gearmesh.app.options import Set, present
+from gearmesh.errors import ArgumentError
 from gearmesh.formats import JSON_SUFFIX, TOML_SUFFIX
 
 
@@ -25,20 +26,23 @@ def explore(
 
     It is served until Ctrl-C, to the browser of this machine alone.
     """
-    from gearmesh.explore.explorer import Explorer, origin_of_file, refuse_port, require_server
-    from gearmesh.explore.state import KIND_PREFIX, Origin
+    from gearmesh.explore.explorer import Explorer, origin_of_file, origin_of_kind, refuse_port, require_server
 
     refuse_port(port)
     require_server()
     opened = None
     if what is not None:
         is_file = Path(what).suffix.lower() in (TOML_SUFFIX, JSON_SUFFIX)
-        opened = origin_of_file(present(Path(what)), settings or ()) if is_file else Origin.find(KIND_PREFIX + what)
+        opened = (
+            origin_of_file(present(Path(what)), settings or ()) if is_file else origin_of_kind(what, settings or ())
+        )
+    elif settings:
+        raise ArgumentError("--set", settings[0], reason="needs a design or a kind")
     with Explorer(opened, port, browser=not no_browser) as page:
-        print(f"{page.url}\nCtrl-C ends the page; the address is good once.", flush=True)
         # a stop is how this command ends, and no failure
         before = {number: signal.signal(number, lambda *_: page.stop()) for number in (signal.SIGINT, signal.SIGTERM)}
         try:
+            print(f"{page.url}\nCtrl-C ends the page; the address is good once.", flush=True)
             page.wait()
         finally:
             for number, handler in before.items():
