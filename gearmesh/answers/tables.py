@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import json
 import math
 import textwrap
@@ -33,6 +34,8 @@ class Listing:
     rows: Sequence[Sequence[Any]]
     #: columns with run times; also rows with run times, by their first value
     timed: frozenset[str] = frozenset()
+    #: lines below the table, as meanings of columns
+    notes: Sequence[str] = ()
 
     @property
     def timeless(self) -> Listing:
@@ -109,6 +112,8 @@ def align(listing: Listing, width: int = LINE_WIDTH) -> str:
         rows = [[row[k] for k in block] for row in table[0 if any(listing.columns) else 1 :]]
         for row in rows:
             text += [line + "\n" for line in _lines(row, [widths[k] for k in block], [numeric[k] for k in block])]
+    for note in listing.notes:
+        text += [line + "\n" for line in textwrap.wrap(note, width, subsequent_indent="  ", break_on_hyphens=False)]
     return "".join(text)
 
 
@@ -161,7 +166,11 @@ def _lines(row: Sequence[str], widths: Sequence[int], numeric: Sequence[bool]) -
 
 def as_html(listings: Sequence[Listing]) -> str:
     """Return tables as HTML, for notebooks."""
-    return "".join(html_table(listing.title, listing.columns, listing.cells) for listing in listings)
+    return "".join(
+        html_table(listing.title, listing.columns, listing.cells)
+        + "".join(f'<p class="note">{html.escape(note)}</p>' for note in listing.notes)
+        for listing in listings
+    )
 
 
 def cell(value: Any) -> str:

@@ -193,6 +193,8 @@ def _show_ruled(listing: Listing) -> None:
     # a window that is too narrow for the numbers breaks lines; numbers are never cut
     console.width = max(console.width, needed)
     console.print(table, soft_wrap=True)
+    for note in listing.notes:
+        console.print(Text(note))
 
 
 def warn(*sources: Iterable[str]) -> None:

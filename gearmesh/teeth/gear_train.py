@@ -30,9 +30,11 @@ from gearmesh.teeth.region import (
     Region,
     Side,
 )
+from gearmesh.teeth.source_parameters import NamedParameters, SourceParameter
 from gearmesh.teeth.tooth import Tooth
 
-#: Surface parameters (p, v) (...,) of a flank -> values named and counted as in the source (angles in degrees)
+#: Surface parameters (p, v) (...,) of a flank -> values named and counted as in the source (angles in degrees).
+#: `NamedParameters` also have units and meanings.
 SourceParameters = Callable[[Array, Array], dict[str, Array]]
 
 #: largest distance between different teeth of a member where they begin at the root
@@ -134,6 +136,12 @@ class Member:
         """
         self.check_teeth([number])
         return self.others.get(number, self.tooth)
+
+    @property
+    def declared_parameters(self) -> dict[str, SourceParameter]:
+        """Declarations of the source parameters by name; empty if the member's function has none."""
+        named = self.source_parameters
+        return {parameter.name: parameter for parameter in named.declared} if isinstance(named, NamedParameters) else {}
 
     @property
     def one_tooth(self) -> Tooth:

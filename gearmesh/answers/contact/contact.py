@@ -19,6 +19,7 @@ from gearmesh.answers.contact.figures import (
     HertzFigures,
     MemberPoint,
     PairCurvature,
+    ParameterMeaning,
     PathSummary,
     PositionFigures,
     TorqueSummary,
@@ -320,6 +321,13 @@ class Contact(Result):
             "fit": self._fit,
             **({} if self.cycle is None else {"pattern": self.patterns}),
             **({} if self.turns is None else {"turns": TurnsDetails.of(self.turns)}),
+            "surface_parameters": {
+                member.name: {
+                    name: ParameterMeaning(parameter.unit, parameter.meaning)
+                    for name, parameter in member.declared_parameters.items()
+                }
+                for member in self.pair.both
+            },
             "positions": self._positions,
         }
 
@@ -355,6 +363,7 @@ class Contact(Result):
     def _path_listing(self) -> list[Listing]:
         """Return the table of positions, rounded, so that rounding errors are shown as 0."""
         names = [(member, name) for member in self.params for name in self.params[member][0]]
+        declared = {member.name: member.declared_parameters for member in self.pair.both}
         reading = self.pair.output.reading
         heads = ["phi1 deg", f"{reading.quantity} {reading.motion[1]}", f"TE {reading.error[1]}"]
         heads += ["contact", "a mm", "b mm"]
@@ -370,8 +379,14 @@ class Contact(Result):
             ]
             for position in self._positions
         ]
-        heads += [f"{member} {name}" for member, name in names]
-        return [Listing("Contact", heads, values)]
+        known = [(member, name, declared[member].get(name)) for member, name in names]
+        heads += [f"{member} {name if parameter is None else parameter.heading}" for member, name, parameter in known]
+        labels: dict[str, dict[str, None]] = {}
+        for *_, parameter in known:
+            if parameter is not None:
+                labels.setdefault(parameter.meaning, {})[parameter.label] = None
+        notes = [f"{', '.join(alike)}: {meaning}" for meaning, alike in labels.items()]
+        return [Listing("Contact", heads, values, notes=notes)]
 
     def _hertz_listing(self) -> list[Listing]:
         """Return the table of the Hertz contact; none without a torque."""

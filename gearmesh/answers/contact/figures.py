@@ -187,10 +187,20 @@ class HertzFigures(Figures):
 
 
 @dataclass(frozen=True)
+class ParameterMeaning(Figures):
+    """Unit and meaning of a parameter of a member's surface."""
+
+    unit: str = figure("unit of the parameter")
+    meaning: str = figure("meaning of the parameter in words")
+
+
+@dataclass(frozen=True)
 class MemberPoint(Figures):
     """Place at which a member touches."""
 
-    params: Mapping[str, float] = figure("parameters of the surface, named as in the source", bare=True)
+    params: Mapping[str, float] = figure(
+        "parameters of the surface, named as in the source; units and meanings under surface_parameters", bare=True
+    )
     point: list[float] = figure("point of contact, own frame of the member", "mm", vector=True, nullable=True)
 
 

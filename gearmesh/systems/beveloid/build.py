@@ -24,11 +24,11 @@ from gearmesh.systems.common.bodies.tip_surface import with_tip_surface
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.defaults import unusual_defaults
 from gearmesh.systems.common.micro_geometry import with_modifications
-from gearmesh.systems.common.racks.rack_member import Roll, member
+from gearmesh.systems.common.racks.rack_member import Roll, member, rack_parameters
 from gearmesh.systems.common.racks.rack_tooth import Heights, RackTooth, round_tips
 from gearmesh.systems.common.tooth_edges import with_end_chamfers
 from gearmesh.systems.system import Displacements
-from gearmesh.teeth.gear_train import GearPair, GearTrain, SourceParameters
+from gearmesh.teeth.gear_train import GearPair, GearTrain
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
 from gearmesh.tools.rack import RackLine
@@ -55,7 +55,7 @@ def build(design: BeveloidDesign) -> GearTrain:
         tip_key = "tip_diameter" if spec.tip_diameter is not None else "addendum"
         # u of a gear that is turned over is counted along its reversed axis [LT02 Table 4]
         along = -1.0 if name == "gear" and design.assembly.turned_over else 1.0
-        made = member(name, spec, racks, roll, _source_parameters(letter, along), tip_key)
+        made = member(name, spec, racks, roll, rack_parameters(f"l_{letter}", f"u_{letter}", along), tip_key)
         made = with_modifications(with_tip_surface(made, spec), spec)
         members.append(with_end_chamfers(made, spec))
         rolls.append(roll)
@@ -77,13 +77,6 @@ def _warnings(design: BeveloidDesign) -> tuple[str, ...]:
     return unusual_defaults(
         design, {f"{name}.tool_tip_radius": (STANDARD_TIP_RADIUS, why) for name in ("pinion", "gear")}
     )
-
-
-def _source_parameters(letter: str, along: float) -> SourceParameters:
-    def source_parameters(p: Array, v: Array) -> dict[str, Array]:
-        return {f"l_{letter}": p, f"u_{letter}": along * v}
-
-    return source_parameters
 
 
 def _rack(

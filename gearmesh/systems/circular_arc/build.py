@@ -24,13 +24,14 @@ from gearmesh.systems.circular_arc.fillets import ArcRack
 from gearmesh.systems.common.axes import shifts
 from gearmesh.systems.common.bodies.tip_surface import with_tip_surface
 from gearmesh.systems.common.defaults import unusual_defaults
-from gearmesh.systems.common.racks.rack_member import Roll, member
+from gearmesh.systems.common.racks.rack_member import ALONG_TRACE, Roll, member
 from gearmesh.systems.common.racks.rack_tooth import RackTooth
 from gearmesh.systems.common.tooth_edges import with_end_chamfers
 from gearmesh.systems.system import Displacements
 from gearmesh.teeth.gear_train import GearPair, GearTrain, Member, SourceParameters
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
+from gearmesh.teeth.source_parameters import NamedParameters, SourceParameter
 from gearmesh.tools.rack import Arc, RackSurface
 
 if TYPE_CHECKING:
@@ -130,11 +131,16 @@ def _source_parameters(name: str, rack: RackTooth, roll: Roll, design: CircularA
     side = Side(design.contact.flank)
     generating = _generating(rack, roll, side)
 
-    def source_parameters(p: Array, v: Array) -> dict[str, Array]:
+    def values(p: Array, v: Array) -> tuple[Array, Array, Array]:
         generation = sign * (generating(p, v) + side.sign * offset)
-        return {f"theta_{letter}": np.degrees(p), f"u_{letter}": v, f"phi_{number}": np.degrees(generation)}
+        return np.degrees(p), v, np.degrees(generation)
 
-    return source_parameters
+    declared = (
+        SourceParameter(f"theta_{letter}", "deg", "angle on the arc of the rack: pressure angle in its normal section"),
+        SourceParameter(f"u_{letter}", "mm", ALONG_TRACE),
+        SourceParameter(f"phi_{number}", "deg", f"rotation of the {name} at which the rack generates the point"),
+    )
+    return NamedParameters(declared, values)
 
 
 def _generating(rack: RackTooth, roll: Roll, side: Side) -> Callable[[Array, Array], Array]:

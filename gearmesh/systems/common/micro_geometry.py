@@ -25,6 +25,7 @@ from gearmesh.teeth.micro_geometry.modification import (
 )
 from gearmesh.teeth.micro_geometry.modified import TrueFlank, TrueInvolute, modified_side, true_flank
 from gearmesh.teeth.region import Side
+from gearmesh.teeth.source_parameters import NamedParameters
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide
 
@@ -50,11 +51,10 @@ def with_modifications(member: Member, spec: Modified, *, internal: bool = False
         return member
     flanks = {side: true_flank(tooth, side, internal=internal) for side in tables}
     right, left = (_side(tooth, side, side_tables, flanks[side]) for side, side_tables in tables.items())
-    first_parameter, second_parameter = flanks[Side.RIGHT].parameters
     return replace(
         member,
         tooth=replace(tooth, right=right, left=left),
-        source_parameters=lambda p, v: {first_parameter: p, second_parameter: v},
+        source_parameters=NamedParameters(flanks[Side.RIGHT].parameters, lambda p, v: (p, v)),
         tool_parameters=member.source_parameters,
     )
 
@@ -72,7 +72,7 @@ def with_true_involutes(member: Member, *, internal: bool = False) -> Member:
     return replace(
         member,
         tooth=replace(tooth, right=right, left=left),
-        source_parameters=lambda p, v: {"roll_length_mm": p, "z_mm": v},
+        source_parameters=NamedParameters(TrueInvolute.PARAMETERS, lambda p, v: (p, v)),
         tool_parameters=member.source_parameters,
     )
 

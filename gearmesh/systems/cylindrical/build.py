@@ -20,7 +20,7 @@ from gearmesh.systems.common.axes import shifts, tilts
 from gearmesh.systems.common.bodies.tip_surface import with_tip_surface
 from gearmesh.systems.common.defaults import unusual_defaults
 from gearmesh.systems.common.micro_geometry import with_modifications, with_true_involutes
-from gearmesh.systems.common.racks.rack_member import Roll, member
+from gearmesh.systems.common.racks.rack_member import Roll, member, rack_parameters
 from gearmesh.systems.common.racks.rack_tooth import Heights
 from gearmesh.systems.common.tooth_edges import with_end_chamfers
 from gearmesh.systems.cylindrical.cutting.cutter import other_cutters, trimming_warnings
@@ -119,11 +119,8 @@ def _toothed_member(gear: GearProportions) -> Member:
         own_flanks = made.tooth.unmodified_tooth is made.tooth
         return with_true_involutes(made, internal=own.internal) if own_flanks else made
     racks = hobbed_racks(name, spec, own, Heights(tip - own.radius, root - own.radius))
-
-    def source_parameters(p: Array, v: Array) -> dict[str, Array]:
-        return {f"l_{letter}": p, f"u_{letter}": v}
-
-    made = member(name, spec, racks, Roll(own.radius, own.beta, 0.0), source_parameters, tip_key)
+    parameters = rack_parameters(f"l_{letter}", f"u_{letter}")
+    made = member(name, spec, racks, Roll(own.radius, own.beta, 0.0), parameters, tip_key)
     return with_modifications(with_tip_surface(made, spec, tip), spec)
 
 

@@ -47,6 +47,7 @@ from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
+from gearmesh.teeth.source_parameters import NamedParameters, SourceParameter
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import Bottom, ToothSide
 from gearmesh.tools.profile import Profile
@@ -65,6 +66,9 @@ MAX_SKEW_MODULES = 1e-9
 TIP_RADIUS_MODULES = 0.2
 #: largest default rounding of the shaper's tip, over the largest that fits
 MAX_TIP_RADIUS_SHARE = 0.8
+
+#: meaning of the parameter along the teeth of the shaper and of the pinion
+FROM_APEX = "distance from the apex along the axis of the shaper"
 
 
 def build(design: FaceGearDesign) -> GearTrain:
@@ -221,12 +225,16 @@ def _gear(design: FaceGearDesign, shaped: ShapedGear, place: float) -> Member:
         ) from failure
     tooth = with_tip_edge("gear", tooth, design.gear)
 
-    def source_parameters(p: Array, v: Array) -> dict[str, Array]:
-        return {"theta_s": np.degrees(p), "u_s": v + place}
-
+    parameters = NamedParameters(
+        (
+            SourceParameter("theta_s", "deg", "roll angle of the involute of the shaper, from its base circle"),
+            SourceParameter("u_s", "mm", FROM_APEX),
+        ),
+        lambda p, v: (np.degrees(p), v + place),
+    )
     inner, outer = blank.extent
     under = UnderTeeth("gear", tooth, blank.body, inner, outer, design.given_module)
-    return with_end_chamfers(Member("gear", tooth, source_parameters, body_features(design.gear, under)), design.gear)
+    return with_end_chamfers(Member("gear", tooth, parameters, body_features(design.gear, under)), design.gear)
 
 
 def grinding_of(design: FaceGearDesign, shaped: ShapedGear, place: float) -> Grinding:
@@ -362,13 +370,18 @@ def _pinion(design: FaceGearDesign, place: float) -> Member:
     roll = Roll(0.5 * spec.teeth * m, 0.0, 0.0)
     base_radius = roll.radius * np.cos(alpha)
 
-    def source_parameters(p: Array, v: Array) -> dict[str, Array]:
+    def values(p: Array, v: Array) -> tuple[Array, Array]:
         height = flank.section(p)[0][..., 0]
         theta = np.tan(alpha) + height / (base_radius * np.sin(alpha))
-        return {"theta_1": np.degrees(theta), "u_1": v + place}
+        return np.degrees(theta), v + place
+
+    declared = (
+        SourceParameter("theta_1", "deg", "roll angle of the involute of the pinion, from its base circle"),
+        SourceParameter("u_1", "mm", FROM_APEX),
+    )
 
     racks = round_tips("pinion", spec, m, (flank, flank), heights)
-    spur = member("pinion", spec, racks, roll, source_parameters, "addendum")
+    spur = member("pinion", spec, racks, roll, NamedParameters(declared, values), "addendum")
     return with_end_chamfers(with_modifications(with_tip_surface(spur, spec), spec), spec)
 
 

@@ -43,6 +43,7 @@ from gearmesh.systems.system import ToolPart
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.gear_train import GearTrain, Member
+from gearmesh.teeth.source_parameters import NamedParameters, SourceParameter
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import TipCorner, ToothSide
 from gearmesh.tools.description import ToolDescription
@@ -374,7 +375,11 @@ def _member(thread: Thread, length: float, bore: float | None) -> Member:
         raise DesignError(
             "worm.pitch_radius", worm.radius, unit="mm", reason=f"{failure} (of the worm's thread)", allowed="more"
         ) from failure
-    return Member("worm", tooth, lambda p, v: {"p": p, "y": v})
+    declared = (
+        SourceParameter("p", "", "place between the beginning (0) and the end (1) of the flank"),
+        SourceParameter("y", "mm", "distance along the axis of the worm, from its middle"),
+    )
+    return Member("worm", tooth, NamedParameters(declared, lambda p, v: (p, v)))
 
 
 def _crest_radius(worm: ShaperWorm, radius: float, z: Array) -> Array:

@@ -29,7 +29,14 @@ from gearmesh.systems.common.backlash import thin
 from gearmesh.systems.common.bodies.tip_surface import with_tip_surface
 from gearmesh.systems.common.defaults import unusual_defaults
 from gearmesh.systems.common.micro_geometry import with_modifications
-from gearmesh.systems.common.racks.rack_member import ROOT_PARAMETER, Roll, ToothMaking, member
+from gearmesh.systems.common.racks.rack_member import (
+    ALONG_PROFILE,
+    ROOT_PARAMETER,
+    Roll,
+    ToothMaking,
+    member,
+    rack_parameters,
+)
 from gearmesh.systems.common.racks.rack_tooth import Heights, RackTooth, round_tips
 from gearmesh.systems.common.tooth_edges import with_end_chamfers
 from gearmesh.systems.parabolic_helical.worm_thread import grinding_worm, touching_range
@@ -37,6 +44,7 @@ from gearmesh.systems.system import Displacements, ToolPart
 from gearmesh.teeth.gear_train import GearPair, GearTrain, SourceParameters
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
+from gearmesh.teeth.source_parameters import NamedParameters, SourceParameter
 from gearmesh.teeth.tooth_side import Bottom
 from gearmesh.tools.disk import Disk
 from gearmesh.tools.rack import RackSurface
@@ -255,9 +263,7 @@ def _source_parameters(grinding: ToothMaking | None) -> SourceParameters:
     They are u_c along the rack's profile and theta_c along its teeth [LF04 17.9], or the feed s_w of worm and disk
     (17.7.8).
     """
-    along = "theta_c" if grinding is None else "s_w"
-
-    def source_parameters(p: Array, v: Array) -> dict[str, Array]:
-        return {"u_c": p, along: v}
-
-    return source_parameters
+    if grinding is None:
+        return rack_parameters("u_c", "theta_c")
+    feed = SourceParameter("s_w", "mm", "feed of the grinding tool along the axis, from mid face")
+    return NamedParameters((SourceParameter("u_c", "mm", ALONG_PROFILE), feed), lambda p, v: (p, v))

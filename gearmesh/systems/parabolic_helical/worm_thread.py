@@ -32,7 +32,7 @@ from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.kernel.surface.levels import ConeLevel, PlaneLevel
 from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.systems.common.bodies.body import bore_radius
-from gearmesh.systems.common.racks.rack_member import ROOT_PARAMETER
+from gearmesh.systems.common.racks.rack_member import ROOT_PARAMETER, rack_parameters
 from gearmesh.systems.common.racks.rack_tooth import RackTooth
 from gearmesh.systems.system import ToolPart
 from gearmesh.teeth.blank.blank import Blank
@@ -135,7 +135,7 @@ def worm_member(
         raise DesignError(
             "worm.pitch_radius", worm.radius, unit="mm", reason=f"{failure} (of the worm's thread)", allowed="more"
         ) from failure
-    return Member(name, tooth, lambda p, v: {"u_c": p, "theta_c": v})
+    return Member(name, tooth, rack_parameters("u_c", "theta_c"))
 
 
 def touching_range(

@@ -40,6 +40,7 @@ from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
+from gearmesh.teeth.source_parameters import NamedParameters, SourceParameter
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide
 from gearmesh.tools.description import Dimension, ToolDescription
@@ -55,6 +56,15 @@ FLANK_TOOL_NAMES = {
     ThreadForm.ZI: "plane-sided grinding disk",
     ThreadForm.ZK: "grinding disk",
     ThreadForm.ZC: "grinding disk",
+}
+
+#: unit and meaning of the parameter along the profile of the thread of a worm or hob, by flank form
+PROFILE_PARAMETERS = {
+    ThreadForm.ZA: ("mm", "distance along the cutting edge from the reference cylinder"),
+    ThreadForm.ZN: ("mm", "distance along the cutting edge from the reference cylinder"),
+    ThreadForm.ZI: ("rad", "roll angle of the transverse involute, from its base circle"),
+    ThreadForm.ZK: ("mm", "distance along the profile of the grinding disk from the reference cylinder"),
+    ThreadForm.ZC: ("rad", "angle of the normal on the arc of the grinding disk"),
 }
 
 #: remedies for a worm that cannot be trimmed, by failure: named key, allowed values, and keys whose larger (1), smaller
@@ -335,7 +345,7 @@ def worm_member(design: WormDriveDesign) -> Member:
     tooth = _prove("worm", Tooth(spec.threads, side(1), side(-1), blank), spec)
     tooth = with_tip_edge("worm", tooth, spec)
     under = UnderTeeth("worm", tooth, blank.body, root, root, m)
-    return with_end_chamfers(Member("worm", tooth, _thread_parameters, body_features(spec, under)), spec)
+    return with_end_chamfers(Member("worm", tooth, _thread_parameters(design), body_features(spec, under)), spec)
 
 
 def root_rounding(design: WormDriveDesign, side: int) -> Rounding:
@@ -385,9 +395,13 @@ def _tool_dimensions(thread: WormThread) -> tuple[Dimension, ...]:
     return tuple(made)
 
 
-def _thread_parameters(p: Array, v: Array) -> dict[str, Array]:
+def _thread_parameters(design: WormDriveDesign) -> NamedParameters:
     """Return the surface parameters of the worm under their names in files."""
-    return {"p_1": p, "theta_1": np.degrees(v)}
+    turned = SourceParameter("theta_1", "deg", "angle of the screw motion from the profile to the point")
+    return NamedParameters(
+        (SourceParameter("p_1", *PROFILE_PARAMETERS[worm_thread(design, 1).form]), turned),
+        lambda p, v: (p, np.degrees(v)),
+    )
 
 
 def _prove(
@@ -435,7 +449,7 @@ def _wheel(design: WormDriveDesign) -> Member:
     tooth = with_tip_edge("wheel", tooth, spec)
     root = float(blank.root.at(0.5 * spec.face_width))
     under = UnderTeeth("wheel", tooth, blank.body, smallest, root, design.axial_module)
-    return with_end_chamfers(Member("wheel", tooth, _wheel_parameters, body_features(spec, under)), spec)
+    return with_end_chamfers(Member("wheel", tooth, _wheel_parameters(design), body_features(spec, under)), spec)
 
 
 @lru_cache(maxsize=2)
@@ -507,9 +521,12 @@ def wheel_failure(design: WormDriveDesign) -> TrimError | None:
     return None
 
 
-def _wheel_parameters(p: Array, v: Array) -> dict[str, Array]:
+def _wheel_parameters(design: WormDriveDesign) -> NamedParameters:
     """Return the surface parameters of the wheel under their names in files."""
-    return {"p_0": p, "v_0": v}
+    unit, meaning = PROFILE_PARAMETERS[wheel_hob(design).thread.form]
+    across = "distance across the axis of the hob, along the face, at the height of the wheel's tip"
+    declared = (SourceParameter("p_0", unit, f"on the hob: {meaning}"), SourceParameter("v_0", "mm", across))
+    return NamedParameters(declared, lambda p, v: (p, v))
 
 
 # ---------------------------------------------------------------- assembly

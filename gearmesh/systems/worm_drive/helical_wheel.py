@@ -12,9 +12,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from gearmesh.errors import DesignError, VagueError
-from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.common.backlash import thin
-from gearmesh.systems.common.racks.rack_member import Roll, member
+from gearmesh.systems.common.racks.rack_member import Roll, member, rack_parameters
 from gearmesh.systems.common.racks.rack_tooth import Heights, RackTooth, round_tips
 from gearmesh.systems.common.tooth_edges import with_end_chamfers
 from gearmesh.tools.rack import RackLine
@@ -37,7 +36,7 @@ class _CutterTip:
 def helical_wheel(design: WormDriveDesign) -> Member:
     """Return the wheel of a design (in mm) as a helical gear. Raises DesignError naming key, value and limit."""
     roll = Roll(0.5 * design.wheel_reference_diameter, design.wheel_helix_angle, 0.0)
-    made = member("wheel", design.wheel, _rack(design, roll), roll, _parameters, "addendum")
+    made = member("wheel", design.wheel, _rack(design, roll), roll, rack_parameters("p_0", "v_0"), "addendum")
     return with_end_chamfers(made, design.wheel)
 
 
@@ -58,8 +57,3 @@ def _rack(design: WormDriveDesign, roll: Roll) -> tuple[RackTooth, RackTooth]:
     except DesignError as failure:
         key = "addendum" if failure.key == "hob.dedendum" else "tip_radius"
         raise VagueError(f"hob.{key}", getattr(design.hob, key), reason=failure.reason) from failure
-
-
-def _parameters(p: Array, v: Array) -> dict[str, Array]:
-    """Return the surface parameters of the wheel under their names in files."""
-    return {"p_0": p, "v_0": v}

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, replace
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 
@@ -24,9 +24,12 @@ from gearmesh.teeth.micro_geometry.modification import Extent, Kinks, Modificati
 from gearmesh.teeth.micro_geometry.plane_flank import PlaneFlank
 from gearmesh.teeth.micro_geometry.screw_involute import Amount, ScrewInvolute
 from gearmesh.teeth.region import Side
+from gearmesh.teeth.source_parameters import SourceParameter
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide
 
+#: parameter along the face of flanks in closed form
+FACE_PARAMETER = SourceParameter("z_mm", "mm", "distance along the axis, from mid face")
 #: points across a flank at which it is compared with its closed form
 COMPARED_POINTS = 5
 #: largest distance from the closed form, over the base radius
@@ -52,8 +55,8 @@ class TrueFlank(Protocol):
         """Functions by the name of a length (mm); each returns the place on the profile, NaN if there is none."""
 
     @property
-    def parameters(self) -> tuple[str, str]:
-        """Names of the flank's parameters."""
+    def parameters(self) -> tuple[SourceParameter, ...]:
+        """Parameters of the flank."""
 
     def length_of(self, name: str, place: float) -> float:
         """Return a place as the length with a name."""
@@ -71,6 +74,12 @@ class TrueFlank(Protocol):
 @dataclass(frozen=True)
 class TrueInvolute:
     """A flank that is a screw involute."""
+
+    #: parameters of screw involutes
+    PARAMETERS: ClassVar = (
+        SourceParameter("roll_length_mm", "mm", "length of the normal of the involute to the base circle"),
+        FACE_PARAMETER,
+    )
 
     involute: ScrewInvolute
     extent: Extent
@@ -97,8 +106,8 @@ class TrueInvolute:
         return {"roll_length": lambda length: length, "diameter": self.roll_length}
 
     @property
-    def parameters(self) -> tuple[str, str]:
-        return "roll_length_mm", "z_mm"
+    def parameters(self) -> tuple[SourceParameter, ...]:
+        return self.PARAMETERS
 
     def length_of(self, name: str, place: float) -> float:
         return place if name == "roll_length" else 2.0 * float(np.hypot(self.involute.base_radius, place))
@@ -150,8 +159,8 @@ class TruePlane:
         return {"height": lambda height: height}
 
     @property
-    def parameters(self) -> tuple[str, str]:
-        return "height_mm", "z_mm"
+    def parameters(self) -> tuple[SourceParameter, ...]:
+        return SourceParameter("height_mm", "mm", "height over the reference plane of the rack"), FACE_PARAMETER
 
     def length_of(self, name: str, place: float) -> float:
         return place

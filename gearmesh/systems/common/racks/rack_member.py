@@ -30,6 +30,7 @@ from gearmesh.systems.common.racks.rack_tooth import RackTooth
 from gearmesh.systems.common.tooth_edges import edge_refusal, fits, goes, largest_trimmed, stations_on, tip_edge
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.gear_train import Member, SourceParameters
+from gearmesh.teeth.source_parameters import NamedParameters, SourceParameter
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import Bottom, TipCorner, ToothSide
 from gearmesh.tools.description import ToolDescription
@@ -72,6 +73,24 @@ class Roll:
     radius: float
     helix: float
     cone: float
+
+
+#: meanings of the parameters of a rack cutter's flank
+ALONG_PROFILE = "distance along the profile of the rack, towards the tip of the tooth"
+ALONG_TRACE = "distance along the tooth trace of the rack, from its normal section at mid face"
+
+
+def rack_parameters(along_profile: str, along_trace: str, sense: float = 1.0) -> NamedParameters:
+    """Return the parameters of flanks that a rack cutter with straight or parabolic profile generates.
+
+    - along_profile, along_trace: names of both lengths.
+    - sense: -1 if the length along the trace counts the other way.
+    """
+    declared = (
+        SourceParameter(along_profile, "mm", ALONG_PROFILE),
+        SourceParameter(along_trace, "mm", ALONG_TRACE),
+    )
+    return NamedParameters(declared, lambda p, v: (p, sense * v))
 
 
 def member(

@@ -16,7 +16,6 @@ import numpy as np
 from gearmesh.errors import DesignError, VagueError
 from gearmesh.kernel.envelope.envelope import Envelope
 from gearmesh.kernel.motion.chain import Chain, Step
-from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import ConeLevel, PlaneLevel
 from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.kernel.surface.twisted import Twisted
@@ -35,6 +34,7 @@ from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Region, Side
+from gearmesh.teeth.source_parameters import NamedParameters, SourceParameter
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide
 from gearmesh.tools.description import ToolDescription
@@ -153,12 +153,16 @@ def shaped_member(
     else:
         prove(name, tooth, spec, tip_key)
 
-    def source_parameters(p: Array, v: Array) -> dict[str, Array]:
-        return {theta: np.degrees(p), along: v}
-
+    parameters = NamedParameters(
+        (
+            SourceParameter(theta, "deg", "roll angle of the involute of the cutter, from its base circle"),
+            SourceParameter(along, "mm", "distance along the axis, from mid face"),
+        ),
+        lambda p, v: (np.degrees(p), v),
+    )
     under = UnderTeeth(name, tooth, tooth.blank.body, cut.root, cut.root, own.module)
     features = ring_features(spec, under) if own.internal else body_features(spec, under)
-    return Member(name, tooth, source_parameters, features)
+    return Member(name, tooth, parameters, features)
 
 
 def _check_flank(name: str, spec: CylindricalMember, cut: Shaping | Forming) -> None:

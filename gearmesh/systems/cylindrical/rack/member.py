@@ -22,14 +22,13 @@ import numpy as np
 from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.joint import Prismatic
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.flat import FlatLevel
 from gearmesh.kernel.surface.levels import PlaneLevel
 from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.systems.common.bodies.body import LEAST_RIM
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.micro_geometry import with_modifications
-from gearmesh.systems.common.racks.rack_member import ROOT_PARAMETER
+from gearmesh.systems.common.racks.rack_member import ROOT_PARAMETER, rack_parameters
 from gearmesh.systems.common.racks.rack_tooth import Heights, RackTooth, round_tips
 from gearmesh.systems.common.tooth_edges import edge_refusal, tip_edge, with_end_chamfers
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
@@ -232,10 +231,7 @@ def rack_member(name: str, spec: RackProportions, pinion: Toothing, table: RackT
     except TrimError as failure:
         raise edge_refusal(name, tooth, failure) or failure from failure
 
-    def source_parameters(p: Array, v: Array) -> dict[str, Array]:
-        return {"l_R": p, "u_R": v}
-
-    member = Member(name, tooth, source_parameters, overhang=spec.overhang)
+    member = Member(name, tooth, rack_parameters("l_R", "u_R"), overhang=spec.overhang)
     if table is None:
         return member
     if table.bolts is not None:

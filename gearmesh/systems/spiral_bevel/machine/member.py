@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -9,7 +10,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearmesh.errors import VagueError
-from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import ConeLevel
 from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.systems.common.bodies.body import bore_radius, recessed_body
@@ -22,6 +22,7 @@ from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Side
+from gearmesh.teeth.source_parameters import NamedParameters, SourceParameter
 from gearmesh.teeth.tooth import Tooth
 
 if TYPE_CHECKING:
@@ -50,6 +51,9 @@ REMEDY_KEYS = {
     "undercut": {"pressure_angle": 1, "pinion.teeth": 1, "gear.teeth": 1, "depth_factor": -1},
     "tip": {"face_width": -1, "spiral_angle": 0, "gear.cutter.tip_radius": 0},
 }
+
+#: meaning of the parameter around the cutter
+CUTTER_ANGLE = "angle of the point of the blade about the axis of the cutter, 0 near the mean cone distance"
 
 
 def bevel_member(
@@ -88,12 +92,27 @@ def bevel_member(
     tooth = with_tip_edge(name, fitting, spec)
     letter = {"pinion": "P", "gear": "G"}[name]
 
-    def source_parameters(p: Array, v: Array) -> dict[str, Array]:
-        return {f"u_{letter}": p, f"theta_{letter}": np.degrees(v)}
-
+    parameters = NamedParameters(
+        (_blade_parameter(f"u_{letter}", sides.values()), SourceParameter(f"theta_{letter}", "deg", CUTTER_ANGLE)),
+        lambda p, v: (p, np.degrees(v)),
+    )
     (toe, _), *_, (heel, _) = body.body.profile
     under = UnderTeeth(name, tooth, body.body, toe, heel, blank.mean_normal_module)
-    return with_end_chamfers(Member(name, tooth, source_parameters, body_features(spec, under)), spec)
+    return with_end_chamfers(Member(name, tooth, parameters, body_features(spec, under)), spec)
+
+
+def _blade_parameter(name: str, sides: Iterable[Generated]) -> SourceParameter:
+    """Return the parameter along the cutting edges of a member's sides.
+
+    A straight edge has a length, an arc the angle of its normal.
+    """
+    meanings = {
+        True: ("rad", "angle of the arc of the blade"),
+        False: ("mm", "distance along the straight blade, from its tip plane"),
+    }
+    straight = {side.blade.blade_radius == 0.0 for side in sides}
+    units, words = zip(*(meanings[not line] for line in sorted(straight, reverse=True)), strict=True)
+    return SourceParameter(name, " or ".join(units), ", or ".join(words))
 
 
 def _on_cone(member: MemberBlank, root: ConeLevel, cone_distance: float, below: float = 0.0) -> tuple[float, float]:
