@@ -56,10 +56,11 @@ def test_every_name_is_there_and_no_other_is_shown() -> None:
         gm.job  # noqa: B018
 
 
-#: beside verbs, designs, errors and answers: what gears consist of, what calls take, and how figures and studies are read
+#: beside verbs, designs, errors and answers: what gears consist of, what calls take, how figures and studies are read, and
+#: the page of `explore`
 PARTS_OF_GEARS = {
     *("Gears", "GearTrain", "GearPair", "Member", "Design", "System"),
-    *("Rigid", "FlexibleMount", "Summary", "StudySummary"),
+    *("Rigid", "FlexibleMount", "Summary", "StudySummary", "Explorer"),
 }
 #: what gears are built of: given back by `Gears`, internal all the same
 INTERNAL = {"MemberNames", "TriangleMesh", "Mapping"}
