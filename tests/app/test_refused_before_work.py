@@ -260,7 +260,14 @@ def options() -> Iterator[tuple[str, str]]:
         if name in WRONG:
             for parameter in group.get_command(context, name).params:
                 flag = getattr(parameter, "is_flag", False)
-                if not flag and parameter.opts[0] not in ("design_file", "other_file", "what", "table", "source", "--set"):
+                if not flag and parameter.opts[0] not in (
+                    "design_file",
+                    "other_file",
+                    "what",
+                    "table",
+                    "source",
+                    "--set",
+                ):
                     yield name, parameter.opts[0]
 
 
