@@ -99,6 +99,8 @@ class Worker:
             "gearmesh.explore.worker",
             stdin=asyncio.subprocess.PIPE,
             stdout=asyncio.subprocess.PIPE,
+            # Ctrl-C in a terminal must not reach it, not even before it can ignore it
+            start_new_session=True,
             env={**threads, **os.environ, "PYTHONPATH": path},
         )
         self._write({"opened": None if self.opened is None else vars(self.opened)})
