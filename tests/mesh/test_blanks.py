@@ -101,13 +101,13 @@ def test_the_finished_gear_is_inside_of_the_blank_which_has_the_volume_of_pappus
         # where a hole is cut through chords of circles, its edge is between the circles
         assert outside(points, half).max() < (TOLERANCE if gears.members[member].features.is_cut else 1e-4)
         assert outside(points[:1] + np.array([0.0, 1e3]), half)[0] > 900.0
-    # the spaces between the teeth are half of the ring of the teeth, about
+    # the spaces between the teeth are half of the ring of the teeth, about; holes are cut with them
     tooth = gears.members[member].tooth
     ring = blank.measured.volume - finished.measured.volume
     width = abs(tooth.blank.faces[1] - tooth.blank.faces[0]) * len(gears.members[member].halves)
     length = float(tooth.joint.arm(tooth.grid(Region.LAND, [0.5], tooth.sections([0.5])).points).mean())
     around = 2.0 * np.pi * length if case != "bar" else 200.0
-    assert 0.3 < ring / (around * width * tooth.height) < (1.0 if gears.members[member].features.is_cut else 0.8)
+    assert 0.3 < ring / (around * width * tooth.height) < (1.2 if gears.members[member].features.is_cut else 0.8)
 
 
 @SWEPT
