@@ -43,15 +43,9 @@ def page(
     `pictures` are captions and JPEG files; the first replaces the view if a browser cannot draw it.
     """
     parts = {
-        "TITLE": html.escape(title),
-        "SUMMARY": html.escape(summary),
-        "STYLE": page_file("page.css"),
-        "NAVIGATION": "".join(
-            f'<a href="#{section.anchor}">{html.escape(section.heading)}</a>' for section in sections
-        ),
+        **_common_parts(title, summary, sections),
         "CARD": _card(card),
         "PICTURE": picture(*pictures[0], identity="still") if pictures else "",
-        "SECTIONS": "\n".join(map(_section, sections)),
         "STAGE": script_json(stage),
         "THREE": page_file("three.min.js"),
         "LICENCE": html.escape(page_file("three.LICENSE.txt")),
@@ -59,21 +53,30 @@ def page(
         "SCENE": page_file("scene.js"),
         "VIEW": page_file("view.js"),
     }
-    # in one pass, so that nothing put in is looked at again
-    return re.sub(r"\{\{([A-Z]+)\}\}", lambda match: parts[match[1]], page_file("page.html"))
+    return _filled("page.html", parts)
 
 
 def plain_page(title: str, summary: str, sections: Sequence[PageSection]) -> str:
     """Return a page of sections without a view: it has no script."""
-    links = "".join(f'<a href="#{section.anchor}">{html.escape(section.heading)}</a>' for section in sections)
-    parts = {
+    return _filled("plain.html", _common_parts(title, summary, sections))
+
+
+def _common_parts(title: str, summary: str, sections: Sequence[PageSection]) -> dict[str, str]:
+    """Return the parts that every page has."""
+    return {
         "TITLE": html.escape(title),
         "SUMMARY": html.escape(summary),
         "STYLE": page_file("page.css"),
-        "NAVIGATION": links,
+        "NAVIGATION": "".join(
+            f'<a href="#{section.anchor}">{html.escape(section.heading)}</a>' for section in sections
+        ),
         "SECTIONS": "\n".join(map(_section, sections)),
     }
-    return re.sub(r"\{\{([A-Z]+)\}\}", lambda match: parts[match[1]], page_file("plain.html"))
+
+
+def _filled(template: str, parts: Mapping[str, str]) -> str:
+    """Return a template with its parts put in, in one pass: nothing put in is looked at again."""
+    return re.sub(r"\{\{([A-Z]+)\}\}", lambda match: parts[match[1]], page_file(template))
 
 
 def script_json(document: Mapping[str, Any]) -> str:
