@@ -66,47 +66,25 @@ def position_list(phi1: ArrayLike) -> Array:
     return positions
 
 
-class PartsAlone(Mapping[str, systems.ToolPart]):
-    """Members of a design by their names; each is built alone at its first use."""
+class SeparateMembers(Mapping[str, Member]):
+    """Members of a gear set by their names without their warnings; each is built alone at its first use."""
 
-    def __init__(self, design: Design) -> None:
-        self._design = design
-        self._known: dict[str, systems.ToolPart] = {}
-
-    def __getitem__(self, name: str) -> systems.ToolPart:
-        if name not in self:
-            raise KeyError(name)
-        if name not in self._known:
-            self._known[name] = systems.member(self._design, name)
-        return self._known[name]
-
-    def __contains__(self, name: object) -> bool:
-        return name in systems.system_of(self._design).members
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(systems.system_of(self._design).members)
-
-    def __len__(self) -> int:
-        return len(systems.system_of(self._design).members)
-
-
-class MembersAlone(Mapping[str, Member]):
-    """Members of a design by their names without their warnings; each is built alone at its first use."""
-
-    def __init__(self, parts: PartsAlone) -> None:
-        self._parts = parts
+    def __init__(self, gears: GearSet) -> None:
+        self._gears = gears
 
     def __getitem__(self, name: str) -> Member:
-        return self._parts[name].member
+        if name not in self:
+            raise KeyError(name)
+        return self._gears.part(name).member
 
     def __contains__(self, name: object) -> bool:
-        return name in self._parts
+        return name in systems.system_of(self._gears.design).members
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._parts)
+        return iter(systems.system_of(self._gears.design).members)
 
     def __len__(self) -> int:
-        return len(self._parts)
+        return len(systems.system_of(self._gears.design).members)
 
 
 @dataclass(frozen=True)
@@ -129,6 +107,8 @@ class GearSet(Picklable):
         The `train` is built at its first use if it is not given; independent members are built separately.
         """
         self._design, self._train = design, train
+        #: design as it was given; members are built of it alone
+        self._given = design
 
     @property
     def design(self) -> Design:
@@ -159,13 +139,12 @@ class GearSet(Picklable):
     @cached_property
     def members(self) -> Mapping[str, Member]:
         """Members by their names: exact tooth surfaces, blank, mounting."""
-        return self.as_built.members if self._parts is None else MembersAlone(self._parts)
+        return self.as_built.members if self._alone is None else SeparateMembers(self)
 
     @cached_property
-    def _parts(self) -> PartsAlone | None:
-        """Members that are built separately; None if the gear set is built, or the kind has no such members."""
-        alone = self._train is None and systems.system_of(self.design).members
-        return PartsAlone(self.design) if alone else None
+    def _alone(self) -> dict[str, systems.ToolPart] | None:
+        """Members that were built separately; None if the gear set is built, or the kind has no such members."""
+        return {} if self._train is None and systems.system_of(self.design).members else None
 
     @property
     def names(self) -> MemberNames:
@@ -181,7 +160,7 @@ class GearSet(Picklable):
     @property
     def warnings(self) -> tuple[str, ...]:
         """Warnings about the geometry, one line each; members that are built alone have their own warnings."""
-        return self.as_built.warnings if self._parts is None or self._train is not None else ()
+        return self.as_built.warnings if self._alone is None or self._train is not None else ()
 
     @property
     def title(self) -> str:
@@ -277,8 +256,12 @@ class GearSet(Picklable):
         """
         if name == "worm" and name not in self.members:
             return systems.worm(self.design)
-        member = self.member(name)
-        return systems.ToolPart(member) if self._parts is None else self._parts[name]
+        self.names.refuse_other_member(name)
+        if self._alone is None:
+            return systems.ToolPart(self.as_built.members[name])
+        if name not in self._alone:
+            self._alone[name] = systems.member(self._given, name)
+        return self._alone[name]
 
     def stocked_part(self, name: str) -> systems.ToolPart:
         """A part as `part` returns it, with the stock that its key `stock` leaves on the flanks.

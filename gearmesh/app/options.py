@@ -210,12 +210,18 @@ def load_gears(path: Path, overrides: list[str] | None, ask: Callable[[Gears], o
         return gm.build(design)
 
 
-def load_alone(path: Path, overrides: list[str] | None, ask: Callable[[Gears], object]) -> Gears:
-    """Load the gears of the command line without building members that the command does not need."""
+def load_alone(path: Path, overrides: list[str] | None, ask: Callable[[Gears], object], member: str) -> Gears:
+    """Load the gears of the command line and build a member, with the others only if it needs them."""
+    from gearmesh.systems.system import system_of
+
     with working("gears"):
         design = gm.load(path, overrides or [], complete=False)
         refuse_arguments(design, ask)
-        return gm.build(design, alone=True)
+        alone = member in system_of(design).members
+        gears = gm.build(design, alone=alone)
+        if alone:
+            gears.part(member)
+        return gears
 
 
 def refuse_arguments(design: Design, ask: Callable[[Gears], object]) -> None:

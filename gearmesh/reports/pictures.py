@@ -199,13 +199,10 @@ def _picture_alone(gears: SolvedGears, view: str, member: str | None, size: tupl
     """Return the picture of a member without a mating gear, or of its right flank with the generating tool."""
     shown_member = gears.member(next(iter(gears.members)) if member is None else member)
     if view == "pair":
-        from gearmesh.answers.bodies.solid import member_solid
+        from gearmesh.answers.bodies.solid import mesh_within
 
-        placed = {
-            shown_member.name: member_solid(gears.design, shown_member, gears.within(None)).mesh.move(
-                gears.places[shown_member.name]
-            )
-        }
+        made, _, _ = mesh_within(shown_member, gears.within(None))
+        placed = {shown_member.name: made.facets.whole().move(gears.places[shown_member.name])}
         return Picture(pictures.members_picture(placed, shown_member.mount.axis, size, title))
     return _tool_picture(gears, view, shown_member, Side.RIGHT, None, size, title)
 

@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 DesignT = TypeVar("DesignT", bound="Design")
 #: contravariant: a function for designs of a class works for its subclasses, too
 ForD = TypeVar("ForD", bound="Design", contravariant=True)
-ResultT = TypeVar("ResultT")
 
 #: pinion rotations (P,), rad -> transmission error (P,), rad, relative to the value at 0
 FirstOrder: TypeAlias = "Callable[[Array], Array]"
@@ -537,7 +536,8 @@ def complete_design(design: DesignT) -> DesignT:
     Raises DesignError for geometry that cannot exist.
     """
     _refuse_to_build()
-    return _refused_by_name(design, _fill)
+    with _naming_keys(design):
+        return _fill(design)
 
 
 def _fill(design: DesignT) -> DesignT:
@@ -625,7 +625,9 @@ def build(design: Design) -> GearTrain:
     """
     _refuse_to_build()
     whole = complete_design(design)
-    train = _refused_by_name(whole, _train)
+    own = whole.in_mm()
+    with _naming_keys(whole):
+        train = finished(own, system_of(own).build(own))
     notes = (*_of_small_teeth(whole), *unusual_settings(whole), *_of_other_defaults(whole))
     return replace(train, warnings=(*train.warnings, *notes))
 
@@ -647,18 +649,18 @@ def member(design: Design, name: str) -> ToolPart:
         part.member.tooth.prove_joined()
         return replace(part, member=real.of_member(part.member), warnings=(*part.warnings, *real.warnings))
 
-    return _refused_by_name(design, alone, alone)
+    with _naming_keys(design, alone):
+        return alone(design)
 
 
-def _refused_by_name(
-    design: DesignT, make: Callable[[DesignT], ResultT], tried: Callable[[DesignT], object] | None = None
-) -> ResultT:
-    """Return the result of `make` for a design; a refusal names a key that the design sets (see `diagnosis`).
+@contextmanager
+def _naming_keys(design: Design, tried: Callable[[Any], object] = try_build) -> Iterator[None]:
+    """Run the body of the context; refusals of a design then name a key that the design sets (see `diagnosis`).
 
     `tried`: function with which the key is searched.
     """
     try:
-        return make(design)
+        yield
     except FileError:
         raise
     except (DesignError, NoSolutionError) as failure:
@@ -666,7 +668,7 @@ def _refused_by_name(
 
         # refusals are in mm
         failure.lengths_in = (design.units, design.mm_per_unit)
-        told = diagnose(design, failure, tried or try_build, _derived_values)
+        told = diagnose(design, failure, tried, _derived_values)
         # an error that is its own cause would send whoever follows causes round in a circle
         raise told from (failure if told is not failure else failure.__cause__)
 

@@ -281,7 +281,7 @@ def test_option_is_refused_before_work(
     monkeypatch.chdir(tmp_path)
     (tmp_path / "flanks.csv").write_text("flank,s,t,deviation_um\nright,0.5,0.5,1\n")
     (tmp_path / "pitch.csv").write_text("tooth,right_um\n0,1\n")
-    monkeypatch.setattr(systems, "_refused_by_name", built)
+    monkeypatch.setattr(systems, "_naming_keys", built)
     given = NOWHERE if option == "--json" else WRONG[command][option]
     value, words, *more = given
     base = list(BASE[command])

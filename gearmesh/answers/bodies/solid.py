@@ -390,28 +390,27 @@ def mesh_to_pyvista(mesh: TriangleMesh) -> pyvista.PolyData:
     return poly_data
 
 
-def member_solid(
-    design: Design,
-    member: Member,
+def solid_of(
+    gears: GearSet,
+    name: str,
     tolerance: float,
     teeth: int | None = None,
-    extra: Summary | None = None,
-    warnings: tuple[str, ...] = (),
     file: str | PathLike[str] | None = None,
     extract: Extract = WHOLE_MEMBER,
     place: Rigid | None = None,
 ) -> Solid:
-    """Return the solid of a member within `tolerance` (mm), measured and proved, or the `extract` of it.
+    """Return one member, or its worm as a part, within `tolerance` (mm), measured and proved, or the `extract` of it.
 
-    With `teeth` these are open surfaces of the first teeth. `extra` holds further figures of the part. Proof, deviation
-    and number of triangles apply to the mesh as `file` holds it at its `place`, which may be in single precision.
+    With `teeth` these are open surfaces of the first teeth. Proof, deviation and number of triangles apply to the mesh as
+    `file` holds it at its `place`, which may be in single precision.
     """
     from gearmesh.mesh.solid import prove
 
-    if teeth is not None and not 1 <= teeth <= member.tooth.teeth:
-        raise ArgumentError("teeth", teeth, must_be=f"a whole number from 1 to {member.tooth.teeth}")
+    part, gear_warnings = gears.stocked_part(name), gears.warnings
+    if teeth is not None and not 1 <= teeth <= part.member.tooth.teeth:
+        raise ArgumentError("teeth", teeth, must_be=f"a whole number from 1 to {part.member.tooth.teeth}")
     started = time.perf_counter()
-    made, written, bound = mesh_within(member, tolerance, teeth, extract, file, place)
+    made, written, bound = mesh_within(part.member, tolerance, teeth, extract, file, place)
     seconds = time.perf_counter() - started
     tell(0.8)
     proof = None if made.genus is None else prove(written, made.genus)
@@ -425,16 +424,16 @@ def member_solid(
         seconds=seconds,
         offset=extract.offset or None,
     )
-    further_figures = Summary(*(() if extra is None else (extra,)), *made.own)
-    warnings = (*warnings, *made.warnings, *_coarse(tolerance, design.given_module * design.mm_per_unit))
+    design = gears.design
+    coarse = _coarse(tolerance, design.given_module * design.mm_per_unit)
     in_file = None if file is None or place is not None else (Path(file).suffix.lower(), written)
     return Solid(
         design,
         made.facets,
         figures,
-        warnings,
+        (*gear_warnings, *part.warnings, *made.warnings, *coarse),
         made.genus is None,
-        further_figures,
+        Summary(part.figures, *made.own),
         made.member,
         teeth=made.teeth,
         in_file=in_file,
@@ -463,7 +462,7 @@ def mesh_within(
     """Return the mesh within `tolerance` (mm), the mesh as the file holds it, and the bound (mm) of the latter's
     deviation.
 
-    Arguments are those of `member_solid`. If the bound, or the rounding of the file, exceeds the tolerance, the mesh is
+    Arguments are those of `solid_of`. If the bound, or the rounding of the file, exceeds the tolerance, the mesh is
     made again with a smaller tolerance. This stops at once if the rounding alone is too large.
     """
     from gearmesh import io
@@ -498,33 +497,6 @@ def _less_rounding(member: Member, tolerance: float, file: str | PathLike[str], 
     if SAMPLED_SHARE * tolerance + rounding <= tolerance or rounding > MAX_ROUNDING_SHARE * tolerance:
         return tolerance
     return tolerance - rounding
-
-
-def solid_of(
-    gears: GearSet,
-    name: str,
-    tolerance: float,
-    teeth: int | None = None,
-    file: str | PathLike[str] | None = None,
-    extract: Extract = WHOLE_MEMBER,
-    place: Rigid | None = None,
-) -> Solid:
-    """Return one member, or its worm as a part, as `Gears.solid` describes it.
-
-    `tolerance` is in mm; `place` is the place of the part in the file.
-    """
-    part, gear_warnings = gears.stocked_part(name), gears.warnings
-    return member_solid(
-        gears.design,
-        part.member,
-        tolerance,
-        teeth,
-        part.figures,
-        (*gear_warnings, *part.warnings),
-        file,
-        extract,
-        place,
-    )
 
 
 def solids_of(

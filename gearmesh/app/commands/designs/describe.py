@@ -145,8 +145,9 @@ def _sheet(
     def ask(gears: Gears) -> DesignSheet:
         return gears.sheet(torque=torque, speed=speed, member=member)
 
-    load = load_gears if member is None else load_alone
-    return ask(load(design_file, settings, ask))
+    if member is None:
+        return ask(load_gears(design_file, settings, ask))
+    return ask(load_alone(design_file, settings, ask, member))
 
 
 def _kinds() -> Listing:

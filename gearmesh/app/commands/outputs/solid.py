@@ -110,7 +110,7 @@ def solid(
             _refuse_teeth(gears, member, file.suffix, teeth, file.is_whole)
         return [own.make(gears, name) for name, own in file.files(gears, member).items()]
 
-    gears = (load_gears if together else load_alone)(design_file, settings, ask)
+    gears = load_gears(design_file, settings, ask) if together else load_alone(design_file, settings, ask, member)
     file.write(gears, member)
 
 

@@ -87,7 +87,7 @@ def toolpath(
             feed=feed,
         )
 
-    gears = load_alone(design_file, settings, ask)
+    gears = load_alone(design_file, settings, ask, member)
     with working("tool path"):
         path = ask(gears)
         if output is not None and output.suffix.lower() == PNG_SUFFIX:
