@@ -119,7 +119,8 @@ systems.worm_drive.design: HobTable WheelTable WormDriveAssembly WormTable
 teeth.blank.blank: Blank
 teeth.blank.body: Body Disc PlaneFace TurnedStep
 teeth.blank.end_edge: EndChamfer
-teeth.blank.features: BodyFeatures Boss Drilling HoleRow Opening Pattern Slot Spokes
+teeth.blank.bores: Slot
+teeth.blank.features: BodyFeatures Boss Drilling HoleRow Opening Pattern Spokes
 teeth.blank.halves: AxialGap HalfGear Rows
 teeth.blank.tip_edge: TipEdge
 teeth.end_strip: EndStrip SharpOutline StripPiece

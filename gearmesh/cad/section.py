@@ -313,7 +313,7 @@ def _openings(member: Member, z: float) -> list[_Bound]:
 
 
 def _circles(member: Member, z: float) -> list[_Bound]:
-    """Return the contours of the body at z, from outside inwards: circles, and the bore with its keyway."""
+    """Return the contours of the body at z, from outside inwards: circles, and the bore in its form."""
     body, high = member.body, member.plain_body.ends[1]
     circles = []
     for (rho, start), (next_rho, end), band in zip(body.profile, body.profile[1:], body.bands, strict=False):
@@ -323,7 +323,7 @@ def _circles(member: Member, z: float) -> list[_Bound]:
     bounds: list[_Bound] = []
     for radius, band in sorted(circles, reverse=True):
         if radius > 0.0:
-            keyway = member.keyway if band is Region.BORE else None
-            circle = (PlaneArc.circle(radius),) if keyway is None else keyway.in_bore(radius)
+            form = member.bore_form if band is Region.BORE else None
+            circle = (PlaneArc.circle(radius),) if form is None else form.in_bore(radius)
             bounds.append((band.value, circle))
     return bounds

@@ -22,8 +22,10 @@ from gearmesh.cad.turned import Loop, Prism, Trace, TurnedSurface, circle, plane
 from gearmesh.errors import DesignError
 from gearmesh.io.digits import points_on_grid
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.plane.curves import PlaneArc
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.teeth.blank.body import Body, end_edges, end_regions
+from gearmesh.teeth.blank.bores import ClosedLine
 from gearmesh.teeth.blank.features import Opening
 from gearmesh.teeth.blank.halves import HalfEnd
 from gearmesh.teeth.gear_train import Member
@@ -352,18 +354,18 @@ def _body(member: Member, outline: tuple[Loop, Loop], outward: bool) -> list[Nam
         # both loops of a cone or cylinder must begin on the same generatrix
         angle = outline[k > 0].angle if across != 0.0 and k in (0, len(profile) - 1) else 0.0
         loops.append(circle(rho, z, angle) if rho > 0.0 else None)
-    # a keyway replaces the bore and its two circles by a prism
+    # a keyway, hexagon or flat replaces the bore and its two circles by a prism
     faces, keyed = [], -1
-    if member.keyway is not None:
+    if member.bore_form is not None:
         keyed = names.index(Region.BORE)
         rho, levels = profile[keyed][0], (profile[keyed][1], profile[keyed + 1][1])
-        bore = Prism.of(member.keyway.in_bore(rho), levels)
-        angle = float(np.arcsin(0.5 * member.keyway.width / rho))
+        drawn = member.bore_form.in_bore(rho)
+        bore = Prism.of(drawn, levels)
+        angle = float(np.arctan2(*drawn[0].start[::-1]))
         loops[keyed : keyed + 2] = [
             Loop(edges, start, rho, z, angle) for edges, start, z in zip(bore.edges, bore.starts, levels, strict=True)
         ]
-        faces += [NamedFace(bore.faces[0], "bore", "bore")]
-        faces += [NamedFace(wall, f"keyway_{i + 1}", "keyway") for i, wall in enumerate(bore.faces[1:])]
+        faces += _bore_faces(member.bore_form.region, drawn, bore)
     cuts = [(opening, Prism.of(opening.curves, (opening.low, opening.high))) for opening in member.openings]
     faces += opening_faces(cuts)
 
@@ -405,6 +407,17 @@ def _body(member: Member, outline: tuple[Loop, Loop], outward: bool) -> list[Nam
             shape = plane_face(outer, inner, (up > 0.0) == (end == 1), holes)
         region = end_regions(blank.axial)[end]
         faces.append(NamedFace(shape, region, region))
+    return faces
+
+
+def _bore_faces(region: Region, outline: ClosedLine, bore: Prism) -> list[NamedFace]:
+    """Return the walls of a bore: its round parts, and the plane ones, which have a region of their own."""
+    kinds = [Region.BORE if isinstance(curve, PlaneArc) else region for curve in outline]
+    counts, faces = dict.fromkeys(kinds, 0), list[NamedFace]()
+    for wall, kind in zip(bore.faces, kinds, strict=True):
+        counts[kind] += 1
+        single = kind is Region.BORE and kinds.count(kind) == 1
+        faces.append(NamedFace(wall, kind if single else f"{kind}_{counts[kind]}", kind))
     return faces
 
 

@@ -31,7 +31,7 @@ from gearmesh.io.digits import parameters_on_grid, points_on_grid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.splines import SplineCurve
 from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve
-from gearmesh.teeth.blank.features import ClosedLine
+from gearmesh.teeth.blank.bores import ClosedLine
 
 #: distance of a trace from its curve down to which it is refined
 TRACE_TOLERANCE_MM = 1e-8

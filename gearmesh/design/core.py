@@ -68,6 +68,21 @@ class Keyway(Table):
         return self
 
 
+class HexBore(Table):
+    """Hexagonal bore, with a corner on +x; `bore` is then the hole that is drilled before broaching."""
+
+    across_flats: float = keys.length("width across flats; the default of bore", above=0)
+
+
+class DBore(Table):
+    """Flat in the bore, square to +x (D bore); with flats = 2 there is another one on the opposite side."""
+
+    height: float = keys.length(
+        "distance from the flat to the opposite side of the bore, or to the second flat", above=0
+    )
+    flats: int = keys.count("number of flats", 1, low=1, high=2)
+
+
 class Hub(Table):
     """Hub beyond the end face."""
 
@@ -254,7 +269,8 @@ class MemberMount(Table):
 
 #: tables of members that describe the body under the teeth
 BODY_TABLES: tuple[str, ...] = (
-    "keyway", "hub", "web", "holes", "toe_hub", "heel_shaft", "toe_shaft", "heel_bore", "toe_bore", "bolts", "spokes"
+    "keyway", "hub", "web", "holes", "toe_hub", "heel_shaft", "toe_shaft", "heel_bore", "toe_bore", "bolts", "spokes",
+    "hex_bore", "d_bore",
 )  # fmt: skip
 
 
@@ -350,14 +366,22 @@ class NumberOfTeeth(Table):
 
 
 class TurnedBody(Table):
-    """Body of revolution under the teeth, with keyway, steps, holes and spokes."""
+    """Body of revolution under the teeth, with keyway or other forms of the bore, steps, holes and spokes."""
 
     usual: ClassVar[tuple[str, ...]] = ("bore",)
+
+    exclusive: ClassVar[tuple[tuple[str, str], ...]] = (
+        ("hex_bore", "keyway"),
+        ("d_bore", "keyway"),
+        ("d_bore", "hex_bore"),
+    )
 
     bore: float | None = keys.length(
         "bore diameter; 0 = no bore", None, low=0, default="40 % of the root diameter at the small end"
     )
     keyway: Keyway | None = None
+    hex_bore: HexBore | None = None
+    d_bore: DBore | None = None
     hub: Hub | None = None
     toe_hub: Hub | None = None
     heel_shaft: ShaftSteps | None = None
@@ -380,8 +404,15 @@ class TurnedBody(Table):
         return self
 
     @property
+    def bore_key(self) -> str:
+        """Key that gives the diameter of the bore."""
+        return "bore" if self.bore is not None or self.hex_bore is None else "hex_bore.across_flats"
+
+    @property
     def stated_bore(self) -> float | None:
         """Given diameter of the bore; 0 if a shaft is in one piece with the body; None for the default."""
+        if self.bore is None and self.hex_bore is not None:
+            return self.hex_bore.across_flats
         return 0.0 if self.bore is None and (self.heel_shaft or self.toe_shaft) else self.bore
 
 

@@ -2,7 +2,7 @@
 2203].
 
 First-angle projection: the view from the left is drawn on the right. The side with the teeth or the hub looks to the
-left. x is up in both views; the keyway and the first tooth lie there.
+left. x is up in both views; the keyway, a corner or flat of the bore and the first tooth lie there.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from gearmesh.drawing.dimensions import Span, note, room, stack
 from gearmesh.drawing.facts import Facts, diameter, number
 from gearmesh.drawing.outline import Outline, bar_faces, end_of_teeth, outline_of, tip_edges
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.plane.curves import PlaneArc
 from gearmesh.teeth.blank.features import Drilling, HoleRow, Spokes
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Region
@@ -38,6 +39,8 @@ ZERO_LENGTH_MM = 1e-6
 LENGTH_REGIONS = (Region.HUB, Region.SHAFT, Region.COUNTERBORE, Region.RIM)
 #: height of a text over the teeth of a rack
 TEXT_ABOVE_TEETH_MM = 5.0
+#: points on each arc of a bore: odd, so that the middle is one of them
+BORE_POINTS = 181
 #: points on each curve of an opening
 CURVE_POINTS = 33
 
@@ -138,7 +141,8 @@ class WheelViews:
         for (rho, z), (other, end) in pairwise(profile):
             places = {rho: (z, end)} if rho == other else {} if z == end else {rho: (z,), other: (end,)}
             for radius, z_values in places.items():
-                if radius > 0.0 and not any(abs(2.0 * radius - value) < 1e-3 for value in sizes_of_teeth):
+                bored = self.bore_is_round or radius != self.member.body.bore_radius
+                if radius > 0.0 and bored and not any(abs(2.0 * radius - value) < 1e-3 for value in sizes_of_teeth):
                     sizes.setdefault(round(radius, 6), []).extend(z_values)
         for gap in self.member.gaps:
             sizes.setdefault(round(0.5 * gap.diameter, 6), []).extend(gap.body.ends)
@@ -197,9 +201,17 @@ class WheelViews:
         left = [tooth_diameter for tooth_diameter in self.own if tooth_diameter not in right]
         return left, [*self.body, *right]
 
-    @property
-    def has_keyway(self) -> bool:
-        return self.member.keyway is not None
+    @cached_property
+    def bore_sizes(self) -> tuple[tuple[float, float] | None, tuple[float, float] | None]:
+        """Ends of the dimensions of a keyway, hexagon or flat along y and along x, mm; None where there is none."""
+        form, radius = self.member.bore_form, self.member.body.bore_radius
+        return (None, None) if form is None else (form.across(radius), form.along(radius))
+
+    @cached_property
+    def bore_is_round(self) -> bool:
+        """True if a part of the bore is round, so that its diameter is a dimension."""
+        form = self.member.bore_form
+        return form is None or any(isinstance(c, PlaneArc) for c in form.in_bore(self.member.body.bore_radius))
 
     def size(self, scale: float) -> tuple[float, float]:
         low, high = self.outline.ends
@@ -211,10 +223,10 @@ class WheelViews:
             + room(len(right))
             + VIEW_DISTANCE_MM
             + across
-            + room(int(self.has_keyway))
+            + room(int(self.bore_sizes[1] is not None))
         )
         return wide + CHAIN_OVERRUN_MM, across + room(len(self.lengths)) + max(
-            CHAIN_OVERRUN_MM, room(int(self.has_keyway))
+            CHAIN_OVERRUN_MM, room(int(self.bore_sizes[0] is not None))
         )
 
     def draw(self, canvas: Canvas, scale: float, left: float, low: float) -> None:
@@ -231,12 +243,9 @@ class WheelViews:
 
     def _section(self, canvas: Canvas, place: _Place) -> None:
         """Draw the axial section."""
-        member, body = self.member, self.member.body
+        body = self.member.body
         for up in (1.0, -1.0):
             cuts = []
-            if member.keyway is not None and up > 0.0:
-                at = body.profile[body.bore_band][1], body.profile[body.bore_band + 1][1]
-                cuts.append((at, (body.bore_radius, body.bore_radius + member.keyway.depth)))
             for (a, b), reach, drilled in self._cuts:
                 cuts.append(((a, b), reach))
                 if drilled:
@@ -245,7 +254,7 @@ class WheelViews:
                     canvas.stroke(_longer(line, CHAIN_OVERRUN_MM - 1.0), Pen.CHAIN)
             openings = [place.on(np.array([(z, r) for z, r in zip((a, b, b, a), (s, s, t, t), strict=True)]), up)
                         for (a, b), (s, t) in cuts]  # fmt: skip
-            outline = place.on(self.outline.body, up)
+            outline = place.on(self._body_section(up), up)
             canvas.hatch([outline, *openings])
             _draw_outline(canvas, outline, place.axis)
             for opening in openings:
@@ -259,10 +268,41 @@ class WheelViews:
                 for z in (body.profile[0][1], body.profile[-1][1]):
                     canvas.stroke(place.on(np.array([(z, web.inner), (z, web.outer)]), up))
         # edges behind the section
+        for x in self._bore_edges():
+            at = [(z, abs(x)) for _, z in body.profile[body.bore_band : body.bore_band + 2]]
+            canvas.stroke(place.on(np.array(at), float(np.sign(x))))
         for z, rho in self._inner_ends():
-            canvas.stroke(np.concatenate([place.on(np.array([(z, rho)]), up) for up in (1.0, -1.0)]))
+            reach = self._bore_on_x if rho == body.bore_radius else (rho, rho)
+            ends = [place.on(np.array([(z, x)]), up) for x, up in zip(reach, (1.0, -1.0), strict=True)]
+            canvas.stroke(np.concatenate(ends))
         axis = place.on(np.array([(z, 0.0) for z in self.outline.ends]), 1.0)
         canvas.stroke(_longer(axis, CHAIN_OVERRUN_MM), Pen.CHAIN)
+
+    @property
+    def _bore_on_x(self) -> tuple[float, float]:
+        """Distances (mm) of the bore from the axis on +x and on -x."""
+        form, radius = self.member.bore_form, self.member.body.bore_radius
+        return (radius, radius) if form is None else form.on_x(radius)
+
+    def _body_section(self, up: float) -> Array:
+        """Polygon (N, 2), (z, rho), of the body on the side of +x (`up` 1) or -x (-1), with the bore in its form."""
+        member, polygon = self.member, self.outline.body
+        if member.bore_form is None:
+            return polygon
+        body = member.body
+        ends = [(z, rho) for rho, z in body.profile[body.bore_band : body.bore_band + 2]]
+        on_bore = (polygon[:, None] == np.array(ends)).all(axis=-1).any(axis=1)
+        there = self._bore_on_x[0 if up > 0.0 else 1]
+        return np.column_stack((polygon[:, 0], np.where(on_bore, there, polygon[:, 1])))
+
+    def _bore_edges(self) -> set[float]:
+        """Return x (mm) of the edges of the bore beyond the axial section."""
+        form, radius = self.member.bore_form, self.member.body.bore_radius
+        if form is None:
+            return set()
+        near, far = self._bore_on_x
+        corners = {round(float(curve.start[0]), 6) for curve in form.in_bore(radius)}
+        return {x for x in corners if -far + ZERO_LENGTH_MM < x < near - ZERO_LENGTH_MM and x != 0.0}
 
     @cached_property
     def _cuts(self) -> list[tuple[tuple[float, float], tuple[float, float], bool]]:
@@ -360,24 +400,28 @@ class WheelViews:
             canvas.stroke(on(rho * np.stack((np.cos(angle), np.sin(angle)), axis=-1)), pen)
 
     def _bore(self, canvas: Canvas, scale: float, centre: Array, on: _Mapping) -> None:
-        """Draw bore and keyway with their dimensions."""
-        radius, keyway = self.member.body.bore_radius, self.member.keyway
+        """Draw the bore, with the dimensions of its keyway, hexagon or flat."""
+        radius, form = self.member.body.bore_radius, self.member.bore_form
         if radius <= 0.0:
             return
-        if keyway is None:
+        if form is None:
             canvas.circle(centre[0], centre[1], scale * radius)
             return
-        half, bottom = 0.5 * keyway.width, radius + keyway.depth
-        first = float(np.arcsin(half / radius))
-        angle = np.linspace(first, 2.0 * np.pi - first, 181)
-        arc = radius * np.stack((np.cos(angle), np.sin(angle)), axis=-1)
-        near = radius * np.cos(first)
-        canvas.stroke(on(np.concatenate((arc, [(near, -half), (bottom, -half), (bottom, half), (near, half)]))))
-        reach, top = scale * self.outline.reach, centre[1] + scale * bottom
-        across = Span(centre[0] - scale * half, centre[0] + scale * half, number(keyway.width), (top, top))
-        stack(canvas, [across], centre[1] + reach, 1, upright=False)
-        height = Span(centre[1] - scale * radius, top, number(radius + bottom), (centre[0], centre[0] + scale * half))
-        stack(canvas, [height], centre[0] + reach, 1, upright=True)
+        lines = [
+            curve.at(np.linspace(0.0, 1.0, BORE_POINTS if isinstance(curve, PlaneArc) else 2))
+            for curve in form.in_bore(radius)
+        ]
+        outline = on(np.concatenate(lines))
+        canvas.stroke(np.concatenate((outline, outline[:1])))
+        reach, (across, along) = scale * self.outline.reach, self.bore_sizes
+        for sizes, upright in ((across, False), (along, True)):
+            if sizes is None:
+                continue
+            at = int(upright)
+            low, high = (float(centre[at] + scale * size) for size in sizes)
+            near = [float(outline[np.abs(outline[:, at] - end) < ZERO_LENGTH_MM, 1 - at].max()) for end in (low, high)]
+            text = number(sizes[1] - sizes[0]) + form.mark
+            stack(canvas, [Span(low, high, text, (near[0], near[1]))], centre[1 - at] + reach, 1, upright=upright)
 
     def _openings(self, canvas: Canvas, region: Region, on: _Mapping) -> None:
         """Draw the outlines of openings, except blind ones on the far side."""

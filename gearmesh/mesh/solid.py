@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array, distinct
-from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve
+from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve, PlaneLine
 from gearmesh.mesh.body import gear_body, ring_count, triangulate, without_needles
 from gearmesh.mesh.gear_mesh import GearMesh
 from gearmesh.mesh.labelled import labelled_mesh
@@ -26,7 +27,7 @@ from gearmesh.mesh.row import row_mesh
 from gearmesh.mesh.tessellate import ToothMesh, tessellate_alike
 from gearmesh.mesh.triangles import Facets, TriangleMesh, facet_normals, join, with_area
 from gearmesh.teeth.blank.body import Body
-from gearmesh.teeth.blank.features import ClosedLine, Slot
+from gearmesh.teeth.blank.bores import BoreForm, ClosedLine
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Region
 
@@ -93,7 +94,7 @@ def gear_facets(
     body = member.body
     if not member.features.is_cut:
         return _close(tooth_meshes, body, member)
-    full = _close(tooth_meshes, body if member.keyway is None else body.without_bore, member).whole()
+    full = _close(tooth_meshes, body if member.bore_form is None else body.without_bore, member).whole()
     return _with_features(full, member, tolerance)
 
 
@@ -221,9 +222,8 @@ def _with_features(full: TriangleMesh, member: Member, tolerance: float) -> Tria
         sources[tool.original_id()] = region
         gear = gear - tool
 
-    if member.keyway is not None:
-        cut(_hole(bore, (low - 1.0, top + 1.0), teeth, tolerance), Region.BORE)
-        cut(_slot(member.keyway, bore, low, top), Region.KEYWAY)
+    if member.bore_form is not None:
+        gear = _with_bore(gear, member.bore_form, bore, (low - 1.0, top + 1.0), (teeth, tolerance), sources)
     for opening in member.openings:
         # through openings reach beyond the body
         ends = low - 1.0, top + 1.0
@@ -306,12 +306,29 @@ def chords(curve: PlaneCurve, tolerance: float) -> int:
     return max(1, int(np.ceil(abs(curve.width) / step)))
 
 
-def _slot(keyway: Slot, bore: float, low: float, top: float) -> Any:
-    """Return the block of a keyway, as a solid of manifold3d."""
-    import manifold3d
+def _with_bore(
+    gear: Any,
+    form: BoreForm,
+    radius: float,
+    ends: tuple[float, float],
+    sides: tuple[int, float],
+    sources: dict[int, Region],
+) -> Any:
+    """Return a solid of manifold3d with its bore cut; `sources` gets the regions of the cut faces.
 
-    body = manifold3d.Manifold.cube((bore + keyway.depth, keyway.width, top - low + 2.0))
-    return body.translate((0.0, -0.5 * keyway.width, low - 1.0)).as_original()
+    `sides`: number of teeth and tolerance, which give the sides of the round bore; `ends`: z of both ends of the cut.
+    """
+    # facets come in the order in which their solids are made
+    drilled = any(isinstance(curve, PlaneArc) for curve in form.in_bore(radius))
+    hole = _hole(radius, ends, *sides) if drilled else None
+    corners = form.polygon(radius)
+    walls = _prism(tuple(PlaneLine(a, b) for a, b in pairwise([*corners, corners[0]])), ends, sides[1])
+    sources[walls.original_id()] = form.region
+    if hole is None:
+        # the round bore is inside the polygon everywhere
+        return gear - walls
+    sources[hole.original_id()] = Region.BORE
+    return gear - (hole ^ walls) if form.limits else gear - hole - walls
 
 
 def manifold_of(

@@ -13,17 +13,18 @@ from gearmesh.figures import Figures
 from gearmesh.kernel.motion.joint import Joint
 from gearmesh.kernel.motion.rigid import MAX_SINE_OF_PARALLEL, Rigid
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.kernel.plane.curves import PlaneArc
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.member_names import MemberNames
 from gearmesh.teeth.blank.body import Body
-from gearmesh.teeth.blank.features import BodyFeatures, Boss, ClosedLine, Drilling, Opening, Slot
+from gearmesh.teeth.blank.bores import BoreForm, ClosedLine, Slot, beside_circle
+from gearmesh.teeth.blank.features import BodyFeatures, Boss, Drilling, Opening
 from gearmesh.teeth.blank.halves import SINGLE_ROW, AxialGap, HalfGear, Rows
 from gearmesh.teeth.micro_geometry.index_angles import NO_INDEX_ANGLES, IndexAngles
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import (
     BAR_REGIONS,
     BODY_REGIONS,
+    BORE_REGIONS,
     FEATURE_REGIONS,
     GAP_REGIONS,
     RARE_REGIONS,
@@ -317,6 +318,11 @@ class Member:
         return self.features.keyway
 
     @property
+    def bore_form(self) -> BoreForm | None:
+        """Form of the bore, keyways included; None if it is round."""
+        return self.features.bore_form
+
+    @property
     def hub(self) -> Boss | None:
         """Hub on the heel side, None if there is none."""
         return self.features.hub
@@ -340,16 +346,13 @@ class Member:
     def prisms(self) -> tuple[tuple[ClosedLine, float, float], ...]:
         """Outlines of everything that is cut along the axis out of the turned body, each with its two z (mm).
 
-        The outline of a keyway excludes the bore.
+        The outline of a keyway excludes the bore; that of a flat, which is not cut, is clockwise.
         """
         cuts = [(opening.curves, opening.low, opening.high) for opening in self.openings]
-        if self.keyway is not None:
+        if self.bore_form is not None:
             band = self.body.bore_band
             (radius, low), (_, high) = self.body.profile[band : band + 2]
-            arc, *sides = self.keyway.in_bore(radius)
-            assert isinstance(arc, PlaneArc)
-            mouth = PlaneArc(arc.centre, radius, arc.first, arc.width - 2.0 * np.pi)
-            cuts.append(((*sides, mouth), low, high))
+            cuts += [(part, low, high) for part in beside_circle(self.bore_form.in_bore(radius), radius)]
         return tuple(cuts)
 
     @property
@@ -365,7 +368,8 @@ class Member:
         features = self.features.rare_regions
         gaps = features or self.gaps
         rare = gaps or self.holes is not None or self.plain_body.web is not None
-        lists = ((rare, RARE_REGIONS), (gaps, GAP_REGIONS), (features, FEATURE_REGIONS))
+        flat = self.features.bore is not None
+        lists = ((rare, RARE_REGIONS), (gaps, GAP_REGIONS), (features, FEATURE_REGIONS), (flat, BORE_REGIONS))
         return (*BODY_REGIONS, *(region for there, regions in lists if there for region in regions))
 
     @property

@@ -60,6 +60,7 @@ class Region(StrEnum):
     COUNTERBORE = "counterbore"
     BOLT = "bolt"
     SPOKE = "spoke"
+    BORE_FLAT = "bore_flat"
 
     @property
     def side(self) -> Side | None:
@@ -98,6 +99,8 @@ RARE_REGIONS = tuple(Region)[18:20]
 GAP_REGIONS = tuple(Region)[20:21]
 #: regions of steps of shaft and bore, bolt holes and openings between spokes; listed only if there are any
 FEATURE_REGIONS = (Region.SHAFT, Region.COUNTERBORE, Region.BOLT, Region.SPOKE)
+#: plane walls of a bore with a hexagon or flats; listed only if there are any
+BORE_REGIONS = (Region.BORE_FLAT,)
 #: regions of the bar of a rack
 BAR_REGIONS = (Region.FACE_TOE, Region.FACE_HEEL, Region.BACK, Region.END)
 #: cut faces of a sector of some teeth: before its first tooth and after its last

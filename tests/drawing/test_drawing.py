@@ -37,6 +37,8 @@ KEYED = [
 ]
 CASES = {
     "keyed": ("helical", KEYED, "gear", {"12", "43.3", "15", "\u230040", "10", "7"}),
+    "hexagon": ("spur", ["gear.hex_bore={across_flats=20}"], "gear", {"20 A/F"}),
+    "D bore": ("spur", ["gear.bore=20", "gear.d_bore={height=17.5}"], "gear", {"\u230020", "17.5"}),
     "ring": ("internal", [], "gear", {"\u2300142.139", "(\u2300144.939)", "\u2300162.739", "20"}),
     "double helical": ("double_helical", [], "pinion", {"30", "72", "\u2300112.196"}),
     "spokes": (

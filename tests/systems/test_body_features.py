@@ -57,6 +57,16 @@ def ring_steps(plain: Member) -> float:
     return disc(250, 5, rim) - disc(rim, 4, 190) - disc(rim, 3, 186) - disc(4, 7)
 
 
+def flat(bore: float, distance: float) -> float:
+    """Area between a circle and its chord at a distance from the axis."""
+    return 2.0 * quad(lambda x: math.sqrt(0.25 * bore**2 - x**2), distance, 0.5 * bore, epsabs=1e-13)[0]
+
+
+def beyond_hexagon(across: float, bore: float) -> float:
+    """Area of the corners of a hexagon beyond a circle that is at least as wide as the flats."""
+    return 0.5 * math.sqrt(3.0) * across**2 - 0.25 * math.pi * bore**2 + 6.0 * flat(bore, 0.5 * across)
+
+
 @dataclass(frozen=True)
 class Case:
     """A member with keys that make its body plain, and those of features, which add a volume (mm^3); holes through it."""
@@ -141,6 +151,33 @@ CASES = {
         lambda _: -3 * disc(6, 24),
         3,
     ),
+    "hexagon, drilled wider": Case(
+        "helical",
+        "gear",
+        ("bore=43",),
+        ("hex_bore={across_flats=40}", "hub={diameter=60,length=9}"),
+        lambda plain: disc(60, 9, 43) - beyond_hexagon(40.0, 43.0) * (thickness(plain) + 9.0),
+        1,
+    ),
+    "hexagon of a bevel wheel": Case(
+        "spiral_bevel_basic",
+        "gear",
+        ("bore=30",),
+        ("bore=30", "hex_bore={across_flats=30}", "heel_bore={diameters=[60],lengths=[5]}"),
+        lambda plain: -disc(60, 5, 30) - beyond_hexagon(30.0, 30.0) * (thickness(plain) - 5.0),
+        1,
+    ),
+    "D bore": Case(
+        "spur", "gear", ("bore=20",), ("d_bore={height=16}",), lambda plain: flat(20.0, 6.0) * thickness(plain), 1
+    ),
+    "two flats": Case(
+        "spur",
+        "gear",
+        ("bore=20",),
+        ("d_bore={height=16,flats=2}", "toe_bore={diameters=[40],lengths=[8]}"),
+        lambda plain: 2.0 * flat(20.0, 8.0) * (thickness(plain) - 8.0) - disc(40, 8, 20),
+        1,
+    ),
     "face gear": Case(
         "face_gear",
         "gear",
@@ -165,7 +202,7 @@ def swept(cases: Iterable[str], always: set[str]) -> list[ParameterSet]:
 
 
 @pytest.mark.sweep_cases("bevel wheel")
-@pytest.mark.parametrize("case", swept(CASES, {"hubs and stepped bore", "spokes and bolts", "bevel wheel"}))
+@pytest.mark.parametrize("case", swept(CASES, {"hubs and stepped bore", "spokes and bolts", "bevel wheel", "D bore"}))
 def test_features_make_solids_of_the_right_volume(case: str) -> None:
     """Exact volumes in closed form; meshes are proved solids that come to them."""
     whole, plain = both(case)
@@ -181,8 +218,11 @@ def test_features_make_solids_of_the_right_volume(case: str) -> None:
 @pytest.mark.parametrize(
     "case",
     swept(
-        ["hubs and stepped bore", "spokes and bolts", "ring with steps", "bevel wheel"],
-        {"spokes and bolts", "ring with steps"},
+        [
+            *("hubs and stepped bore", "spokes and bolts", "ring with steps", "bevel wheel"),
+            *("hexagon, drilled wider", "hexagon of a bevel wheel", "D bore", "two flats"),
+        ],
+        {"spokes and bolts", "ring with steps", "hexagon of a bevel wheel"},
     ),
 )
 def test_step_files_have_them_as_planes_cylinders_and_cones(case: str) -> None:
@@ -203,6 +243,10 @@ def test_step_files_have_them_as_planes_cylinders_and_cones(case: str) -> None:
             "spokes and bolts": {"bolt", "spoke", "web"},
             "ring with steps": {"bolt", "rim"},
             "bevel wheel": {"bolt", "web"},
+            "hexagon, drilled wider": {"bore", "bore_flat", "hub"},
+            "hexagon of a bevel wheel": {"bore_flat", "counterbore"},
+            "D bore": {"bore", "bore_flat"},
+            "two flats": {"bore", "bore_flat", "counterbore"},
         }[case]
     )
 
@@ -242,6 +286,38 @@ def test_rounded_spokes_lose_what_their_corners_have() -> None:
     section = member_section(whole, 0.0, 1e-5)
     plain = member_section(member("spur", "gear", "bore=20"), 0.0, 1e-5)
     assert plain.area - section.area == pytest.approx(area, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("keys", "area"),
+    [
+        (("bore=20", "hex_bore={across_flats=20}"), 0.5 * math.sqrt(3.0) * 400.0),
+        (("bore=21.5", "hex_bore={across_flats=20}"), beyond_hexagon(20.0, 21.5) + disc(21.5, 1.0)),
+        (("bore=20", "d_bore={height=16}"), disc(20, 1.0) - flat(20.0, 6.0)),
+        (("bore=20", "d_bore={height=16,flats=2}"), disc(20, 1.0) - 2.0 * flat(20.0, 8.0)),
+    ],
+)
+def test_bores_that_are_not_round_are_exact_in_sections_and_moments(keys: tuple[str, ...], area: float) -> None:
+    whole, plain = member("spur", "gear", *keys), member("spur", "gear", keys[0])
+    (form,) = (line.curves for line in member_section(whole, 0.0, 1e-3).contours if line.name == "bore")
+    for curve, after in zip(form, (*form[1:], form[0]), strict=True):
+        assert curve.end == pytest.approx(after.start, abs=1e-12)
+    assert sum(curve.swept for curve in form) == pytest.approx(area, rel=1e-12)
+    change = member_moments(whole).volume - member_moments(plain).volume
+    assert change == pytest.approx((disc(float(keys[0][5:]), 1.0) - area) * thickness(plain), rel=1e-8)
+
+
+def test_sectors_keep_a_hexagon_that_repeats() -> None:
+    from gearmesh.mesh.extracts.sector import cyclic, sector
+
+    whole = member("helical", "gear", "hex_bore={across_flats=40}")
+    alike, none = cyclic(whole, 8)
+    assert alike is whole
+    assert none == ()
+    assert sector(solid := gear_solid(whole, 0.05), whole, 8).volume() == pytest.approx(solid.volume() / 6.0, rel=1e-12)
+    bare, (warning,) = cyclic(whole, 5)
+    assert bare.bore_form is None
+    assert warning.endswith("has no hexagon of the bore, which does not repeat after 5 of 48 pitches")
 
 
 def mesh_moments(mesh: TriangleMesh) -> tuple[float, Array, Array]:
@@ -376,6 +452,10 @@ BOUNDS = [
     ("spur", "gear", ["bore=20"], "keyway={width=6,depth=%s}", 60, "less than"),
     ("spur", "gear", ["bore=20", "keyway={}"], "hub={length=5,diameter=%s}", 26, "between"),
     ("spur", "gear", [], "bolts={count=4,diameter=6,circle=80,depth=%s}", 29, "less than"),
+    ("spur", "gear", ["bore=20"], "d_bore={height=%s}", 21, "and"),
+    ("spur", "gear", ["bore=20"], "d_bore={height=%s}", 9, "between"),
+    ("spur", "gear", ["hex_bore={across_flats=20}"], "bore=%s", 24, "less than"),
+    ("spur", "gear", [], "hex_bore={across_flats=%s}", 100, "less than"),
     ("internal", "gear", [], "toe_bore={diameters=[%s],lengths=[5]}", 153, "at least"),
     ("internal", "gear", ["rim=20"], "bolts={count=4,diameter=6,circle=%s}", 156, "at least"),
     ("internal", "gear", ["rim=20"], "bolts={count=4,diameter=%s}", 19, "at most"),

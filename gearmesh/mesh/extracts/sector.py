@@ -129,9 +129,11 @@ def cyclic(member: Member, pitches: int) -> tuple[Member, tuple[str, ...]]:
     _check_pitches(member, pitches)
     warnings = []
     features = member.features
-    if features.keyway is not None:
-        features = replace(features, keyway=None)
-        warnings.append(f"the sector of the {member.name} has no keyway, which does not repeat")
+    form = features.bore_form
+    if form is not None and form.symmetry * pitches % member.tooth.teeth:
+        features = features.with_round_bore
+        repeats = "" if form.symmetry == 1 else f" after {pitches} of {member.tooth.teeth} pitches"
+        warnings.append(f"the sector of the {member.name} has no {form.name}, which does not repeat{repeats}")
     for pattern in features.patterns:
         if pattern.count * pitches % member.tooth.teeth:
             words = {Region.HOLE: "holes", Region.BOLT: "bolt holes", Region.SPOKE: "openings between spokes"}

@@ -138,7 +138,7 @@ TIP_SHAPE_KEYS = ("tip_cone_angle", "tip_throat_radius", "tip_chamfer", "tip_rou
 #: keys of the size, of which one is given
 SIZE_KEYS = ("module", "diametral_pitch", "transverse_module", "transverse_diametral_pitch")
 #: tables of a body that an internal gear does not have
-NOT_INSIDE = ("keyway", "hub", "web", "toe_hub", "heel_shaft", "toe_shaft", "spokes")
+NOT_INSIDE = ("keyway", "hex_bore", "d_bore", "hub", "web", "toe_hub", "heel_shaft", "toe_shaft", "spokes")
 
 
 class CylindricalMember(TurnedTip, MemberTable, Modified):

@@ -351,7 +351,7 @@ def _blank(design: FaceGearDesign, shaped: ShapedGear) -> Blank:
             reason="reaches the root at the inner cylinder",
             allowed=f"less than {at_most(back - root_z[0])} mm",
         )
-    bore = bore_radius("gear", spec.stated_bore, inner, "the inner diameter")
+    bore = bore_radius("gear", spec.stated_bore, inner, "the inner diameter", key=spec.bore_key)
     front = back - spec.web
     body = Body.disk(bore, (inner, front), (outer, back))
     return Blank(ConeLevel(0.5 * np.pi), (inner, outer), tip, root, body)

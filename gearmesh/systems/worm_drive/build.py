@@ -322,7 +322,7 @@ def worm_member(design: WormDriveDesign) -> Member:
     """Return the worm of a design in mm; the wheel may be open. Raises DesignError."""
     spec, m, radius = design.worm, design.axial_module, 0.5 * design.reference_diameter
     tip, root = radius + spec.addendum * m, radius - spec.dedendum * m
-    hole = bore_radius("worm", spec.stated_bore, root, "the root diameter")
+    hole = bore_radius("worm", spec.stated_bore, root, "the root diameter", key=spec.bore_key)
     roundings = {side: root_rounding(design, side) for side in (1, -1)}
     run_out = _run_out(design, [worm_thread(design, side).form_radius(own) for side, own in roundings.items()])
     half = 0.5 * spec.length + spec.run_out
@@ -487,7 +487,7 @@ def wheel_tooth(design: WormDriveDesign) -> Tooth:
             if displaced
             else f"less than {at_most(2.0 * hob.distance)} mm",
         )
-    bore = bore_radius("wheel", spec.stated_bore, smallest, "the root diameter in the middle plane")
+    bore = bore_radius("wheel", spec.stated_bore, smallest, "the root diameter in the middle plane", key=spec.bore_key)
     body = disc_body("wheel", spec, bore, smallest, throat.middle - smallest)
     blank = Blank(PlaneLevel(0.0), (-half, half), tip, root, body)
     # heights over the hob's axis

@@ -1,5 +1,5 @@
-"""Features of a gear body: turned hubs, shafts and stepped bores; keyways, holes and spokes that are cut along the
-axis.
+"""Features of a gear body: turned hubs, shafts and stepped bores; keyways and other forms of the bore, holes and spokes
+that are cut along the axis.
 
 A cut is a prism along the axis, with an outline of lines and arcs. Angles are in rad, lengths in mm.
 """
@@ -14,37 +14,8 @@ import numpy as np
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve, PlaneLine
 from gearmesh.teeth.blank.body import Body, TurnedStep
+from gearmesh.teeth.blank.bores import BoreForm, ClosedLine, Slot
 from gearmesh.teeth.region import Region
-
-#: a closed line of curves, counterclockwise
-ClosedLine = tuple[PlaneCurve, ...]
-
-
-@dataclass(frozen=True)
-class Slot:
-    """Keyway in the bore, mm: `width`, and `depth` beyond the bore's radius."""
-
-    width: float
-    depth: float
-
-    def in_bore(self, radius: float) -> ClosedLine:
-        """Return the outline of a bore with the keyway on +x: the arc, and from its end the three lines.
-
-        `radius`: radius of the bore, mm. Result: closed, counterclockwise, in the plane across the axis, mm.
-        """
-        half, bottom = 0.5 * self.width, radius + self.depth
-        first = float(np.arcsin(half / radius))
-        near = radius * np.cos(first)
-        corners = np.array([(near, -half), (bottom, -half), (bottom, half), (near, half)])
-        arc = PlaneArc(np.zeros(2), radius, first, 2.0 * (np.pi - first))
-        return arc, *(PlaneLine(corners[k], corners[k + 1]) for k in range(3))
-
-    def reach(self, radius: float) -> float:
-        """Return the distance of its corners from the axis.
-
-        `radius`: radius of the bore, mm. Result: mm.
-        """
-        return float(np.hypot(radius + self.depth, 0.5 * self.width))
 
 
 @dataclass(frozen=True)
@@ -264,6 +235,13 @@ class BodyFeatures:
     spokes: Spokes | None = None
     #: bolt holes of a bar
     row: HoleRow | None = None
+    #: form of a bore that is neither round nor has a keyway
+    bore: BoreForm | None = None
+
+    @property
+    def bore_form(self) -> BoreForm | None:
+        """Form of the bore, keyways included; None if it is round."""
+        return self.bore if self.keyway is None else self.keyway
 
     @property
     def patterns(self) -> tuple[Pattern, ...]:
@@ -273,12 +251,17 @@ class BodyFeatures:
     @property
     def is_cut(self) -> bool:
         """True if a feature is no body of revolution."""
-        return self.keyway is not None or bool(self.patterns)
+        return self.bore_form is not None or bool(self.patterns)
 
     @property
     def uncut(self) -> BodyFeatures:
         """The turned features."""
-        return replace(self, keyway=None, holes=None, bolts=None, spokes=None, row=None)
+        return replace(self.with_round_bore, holes=None, bolts=None, spokes=None, row=None)
+
+    @property
+    def with_round_bore(self) -> BodyFeatures:
+        """The features without keyway or other form of the bore."""
+        return replace(self, keyway=None, bore=None)
 
     def without(self, pattern: Pattern) -> BodyFeatures:
         """Return the features without one of the patterns.
@@ -314,7 +297,7 @@ class BodyFeatures:
             "hub": self.hub or self.toe_hub,
             "shaft": self.toe_shaft or self.heel_shaft,
             "bore steps": self.toe_bore or self.heel_bore,
-            "keyway": self.keyway,
+            "" if self.bore_form is None else self.bore_form.name: self.bore_form,
             "holes": self.holes,
             "bolt holes": self.bolts or self.row,
             "spokes": self.spokes,

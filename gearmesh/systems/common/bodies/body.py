@@ -27,8 +27,10 @@ LEAST_RIM = 0.5
 LEAST_WALL = 0.02
 
 
-def bore_radius(name: str, diameter: float | None, limit: float, what: str, smallest: float | None = None) -> float:
-    """Return the radius (mm) of a member's bore; `diameter` (mm) is the given value or None.
+def bore_radius(
+    name: str, diameter: float | None, limit: float, what: str, smallest: float | None = None, key: str = "bore"
+) -> float:
+    """Return the radius (mm) of a member's bore; `diameter` (mm) is the given value of `key` or None.
 
     The radius must be below `limit` (mm), half of `what`. The default is a part of `smallest`, or of the limit. Raises
     DesignError.
@@ -36,7 +38,7 @@ def bore_radius(name: str, diameter: float | None, limit: float, what: str, smal
     radius = DEFAULT_BORE * (limit if smallest is None else smallest) if diameter is None else 0.5 * diameter
     if not radius < limit:
         raise DesignError(
-            f"{name}.bore",
+            f"{name}.{key}",
             2.0 * radius,
             unit="mm",
             reason="the root lies below the bore",

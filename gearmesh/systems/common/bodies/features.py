@@ -1,6 +1,6 @@
 """Features of bodies, each checked against the available room.
 
-They are keyway, hubs, shafts, steps of the bore, holes, bolt holes and spokes.
+They are keyway, hexagon or flats of the bore, hubs, shafts, steps of the bore, holes, bolt holes and spokes.
 """
 
 from __future__ import annotations
@@ -25,7 +25,8 @@ from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.standards.din6885 import MAX_BORE_MM, MIN_BORE_MM, keyway_in_hub
 from gearmesh.systems.common.tooth_edges import largest
 from gearmesh.teeth.blank.body import Body, Disc, TurnedStep
-from gearmesh.teeth.blank.features import BodyFeatures, Boss, ClosedLine, Drilling, Pattern, Slot, Spokes
+from gearmesh.teeth.blank.bores import BoreForm, ClosedLine, Flats, Hexagon, Slot
+from gearmesh.teeth.blank.features import BodyFeatures, Boss, Drilling, Pattern, Spokes
 from gearmesh.teeth.blank.halves import HalfGear
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.tooth import Tooth
@@ -173,11 +174,10 @@ class UnderTeeth:
 def body_features(spec: MemberBody, under: UnderTeeth) -> BodyFeatures:
     """Return the features of the part `spec` of a design (in mm). Raises DesignError naming key, value and limit."""
     name, body, web = under.name, under.body, under.body.web
-    keyway = _keyway(spec, under)
-    bore = body.bore_radius
-    # hubs and shafts must enclose the keyway's corners
-    keyed, corner = (bore, bore) if keyway is None else (bore + keyway.depth, keyway.reach(bore))
-    inner = "bore" if keyway is None else "keyway"
+    keyway, form = _keyway(spec, under), _bore_form(spec, under)
+    # hubs and shafts must enclose the corners of the bore
+    bore = BodyFeatures(keyway=keyway, bore=form)
+    keyed, corner, inner = _around_bore(bore, body.bore_radius)
     ends = under.ends
     hubs = [
         _boss(name, key, hub, (corner, end), web, inner)
@@ -194,7 +194,7 @@ def body_features(spec: MemberBody, under: UnderTeeth) -> BodyFeatures:
         raise DesignError(
             f"{name}.web.thickness", spec.web.thickness, unit="mm", reason="this body has no room for a web"
         )
-    features = BodyFeatures(keyway=keyway, hub=hubs[1], toe_hub=hubs[0], toe_shaft=shafts[0], heel_shaft=shafts[1])
+    features = replace(bore, hub=hubs[1], toe_hub=hubs[0], toe_shaft=shafts[0], heel_shaft=shafts[1])
     # steps of the bore need the outside of the body with its hubs and shafts
     bores = _bore_steps(spec, under, features)
     features = replace(features, toe_bore=bores[0], heel_bore=bores[1])
@@ -247,7 +247,7 @@ def _keyway(spec: MemberBody, under: UnderTeeth) -> Slot | None:
             allowed=f"less than the bore, {at_most(2.0 * body.bore_radius)} mm",
         )
     # the depth is limited at the corners of the keyway
-    room = (under.smallest if web is None else web.inner) - under.wall
+    room = _bore_room(under)
     limit = math.sqrt(max(room**2 - 0.25 * keyway.width**2, 0.0)) - body.bore_radius
     if keyway.depth >= limit:
         raise DesignError(
@@ -257,6 +257,56 @@ def _keyway(spec: MemberBody, under: UnderTeeth) -> Slot | None:
             allowed=f"less than {at_most(limit)} mm (to the {_within(web)})",
         )
     return keyway
+
+
+def _bore_form(spec: MemberBody, under: UnderTeeth) -> BoreForm | None:
+    """Return the hexagon or the flats of the bore; None if the design has neither."""
+    name, bore, room = under.name, 2.0 * under.body.bore_radius, _bore_room(under)
+    for table, noun in (("hex_bore", "a hexagonal bore"), ("d_bore", "a flat")):
+        if getattr(spec, table) is not None and bore == 0.0:
+            raise DesignError(f"{name}.bore", 0, unit="mm", reason=f"{noun} needs a bore", allowed="more than 0 mm")
+    if spec.hex_bore is not None:
+        hexagon = Hexagon(spec.hex_bore.across_flats)
+        if hexagon.corner >= room:
+            raise DesignError(
+                f"{name}.hex_bore.across_flats",
+                hexagon.across_flats,
+                unit="mm",
+                allowed=f"less than {at_most(hexagon.across_flats * room / hexagon.corner)} mm "
+                f"(corners to the {_within(under.body.web)})",
+            )
+        if not hexagon.across_flats <= bore < 2.0 * hexagon.corner:
+            allowed = f"at least {at_least(hexagon.across_flats)} and less than {at_most(2.0 * hexagon.corner)} mm"
+            raise DesignError(
+                f"{name}.bore", bore, unit="mm", reason="the hole before broaching the hexagon", allowed=allowed
+            )
+        return hexagon
+    if spec.d_bore is None:
+        return None
+    # the axis is inside the bore
+    least = 0.5 * bore if spec.d_bore.flats == 1 else 0.0
+    if not least < spec.d_bore.height < bore:
+        raise DesignError(
+            f"{name}.d_bore.height",
+            spec.d_bore.height,
+            unit="mm",
+            allowed=f"between {at_least(least)} and {at_most(bore)} mm (the bore)",
+        )
+    return Flats(spec.d_bore.height, spec.d_bore.flats)
+
+
+def _around_bore(features: BodyFeatures, radius: float) -> tuple[float, float, str]:
+    """Return the largest radii (mm) of the bore on its axes and at its corners, and the name of what is there."""
+    form = features.bore_form
+    if form is None or form.reach(radius) <= radius:
+        return radius, radius, "bore"
+    return max(form.on_x(radius)), form.reach(radius), form.name
+
+
+def _bore_room(under: UnderTeeth) -> float:
+    """Return the radius (mm) that the corners of a bore must not reach."""
+    web = under.body.web
+    return (under.smallest if web is None else web.inner) - under.wall
 
 
 def _within(web: Disc | None) -> str:
@@ -330,7 +380,7 @@ def _steps(under: UnderTeeth, key: str, spec: BoreSteps | None, region: Region) 
 def _bore_steps(spec: MemberBody, under: UnderTeeth, features: BodyFeatures) -> list[tuple[TurnedStep, ...]]:
     """Return the steps of the bore at toe and heel, for a body with hubs and shafts."""
     name, turned, bore = under.name, features.turn(under.body), under.body.bore_radius
-    least = bore if features.keyway is None else features.keyway.reach(bore)
+    _, least, what = _around_bore(features, bore)
     made = []
     _check_lengths(spec, under, turned)
     for key, table, end in (("toe_bore", spec.toe_bore, 0), ("heel_bore", spec.heel_bore, 1)):
@@ -342,12 +392,11 @@ def _bore_steps(spec: MemberBody, under: UnderTeeth, features: BodyFeatures) -> 
         if bore == 0.0:
             raise DesignError(f"{name}.bore", 0, unit="mm", reason=f"{key} needs a bore", allowed="more than 0 mm")
         if diameters != sorted(diameters, reverse=True) or diameters[-1] <= 2.0 * least:
-            what = "the bore" if features.keyway is None else "the keyway"
             raise DesignError(
                 f"{name}.{key}.diameters",
                 diameters,
                 reason="a bore has its widest step at its end",
-                allowed=f"falling from the end face inwards, all above {what}, {at_least(2.0 * least)} mm",
+                allowed=f"falling from the end face inwards, all above the {what}, {at_least(2.0 * least)} mm",
             )
         sense = -1.0 if end else 1.0
         z = turned.profile[turned.bore_band + end][1]

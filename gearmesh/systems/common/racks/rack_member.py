@@ -247,7 +247,7 @@ def _blank(name: str, spec: MemberTable, rack: RackTooth, roll: Roll, ground: tu
                 allowed=f"a narrower face, or less {name}.plunge_coefficient or roll_coefficient",
             ) from failure
         smallest = float(root.at(np.linspace(-half, half, ROOT_SAMPLES)).min())
-    bore = bore_radius(name, spec.stated_bore, smallest, "the smallest root diameter")
+    bore = bore_radius(name, spec.stated_bore, smallest, "the smallest root diameter", key=spec.bore_key)
     body = disc_body(name, spec, bore, smallest, float(tip.at(0.0) - root.at(0.0)))
     return Blank(PlaneLevel(0.0), (-half, half), tip, root, body)
 

@@ -202,7 +202,7 @@ def _blank(name: str, spec: CylindricalMember, cut: Shaping | Forming) -> Blank:
     """Return the blank: a disc with a bore, or the rim of an internal gear."""
     half = 0.5 * spec.face_width
     if not cut.own.internal:
-        bore = bore_radius(name, spec.stated_bore, cut.root, "the root diameter")
+        bore = bore_radius(name, spec.stated_bore, cut.root, "the root diameter", key=spec.bore_key)
         body = disc_body(name, spec, bore, cut.root, cut.tip - cut.root)
         return Blank(PlaneLevel(0.0), (-half, half), ConeLevel.of(cut.tip), ConeLevel.of(cut.root), body)
     rim = DEFAULT_RIM_MODULES * cut.own.module if spec.rim is None else spec.rim

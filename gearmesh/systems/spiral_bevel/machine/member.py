@@ -136,9 +136,8 @@ def _body(name: str, spec: BevelBody, blank: BevelBlank, member: MemberBlank, ro
             reason=f"the body under the teeth at the {end} ends beyond its axis",
             allowed="more teeth, a smaller spiral angle or a narrower face",
         )
-    bore = bore_radius(
-        name, spec.stated_bore, least, f"the diameter under the teeth at the {end}", min(toe[0], toe_root[0])
-    )
+    what = f"the diameter under the teeth at the {end}"
+    bore = bore_radius(name, spec.stated_bore, least, what, min(toe[0], toe_root[0]), key=spec.bore_key)
     return recessed_body(name, spec, spec.web, Body.disk(bore, toe, heel), root, blank.mean_depth)
 
 
