@@ -14,6 +14,8 @@ from gearmesh.systems.trials import DesignT, Trials
 
 #: steps away from a value, over the value
 STEP_SHARES = (0.05, 0.25, 0.8)
+#: further steps of changed keys, over the value, while the excess of the refused figure falls
+FAR_STEP_SHARES = (1.6, 3.2, 6.4)
 #: largest number of divisions of an interval
 MAX_DIVISIONS = 14
 #: wanted width of an interval, over the value
@@ -100,10 +102,11 @@ class Mending(Generic[DesignT]):
 
     def _move(self, keys: list[str], ways: Mapping[str, int] | None = None) -> Iterator[Interval]:
         """Yield the keys that mend the design when they are larger or smaller, or moved in a known direction, 1 or -1."""
-        for step in STEP_SHARES:
+        open_ways: dict[str, tuple[int, ...]] = {key: (1, -1) if ways is None else (ways[key],) for key in keys}
+        for step in (*STEP_SHARES, *FAR_STEP_SHARES):
             mended = False
             for key in keys:
-                for way in (1, -1) if ways is None else (ways[key],):
+                for way in open_ways[key]:
                     # if builds take long, keep the remaining effort for the bound
                     if mended and not self.light:
                         break
@@ -114,6 +117,28 @@ class Mending(Generic[DesignT]):
             # keys that mend with a smaller step are preferred
             if mended:
                 return
+            open_ways = {key: self._farther_ways(key, step, tried) for key, tried in open_ways.items()}
+
+    def _farther_ways(self, key: str, step: float, tried: tuple[int, ...]) -> tuple[int, ...]:
+        """Return the directions in which a key is moved farther than a step that was tried.
+
+        There are none if the refused figure does not depend on the key. Only changed keys are moved farther than STEP_SHARES,
+        in directions in which the excess falls.
+        """
+        failure = self.trials.failure
+        excess = None if failure is None else failure.excess
+        outcomes = [self.trials.tried.get((key, self._step(key, way * step))) for way in tried]
+        of_steps = [
+            outcome.excess if outcome is not None and failure is not None and outcome.topic == failure.topic else None
+            for outcome in outcomes
+        ]
+        if step < STEP_SHARES[-1]:
+            return () if excess is not None and all(of_step == excess for of_step in of_steps) else tried
+        if excess is None or key not in self.changed:
+            return ()
+        return tuple(
+            way for way, of_step in zip(tried, of_steps, strict=True) if of_step is not None and of_step < excess
+        )
 
     def _step(self, key: str, step: float) -> float:
         """Return a value larger by a share of itself; for a whole number at least the next one."""

@@ -86,6 +86,30 @@ def test_bounds_go_by_how_far_figures_are_beyond_their_limits(
     assert 3 < len(builds) <= most
 
 
+def test_keys_without_influence_are_moved_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The root below a bore does not depend on crowning, backlash, or the rack: these were moved six times each."""
+    moved: dict[str, int] = {}
+    trial = trials.Trials._trial
+
+    def count(own: trials.Trials[Any], key: str, value: float | None, effort: float) -> trials.Outcome:
+        moved[key] = moved.get(key, 0) + (value is not None)
+        return trial(own, key, value, effort)
+
+    monkeypatch.setattr(trials.Trials, "_trial", count)
+    with pytest.raises(DesignError, match=r"pinion\.bore = 20 mm"):
+        gm.build(gm.load(SAMPLES / "rack.toml", ["pinion.teeth=7"]))
+    assert moved["pinion.modifications.profile_crowning"] == moved["rack.height"] == 2
+
+
+def test_changed_keys_are_moved_as_far_as_it_helps() -> None:
+    """The key of the command is named, not two keys of the file: its bound is more than 0.8 of its value away."""
+    with pytest.raises(
+        DesignError, match=r"^pinion.teeth = 7: allowed is at least 18, with the other keys unchanged: "
+    ):
+        gm.build(gm.load(SAMPLES / "spur_relieved.toml", ["pinion.teeth=7"]))
+    gm.build(gm.load(SAMPLES / "spur_relieved.toml", ["pinion.teeth=18"]))
+
+
 # bounds that are known where they are noticed: what is set, the bound's pattern, and the factor that goes beyond it
 BOUNDED = [
     ("circular_arc", "pinion.fillet_radius=1.2", r"to ([\d.]+)$", 1.001),
