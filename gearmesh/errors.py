@@ -91,6 +91,8 @@ class GearmeshError(Exception):
     of_argument = False
     #: unit of lengths in the message, and its length in mm; fields are in mm
     lengths_in = ("mm", 1.0)
+    #: conflict of two keys as a refusal of the other key
+    other_side: GearmeshError | None = None
 
     def __init__(
         self,
@@ -252,6 +254,30 @@ class GearmeshError(Exception):
         made = copy(self)
         made.key = key
         return made
+
+    def facing(self, changed: Iterable[str]) -> GearmeshError:
+        """Return the refusal that names a changed key, if the refusal is a conflict of this key with an unchanged key.
+
+        Parameters
+        ----------
+        changed : iterable of str
+            Dotted keys and tables that were changed.
+
+        Returns
+        -------
+        GearmeshError
+            The same refusal, or its `other_side`.
+
+        Examples
+        --------
+        >>> gm.DesignError("teeth", 1, allowed="2 or more").facing(["teeth"]).key
+        'teeth'
+        """
+        tables = tuple(f"{key}." for key in changed)
+        other = self.other_side
+        if other is None or f"{self.key}.".startswith(tables) or not f"{other.key}.".startswith(tables):
+            return self
+        return other
 
     def __str__(self) -> str:
         allowed = f"{'allowed is' if self._said else 'must be'} {self.allowed}" if self.allowed else ""

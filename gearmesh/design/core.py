@@ -21,6 +21,7 @@ from gearmesh.design.explain import explain
 from gearmesh.design.keys import DERIVED_VALUE, MM_PER, KeyLine, Table, conflict, key_lines, usual_keys
 from gearmesh.design.measured import PairMeasured
 from gearmesh.design.shown import html_table, value_text
+from gearmesh.errors import DesignError
 from gearmesh.member_names import MemberNames
 
 #: default thickness of the marking compound [LT02 5]
@@ -397,10 +398,20 @@ class TurnedBody(Table):
             return self
         width = None if self.keyway is None else self.keyway.width
         if width is not None and width >= self.bore:
-            raise conflict("keyway.width", width, must_be=f"smaller than the bore, {self.bore:g}")
+            raise conflict(
+                "keyway.width",
+                width,
+                must_be=f"smaller than the bore, {self.bore:g}",
+                other=("bore", self.bore, f"larger than the width of the keyway, {width:g}"),
+            )
         for key, hub in (("hub", self.hub), ("toe_hub", self.toe_hub)):
             if hub is not None and hub.diameter <= self.bore:
-                raise conflict(f"{key}.diameter", hub.diameter, must_be=f"larger than the bore, {self.bore:g}")
+                raise conflict(
+                    f"{key}.diameter",
+                    hub.diameter,
+                    must_be=f"larger than the bore, {self.bore:g}",
+                    other=("bore", self.bore, f"smaller than the diameter of the hub, {hub.diameter:g}"),
+                )
         return self
 
     @property
@@ -868,7 +879,10 @@ class Design(Table):
         """
         gone = tuple(key for key, value in values.items() if value is None)
         given = ((key, value) for key, value in values.items() if value is not None)
-        stated = type(self)(**with_keys(self.stated(gone), given))
+        try:
+            stated = type(self)(**with_keys(self.stated(gone), given))
+        except DesignError as refusal:
+            raise refusal.facing(values) from None
         complete = stated.plain()
         for dotted, value in self.derived_keys():
             *tables, last = dotted.split(".")

@@ -47,14 +47,13 @@ def _refusal(detail: ErrorDetails, design: type[Table], units: str, more: int, g
     """Return the refusal of one error; `more` is the number of further errors."""
     *tables, last = detail["loc"] or ("design",)
     if detail["type"] == "conflict":
-        key, value, fields = (ctx := dict(detail["ctx"])).pop("key"), ctx.pop("value"), ctx
-        # a conflict without a key concerns the whole table
-        dotted = ".".join([*map(str, detail["loc"]), *([key] if key else [])])
-        declared = design.key_at(dotted) if isinstance(value, float | int) and not isinstance(value, bool) else None
-        unit = "" if declared is None else declared.unit_in(units).removeprefix("-")
-        shown = shown_value(value, unit) if unit else value_text(value)
-        fields |= {name: with_unit(fields[name], unit) for name in ("allowed", "must_be")}
-        return DesignError(design.name_in_texts(dotted), value, shown=shown, more=more, **fields)
+        fields = dict(detail["ctx"])
+        other = fields.pop("other")
+        refusal = _conflict(detail, design, units, more, fields)
+        if other is not None:
+            names = ("key", "value", "must_be")
+            refusal.other_side = _conflict(detail, design, units, more, dict(zip(names, other, strict=True)))
+        return refusal
     table = _table(design, tables)
     key = design.name_in_texts(shown_key(detail["loc"]))
     if detail["type"] == "extra_forbidden":
@@ -70,6 +69,18 @@ def _refusal(detail: ErrorDetails, design: type[Table], units: str, more: int, g
     must_be = f"{allowed}{least}{_with_unit(table, str(last), value)}{meant}"
     remedy = with_point(value) if isinstance(value, str) and own is not None and own.is_numeric else ""
     return DesignError(key, value, shown=value_text(value), must_be=must_be, remedy=remedy, more=more)
+
+
+def _conflict(detail: ErrorDetails, design: type[Table], units: str, more: int, fields: dict[str, Any]) -> DesignError:
+    """Return the refusal of a key that does not go with other keys; `fields` are those of the conflict."""
+    key, value = fields.pop("key"), fields.pop("value")
+    # a conflict without a key concerns the whole table
+    dotted = ".".join([*map(str, detail["loc"]), *([key] if key else [])])
+    declared = design.key_at(dotted) if isinstance(value, float | int) and not isinstance(value, bool) else None
+    unit = "" if declared is None else declared.unit_in(units).removeprefix("-")
+    shown = shown_value(value, unit) if unit else value_text(value)
+    fields |= {name: with_unit(fields[name], unit) for name in ("allowed", "must_be") if name in fields}
+    return DesignError(design.name_in_texts(dotted), value, shown=shown, more=more, **fields)
 
 
 def _table(design: type[Table], path: list[Any]) -> type[Table]:

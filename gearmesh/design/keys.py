@@ -382,12 +382,23 @@ def given_or(value: float, otherwise: float) -> float:
     return otherwise if math.isnan(value) else value
 
 
-def conflict(key: str, value: Any, *, reason: str = "", allowed: str = "", must_be: str = "") -> PydanticCustomError:
+def conflict(
+    key: str,
+    value: Any,
+    *,
+    reason: str = "",
+    allowed: str = "",
+    must_be: str = "",
+    other: tuple[str, Any, str] | None = None,
+) -> PydanticCustomError:
     """Return the error of a key whose value does not go with other keys.
 
-    `key` is relative to the table that raises the error; the other arguments are those of `GearmeshError`.
+    - key: relative to the table that raises the error.
+    - other: the same conflict as a refusal of the other key: this key, its value, and what it must be.
+
+    The other arguments are those of `GearmeshError`.
     """
-    fields = {"key": key, "value": value, "reason": reason, "allowed": allowed, "must_be": must_be}
+    fields = {"key": key, "value": value, "reason": reason, "allowed": allowed, "must_be": must_be, "other": other}
     return PydanticCustomError("conflict", "{key}", fields)
 
 

@@ -48,7 +48,11 @@ def load(path: str | os.PathLike[str], overrides: Sequence[str] = (), *, complet
     # kinds of gearmesh are known without a search of installed packages
     if isinstance(kind, str) and (kind in loaded_kinds() or kind in kinds()):
         data = files.anchor(data, system(kind).of_keys(data).design, Path(path).parent)
-    design = parse_as_stated(files.override(data, overrides)).with_changed_keys(files.overridden_keys(overrides))
+    changed = tuple(files.overridden_keys(overrides))
+    try:
+        design = parse_as_stated(files.override(data, overrides)).with_changed_keys(changed)
+    except DesignError as refusal:
+        raise refusal.facing(changed) from None
     return complete_design(design) if complete else design
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from oracles.places import SAMPLES
 from oracles.refusals import faults, faults_at, numeric_keys, refusal
 
 import gearmesh as gm
@@ -129,3 +130,33 @@ def test_bounds_by_other_keys_have_the_unit_of_the_design(
     assert refused.value.key == key
     assert bounds.unit == units
     assert bound in (bounds.low, bounds.high)
+
+
+CONFLICTS = [
+    ("face_gear", "pinion.teeth", 40, "at most those of the shaper, 28"),
+    ("face_gear", "shaper.teeth", 900, "at most those of the gear, 160"),
+    ("planetary", "planet.teeth", 90, "at most 71, fewer than the ring has"),
+    ("double_helical", "pinion.face_width", 1.0, "above the gap, 12 mm, which is part of it"),
+    ("helical", "pinion.thickness_allowance.upper", -0.2, "given with lower"),
+]
+
+
+@pytest.mark.parametrize(("sample", "key", "value", "must_be"), CONFLICTS, ids=[row[1] for row in CONFLICTS])
+def test_conflicts_name_the_key_that_was_changed(sample: str, key: str, value: float, must_be: str) -> None:
+    with pytest.raises(DesignError) as refused:
+        gm.load(SAMPLES / f"{sample}.toml", [f"{key}={value}"], complete=False)
+    assert refused.value.key == key
+    assert str(refused.value).endswith(f"must be {must_be}")
+    design = gm.load(SAMPLES / f"{sample}.toml", complete=False)
+    with pytest.raises(DesignError) as refused:
+        design.with_values({key: value})
+    assert refused.value.key == key
+
+
+def test_limits_out_of_order_name_the_changed_limit() -> None:
+    ends = {"pinion.thickness_allowance.upper": -0.05, "pinion.thickness_allowance.lower": -0.1}
+    design = gm.load(SAMPLES / "helical.toml", complete=False).with_values(ends)
+    for end, value in (("upper", -0.2), ("lower", 0.1)):
+        with pytest.raises(DesignError) as refused:
+            design.with_values({f"pinion.thickness_allowance.{end}": value})
+        assert refused.value.key.endswith(end)

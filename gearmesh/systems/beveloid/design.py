@@ -71,7 +71,12 @@ class BeveloidMember(TurnedTip, MemberTable, Modified):
     def _tip_above_root(self) -> Self:
         tip, root = self.tip_diameter, self.root_diameter
         if tip is not None and root is not None and tip <= root:
-            raise conflict("tip_diameter", tip, must_be=f"larger than root_diameter, {root:g}")
+            raise conflict(
+                "tip_diameter",
+                tip,
+                must_be=f"larger than root_diameter, {root:g}",
+                other=("root_diameter", root, f"smaller than tip_diameter, {tip:g}"),
+            )
         return self
 
 

@@ -9,6 +9,7 @@ import math
 from typing import Any, Self
 
 from pydantic import model_validator
+from pydantic_core import PydanticCustomError
 
 from gearmesh.design import keys
 from gearmesh.design.keys import DERIVED_VALUE, Table, conflict
@@ -24,6 +25,20 @@ CENTER_LETTERS = ("js",)
 CENTER_GRADES = range(5, 12)
 #: difference of allowances that is rounding
 ALLOWANCE_ROUNDING_MM = 1e-9
+
+
+def _disordered(lower: float, upper: float) -> PydanticCustomError:
+    """Return the error of a lower limit above the upper limit."""
+    return conflict(
+        "lower", lower, must_be=f"at most upper, {upper:g}", other=("upper", upper, f"at least lower, {lower:g}")
+    )
+
+
+def _given_alone(lower: float | None, upper: float | None) -> tuple[str, float, str] | None:
+    """Return the refusal of a limit that is given without the other limit; None if both are missing."""
+    if upper is not None:
+        return "upper", upper, "given with lower"
+    return None if lower is None else ("lower", lower, "given with upper")
 
 
 class ThicknessAllowance(Table):
@@ -57,9 +72,10 @@ class ThicknessAllowance(Table):
             raise conflict("series", self.series, must_be=wrong)
         if self.series is None and len(given) < 2:
             missing = "lower" if given == ["upper"] else "upper"
-            raise conflict(missing, None, reason='missing; give upper and lower, or a series as "cd25"')
+            alone = _given_alone(*(getattr(self, key) if key in given else None for key in ("lower", "upper")))
+            raise conflict(missing, None, reason='missing; give upper and lower, or a series as "cd25"', other=alone)
         if self.lower > self.upper:
-            raise conflict("lower", self.lower, must_be=f"at most upper, {self.upper:g}")
+            raise _disordered(self.lower, self.upper)
         return self
 
     def by_series(self, diameter: float) -> dict[str, float]:
@@ -129,9 +145,10 @@ class DiameterTolerance(Table):
                     raise conflict(key, value, reason=f"cannot be given together with grade = {self.grade}")
         elif self.upper is None or self.lower is None:
             missing = "upper" if self.upper is None else "lower"
-            raise conflict(missing, None, reason='missing; give upper and lower, or a grade as "h8"')
+            alone = _given_alone(self.lower, self.upper)
+            raise conflict(missing, None, reason='missing; give upper and lower, or a grade as "h8"', other=alone)
         elif self.lower > self.upper:
-            raise conflict("lower", self.lower, must_be=f"at most upper, {self.upper:g}")
+            raise _disordered(self.lower, self.upper)
         return self
 
     def deviations(self, diameter: float) -> iso286.Deviations | None:
@@ -177,9 +194,10 @@ class MeasuredSize(Table):
     def _sound_limits(self) -> Self:
         if (self.upper is None) != (self.lower is None):
             missing, other = ("upper", "lower") if self.upper is None else ("lower", "upper")
-            raise conflict(missing, None, reason=f"missing; give it with {other}")
+            alone = _given_alone(self.lower, self.upper)
+            raise conflict(missing, None, reason=f"missing; give it with {other}", other=alone)
         if self.upper is not None and self.lower is not None and self.lower > self.upper:
-            raise conflict("lower", self.lower, must_be=f"at most upper, {self.upper:g}")
+            raise _disordered(self.lower, self.upper)
         return self
 
 

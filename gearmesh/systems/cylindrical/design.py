@@ -574,7 +574,12 @@ class HalvesKeys(CylindricalKeys):
         for name, spec in self.specs.items():
             if self.double_helical and spec.face_width <= self.gap:
                 narrowest = min(member.face_width for member in self.specs.values())
-                raise conflict("gap", self.gap, must_be=f"below the face width, {narrowest:g}, which it is part of")
+                raise conflict(
+                    "gap",
+                    self.gap,
+                    must_be=f"below the face width, {narrowest:g}, which it is part of",
+                    other=(f"{name}.face_width", spec.face_width, f"above the gap, {self.gap:g}, which is part of it"),
+                )
             if spec.gap_diameter is not None and self.gap == 0.0:
                 raise conflict(f"{name}.gap_diameter", spec.gap_diameter, reason="needs a gap above 0")
         return self

@@ -250,11 +250,19 @@ class FaceGearDesign(PairDesign):
         """Refuse a shaper with fewer teeth than the pinion, and a gear with fewer teeth than the shaper."""
         if self.shaper_teeth < self.pinion.teeth:
             raise conflict(
-                "shaper.teeth", self.shaper_teeth, must_be=f"at least those of the pinion, {self.pinion.teeth}"
+                "shaper.teeth",
+                self.shaper_teeth,
+                must_be=f"at least those of the pinion, {self.pinion.teeth}",
+                other=("pinion.teeth", self.pinion.teeth, f"at most those of the shaper, {self.shaper_teeth}"),
             )
         if self.gear.teeth < self.shaper_teeth:
             whose = "pinion" if self.shaper.teeth is None else "shaper"
-            raise conflict("gear.teeth", self.gear.teeth, must_be=f"at least those of the {whose}, {self.shaper_teeth}")
+            raise conflict(
+                "gear.teeth",
+                self.gear.teeth,
+                must_be=f"at least those of the {whose}, {self.shaper_teeth}",
+                other=(f"{whose}.teeth", self.shaper_teeth, f"at most those of the gear, {self.gear.teeth}"),
+            )
         return self
 
     @model_validator(mode="after")
@@ -274,5 +282,10 @@ class FaceGearDesign(PairDesign):
         """Refuse an outer radius that is not larger than the inner radius."""
         inner, outer = self.gear.inner_radius, self.gear.outer_radius
         if outer <= inner:
-            raise conflict("gear.outer_radius", outer, must_be=f"larger than gear.inner_radius, {inner:.7g}")
+            raise conflict(
+                "gear.outer_radius",
+                outer,
+                must_be=f"larger than gear.inner_radius, {inner:.7g}",
+                other=("gear.inner_radius", inner, f"smaller than gear.outer_radius, {outer:.7g}"),
+            )
         return self

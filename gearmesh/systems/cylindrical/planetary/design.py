@@ -94,7 +94,12 @@ class PlanetaryDesign(HalvesKeys):
             raise conflict("ring.internal", False, reason="the ring of a planetary set is internal")
         least = self.planet.teeth + 1
         if self.ring.teeth < least:
-            raise conflict("ring.teeth", self.ring.teeth, must_be=f"at least {least}, more than the planet has")
+            raise conflict(
+                "ring.teeth",
+                self.ring.teeth,
+                must_be=f"at least {least}, more than the planet has",
+                other=("planet.teeth", self.planet.teeth, f"at most {self.ring.teeth - 1}, fewer than the ring has"),
+            )
         for name in (SUN_NAME, PLANET_NAME, RING_NAME):
             if (mount := getattr(self, name).mount) is not None:
                 mount.refuse_stiffness(
