@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import asyncio
+import concurrent.futures
+import importlib.util
 import socket
 import threading
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
@@ -15,6 +18,7 @@ from gearmesh.design.files import override, read, text_of, toml, with_version
 from gearmesh.errors import ArgumentError, OutputError
 from gearmesh.explore.rewriting import rewritten
 from gearmesh.explore.state import KIND_PREFIX, OPENED_NAME, Origin, flat, nested
+from gearmesh.explore.workers import Worker
 from gearmesh.formats import JSON_SUFFIX
 from gearmesh.systems.designs import parse_as_stated
 from gearmesh.systems.system import try_build
@@ -38,32 +42,44 @@ class Explorer:
     Use it as a context manager, or close it.
     """
 
-    def __init__(self, opened: Origin | None = None, port: int = 0, *, browser: bool = True) -> None:
+    def __init__(
+        self, opened: Origin | Callable[[], Origin | None] | None = None, port: int = 0, *, browser: bool = True
+    ) -> None:
         refuse_port(port)
         require_server()
-        import uvicorn
-
-        from gearmesh.explore.server import MAX_FRAME_BYTES, Gate, application
-
         self._socket = _bound(port)
         self.port = int(self._socket.getsockname()[1])
-        self._gate = Gate()
-        app, self.pages = application(opened, self._gate, self.port)
-        config = uvicorn.Config(
-            app,
-            ws_max_size=MAX_FRAME_BYTES,
-            log_config=None,
-            access_log=False,
-            server_header=False,
-            proxy_headers=False,
-            ws_per_message_deflate=False,
-            lifespan="on",
-            timeout_graceful_shutdown=1,
-        )
-        self._server = uvicorn.Server(config)
-        self._thread = threading.Thread(target=self._server.run, args=([self._socket],), daemon=True)
+        self._worker, self._loop = Worker(), asyncio.new_event_loop()
+        self._thread = threading.Thread(target=self._loop.run_forever, daemon=True)
         self._thread.start()
-        _wait_for(self._server, self._thread)
+        # the process for heavy work loads its libraries while the design is read here
+        self._begun = asyncio.run_coroutine_threadsafe(self._worker.start(), self._loop)
+        try:
+            origin = opened() if callable(opened) else opened
+            import uvicorn
+
+            from gearmesh.explore.server import MAX_FRAME_BYTES, Gate, application
+
+            self._gate = Gate()
+            app, self.pages = application(origin, self._gate, self.port, self._worker)
+            config = uvicorn.Config(
+                app,
+                ws_max_size=MAX_FRAME_BYTES,
+                log_config=None,
+                access_log=False,
+                server_header=False,
+                proxy_headers=False,
+                ws_per_message_deflate=False,
+                lifespan="on",
+                timeout_graceful_shutdown=1,
+            )
+            self._begun.result(START_S)
+            self._server = uvicorn.Server(config)
+            self._served = asyncio.run_coroutine_threadsafe(self._server.serve([self._socket]), self._loop)
+            _wait_for(self._server, self._served)
+        except BaseException:
+            self._end()
+            raise
         if browser:
             import webbrowser
 
@@ -93,8 +109,8 @@ class Explorer:
         --------
         >>> gears.explore().wait()  # doctest: +SKIP
         """
-        while self._thread.is_alive():
-            self._thread.join(0.5)
+        while not self._served.done():
+            concurrent.futures.wait([self._served], 0.5)
 
     def stop(self) -> None:
         """Let the server end; `wait` then returns.
@@ -113,8 +129,20 @@ class Explorer:
         --------
         >>> gears.explore(browser=False).close()
         """
+        if self._loop.is_closed():
+            return
         self.stop()
+        concurrent.futures.wait([self._served])
+        self._end()
+
+    def _end(self) -> None:
+        """End the process for heavy work and the loop."""
+        # a process whose start is called off would leave its task without an end
+        concurrent.futures.wait([self._begun], START_S)
+        asyncio.run_coroutine_threadsafe(_ended(self._worker), self._loop).result(START_S)
+        self._loop.call_soon_threadsafe(self._loop.stop)
         self._thread.join()
+        self._loop.close()
         self._socket.close()
 
     def __enter__(self) -> Self:
@@ -127,6 +155,15 @@ class Explorer:
 
     def __repr__(self) -> str:
         return f"<Explorer: http://{LOOPBACK_ADDRESS}:{self.port}>"
+
+
+async def _ended(worker: Worker) -> None:
+    """End the process for heavy work, and every other task of the loop."""
+    await worker.close()
+    others = asyncio.all_tasks() - {asyncio.current_task()}
+    for task in others:
+        task.cancel()
+    await asyncio.gather(*others, return_exceptions=True)
 
 
 def explore(design: Design, port: int, *, browser: bool) -> Explorer:
@@ -172,14 +209,9 @@ def refuse_port(port: int) -> None:
 
 def require_server() -> None:
     """Raise OutputError where the server library is not installed."""
-    try:
-        import starlette  # noqa: F401
-        import uvicorn  # noqa: F401
-        import websockets  # noqa: F401
-    except ImportError as missing:
-        raise OutputError(
-            "explore", reason=f"needs {missing.name}", remedy=f'pip install "gearmesh[{EXTRA_NAME}]"'
-        ) from None
+    for name in ("starlette", "uvicorn", "websockets"):
+        if importlib.util.find_spec(name) is None:
+            raise OutputError("explore", reason=f"needs {name}", remedy=f'pip install "gearmesh[{EXTRA_NAME}]"')
 
 
 def _bound(port: int) -> socket.socket:
@@ -200,10 +232,10 @@ def _bound(port: int) -> socket.socket:
     return made
 
 
-def _wait_for(server: uvicorn.Server, thread: threading.Thread) -> None:
+def _wait_for(server: uvicorn.Server, served: concurrent.futures.Future[None]) -> None:
     """Wait until a server has started. Raises OutputError if it does not."""
     end = time.monotonic() + START_S
     while not server.started:
-        if not thread.is_alive() or time.monotonic() > end:
+        if served.done() or time.monotonic() > end:
             raise OutputError("explore", reason="the server did not start")
         time.sleep(0.005)

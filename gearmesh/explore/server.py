@@ -18,7 +18,7 @@ from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 from gearmesh.explore.state import Origin
-from gearmesh.explore.workers import Asked, Worker
+from gearmesh.explore.workers import NO_PAGE, Listener, Worker
 from gearmesh.view.report.page import page_file
 
 if TYPE_CHECKING:
@@ -147,10 +147,11 @@ class Guard:
 class Pages:
     """The pages that are open, and what they ask."""
 
-    def __init__(self, opened: Origin | None, gate: Gate) -> None:
+    def __init__(self, opened: Origin | None, gate: Gate, worker: Worker) -> None:
         self.gate = gate
         self.opened = opened
-        self.worker = Worker(opened, self._about_worker)
+        self.worker = worker
+        worker.report = self._about_worker
         self._queues: dict[int, asyncio.Queue[bytes | None]] = {}
         self._lost = False
         self._numbers = 0
@@ -229,8 +230,8 @@ class Pages:
             line = "a message must ask to show, range, file, open or start"
             self._put(number, _text("wrong", line=line, id=_identity(request)))
             return
-        request = {**{key: request[key] for key in REQUEST_FIELDS if key in request}, "id": _identity(request)}
-        self.worker.ask(Asked(number, request, lambda content: self._put(number, content)))
+        question = {key: request[key] for key in REQUEST_FIELDS if key in request}
+        self.worker.ask(question, Listener(number, _identity(request), lambda content: self._put(number, content)))
 
 
 #: fields of a question of a page; others are dropped
@@ -289,13 +290,13 @@ def _text(kind: str, **fields: Any) -> bytes:
     return json.dumps({"type": kind, **fields}, allow_nan=False).encode()
 
 
-def application(opened: Origin | None, gate: Gate, port: int) -> tuple[Application, Pages]:
-    """Return the application of the page on a port, and its pages."""
+def application(opened: Origin | None, gate: Gate, port: int, worker: Worker) -> tuple[Application, Pages]:
+    """Return the application of the page on a port, and its pages, whose questions a started `worker` answers."""
     from starlette.applications import Starlette
     from starlette.responses import PlainTextResponse, Response
     from starlette.routing import Route, WebSocketRoute
 
-    pages = Pages(opened, gate)
+    pages = Pages(opened, gate, worker)
     page = files(__package__) / "page"
 
     async def file(request: Request) -> Response:
@@ -325,13 +326,19 @@ def application(opened: Origin | None, gate: Gate, port: int) -> tuple[Applicati
 
     @asynccontextmanager
     async def working(app: Starlette) -> AsyncIterator[None]:
-        pages.worker.start()
-        # the gears of the opened design are ready when the page asks
+        worker.open(opened)
+        # what the first page will ask is worked on before it asks
         if opened is not None:
-            request = {"do": "show", "from": opened.name, "keys": opened.shown}
-            pages.worker.ask(Asked(0, request, lambda content: None))
+            first: dict[str, Any] = {
+                "do": "show",
+                "from": opened.name,
+                "keys": opened.shown,
+                "last": None,
+                "have": [],
+                "rows": None,
+            }
+            worker.ask(first, Listener(NO_PAGE, None, lambda content: None))
         yield
-        await pages.worker.close()
 
     routes = [
         *(Route(path, file, methods=["GET"]) for path in (*OWN_FILES, *REPORT_FILES)),

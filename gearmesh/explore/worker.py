@@ -49,18 +49,19 @@ def main() -> None:
     output = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
     inbox = Inbox(sys.stdin.buffer)
-    opened = inbox.requests.get()
-    assert opened is not None, "the first message"
 
+    # before the first message, which comes when the program has read its design
     from gearmesh.explore.state import Origin
     from gearmesh.explore.workshop import Job, Stale, Workshop
 
+    opened = inbox.requests.get()
+    assert opened is not None, "the first message"
     workshop = Workshop(None if opened["opened"] is None else Origin(**opened["opened"]))
     while (request := inbox.requests.get()) is not None:
         number = int(request.pop("job"))
         told = 0.0
 
-        def send(message: dict[str, Any], number: int = number, request: dict[str, Any] = request) -> None:
+        def send(message: dict[str, Any], number: int = number) -> None:
             nonlocal told
             if message["type"] == "progress":
                 now = time.monotonic()
@@ -68,8 +69,8 @@ def main() -> None:
                     return
                 told = now
             head = json.dumps({"job": number, "type": message["type"]}).encode()
-            content = {**message, "id": request.get("id")}
-            write_frame(output, head + b"\n" + json.dumps(content, separators=(",", ":"), allow_nan=False).encode())
+            content = json.dumps(message, separators=(",", ":"), allow_nan=False).encode()
+            write_frame(output, head + b"\n" + content)
 
         job = Job(send, lambda number=number: number in inbox.cancelled)  # type: ignore[misc]
         status = "done"

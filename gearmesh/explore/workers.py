@@ -21,36 +21,68 @@ MAX_LOST_PER_JOB = 2
 #: questions of which only the newest of a page counts
 NEWEST_COUNTS = ("show", "range", "open", "start")
 
+#: number of the page of questions that no page has asked yet
+NO_PAGE = 0
+#: smallest answer, a JSON text without an entry
+EMPTY_TABLE = b"{}"
+
 Answer = Callable[[bytes], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Listener:
+    """A page that waits for the answers to a question."""
+
+    #: page, by its number
+    page: int
+    #: number of its message
+    identity: int | None
+    #: called with every answer, a JSON text
+    answer: Answer
+
+    def hear(self, content: bytes) -> None:
+        """Pass an answer on, with the number of the message."""
+        entry = f'"id":{json.dumps(self.identity)}}}'.encode()
+        self.answer(content[:-1] + (entry if content == EMPTY_TABLE else b"," + entry))
 
 
 @dataclass
 class Asked:
-    """A question of a page."""
+    """A question, and the pages that ask it; without any of them it is not wanted any more."""
 
-    #: page, by its number
-    page: int
     request: dict[str, Any]
-    #: called with every answer, a JSON text
-    answer: Answer
+    listeners: list[Listener]
+    #: answers that have come
+    heard: list[bytes] = field(default_factory=list)
     #: number of processes that ended while they worked on it
     lost: int = 0
-    #: True if it is not wanted any more
-    stale: bool = False
 
     @property
     def what(self) -> str:
         return str(self.request.get("do"))
+
+    def hear(self, content: bytes) -> None:
+        """Pass an answer on to all who listen."""
+        self.heard.append(content)
+        for listener in self.listeners:
+            listener.hear(content)
+
+    def join(self, listener: Listener) -> None:
+        """Add a listener, who hears first what has come before."""
+        self.listeners.append(listener)
+        for content in self.heard:
+            listener.hear(content)
 
 
 @dataclass
 class Worker:
     """Questions in turn, and the process that answers them."""
 
-    opened: Origin | None
     #: called with a line about the process itself, for all pages
-    report: Callable[[bool, str], None]
+    report: Callable[[bool, str], None] = lambda works, line: None
     hang_s: float = HANG_S
+    #: first message to the process; None until the design is known
+    first: dict[str, Any] | None = None
     waiting: list[Asked] = field(default_factory=list)
     running: Asked | None = None
     #: the process; None while there is none
@@ -59,8 +91,14 @@ class Worker:
     _wake: asyncio.Event = field(default_factory=asyncio.Event)
     _task: asyncio.Task[None] | None = None
 
-    def start(self) -> None:
-        """Start the process and the loop that serves it."""
+    async def start(self) -> None:
+        """Start the process, which prepares itself until the design is known."""
+        await self._begin()
+
+    def open(self, opened: Origin | None) -> None:
+        """Tell the process the design, and serve it."""
+        self.first = {"opened": None if opened is None else vars(opened)}
+        self._write(self.first)
         self._task = asyncio.get_running_loop().create_task(self._serve())
 
     async def close(self) -> None:
@@ -71,22 +109,31 @@ class Worker:
                 await self._task
         await self._end()
 
-    def ask(self, asked: Asked) -> None:
-        """Take a question; an older one of the same page is dropped if only the newest counts."""
-        if asked.what in NEWEST_COUNTS:
-            self.drop(asked.page, asked.what)
-        if asked.what == "show":
-            self.drop(asked.page, "range")
-        self.waiting.append(asked)
+    def ask(self, request: dict[str, Any], listener: Listener) -> None:
+        """Take a question; an older one of the same page is dropped if only the newest counts.
+
+        A page that asks what is being worked on, for another page or before any page was there, joins in.
+        """
+        what = str(request.get("do"))
+        known = [self.running] if self.running is not None else []
+        same = next((each for each in (*known, *self.waiting) if each.listeners and each.request == request), None)
+        if same is not None and what == "show":
+            same.join(listener)
+        else:
+            self.waiting.append(Asked(request, [listener]))
+        for older in (what,) * (what in NEWEST_COUNTS) + ("range",) * (what == "show"):
+            self.drop(listener.page, older, listener)
+        self.drop(NO_PAGE, None, listener)
         self._wake.set()
 
-    def drop(self, page: int, what: str | None = None) -> None:
-        """Drop the questions of a page, or those of one kind."""
-        self.waiting = [each for each in self.waiting if each.page != page or what not in (None, each.what)]
-        running = self.running
-        if running is not None and running.page == page and what in (None, running.what) and not running.stale:
-            running.stale = True
-            self._write({"cancel": self._job})
+    def drop(self, page: int, what: str | None = None, newest: Listener | None = None) -> None:
+        """Drop the questions of a page, or those of one kind, but for the newest one."""
+        for asked in (*self.waiting, *([] if self.running is None else [self.running])):
+            if what in (None, asked.what) and asked.listeners:
+                asked.listeners = [each for each in asked.listeners if each.page != page or each is newest]
+                if asked is self.running and not asked.listeners:
+                    self._write({"cancel": self._job})
+        self.waiting = [each for each in self.waiting if each.listeners]
 
     # ---------------------------------------------------------------- the process
 
@@ -103,7 +150,8 @@ class Worker:
             start_new_session=True,
             env={**threads, **os.environ, "PYTHONPATH": path},
         )
-        self._write({"opened": None if self.opened is None else vars(self.opened)})
+        if self.first is not None:
+            self._write(self.first)
         return self.process
 
     async def _end(self) -> None:
@@ -121,7 +169,6 @@ class Worker:
                 process.stdin.write(FRAME_LENGTH.pack(len(content)) + content)
 
     async def _serve(self) -> None:
-        await self._begin()
         while True:
             while not self.waiting:
                 self._wake.clear()
@@ -143,16 +190,16 @@ class Worker:
         self.report(False, f"the process for the gears {why}; a new one takes over, and nothing that was set is lost")
         await self._begin()
         asked.lost += 1
-        if asked.stale:
+        if not asked.listeners:
             return
+        asked.heard = []
         if asked.lost < MAX_LOST_PER_JOB:
-            if not any(each.page == asked.page and each.what == asked.what for each in self.waiting):
-                self.waiting.append(asked)
+            self.waiting.append(asked)
             return
         line = f"{asked.what}: the process for the gears {why} {asked.lost} times; change a key to try again"
-        told: dict[str, Any] = {"type": "refused", "line": line, "key": "", "offers": [], "id": asked.request.get("id")}
-        asked.answer(json.dumps(told).encode())
-        asked.answer(json.dumps({"type": "end", "status": "lost", "id": asked.request.get("id")}).encode())
+        told: dict[str, Any] = {"type": "refused", "line": line, "key": "", "offers": []}
+        asked.hear(json.dumps(told).encode())
+        asked.hear(json.dumps({"type": "end", "status": "lost"}).encode())
 
     async def _work(self, asked: Asked) -> None:
         """Send a question to the process and pass its answers on. Raises if the process ends or hangs."""
@@ -171,8 +218,7 @@ class Worker:
             head = json.loads(line)
             if head["job"] != self._job:
                 continue
-            if not asked.stale:
-                asked.answer(message)
+            self.report(True, "")
+            asked.hear(message)
             if head["type"] == "end":
-                self.report(True, "")
                 return

@@ -21,9 +21,9 @@ import numpy as np
 
 from gearmesh.answers.bodies.questions import ModelledGears
 from gearmesh.answers.contact.contact import Contact
-from gearmesh.answers.contact.staging import first_contact, staged_contact
+from gearmesh.answers.contact.staging import first_contact, solved_contact, staged_contact
 from gearmesh.design.core import Design
-from gearmesh.errors import ArgumentError, GearmeshError, NoSolutionError
+from gearmesh.errors import ArgumentError, GearmeshError
 from gearmesh.explore.keys import error_keys, key_rows, plain_values
 from gearmesh.explore.ranges import builds, key_range
 from gearmesh.explore.refusals import refusal
@@ -46,6 +46,7 @@ from gearmesh.view.report.stage import (
     pair_data,
     shape_data,
 )
+from gearmesh.view.views import pair_scene
 
 #: tolerances of the meshes that are shown one after the other, over the module
 TOLERANCE_MODULES = (0.02, 0.002)
@@ -280,7 +281,7 @@ class Workshop:
         if known is None:
             design = self._stated(request)
             known = []
-            for message in self._steps(design, job):
+            for message in self._steps(design, job, is_bare=len(have) == 1):
                 known.append(message)
                 job.answer(_sent(message, have))
                 # a page keeps the meshes of the scene that it shows, and no others
@@ -303,7 +304,8 @@ class Workshop:
             whole |= message if message["type"] == "scene" else {}
         return whole
 
-    def _steps(self, design: Design, job: Job) -> Iterator[dict[str, Any]]:
+    def _steps(self, design: Design, job: Job, *, is_bare: bool) -> Iterator[dict[str, Any]]:
+        """Yield the messages of a state; a bare page gets gears before their contact is solved."""
         job.begin("gears", 0.0, 0.2)
         built = self._gears(design)
         gears, train = built.gears, built.gears.train
@@ -331,6 +333,10 @@ class Workshop:
         first = self._first_scene(gears, built.marks, fine, self.ends.get(positions))
         if first is not None:
             yield first
+        elif is_bare:
+            shapes = self._shapes(gears, built.marks, coarse, fine, job, 0.1)
+            still = self._still(gears, built.marks, shapes)
+            yield {"type": "scene", **still, "pairs": [], "waiting": bool(different)}
         contacts: dict[int, Contact] = {}
         for number, k in enumerate(different):
             share = 0.2 + 0.4 * number / len(different)
@@ -344,19 +350,31 @@ class Workshop:
             "warnings": list(dict.fromkeys(lines)),
         }
         moving = {k: contact for k, contact in contacts.items() if contact.path.touching.any() and not contact.stuck}
-        job.begin("contact pattern", 0.6, 0.7)
+        if first is None:
+            # the pattern at the positions of the figures, on coarse gears
+            soon = [solved_contact(train, contact) for contact in moving.values()]
+            if None not in soon:
+                shapes = self._shapes(gears, built.marks, coarse, fine, job, 0.6)
+                pairs = [pair_data(train, StagedPair(each, {}), names) | {"later": True} for each in soon if each]
+                yield {"type": "scene", **self._still(gears, built.marks, shapes), "pairs": pairs}
+        job.begin("contact pattern", 0.7, 0.85)
         staged = [StagedPair(staged_contact(train, contact), {}) for contact in moving.values()]
         pairs = [pair_data(train, each, names) for each in staged]
-        # a fine mesh that is there is shown at once
-        shapes = [
-            self._known_shape(built.marks[name], fine) or self._shape(member, built.marks[name], coarse, job, 0.7)
+        shapes = self._shapes(gears, built.marks, fine, fine, job, 0.85)
+        yield {"type": "scene", **self._still(gears, built.marks, shapes), "pairs": pairs}
+
+    def _shapes(
+        self, gears: ModelledGears, marks: Mapping[str, str], tolerance: float, fine: float, job: Job, share: float
+    ) -> list[Shape]:
+        """Return the meshes of all members within a tolerance (mm); a fine one that is there takes its place."""
+        return [
+            self._known_shape(marks[name], fine) or self._shape(member, marks[name], tolerance, job, share)
             for name, member in gears.members.items()
         ]
-        camera = self._camera(gears, moving, built.marks, shapes, coarse)
-        yield {"type": "scene", "camera": camera, "pairs": pairs, **_scene(gears.members, shapes)}
-        finest = [self._shape(member, built.marks[name], fine, job, 0.85) for name, member in gears.members.items()]
-        if finest != shapes:
-            yield {"type": "scene", **_scene(gears.members, finest)}
+
+    def _still(self, gears: ModelledGears, marks: Mapping[str, str], shapes: Sequence[Shape]) -> dict[str, Any]:
+        """Return the scene of gears without their contact."""
+        return {"camera": self._camera(gears, marks, shapes), **_scene(gears.members, shapes), "waiting": False}
 
     def _gears(self, design: Design) -> Built:
         """Return the gears of a design; where only errors of assembly differ, those of a known design are moved."""
@@ -388,12 +406,11 @@ class Workshop:
     ) -> dict[str, Any] | None:
         """Return the scene with contact at few positions between the `ends` of an earlier one.
 
-        None unless meshes, camera and ends are known from other positions of the same teeth.
+        None unless meshes and ends are known from other positions of the same teeth.
         """
         names = list(gears.members)
         shapes = [shape for name in names if (shape := self._known_shape(marks[name], tolerance)) is not None]
-        camera = self.cameras.get(_mark(sorted(marks.items())))
-        if len(shapes) != len(names) or camera is None or not ends:
+        if len(shapes) != len(names) or not ends:
             return None
         try:
             found = [first_contact(gears.train, gears.train.pairs[k], own) for k, own in ends.items()]
@@ -401,7 +418,7 @@ class Workshop:
             # the whole contact says why
             return None
         pairs = [pair_data(gears.train, StagedPair(each, {}), names) | {"later": True} for each in found if each]
-        return {"type": "scene", "camera": camera, "pairs": pairs, **_scene(gears.members, shapes)} if pairs else None
+        return {"type": "scene", **self._still(gears, marks, shapes), "pairs": pairs} if pairs else None
 
     def _known_shape(self, mark: str, tolerance: float) -> Shape | None:
         return self.shapes.get(_shape_key(mark, tolerance))
@@ -412,32 +429,24 @@ class Workshop:
         if known is not None:
             return known
         job.begin(f"mesh of {member.name} within {1e3 * tolerance:.3g} um", share, share + 0.1)
-        staged, key = StagedMember.of(member, tolerance), _shape_key(mark, tolerance)
+        staged, key = StagedMember.of(member, tolerance, lean=False), _shape_key(mark, tolerance)
         return self.shapes.put(key, Shape(key, shape_data(staged), staged.reach, staged.whole))
 
-    def _camera(
-        self,
-        gears: ModelledGears,
-        contacts: Mapping[int, Contact],
-        marks: Mapping[str, str],
-        shapes: Sequence[Shape],
-        tolerance: float,
-    ) -> dict[str, Any]:
-        """Return the camera that sees all gears; it stays while their surfaces stay."""
-        from gearmesh.reports.report import overview_scene
-
+    def _camera(self, gears: ModelledGears, marks: Mapping[str, str], shapes: Sequence[Shape]) -> dict[str, Any]:
+        """Return the camera that sees all gears as they are mounted; it stays while their surfaces stay."""
         mark = _mark(sorted(marks.items()))
         known = self.cameras.get(mark)
         if known is not None:
             return known
-        meshes = dict(zip(gears.members, (shape.whole for shape in shapes), strict=True))
-        try:
-            seen = overview_scene(gears, contacts, meshes)
-        except NoSolutionError:
-            # gears that do not touch stand as they are mounted
-            placed = {name: meshes[name].move(member.mount.at(0.0)) for name, member in gears.members.items()}
-            seen = members_picture(placed, next(iter(gears.members.values())).mount.axis)
-        return self.cameras.put(mark, camera_data(seen.camera))
+        pairs, members = gears.train.pairs, gears.members
+        meshes = {name: shape.whole for name, shape in zip(members, shapes, strict=True)}
+        if len(pairs) == 1:
+            (pair,) = pairs
+            first, second = (meshes[name] for name in pair.members)
+            return self.cameras.put(mark, camera_data(pair_scene(first, second, pair, (0.0, 0.0)).camera))
+        axis = next(iter(members.values())).mount.axis if not pairs else pairs[0].pinion.mount.axis
+        placed = {name: meshes[name].move(member.mount.at(0.0)) for name, member in members.items()}
+        return self.cameras.put(mark, camera_data(members_picture(placed, axis).camera))
 
 
 # ---------------------------------------------------------------- parts of answers

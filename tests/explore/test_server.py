@@ -23,6 +23,7 @@ from websockets.sync.client import ClientConnection, connect
 
 from gearmesh.explore.explorer import Explorer, origin_of_file, origin_of_kind
 from gearmesh.explore.server import MAX_FRAME_BYTES, MAX_MESSAGE_BYTES
+from gearmesh.explore.workers import HANG_S, NO_PAGE, Asked, Listener, Worker
 
 SPUR = SAMPLES / "spur.toml"
 
@@ -241,6 +242,70 @@ def test_200_malformed_messages_are_answered_and_end_nothing(running: Explorer) 
         with pytest.raises(ConnectionClosed):
             [link.recv(timeout=10) for _ in range(9)]
     assert answer(running, "/")[0] == 200
+
+
+@pytest.mark.quick
+def test_a_page_joins_work_that_is_done_already() -> None:
+    heard: dict[int, list[dict[str, Any]]] = {0: [], 1: [], 2: []}
+
+    def page(number: int, identity: int | None) -> Listener:
+        return Listener(number, identity, lambda content: heard[number].append(json.loads(content)))
+
+    first: dict[str, Any] = {"do": "show", "keys": {"module": 2}}
+    worker = Worker()
+    worker.ask(first, page(NO_PAGE, None))
+    worker.running = running = worker.waiting.pop()
+    running.hear(b'{"type":"design"}')
+    # the same question: what has come comes at once, what follows comes to both
+    worker.ask(dict(first), page(1, 5))
+    worker.ask(dict(first), page(2, 7))
+    running.hear(b"{}")
+    assert worker.waiting == []
+    assert heard[1] == [{"type": "design", "id": 5}, {"id": 5}]
+    assert heard[2] == [{"type": "design", "id": 7}, {"id": 7}]
+    # nobody waits for what no page asked, and a newer question of a page ends its older one alone
+    assert [each.page for each in running.listeners] == [1, 2]
+    worker.ask({**first, "keys": {"module": 3}}, page(1, 6))
+    assert [each.page for each in running.listeners] == [2]
+    # work that nobody wants is not joined
+    worker.drop(2)
+    worker.ask(dict(first), page(2, 8))
+    assert [each.listeners[0].identity for each in worker.waiting] == [6, 8]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
+def test_a_process_that_hangs_is_replaced_and_the_question_answered(
+    running: Explorer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    worker, lose = running.pages.worker, Worker._lose
+    process = worker.process
+    assert process is not None
+
+    async def lose_and_wait(self: Worker, asked: Asked, *, hung: bool) -> None:
+        assert hung
+        # the new process may take as long as it needs
+        monkeypatch.setattr(worker, "hang_s", HANG_S)
+        await lose(self, asked, hung=hung)
+
+    state = running.pages.opened_state
+    assert state is not None
+    with entered(running) as link:
+        link.send(json.dumps({"do": "start", "id": 2}))
+        while json.loads(link.recv(timeout=60))["type"] != "end":
+            pass
+        monkeypatch.setattr(Worker, "_lose", lose_and_wait)
+        monkeypatch.setattr(worker, "hang_s", 0.1)
+        os.kill(process.pid, signal.SIGSTOP)
+        link.send(json.dumps({"do": "show", "id": 3, "from": "opened", "keys": {**state["keys"], "backlash": 0.07}}))
+        found = [json.loads(link.recv(timeout=60))]
+        while found[-1]["type"] != "end":
+            found.append(json.loads(link.recv(timeout=60)))
+    told = [each for each in found if each["type"] == "worker"]
+    assert [each["works"] for each in told] == [False, True]
+    assert "gave no answer" in told[0]["line"]
+    assert "a new one takes over" in told[0]["line"]
+    assert next(each for each in found if each["type"] == "design")["values"]["backlash"] == 0.07
+    assert process.returncode is not None
 
 
 def test_port_in_use_is_one_line() -> None:

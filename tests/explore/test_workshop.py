@@ -48,7 +48,11 @@ def test_figures_come_first_and_what_is_known_does_not_come_again(
     workshop: Workshop, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     first = ask(workshop)
-    assert [message["type"] for message in first] == ["design", "figures", "scene", "scene"]
+    # a page without gears gets them before their contact
+    assert [message["type"] for message in first] == ["design", "scene", "figures", "scene", "scene"]
+    assert (first[1]["pairs"], first[1]["waiting"], first[3]["waiting"]) == ([], True, False)
+    shown = [[shape["key"] for shape in scene["shapes"]] for scene in of(first, "scene")]
+    assert shown[0] == shown[1] != shown[2]
     gears = gm.build(gm.load(SAMPLES / "helical.toml"))
     assert figure(first, "contact_ratio") == pytest.approx(gears.contact().summary["contact_ratio"], rel=1e-12)
     held = [shape["key"] for shape in first[-1]["shapes"]]
@@ -78,7 +82,7 @@ def test_figures_come_first_and_what_is_known_does_not_come_again(
     )
     again = ask(workshop, have=held)
     assert figure(again, "contact_ratio") == figure(first, "contact_ratio")
-    assert again[-1]["pairs"] == first[2]["pairs"]
+    assert again[-1]["pairs"] == first[-1]["pairs"]
     again = ask(workshop, changes={"assembly.dx": 0.05, "assembly.dy": 0.01}, have=held)
     assert [message["type"] for message in again] == ["design", "figures", "scene"]
     assert again[-1]["pairs"] == moved[-1]["pairs"]
@@ -88,6 +92,21 @@ def curve(scene: dict[str, Any]) -> np.ndarray:
     """Rotations and transmission errors (P, 2) of the pair of a scene."""
     (pair,) = scene["pairs"]
     return np.stack([np.frombuffer(base64.b64decode(pair[key]), dtype=np.float32) for key in ("phi1", "te")], axis=-1)
+
+
+def test_a_changed_tooth_has_figures_and_pattern_before_its_fine_mesh(workshop: Workshop) -> None:
+    held = [shape["key"] for shape in ask(workshop)[-1]["shapes"]]
+    changed = ask(workshop, changes={"pinion.teeth": 27}, have=held)
+    assert [message["type"] for message in changed] == ["design", "figures", "scene", "scene"]
+    coarse, fine = of(changed, "scene")
+    # the tooth of the gear is the same one, and did not come again
+    assert [set(shape) == {"key"} for shape in coarse["shapes"]] == [False, True]
+    count = [len(base64.b64decode(scene["shapes"][0]["tooth"]["corners"])) for scene in (coarse, fine)]
+    assert count[0] < count[1]
+    first_path, path = curve(coarse), curve(fine)
+    assert np.interp(first_path[:, 0], *path.T) == pytest.approx(first_path[:, 1], abs=2e-3)
+    fields = [{each["key"] for each in scene["pairs"][0]["flanks"][0]["fields"]} for scene in (coarse, fine)]
+    assert "pattern" in fields[0] < fields[1]
 
 
 def test_rounding_is_shown_as_zero() -> None:

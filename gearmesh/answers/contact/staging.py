@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,17 +19,23 @@ from gearmesh.contact.tca import contact_path
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
 from gearmesh.teeth.region import Side
+from gearmesh.teeth.section import Grid
+from gearmesh.teeth.tooth import Tooth
 
 #: positions of the slider
 SLIDER_POSITIONS = 61
 #: positions of the contact that is shown before the mesh cycle is known
 FIRST_POSITIONS = 21
+#: fewest positions of a solved contact that are shown as they are
+MIN_SOLVED_POSITIONS = 9
 #: points across and along a flank at which gaps are computed
 GAP_GRID = (41, 65)
 #: limit of the distance between columns, in heights of the flank, unless MAX_COLUMNS is reached
 MAX_COLUMN_STEP = 0.2
 #: limit of the number of columns
 MAX_COLUMNS = 401
+#: limit of the flanks whose points are kept, as those of gears of which only the mounting changes
+MAX_KEPT_FLANKS = 12
 #: distance of the outer points from the edges of the flank, as a part of the flank: on an edge, rounding decides
 #: whether the mating flank ends there
 EDGE_MARGIN = 1e-4
@@ -81,6 +88,15 @@ def staged_contact(train: GearTrain, contact: Contact) -> StagedContact:
     )
 
 
+def solved_contact(train: GearTrain, contact: Contact) -> StagedContact | None:
+    """Return a solved contact at its own positions, without ease-off; None if few of them touch."""
+    pair, path = contact.pair, contact.path
+    met = np.flatnonzero(path.touching)
+    if met.size < MIN_SOLVED_POSITIONS or np.ptp(met) >= met.size:
+        return None
+    return _at_first(train, pair, solver_pair(pair), path.part_of(slice(met[0], met[-1] + 1)))
+
+
 def first_contact(train: GearTrain, pair: GearPair, ends: tuple[float, float]) -> StagedContact | None:
     """Return the contact of a pair at few positions between two (rad), without mesh cycle and ease-off.
 
@@ -94,8 +110,27 @@ def first_contact(train: GearTrain, pair: GearPair, ends: tuple[float, float]) -
     path = path.part_of(slice(met[0], met[-1] + 1))
     if not path.touching.all():
         path = contact_path(flanks, path.phi1[path.touching], pair.generation)
+    return _at_first(train, pair, flanks, path)
+
+
+def _at_first(train: GearTrain, pair: GearPair, flanks: Pair, path: ContactPath) -> StagedContact:
+    """Return the contact at positions that all touch, with gaps only where the pattern needs them."""
     gaps = None if np.isfinite(path.semi_major).any() else _gaps(pair, flanks, path, None)
     return StagedContact(pair, path, train_turns(train, pair, path.rotation, path.phi2), None, gaps)
+
+
+def shown_flank(member: Member, side: Side) -> Grid:
+    """Return the points of a member's flank at `flank_places`; those of the last flanks are kept."""
+    tooth, key = member.tooth, (id(member.tooth), side)
+    known = _kept_flanks.pop(key, None) or (tooth, tooth.flank_grid(side, *flank_places(member, side)))
+    _kept_flanks[key] = known
+    while len(_kept_flanks) > MAX_KEPT_FLANKS:
+        _kept_flanks.popitem(last=False)
+    return known[1]
+
+
+#: points of flanks by the identity of their tooth, which is kept with them, and their side
+_kept_flanks: OrderedDict[tuple[int, Side], tuple[Tooth, Grid]] = OrderedDict()
 
 
 def flank_places(member: Member, side: Side) -> tuple[Array, Array]:
@@ -110,8 +145,7 @@ def flank_places(member: Member, side: Side) -> tuple[Array, Array]:
 
 
 def _gaps(pair: GearPair, flanks: Pair, path: ContactPath, engagement: Engagement | None) -> FlankGaps:
-    side = pair.flanks[0]
-    parameters = pair.pinion.tooth.flank_grid(side, *flank_places(pair.pinion, side)).parameters
+    parameters = shown_flank(pair.pinion, pair.flanks[0]).parameters
     least = np.nan_to_num(gaps_at(flanks, path.rotation, path.phi2, parameters), nan=np.inf).min(axis=0)
     amount = None if engagement is None else ease_off(engagement, pair.pitch, parameters).distance
     # phi1 = 0, or the nearest position of the path

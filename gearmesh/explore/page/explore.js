@@ -31,6 +31,8 @@
   function ask(what, fields = {}) {
     if (!entered || socket.readyState !== WebSocket.OPEN) return null;
     const id = ++count;
+    // what is stale has no end
+    for (const [old, { what: before }] of asked) if (what === "show" && ["show", "range"].includes(before)) asked.delete(old);
     asked.set(id, { what, ...fields });
     socket.send(JSON.stringify({ do: what, id, ...fields }));
     return id;

@@ -414,7 +414,8 @@ window.gearmeshScene = function () {
     if (value !== undefined) select.value = value;
   }
 
-  function showPair(k, kept = false) {
+  // `kept`: place on the slider, camera and choices stay; `looked`: only the latter
+  function showPair(k, kept = false, looked = kept) {
     current = pairs[k];
     pairs.forEach((pair) => pair.flanks.forEach((flank) => { flank.mesh.visible = pair === current; }));
     const keys = new Map(current.flanks.flatMap((flank) => flank.fields).map((field) => [field.key, field.label]));
@@ -439,21 +440,23 @@ window.gearmeshScene = function () {
     roll.disabled = element("play").disabled = current.phi1.length < 2;
     if (!kept) {
       roll.value = roll.disabled ? 0 : 0.5;
-      lookAt("");
+      if (looked) element("look").value = "";
+      else lookAt("");
     }
     showColours();
     showPosition();
   }
 
-  // a gear without a mating gear stands still and has no contact to choose from
+  // a gear without a mating gear stands still and has no contact to choose from, nor have gears that are `waiting` for their contact
   const withMate = canvas.getAttribute("aria-label");
-  function showAlone(alone, kept) {
+  function showAlone(alone, kept, waiting) {
     const labels = ["pair", "field", "torque", "look"].map((id) => element(id).parentElement);
     for (const part of [roll.parentElement, element("position"), ...labels]) {
-      part.hidden = alone;
-      part.style.display = alone ? "none" : "";
+      part.hidden = alone && !waiting;
+      part.style.display = alone && !waiting ? "none" : "";
     }
-    canvas.setAttribute("aria-label", alone ? withMate.replace("Gears in mesh", "The gear") : withMate);
+    roll.disabled = element("play").disabled = alone;
+    canvas.setAttribute("aria-label", alone && !waiting ? withMate.replace("Gears in mesh", "The gear") : withMate);
     if (!alone) return;
     current = undefined;
     dot.visible = ribbon.visible = action.visible = pressure.visible = false;
@@ -766,13 +769,13 @@ window.gearmeshScene = function () {
     pick(kept ? members.findIndex((member) => member.name === chosen) : -1);
     options(element("pair"), pairs.map((pair, k) => [String(k), pair.name]));
     resize();
-    showAlone(!pairs.length, kept);
+    showAlone(!pairs.length, kept, Boolean(data.waiting));
     element("pair-label").hidden = pairs.length < 2;
     element("pair-label").style.display = pairs.length < 2 ? "none" : "";
     if (pairs.length) {
       const k = Math.max(pairs.findIndex((pair) => pair.name === shown), 0);
       element("pair").value = String(k);
-      showPair(k, kept && shown !== undefined);
+      showPair(k, kept && shown !== undefined, kept);
     }
     if (kept) {
       members.forEach((member) => setMode(member, modes.get(member.name)));

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from gearmesh.answers.contact.figures import shown_contact
-from gearmesh.answers.contact.staging import StagedContact, flank_places
+from gearmesh.answers.contact.staging import StagedContact, shown_flank
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.solid import gear_solid
@@ -76,9 +76,9 @@ class StagedMember:
         return float(np.linalg.norm(self.whole.vertices, axis=1).max())
 
     @staticmethod
-    def of(member: Member, tolerance: float) -> StagedMember:
-        """Mesh a member within `tolerance`, mm."""
-        tooth = tessellate(member.tooth, tolerance)
+    def of(member: Member, tolerance: float, *, lean: bool = True) -> StagedMember:
+        """Mesh a member within `tolerance`, mm; `lean` as for `tessellate`."""
+        tooth = tessellate(member.tooth, tolerance, lean=lean)
         return StagedMember.of_mesh(member, gear_solid(member, tolerance, tooth), tooth)
 
     @staticmethod
@@ -220,7 +220,7 @@ def _flank(staged: StagedPair, name: str, to_shown: Rigid) -> dict[str, Any]:
     index = pair.index(name)
     contact = contact_on(index, staged.contact.path, pair.mounts)
     member, side = pair.members[name], pair.flanks[index]
-    grid = member.tooth.flank_grid(side, *flank_places(member, side))
+    grid = shown_flank(member, side)
     size = float(np.linalg.norm(np.ptp(grid.points.reshape(-1, 3), axis=0)))
     with np.errstate(invalid="ignore", divide="ignore"):
         major, minor = contact.major / contact.semi_major[:, None], contact.minor / contact.semi_minor[:, None]

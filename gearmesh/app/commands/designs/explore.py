@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import signal
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from gearmesh.app.options import Set, present
 from gearmesh.errors import ArgumentError
 from gearmesh.formats import JSON_SUFFIX, TOML_SUFFIX
+
+if TYPE_CHECKING:
+    from gearmesh.explore.state import Origin
 
 
 def explore(
@@ -26,19 +30,13 @@ def explore(
 
     It is served until Ctrl-C, to the browser of this machine alone.
     """
-    from gearmesh.explore.explorer import Explorer, origin_of_file, origin_of_kind, refuse_port, require_server
+    from gearmesh.explore.explorer import Explorer, refuse_port, require_server
 
     refuse_port(port)
     require_server()
-    opened = None
-    if what is not None:
-        is_file = Path(what).suffix.lower() in (TOML_SUFFIX, JSON_SUFFIX)
-        opened = (
-            origin_of_file(present(Path(what)), settings or ()) if is_file else origin_of_kind(what, settings or ())
-        )
-    elif settings:
+    if what is None and settings:
         raise ArgumentError("--set", settings[0], reason="needs a design or a kind")
-    with Explorer(opened, port, browser=not no_browser) as page:
+    with Explorer(lambda: _opened(what, settings or ()), port, browser=not no_browser) as page:
         # a stop is how this command ends, and no failure
         before = {number: signal.signal(number, lambda *_: page.stop()) for number in (signal.SIGINT, signal.SIGTERM)}
         try:
@@ -47,3 +45,13 @@ def explore(
         finally:
             for number, handler in before.items():
                 signal.signal(number, handler)
+
+
+def _opened(what: str | None, settings: Sequence[str]) -> Origin | None:
+    """Return the design of the page; None for a page that offers kinds and samples."""
+    from gearmesh.explore.explorer import origin_of_file, origin_of_kind
+
+    if what is None:
+        return None
+    is_file = Path(what).suffix.lower() in (TOML_SUFFIX, JSON_SUFFIX)
+    return origin_of_file(present(Path(what)), settings) if is_file else origin_of_kind(what, settings)
