@@ -42,6 +42,7 @@ from gearmesh.view.report.stage import (
     StagedMember,
     StagedPair,
     camera_data,
+    fitted,
     member_data,
     pair_data,
     shape_data,
@@ -443,10 +444,13 @@ class Workshop:
         if len(pairs) == 1:
             (pair,) = pairs
             first, second = (meshes[name] for name in pair.members)
-            return self.cameras.put(mark, camera_data(pair_scene(first, second, pair, (0.0, 0.0)).camera))
-        axis = next(iter(members.values())).mount.axis if not pairs else pairs[0].pinion.mount.axis
-        placed = {name: meshes[name].move(member.mount.at(0.0)) for name, member in members.items()}
-        return self.cameras.put(mark, camera_data(members_picture(placed, axis).camera))
+            seen = pair_scene(first, second, pair, (0.0, 0.0))
+        else:
+            axis = next(iter(members.values())).mount.axis if not pairs else pairs[0].pinion.mount.axis
+            placed = {name: meshes[name].move(member.mount.at(0.0)) for name, member in members.items()}
+            seen = members_picture(placed, axis)
+        points = np.concatenate([body.own_to_scene.point(body.mesh.vertices) for body in seen.bodies])
+        return self.cameras.put(mark, camera_data(fitted(seen.camera, points)))
 
 
 # ---------------------------------------------------------------- parts of answers

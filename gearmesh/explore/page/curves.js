@@ -3,7 +3,7 @@
 window.gearmeshCurves = function (parent, moveTo) {
   "use strict";
 
-  const NAMES = "http://www.w3.org/2000/svg", WIDTH = 360, HEIGHT = 190, LEFT = 52, RIGHT = 12, TOP = 22, BOTTOM = 34;
+  const NAMES = "http://www.w3.org/2000/svg", WIDTH = 360, HEIGHT = 190, LEFT = 58, RIGHT = 12, TOP = 24, BOTTOM = 24;
   const floats = (text) => new Float32Array(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer);
 
   function made(name, attributes, text) {
@@ -39,12 +39,12 @@ window.gearmeshCurves = function (parent, moveTo) {
     const y = (value) => HEIGHT - BOTTOM - (value - y0) / (y1 - y0) * (HEIGHT - TOP - BOTTOM);
     svg.append(made("rect", { x: LEFT, y: TOP, width: WIDTH - LEFT - RIGHT, height: HEIGHT - TOP - BOTTOM, class: "axis", fill: "none" }));
     const [dx, dy] = [digits(x0, x1), digits(y0, y1)];
-    svg.append(made("text", { x: LEFT, y: HEIGHT - BOTTOM + 14 }, shown(x0, dx)),
-      made("text", { x: WIDTH - RIGHT, y: HEIGHT - BOTTOM + 14, "text-anchor": "end" }, shown(x1, dx)),
-      made("text", { x: (LEFT + WIDTH - RIGHT) / 2, y: HEIGHT - 6, "text-anchor": "middle" }, across),
+    svg.append(made("text", { x: LEFT, y: HEIGHT - BOTTOM + 17 }, shown(x0, dx)),
+      made("text", { x: WIDTH - RIGHT, y: HEIGHT - BOTTOM + 17, "text-anchor": "end" }, shown(x1, dx)),
+      made("text", { x: (LEFT + WIDTH - RIGHT) / 2, y: HEIGHT - BOTTOM + 17, "text-anchor": "middle" }, across),
       made("text", { x: LEFT - 5, y: HEIGHT - BOTTOM, "text-anchor": "end" }, shown(y0, dy)),
-      made("text", { x: LEFT - 5, y: TOP + 9, "text-anchor": "end" }, shown(y1, dy)),
-      made("text", { x: LEFT, y: 13 }, upwards));
+      made("text", { x: LEFT - 5, y: TOP + 11, "text-anchor": "end" }, shown(y1, dy)),
+      made("text", { x: LEFT, y: 16 }, upwards));
     return { x, y };
   }
 

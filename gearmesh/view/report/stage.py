@@ -15,7 +15,7 @@ import numpy as np
 from gearmesh.answers.contact.figures import shown_contact
 from gearmesh.answers.contact.staging import StagedContact, shown_flank
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array, cross, unit
 from gearmesh.mesh.solid import gear_solid
 from gearmesh.mesh.tessellate import ToothMesh, tessellate
 from gearmesh.mesh.triangles import TriangleMesh
@@ -36,6 +36,10 @@ POINTS_PER_BAND = 25
 GAP_SCALE_THICKNESSES = 10.0
 #: height above a flank at which points and colours are drawn, relative to its size
 LIFT_SHARE = 1e-3
+#: angle of view, upright, and ratio of width to height for which the view places its camera
+VIEW_ANGLE_DEG, VIEW_ASPECT = 20.0, 4.0 / 3.0
+#: height of the camera of all gears over the gears; the view takes 0.9 of it
+VIEW_MARGIN = 1.03 / 0.9
 #: colours of members, by their shape
 MEMBER_PAINTS = (BLUE_STEEL_PAINT, BRASS_PAINT, BRONZE_PAINT)
 
@@ -123,6 +127,17 @@ def camera_data(camera: Camera) -> dict[str, Any]:
         "up": np.asarray(camera.up).tolist(),
         "height": camera.height,
     }
+
+
+def fitted(camera: Camera, points: Array) -> Camera:
+    """Return a camera with the height at which the view shows all points (N, 3), fixed frame."""
+    back = unit(camera.position - camera.focus)
+    aside = unit(cross(np.asarray(camera.up, dtype=float), back))
+    away = points - camera.focus
+    x, y, z = (away @ axis for axis in (aside, cross(back, aside), back))
+    slope = np.tan(np.radians(VIEW_ANGLE_DEG) / 2.0)
+    distance = (z + np.maximum(np.abs(y), np.abs(x) / VIEW_ASPECT) / slope).max()
+    return replace(camera, height=VIEW_MARGIN * 2.0 * float(slope * distance))
 
 
 def shape_data(staged: StagedMember) -> dict[str, Any]:
