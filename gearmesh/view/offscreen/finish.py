@@ -33,16 +33,15 @@ LOST_LIGHT_SHARE = 0.55
 MIN_COLOURED_RANGE = 40
 
 
-def finish(scene: Scene, order: Order, drawn: bytes, size: tuple[int, int]) -> Image:
-    """Return the picture (H, W, 3) of a `size`, in pixels, that an order drew."""
+def finish(scene: Scene, order: Order, drawn: bytearray, size: tuple[int, int]) -> Image:
+    """Return the picture (H, W, 3) of a `size`, in pixels, that an order drew; hatching changes the drawn pixels."""
     from PIL import Image as pillow
 
     wide, high = order["size"]
     pixels = np.frombuffer(drawn, dtype=np.uint32, count=wide * high).reshape(high, wide)
     sections = section_colours(scene)
     light = _light(scene.camera, order, drawn, pixels, sections)
-    if sections:
-        pixels = _hatch(pixels, sections)
+    _hatch(pixels, sections)
     # a pixel is the mean, weighted by distance, of four by four drawn pixels; RGBX tells Pillow to ignore the
     # transparency
     large = pillow.frombuffer("RGBX", (wide, high), pixels, "raw", "RGBX", 0, -1)
@@ -67,25 +66,27 @@ def _words(colours: Sequence[str], brightness: float = 1.0) -> NDArray[np.uint32
     return np.array(parts, dtype=np.uint8).view(np.uint32)[:, 0]
 
 
-def _hatch(pixels: NDArray[np.uint32], sections: Sequence[str]) -> NDArray[np.uint32]:
-    """Return pixels (H, W) with hatching on the colours of sections.
+def _hatch(pixels: NDArray[np.uint32], sections: Sequence[str]) -> None:
+    """Hatch the colours of sections in pixels (H, W).
 
     The lines of different colours lean to different sides, as on drawings.
     """
-    hatched, (high, wide) = pixels.copy(), pixels.shape
+    if not sections:
+        return
+    high, wide = pixels.shape
     period = HATCH_SPACING_SHARE * high
     # places along the lean of the lines, from the last row of the picture on
     inked = np.arange(1 - high, wide + high - 1) % period < HATCH_WIDTH_SHARE * period
-    for k, (plain, dark) in enumerate(zip(_words(sections), _words(sections, HATCH_BRIGHTNESS), strict=True)):
-        for row in range(high):
+    colours = list(zip(_words(sections), _words(sections, HATCH_BRIGHTNESS), strict=True))
+    for row, line in enumerate(pixels):
+        before = line.copy() if len(colours) > 1 else line
+        for k, (plain, dark) in enumerate(colours):
             first = high - 1 - (-1) ** k * row
-            line = hatched[row]
-            line[inked[first : first + wide] & (pixels[row] == plain)] = dark
-    return hatched
+            line[inked[first : first + wide] & (before == plain)] = dark
 
 
 def _light(
-    camera: Camera, order: Order, drawn: bytes, pixels: NDArray[np.uint32], sections: Sequence[str]
+    camera: Camera, order: Order, drawn: bytearray, pixels: NDArray[np.uint32], sections: Sequence[str]
 ) -> NDArray[np.float32] | None:
     """Return the share of light (h, w) at every `depth_step`-th pixel, rows from below; None without depths."""
     step = order["depth_step"]
