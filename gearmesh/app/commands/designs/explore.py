@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from gearmesh.app.options import Set, present
+from gearmesh.app.options import Set, option, present
 from gearmesh.errors import ArgumentError
 from gearmesh.formats import JSON_SUFFIX, TOML_SUFFIX
 
@@ -21,9 +21,9 @@ def explore(
     what: Annotated[str | None, typer.Argument(metavar="[DESIGN|KIND]", show_default=False)] = None,
     port: Annotated[
         int,
-        typer.Option("--port", metavar="N", help="Port on this machine. [default: any free one]", show_default=False),
+        option("--port N", "Port on this machine. [default: any free one]", show_default=False),
     ] = 0,
-    no_browser: Annotated[bool, typer.Option("--no-browser", help="Do not open the page in the browser.")] = False,
+    no_browser: Annotated[bool, option("--no-browser", "Do not open the page in the browser.")] = False,
     settings: Set = None,
 ) -> None:
     """A page on this machine on which turning a number turns the gear. Without an argument it offers kinds and samples.

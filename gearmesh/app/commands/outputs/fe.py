@@ -6,8 +6,6 @@ from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
 import gearmesh as gm
 from gearmesh.app.options import (
     DesignFile,
@@ -18,6 +16,7 @@ from gearmesh.app.options import (
     Timing,
     chosen_pair,
     load_gears,
+    option,
     positions_in_degrees,
     sector_option,
 )
@@ -60,17 +59,13 @@ def fe(
     design_file: DesignFile,
     output: Annotated[
         Path | None,
-        typer.Option(
-            "-o",
-            "--output",
-            metavar="FILE|DIR",
-            help="Model to write: .inp, .bdf, .cdb, .k, .med; mesh alone: .msh, .vtu; with --solve results: .vtu, or a "
+        option(
+            "-o --output FILE|DIR",
+            "Model to write: .inp, .bdf, .cdb, .k, .med; mesh alone: .msh, .vtu; with --solve results: .vtu, or a "
             "folder; for several positions a folder of decks.",
         ),
     ] = None,
-    teeth: Annotated[
-        str | None, typer.Option("--teeth", metavar="K|all", help="Teeth of each member: an odd number, or all.")
-    ] = None,
+    teeth: Annotated[str | None, option("--teeth K|all", "Teeth of each member: an odd number, or all.")] = None,
     sector: Annotated[
         int | None,
         sector_option(
@@ -78,32 +73,24 @@ def fe(
         ),
     ] = None,
     phi1: Positions = None,
-    torque: Annotated[float | None, typer.Option("--torque", metavar="NM", help="Torque on the pinion.")] = None,
+    torque: Annotated[float | None, option("--torque NM", "Torque on the pinion.")] = None,
     rotation: Annotated[
         float | None,
-        typer.Option("--rotation", metavar="DEG", help="Rotate the pinion by this angle, instead of a torque."),
+        option("--rotation DEG", "Rotate the pinion by this angle, instead of a torque."),
     ] = None,
-    friction: Annotated[
-        float | None, typer.Option("--friction", metavar="MU", help="Coefficient of friction on the flanks.")
-    ] = None,
-    program: Annotated[
-        FiniteElementProgram | None, typer.Option("--for", help="Whose .inp.", show_default="calculix")
-    ] = None,
-    member: Annotated[
-        str, typer.Option("--member", metavar="pinion|gear|both", help="One member, or both in mesh.")
-    ] = BOTH_MEMBERS,
+    friction: Annotated[float | None, option("--friction MU", "Coefficient of friction on the flanks.")] = None,
+    program: Annotated[FiniteElementProgram | None, option("--for", "Whose .inp.", show_default="calculix")] = None,
+    member: Annotated[str, option("--member pinion|gear|both", "One member, or both in mesh.")] = BOTH_MEMBERS,
     pair: Pair = None,
-    solve: Annotated[bool, typer.Option("--solve", help="Run CalculiX and read back stress and pressure.")] = False,
+    solve: Annotated[bool, option("--solve", "Run CalculiX and read back stress and pressure.")] = False,
     json_file: Json = None,
     frequencies: Annotated[
         int | None,
-        typer.Option("--frequencies", metavar="N", help="Lowest natural frequencies of one member, by CalculiX."),
+        option("--frequencies N", "Lowest natural frequencies of one member, by CalculiX."),
     ] = None,
-    keep: Annotated[
-        Path | None, typer.Option("--keep", metavar="DIR", help="With --solve: keep deck, .frd and .dat in a folder.")
-    ] = None,
+    keep: Annotated[Path | None, option("--keep DIR", "With --solve: keep deck, .frd and .dat in a folder.")] = None,
     picture: Annotated[
-        Path | None, typer.Option("--picture", metavar="FILE.png", help="With --solve: pressure and stress in colours.")
+        Path | None, option("--picture FILE.png", "With --solve: pressure and stress in colours.")
     ] = None,
     timing: Timing = True,
     settings: Set = None,
@@ -181,9 +168,9 @@ def fe(
 
 def _refuse_unpaired(gears: gm.Gears, **options: object) -> None:
     """Refuse given options that need a mating gear."""
-    for option, value in options.items():
+    for name, value in options.items():
         if value is not None:
-            raise gears.names.needs_pair(option, value)
+            raise gears.names.needs_pair(name, value)
 
 
 def _members(gears: gm.Gears, names: tuple[str, ...], member: str, friction: float | None) -> tuple[str, ...] | None:

@@ -7,9 +7,7 @@ from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
-from gearmesh.app.options import DesignFile, Pair, Set, chosen_pair, load_gears, torques_in_nm
+from gearmesh.app.options import DesignFile, Pair, Set, chosen_pair, load_gears, option, torques_in_nm
 from gearmesh.app.terminal import picture_size, refuse_suffix, refuse_unwritable, warn, working
 from gearmesh.errors import ArgumentError
 from gearmesh.formats import DIAGRAM_SUFFIXES, GIF_SUFFIX, MP4_SUFFIX, PNG_SUFFIX
@@ -78,20 +76,17 @@ def render(
     design_file: DesignFile,
     output: Annotated[
         Path | None,
-        typer.Option(
-            "-o",
-            "--output",
-            metavar="FILE.(png|svg|pdf)",
-            help="Picture to write; svg and pdf of flank, sliding, zone, te, backlash, turns, loaded_*.",
+        option(
+            "-o --output FILE.(png|svg|pdf)",
+            "Picture to write; svg and pdf of flank, sliding, zone, te, backlash, turns, loaded_*.",
             show_default=False,
         ),
     ] = None,
     view: Annotated[
         View | None,
-        typer.Option(
+        option(
             "--view",
-            show_default=False,
-            help="contact: path and ellipses on a tooth; pattern: the union of the ellipses; gap: the pattern by the roll test; "
+            "contact: path and ellipses on a tooth; pattern: the union of the ellipses; gap: the pattern by the roll test; "
             "pair: the gears in mesh; section: a section across the teeth; tool: a member with its tool; contact_lines: of "
             "the tool on the tooth that it generates; flank, sliding: ease-off and sliding velocity on flank planes; zone: "
             "contact lines of all tooth pairs on the flanks and in the plane of action, with limit lines; te, turns: "
@@ -99,70 +94,55 @@ def render(
             "toolpath: passes of the ball-end cutter --tool in a space of --member. With --torque: loaded: largest pressures on a "
             "tooth; loaded_*: pressures on flank planes, transmission error, load sharing, root stress. "
             "[default: contact; section for --animate alone]",
+            show_default=False,
         ),
     ] = None,
     member: Annotated[
         str | None,
-        typer.Option(
-            "--member",
-            metavar="NAME",
-            help="Member whose tooth to show; worm, in the view tool: the grinding worm. [default: pinion; all on flank planes]",
+        option(
+            "--member NAME",
+            "Member whose tooth to show; worm, in the view tool: the grinding worm. [default: pinion; all on flank planes]",
             show_default=False,
         ),
     ] = None,
-    phi1: Annotated[
-        float | None, typer.Option("--phi1", metavar="DEG", help="One position. [default: the design's]")
-    ] = None,
+    phi1: Annotated[float | None, option("--phi1 DEG", "One position. [default: the design's]")] = None,
     torque: Annotated[
         str | None,
-        typer.Option(
-            "--torque",
-            metavar="NM[,NM...]",
-            help="Torques on the pinion, for the views loaded_*; one torque for the view loaded.",
-        ),
+        option("--torque NM[,NM...]", "Torques on the pinion, for the views loaded_*; one torque for the view loaded."),
     ] = None,
     tool: Annotated[
         str | None,
-        typer.Option(
-            "--tool", metavar="ball:D[,L[,H]]", help="Ball-end cutter of the view toolpath, as of the command."
-        ),
+        option("--tool ball:D[,L[,H]]", "Ball-end cutter of the view toolpath, as of the command."),
     ] = None,
     scallop: Annotated[
         str | None,
-        typer.Option("--scallop", metavar="LEN", help="What it may leave over the exact surfaces. [default: 10um]"),
+        option("--scallop LEN", "What it may leave over the exact surfaces. [default: 10um]"),
     ] = None,
     pair: Pair = None,
     size: Annotated[
         str | None,
-        typer.Option(
-            "--size",
-            metavar="WxH",
-            help="Width and height in pixels. [default: 1600x1200, or what a figure needs]",
-            show_default=False,
+        option(
+            "--size WxH", "Width and height in pixels. [default: 1600x1200, or what a figure needs]", show_default=False
         ),
     ] = None,
     dpi: Annotated[
         int,
-        typer.Option(
-            "--dpi",
-            min=20,
-            max=1200,
-            help="Resolution of figures, in pixels per inch; less where --size has little room.",
+        option(
+            "--dpi", "Resolution of figures, in pixels per inch; less where --size has little room.", min=20, max=1200
         ),
     ] = 150,
     look: Annotated[
         Look,
-        typer.Option(
+        option(
             "--look",
-            help="Look of the views pattern and gap. compound: teeth painted with marking compound, rubbed off where they touch.",
+            "Look of the views pattern and gap. compound: teeth painted with marking compound, rubbed off where they touch.",
         ),
     ] = Look.plain,
     animate: Annotated[
         Path | None,
-        typer.Option(
-            "--animate",
-            metavar="FILE.(gif|mp4)",
-            help="Animate the view section, pair, contact or pattern: the mesh through one pitch, or contact that rolls over a "
+        option(
+            "--animate FILE.(gif|mp4)",
+            "Animate the view section, pair, contact or pattern: the mesh through one pitch, or contact that rolls over a "
             "tooth; mp4 by the program ffmpeg.",
         ),
     ] = None,
