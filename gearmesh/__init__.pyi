@@ -57,6 +57,7 @@ from .study.study import Study as Study
 from .study.summary import StudySummary as StudySummary
 from .systems.beveloid.design import BeveloidDesign as BeveloidDesign
 from .systems.circular_arc.design import CircularArcDesign as CircularArcDesign
+from .systems.cycloidal.design import CycloidalDesign as CycloidalDesign
 from .systems.cylindrical.design import CylindricalDesign as CylindricalDesign
 from .systems.cylindrical.planetary.design import PlanetaryDesign as PlanetaryDesign
 from .systems.cylindrical.rack.design import RackDesign as RackDesign

@@ -21,6 +21,7 @@ from .errors import VagueError as VagueError
 from .kernel.envelope.envelope import Envelope as Envelope
 from .kernel.envelope.feed_envelope import FeedEnvelope as FeedEnvelope
 from .kernel.envelope.helicoid import Helicoid as Helicoid
+from .kernel.envelope.motion_envelope import MotionEnvelope as MotionEnvelope
 from .kernel.motion.chain import Chain as Chain
 from .kernel.motion.chain import Step as Step
 from .kernel.motion.feed_motion import FeedMotion as FeedMotion
@@ -84,6 +85,7 @@ from .teeth.region import Region as Region
 from .teeth.region import Side as Side
 from .teeth.tooth import Tooth as Tooth
 from .teeth.tooth_side import Bottom as Bottom
+from .teeth.tooth_side import Crest as Crest
 from .teeth.tooth_side import TipCorner as TipCorner
 from .teeth.tooth_side import ToothSide as ToothSide
 from .tools.description import Dimension as Dimension

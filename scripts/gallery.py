@@ -41,6 +41,7 @@ PAIRS = {
     "spiral_bevel_basic": 0.05,
     "hypoid": 0.05,
     "worm_drive": 0.05,
+    "cycloidal": 0.01,
 }
 #: designs of which another member's tooth is shown than the first's
 MEMBERS = {"worm_drive": "wheel", "worm_drive_dual_lead": "wheel", "worm_drive_zk_oversize": "wheel"}

@@ -55,7 +55,9 @@ def random_design(kind: str, seed: int, name: str) -> Keys:
     dice = Dice(np.random.default_rng([seed, zlib.crc32(kind.encode()), RANGES.index(name)]), name == "edge")
     low, high = (math.log(0.3), math.log(12.0)) if dice.edge else (math.log(1.0), math.log(8.0))
     module = float(f"{math.exp(dice.random.uniform(low, high)):.4g}")
-    return {"kind": kind, "name": f"stress {kind} {name} {seed}", "module": module, **KINDS[kind](dice, module)}
+    keys = {"kind": kind, "name": f"stress {kind} {name} {seed}", "module": module, **KINDS[kind](dice, module)}
+    # a kind that has no module leaves it out
+    return {key: value for key, value in keys.items() if value is not None}
 
 
 def teeth(dice: Dice, first: tuple[int, int], edge: tuple[int, int], ratio: float, far: float) -> tuple[int, int]:
@@ -400,6 +402,30 @@ def worm_drive(dice: Dice, m: float) -> Keys:
     return keys
 
 
+def cycloidal(dice: Dice, m: float) -> Keys:
+    difference = dice.one_of(1, 1, 2)
+    disc, form = dice.count((9, 39), (5, 60)), dice.one_of("pins_in_ring", "pins_in_ring", "pins_in_disc")
+    circle = 10.0 * m * dice.between((1.0, 4.0), (1.0, 8.0))
+    pins = disc if form == "pins_in_disc" else disc + difference
+    shortening = dice.between((0.4, 0.75), (0.1, 0.95))
+    return {
+        "module": None,
+        "eccentricity": float(f"{0.5 * circle * difference * shortening / pins:.5g}"),
+        "pin_circle": float(f"{circle:.5g}"),
+        "pin_diameter": float(f"{circle * math.sin(math.pi / pins) * dice.between((0.45, 0.65), (0.2, 0.95)):.5g}"),
+        "form": form,
+        "disc": {"teeth": disc, "face_width": float(f"{m * dice.between((3.0, 10.0), (1.0, 20.0)):.4g}")},
+        "ring": {"teeth": disc + difference, "face_width": float(f"{m * dice.between((3.0, 10.0), (1.0, 20.0)):.4g}")},
+        "modification": dice.one_of(
+            {},
+            {"equidistant": float(f"{1e-3 * m * dice.between((1.0, 10.0), (0.1, 40.0)):.3g}")},
+            {"rotation": dice.between((0.005, 0.05), (0.001, 0.2))},
+        ),
+        "assembly": dice.errors(dx=(1e-3 * m, 0.02 * m), dy=(1e-3 * m, 0.02 * m), dz=(0.1 * m, m)),
+        "contact": {"flank": dice.one_of("right", "left")},
+    }
+
+
 KINDS: Mapping[str, Callable[[Dice, float], Keys]] = {
     "cylindrical": cylindrical,
     "planetary": planetary,
@@ -413,4 +439,5 @@ KINDS: Mapping[str, Callable[[Dice, float], Keys]] = {
     "spiral_bevel_conjugate": spiral_bevel_conjugate,
     "face_gear": face_gear,
     "worm_drive": worm_drive,
+    "cycloidal": cycloidal,
 }

@@ -222,6 +222,9 @@ def contact_flank(member: Member, side: Side) -> Flank:
     edge = tooth.tip_edge_grid(side, np.array([0.0, 1.0]))
     if edge is not None and _are_parallel(grid.normals[-1], edge.normals[0]):
         smooth.add("tip")
+    if tooth.crest is not None:
+        # a generated land continues the flank
+        smooth.add("tip")
     return Flank(
         surface=tooth.side(side).flank,
         mount=member.mount,

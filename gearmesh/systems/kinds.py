@@ -72,6 +72,10 @@ OWN_KINDS = {
         "worm drives: worms ZA, ZN, ZI, ZK and ZC [ISO 10828], the wheel as its hob generates it",
         ("worm_drive.design", "WormDriveDesign"),
     ),
+    "cycloidal": OwnKind(
+        "cycloidal drives: pins on a circle and the lobes that they generate, difference of one or two teeth",
+        ("cycloidal.design", "CycloidalDesign"),
+    ),
 }
 
 #: terms of the field, without "gear" and the like, and the kind and keys that make such gears
@@ -108,6 +112,13 @@ FIELD_WORDS = {
     "worm": 'kind = "worm_drive"',
     "worm wheel": 'kind = "worm_drive"',
     "worm and wheel": 'kind = "worm_drive"',
+    "cycloid": 'kind = "cycloidal"',
+    "cycloidal drive": 'kind = "cycloidal"',
+    "cycloidal reducer": 'kind = "cycloidal"',
+    "pin": 'kind = "cycloidal"',
+    "pin wheel": 'kind = "cycloidal"',
+    "trochoidal": 'kind = "cycloidal"',
+    "gerotor": 'kind = "cycloidal" with form = "pins_in_disc" or "pins_in_ring"',
 }
 #: words beside a kind that say nothing about it
 _BESIDE_KIND = ("gears", "gear", "gearing", "pair", "set", "wheels")

@@ -116,6 +116,9 @@ def _shift(tooth: Tooth, distance: float) -> Tooth:
         edge = replace(edge, size=edge.size + distance) if edge.size + distance > 0.0 else None
     right, left = (_side(side, tooth, blank, distance) for side in (tooth.right, tooth.left))
     made = replace(tooth, right=right, left=left, blank=blank, tip_edge=edge)
+    if tooth.crest is not None:
+        # flanks pass smoothly into a generated land: all of them move along common normals
+        made = replace(made, crest=replace(tooth.crest, surface=Parallel(tooth.crest.surface, distance)))
     return made if tooth.bottom is None else replace(made, bottom=_bottom(tooth, tooth.bottom, made, distance))
 
 

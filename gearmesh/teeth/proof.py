@@ -126,9 +126,10 @@ def prove_tooth(tooth: Tooth) -> list[SurfaceProof]:
             _prove_outward(tooth, which, samples)
         for region, generated in zip((flank, fillet), side.generation or (), strict=False):
             _prove_motion(generated, _samples(tooth, generated, region, trimmed[region]))
-    if tooth.bottom is not None:
-        low, high = (np.full(PROOF_STATIONS_T.shape, end) for end in tooth.bottom.ends)
-        proofs.append(_prove_jet(_samples(tooth, tooth.bottom.surface, Region.ROOT, (low, high))))
+    for region, between in ((Region.ROOT, tooth.bottom), (Region.LAND, tooth.crest)):
+        if between is not None:
+            low, high = (np.full(PROOF_STATIONS_T.shape, end) for end in between.ends)
+            proofs.append(_prove_jet(_samples(tooth, between.surface, region, (low, high))))
     return proofs
 
 

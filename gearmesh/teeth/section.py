@@ -247,7 +247,7 @@ class TurnedLink:
 
 @dataclass(frozen=True)
 class BottomLink:
-    """Link of a root that a tool generates, from the end of one fillet to the end of the next."""
+    """Link of a root or land that a tool generates, between the ends of two fillets or flanks."""
 
     #: region of the link
     region: Region

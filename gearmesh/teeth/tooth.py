@@ -45,7 +45,7 @@ from gearmesh.teeth.section import (
     parameter,
 )
 from gearmesh.teeth.tip_surface import drawn_edge_surface
-from gearmesh.teeth.tooth_side import Bottom, TipCorner, ToothSide
+from gearmesh.teeth.tooth_side import Bottom, Crest, TipCorner, ToothSide
 from gearmesh.teeth.undercut import Undercut, cut_off, form_point, intersection, singular_stations, trim_tolerance
 
 #: stations between which the beginning and the end of undercut are looked for
@@ -129,6 +129,8 @@ class Tooth:
     tip_edge: TipEdge | None = None
     #: root that is no surface of revolution; the root of `blank` is then the level through its middle
     bottom: Bottom | None = None
+    #: land that is no surface of revolution; None for a land on the tip of the blank
+    crest: Crest | None = None
     #: motion from one tooth to the next: a turn, or the slide of a rack
     joint: Joint = REVOLUTE_JOINT
 
@@ -217,8 +219,10 @@ class Tooth:
         jet = self.tip_edges[which].jet(p, v)
         return Grid(jet.r, jet.n, jet, p, v)
 
-    def _top(self) -> TurnedLink:
+    def _top(self) -> TurnedLink | BottomLink:
         """Return the link between the tips of both sides."""
+        if self.crest is not None:
+            return BottomLink(Region.LAND, self.crest.surface, self.blank.axial, self.crest.ends)
 
         def land(sections: Sections) -> tuple[Array, Array]:
             return sections.right.tip_angle, sections.left.tip_angle
@@ -370,7 +374,10 @@ class Tooth:
     def unmodified_tooth(self) -> Tooth:
         """The tooth as its tools leave it, without modifications or deviations."""
         right, left = (side.generated or side for side in (self.right, self.left))
-        return self if (right, left) == (self.right, self.left) else replace(self, right=right, left=left)
+        if (right, left) == (self.right, self.left):
+            return self
+        crest = None if self.crest is None else self.crest.generated or self.crest
+        return replace(self, right=right, left=left, crest=crest)
 
     def breaks_of(self, which: Side) -> Array:
         """Return the stations where undercut of one side begins or ends.
@@ -752,6 +759,10 @@ class Tooth:
         if corner is not None and not corner.crossed:
             apart = on_flank[1] - points(corner.surface, corner.form_point[1])[0]
             compared.append((f"{flank} and {edge}", "at the tip", apart))
+        if self.crest is not None:
+            end = self.crest.ends[0 if which is Side.RIGHT else 1]
+            apart = points(side.flank, side.tip)[0] - points(self.crest.surface, end)[0]
+            compared.append((f"{flank} and {Region.LAND}", "at the tip", apart))
         if self.bottom is None:
             below = self.blank.root.value(on_fillet[1])[:, None]
         else:
@@ -1216,6 +1227,9 @@ class Tooth:
         Returns the flank parameter p (T,) and the jet at each station.
         """
         axial, tip = self.blank.axial, self.blank.tip
+        if self.crest is not None:
+            ends = np.full_like(stations, side.tip)
+            return ends, along(side.flank, ends, stations, axial)[1]
         if side.tip_corner is not None:
             begins, _ = self._tip_corner(side, side.tip_corner, stations, t)
             return begins, along(side.flank, begins, stations, axial)[1]

@@ -42,7 +42,7 @@ class ToothSide:
     form_point: tuple[float, float]
     #: parameter q where the tool's tip plane begins
     root: float
-    #: parameter p near the tip, a start value
+    #: parameter p near the tip, a start value; with a generated land, p at the tip
     tip: float
     #: chamfer or rounding of the tip that the tool generates, on both sides of a tooth or on none
     tip_corner: TipCorner | None = None
@@ -74,6 +74,21 @@ class ToothSide:
     tool: ToolDescription = field(kw_only=True)
     #: flank and fillet by their motion of the tool; None if their parameters differ, or if no tool is known
     generation: tuple[GeneratedSurface, GeneratedSurface] | None = field(default=None, kw_only=True)
+
+
+@dataclass(frozen=True)
+class Crest:
+    """Generated land between the flanks of a tooth: surface parameters (h, v), h across it.
+
+    The flanks end at its ends, with the parameter `ToothSide.tip`; the tip of the blank is the level through its middle.
+    """
+
+    #: surface of the land
+    surface: Surface
+    #: values of h at the right and at the left flank
+    ends: tuple[float, float]
+    #: the land between unmodified flanks; None if they were not modified
+    generated: Crest | None = None
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,9 @@ tip sweeps: a surface of revolution, or a plane for a rack. The crossing of the 
 rotation of the gear that brings its tip to the point is known in closed form there, and gives the transmission advance of tips
 that meet. Such contact may last any small part of a pitch, so that sampling in phi1 can miss it; the roots are always found.
 
+A flank that a land continues smoothly has no tip that could meet another such flank: they touch where their normals
+agree, as flanks do.
+
 Where tips come near each other, all lines of both profiles, with chamfers and roundings, are treated in the same way. A tip that
 never leaves the tip surface counts half a turn away from the mesh.
 """
@@ -116,6 +119,9 @@ def tip_meetings(pair: Pair, reference: float) -> TipMeetings:
 
     The gear is ahead of the nominal ratio by the `reference` (rad).
     """
+    smooth = [_continues(*both) for both in zip(pair.flanks, pair.tips, strict=True)]
+    if all(smooth):
+        return _NO_MEETINGS
     with np.errstate(all="ignore"):
         # tips at a few stations decide if tips come near; near tips are compared at all columns, and whole profiles at three
         first, second = map(_tip_lines, pair.flanks, pair.tips)
@@ -126,10 +132,23 @@ def tip_meetings(pair: Pair, reference: float) -> TipMeetings:
             return _concatenate(meetings)
         all_points = _Points.of(first, np.arange(len(first[0].points)))
         meetings = [_meetings(pair, reference, all_points, line, tips=True) for line in second]
-        first, second = map(_profile, pair.flanks, pair.tips)
+        # a profile that goes on smoothly beyond its tip meets the other one there by its tip alone
+        first, second = (
+            (_tip_lines if smooth[1 - k] else _profile)(*both)
+            for k, both in enumerate(zip(pair.flanks, pair.tips, strict=True))
+        )
         profile_points = _Points.of(first, columns[:: len(columns) // 2])
         meetings += [_meetings(pair, reference, profile_points, line, tips=False) for line in second]
     return _concatenate(meetings)
+
+
+#: meetings of flanks that have no tips
+_NO_MEETINGS = TipMeetings(np.zeros(0), np.zeros(0), np.zeros((0, 3)), np.zeros(0), np.zeros(0, dtype=bool))
+
+
+def _continues(flank: Flank, tip_edge: Flank | None) -> bool:
+    """Return True if the tooth continues smoothly beyond the flank without a chamfer or rounding: a generated land."""
+    return tip_edge is None and "tip" in flank.smooth
 
 
 def _concatenate(meetings: list[TipMeetings]) -> TipMeetings:

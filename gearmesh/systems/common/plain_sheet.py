@@ -107,12 +107,16 @@ def _at_mid_face(member: Member) -> dict[tuple[str, str], float | None]:
     """Return the figures of a member's section at mid face; diameters are None for a member that slides."""
     tooth = member.one_tooth
     section = tooth.sections([0.5])
-    ends = np.array([0.0, 1.0])
+
+    def places(region: Region) -> list[float]:
+        """Return the shares of a link that are measured: the ends, or the middle of a land or root that a tool generates."""
+        return [0.5] if region in (Region.LAND, Region.ROOT) and tooth.chain[region].generated else [0.0, 1.0]
+
     at = {
-        region: tooth.grid(region, ends, section).points[:, 0]
+        region: tooth.grid(region, places(region), section).points[:, 0]
         for region in (Region.ROOT, Region.FLANK_RIGHT, Region.FLANK_LEFT, Region.LAND)
     }
-    places = (
+    measured = (
         ("tip diameter", "z of the tip", at[Region.LAND]),
         ("root diameter", "z of the root", at[Region.ROOT]),
         ("flank begins at diameter, right", "flank begins at z, right", at[Region.FLANK_RIGHT][:1]),
@@ -122,7 +126,7 @@ def _at_mid_face(member: Member) -> dict[tuple[str, str], float | None]:
     on_cylinder = station_normal(tooth.blank.axial)[1] == 0.0
     diameters = {
         (words, "mm"): None if on_cylinder else tooth.joint.diameter(float(tooth.joint.radius(points).mean()))
-        for words, _, points in places
+        for words, _, points in measured
     }
     toe, heel = member.extent
     width = (section.left.tip_angle - section.right.tip_angle)[0]
@@ -137,7 +141,7 @@ def _at_mid_face(member: Member) -> dict[tuple[str, str], float | None]:
     }
     if on_cylinder:
         figures |= {("inner diameter of the teeth", "mm"): 2.0 * toe, ("outer diameter of the teeth", "mm"): 2.0 * heel}
-        figures |= {(words, "mm"): float(points[:, 2].mean()) for _, words, points in places}
+        figures |= {(words, "mm"): float(points[:, 2].mean()) for _, words, points in measured}
     return figures
 
 

@@ -15,7 +15,6 @@ import os
 import sys
 from array import array
 from collections.abc import Callable, Iterator
-from io import BufferedReader
 from math import atan, degrees, radians, tan
 from typing import IO, Any, TypedDict, cast
 
@@ -100,10 +99,11 @@ PLAIN_PRIMITIVE = Primitive(
 )
 
 
-def receive(stream: BufferedReader) -> bytearray:
+def receive(stream: IO[bytes]) -> bytes:
     """Return the bytes that `send` wrote. Raises EOFError at the end of the stream."""
-    data = bytearray(int.from_bytes(stream.read(8), "little"))
-    if not data or stream.readinto(data) < len(data):
+    length = int.from_bytes(stream.read(8), "little")
+    data = stream.read(length)
+    if not length or len(data) < length:
         raise EOFError
     return data
 
@@ -129,7 +129,7 @@ def main() -> None:
     draw = drawer()
     while True:
         try:
-            order: Order | None = marshal.loads(receive(cast("Any", sys.stdin.buffer)))
+            order: Order | None = marshal.loads(receive(sys.stdin.buffer))
         except EOFError:
             return
         if order is None:

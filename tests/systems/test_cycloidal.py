@@ -1,0 +1,208 @@
+"""Cycloidal drives against closed forms that the core does not know: curve, curvature, area, lost motion, undercut."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+import gearmesh as gm
+from gearmesh.kernel.envelope.limiting_line import limiting_line
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.systems.cycloidal.build import Drive
+from gearmesh.systems.cycloidal.geometry import PinCurve
+from gearmesh.systems.cycloidal.sheet import lobe_area
+from gearmesh.teeth.limits import member_limits
+from gearmesh.teeth.offset import offset_tooth
+from gearmesh.teeth.region import Region, Side
+from gearmesh.tools.rack import Arc, RackSurface
+
+SAMPLES = Path(__file__).parents[2] / "samples"
+#: both forms with a difference of one and of two teeth
+FORMS = [
+    pytest.param("pins_in_ring", 19, id="pins in ring"),
+    pytest.param("pins_in_ring", 18, id="pins in ring, two"),
+    pytest.param("pins_in_disc", 19, id="pins in disc"),
+    pytest.param("pins_in_disc", 18, id="pins in disc, two"),
+]
+
+
+def design(*overrides: str) -> Any:
+    """The sample without modification, with other keys."""
+    return gm.load(SAMPLES / "cycloidal.toml", ["modification.equidistant=0", "ring.face_width=12", *overrides])
+
+
+def drive_of(form: str, teeth: int, *overrides: str) -> Drive:
+    return Drive(design(f'form="{form}"', f"disc.teeth={teeth}", *overrides))
+
+
+def curve(drive: Drive, phi: Array) -> tuple[Array, Array, Array]:
+    """Return the pin's centre and its first two derivatives as complex numbers, by hand from the two turns."""
+    own = drive.ground
+    rate, out = own.pins / own.lobes, own.outside
+    big, small = own.circle, -out * own.eccentricity
+    turns = [(1.0 - rate, big), (-rate, small)]
+    value, slope, bend = (sum((1j * w) ** k * r * np.exp(1j * w * phi) for w, r in turns) for k in range(3))
+    return value, slope, bend
+
+
+@pytest.mark.parametrize(("form", "teeth"), FORMS)
+def test_lobes_are_the_curve_beside_the_trochoid(form: str, teeth: int) -> None:
+    drive = drive_of(form, teeth, "modification.equidistant=0.07", "modification.offset=-0.1")
+    phi = np.linspace(0.05, np.pi, 7)
+    centre, slope, _ = curve(drive, phi)
+    # the profile lies towards the lobes: inside of an epitrochoid that runs clockwise, outside of a hypotrochoid
+    profile = centre + drive.grinding_pin * 1j * slope / np.abs(slope) * -1
+    left = drive.envelope(Side.LEFT).jet(phi, np.zeros_like(phi)).r
+    half = np.exp(1j * np.pi / drive.ground.lobes)
+    shown = (left[:, 0] + 1j * left[:, 1]) / half
+    # the left side runs the other way for lobes around the pins
+    assert np.abs(shown - (profile if drive.ground.outside > 0 else profile.conj())).max() < 1e-12
+
+
+@pytest.mark.parametrize(("form", "teeth"), FORMS)
+def test_largest_pin_is_where_the_limiting_line_begins(form: str, teeth: int) -> None:
+    drive = drive_of(form, teeth)
+    phi, largest = drive.ground.sharpest
+    _, slope, bend = curve(drive, np.array(phi))
+    turning = (slope.conj() * bend).imag / abs(slope) ** 3
+    assert abs(abs(1.0 / turning) - largest) < 1e-9
+    for more, found in ((-1e-9, 0), (1e-9, 2)):
+        # a pin larger by a millionth of a micrometre has two singular points, a smaller one none
+        pin = RackSurface(Arc((0.0, 0.0), -(largest + more)), 0.0, 0.0)
+        surface = replace(drive.envelope(Side.RIGHT), tool=pin)
+        assert limiting_line(surface, (phi - 1e-3, phi + 1.1e-3), np.zeros(1), samples=4097).p.size == found
+
+
+def test_pins_that_undercut_are_refused_with_the_largest() -> None:
+    with pytest.raises(gm.DesignError, match=r"^pin_diameter = 15 mm: the pins undercut .* allowed is less than 6\.59"):
+        gm.build(design("pin_diameter=15", "eccentricity=2.4"))
+    with pytest.raises(
+        gm.DesignError,
+        match=r"^modification\.equidistant = 6 mm: the pins undercut .* allowed is less than 4\.41433",
+    ):
+        gm.build(design("modification.equidistant=6"))
+
+
+@pytest.mark.sweep_cases("pins in ring, two", "pins in disc", "pins in disc, two")
+@pytest.mark.parametrize(("form", "teeth"), FORMS)
+def test_unmodified_drives_turn_evenly_on_half_of_the_pins(form: str, teeth: int) -> None:
+    gears = gm.build(design(f'form="{form}"', f"disc.teeth={teeth}"))
+    contact = gears.contact().summary
+    assert contact["mesh_te_peak_to_peak_arcsec"] < 1e-12 * np.degrees(3600.0)
+    assert abs(contact["backlash_max_deg"]) < 1e-9
+    assert contact["interference_um"] == 0.0
+    pins = 20 if form == "pins_in_ring" else teeth
+    # with a difference of two the lobes are cut off, and fewer pins touch
+    assert contact["contact_ratio"] > (0.45 if teeth == 19 else 0.2) * pins
+
+
+@pytest.mark.parametrize("form", ["pins_in_ring", "pins_in_disc"])
+def test_volume_is_that_of_the_closed_form(form: str) -> None:
+    gears = gm.build(design(f'form="{form}"'))
+    inside = lobe_area(PinCurve(50.0, 1.5, *((20, 19) if form == "pins_in_ring" else (19, 20))), 5.0)
+    assert inside is not None
+    member = gears.members["disc" if form == "pins_in_ring" else "ring"]
+    body = np.pi * member.tooth.blank.body.profile[0][0] ** 2
+    assert member.plain_volume() == pytest.approx(12.0 * abs(inside - body), rel=1e-10)
+
+
+def test_area_is_the_integral_along_the_lobes() -> None:
+    own = PinCurve(50.0, 1.5, 20, 19)
+    drive = drive_of("pins_in_ring", 19)
+
+    def rate(phi: float) -> float:
+        jet = drive.envelope(Side.LEFT).jet(np.array(phi), np.array(0.0))
+        return 0.5 * float(jet.r[0] * jet.r_u[1] - jet.r[1] * jet.r_u[0])
+
+    assert 19 * abs(quad(rate, 0.0, 2.0 * np.pi, epsabs=1e-12)[0]) == pytest.approx(lobe_area(own, 5.0), rel=1e-12)
+
+
+@pytest.mark.sweep_cases("offset", "turned", "disc, offset", "disc, turned")
+@pytest.mark.parametrize(
+    ("form", "overrides"),
+    [
+        pytest.param("pins_in_ring", ("equidistant=0.02",), id="equidistant"),
+        pytest.param("pins_in_ring", ("equidistant=0.03", "offset=0.02"), id="offset"),
+        pytest.param("pins_in_ring", ("rotation=0.05", "equidistant=0.01"), id="turned"),
+        pytest.param("pins_in_disc", ("equidistant=0.02", "offset=-0.01"), id="disc, offset"),
+        pytest.param("pins_in_disc", ("rotation=0.05", "equidistant=0.01"), id="disc, turned"),
+    ],
+)
+def test_lost_motion_is_the_closed_form_in_the_best_place(form: str, overrides: tuple[str, ...]) -> None:
+    given = design(f'form="{form}"', *(f"modification.{key}" for key in overrides))
+    contact, closed = gm.build(given).contact().summary, np.degrees(Drive(given).lost_motion)
+    # of 20 pins one is never farther than half a pitch from the best place
+    assert closed * (1.0 - 2e-4) < contact["backlash_min_deg"] < closed * 1.02
+
+
+def test_equidistant_alone_has_the_textbook_lost_motion() -> None:
+    assert Drive(design("modification.equidistant=0.02")).lost_motion == pytest.approx(2.0 * 0.02 / 30.0, rel=1e-9)
+
+
+def test_relief_is_removed_along_the_normal_and_stays_smooth() -> None:
+    plain, relieved = (
+        gm.build(design(*asked)).members["disc"].tooth for asked in ((), ("modification.tip_relief=0.1",))
+    )
+    t = np.array([0.5])
+    points = [tooth.grid(Region.LAND, np.array([0.5]), tooth.sections(t)).points[0, 0] for tooth in (plain, relieved)]
+    assert points[0][0] - points[1][0] == pytest.approx(0.1, abs=1e-12)
+    ends = [
+        relieved.grid(region, np.array([s]), relieved.sections(t)).normals[0, 0]
+        for region, s in ((Region.FLANK_RIGHT, 1.0), (Region.LAND, 0.0))
+    ]
+    assert np.abs(ends[0] - ends[1]).max() < 1e-12
+    assert relieved.unmodified_tooth.volume() == pytest.approx(plain.volume(), rel=1e-12)
+
+
+def test_solid_is_within_its_tolerance_of_whole_lobes() -> None:
+    gears = gm.build(gm.load(SAMPLES / "cycloidal.toml"))
+    for name in ("disc", "ring"):
+        solid = gears.solid(name, tolerance="20um")
+        assert solid.figures["watertight"]
+        assert solid.figures["max_deviation_um"] <= 20.0
+    assert len(gears.members["disc"].openings) == 6
+
+
+def test_moved_lobes_keep_their_land() -> None:
+    tooth = gm.build(design()).members["disc"].tooth
+    moved = offset_tooth(tooth, 0.1)
+    land = moved.grid(Region.LAND, np.array([0.5]), moved.sections(np.array([0.5]))).points[0, 0]
+    assert land[0] == pytest.approx(46.6, abs=1e-12)
+    # a pin that is smaller by the distance grinds the same lobes
+    smaller = gm.build(design("modification.equidistant=-0.1")).members["disc"].tooth
+    assert moved.volume() == pytest.approx(smaller.volume(), rel=1e-10)
+
+
+def test_limits_of_lobes_have_no_undercut() -> None:
+    limits = member_limits(gm.build(design()).members["disc"])
+    assert not limits.right.undercut.any()
+    assert limits.tip_radius == pytest.approx(46.5)
+
+
+@pytest.mark.parametrize(
+    ("overrides", "message"),
+    [
+        (("eccentricity=2.6",), r"^eccentricity = 2\.6 mm: the curve of the pins' centres has loops"),
+        (("ring.teeth=22",), r"^ring\.teeth = 22: must be 20 or 21"),
+        (("pin_diameter=16",), r"^pin_diameter = 16 mm: 20 pins on this circle touch"),
+        (("support_diameter=112",), r"^support_diameter = 112 mm: .* allowed is between 96 and 108\.775 mm"),
+        (("lobe_diameter=95",), r"^lobe_diameter = 95 mm: the lobes do not reach it"),
+        (("ring.rim=4",), r"^ring\.rim = 4 mm: the pins stand out of the ring; allowed is more than 5 mm"),
+        (("module=3",), r"^module: follows from eccentricity"),
+        (("disc.tip_chamfer=0.2",), r"^disc\.tip_chamfer: the lobes"),
+        (("output.circle=85",), r"^output\.circle = 85 mm: .* allowed is from 43\.224 to 73\.776 mm"),
+        (("output.pins=20",), r"^output\.pin_diameter = 8 mm: 20 holes of 11\.02 mm have no room"),
+        (
+            ("modification.tip_relief=0.1", "modification.tip_relief_start=80"),
+            r"^modification\.tip_relief_start = 80 mm",
+        ),
+    ],
+)
+def test_bad_keys_are_refused_in_one_line(overrides: tuple[str, ...], message: str) -> None:
+    with pytest.raises(gm.DesignError, match=message):
+        gm.build(design(*overrides))
