@@ -42,7 +42,7 @@ SHEET_TOLERANCE = 1e-9
 #: limit of the bins in either direction
 MAX_BINS = 200
 #: triangles are halved for the bins while their boxes exceed the whole divided by this in both directions
-PIECES_PER_EXTENT = 60
+PIECES_PER_EXTENT = 24
 #: limit of these halvings
 MAX_HALVINGS = 14
 
@@ -326,10 +326,15 @@ class MeshFlank:
 
         Ends of edges are identified by their coordinates.
         """
-        vertex = np.unique(self.points, axis=0, return_inverse=True)[1].reshape(-1, 3)
-        ends = np.sort(np.stack((vertex, np.roll(vertex, -1, axis=1)), axis=-1).reshape(-1, 2), axis=1)
-        _, edge, count = np.unique(ends, axis=0, return_inverse=True, return_counts=True)
-        alone = np.flatnonzero(count[edge.ravel()] == 1)
+        # sorted column by column: numpy compares rows ten times as slowly
+        order = np.lexsort(self.points.T)
+        vertex = np.empty(len(order), dtype=np.int64)
+        vertex[order] = np.cumsum(np.append(False, (np.diff(self.points[order], axis=0) != 0.0).any(axis=1)))
+        start, end = vertex, np.roll(vertex.reshape(-1, 3), -1, axis=1).ravel()
+        edge = np.minimum(start, end) * len(order) + np.maximum(start, end)
+        order = np.argsort(edge)
+        differs = np.concatenate(([True], np.diff(edge[order]) != 0, [True]))
+        alone = np.sort(order[differs[1:] & differs[:-1]])
         return np.stack((alone // 3, alone % 3), axis=-1)
 
     def between(self, low: float, high: float) -> Self | None:

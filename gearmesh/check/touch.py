@@ -32,7 +32,7 @@ FIRST_CELLS = 64
 #: parts of a divided cell in either direction, and of a divided piece of a rim
 PARTS_PER_DIVISION = 4
 #: limit of the cells or pieces of a rim that are divided at once
-MAX_CELLS = 100
+MAX_CELLS = 32
 #: limit of the divisions
 MAX_STAGES = 24
 #: stages at which cells on rims are divided whatever their centres say

@@ -80,10 +80,10 @@ class _DrawingProcess:
         assert self.child.stdin is not None
         send(self.child.stdin, marshal.dumps(cast("Any", order)))
 
-    def answer(self) -> bytes:
+    def answer(self) -> bytearray:
         """Return the pixels of the oldest unanswered order. Raises EOFError if the process ends before."""
         assert self.child.stdout is not None
-        return receive(self.child.stdout)
+        return receive(cast("Any", self.child.stdout))
 
     def end(self) -> str:
         """End the process and return in a few words how it ended."""
@@ -133,7 +133,7 @@ def begin_drawing() -> None:
             _begin_trial()
 
 
-def draw(order: Order) -> bytes:
+def draw(order: Order) -> bytearray:
     """Pixels (H, W, 4) of an order, rows from below. Raises OutputError if OpenGL does not work or fails."""
     missing = missing_opengl_message()
     if missing is not None:

@@ -332,11 +332,13 @@ def flank_panel(
     title: str | None = None,
     whole: ContactPath | None = None,
     nominal: Array | None = None,
+    exchange: Array | None = None,
 ) -> ContactPanel:
     """Panel of a member's flank in its plane: the contact of a path, and its pattern.
 
     `whole` is the path of the whole engagement, which gives the pattern if present. `nominal` (P, 3), own frame, is
-    another path to compare with.
+    another path to compare with. With `exchange` (3,) both paths are those of the other flank, of which this flank is
+    the image by the map of the own frame with that diagonal.
     """
     from gearmesh.view.diagrams.flank_diagrams import contact_panel
     from gearmesh.view.diagrams.flank_plane import FlankPlane
@@ -344,6 +346,8 @@ def flank_panel(
     index = gears.index(name)
     contact = contact_on(index, path, gears.mounts, whole)
     wholly = None if whole is None else contact_on(index, whole, gears.mounts)
+    if exchange is not None:
+        contact, wholly = contact.image(exchange), None if wholly is None else wholly.image(exchange)
     side = _side(gears, name)
     return contact_panel(
         FlankPlane.of(gears.members[name], side), contact, title or f"{name}, {side} flank", wholly, nominal
@@ -370,6 +374,7 @@ def flank_rows(contact: Contact, names: tuple[str, ...] | None = None, sliding: 
                 flanks_of_side.path,
                 f"{name}, {_side(flanks_of_side.pair, name)} flank: {which}",
                 flanks_of_side.whole,
+                exchange=flanks_of_side.exchange,
             )
             for name in names
         ]

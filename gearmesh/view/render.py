@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from gearmesh.errors import OutputError
-from gearmesh.formats import PNG_SUFFIX
+from gearmesh.formats import PNG_COMPRESSION_LEVEL, PNG_SUFFIX
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.progress import tell
 from gearmesh.view.lettering import MAX_TITLE_WIDTH_SHARE, break_lines
@@ -55,7 +55,7 @@ def render(scene: Scene, path: Path | str | None = None, size: tuple[int, int] |
         from gearmesh.io.atomic import whole_file
 
         with whole_file(path) as unfinished:
-            pillow.fromarray(image).save(unfinished)
+            pillow.fromarray(image).save(unfinished, compress_level=PNG_COMPRESSION_LEVEL)
     return image
 
 

@@ -284,6 +284,18 @@ class MemberContact:
         }
         return MemberContact(**kept, lines=tuple(self.lines[k] for k in index) if self.lines else ())
 
+    def image(self, exchange: Array) -> MemberContact:
+        """Return the contact on the other flank, the image by the map of the own frame with diagonal `exchange` (3,)."""
+        return replace(
+            self,
+            point=exchange * self.point,
+            normal=exchange * self.normal,
+            major=exchange * self.major,
+            minor=exchange * self.minor,
+            lines=tuple(None if line is None else exchange * line for line in self.lines),
+            curve=None if self.curve is None else (exchange * self.curve[0], exchange * self.curve[1]),
+        )
+
     @property
     def path(self) -> tuple[Array, Array]:
         """Points and normals (W, 3) of the path of contact.

@@ -209,7 +209,12 @@ class Contact(Result):
         # the fit of eccentric members belongs to other members, which stay displaced
         known = self.fit is not None and not self.pair.eccentric
         coast = self.fit.coast if self.fit and known else None
-        return side_contacts(self.pair, self.path, self.engagement, coast, self.whole)
+        return side_contacts(self.pair, self.path, self.engagement, coast, self.whole, self._exchange)
+
+    @property
+    def _exchange(self) -> Array | None:
+        """Diagonal (3,) of the map of the members' frames that makes the coast side of the driving side; None: no image."""
+        return None if self.fit is None or self.pair.eccentric else self.fit.exchange
 
     @cached_property
     def patterns(self) -> tuple[PatternFigures, ...]:
@@ -220,9 +225,8 @@ class Contact(Result):
         if self.cycle is None or self.whole is None:
             return ()
         driving = pattern_figures(self.pair, self.whole, driving=True)
-        exchange = None if self.fit is None or self.pair.eccentric else self.fit.exchange
-        if exchange is not None:
-            return (*driving, *images(self.pair, driving, exchange))
+        if self._exchange is not None:
+            return (*driving, *images(self.pair, driving, self._exchange))
         coast = (side for side in self.sides if not side.driving)
         return (*driving, *(pattern for side in coast for pattern in pattern_figures(side.pair, side.whole)))
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -19,6 +19,8 @@ from gearmesh.teeth.gear_train import GearPair
 
 #: positions of a whole engagement
 ENGAGEMENT_POSITIONS = 41
+#: difference of rotations of the pinion that is rounding
+SAME_ROTATION_RAD = 1e-12
 
 
 @dataclass(frozen=True)
@@ -29,25 +31,35 @@ class SideContact:
     pair: GearPair
     #: True for the driving side
     driving: bool
-    #: whole engagement of a tooth pair on this side
+    #: whole engagement of a tooth pair on this side; on the driving side if this side is its image
     engagement: Engagement
-    #: path of a tooth pair from its first to its last contact
+    #: path of a tooth pair from its first to its last contact; on the driving side if this side is its image
     whole: ContactPath
     #: path of contact of the driving side, at the positions asked for
     driving_path: ContactPath
+    #: diagonal (3,) of the map of the members' own frames that makes this side of the driving side; None: no image
+    exchange: Array | None = None
 
     @cached_property
     def path(self) -> ContactPath:
-        """Path of contact; that of the coast side has as many positions over its engagement as the driving side has."""
+        """Path of contact; that of the coast side has as many positions over its engagement as the driving side has.
+
+        It is on the driving side if this side is its image.
+        """
+        asked = self.driving_path
         if self.driving:
-            return self.driving_path
-        phi1 = np.linspace(self.whole.rotation[0], self.whole.rotation[-1], len(self.driving_path.phi1))
-        return contact_path(solver_pair(self.pair), phi1, None, engagement=self.engagement)
+            return asked
+        phi1 = np.linspace(self.whole.rotation[0], self.whole.rotation[-1], len(asked.phi1))
+        if self.exchange is not None and np.abs(phi1 - asked.rotation).max() <= SAME_ROTATION_RAD:
+            return asked
+        flanks = self.engagement.pair if self.exchange is not None else solver_pair(self.pair)
+        return contact_path(flanks, phi1, None, engagement=self.engagement)
 
     @cached_property
     def ease_off(self) -> EaseOff:
         """Ease-off of the pinion's flank."""
-        return ease_off(self.engagement, self.pair.pitch)
+        found = ease_off(self.engagement, self.pair.pitch)
+        return found if self.exchange is None else found.image(self.exchange, 2.0 * self.pair.pinion.mount.zero)
 
     @property
     def sliding_velocity(self) -> Array:
@@ -88,14 +100,19 @@ def side_contacts(
     engagement: Engagement | None = None,
     coast: Engagement | None = None,
     driving_whole: ContactPath | None = None,
+    exchange: Array | None = None,
 ) -> tuple[SideContact, ...]:
     """Return the contact on both sides of a pair; a side without contact is left out.
 
     `path` belongs to the driving side. These are computed if not given: `engagement` of the driving flanks, the
-    engagement of the `coast` flanks, and the whole path of the driving side, `driving_whole`.
+    engagement of the `coast` flanks, and the whole path of the driving side, `driving_whole`. With `exchange` (3,), the
+    diagonal of a map of the members' frames, the coast side is the image of the driving side, and is not solved.
     """
-    contacts = []
+    contacts: list[SideContact] = []
     for own_pair, driving, known in ((pair, True, engagement), (reversed_pair(pair), False, coast)):
+        if contacts and exchange is not None:
+            contacts.append(replace(contacts[0], pair=own_pair, driving=False, exchange=exchange))
+            continue
         flanks = solver_pair(own_pair)
         followed = whole_engagement(flanks, own_pair.pitch) if known is None else known
         if followed is None or not followed.contacts.touching.any():

@@ -76,9 +76,9 @@ def staged_contact(train: GearTrain, contact: Contact) -> StagedContact:
     pair, known = contact.pair, contact.path.phi1[contact.path.touching]
     flanks = solver_pair(pair)
     phi1 = np.linspace(known.min(), known.max(), SLIDER_POSITIONS if np.ptp(known) else 1)
-    path = contact_path(flanks, phi1, pair.generation)
+    path = contact_path(flanks, phi1, pair.generation, engagement=contact.engagement)
     if not path.touching.all():
-        path = contact_path(flanks, phi1[path.touching], pair.generation)
+        path = contact_path(flanks, phi1[path.touching], pair.generation, engagement=contact.engagement)
     return StagedContact(
         pair,
         path,

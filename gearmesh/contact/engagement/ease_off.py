@@ -47,6 +47,26 @@ class EaseOff:
     #: rotation (I, J) of the pinion that belongs to `continued`, rad
     continued_phi1: Array
 
+    def image(self, exchange: Array, turn: float) -> EaseOff:
+        """Return the ease-off of the other flanks, which are the images of these flanks.
+
+        `exchange` (3,): diagonal of the map of the own frames. `turn`: sum (rad) of a rotation of the pinion and the
+        rotation of its image.
+        """
+
+        def along_face(values: Array) -> Array:
+            """Return values (I, J, ...) from the image's toe to its heel: a half turn exchanges the ends of the face."""
+            return values if exchange[2] > 0.0 else values[:, ::-1]
+
+        return EaseOff(
+            along_face(exchange * self.points),
+            along_face(self.distance),
+            along_face(turn - self.phi1),
+            along_face(self.beyond),
+            along_face(self.continued),
+            along_face(turn - self.continued_phi1),
+        )
+
 
 def ease_off(engagement: Engagement, pitch: float, grid: Array | None = None) -> EaseOff:
     """Compute the ease-off of a pair from its engagement at pinion pitch `pitch` (rad).

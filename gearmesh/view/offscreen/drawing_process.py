@@ -15,6 +15,7 @@ import os
 import sys
 from array import array
 from collections.abc import Callable, Iterator
+from io import BufferedReader
 from math import atan, degrees, radians, tan
 from typing import IO, Any, TypedDict, cast
 
@@ -99,11 +100,10 @@ PLAIN_PRIMITIVE = Primitive(
 )
 
 
-def receive(stream: IO[bytes]) -> bytes:
+def receive(stream: BufferedReader) -> bytearray:
     """Return the bytes that `send` wrote. Raises EOFError at the end of the stream."""
-    length = int.from_bytes(stream.read(8), "little")
-    data = stream.read(length)
-    if not length or len(data) < length:
+    data = bytearray(int.from_bytes(stream.read(8), "little"))
+    if not data or stream.readinto(data) < len(data):
         raise EOFError
     return data
 
@@ -129,7 +129,7 @@ def main() -> None:
     draw = drawer()
     while True:
         try:
-            order: Order | None = marshal.loads(receive(sys.stdin.buffer))
+            order: Order | None = marshal.loads(receive(cast("Any", sys.stdin.buffer)))
         except EOFError:
             return
         if order is None:
