@@ -14,12 +14,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from gearmesh.cad.brep import MIN_LINK_WIDTH_MM, Patch, SplineTooth
-from gearmesh.cad.faces.bar_end import BarEnd
+from gearmesh.cad.faces.bar_end import BarEnd, HalfRoot
 from gearmesh.cad.faces.drawn_face import DrawnFace, Sides
 from gearmesh.cad.occ import (
     PRECISION_MM,
@@ -39,6 +40,7 @@ from gearmesh.cad.turned import Prism
 from gearmesh.kernel.numeric.algebra import Array, unit
 from gearmesh.teeth.blank.body import end_edges
 from gearmesh.teeth.blank.end_edge import SHARP_ENDS
+from gearmesh.teeth.blank.halves import HalfEnd, HalfGear
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import FILLET_REGIONS, Region
 
@@ -104,6 +106,10 @@ class BarArc:
             return Geom_CylindricalSurface(self._frame(np.zeros(3)), float(self.halves[1])), sense
         return Geom_SurfaceOfLinearExtrusion(self.curve(np.zeros(3)), gp_Dir(*trace.tolist())), 1.0
 
+    def move(self, way: Array) -> BarArc:
+        """Return the arc moved by `way` (3,)."""
+        return BarArc(self.centre + way, self.axes, self.halves, self.first, self.last)
+
     def _frame(self, way: Array) -> Any:
         from OCP.gp import gp_Ax3, gp_Dir
 
@@ -150,48 +156,154 @@ def bar_part(member: Member) -> tuple[Part, float]:
     Faces are named by region and number of the tooth. Raises DesignError for an invalid solid, OutputError without OpenCASCADE.
     """
     require_occ()
-    # vertices of the section on toe and heel, and under them on the back
+    # vertices of the sections at which the rows of teeth begin and end, in the order of z
     links, last, miss = _links(member)
-    corners = np.stack([*(link.corner for link in links), last])
+    corners = np.stack([_in_rows(member, corner) for corner in (*(link.corner for link in links), last)])
     vertices = [[vertex(r) for r in column] for column in corners]
-    back = np.stack((corners[0], corners[-1]))
-    back[..., 0] = member.tooth.blank.body.profile[0][0]
-    under = [[vertex(r) for r in column] for column in back]
-    along = [straight_edge(*column) for column in vertices]
     across = [
-        tuple(_across(link, vertices[n][row], vertices[n + 1][row], corners[n, row] - corners[n, 0]) for row in (0, 1))
+        tuple(
+            _across(link, vertices[n][row], vertices[n + 1][row], corners[n, row] - corners[n, 0])
+            for row in range(corners.shape[1])
+        )
         for n, link in enumerate(links)
     ]
-    # a face for each link: a plane, or the extruded arc of a fillet
-    faces = []
-    for n, link in enumerate(links):
-        sides = [(across[n][0], True), (along[n + 1], True), (across[n][1], False), (along[n], False)]
-        way = corners[n, 1] - corners[n, 0]
-        if link.arc is None:
-            # the outward normal is the direction along the chain times the direction from toe to heel
-            shape = _plane(corners[n, 0], np.cross(corners[n + 1, 0] - corners[n, 0], way), sides)
-        else:
-            shape = _extrude(link.arc, way, sides)
-        faces.append(NamedFace(shape, link.name, link.region, tooth=link.tooth))
-    # the bar under the teeth: toe, heel, both ends and back
-    down = [[straight_edge(vertices[n][row], under[n][row]) for row in (0, 1)] for n in (0, -1)]
-    across_back = [straight_edge(*column) for column in under]
-    along_back = [straight_edge(under[0][row], under[1][row]) for row in (0, 1)]
-    walls, holes = _bolt_holes(member)
-    faces += walls
-    for row, region, z in ((0, Region.FACE_TOE, -1.0), (1, Region.FACE_HEEL, 1.0)):
-        outline = [*((edges[row], True) for edges in across), (down[1][row], True), (along_back[row], False)]
-        outline.append((down[0][row], False))
-        shape = _plane(corners[0, row], np.array([0.0, 0.0, z]), outline if row else _reverse(outline), holes[row])
-        faces.append(NamedFace(shape, region, region))
-    for n, sense in ((0, -1.0), (1, 1.0)):
-        outline = [(along[-n], True), (down[n][1], True), (across_back[n], False), (down[n][0], False)]
-        normal = sense * np.cross(corners[-n, 1] - corners[-n, 0], [1.0, 0.0, 0.0])
-        shape = _plane(corners[-n, 0], normal, outline if n == 0 else _reverse(outline))
-        faces.append(NamedFace(shape, f"end_{n + 1}", Region.END))
-    outline = [(across_back[0], True), (along_back[1], True), (across_back[1], False), (along_back[0], False)]
-    faces.append(NamedFace(_plane(back[0, 0], np.array([-1.0, 0.0, 0.0]), outline), Region.BACK, Region.BACK))
+    faces, tops = list[NamedFace](), list[BarTop]()
+    for half, row in zip(member.halves, (0, corners.shape[1] - 2), strict=False):
+        along = [straight_edge(*column[row : row + 2]) for column in vertices]
+        # a face for each link: a plane, or the extruded arc of a fillet
+        for n, link in enumerate(links):
+            sides = [(across[n][row], True), (along[n + 1], True), (across[n][row + 1], False), (along[n], False)]
+            way = corners[n, row + 1] - corners[n, row]
+            if link.arc is None:
+                # the outward normal is the direction along the chain times the direction along z
+                shape = _plane(corners[n, row], np.cross(corners[n + 1, row] - corners[n, row], way), sides)
+            else:
+                shape = _extrude(link.arc.move(corners[n, row] - corners[n, 0]), way, sides)
+            faces.append(NamedFace(shape, link.name + half.suffix, link.region, tooth=link.tooth))
+        rows = (row, row + 1)[:: half.hand_sign]
+        tops.append(
+            BarTop(
+                half,
+                tuple([(edges[k], True) for edges in across] for k in rows),
+                tuple(tuple((vertices[n][k], corners[n, k]) for k in rows) for n in (0, -1)),
+                tuple([(along[n], half.hand_sign > 0)] for n in (0, -1)),
+                corners[[0, -1]][:, rows],
+                corners[0, rows],
+            )
+        )
+    faces += under_teeth(member, tops)
     return whole_part(member, tuple(faces), (*member.tooth.regions, *member.body_regions)), miss
+
+
+def _in_rows(member: Member, corner: Array) -> Array:
+    """Return the points (R, 3), mm, of all rows of teeth in the order of z, for the points (2, 3) on the toe and the heel.
+
+    Rows that meet share a point.
+    """
+    points = [*corner]
+    for half in member.halves[1:]:
+        image = half.points(corner)[::-1]
+        points += [*image[len(half.shared) :]]
+    return np.stack(points)
+
+
+@dataclass(frozen=True)
+class BarTop:
+    """Top of the bar under a row of teeth; toe and heel are those of the row."""
+
+    #: the row of teeth
+    half: HalfGear
+    #: outlines of the teeth on toe and heel, edges with their senses from the first to the last end of the bar
+    outlines: tuple[list[tuple[Any, bool]], ...]
+    #: vertex and point (3,) of the outline at the first and the last end, each on toe and heel
+    corners: tuple[tuple[tuple[Any, Array], ...], ...]
+    #: edges with their senses from toe to heel at the first and the last end
+    lines: tuple[list[tuple[Any, bool]], ...]
+    #: points (2, 2, 3), mm, of the root at the first and the last end, each on toe and heel
+    roots: Array
+    #: points (2, 3), mm, on toe and heel
+    origins: Array
+
+
+def under_teeth(member: Member, tops: Sequence[BarTop]) -> list[NamedFace]:
+    """Return the faces of the bar beside and under its rows of teeth, and the walls of the holes across it."""
+    up, rows, back = np.array([1.0, 0.0, 0.0]), member.rows, member.tooth.blank.body.profile[0][0]
+    inner = [end for gap in rows.gaps for end in gap.ends[::-1]]
+    stations = [rows.outer[0], *inner, rows.outer[1]]
+    if len(tops) > 1 and not inner:
+        half, which = rows.outer[0]
+        stations.insert(1, (half, 1 - which))
+
+    def station(end: HalfEnd) -> int:
+        """Return the number of an end of a row among the stations; rows that meet share it."""
+        return stations.index(end) if end in stations else 1
+
+    def below(n: int, end: HalfEnd, height: float) -> Array:
+        half, which = end
+        _, place = tops[half].corners[n][which]
+        return np.array([height, *place[1:]])
+
+    # vertices and edges from the teeth down to the back, over the floor of a gap
+    floors = {end: gap.floor for gap in rows.gaps for end in gap.ends}
+    ground = [[vertex(below(n, end, back)) for end in stations] for n in (0, 1)]
+    floor = [{end: vertex(below(n, end, height)) for end, height in floors.items()} for n in (0, 1)]
+    down = [
+        [
+            [straight_edge(*pair) for pair in pairwise((tops[h].corners[n][e][0], *way, ground[n][k]))]
+            for k, (h, e) in enumerate(stations)
+            for way in [[floor[n][h, e]] if (h, e) in floors else []]
+        ]
+        for n in (0, 1)
+    ]
+    across_back = [[straight_edge(*pair) for pair in pairwise(ground[n])] for n in (0, 1)]
+    along_back = {k: straight_edge(ground[0][k], ground[1][k]) for k in (0, len(stations) - 1)}
+    along_floor = {end: straight_edge(floor[0][end], floor[1][end]) for end in floors}
+    across_floor = [[straight_edge(*(floor[n][end] for end in gap.ends[::-1])) for gap in rows.gaps] for n in (0, 1)]
+    faces, holes = _bolt_holes(member)
+
+    def end_face(end: HalfEnd, base: Any, upper: int, name: str, wires: Sequence[Any] = ()) -> None:
+        """Add the end face of a row, down to the back or to the floor of a gap."""
+        half, which = end
+        first, last = (down[n][station(end)][: 1 if end in floors else None] for n in (0, 1))
+        loop = [*tops[half].outlines[which], *((part, True) for part in last), (base, False)]
+        loop += [(part, False) for part in reversed(first)]
+        region = (Region.FACE_TOE, Region.FACE_HEEL)[upper]
+        normal = np.array([0.0, 0.0, 1.0 if upper else -1.0])
+        shape = _plane(tops[half].origins[which], normal, loop if upper else _reverse(loop), wires)
+        faces.append(NamedFace(shape, f"{region}{name}", region))
+
+    for upper, end in enumerate(rows.outer):
+        end_face(end, along_back[station(end)], upper, "", holes[upper])
+    for gap in rows.gaps:
+        for upper, end in enumerate(gap.ends):
+            end_face(end, along_floor[end], upper, "_gap")
+    for n, sense in ((0, -1.0), (1, 1.0)):
+        for number, top in enumerate(tops):
+            toe, heel = station((number, 0)), station((number, 1))
+            rising, k = heel > toe, min(toe, heel)
+            loop = [*top.lines[n], *((part, True) for part in down[n][heel]), (across_back[n][k], not rising)]
+            loop += [(part, False) for part in reversed(down[n][toe])]
+            normal = sense * top.half.hand_sign * np.cross(top.roots[n, 1] - top.roots[n, 0], up)
+            shape = _plane(top.roots[n, 0], normal, loop if (n == 0) == rising else _reverse(loop))
+            faces.append(NamedFace(shape, f"end_{n + 1}{top.half.suffix}", Region.END))
+        for number, gap in enumerate(rows.gaps):
+            upper_end, lower_end = gap.ends
+            low, high = station(lower_end), station(upper_end)
+            loop = [(across_floor[n][number], True), (down[n][high][1], True), (across_back[n][low], False)]
+            loop.append((down[n][low][1], False))
+            shape = _plane(
+                below(n, lower_end, back), sense * np.array([0.0, 1.0, 0.0]), loop if n == 0 else _reverse(loop)
+            )
+            faces.append(NamedFace(shape, f"end_{n + 1}_gap", Region.END))
+    loop = [*((part, True) for part in across_back[0]), (along_back[len(stations) - 1], True)]
+    loop += [*((part, False) for part in reversed(across_back[1])), (along_back[0], False)]
+    faces.append(NamedFace(_plane(below(0, stations[0], back), -up + 0.0, loop), Region.BACK, Region.BACK))
+    for number, gap in enumerate(rows.gaps):
+        upper_end, lower_end = gap.ends
+        loop = [(along_floor[lower_end], True), (across_floor[1][number], True), (along_floor[upper_end], False)]
+        loop.append((across_floor[0][number], False))
+        faces.append(NamedFace(_plane(below(0, lower_end, gap.floor), up, loop), Region.GAP, Region.GAP))
+    return faces
 
 
 def has_straight_faces(member: Member) -> bool:
@@ -207,46 +319,89 @@ def spline_bar_part(member: Member, teeth: SplineTooth) -> Part:
     Raises DesignError for an invalid solid, OutputError without OpenCASCADE.
     """
     require_occ()
-    tooth, links, rows = teeth.tooth, len(teeth.links), range(len(teeth.bounds))
-    rooted = teeth.links[0].region is Region.ROOT
-    places, curves = tooth.joint.places(tooth.teeth), [LinkCurves.of(teeth, i) for i in range(links)]
-    ways = [np.asarray(tooth.joint.to(place * tooth.pitch_angle).translation) for place in places.tolist()]
-    # the first root is only half, and belongs to the bar's end; another half root follows the last tooth
-    columns = [(k, i) for k in range(tooth.teeth) for i in range(links)][1 if rooted else 0 :]
-    last_corner = [patch.control[-1, end] for patch, end in _row_ends(teeth)]
-    corners = np.array([teeth.corners[i] + ways[k] for k, i in columns] + [np.array(last_corner) + ways[-1]])
-    vertices = [[vertex(r) for r in column] for column in corners]
-    # edges along the face where links begin, and edges of the links on toe and heel
-    borders = [*curves, LinkCurves({}, [spline_curve(*border) for border in link_border(teeth, links)])]
-    starts = [*columns, (tooth.teeth - 1, links)]
-    along = [
-        [
-            edge(_move(curve, ways[k]), vertices[n][g], vertices[n][g + 1], 0.0, 1.0)
-            for g, curve in enumerate(borders[i].along)
+    tooth, rows = teeth.tooth, list[_BarRow]()
+    faces, tops = list[NamedFace](), list[BarTop]()
+    for half in member.halves:
+        rows.append(_BarRow.of(teeth.place(half), rows[0] if half.shared else None))
+        faces += rows[-1].faces
+    for row in rows:
+        toe_and_heel = tuple(
+            BarEnd.of(row.teeth, end, ([column[-end] for column in row.vertices], row.outlines[end]), row.ways)
+            for end in (0, 1)
+        )
+        top, of_row = _bar_top(member, row, toe_and_heel, tops[0] if row.teeth.half.shared else None)
+        faces += [*of_row, *(face for side in toe_and_heel for face in side.faces)]
+        tops.append(top)
+    faces += under_teeth(member, tops)
+    edges = zip(end_edges(tooth.blank.axial), (0, 1), strict=True)
+    chamfers = tuple(region for region, end in edges if teeth.strips[end])
+    return whole_part(member, tuple(faces), (*tooth.regions, *member.body_regions, *chamfers))
+
+
+@dataclass(frozen=True)
+class _BarRow:
+    """A row of teeth of a bar, without the half roots at its ends."""
+
+    #: faces of tooth 1
+    teeth: SplineTooth
+    #: translations (3,) to all teeth, mm
+    ways: list[Array]
+    #: corners (N, G, 3), mm, where columns begin, last where the teeth end
+    corners: Array
+    #: their vertices
+    vertices: list[list[Any]]
+    #: edges along the face where columns begin, last where the teeth end
+    along: list[list[Any]]
+    #: edges of the links on toe and heel
+    outlines: tuple[list[Any], list[Any]]
+    #: faces of the teeth
+    faces: list[NamedFace]
+
+    @staticmethod
+    def of(teeth: SplineTooth, met: _BarRow | None) -> _BarRow:
+        """Return a row; its heel is the heel of the row that it has `met`, if any."""
+        tooth, links, rows = teeth.tooth, len(teeth.links), range(len(teeth.bounds))
+        rooted = teeth.links[0].region is Region.ROOT
+        places, curves = tooth.joint.places(tooth.teeth), [LinkCurves.of(teeth, i) for i in range(links)]
+        ways = [np.asarray(tooth.joint.to(place * tooth.pitch_angle).translation) for place in places.tolist()]
+        # the first root is only half, and belongs to the bar's end; another half root follows the last tooth
+        columns = [(k, i) for k in range(tooth.teeth) for i in range(links)][1 if rooted else 0 :]
+        last_corner = [patch.control[-1, end] for patch, end in _row_ends(teeth)]
+        corners = np.array([teeth.corners[i] + ways[k] for k, i in columns] + [np.array(last_corner) + ways[-1]])
+        vertices = [[vertex(r) for r in column] for column in corners]
+        for own, other in zip(vertices, [] if met is None else met.vertices, strict=False):
+            own[-1] = other[-1]
+        # edges along the face where links begin, and edges of the links on toe and heel
+        borders = [*curves, LinkCurves({}, [spline_curve(*border) for border in link_border(teeth, links)])]
+        starts = [*columns, (tooth.teeth - 1, links)]
+        along = [
+            [
+                edge(_move(curve, ways[k]), vertices[n][g], vertices[n][g + 1], 0.0, 1.0)
+                for g, curve in enumerate(borders[i].along)
+            ]
+            for n, (k, i) in enumerate(starts)
         ]
-        for n, (k, i) in enumerate(starts)
-    ]
-    across = [
-        {
-            row: edge(_move(curve, ways[k]), vertices[n][row], vertices[n + 1][row], 0.0, last)
-            for row, (curve, last) in curves[i].across.items()
-        }
-        for n, (k, i) in enumerate(columns)
-    ]
-    # the faces of tooth 1, moved to all teeth
-    drawn = [drawn_faces(teeth, i, DrawnFace.of_net) for i in range(links)]
-    faces = []
-    for n, (k, i) in enumerate(columns):
-        for patch in drawn[i]:
-            toe, heel = (across[n][row] for row in patch.rows)
-            span = slice(*patch.rows)
-            shape = patch.face(_move(patch.surface, ways[k]), Sides(toe, along[n + 1][span], heel, along[n][span]))
-            faces.append(NamedFace(shape, f"{patch.region}_{k + 1}", patch.region, tooth=k + 1))
-    toe, heel = (
-        BarEnd.of(teeth, end, ([column[row] for column in vertices], [edges[row] for edges in across]), ways)
-        for end, row in enumerate((rows[0], rows[-1]))
-    )
-    return _closed_bar(member, faces, (corners, vertices, along), (toe, heel))
+        across = [
+            {
+                row: edge(_move(curve, ways[k]), vertices[n][row], vertices[n + 1][row], 0.0, last)
+                for row, (curve, last) in curves[i].across.items()
+            }
+            for n, (k, i) in enumerate(columns)
+        ]
+        for edges, other in zip(across, [] if met is None else met.outlines[1], strict=False):
+            edges[rows[-1]] = other
+        # the faces of tooth 1, moved to all teeth
+        drawn = [drawn_faces(teeth, i, DrawnFace.of_net) for i in range(links)]
+        faces = []
+        for n, (k, i) in enumerate(columns):
+            for patch in drawn[i]:
+                toe, heel = (across[n][row] for row in patch.rows)
+                span = slice(*patch.rows)
+                shape = patch.face(_move(patch.surface, ways[k]), Sides(toe, along[n + 1][span], heel, along[n][span]))
+                name = f"{patch.region}_{k + 1}{teeth.half.suffix}"
+                faces.append(NamedFace(shape, name, patch.region, tooth=k + 1))
+        outlines = [edges[rows[0]] for edges in across], [edges[rows[-1]] for edges in across]
+        return _BarRow(teeth, ways, corners, vertices, along, outlines, faces)
 
 
 def _row_ends(teeth: SplineTooth) -> list[tuple[Patch, int]]:
@@ -260,68 +415,59 @@ def _move(shape: Any, way: Array) -> Any:
     return shape.Transformed(translation(way))
 
 
-def _closed_bar(
-    member: Member,
-    faces: list[NamedFace],
-    teeth: tuple[Array, list[list[Any]], list[list[Any]]],
-    sides: tuple[BarEnd, BarEnd],
-) -> Part:
-    """Build the part from the faces of all teeth, the roots at both ends and the bar under them.
+def _bar_top(
+    member: Member, row: _BarRow, sides: tuple[BarEnd, ...], met: BarTop | None
+) -> tuple[BarTop, list[NamedFace]]:
+    """Return where the bar under a row begins, and the half roots at its ends.
 
-    - `teeth`: corners (N, G, 3), mm, their vertices, and the edges along the face, where columns begin; last where the teeth end
-    - `sides`: toe and heel
+    - `sides`: toe and heel of the row
+    - `met`: top of the row whose heel is the heel of this row, if any
     """
     # the ends of the bar are planes through the roots, moved outwards by the overhang
-    tooth, (corners, vertices, along) = member.tooth, teeth
-    ways = [tooth.joint.to(place * tooth.pitch_angle).translation[1] for place in tooth.joint.places(tooth.teeth)]
-    far = float(ways[-1] + tooth.joint.to(tooth.pitch_angle).translation[1])
-    moved = (float(ways[0]) - member.overhang, far + member.overhang)
-    ends = corners[[0, -1]][:, [0, -1]]
-    for end, beyond in zip(ends, moved, strict=True):
-        end[:, 1] = tooth.root_middle(end[:, 2]) + beyond
+    half, tooth, up = row.teeth.half, row.teeth.tooth, np.array([1.0, 0.0, 0.0])
+    ends = half.points(row.corners[[0, -1]][:, [0, -1]])
+    for n, end in enumerate(ends):
+        end[:, 1] = member.bar_ends(end[:, 2])[n]
+    ends = half.points(ends)
+    first = float(tooth.root_middle(np.zeros(1))[0])
+    moved = [float(of[0]) - first for of in member.bar_ends(np.zeros(1))]
     top = [[vertex(r) for r in column] for column in ends]
-    up = np.array([1.0, 0.0, 0.0])
-    # half roots from the first end to the first tooth, and from the last tooth to the last end
-    halves = [
-        [
-            side.half_root(n, (top[n][row], ends[n, row]), (vertices[-n][-row], corners[-n, -row]), moved[n])
-            for row, side in enumerate(sides)
-        ]
-        for n in (0, 1)
-    ]
-    back = np.array([[half.point for half in column] for column in halves])
-    back[..., 0] = tooth.blank.body.profile[0][0]
-    under = [[vertex(r) for r in column] for column in back]
-    across_top, across_back = ([straight_edge(*column) for column in places] for places in (top, under))
-    down = [[straight_edge(halves[n][row].corner, under[n][row]) for row in (0, 1)] for n in (0, 1)]
-    along_back = [straight_edge(under[0][row], under[1][row]) for row in (0, 1)]
-    # faces of the half roots, then of holes, toe and heel, both ends and the back
+    for n, column in enumerate(top):
+        if met is not None:
+            column[1] = met.corners[n][1][0]
+
+    def half_root(n: int, end: int) -> HalfRoot:
+        """Return the half root from the first end to the first tooth, or from the last tooth to the last end."""
+        if met is not None and end == 1:
+            rim, _ = met.outlines[1][-n]
+            return HalfRoot(rim, rim, *met.corners[n][1])
+        at = (top[n][end], ends[n, end])
+        return sides[end].half_root(n, at, (row.vertices[-n][-end], row.corners[-n, -end]), moved[n])
+
+    halves = [[half_root(n, end) for end in (0, 1)] for n in (0, 1)]
+    across_top = [straight_edge(*column) for column in top]
     roots = (
-        Sides(halves[0][0].root, along[0], halves[0][1].root, [across_top[0]]),
-        Sides(halves[1][0].root, [across_top[1]], halves[1][1].root, along[-1]),
+        Sides(halves[0][0].root, row.along[0], halves[0][1].root, [across_top[0]]),
+        Sides(halves[1][0].root, [across_top[1]], halves[1][1].root, row.along[-1]),
     )
+    faces = list[NamedFace]()
     for number, side in zip((1, tooth.teeth + 1), roots, strict=True):
-        faces.append(NamedFace(_plane(ends[0, 0], up, side.wire), f"root_{number}", Region.ROOT))
-    faces += [face for side in sides for face in side.faces]
-    walls, holes = _bolt_holes(member)
-    faces += walls
-    for row, region, z in ((0, Region.FACE_TOE, -1.0), (1, Region.FACE_HEEL, 1.0)):
-        loop = [(edge, True) for edge in (halves[0][row].rim, *sides[row].edges, halves[1][row].rim, down[1][row])]
-        loop += [(along_back[row], False), (down[0][row], False)]
-        shape = _plane(back[0, row], np.array([0.0, 0.0, z]), loop if row else _reverse(loop), holes[row])
-        faces.append(NamedFace(shape, region, region))
-    for n, sense in ((0, -1.0), (1, 1.0)):
-        line = (halves[n][0].side, across_top[n], halves[n][1].side)
-        loop = [(edge, True) for edge in line if edge is not None]
-        loop += [(down[n][1], True), (across_back[n], False), (down[n][0], False)]
-        normal = sense * np.cross(ends[n, 1] - ends[n, 0], up)
-        faces.append(
-            NamedFace(_plane(ends[n, 0], normal, loop if n == 0 else _reverse(loop)), f"end_{n + 1}", Region.END)
-        )
-    loop = [(across_back[0], True), (along_back[1], True), (across_back[1], False), (along_back[0], False)]
-    faces.append(NamedFace(_plane(back[0, 0], -up, loop), Region.BACK, Region.BACK))
-    chamfers = tuple(region for region, side in zip(end_edges(tooth.blank.axial), sides, strict=True) if side.patches)
-    return whole_part(member, tuple(faces), (*tooth.regions, *member.body_regions, *chamfers))
+        shape = _plane(ends[0, 0], up, side.wire if half.hand_sign > 0 else _reverse(side.wire))
+        faces.append(NamedFace(shape, f"root_{number}{half.suffix}", Region.ROOT))
+    origins = np.array([root.point for root in halves[0]])
+    origins[:, 0] = tooth.blank.body.profile[0][0]
+    made = BarTop(
+        half,
+        tuple([(part, True) for part in (halves[0][end].rim, *sides[end].edges, halves[1][end].rim)] for end in (0, 1)),
+        tuple(tuple((root.corner, root.point) for root in of_end) for of_end in halves),
+        tuple(
+            [(part, True) for part in (halves[n][0].side, across_top[n], halves[n][1].side) if part is not None]
+            for n in (0, 1)
+        ),
+        ends,
+        origins,
+    )
+    return made, faces
 
 
 def _links(member: Member) -> tuple[list[BarLink], Array, float]:
@@ -360,9 +506,7 @@ def _links(member: Member) -> tuple[list[BarLink], Array, float]:
             if region is not Region.ROOT and not links and roots:
                 links.append(BarLink(Region.ROOT, "root_1", corner - half))
             arc = arcs.get(region)
-            if arc is not None:
-                arc = BarArc(arc.centre + way, arc.axes, arc.halves, arc.first, arc.last)
-            links.append(BarLink(region, f"{region}_{k}", corner, arc, k))
+            links.append(BarLink(region, f"{region}_{k}", corner, arc and arc.move(way), k))
     last = grids[wide[-1]][-1] + tooth.joint.to(places[-1] * pitch).translation
     if roots:
         links.append(BarLink(Region.ROOT, f"root_{len(places) + 1}", last))

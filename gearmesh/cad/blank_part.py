@@ -10,14 +10,14 @@ import numpy as np
 from gearmesh.cad.contours.curves import Contour
 from gearmesh.cad.occ import edge as edge_between
 from gearmesh.cad.occ import face as face_on
-from gearmesh.cad.occ import frame, mapped_shapes, point, spline_curve, straight_edge, vertex, wire
+from gearmesh.cad.occ import mapped_shapes, point, spline_curve, straight_edge, vertex, wire
 from gearmesh.cad.section import MemberSection, section_spline
 from gearmesh.cad.solid_part import whole_part
 from gearmesh.cad.step import NamedFace, Part, require_occ
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve, PlaneLine
 from gearmesh.teeth.gear_train import Member
-from gearmesh.teeth.region import BAR_REGIONS, Region
+from gearmesh.teeth.region import Region
 from gearmesh.teeth.turned_blank import BLANK_REGIONS, BarBlank, TipCurve, TurnedBlank, blank_of
 
 #: name of the contour of a blank
@@ -33,9 +33,9 @@ def blank_section(member: Member, tolerance: float) -> MemberSection:
     """
     blank = blank_of(member)
     if isinstance(blank, BarBlank):
-        corners = blank.corners + 0.5 * blank.way[:2]
+        corners = blank.outline
         lines = tuple(PlaneLine(a, b) for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True))
-        return MemberSection(member.name, blank.low + 0.5 * blank.way[2], (Contour(BLANK_CONTOUR, lines, True),), 0.0)
+        return MemberSection(member.name, float(blank.stations[:2].mean()), (Contour(BLANK_CONTOUR, lines, True),), 0.0)
     curves, deviation = _outline(blank, tolerance)
     z = np.array([(curve.start[0], curve.end[0]) for curve in curves])
     beyond = AXIS_OVERRUN_SHARE * float(np.ptp(z))
@@ -61,33 +61,54 @@ def blank_part(member: Member, tolerance: float) -> tuple[Part, float]:
     Raises DesignError for an invalid solid, NoSolutionError if the tolerance is not met, OutputError without OpenCASCADE.
     """
     require_occ()
-    from OCP.BRepPrimAPI import BRepPrimAPI_MakePrism, BRepPrimAPI_MakeRevol
+    from OCP.BRepPrimAPI import BRepPrimAPI_MakeRevol
     from OCP.Geom import Geom_Plane
-    from OCP.gp import gp_Ax1, gp_Ax3, gp_Dir, gp_Vec
+    from OCP.gp import gp_Ax1, gp_Ax3, gp_Dir
 
     blank, deviation = blank_of(member), 0.0
     if isinstance(blank, BarBlank):
-        regions: tuple[Region, ...] = (*BAR_REGIONS, Region.LAND)
-        sides = (Region.END, Region.LAND, Region.END, Region.BACK)
-        corners = [vertex((*corner, blank.low)) for corner in blank.corners]
-        edges = [straight_edge(a, b) for a, b in zip(corners, (*corners[1:], corners[0]), strict=True)]
-        plane = Geom_Plane(frame((0.0, 0.0, blank.low), 1.0, 0.0))
-        swept = BRepPrimAPI_MakePrism(_filled(plane, edges), gp_Vec(*blank.way.tolist()))
-        # the sides in the order of the edges, then both ends
-        regions_of_faces: tuple[Region, ...] = (*sides, Region.FACE_TOE, Region.FACE_HEEL)
-    else:
-        # a face for each edge, in order; none for an edge on the axis
-        regions_of_faces = tuple(band.region for band in blank.bands if band.curve.at(np.array([0.5]))[0, 1] > 0.0)
-        regions = BLANK_REGIONS
-        curves, deviation = _outline(blank, tolerance)
-        corners = [vertex((curve.start[1], 0.0, curve.start[0])) for curve in curves]
-        pairs = zip(curves, corners, (*corners[1:], corners[0]), strict=True)
-        edges = [_edge(curve, *between) for curve, *between in pairs]
-        # the plane y = 0, in which (z, rho) is counterclockwise about y
-        plane = Geom_Plane(gp_Ax3(point(np.zeros(3)), gp_Dir(0.0, 1.0, 0.0), gp_Dir(0.0, 0.0, 1.0)))
-        swept = BRepPrimAPI_MakeRevol(_filled(plane, edges), gp_Ax1(point(np.zeros(3)), gp_Dir(0.0, 0.0, 1.0)))
+        return whole_part(
+            replace(member, name=f"{member.name}_blank"), _plane_faces(blank.faces), (*member.body_regions, Region.LAND)
+        ), deviation
+    # a face for each edge, in order; none for an edge on the axis
+    regions_of_faces = tuple(band.region for band in blank.bands if band.curve.at(np.array([0.5]))[0, 1] > 0.0)
+    curves, deviation = _outline(blank, tolerance)
+    corners = [vertex((curve.start[1], 0.0, curve.start[0])) for curve in curves]
+    pairs = zip(curves, corners, (*corners[1:], corners[0]), strict=True)
+    edges = [_edge(curve, *between) for curve, *between in pairs]
+    # the plane y = 0, in which (z, rho) is counterclockwise about y
+    plane = Geom_Plane(gp_Ax3(point(np.zeros(3)), gp_Dir(0.0, 1.0, 0.0), gp_Dir(0.0, 0.0, 1.0)))
+    swept = BRepPrimAPI_MakeRevol(_filled(plane, edges), gp_Ax1(point(np.zeros(3)), gp_Dir(0.0, 0.0, 1.0)))
     faces = _named(swept.Shape(), regions_of_faces)
-    return whole_part(replace(member, name=f"{member.name}_blank"), faces, tuple(regions)), deviation
+    return whole_part(replace(member, name=f"{member.name}_blank"), faces, tuple(BLANK_REGIONS)), deviation
+
+
+def _plane_faces(faces: list[tuple[Region, Array]]) -> tuple[NamedFace, ...]:
+    """Return plane faces from polygons (N, 3), mm, by region, named by region and number; they share their edges."""
+    from OCP.Geom import Geom_Plane
+    from OCP.gp import gp_Dir
+
+    vertices, edges = dict[tuple[float, ...], Any](), dict[tuple[Any, ...], Any]()
+
+    def side(a: tuple[float, ...], b: tuple[float, ...]) -> tuple[Any, bool]:
+        """Return the edge between two corners, and True if it begins at the first."""
+        for corner in (a, b):
+            vertices.setdefault(corner, vertex(corner))
+        if (b, a) in edges:
+            return edges[b, a], False
+        if (a, b) not in edges:
+            edges[a, b] = straight_edge(vertices[a], vertices[b])
+        return edges[a, b], True
+
+    counts, made = dict[Region, int](), list[NamedFace]()
+    for region, ring in faces:
+        corners = [tuple(corner) for corner in ring.tolist()]
+        normal = np.cross(ring[1] - ring[0], ring[-1] - ring[0])
+        plane = Geom_Plane(point(ring[0]), gp_Dir(*normal.tolist()))
+        counts[region] = counts.get(region, 0) + 1
+        sides = [side(a, b) for a, b in zip(corners, (*corners[1:], corners[0]), strict=True)]
+        made.append(NamedFace(face_on(plane, [wire(*sides)], True), f"{region}_{counts[region]}", region))
+    return tuple(made)
 
 
 def _filled(plane: Any, edges: list[Any]) -> Any:

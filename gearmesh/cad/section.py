@@ -150,7 +150,13 @@ def _teeth(member: Member, z: float, tolerance: float) -> tuple[_Bound, float]:
 
 def _bar(member: Member, z: float, tolerance: float) -> tuple[tuple[PlaneCurve, ...], float]:
     """Return the contour of a rack, its teeth and the bar under them, and the deviation (mm) of its splines."""
-    tooth = member.tooth
+    tooth, back = member.tooth, member.tooth.blank.body.profile[0][0]
+    gap = next((gap for gap in member.gaps if gap.body.ends[0] < z < gap.body.ends[1]), None)
+    z = member.rows.station(z)
+    if gap is not None:
+        low, high = map(float, member.bar_ends(np.array(tooth.blank.faces[1])))
+        ring = [np.array(corner) for corner in ((back, low), (gap.floor, low), (gap.floor, high), (back, high))]
+        return tuple(PlaneLine(a, b) for a, b in pairwise([*ring, ring[0]])), 0.0
     tooth_curves, deviation = _one_tooth(tooth, z, tolerance, _of_rack)
     pitch = np.asarray(tooth.joint.to(tooth.pitch_angle).translation)[:2]
     moved = _join(tooth_curves, tooth_curves[-1].move(-pitch))
@@ -159,11 +165,8 @@ def _bar(member: Member, z: float, tolerance: float) -> tuple[tuple[PlaneCurve, 
     # from the middle of the root before the first tooth to the middle of the root after the last tooth
     root = float(tooth_curves[0].start[0])
     rooted = abs(tooth_curves[0].end[0] - root) < MIN_LINK_WIDTH_MM
-    middle = np.array([root, float(tooth.root_middle(np.array(z)))])
-    ends = [middle + (places[0] + k * tooth.teeth) * pitch for k in (0, 1)]
-    first, last = (end + np.array([0.0, sign * member.overhang]) for end, sign in zip(ends, (-1.0, 1.0), strict=True))
+    first, last = (np.array([root, float(y)]) for y in member.bar_ends(np.array(z)))
     row = row[1:] if rooted else row
-    back = member.tooth.blank.body.profile[0][0]
     corners = [row[-1].end, last, np.array([back, last[1]]), np.array([back, first[1]]), first, row[0].start]
     lines = [PlaneLine(a, b) for a, b in pairwise(corners) if np.linalg.norm(b - a) > MIN_LINK_WIDTH_MM]
     return (*row, *lines), deviation + moved

@@ -135,17 +135,14 @@ def bar_faces(member: Member) -> tuple[Array, ...]:
 
     Points (N, 2), mm, are over x and y.
     """
-    tooth = member.tooth
-    end = int(tooth.blank.faces[1] > tooth.blank.faces[0])
+    tooth, (_, end) = member.tooth, member.rows.outer[1]
     strip = tooth.end_strips[end]
     if strip is None:
         return ()
     places = tooth.joint.places(tooth.teeth)
     step = tooth.joint.to(tooth.pitch_angle).translation[:2]
     points = (strip.outline[:, :2] + places[:, None, None] * step).reshape(-1, 2)
-    middle = float(tooth.root_middle(np.array(tooth.blank.faces[end])))
-    first = middle + places[0] * step[1] - member.overhang
-    last = middle + (places[-1] + 1) * step[1] + member.overhang
+    first, last = map(float, member.bar_ends(np.array(tooth.blank.faces[end])))
     # the first root is cut in half, the last is extended to the end of the bar
     points[:, 1] = np.maximum(points[:, 1], first)
     return (np.concatenate(([(points[0, 0], first)], points, [(points[0, 0], last)])),)

@@ -545,7 +545,9 @@ class RackViews:
         """Points (N, 2) of the end of teeth and bar, (x, y); with broken edges, of the section under them."""
         from gearmesh.cad.section import member_section
 
-        cut = member_section(self.member, max(self.member.tooth.blank.extent), 1e-3)
+        half, end = self.member.rows.outer[1]
+        z = self.member.halves[half].points(np.array([0.0, 0.0, self.member.tooth.blank.extent[end]]))[2]
+        cut = member_section(self.member, float(z), 1e-3)
         return np.concatenate([curve.at(np.linspace(0.0, 1.0, 9)) for curve in cut.contours[0].curves])
 
     @property
@@ -563,17 +565,25 @@ class RackViews:
         low, high = self.outline.ends
         return high - low
 
+    @property
+    def widths(self) -> list[tuple[float, float]]:
+        """First and last z over the first z of the section: of the halves and their gap, and of the whole bar."""
+        rows = [(float(row.tip[:, 0].min()), float(row.tip[:, 0].max())) for row in self.outline.rows]
+        parts = [*rows, *(gap.body.ends for gap in self.member.gaps)] if len(rows) > 1 else []
+        low = self.outline.ends[0]
+        return [*((min(part) - low, max(part) - low) for part in parts), (0.0, self.width)]
+
     def size(self, scale: float) -> tuple[float, float]:
         back, tip = self.heights
         first, last = self.ends
         above = CHAIN_OVERRUN_MM if self.member.features.row is None else CHAIN_OVERRUN_MM + TEXT_ABOVE_TEETH_MM
         wide = room(2) + (last - first + self.width) * scale + VIEW_DISTANCE_MM + 2.0 * CHAIN_OVERRUN_MM
-        return wide, (tip - back) * scale + room(1) + above
+        return wide, (tip - back) * scale + room(len(self.widths)) + above
 
     def draw(self, canvas: Canvas, scale: float, left: float, low: float) -> None:
         back, tip = self.heights
         first, last = self.ends
-        x, y = left + room(2), low + room(1)
+        x, y = left + room(2), low + room(len(self.widths))
 
         def spans(values: Iterable[tuple[float, float, float]], origin: float, start: float) -> list[Span]:
             return [
@@ -596,7 +606,6 @@ class RackViews:
         # section
         x += scale * length + VIEW_DISTANCE_MM + CHAIN_OVERRUN_MM
         start = np.array([self.outline.ends[0], back])
-        tip_line, root_line = (np.array([x, y]) + scale * (line - start) for line in self.outline.rows[0].broken)
         body = np.array([x, y]) + scale * (self.outline.body - start)
         holes = []
         if row is not None:
@@ -610,9 +619,11 @@ class RackViews:
         for hole in holes:
             _draw_outline(canvas, hole, -1.0)
         _draw_outline(canvas, body, -1.0)
-        canvas.line(*map(tuple, np.concatenate((root_line[:1], tip_line, root_line[-1:])).tolist()))
+        for toothed in self.outline.rows:
+            tip_line, root_line = (np.array([x, y]) + scale * (line - start) for line in toothed.broken)
+            canvas.line(*map(tuple, np.concatenate((root_line[:1], tip_line, root_line[-1:])).tolist()))
         canvas.line((x - 2.0, level), (x + scale * self.width + 2.0, level), pen=Pen.CHAIN)
-        stack(canvas, spans([(0.0, self.width, self.width)], x, y), y, -1, upright=False)
+        stack(canvas, spans([(a, b, b - a) for a, b in self.widths], x, y), y, -1, upright=False)
 
     def _holes(self, canvas: Canvas, row: HoleRow, origin: Array, scale: float) -> None:
         """Draw the holes of a row in the front view, with their sizes; `origin` (2,) is the point y = 0 of the

@@ -6,6 +6,8 @@ r"""Whole racks: the teeth of a sliding member in a row, closed by the bar under
         r   |______________________________| a
                           back               r
 
+The halves of a double helical rack are mirror images; its ends then bend where the halves meet, or run straight through the gap.
+
 A bar is as many pitches long as it has teeth: bars laid end to end continue each other. With an overhang the root lands,
 and the chamfers along toe and heel, go on beyond the last pitch.
 """
@@ -22,8 +24,10 @@ from numpy.typing import NDArray
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.body import triangulate
 from gearmesh.mesh.ends.end_mesh import EndMesh
+from gearmesh.mesh.halves import WeldedHalves
 from gearmesh.mesh.tessellate import ToothMesh
 from gearmesh.mesh.triangles import with_area
+from gearmesh.teeth.blank.halves import HalfEnd, Rows
 from gearmesh.teeth.region import Region
 
 Index = NDArray[np.int64]
@@ -39,16 +43,79 @@ class RowMesh:
     triangles: Index
     #: region of each triangle
     regions: tuple[Region, ...]
-    #: triangle (N,) of the single tooth for each of the first N triangles
+    #: triangle (N,) of the single tooth, of all rows one after the other, for each of the first N triangles
     of_tooth: Index
 
 
-def row_mesh(tooth_mesh: ToothMesh, overhang: float = 0.0) -> RowMesh:
+@dataclass(frozen=True)
+class BarFloors:
+    """Faces of the bar beside and under its teeth: ends, back, and the floor of a gap between two rows."""
+
+    #: their vertices (V, 3), mm, which follow those of teeth and roots
+    vertices: Array
+    #: triangles (M, 3) by region
+    faces: list[tuple[Region, Index]]
+    #: vertices (2,) under each end face, at the first and the last end of the bar
+    under_end: dict[HalfEnd, Index]
+
+    @staticmethod
+    def under(back: float, rows: Rows, sides: tuple[list[Index], list[Index]], vertices: Array) -> BarFloors:
+        """Return the faces under root lines at the two ends of the bar.
+
+        - back: height x of the back, mm.
+        - rows: rows of teeth.
+        - sides: lines (N,) from toe to heel of every row, at the first and the last end of the bar.
+        - vertices: (V, 3), mm, of teeth and roots.
+        """
+        # ends of the rows in the order of z; rows that meet share one
+        inner = [end for gap in rows.gaps for end in gap.ends[::-1]]
+        if len(rows.halves) > 1 and not inner:
+            number, which = rows.outer[0]
+            inner = [(number, 1 - which)]
+        stations = [rows.outer[0], *inner, rows.outer[1]]
+        tops = np.array([[side[half][-end] for half, end in stations] for side in sides])
+        levels = [back, *(gap.floor for gap in rows.gaps)]
+        corners = [vertices[tops.ravel()], *(vertices[tops[:, 1:-1].ravel()] for _ in rows.gaps)]
+        for points, level in zip(corners, levels, strict=True):
+            points[:, 0] = level
+        first, last = len(vertices) + np.arange(tops.size).reshape(2, -1)
+        faces, under_end = list[tuple[Region, Index]](), dict[HalfEnd, Index]()
+        for end, k in ((rows.outer[0], 0), (rows.outer[1], -1)):
+            under_end[end] = np.array([first[k], last[k]])
+        grooves = len(vertices) + tops.size + np.arange(4).reshape(2, 2)
+        for gap in rows.gaps:
+            for end, pair in zip(gap.ends[::-1], grooves.T, strict=True):
+                under_end[end] = pair
+        for n, (side, bottom) in enumerate(zip(sides, (first, last), strict=True)):
+            sense = -1 if n else 1
+            for k, half in enumerate(rows.halves):
+                # each row has its own plane, from its toe to its heel
+                near = stations.index((k, 0)) if (k, 0) in stations else stations.index((k, 1)) - half.hand_sign
+                far = near + half.hand_sign
+                groove = [grooves[n, k]] if rows.gaps else []
+                line = np.concatenate((side[k], groove, [bottom[far]])).astype(np.int64)
+                faces.append((Region.END, _fan(bottom[near], line)[:, :: sense * half.hand_sign]))
+            if rows.gaps:
+                line = np.array([*grooves[n], bottom[2]])
+                faces.append((Region.END, _fan(bottom[1], line)[:, ::sense]))
+        for k in range(len(stations) - 1):
+            a, b, c, d = first[k], first[k + 1], last[k + 1], last[k]
+            faces.append((Region.BACK, np.array([[a, b, c], [a, c, d]])))
+        for _ in rows.gaps:
+            (a, b), (d, c) = grooves
+            faces.append((Region.GAP, np.array([[a, c, b], [a, d, c]])))
+        return BarFloors(np.concatenate(corners), faces, under_end)
+
+
+def row_mesh(tooth_mesh: ToothMesh, rows: Rows, overhang: float = 0.0) -> RowMesh:
     """Return the closed surface of all teeth and the bar; the tooth of `tooth_mesh` is in the middle, or next to it.
 
-    `overhang`: length, mm, of the bar beyond the last pitch, at either end.
+    - rows: rows of teeth side by side.
+    - overhang: length, mm, of the bar beyond the last pitch, at either end.
     """
-    tooth, welded, strips = tooth_mesh.tooth, tooth_mesh.weld(), tooth_mesh.end_meshes()
+    tooth, strips, halves = tooth_mesh.tooth, tooth_mesh.end_meshes(), rows.halves
+    single = tooth_mesh.weld()
+    welded, size = WeldedHalves.of(single, halves), len(single.triangles)
     count, teeth = len(welded.vertices), tooth.teeth
     # one more tooth than there are: its first line ends the last tooth
     places = tooth.joint.places(teeth)
@@ -57,45 +124,61 @@ def row_mesh(tooth_mesh: ToothMesh, overhang: float = 0.0) -> RowMesh:
     first_numbers = count * np.arange(teeth)[:, None, None]
     # the bar begins and ends in the middle of a root: the first tooth has no root of its own here
     root = len(tooth_mesh.patches[0].triangles)
-    of_root = np.arange(len(welded.triangles)) < root
+    of_root = np.arange(size) < root
     begin = sum(len(patch.triangles) for patch in tooth_mesh.patches)
     for strip in strips.values():
         of_root[begin : begin + strip.pieces[0]] = True
         begin += len(strip.triangles)
+    of_root = np.tile(of_root, len(halves))
     of_tooth = np.concatenate((np.flatnonzero(~of_root), np.tile(np.arange(len(of_root)), teeth - 1)))
     place = np.repeat(np.arange(teeth), [int((~of_root).sum()), *[len(of_root)] * (teeth - 1)])
     triangles = welded.triangles[of_tooth] + count * place[:, None]
-    first, last = welded.firsts[1], welded.firsts[0] + teeth * count
-    low, high = len(vertices) + np.arange(len(first)), len(vertices) + len(first) + np.arange(len(last))
-    corners, (toe, heel) = len(vertices) + len(first) + len(last) + np.arange(4), (0, -1)
-    ends = [vertices[line] for line in (first, last)]
-    for end, way, beyond in zip(ends, ways[[0, -1]], (-overhang, overhang), strict=True):
-        end[:, 1] = tooth.root_middle(end[:, 2]) + way[1] + beyond
-    back = np.stack([end[k] for end in ends for k in (toe, heel)])
-    back[:, 0] = tooth.blank.body.profile[0][0]
-    vertices = np.concatenate((vertices, *ends, back))
+    # lines from toe to heel of each half: beginning of the first root, end of the last root, and the ends of the bar
+    firsts = [number[single.firsts[1]] for number in welded.numbers]
+    lasts = [number[single.firsts[0]] + teeth * count for number in welded.numbers]
+    ends, added = list[list[Index]](), len(vertices)
+    for lines, way, beyond in zip((firsts, lasts), ways[[0, -1]], (-overhang, overhang), strict=True):
+        numbers = list[Index]()
+        for half, line in zip(halves, lines, strict=True):
+            points = half.points(vertices[line])
+            points[:, 1] = tooth.root_middle(points[:, 2]) + way[1] + beyond
+            fresh = added + np.arange(len(line))
+            for end in half.shared:
+                fresh[-end] = numbers[0][-end]
+            numbers.append(fresh)
+            vertices, added = np.concatenate((vertices, half.points(points))), added + len(line)
+        ends.append(numbers)
+    lows, highs = ends
     faces = list[tuple[Region, Index]]()
-    for near, far in ((low, first), (last, high)):
-        faces += _half_root(near, far, strips)
-    for k, row in enumerate((welded.toe, welded.heel)):
+    for half, *lines in zip(halves, lows, firsts, lasts, highs, strict=True):
+        for near, far in (lines[:2], lines[2:]):
+            faces += [(region, face[:, :: half.hand_sign]) for region, face in _half_root(near, far, strips)]
+    floors = BarFloors.under(tooth.blank.body.profile[0][0], rows, (lows, highs), vertices)
+    vertices = np.concatenate((vertices, floors.vertices))
+    for row_end, upper in rows_ends(rows):
+        number, which = row_end
+        row = welded.end(row_end)
+        low, first, last, high = (int(lines[number][-which]) for lines in (lows, firsts, lasts, highs))
         # the outline begins where the first root ends
-        chain = (row + first_numbers[:, 0]).ravel()[int(np.flatnonzero(row == first[-k])[0]) :]
-        outline = np.concatenate((low[[-k]], chain, last[[-k]], high[[-k]], corners[[2 + k, k]]))
+        chain = (row + first_numbers[:, 0]).ravel()[int(np.flatnonzero(row == first)[0]) :]
+        outline = np.concatenate(([low], chain, [last, high], floors.under_end[row_end][::-1]))
         face = outline[triangulate(vertices[outline, :2])]
-        faces.append((Region.FACE_HEEL, face) if k else (Region.FACE_TOE, face[:, ::-1]))
-    faces += [
-        (Region.END, _fan(corners[0], np.append(low, corners[1]))),
-        (Region.END, _fan(corners[2], np.append(high, corners[3]))[:, ::-1]),
-        (Region.BACK, corners[np.array([[0, 1, 3], [0, 3, 2]])]),
-    ]
+        faces.append((Region.FACE_HEEL, face) if upper else (Region.FACE_TOE, face[:, ::-1]))
+    faces += floors.faces
     tooth_regions = [patch.region for patch in tooth_mesh.patches for _ in patch.triangles]
     tooth_regions += [region for region, strip in strips.items() for _ in strip.triangles]
-    regions = [tooth_regions[k] for k in of_tooth.tolist()] + [region for region, face in faces for _ in face]
+    regions = [tooth_regions[k % size] for k in of_tooth.tolist()] + [region for region, face in faces for _ in face]
     triangles = np.concatenate((triangles, *(face for _, face in faces)))
     triangles, kept = with_area(vertices, triangles)
     of_tooth, regions = of_tooth[kept[kept < len(of_tooth)]], [regions[k] for k in kept.tolist()]
     used, compact = np.unique(triangles, return_inverse=True)
     return RowMesh(vertices[used], compact.reshape(-1, 3), tuple(regions), of_tooth)
+
+
+def rows_ends(rows: Rows) -> list[tuple[HalfEnd, bool]]:
+    """Return the ends of all rows that have an end face, and True where the face looks along +z."""
+    pairs = (rows.outer, *(gap.ends for gap in rows.gaps))
+    return [(end, upper == 1) for pair in pairs for upper, end in enumerate(pair)]
 
 
 def _half_root(low: Index, high: Index, strips: Mapping[Region, EndMesh]) -> list[tuple[Region, Index]]:

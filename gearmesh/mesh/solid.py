@@ -85,10 +85,10 @@ def gear_facets(
         raise ValueError(f"{len(kinds)} different teeth need as many meshes, not {len(tooth_meshes)}")
     if member.tooth.joint.travel is not None:
         tooth_mesh = tooth_meshes[0]
-        row = row_mesh(tooth_mesh, member.overhang)
+        row = row_mesh(tooth_mesh, member.rows, member.overhang)
         names = (*_names(tooth_mesh), *member.body_regions)
         regions = np.array([names.index(region) for region in row.regions], dtype=np.int32)
-        normals = _normals(tooth_mesh, 1)[row.of_tooth]
+        normals = np.concatenate([half.vectors(_normals(tooth_mesh, 1)) for half in member.halves])[row.of_tooth]
         bar = labelled_mesh(row.vertices, row.triangles, regions, names, normals, member.name)
         return _with_features(bar, member, tolerance) if member.features.is_cut else bar
     body = member.body

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
@@ -24,14 +22,6 @@ RING_SHARE = 0.5
 MAX_HALVINGS = 16
 #: places between neighbouring points of a curved band at which its distance from the chord is measured
 PLACES_PER_CHORD = 4
-#: triangles of a block between corners 0 to 3 at the toe and 4 to 7 at the heel, seen from outside, by region
-BLOCK_FACES = {
-    Region.FACE_TOE: ((0, 3, 2, 1),),
-    Region.FACE_HEEL: ((4, 5, 6, 7),),
-    Region.BACK: ((3, 0, 4, 7),),
-    Region.END: ((0, 1, 5, 4), (2, 3, 7, 6)),
-    Region.LAND: ((1, 2, 6, 5),),
-}
 
 
 def blank_mesh(blank: TurnedBlank | BarBlank, tolerance: float) -> tuple[TriangleMesh, DeviationBound]:
@@ -41,13 +31,12 @@ def blank_mesh(blank: TurnedBlank | BarBlank, tolerance: float) -> tuple[Triangl
 
 def _block(blank: BarBlank) -> tuple[TriangleMesh, DeviationBound]:
     """Return the mesh of a bar, which is exact."""
-    near = np.column_stack((blank.corners, np.full(4, blank.low)))
-    names = (*BAR_REGIONS, Region.LAND)
-    quads = [(names.index(region), quad) for region, faces in BLOCK_FACES.items() for quad in faces]
-    triangles = np.array([(quad[0], *pair) for _, quad in quads for pair in pairwise(quad[1:])], dtype=np.int64)
-    regions = np.repeat(np.array([region for region, _ in quads], dtype=np.int32), 2)
-    vertices = np.concatenate((near, near + blank.way))
-    return labelled_mesh(vertices, triangles, regions, names, np.zeros((0, 3)), f"{blank.name}_blank"), DeviationBound()
+    names = (*BAR_REGIONS, Region.LAND, *((Region.GAP,) if len(set(blank.tops)) > 1 else ()))
+    corners = np.concatenate([ring[[0, k, k + 1]] for _, ring in blank.faces for k in range(1, len(ring) - 1)])
+    regions = [names.index(region) for region, ring in blank.faces for _ in ring[2:]]
+    vertices, triangles = np.unique(corners, axis=0, return_inverse=True)
+    made = triangles.reshape(-1, 3).astype(np.int64), np.array(regions, dtype=np.int32)
+    return labelled_mesh(vertices, *made, names, np.zeros((0, 3)), f"{blank.name}_blank"), DeviationBound()
 
 
 def _turned(blank: TurnedBlank, tolerance: float) -> tuple[TriangleMesh, DeviationBound]:

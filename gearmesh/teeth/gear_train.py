@@ -312,6 +312,33 @@ class Member:
         """The body if it is one of revolution under one row of teeth; None for the bar of a rack and for two rows."""
         return None if self.tooth.joint.travel is not None or len(self.halves) > 1 else self.body
 
+    def bar_ends(self, z: Array) -> tuple[Array, Array]:
+        """Return y of both ends of a rack, in the middle of a root before the first and after the last tooth.
+
+        Parameters
+        ----------
+        z : numpy.ndarray
+            Places (...,) along the face of the first row of teeth, mm.
+
+        Returns
+        -------
+        tuple of numpy.ndarray
+            y (...,) of the first and of the last end, mm.
+
+        Examples
+        --------
+        >>> rack = gm.build(gm.load("samples/rack.toml")).members["rack"]
+        >>> first, last = rack.bar_ends(np.zeros(1))
+        >>> round(float(last[0] - first[0]), 6)
+        200.000275
+        """
+        joint, tooth = self.tooth.joint, self.tooth
+        places, middle = joint.places(tooth.teeth), tooth.root_middle(z)
+        first, last = (
+            float(joint.to(place * tooth.pitch_angle).translation[1]) for place in (places[0], places[-1] + 1)
+        )
+        return middle + first - self.overhang, middle + last + self.overhang
+
     @property
     def keyway(self) -> Slot | None:
         """Keyway in the bore, None if there is none."""
@@ -364,7 +391,8 @@ class Member:
     def body_regions(self) -> tuple[Region, ...]:
         """Regions of the body, in the order of the files."""
         if self.tooth.joint.travel is not None:
-            return BAR_REGIONS if self.features.row is None else (*BAR_REGIONS, self.features.row.region)
+            gap = (Region.GAP,) if self.gaps else ()
+            return (*BAR_REGIONS, *gap, *(() if self.features.row is None else (self.features.row.region,)))
         features = self.features.rare_regions
         gaps = features or self.gaps
         rare = gaps or self.holes is not None or self.plain_body.web is not None

@@ -13,6 +13,7 @@ holes and openings are cut later, and the edges of end faces are broken after th
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -137,23 +138,77 @@ def _z_slope(curve: TipCurve, s: Array) -> Array:
 
 @dataclass(frozen=True)
 class BarBlank:
-    """Bar of a rack up to the tips of its teeth: a block whose ends follow the traces of the teeth."""
+    """Bar of a rack up to the tips of its teeth, whose ends follow the traces of the teeth.
+
+    It consists of one block for each row of teeth and each gap, side by side along z.
+    """
 
     #: name of the member
     name: str
-    #: corners (4, 2), mm, over x and y, of the face at the toe, counterclockwise
-    corners: Array
-    #: z (mm) of that face
-    low: float
-    #: way (3,), mm, from that face to the face at the heel
-    way: Array
+    #: height x (mm) of the back
+    back: float
+    #: height x (mm) of the top of each block
+    tops: tuple[float, ...]
+    #: stations (S,), mm, at which the blocks begin and end
+    stations: Array
+    #: y (2, S), mm, of the first and the last end of the bar at the stations
+    ends: Array
     #: no hole along the axis
     genus: int = 0
 
+    def heights(self, station: int, top: float) -> list[float]:
+        """Return the heights (mm) of the vertices at a station, from the back to a top."""
+        beside = self.tops[max(station - 1, 0) : station + 1]
+        return sorted({self.back, *(height for height in beside if height <= top)})
+
+    @property
+    def outline(self) -> Array:
+        """Corners (4, 2), mm, over x and y, of the section in the middle of the first block, counterclockwise."""
+        first, last = self.ends[:, :2].mean(axis=1)
+        return np.array([(self.back, first), (self.tops[0], first), (self.tops[0], last), (self.back, last)])
+
+    @property
+    def faces(self) -> list[tuple[Region, Array]]:
+        """Plane faces as polygons (N, 3), mm, counterclockwise seen from outside, by region."""
+
+        def at(station: int, side: int, heights: Sequence[float]) -> list[tuple[float, float, float]]:
+            return [(x, float(self.ends[side, station]), float(self.stations[station])) for x in heights]
+
+        blocks, last = list(enumerate(self.tops)), len(self.tops)
+        faces = list[tuple[Region, Array]]()
+        for side in (0, 1):
+            for k, top in blocks:
+                # begin at a station with two heights, so that no three corners beside the first one are in line
+                rings = [at(n, side, self.heights(n, top)) for n in (k, k + 1)]
+                ring = (
+                    [*rings[0], *rings[1][::-1]] if len(rings[0]) == 2 else [rings[1][0], *rings[0], *rings[1][:0:-1]]
+                )
+                faces.append((Region.END, np.array(ring if side == 0 else [ring[0], *ring[:0:-1]])))
+            if side == 0:
+                for k, top in blocks:
+                    region = Region.LAND if top == self.tops[0] else Region.GAP
+                    faces.append((region, np.array([at(n, m, [top])[0] for n, m in _round(k)])))
+        for k, _ in blocks:
+            faces.append((Region.BACK, np.array([at(n, m, [self.back])[0] for n, m in _round(k)[::-1]])))
+        for n in range(last + 1):
+            low, high = (self.tops[m] if 0 <= m < last else self.back for m in (n - 1, n))
+            if low == high:
+                continue
+            corners = [at(n, side, sorted((low, high))) for side in (0, 1)]
+            ring = [*corners[0], *corners[1][::-1]]
+            faces.append((Region.FACE_TOE, np.array(ring[::-1])) if high > low else (Region.FACE_HEEL, np.array(ring)))
+        return faces
+
     def volume(self) -> float:
         """Return the volume, mm3."""
-        across = self.corners[1] - self.corners[0], self.corners[3] - self.corners[0]
-        return float(abs(across[0][0] * across[1][1] - across[0][1] * across[1][0]) * abs(self.way[2]))
+        lengths = np.ptp(self.ends, axis=0)
+        areas = 0.5 * (lengths[1:] + lengths[:-1]) * (np.array(self.tops) - self.back)
+        return float(areas @ np.diff(self.stations))
+
+
+def _round(block: int) -> list[tuple[int, int]]:
+    """Return station and end of the bar of the corners of a block, counterclockwise seen from the tips."""
+    return [(block, 0), (block, 1), (block + 1, 1), (block + 1, 0)]
 
 
 def blank_of(member: Member) -> TurnedBlank | BarBlank:
@@ -163,16 +218,19 @@ def blank_of(member: Member) -> TurnedBlank | BarBlank:
 
 def _bar(member: Member) -> BarBlank:
     """Return the bar of a rack."""
-    tooth = member.tooth.sharp_ends
-    places = tooth.joint.places(tooth.teeth)
-    low, high = sorted(tooth.blank.extent)
-    middle = tooth.root_middle(np.array([low, high]))
-    step = float(tooth.joint.to(tooth.pitch_angle).translation[1])
-    first = float(middle[0]) + places[0] * step - member.overhang
-    last = float(middle[0]) + (places[-1] + 1) * step + member.overhang
-    back, tip = tooth.blank.body.profile[0][0], float(tooth.blank.tip.at(0.0))
-    corners = np.array([(back, first), (tip, first), (tip, last), (back, last)])
-    return BarBlank(member.name, corners, low, np.array([0.0, middle[1] - middle[0], high - low]))
+    blank = member.tooth.sharp_ends.blank
+    back, tip, stations = blank.body.profile[0][0], float(blank.tip.at(0.0)), np.array(sorted(blank.extent))
+    ends = np.stack(member.bar_ends(stations))
+    tops, plane = [tip], None
+    for half in member.halves[1:]:
+        plane = half.plane
+    if plane is not None:
+        # the second half is the image of the first; both share a station unless there is a gap
+        kept = slice(None) if member.gaps else slice(1, None)
+        stations = np.concatenate((stations, (2.0 * plane - stations)[::-1][kept]))
+        ends = np.concatenate((ends, ends[:, ::-1][:, kept]), axis=1)
+        tops += [*(gap.floor for gap in member.gaps), tip]
+    return BarBlank(member.name, back, tuple(tops), stations, ends)
 
 
 def _turned(member: Member) -> TurnedBlank:

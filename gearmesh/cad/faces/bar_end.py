@@ -93,12 +93,13 @@ class BarEnd:
         if not self.patches:
             root = straight_edge(ends[0][0], ends[1][0])
             return HalfRoot(root, root, *top)
-        patch = self.patches[0]
-        border = np.array(patch.net[0][0])
+        patch, half = self.patches[0], self.teeth.half
+        border = half.points(np.array(patch.net[0][0]))
         # the chamfer's border at the end of the bar: the border of the patch, moved across; control points may be beyond the face
         faces = np.array(self.teeth.tooth.blank.faces)
         first, beyond = self.teeth.tooth.root_middle(faces)
         border[:, 1] = y + first + (border[:, 2] - faces[0]) / (faces[1] - faces[0]) * (beyond - first)
+        border = half.points(border)
         point = border[-1 if self.end else 0]
         corner = vertex(point)
         side = edge(
@@ -114,6 +115,6 @@ class BarEnd:
         drawn = DrawnFace.of_net(region, (0, 1), (net, STRAIGHT_KNOTS, patch.t_knots), outward=self.teeth.outward)
         near, far = (self.lines[1], side) if last else (side, self.lines[0])
         toe, heel = (low, high) if self.end else (high, low)
-        name = f"{region}_{self.teeth.tooth.teeth + 1 if last else 1}"
+        name = f"{region}_{self.teeth.tooth.teeth + 1 if last else 1}{half.suffix}"
         self.faces.append(NamedFace(drawn.face(drawn.surface, Sides(toe, [far], heel, [near])), name, region))
         return HalfRoot(low, high, corner, point, side)

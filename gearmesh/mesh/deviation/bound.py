@@ -158,7 +158,8 @@ def solid_bound(member: Member, tooth_meshes: Sequence[ToothMesh], solid: Facets
     bound, tolerance = teeth_bound(member, tooth_meshes), tooth_meshes[0].tolerance
     if member.features.is_cut:
         solid = gear_facets(replace(member, features=member.features.uncut), tolerance, *tooth_meshes)
-    return bound.join(body_bound(solid), *_walls(member, tolerance))
+    flat = tuple(Region.GAP for gap in member.gaps if gap.flat)
+    return bound.join(body_bound(solid, flat), *_walls(member, tolerance))
 
 
 def _walls(member: Member, tolerance: float) -> Iterator[DeviationBound]:
@@ -178,8 +179,11 @@ def teeth_bound(member: Member, tooth_meshes: Sequence[ToothMesh]) -> DeviationB
     return DeviationBound().join(*(tooth_bound(mesh, shared) for mesh in tooth_meshes))
 
 
-def body_bound(solid: Facets) -> DeviationBound:
-    """Return the bound of the facets of bodies and end faces on planes square to the axis, cylinders and cones."""
-    body = [k for k, name in enumerate(solid.region_names) if name in ROUND_REGIONS]
+def body_bound(solid: Facets, flat: tuple[Region, ...] = ()) -> DeviationBound:
+    """Return the bound of the facets of bodies and end faces on planes square to the axis, cylinders and cones.
+
+    `flat`: regions that are plane in this solid.
+    """
+    body = [k for k, name in enumerate(solid.region_names) if name in ROUND_REGIONS and name not in flat]
     distances = [facet_distances(corners) for corners in solid.corner_pieces(body)]
     return DeviationBound().join(*(DeviationBound.of(piece, piece) for piece in distances))

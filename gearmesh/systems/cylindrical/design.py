@@ -152,6 +152,8 @@ class CylindricalMember(TurnedTip, MemberTable, Modified):
     )
 
     signed: ClassVar[tuple[str, ...]] = ("teeth",)
+    #: Key of the floor of the gap between both halves.
+    gap_key: ClassVar[str] = "gap_diameter"
     exclusive: ClassVar[tuple[tuple[str, str], ...]] = (
         ("pins", "balls"),
         *((key, "hob.chamfer_diameter") for key in TIP_SHAPE_KEYS),
@@ -550,8 +552,8 @@ class CylindricalKeys(ToothingKeys):
     accuracy_class: int = accuracy_class_key()
 
 
-class HalvesKeys(CylindricalKeys):
-    """Keys of the designs of gears that may be double helical, in addition to `CylindricalKeys`."""
+class HalvesKeys(ToothingKeys):
+    """Keys of the designs of gears and racks that may be double helical, in addition to `ToothingKeys`."""
 
     arrangement: str = keys.choice(
         "one helix, or two of opposite hands side by side, the first, at the toe, with the pinion's hand; face widths are then "
@@ -580,8 +582,9 @@ class HalvesKeys(CylindricalKeys):
                     must_be=f"below the face width, {narrowest:g}, which it is part of",
                     other=(f"{name}.face_width", spec.face_width, f"above the gap, {self.gap:g}, which is part of it"),
                 )
-            if spec.gap_diameter is not None and self.gap == 0.0:
-                raise conflict(f"{name}.gap_diameter", spec.gap_diameter, reason="needs a gap above 0")
+            floor = getattr(spec, spec.gap_key)
+            if floor is not None and self.gap == 0.0:
+                raise conflict(f"{name}.{spec.gap_key}", floor, reason="needs a gap above 0")
         return self
 
     @property
@@ -592,6 +595,14 @@ class HalvesKeys(CylindricalKeys):
     def double_helical(self) -> bool:
         return self.arrangement == "double_helical"
 
+    def _refuse_uneven_load(self, assembly: Table) -> None:
+        """Refuse assembly errors of double helical members that would load the halves unequally."""
+        for key in ("dz", "gamma_h", "gamma_v") if self.double_helical else ():
+            if (value := getattr(assembly, key)) != 0.0:
+                raise conflict(
+                    f"assembly.{key}", value, must_be="0 for double helical gears: it would load their halves unequally"
+                )
+
     def plain(self) -> dict[str, Any]:
         values = super().plain()
         if not self.double_helical and "arrangement" not in self.model_fields_set:
@@ -599,7 +610,7 @@ class HalvesKeys(CylindricalKeys):
         return values
 
 
-class CylindricalDesign(HalvesKeys, PairDesign):
+class CylindricalDesign(HalvesKeys, CylindricalKeys, PairDesign):
     """A pair of spur or helical gears on parallel axes."""
 
     own_kind: ClassVar[str] = "cylindrical"
@@ -627,11 +638,7 @@ class CylindricalDesign(HalvesKeys, PairDesign):
 
     @model_validator(mode="after")
     def _evenly_loaded(self) -> Self:
-        for key in ("dz", "gamma_h", "gamma_v") if self.double_helical else ():
-            if (value := getattr(self.assembly, key)) != 0.0:
-                raise conflict(
-                    f"assembly.{key}", value, must_be="0 for double helical gears: it would load their halves unequally"
-                )
+        self._refuse_uneven_load(self.assembly)
         return self
 
     @model_validator(mode="after")

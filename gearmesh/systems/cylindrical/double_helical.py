@@ -16,14 +16,16 @@ from gearmesh.systems.common.bodies.features import UnderTeeth, body_features, r
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.cylindrical.geometry.proportions import GearProportions
 from gearmesh.teeth.blank.body import Body
-from gearmesh.teeth.blank.halves import DoubleHelical
+from gearmesh.teeth.blank.halves import DoubleHelical, DoubleHelicalBar
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Region
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember, HalvesKeys
+    from gearmesh.systems.cylindrical.rack.design import RackDesign, RackKeys, RackTable
 
 DesignT = TypeVar("DesignT", bound="HalvesKeys")
+PairT = TypeVar("PairT", "CylindricalDesign", "RackDesign")
 
 #: default depth of the gap below the root, normal modules
 GAP_DEPTH_MODULES = 0.25
@@ -36,13 +38,14 @@ HALF_NOTE = (
 )
 
 
-def half_of(design: CylindricalDesign) -> CylindricalDesign:
+def half_of(design: PairT) -> PairT:
     """Return the first halves of a double helical design (in mm) as a helical pair; any other design is unchanged."""
     if not design.double_helical:
         return design
     halves = first_halves(design)
     # the planes of symmetry coincide, so that halves of different widths have different middles
-    aside = 0.5 * (halves.pinion.face_width - halves.gear.face_width)
+    first, second = (spec.face_width for spec in halves.specs.values())
+    aside = 0.5 * (first - second)
     return halves.model_copy(update={"assembly": design.assembly.model_copy(update={"dz": aside})})
 
 
@@ -53,15 +56,19 @@ def first_halves(design: DesignT) -> DesignT:
     """
     if not design.double_helical:
         return design
-    bare = dict.fromkeys((*BODY_TABLES, "gap_diameter"))
     halves = {
-        name: spec.model_copy(update={**bare, "face_width": half_width(design, spec)})
+        name: spec.model_copy(
+            update={
+                **{key: None for key in (*BODY_TABLES, spec.gap_key) if key in type(spec).model_fields},
+                "face_width": half_width(design, spec),
+            }
+        )
         for name, spec in design.specs.items()
     }
     return design.model_copy(update={**halves, "arrangement": "single", "gap": 0.0})
 
 
-def half_width(design: HalvesKeys, spec: CylindricalMember) -> float:
+def half_width(design: HalvesKeys, spec: CylindricalMember | RackTable) -> float:
     """Return the face width b_B of one half of a member."""
     return 0.5 * (spec.face_width - design.gap)
 
@@ -98,6 +105,44 @@ def double_helical_member(design: HalvesKeys, half: Member, gear: GearProportion
     smallest = root if groove is None else groove
     under = UnderTeeth(name, half.tooth, body, smallest, root, gear.own.module, rows.halves)
     return replace(half, features=body_features(spec, under), rows=rows)
+
+
+def double_helical_bar(design: RackKeys, half: Member) -> Member:
+    """Return a double helical rack (in mm) with both halves and the gap.
+
+    `half`: its first half. Raises DesignError naming key, value and limit.
+    """
+    near = 0.5 * half_width(design, design.rack)
+    plane = near + 0.5 * design.gap
+    back = half.tooth.blank.body.profile[0][0]
+    body = Body.tube(back, -near, 2.0 * plane + near, Region.BACK)
+    if design.gap == 0.0:
+        half = _sharp_inside(half, 1)
+    length = half.tooth.teeth * design.pitch + 2.0 * half.overhang
+    return replace(half, rows=DoubleHelicalBar(plane, near, True, _bar_groove(design, half, back), body, length))
+
+
+def gap_heights(rack: Member) -> list[float]:
+    """Return the height (mm) of the floor of a rack's gap over the back of the bar; empty without a gap."""
+    return [gap.floor - rack.plain_body.profile[0][0] for gap in rack.gaps]
+
+
+def _bar_groove(design: RackKeys, half: Member, back: float) -> float | None:
+    """Return the height x of the floor of a rack's gap, between its root and the `back`; None without a gap."""
+    root = float(half.tooth.blank.root.at(0.0))
+    given = design.rack.gap_height
+    if design.gap == 0.0:
+        return None
+    if given is None:
+        return root - min(GAP_DEPTH_MODULES * design.given_module, MAX_GAP_SHARE * (root - back))
+    if not 0.0 < given < root - back:
+        raise DesignError(
+            f"{half.name}.gap_height",
+            given,
+            unit="mm",
+            allowed=f"between 0 and {at_most(root - back)} mm, back and root of the bar",
+        )
+    return back + given
 
 
 def _sharp_inside(half: Member, end: int) -> Member:

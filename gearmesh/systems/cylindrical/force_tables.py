@@ -83,7 +83,7 @@ RACK_FORCE_NAMES = {
 def rack_forces(design: RackDesign, torque: float, speed: float | None) -> tuple[SheetTable, ...]:
     """Return the forces on pinion and rack for a torque (Nm) on the pinion, which turns at a speed (1/min)."""
     own = complete_design(design).in_mm()
-    mesh = rack_proportions(own).mesh
+    mesh = rack_proportions(half_of(own)).mesh
     flank = Side(own.contact.flank)
     forces = mesh_forces(mesh, torque, flank.sign)
     turning = running_rows((torque,), None if speed is None else (speed,))
@@ -93,7 +93,7 @@ def rack_forces(design: RackDesign, torque: float, speed: float | None) -> tuple
         rows.append((symbol, "speed of the rack, and of the reference circle", unit, values))
     rows += [
         (symbol, RACK_FORCE_NAMES.get(symbol, words), unit, values)
-        for symbol, words, unit, values in force_rows(forces, (1, 1))
+        for symbol, words, unit, values in force_rows(forces, (1, 1), halves=own.double_helical)
     ]
     return (
         table(

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from gearmesh.systems.cylindrical.cutting.cutter import cutter_of
 from gearmesh.systems.cylindrical.cutting.hobbed import DEFAULT_CHAMFER_ANGLE_DEG
-from gearmesh.systems.cylindrical.double_helical import half_of
+from gearmesh.systems.cylindrical.double_helical import gap_heights, half_of
 from gearmesh.systems.cylindrical.geometry.nominal import MEMBER_NAMES
 from gearmesh.systems.cylindrical.geometry.proportions import proportions
 from gearmesh.systems.cylindrical.planetary.build import meshes
@@ -67,8 +67,10 @@ def single_values(design: SingleGearDesign, train: GearTrain) -> Values:
 
 def rack_values(design: RackDesign, train: GearTrain) -> Values:
     """Return the values for a complete design in mm and the gear set built from it."""
-    geometry = rack_proportions(design)
+    geometry = rack_proportions(half_of(design))
     return {
+        **({"arrangement": design.arrangement} if design.double_helical else {}),
+        **{f"{RACK_NAME}.gap_height": height for height in gap_heights(train.members[RACK_NAME])},
         "assembly.mounting_distance": geometry.mesh.mounting_distance,
         f"{RACK_NAME}.teeth": design.rack_teeth,
         f"{RACK_NAME}.length": design.rack_teeth * design.pitch + 2.0 * design.overhang,

@@ -31,7 +31,7 @@ from gearmesh.systems.common.symbol_table import (
     values_of,
 )
 from gearmesh.systems.cylindrical.design import BASIC_RACKS
-from gearmesh.systems.cylindrical.double_helical import half_of, half_width
+from gearmesh.systems.cylindrical.double_helical import gap_heights, half_of, half_width
 from gearmesh.systems.cylindrical.geometry import measures
 from gearmesh.systems.cylindrical.geometry.accuracy import tolerance_sizes
 from gearmesh.systems.cylindrical.geometry.allowances import Allowances, allowances_of
@@ -63,7 +63,13 @@ from gearmesh.teeth.blank.moments import member_moments
 from gearmesh.teeth.gear_train import GearTrain, Member
 
 if TYPE_CHECKING:
-    from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember, HalvesKeys, Hob
+    from gearmesh.systems.cylindrical.design import (
+        CylindricalDesign,
+        CylindricalKeys,
+        CylindricalMember,
+        HalvesKeys,
+        Hob,
+    )
 
 #: title of the table of basic racks
 BASIC_RACK_TITLE = "Basic rack"
@@ -113,13 +119,24 @@ def half_tables(design: HalvesKeys, members: tuple[Member, ...]) -> list[SheetTa
     if not design.double_helical:
         return []
     specs = tuple(design.specs.values())
-    gaps = tuple(next((gap.diameter for gap in member.gaps), None) for member in members)
+    gaps = [next(iter(member.gaps), None) for member in members]
+    bars = [member.tooth.joint.travel is not None for member in members]
     rows: list[Row] = [
         ("b", "face width, 2 b_B and the gap", "mm", tuple(spec.face_width for spec in specs)),
         ("b_B", "face width of one half", "mm", tuple(half_width(design, spec) for spec in specs)),
         ("gap", "width of the gap", "mm", tuple(design.gap for _ in specs)),
-        ("d_gap", "diameter of the gap", "mm", gaps),
+        (
+            "d_gap",
+            "diameter of the gap",
+            "mm",
+            tuple(None if bar or gap is None else gap.diameter for bar, gap in zip(bars, gaps, strict=True)),
+        ),
     ]
+    if any(bars):
+        heights = tuple(
+            next(iter(gap_heights(member)), None) if bar else None for member, bar in zip(members, bars, strict=True)
+        )
+        rows.append(("H_gap", "height of the gap's floor over the back", "mm", heights))
     return [table("Double helical", tuple(design.specs), rows)]
 
 
@@ -161,7 +178,7 @@ class SheetGears:
     """A complete design in mm, its gears in closed form and as built: one gear, or pinion and gear of a mesh."""
 
     #: the design
-    design: HalvesKeys
+    design: CylindricalKeys
     #: proportions of the gears
     geometry: GearsProportions
     #: gears as built

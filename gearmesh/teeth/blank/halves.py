@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Protocol
 
@@ -65,16 +65,23 @@ class HalfGear:
 class AxialGap:
     """The gap between two halves.
 
-    `body`: the cylinder in the gap. `ends`: ends of the halves at the gap, in the order of the body's profile.
+    `body`: the cylinder in the gap. `ends`: ends of the halves at the gap, in the order of the body's profile. `flat`:
+    True if the floor is a plane, between the halves of a rack.
     """
 
     body: Body
     ends: tuple[HalfEnd, HalfEnd]
+    flat: bool = False
+
+    @property
+    def floor(self) -> float:
+        """Radius of the cylinder, or height x of the plane between the halves of a rack, mm."""
+        return self.body.profile[0][0]
 
     @property
     def diameter(self) -> float:
         """Diameter of the cylinder, mm."""
-        return 2.0 * self.body.profile[0][0]
+        return 2.0 * self.floor
 
 
 class Rows(Protocol):
@@ -204,6 +211,25 @@ class DoubleHelical:
     def volume(self, row: float, own: Body) -> float:
         gap = sum(gap.body.cut_off() for gap in self.gaps)
         return 2.0 * (row + own.cut_off()) - gap - self.whole.cut_off()
+
+
+@dataclass(frozen=True)
+class DoubleHelicalBar(DoubleHelical):
+    """The second half of a rack; `groove` and `whole` have heights x in place of radii.
+
+    `length`: length of the bar, mm.
+    """
+
+    length: float = 0.0
+
+    @cached_property
+    def gaps(self) -> tuple[AxialGap, ...]:
+        return tuple(replace(gap, flat=True) for gap in super().gaps)
+
+    def volume(self, row: float, own: Body) -> float:
+        back = self.whole.profile[0][0]
+        gaps = sum((gap.floor - back) * float(np.ptp(gap.body.ends)) for gap in self.gaps)
+        return 2.0 * row + self.length * gaps
 
 
 #: rows of a member with one row of teeth

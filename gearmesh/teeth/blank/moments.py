@@ -17,6 +17,7 @@ import numpy as np
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.plane.curves import PlaneCurve
+from gearmesh.teeth.blank.halves import AxialGap
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.tooth import Tooth
 
@@ -130,9 +131,24 @@ def _bar(member: Member) -> Moments:
                 (back + height * x, begin + way + side * length * y, np.broadcast_to(z, x.shape)), axis=-1
             )
             whole += Moments.of(samples, amount * length)
+    row, whole = whole, Moments.none()
+    for half in member.halves:
+        whole += row.move(half.motion)
+    for gap in member.gaps:
+        whole += _bar_in_gap(member, gap, nodes, weights)
     for outline, *z_ends in member.prisms:
         whole -= prism(outline, *z_ends)
     return whole
+
+
+def _bar_in_gap(member: Member, gap: AxialGap, nodes: Array, weights: Array) -> Moments:
+    """Moments of the bar between the halves of a rack."""
+    blank, (low, high) = member.tooth.blank, gap.body.ends
+    back, (begin, end) = blank.body.profile[0][0], map(float, member.bar_ends(np.array(blank.faces[1])))
+    samples = np.stack(np.meshgrid(*(nodes,) * 3, indexing="ij"), axis=-1)
+    sizes = np.array([gap.floor - back, end - begin, high - low])
+    amount = np.einsum("i,j,k->ijk", weights, weights, weights) * sizes.prod()
+    return Moments.of(np.array([back, begin, low]) + samples * sizes, amount)
 
 
 def _root_lines(tooth: Tooth, nodes: Array, weights: Array) -> Iterator[tuple[Array, Array]]:

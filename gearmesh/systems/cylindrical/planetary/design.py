@@ -16,7 +16,7 @@ from gearmesh.design.runout import eccentricity, phase
 from gearmesh.member_names import MemberNames
 from gearmesh.numerals import parse_numbers
 from gearmesh.systems.cylindrical.allowance_keys import CenterDistanceAllowance
-from gearmesh.systems.cylindrical.design import CylindricalMember, HalvesKeys
+from gearmesh.systems.cylindrical.design import CylindricalKeys, CylindricalMember, HalvesKeys
 from gearmesh.systems.kinds import OWN_KINDS
 
 #: difference below which the angle of a planet is moved to the angle at which it can be assembled
@@ -59,7 +59,7 @@ class PlanetaryAssembly(CenterDistanceAllowance):
     ring_phase: float = phase("ring")
 
 
-class PlanetaryDesign(HalvesKeys):
+class PlanetaryDesign(HalvesKeys, CylindricalKeys):
     """A planetary gear set on coaxial sun and ring."""
 
     usual: ClassVar[tuple[str, ...]] = ("planets", "fixed")

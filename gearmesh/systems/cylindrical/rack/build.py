@@ -17,8 +17,14 @@ from gearmesh.kernel.numeric.algebra import rotation_about
 from gearmesh.systems.common.defaults import unusual_defaults
 from gearmesh.systems.cylindrical.build import MIN_WARNED_ALLOWANCE, member_of
 from gearmesh.systems.cylindrical.design import BASIC_RACKS
+from gearmesh.systems.cylindrical.double_helical import (
+    HALF_NOTE,
+    double_helical_bar,
+    double_helical_member,
+    half_of,
+)
 from gearmesh.systems.cylindrical.rack.design import PINION_NAME, RACK_NAME
-from gearmesh.systems.cylindrical.rack.member import rack_member, rack_mount, rack_pair
+from gearmesh.systems.cylindrical.rack.member import rack_member, rack_mount, rack_pair, with_bolts
 from gearmesh.systems.cylindrical.rack.proportions import RackPairProportions, rack_proportions
 from gearmesh.teeth.gear_train import GearTrain
 from gearmesh.teeth.mount import Mount
@@ -36,9 +42,14 @@ def build(design: RackDesign) -> GearTrain:
 
     Raises DesignError naming key, value and limit: teeth, cutters or bars that cannot exist.
     """
+    whole, design = design, half_of(design)
     geometry = rack_proportions(design)
     pinion = member_of(geometry.pair, PINION_NAME, geometry.of_pair)
     rack = rack_member(RACK_NAME, geometry.mesh.rack, geometry.mesh.pinion, design.rack)
+    if whole.double_helical:
+        pinion = double_helical_member(whole, pinion, geometry.of_pair.gear(PINION_NAME))
+        rack = double_helical_bar(whole, rack)
+    rack = with_bolts(rack, whole.rack)
     flank = Side(design.contact.flank)
     mount = rack_mount(geometry.mesh.pinion, geometry.mesh.distance, flank, _errors(design))
     pair = rack_pair(
@@ -47,7 +58,8 @@ def build(design: RackDesign) -> GearTrain:
         flank,
         design.contact.delta,
     )
-    return GearTrain(design.kind, (pair,), _warnings(design, geometry))
+    notes = (HALF_NOTE,) if whole.double_helical else ()
+    return GearTrain(design.kind, (pair,), (*_warnings(design, geometry), *notes))
 
 
 def _errors(design: RackDesign) -> Rigid:

@@ -24,7 +24,7 @@ from gearmesh.design.runout import PinionRunout
 from gearmesh.member_names import MemberNames
 from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.cylindrical.allowance_keys import ThicknessAllowance, thickness_made_key
-from gearmesh.systems.cylindrical.design import CylindricalMember, ToothingKeys, accuracy_class_key
+from gearmesh.systems.cylindrical.design import CylindricalMember, HalvesKeys, accuracy_class_key
 from gearmesh.systems.kinds import OWN_KINDS
 
 #: name of the pinion's table in a design
@@ -102,6 +102,15 @@ class RackTable(FlankStock, BrokenEdges, BarKeys):
         "a rack is a bar: it has no hub, shaft or bore, only bolts",
     )
 
+    #: Key of the floor of the gap between both halves.
+    gap_key: ClassVar[str] = "gap_height"
+
+    gap_height: float | None = keys.length(
+        "height over the back of the floor of the gap between the halves of a double helical rack",
+        None,
+        above=0,
+        default="a quarter of a module below the root",
+    )
     bolts: BoltRow | None = None
     thickness_allowance: ThicknessAllowance | None = None
     thickness_made: str = thickness_made_key()
@@ -131,7 +140,7 @@ class RackAssembly(PinionRunout):
     gamma_v: float = keys.angle("misalignment of the rack and its guide about y", 0.0, low=-10, high=10)
 
 
-class RackKeys(ToothingKeys):
+class RackKeys(HalvesKeys):
     """Keys of the designs of racks, with and without a pinion."""
 
     own_kind: ClassVar[str] = "rack"
@@ -201,8 +210,7 @@ class RackDesign(RackKeys):
         self.with_allowances()
         if self.pinion.internal:
             raise conflict("pinion.internal", True, reason="the pinion of a rack is external")
-        if self.pinion.gap_diameter is not None:
-            raise conflict("pinion.gap_diameter", self.pinion.gap_diameter, reason="the pinion of a rack has no gap")
+        self._refuse_uneven_load(self.assembly)
         return self
 
     @property

@@ -232,11 +232,15 @@ def rack_member(name: str, spec: RackProportions, pinion: Toothing, table: RackT
         raise edge_refusal(name, tooth, failure) or failure from failure
 
     member = Member(name, tooth, rack_parameters("l_R", "u_R"), overhang=spec.overhang)
-    if table is None:
-        return member
-    if table.bolts is not None:
-        member = replace(member, features=BodyFeatures(row=_bolt_row(member, table.bolts)))
-    return with_end_chamfers(with_modifications(member, table), table)
+    return member if table is None else with_end_chamfers(with_modifications(member, table), table)
+
+
+def with_bolts(rack: Member, table: RackTable) -> Member:
+    """Return a rack with the bolt holes of its table.
+
+    Raises DesignError naming key, value and limit if the holes do not stay in the bar.
+    """
+    return rack if table.bolts is None else replace(rack, features=BodyFeatures(row=_bolt_row(rack, table.bolts)))
 
 
 def _bolt_row(member: Member, bolts: BoltRow) -> HoleRow:
@@ -246,6 +250,7 @@ def _bolt_row(member: Member, bolts: BoltRow) -> HoleRow:
     """
     key, tooth = f"{member.name}.bolts", member.tooth
     root, back = float(tooth.blank.root.at(0.0)), tooth.blank.body.profile[0][0]
+    root = min((root, *(gap.floor for gap in member.gaps)))
     # the ends of the bar run along the tooth traces: on helical teeth the nearest point of an end is on a face
     places, middle = tooth.joint.places(tooth.teeth), tooth.root_middle(np.array(tooth.blank.extent))
     displacements = tooth.joint.to(np.array([places[0], places[-1] + 1]) * tooth.pitch_angle).translation[:, 1:2]
@@ -297,7 +302,7 @@ def _bolt_row(member: Member, bolts: BoltRow) -> HoleRow:
             if most > bolts.diameter
             else "fewer or smaller holes",
         )
-    width = float(np.ptp(tooth.blank.extent))
+    width = float(np.ptp(member.plain_body.ends))
     if bolts.depth is not None and not bolts.depth < width:
         raise DesignError(
             f"{key}.depth", bolts.depth, unit="mm", allowed=f"less than the face width, {at_most(width)} mm"

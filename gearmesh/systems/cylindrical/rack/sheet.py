@@ -19,6 +19,7 @@ from gearmesh.design.core import STEEL_DENSITY_KG_PER_M3
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.plain_sheet import plain_sheet
 from gearmesh.systems.common.symbol_table import Missing, Row, column_of, table, tables_by_title, tables_of
+from gearmesh.systems.cylindrical.double_helical import half_of
 from gearmesh.systems.cylindrical.geometry.allowances import allowances_of
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.systems.cylindrical.geometry.line_of_action import LineOfAction, SetBackFillet, set_back_fillet
@@ -27,7 +28,7 @@ from gearmesh.systems.cylindrical.geometry.proportions import GearProportions, t
 from gearmesh.systems.cylindrical.rack.design import PINION_NAME, RACK_NAME
 from gearmesh.systems.cylindrical.rack.member import RackMesh
 from gearmesh.systems.cylindrical.rack.proportions import RackPairProportions, rack_proportions, with_allowances
-from gearmesh.systems.cylindrical.sheet import SheetPair, member_tables
+from gearmesh.systems.cylindrical.sheet import SheetPair, half_tables, member_tables
 from gearmesh.systems.system import Reserve, Sheet, SheetTable, complete_design
 from gearmesh.teeth.blank.moments import M3_PER_MM3
 from gearmesh.teeth.gear_train import GearTrain, Member
@@ -97,7 +98,7 @@ def rack_flank(rack: Member) -> tuple[float, float]:
 
 def rack_reserves(design: RackDesign, train: GearTrain) -> tuple[Reserve, ...]:
     """Return the reserves of pinion and rack against interference of their teeth."""
-    own = complete_design(design).in_mm()
+    own = half_of(complete_design(design).in_mm())
     return _sheet_pair(own, rack_proportions(own), train).interference_reserves(0, (PINION_NAME, RACK_NAME))
 
 
@@ -112,10 +113,11 @@ def _sheet_pair(own: RackDesign, geometry: RackPairProportions, train: GearTrain
 
 def rack_sheet(design: RackDesign, train: GearTrain) -> Sheet:
     """Return the sheet of a design of pinion and rack and the gear set built from it."""
-    own = complete_design(design).in_mm()
+    whole = complete_design(design).in_mm()
+    own = half_of(whole)
     geometry = rack_proportions(own)
     # the table of axes has no meaning for a rack
-    derived, plain, _ = plain_sheet(own, train).tables
+    derived, plain, _ = plain_sheet(whole, train).tables
     rack, sheet = train.members[RACK_NAME], _sheet_pair(own, geometry, train)
     members, measures, *others = (_first_column(of_both) for of_both in member_tables(sheet))
     of_mesh = tables_by_title(
@@ -128,6 +130,7 @@ def rack_sheet(design: RackDesign, train: GearTrain) -> Sheet:
     return Sheet(
         (
             derived,
+            *half_tables(whole, (train.members[PINION_NAME], rack)),
             of_mesh[0],
             *tables_of(("Backlash", lambda: table("Backlash", *_backlash(own, geometry)))),
             _with_clearance(members, geometry.mesh.root_clearance),
@@ -258,7 +261,7 @@ def rack_rows(design: RackKeys, mesh: RackMesh, member: Member, root: float | No
         ),
         ("L", "length", "mm", mesh.length),
         ("L_e", "of it beyond the teeth, at either end", "mm", rack.overhang),
-        ("b", "width", "mm", rack.face_width),
+        (*member.rows.face_width, "mm", rack.face_width),
         ("H", "height from the back to the tips", "mm", rack.height),
         ("H_0", "height of the reference plane over the back", "mm", mesh.pitch_height),
         ("h_a", "addendum", "mm", rack.addendum * m),

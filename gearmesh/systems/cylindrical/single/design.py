@@ -12,7 +12,7 @@ from gearmesh.design.core import UnloadedElementTable
 from gearmesh.design.keys import conflict
 from gearmesh.design.measured import PairMeasured
 from gearmesh.member_names import MemberNames
-from gearmesh.systems.cylindrical.design import CylindricalMember, HalvesKeys
+from gearmesh.systems.cylindrical.design import CylindricalKeys, CylindricalMember, HalvesKeys
 
 #: tables of a pair; a single gear has one of them
 MEMBER_TABLES = ("pinion", "gear")
@@ -25,7 +25,7 @@ def is_single(keys: Mapping[str, Any]) -> bool:
     return sum(name in keys for name in MEMBER_TABLES) == 1
 
 
-class SingleGearDesign(HalvesKeys):
+class SingleGearDesign(HalvesKeys, CylindricalKeys):
     """One spur or helical gear, external or internal, without a mating gear: the table pinion or the table gear."""
 
     own_kind: ClassVar[str] = "cylindrical"
