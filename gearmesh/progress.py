@@ -63,7 +63,17 @@ def in_turn(items: Iterable[Item]) -> Iterator[Item]:
             yield item
 
 
-_ended: ContextVar[Event | None] = ContextVar("ended", default=None)
+_ended: ContextVar[Callable[[], bool] | None] = ContextVar("ended", default=None)
+
+
+@contextmanager
+def ending_when(is_ended: Callable[[], bool]) -> Iterator[None]:
+    """End the work in the context, with CancelledError, at its next call of `go_on` after `is_ended` returns True."""
+    token = _ended.set(is_ended)
+    try:
+        yield
+    finally:
+        _ended.reset(token)
 
 
 def side_by_side(work: Callable[..., Item], *arguments: Iterable[Any]) -> list[Item]:
@@ -74,7 +84,7 @@ def side_by_side(work: Callable[..., Item], *arguments: Iterable[Any]) -> list[I
     ended = Event()
 
     def in_thread(*values: Any) -> Item:
-        _ended.set(ended)
+        _ended.set(ended.is_set)
         return work(*values)
 
     columns = list(zip(*arguments, strict=True))
@@ -90,5 +100,5 @@ def side_by_side(work: Callable[..., Item], *arguments: Iterable[Any]) -> list[I
 def go_on() -> None:
     """Raise CancelledError if nobody waits for the work any more."""
     ended = _ended.get()
-    if ended is not None and ended.is_set():
+    if ended is not None and ended():
         raise CancelledError

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 
@@ -18,3 +18,17 @@ def with_keys(tables: Mapping[str, Any], values: Iterable[tuple[str, Any]]) -> d
             table = table.setdefault(name, {})
         table[last] = value
     return nested
+
+
+def leaves(tables: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield the dotted keys of nested tables with their values; a table without a key has the value {}."""
+    for name, value in tables.items():
+        if isinstance(value, Mapping) and value:
+            yield from leaves(value, f"{prefix}{name}.")
+        else:
+            yield prefix + name, value
+
+
+def empty_tables(tables: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the tables without a key among nested tables, and those that they stand in."""
+    return with_keys({}, ((key, {}) for key, value in leaves(tables) if value == {}))

@@ -14,10 +14,11 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
 from gearmesh.design.core import Design
+from gearmesh.design.dotted import leaves
 from gearmesh.design.files import override, read, text_of, toml, with_version
 from gearmesh.errors import ArgumentError, OutputError
 from gearmesh.explore.rewriting import rewritten
-from gearmesh.explore.state import KIND_PREFIX, OPENED_NAME, Origin, flat, nested
+from gearmesh.explore.state import KIND_PREFIX, OPENED_NAME, Origin, nested
 from gearmesh.explore.workers import Worker
 from gearmesh.formats import JSON_SUFFIX
 from gearmesh.systems.designs import parse_as_stated
@@ -180,7 +181,7 @@ def origin_of(design: Design) -> Origin:
 def origin_of_file(path: Path, overrides: Sequence[str] = ()) -> Origin:
     """Return the origin of a design file with overridden keys. Raises DesignError as `gearmesh.load` does."""
     data = override(read(path), overrides)
-    text = toml(data) if path.suffix.lower() == JSON_SUFFIX else rewritten(text_of(path), dict(flat(data)))
+    text = toml(data) if path.suffix.lower() == JSON_SUFFIX else rewritten(text_of(path), dict(leaves(data)))
     return _whole(Origin.of_text(OPENED_NAME, text, data, path.parent))
 
 
@@ -190,7 +191,7 @@ def origin_of_kind(kind: str, overrides: Sequence[str] = ()) -> Origin:
     if not overrides:
         return new
     data = override(nested(new.keys), overrides)
-    return _whole(Origin.of_text(OPENED_NAME, rewritten(new.text, dict(flat(data))), data, Path()))
+    return _whole(Origin.of_text(OPENED_NAME, rewritten(new.text, dict(leaves(data))), data, Path()))
 
 
 def _whole(origin: Origin) -> Origin:

@@ -8,8 +8,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from gearmesh.design.dotted import leaves
 from gearmesh.design.files import toml
-from gearmesh.explore.state import flat, nested
+from gearmesh.explore.state import nested
 
 #: head of a table
 _TABLE_PATTERN = re.compile(r"\s*\[\s*([A-Za-z0-9_.\s-]+?)\s*\]\s*(#.*)?$")
@@ -53,7 +54,7 @@ def _head(text: str) -> Iterator[str]:
 
 def _edited(text: str, keys: Mapping[str, Any]) -> str:
     parts = list(_parts(text))
-    before = dict(flat(tomllib.loads(text)))
+    before = dict(leaves(tomllib.loads(text)))
     left = dict(keys)
     kept: list[_Part] = []
     for part in parts:
@@ -163,7 +164,7 @@ def _add(parts: list[_Part], key: str, value: Any) -> None:
     # a table that is written in one line
     for part in parts:
         if part.key and table and (table == part.key or table.startswith(f"{part.key}.")):
-            inner = dict(flat(tomllib.loads("\n".join(part.lines))))
+            inner = dict(leaves(tomllib.loads("\n".join(part.lines))))
             prefix = f"{part.table}." if part.table else ""
             part.lines = _with_value(part, {**{f"{prefix}{name}": each for name, each in inner.items()}, key: value})
             return

@@ -6,14 +6,14 @@ import json
 import math
 import re
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from gearmesh import samples
 from gearmesh.design.core import Design
-from gearmesh.design.dotted import with_keys
+from gearmesh.design.dotted import leaves, with_keys
 from gearmesh.design.files import anchor
 from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.systems.designs import new, parse_as_stated
@@ -64,10 +64,10 @@ class Origin:
     @staticmethod
     def of_text(name: str, text: str, data: Mapping[str, Any], folder: Path) -> Origin:
         """Return the origin of a design file: its text, its data, and the folder of the files that it names."""
-        stated = dict(flat(data))
+        stated = dict(leaves(data))
         design = design_class_of(stated)
         names = {key: value for key, value in stated.items() if is_file(design, key)}
-        return Origin(name, text, dict(flat(anchor(data, design, folder.resolve()))), names)
+        return Origin(name, text, dict(leaves(anchor(data, design, folder.resolve()))), names)
 
     @staticmethod
     def find(name: str) -> Origin:
@@ -90,15 +90,6 @@ def design_class_of(keys: Mapping[str, Any]) -> type[Design]:
 def nested(keys: Mapping[str, Any]) -> dict[str, Any]:
     """Return the tables of dotted keys; a table without a key has the value {}."""
     return with_keys({}, sorted(keys.items(), key=lambda each: each[1] != {}))
-
-
-def flat(data: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield the dotted keys of nested tables with their values; a table without a key has the value {}."""
-    for name, value in data.items():
-        if isinstance(value, Mapping) and value:
-            yield from flat(value, f"{prefix}{name}.")
-        else:
-            yield prefix + name, value
 
 
 def is_file(design: type[Design], dotted: str) -> bool:

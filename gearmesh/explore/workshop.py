@@ -14,6 +14,7 @@ import hashlib
 import json
 from collections import OrderedDict
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import CancelledError
 from dataclasses import dataclass, field, replace
 from typing import Any, Generic, TypeVar
 
@@ -33,7 +34,7 @@ from gearmesh.figures import Summary, at_resolution
 from gearmesh.formats import HTML_SUFFIX, TOML_SUFFIX
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.pickling import fingerprint
-from gearmesh.progress import listening
+from gearmesh.progress import ending_when, listening
 from gearmesh.systems.system import build, complete_design, system_of
 from gearmesh.teeth.gear_train import GearTrain, Member
 from gearmesh.view.pictures import members_picture
@@ -184,8 +185,11 @@ class Workshop:
             question = questions.get(str(request.get("do")))
             if question is None:
                 raise ArgumentError("do", must_be=f"one of {', '.join(questions)}")
-            with listening(job.progress):
+            # work ends where it reports progress, and wherever a surface is evaluated
+            with listening(job.progress), ending_when(job.is_stale):
                 question(request, job)
+        except CancelledError:
+            raise Stale from None
         except GearmeshError as error:
             try:
                 design = design_class_of(request["keys"])

@@ -19,6 +19,7 @@ from copy import copy
 from typing import Any, TypeVar
 
 from gearmesh.design.core import Design
+from gearmesh.design.dotted import empty_tables
 from gearmesh.errors import Bounds, DesignError, GearmeshError, NoSolutionError, VagueError, shown_value
 from gearmesh.kernel.numeric.effort import Effort, limit_effort
 from gearmesh.systems.key_bounds import BOUND_DIGITS, Interval, KeyBound
@@ -59,7 +60,7 @@ def diagnose(
     _tell_reason(failure, effort)
     named = failure.key in own
     failure = _with_value(design, failure, own[failure.key]) if named else failure
-    trials = Trials(type(design), own, build, effort, failure, built_of)
+    trials = Trials(type(design), own, build, effort, empty_tables(design.stated()), failure, built_of)
     mending = Mending(trials, _changed_keys(design, own))
     if named:
         mending.inside[failure.key] = _values_inside(design, failure, trials)
@@ -271,7 +272,7 @@ def _together(design: Design, failure: GearmeshError, own: dict[str, Any]) -> Ge
 
 def without_one(design: DesignT, build: Build) -> tuple[DesignT, str] | None:
     """Return a design that can be built without one of its keys, and this key; None if no single key can be left out."""
-    trials = Trials(type(design), dict(design.own()), build, Effort(math.inf))
+    trials = Trials(type(design), dict(design.own()), build, Effort(math.inf), empty_tables(design.stated()))
     for key, value in design.own():
         if movable(key, value) and trials.works(key, None):
             return trials.design_of({**trials.own, key: None}), key

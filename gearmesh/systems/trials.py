@@ -61,6 +61,8 @@ class Trials(Generic[DesignT]):
     build: Build
     #: effort that is left
     effort: Effort
+    #: tables of the design without a key, which stay, as an empty table of a tool asks for that tool
+    empty: Mapping[str, Any] = field(default_factory=dict)
     #: refusal of the design
     failure: GearmeshError | None = None
     #: function for the values of keys that are left out
@@ -129,7 +131,7 @@ class Trials(Generic[DesignT]):
 
     def design_of(self, keys: dict[str, Any]) -> DesignT:
         """Return the design of the keys that are not None."""
-        return self.design(**with_keys({}, ((key, value) for key, value in keys.items() if value is not None)))
+        return self.design(**with_keys(self.empty, ((key, value) for key, value in keys.items() if value is not None)))
 
     def refused_values(self, key: str) -> list[float]:
         """Return the values of a key that are known to be refused."""

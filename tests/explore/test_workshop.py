@@ -11,11 +11,12 @@ import pytest
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh.design.dotted import leaves
 from gearmesh.explore.explorer import origin_of, origin_of_file
 from gearmesh.explore.keys import plain_values
 from gearmesh.explore.ranges import key_range
 from gearmesh.explore.rewriting import rewritten
-from gearmesh.explore.state import Origin, flat, refuse_keys
+from gearmesh.explore.state import Origin, refuse_keys
 from gearmesh.explore.workshop import Job, Stale, Workshop
 from gearmesh.systems.system import complete_design
 
@@ -127,6 +128,31 @@ def test_work_that_is_not_wanted_ends(workshop: Workshop) -> None:
     assert "scene" not in {message["type"] for message in found}
 
 
+def test_work_ends_at_the_next_surface_and_leaves_gears_as_they_were() -> None:
+    """Gears are kept between changes: work that was broken off anywhere must not change what comes next."""
+    origin = origin_of_file(SAMPLES / "spur.toml")
+    kept, fresh = Workshop(origin), Workshop(origin)
+    ask(kept)
+    late = []
+    for last in (1, 10, 40, 100, 200, 400):
+        looks = 0
+
+        def is_stale(last: int = last) -> bool:
+            nonlocal looks
+            looks += 1
+            return looks > last
+
+        keys = {**origin.shown, "assembly.dx": 0.02}
+        with pytest.raises(Stale):
+            kept.answer({"do": "show", "from": "opened", "keys": keys, "have": ["x"]}, Job(lambda _: None, is_stale))
+        late.append(looks - last)
+    # it ended when it looked, and it looks often: not only between the stages of its progress
+    assert late == [1] * len(late)
+    after, expected = (ask(workshop, changes={"assembly.dx": 0.02}, have=["x"]) for workshop in (kept, fresh))
+    assert of(after, "figures") == of(expected, "figures")
+    assert of(after, "scene")[-1]["pairs"] == of(expected, "scene")[-1]["pairs"]
+
+
 @pytest.mark.parametrize(
     ("changes", "key", "units"),
     [
@@ -175,7 +201,7 @@ def test_pages_do_not_see_files() -> None:
     # the file that is saved names them as the opened file does
     (key, name), *_ = origin.named.items()
     saved = rewritten(origin.text, {**origin.shown, **origin.named})
-    assert dict(flat(tomllib.loads(saved)))[key] == name
+    assert dict(leaves(tomllib.loads(saved)))[key] == name
     assert "/" not in name
 
 
@@ -196,7 +222,7 @@ count = 21
 
 @pytest.mark.quick
 def test_saved_design_keeps_comments_and_order() -> None:
-    keys = dict(flat(tomllib.loads(SAVED)))
+    keys = dict(leaves(tomllib.loads(SAVED)))
     assert rewritten(SAVED, keys) == SAVED
     changed = {
         **keys,
@@ -209,7 +235,7 @@ def test_saved_design_keeps_comments_and_order() -> None:
     }
     del changed["contact.phi1.count"]
     made = rewritten(SAVED, changed)
-    assert dict(flat(tomllib.loads(made))) == changed
+    assert dict(leaves(tomllib.loads(made))) == changed
     for line in (
         "# a pair",
         "# the wheel",
@@ -227,7 +253,7 @@ def test_saved_design_of_every_sample_reads_back() -> None:
     chance = np.random.default_rng(57)
     for path in sorted(SAMPLES.glob("*.toml")):
         text = path.read_text(encoding="utf-8")
-        keys = dict(flat(tomllib.loads(text)))
+        keys = dict(leaves(tomllib.loads(text)))
         assert rewritten(text, keys) == text
         changed = {
             key: value * 1.5 if isinstance(value, float) else value
@@ -236,7 +262,7 @@ def test_saved_design_of_every_sample_reads_back() -> None:
         }
         changed["extra.table.key"] = 1
         made = rewritten(text, changed)
-        assert dict(flat(tomllib.loads(made))) == changed, path
+        assert dict(leaves(tomllib.loads(made))) == changed, path
         comments = [line for line in text.splitlines() if line.startswith("#")]
         assert [line for line in made.splitlines() if line.startswith("#")] == comments, path
 

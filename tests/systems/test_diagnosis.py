@@ -297,6 +297,22 @@ def test_of_an_unusual_offset_one_that_works_is_named(module: float) -> None:
     tried(float(found[1]))
 
 
+@pytest.mark.quick
+def test_tables_without_a_key_stay_in_the_trials_of_a_refusal() -> None:
+    """The design of a trial differs from the design in one key alone, as in the file."""
+    cls = system("spiral_bevel").design
+    design = cls(**with_keys(cls.example, [("gear.cutter", {}), ("gear.bore", 30.0)]))
+    tried = list[dict[str, Any]]()
+
+    def build(given: Any) -> object:
+        tried.append(given.stated())
+        raise DesignError("gear.bore", 30.0, reason="too large")
+
+    assert diagnosis.without_one(design, build) is None
+    assert tried
+    assert all(stated["gear"]["cutter"] == {} for stated in tried)
+
+
 def test_designs_that_differ_in_what_was_put_in_anew_alone_are_equal() -> None:
     plain: Any = gm.load(SAMPLES / "spur.toml")
     again = plain.with_values({"pressure_angle": plain.pressure_angle})

@@ -11,6 +11,8 @@ from contextvars import ContextVar
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from gearmesh.progress import go_on
+
 
 class Cost(NamedTuple):
     """Effort of one evaluation, and of each of its points."""
@@ -77,7 +79,11 @@ def count_effort(most: float = UNLIMITED_EFFORT) -> Iterator[Effort]:
 
 
 def spend(points: int, evaluations: int, cost: Cost) -> None:
-    """Count `evaluations`, each at `points` points, against the effort limit. Raises EffortSpentError."""
+    """Count `evaluations`, each at `points` points, against the effort limit. Raises EffortSpentError.
+
+    Raises CancelledError if nobody waits for the work any more.
+    """
+    go_on()
     effort = _limit.get()
     if effort is None:
         return

@@ -740,16 +740,20 @@ window.gearmeshScene = function () {
   });
   new ResizeObserver(resize).observe(canvas);
 
+  // materials that were replaced last: a renderer compiles its programs anew once no material has them, so they stay until others do
+  let replaced = [];
+
   function drop() {
+    replaced.forEach((material) => material.dispose());
+    replaced = [];
     for (const member of members) {
       scene.remove(member.group);
       member.instanced.forEach((part) => part.dispose());
-      member.material.dispose();
-      member.ink.dispose();
+      replaced.push(member.material, member.ink);
     }
     for (const { mesh } of pairs.flatMap((pair) => pair.flanks)) {
       mesh.geometry.dispose();
-      mesh.material.dispose();
+      replaced.push(mesh.material);
     }
   }
 

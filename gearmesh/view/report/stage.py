@@ -39,7 +39,7 @@ LIFT_SHARE = 1e-3
 #: angle of view, upright, and ratio of width to height for which the view places its camera
 VIEW_ANGLE_DEG, VIEW_ASPECT = 20.0, 4.0 / 3.0
 #: height of the camera of all gears over the gears; the view takes 0.9 of it
-VIEW_MARGIN = 1.03 / 0.9
+VIEW_MARGIN = 1.08 / 0.9
 #: colours of members, by their shape
 MEMBER_PAINTS = (BLUE_STEEL_PAINT, BRASS_PAINT, BRONZE_PAINT)
 
