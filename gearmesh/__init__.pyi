@@ -70,6 +70,7 @@ from .systems.parabolic_helical.design import NovikovDesign as NovikovDesign
 from .systems.spiral_bevel.conjugate.design import ConjugateDesign as ConjugateDesign
 from .systems.spiral_bevel.design import HypoidDesign as HypoidDesign
 from .systems.spiral_bevel.design import SpiralBevelDesign as SpiralBevelDesign
+from .systems.straight_bevel.design import StraightBevelDesign as StraightBevelDesign
 from .systems.system import System as System
 from .systems.system import kinds as kinds
 from .systems.system import register as register

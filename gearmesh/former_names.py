@@ -98,6 +98,7 @@ systems.circular_arc.design: CircularArcAssembly CircularArcContact CircularArcG
 systems.circular_arc.fillets: ArcRack
 systems.common.standards.iso286: Deviations
 systems.common.worm_keys: WormTool
+systems.common.bevel.design: BevelAssembly BevelBody
 systems.cylindrical.allowance_keys: DiameterTolerance ThicknessAllowance
 systems.cylindrical.design: CylindricalAssembly CylindricalMember Hob ShaperCutter
 systems.cylindrical.allowance_keys: BallMeasurement SpanMeasurement
@@ -111,7 +112,7 @@ systems.face_gear.design: FaceGearAssembly FaceGearGear FaceGearMachine FaceGear
 systems.parabolic_helical.design: DiskTool ModifiedInvoluteGear NovikovGear ParabolicAssembly ParabolicMember
 systems.parabolic_helical.design: ParabolicPinion
 systems.spiral_bevel.conjugate.design: ConjugateContact ConjugateMember
-systems.spiral_bevel.design: BevelAssembly BevelBody BevelContact BevelGear BevelPinion BladeTable EaseOffTable
+systems.spiral_bevel.design: BevelContact BevelGear BevelPinion BladeTable EaseOffTable
 systems.spiral_bevel.design: GearCutter PinionSide SpiralBevelContact
 systems.system: Displacements DrawnRows MissingValue PatternCheck PatternShift Reserve Setting Sheet SheetTable
 systems.system: ToolPart

@@ -38,6 +38,7 @@ PAIRS = {
     "circular_arc": 0.002,
     "novikov": 0.05,
     "face_gear": 0.05,
+    "straight_bevel": 0.01,
     "spiral_bevel_basic": 0.05,
     "hypoid": 0.05,
     "worm_drive": 0.05,

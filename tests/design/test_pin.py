@@ -256,7 +256,7 @@ OTHER_RULES: dict[str, tuple[str, Any, dict[str, Any]]] = {
         1.3,
         {"kind": "face_gear", "module": 3, "pinion": {"teeth": 25}, "gear": {"teeth": 120}, "shaper": {"teeth": 28}},
     ),
-    "clearance": ("gearmesh.systems.spiral_bevel.blank.blank.CLEARANCE_FACTOR", 0.15, MORE["bevel_inch"]),
+    "clearance": ("gearmesh.systems.common.bevel.blank.CLEARANCE_FACTOR", 0.15, MORE["bevel_inch"]),
 }
 
 

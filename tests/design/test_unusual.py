@@ -79,7 +79,7 @@ def test_a_shaft_angle_of_beveloid_gears_says_what_sets_it(table: dict[str, Any]
     ("word", "hint"),
     [
         ("bevel", 'bevel: kind = "spiral_bevel"'),
-        ("Straight bevel gears", 'straight bevel: kind = "spiral_bevel" with spiral_angle = 0'),
+        ("Straight bevel gears", 'straight bevel: kind = "straight_bevel"'),
         ("spur", 'spur: kind = "cylindrical"'),
         ("helical_gear", 'helical: kind = "cylindrical" with helix_angle'),
         ("crossed-helical", 'crossed helical: kind = "beveloid"'),

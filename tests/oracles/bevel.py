@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from gearmesh.systems.spiral_bevel.iso23509.pitch_cones import bevel_pitch_angles
-from gearmesh.systems.spiral_bevel.iso23509.tooth_factors import suggested_addendum_factor, suggested_depth_factor
+from gearmesh.systems.common.bevel.iso23509.pitch_cones import bevel_pitch_angles
+from gearmesh.systems.common.bevel.iso23509.tooth_factors import suggested_addendum_factor, suggested_depth_factor
 
 
 def standard_factors(pinion: int, gear: int, shaft_angle: float = 90.0) -> dict[str, float]:

@@ -8,7 +8,7 @@ from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh.metrology.iso17485 import BevelSizes
-from gearmesh.systems.spiral_bevel.sheet.accuracy import tolerance_table
+from gearmesh.systems.common.bevel.accuracy import tolerance_table
 from gearmesh.systems.spiral_bevel.synthesis.settings import basic_blank
 
 

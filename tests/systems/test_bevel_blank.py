@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from oracles.examples import examples
 
 from gearmesh.errors import DesignError
-from gearmesh.systems.spiral_bevel.blank.blank import (
+from gearmesh.systems.common.bevel.blank import (
     BasicData,
     BevelBlank,
     MemberBlank,
@@ -19,15 +19,15 @@ from gearmesh.systems.spiral_bevel.blank.blank import (
     tapered_blank,
     uniform_blank,
 )
-from gearmesh.systems.spiral_bevel.iso23509.blank_cones import blank_cones
-from gearmesh.systems.spiral_bevel.iso23509.dimensions import bevel_dimensions
-from gearmesh.systems.spiral_bevel.iso23509.tooth_factors import (
+from gearmesh.systems.common.bevel.iso23509.blank_cones import blank_cones
+from gearmesh.systems.common.bevel.iso23509.dimensions import bevel_dimensions
+from gearmesh.systems.common.bevel.iso23509.tooth_factors import (
     DEPTH_FACTORS,
     Backlash,
     ToothFactors,
     suggested_thickness_factor,
 )
-from gearmesh.systems.spiral_bevel.iso23509.tooth_line import FaceCutter
+from gearmesh.systems.common.bevel.iso23509.tooth_line import FaceCutter
 
 pytestmark = pytest.mark.quick
 

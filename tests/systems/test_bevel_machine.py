@@ -19,8 +19,8 @@ from gearmesh.errors import GearmeshError
 from gearmesh.kernel.envelope.envelope import Envelope
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.common.axes import gear_base
+from gearmesh.systems.common.bevel.blank import BevelBlank
 from gearmesh.systems.designs import parse
-from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
 from gearmesh.systems.spiral_bevel.machine.pair import BLADE_SIDES, HAND_SIGNS, MATING_SIDES
 from gearmesh.systems.spiral_bevel.synthesis.contact_choice import contact_said

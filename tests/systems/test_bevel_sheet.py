@@ -22,8 +22,8 @@ from gearmesh.drawing.gear_data import facts_of
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.stations import along
 from gearmesh.systems.common.axes import gear_base
+from gearmesh.systems.common.bevel.blank import BevelBlank
 from gearmesh.systems.designs import load, parse
-from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank
 from gearmesh.systems.spiral_bevel.machine.maker_settings import maker_table
 from gearmesh.systems.spiral_bevel.sheet.thrusts import along_normal, by_formula
 from gearmesh.systems.spiral_bevel.synthesis import teeth_choice

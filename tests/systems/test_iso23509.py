@@ -13,15 +13,15 @@ import pytest
 
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array, cross, unit
-from gearmesh.systems.spiral_bevel.iso23509 import methods
-from gearmesh.systems.spiral_bevel.iso23509.blank_cones import MatingPlane, blank_cones
-from gearmesh.systems.spiral_bevel.iso23509.dimension_table import dimension_rows
-from gearmesh.systems.spiral_bevel.iso23509.dimensions import BevelDimensions, bevel_dimensions
-from gearmesh.systems.spiral_bevel.iso23509.methods import OffsetPair, with_offset, without_offset
-from gearmesh.systems.spiral_bevel.iso23509.pitch_cones import PitchCones, bevel_pitch_angles
-from gearmesh.systems.spiral_bevel.iso23509.tapers import duplex_sum
-from gearmesh.systems.spiral_bevel.iso23509.tooth_factors import Backlash, ToothFactors, suggested_backlash
-from gearmesh.systems.spiral_bevel.iso23509.tooth_line import FaceCutter, ToothLine
+from gearmesh.systems.common.bevel.iso23509 import methods
+from gearmesh.systems.common.bevel.iso23509.blank_cones import MatingPlane, blank_cones
+from gearmesh.systems.common.bevel.iso23509.dimension_table import dimension_rows
+from gearmesh.systems.common.bevel.iso23509.dimensions import BevelDimensions, bevel_dimensions
+from gearmesh.systems.common.bevel.iso23509.methods import OffsetPair, with_offset, without_offset
+from gearmesh.systems.common.bevel.iso23509.pitch_cones import PitchCones, bevel_pitch_angles
+from gearmesh.systems.common.bevel.iso23509.tapers import duplex_sum
+from gearmesh.systems.common.bevel.iso23509.tooth_factors import Backlash, ToothFactors, suggested_backlash
+from gearmesh.systems.common.bevel.iso23509.tooth_line import FaceCutter, ToothLine
 
 SAMPLES = json.loads((Path(__file__).parents[1] / "data" / "iso23509_samples.json").read_text())
 RIGHT = 0.5 * np.pi

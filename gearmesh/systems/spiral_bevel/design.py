@@ -13,12 +13,17 @@ from typing import Any, ClassVar, Self
 from pydantic import model_validator
 
 from gearmesh.design import keys
-from gearmesh.design.core import ContactTable, GearBody, Holes, PairDesign, RexsSource, Web
+from gearmesh.design.core import ContactTable, RexsSource
 from gearmesh.design.keys import DERIVED_VALUE, Table, conflict, given_or
-from gearmesh.design.runout import PairRunout
 from gearmesh.design.shown import value_text
+from gearmesh.systems.common.bevel.design import (
+    BACKLASH_KEYS,
+    BevelDesign,
+    BevelMember,
+    ProportionedDesign,
+    edge_radius_key,
+)
 from gearmesh.systems.kinds import OWN_KINDS
-from gearmesh.systems.spiral_bevel.iso23509.taper_names import TAPER_NAMES
 
 #: default of settings that local synthesis or standard rules derive
 _SYNTHESIS_DEFAULT = "derived: see gearmesh settings"
@@ -35,12 +40,6 @@ _TILT_TEXT = (
 _THICKNESS_TEXT = "mean normal circular thickness s_mn of the tooth as it is cut"
 #: description of the coefficients of a motion
 _MOTION_TEXT = "by the cradle's rotation q in rad: a1 q + a2 q^2 + ..."
-
-
-def edge_radius_key() -> Any:
-    """Return the key of the rounding of the blade tip of any head cutter."""
-    about = "rounding of the blade tip: generates the fillet"
-    return keys.length(about, None, low=0, default="0.2 mean normal modules or what fits")
 
 
 def driving_side_key(side: str) -> Any:
@@ -310,39 +309,6 @@ class GearCutter(Machine):
     inside: BladeTable = BladeTable()
 
 
-class BevelBody(GearBody):
-    """Body of a bevel gear: between front and back cone, with a plane face at either end."""
-
-    web: Web | None = None
-    holes: Holes | None = None
-
-    @property
-    def given_sides(self) -> tuple[str, ...]:
-        """Tables of the sides of the teeth whose flanks are moved by given machine settings."""
-        return ()
-
-
-class BevelMember(BevelBody):
-    """Keys of both members."""
-
-    root_angle: float | None = keys.angle(
-        "root angle: root cone through the root at the mean point; through the pitch apex where that leaves the "
-        "whole depth (standard taper)",
-        None,
-        above=0,
-        high=90,
-        default="by the taper",
-        source="ISO 23509",
-    )
-    face_angle: float | None = keys.angle(
-        "face angle: tip cone through the tip at the mean point",
-        None,
-        above=0,
-        high=89.5,
-        default="parallel to the mating gear's root",
-    )
-
-
 class BevelPinion(BevelMember):
     """The pinion, with settings for each side."""
 
@@ -377,15 +343,6 @@ class BevelGear(BevelMember):
     cutter: GearCutter = GearCutter()
 
 
-class BevelAssembly(PairRunout):
-    """Assembly errors: displacements of the members from their nominal positions."""
-
-    dA: float = keys.length("pinion moved along its axis, away from the apex", 0.0, source="[AB]; [CR3553] 3.5")
-    dG: float = keys.length("gear moved along its axis, away from the apex", 0.0, source="[CR3553] 3.5")
-    dV: float = keys.length("pinion axis offset (dE), along y", 0.0, source="[AB]; [CR3553] 3.5")
-    d_delta: float = keys.angle("increase of the shaft angle", 0.0, low=-5, high=5, source="[CR3553] 3.5")
-
-
 class BevelContact(ContactTable):
     """Contact, on one of the pinion's sides."""
 
@@ -405,29 +362,13 @@ class SpiralBevelContact(BevelContact):
     ease_off: EaseOffTable | None = None
 
 
-class BevelDesign(PairDesign):
-    """Keys of all pairs of bevel gears."""
+class HandedDesign(BevelDesign):
+    """Keys of all pairs of bevel gears with a hand of spiral."""
 
-    usual: ClassVar[tuple[str, ...]] = ("shaft_angle", "pressure_angle", "face_width", "hand")
+    usual: ClassVar[tuple[str, ...]] = ("hand",)
 
-    pinion: BevelBody
-    gear: BevelBody
-
-    module: float | None = keys.length("outer transverse module", None, above=0, default="given by diametral_pitch")
-    diametral_pitch: float | None = keys.pitch(
-        "outer transverse diametral pitch, per inch in any units", None, above=0, default="given by module"
-    )
-    shaft_angle: float = keys.angle("shaft angle", 90.0, low=10, high=170, source="ISO 23509")
     hand: str = keys.choice("hand of spiral of the pinion", ("right", "left"), "left")
-    face_width: float | None = keys.length(
-        "face width, along the pitch cone", None, above=0, default="0.3 outer cone distance, at most 10 m"
-    )
-    assembly: BevelAssembly = BevelAssembly()
     contact: BevelContact = BevelContact()
-
-    @property
-    def _size_symbols(self) -> Mapping[str, str]:
-        return {"module": "m_et", "diametral_pitch": "P_et"}
 
 
 #: processes: each flank of the pinion by its own machine, or both at once; the gear both at once, generated or not
@@ -474,8 +415,6 @@ EASE_OFF_EXCLUDED_KEYS = (
 )
 #: keys of the polynomials in the cradle's rotation
 MOTION_KEYS = tuple(f"{name}_motion" for name in ("tilt", "swivel", "radial", "helical", "vertical"))
-#: keys from which the backlash is derived
-BACKLASH_KEYS = {"module", "diametral_pitch", "accuracy_grade", "units"}
 #: keys and tables on which no cone depends
 KEYS_BESIDE_CONES = ("gearmesh.", "assembly.", "contact.", "mesh.", "material.", "fe.")
 #: keys without meaning for a machine that does not roll
@@ -486,7 +425,7 @@ ROLLING_KEYS = (
 )
 
 
-class FaceMilledDesign(BevelDesign):
+class FaceMilledDesign(ProportionedDesign, HandedDesign):
     """Keys of all pairs cut by face-milling head cutters, with or without offset."""
 
     usual: ClassVar[tuple[str, ...]] = ("spiral_angle", "process")
@@ -497,16 +436,6 @@ class FaceMilledDesign(BevelDesign):
         PROCESS_NAMES,
         "fixed_setting",
     )
-    backlash: float = keys.length(
-        "normal backlash of the pair at the mean point; each member is thinned for half of it",
-        DERIVED_VALUE,
-        low=0,
-        default="by module and accuracy_grade",
-        source="AGMA 2005; ISO 23509 (202)-(211)",
-    )
-    accuracy_grade: int = keys.count(
-        "grade of accuracy, for tolerances and the default backlash", 7, low=2, high=11, source="ISO 17485"
-    )
     spiral_angle: float = keys.angle("mean spiral angle", 35.0, low=0, high=50, source="ISO 23509")
     pressure_angle: float = keys.angle("nominal pressure angle: blade angle of the gear", 20.0, low=10, high=30)
     mean_point: str = keys.choice(
@@ -514,36 +443,6 @@ class FaceMilledDesign(BevelDesign):
         ("mean_cone_distance", "cradle_zero"),
         "mean_cone_distance",
         source="[AB]",
-    )
-    clearance: float | None = keys.length(
-        "clearance between tip and the mating gear's root", None, above=0, default="0.25 mean normal module"
-    )
-    depth_factor: float | None = keys.number(
-        "mean working depth, mean normal modules",
-        None,
-        low=0.5,
-        high=3,
-        default="k_d by pinion teeth, less against undercut",
-        source="ISO 23509",
-    )
-    addendum_factor: float | None = keys.number(
-        "gear's mean addendum over working depth",
-        None,
-        low=0,
-        high=1,
-        default="c_ham by ratio, less against undercut",
-        source="ISO 23509",
-    )
-    thickness_factor: float | None = keys.number(
-        "tooth thickness modification: pinion thicker by this, mean normal modules",
-        None,
-        low=-1,
-        high=1,
-        default="k_t by teeth",
-        source="ISO 23509",
-    )
-    taper: str = keys.choice(
-        "how the depth changes from toe to heel", TAPER_NAMES, "standard", source="ISO 23509 annex C"
     )
     contact: SpiralBevelContact = SpiralBevelContact()
     pinion: BevelPinion
@@ -718,15 +617,7 @@ class FaceMilledDesign(BevelDesign):
 
         It is the backlash of the pair, or the default backlash if the thickness of the pinion is given.
         """
-        return given_or(self.backlash, self._suggested_backlash)
-
-    @property
-    def _suggested_backlash(self) -> float:
-        """Default normal backlash by module and grade of accuracy, in the design's units."""
-        from gearmesh.systems.spiral_bevel.iso23509.tooth_factors import suggested_backlash
-
-        mm = self.mm_per_unit
-        return suggested_backlash(self.given_module * mm, self.accuracy_grade) / mm
+        return given_or(self.backlash, self.suggested_backlash)
 
     @model_validator(mode="after")
     def _standing(self) -> Self:
@@ -811,7 +702,7 @@ class FaceMilledDesign(BevelDesign):
         # sides of the pinion are cut to one depth.
         defaults = super().derived_values()
         if self.pinion.thickness is None:
-            defaults["backlash"] = self._suggested_backlash
+            defaults["backlash"] = self.suggested_backlash
         if not math.isnan(self.apex_base):
             defaults["gear.cutter.sliding_base"] = self.apex_base
         upright = {}

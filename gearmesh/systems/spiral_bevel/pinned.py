@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gearmesh.systems.common.bevel.iso23509.tooth_factors import suggested_thickness_factor
 from gearmesh.systems.spiral_bevel.blank.proportion_choice import factors
 from gearmesh.systems.spiral_bevel.design import ONE_SIDE_KEYS
-from gearmesh.systems.spiral_bevel.iso23509.tooth_factors import suggested_thickness_factor
 from gearmesh.systems.spiral_bevel.sheet.sheet import edge_radius, settings_sheet
 from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import bevel_teeth
 from gearmesh.teeth.region import Side

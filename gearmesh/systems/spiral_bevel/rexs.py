@@ -17,7 +17,7 @@ from gearmesh.exchange.stage_writer import StageWriter
 from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import bevel_teeth
 
 if TYPE_CHECKING:
-    from gearmesh.systems.spiral_bevel.blank.blank import MemberBlank
+    from gearmesh.systems.common.bevel.blank import MemberBlank
     from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
 
 #: type of the component of a stage

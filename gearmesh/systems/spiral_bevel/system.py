@@ -1,9 +1,9 @@
 """Spiral, zerol, straight bevel and hypoid gears cut by head cutters [AB; CR3553; ISO 23509]."""
 
+from gearmesh.systems.common.bevel.displacements import ASSEMBLY_DISPLACEMENTS
 from gearmesh.systems.spiral_bevel.build import build, gear_part, left_to_geometry, pinion_part, try_build
 from gearmesh.systems.spiral_bevel.design import HypoidDesign, SpiralBevelDesign
 from gearmesh.systems.spiral_bevel.errors.compensation import compensate
-from gearmesh.systems.spiral_bevel.errors.displacements import ASSEMBLY_DISPLACEMENTS
 from gearmesh.systems.spiral_bevel.errors.kinematic_errors import first_order
 from gearmesh.systems.spiral_bevel.errors.vh_check import ASSEMBLY_MOVES, vh_check
 from gearmesh.systems.spiral_bevel.pinned import settings_values

@@ -15,12 +15,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gearmesh.systems.common.bevel.iso23509.tooth_factors import suggested_addendum_factor, suggested_depth_factor
+from gearmesh.systems.common.bevel.pair_blank import proportions
 from gearmesh.systems.spiral_bevel.design import BLADE_KEYS, Machine
-from gearmesh.systems.spiral_bevel.iso23509.tooth_factors import suggested_addendum_factor, suggested_depth_factor
-from gearmesh.systems.spiral_bevel.synthesis.settings import proportions
 
 if TYPE_CHECKING:
-    from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank, MemberBlank, Proportions
+    from gearmesh.systems.common.bevel.blank import BevelBlank, MemberBlank, Proportions
     from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
 
 #: keys of the design whose values are chosen

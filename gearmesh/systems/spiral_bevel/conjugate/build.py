@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearmesh.errors import DesignError
-from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank, uniform_blank
+from gearmesh.systems.common.bevel.blank import BevelBlank, basic_data, uniform_blank
 from gearmesh.systems.spiral_bevel.conjugate.geometry import ConjugateGeometry
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
 from gearmesh.systems.spiral_bevel.machine.machine import MachineSettings
@@ -21,7 +21,6 @@ from gearmesh.systems.spiral_bevel.machine.pair import (
     HAND_SIGNS,
     MATING_SIDES,
     CutSides,
-    basic_data,
     bevel_pair,
     cut_member,
     thinning,

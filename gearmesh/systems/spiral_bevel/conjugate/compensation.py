@@ -24,7 +24,7 @@ from gearmesh.systems.spiral_bevel.machine.pair import HAND_SIGNS, displaced_fra
 from gearmesh.systems.system import Setting
 
 if TYPE_CHECKING:
-    from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank
+    from gearmesh.systems.common.bevel.blank import BevelBlank
     from gearmesh.systems.spiral_bevel.conjugate.design import ConjugateDesign
 
 #: pinion rotations (rad) between which the slope of the transmission error is computed

@@ -9,8 +9,9 @@ from pydantic import model_validator
 
 from gearmesh.design import keys
 from gearmesh.design.keys import conflict
+from gearmesh.systems.common.bevel.design import BevelBody, edge_radius_key
 from gearmesh.systems.kinds import OWN_KINDS
-from gearmesh.systems.spiral_bevel.design import BevelBody, BevelContact, BevelDesign, driving_side_key, edge_radius_key
+from gearmesh.systems.spiral_bevel.design import BevelContact, HandedDesign, driving_side_key
 
 
 class ConjugateMember(BevelBody):
@@ -28,7 +29,7 @@ class ConjugateContact(BevelContact):
     side: str = driving_side_key("pinion_convex")
 
 
-class ConjugateDesign(BevelDesign):
+class ConjugateDesign(HandedDesign):
     """A pair of conjugate spiral bevel gears."""
 
     usual: ClassVar[tuple[str, ...]] = ("psi_c", "beta")

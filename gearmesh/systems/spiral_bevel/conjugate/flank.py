@@ -30,7 +30,7 @@ from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.stations import follow
 from gearmesh.kernel.surface.surface import Jet, Surface
-from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank, MemberBlank
+from gearmesh.systems.common.bevel.blank import BevelBlank, MemberBlank
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
 from gearmesh.systems.spiral_bevel.machine.pair import HAND_SIGNS, MATING_SIDES, nominal_base
 from gearmesh.systems.spiral_bevel.synthesis.settings import gear_sides, meshing_turns

@@ -1,9 +1,9 @@
 """Conjugate spiral bevel gears, Geometry I and II [CR3553]."""
 
+from gearmesh.systems.common.bevel.displacements import ASSEMBLY_DISPLACEMENTS
 from gearmesh.systems.spiral_bevel.conjugate.build import build, conjugate_blank
 from gearmesh.systems.spiral_bevel.conjugate.compensation import compensate
 from gearmesh.systems.spiral_bevel.conjugate.design import ConjugateDesign
-from gearmesh.systems.spiral_bevel.errors.displacements import ASSEMBLY_DISPLACEMENTS
 from gearmesh.systems.spiral_bevel.errors.kinematic_errors import first_order
 from gearmesh.systems.spiral_bevel.errors.vh_check import ASSEMBLY_MOVES, vh_check
 from gearmesh.systems.spiral_bevel.pinned import conjugate_values

@@ -43,7 +43,7 @@ from gearmesh.systems.system import FirstOrder
 from gearmesh.teeth.gear_train import GearTrain
 
 if TYPE_CHECKING:
-    from gearmesh.systems.spiral_bevel.design import BevelDesign
+    from gearmesh.systems.spiral_bevel.design import HandedDesign
 
 
 @dataclass(frozen=True)
@@ -207,7 +207,7 @@ def compensation(
     return float(-(c - s * t) * size), float(-(s + c * t) * size)
 
 
-BevelT = TypeVar("BevelT", bound="BevelDesign")
+BevelT = TypeVar("BevelT", bound="HandedDesign")
 
 
 def first_order(design: BevelT, build: Callable[[BevelT], GearTrain]) -> FirstOrder | None:

@@ -33,9 +33,9 @@ from gearmesh.kernel.numeric.algebra import Array, polar_angle
 from gearmesh.kernel.surface.levels import perpendicular
 from gearmesh.kernel.surface.surface import Jet
 from gearmesh.progress import in_turn, tell
+from gearmesh.systems.common.bevel.displacements import displaced_bases
 from gearmesh.systems.common.pattern.meshing_place import MeshingPlace, Moves
 from gearmesh.systems.common.pattern.targets import gear_targets, on_flank
-from gearmesh.systems.spiral_bevel.errors.displacements import displaced_bases
 from gearmesh.systems.spiral_bevel.machine.pair import BLADE_SIDES, HAND_SIGNS, MATING_SIDES
 from gearmesh.systems.spiral_bevel.synthesis.settings import meshing_turns
 from gearmesh.systems.system import PatternShift
@@ -43,7 +43,7 @@ from gearmesh.teeth.gear_train import GearPair, GearTrain
 from gearmesh.teeth.region import Side
 
 if TYPE_CHECKING:
-    from gearmesh.systems.spiral_bevel.design import BevelDesign
+    from gearmesh.systems.spiral_bevel.design import HandedDesign
 
 #: shares of the face, from toe to heel, by name of the place
 PLACE_SHARES = {"toe": 0.25, "middle": 0.5, "heel": 0.75}
@@ -60,7 +60,7 @@ MAX_FIRST_TOUCH_DISTANCE_MM = 1e-6
 
 
 def vh_check(
-    design: BevelDesign, train: GearTrain, clearance: float, moved: tuple[str, ...] = ("V", "H")
+    design: HandedDesign, train: GearTrain, clearance: float, moved: tuple[str, ...] = ("V", "H")
 ) -> list[PatternShift]:
     """Return the displacements of both sides of the pinion for all places in PLACE_SHARES.
 

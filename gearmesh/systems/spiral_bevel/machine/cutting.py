@@ -28,7 +28,7 @@ from gearmesh.teeth.region import Side
 MAX_THICKNESS_ROUNDING_MM = 1e-10
 
 if TYPE_CHECKING:
-    from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank
+    from gearmesh.systems.common.bevel.blank import BevelBlank
     from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
 
 #: requested contact by side of the pinion

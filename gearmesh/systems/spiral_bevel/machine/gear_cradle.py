@@ -19,7 +19,7 @@ import numpy as np
 
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank, MemberBlank
+from gearmesh.systems.common.bevel.blank import BevelBlank, MemberBlank
 from gearmesh.systems.spiral_bevel.machine.pair import HAND_SIGNS, nominal_base
 
 if TYPE_CHECKING:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,13 +18,15 @@ from gearmesh.kernel.surface.stations import along
 from gearmesh.kernel.surface.surface import GeneratedSurface, PlacedSurface
 from gearmesh.systems.spiral_bevel.machine.machine import MachineSettings
 from gearmesh.teeth.region import Side
-from gearmesh.teeth.tooth_side import ToothSide
+from gearmesh.teeth.tooth_side import Bottom, ToothSide
 from gearmesh.tools.head_cutter import OUTSIDE_BLADE, Blade, Revolved
 from gearmesh.tools.profile import Profile
+from gearmesh.tools.rack import RackLine
 
-if TYPE_CHECKING:
-    pass
-
+#: tip plane of the cutter as a blade that lies in it; the parameter is the radius on the cutter
+TIP_PLANE = RackLine(0.5 * np.pi, 0.0, 0.0)
+#: rotation (rad) between places that count as the same
+SAME_PLACE_RAD = 1e-9
 #: cradle rotation (rad) that counts as 0, before the last Newton step
 CRADLE_ZERO_TOLERANCE = 1e-12
 
@@ -56,6 +57,30 @@ class Generated:
             if self.edge_free
             else self
         )
+
+    @property
+    def cuts_cone(self) -> bool:
+        """True where the cutter's tip plane leaves a cone about the member's axis."""
+        return self.settings.cuts_cone
+
+    @property
+    def root_cone(self) -> ConeLevel:
+        """The cone that the cutter's tip plane leaves."""
+        return self.settings.tip_cone()
+
+    def common_root(self, other: Generated, turn: float, place: float) -> Bottom | None:
+        """Return the root that one cutter leaves between this right flank and the left flank of the tooth before.
+
+        The root is the envelope of the cutter's tip plane between the ends of both blades. None for two cutters.
+
+        - `other`: the left side of a tooth
+        - `turn`: rotation (rad) between the places of both sides of a space; 0 if they are cut at once
+        - `place`: index position of this side, rad
+        """
+        if self.settings != other.settings or abs(turn) >= SAME_PLACE_RAD:
+            return None
+        outside = self if self.concave else other
+        return Bottom(outside.cut(TIP_PLANE, place), (other.blade.land_radius, self.blade.land_radius))
 
     @property
     def concave(self) -> bool:

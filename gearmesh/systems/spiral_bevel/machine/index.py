@@ -23,7 +23,7 @@ from gearmesh.teeth.mount import Mount
 
 if TYPE_CHECKING:
     from gearmesh.kernel.surface.surface import Surface
-    from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank
+    from gearmesh.systems.common.bevel.blank import BevelBlank
     from gearmesh.systems.spiral_bevel.machine.generated import Generated
 
 #: distance (mm) from the mean point, or between touching flanks, that counts as 0

@@ -28,6 +28,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.motion.rolling import CradleRoll, Vector
 from gearmesh.kernel.numeric.algebra import Array, rotation_about
 from gearmesh.kernel.surface.levels import ConeLevel
+from gearmesh.systems.common.bevel.machine_frame import own_axes
 
 
 @dataclass(frozen=True)
@@ -77,8 +78,7 @@ class MachineSettings:
 
         The origin of the machine frame is the machine centre.
         """
-        c, s = np.cos(self.machine_root_angle), np.sin(self.machine_root_angle)
-        axes = np.array([[s, 0.0, -c], [0.0, 1.0, 0.0], [c, 0.0, s]])
+        axes = own_axes(self.machine_root_angle)
         displacement = np.array([self.machine_centre_to_back, -hand * self.machining_offset, -self.sliding_base])
         return Rigid(axes, axes @ displacement)
 

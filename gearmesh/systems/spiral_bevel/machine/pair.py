@@ -8,6 +8,7 @@ rotation.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -16,18 +17,37 @@ import numpy as np
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import rotation_about
 from gearmesh.systems.common.axes import gear_base
-from gearmesh.systems.spiral_bevel.blank.blank import BasicData, BevelBlank
+from gearmesh.systems.common.bevel.blank import BevelBlank
+from gearmesh.systems.common.bevel.member import CutMember, Remedies, bevel_member
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
-from gearmesh.systems.spiral_bevel.machine.member import TRIM_REMEDIES, bevel_member
-from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
-from gearmesh.teeth.limits import lost_heights
+from gearmesh.teeth.gear_train import GearPair, GearTrain
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
+from gearmesh.teeth.source_parameters import NamedParameters, SourceParameter
 from gearmesh.tools.head_cutter import INSIDE_BLADE, OUTSIDE_BLADE
 
 if TYPE_CHECKING:
-    from gearmesh.systems.spiral_bevel.design import BevelDesign
+    from gearmesh.systems.spiral_bevel.design import HandedDesign
 
+#: remedies for a tooth that cannot be trimmed, by the kind of failure
+TRIM_REMEDIES = {
+    "pointed": "a smaller addendum, spiral angle or face width",
+    "undercut": "more teeth, a smaller dedendum or a larger pressure angle",
+    "flank": "a larger addendum, a smaller face width or a smaller edge radius of the {name}'s blades",
+    "root": "a smaller edge radius of the {name}'s blades, a larger point width or a smaller face width",
+    "tip": "settings whose cutter generates the whole tooth: check face width, spiral angle and cutter radius",
+    "crossing": "a toprem_angle nearer to the blade angle, a smaller toprem_height or a toprem_radius",
+}
+#: keys that remedy a failure; their values have to be larger (1) or smaller (-1), or either (0)
+TRIM_REMEDY_KEYS = {
+    "pointed": {"addendum_factor": 0, "spiral_angle": -1, "face_width": -1},
+    "undercut": {"pressure_angle": 1, "pinion.teeth": 1, "gear.teeth": 1, "depth_factor": -1},
+    "tip": {"face_width": -1, "spiral_angle": 0, "gear.cutter.tip_radius": 0},
+}
+#: remedies for teeth that cannot be trimmed
+TOOTH_REMEDIES = Remedies(TRIM_REMEDIES, TRIM_REMEDY_KEYS)
+#: meaning of the parameter around the cutter
+CUTTER_ANGLE = "angle of the point of the blade about the axis of the cutter, 0 near the mean cone distance"
 #: sign of a member's hand in frames and motions
 HAND_SIGNS = {"right": 1, "left": -1}
 #: side of the cutter whose blades cut a side of the tooth
@@ -92,34 +112,43 @@ def beside_space(sides: Sides, teeth: int) -> Angles:
     return {name: half_pitch if side.flank is Side.LEFT else -half_pitch for name, side in sides.items()}
 
 
-@dataclass(frozen=True)
-class CutMember:
-    """A member and its undercut."""
-
-    #: the member
-    member: Member
-    #: height (mm) lost to undercut, out of the height that the cutter could generate, by undercut flank
-    lost: dict[Side, float]
-
-
-def cut_member(design: BevelDesign, cut: CutSides, name: str) -> CutMember:
+def cut_member(design: HandedDesign, cut: CutSides, name: str) -> CutMember:
     """Return the member "pinion" or "gear" of a design (in mm). Raises DesignError for teeth that cannot exist."""
     sides, places = (cut.pinion, cut.places[0]) if name == "pinion" else (cut.gear, cut.places[1])
     return member_of(design, cut.blank, name, sides, places)
 
 
-def member_of(design: BevelDesign, blank: BevelBlank, name: str, sides: Sides, places: Angles) -> CutMember:
+def member_of(design: HandedDesign, blank: BevelBlank, name: str, sides: Sides, places: Angles) -> CutMember:
     """Return a member by its sides; the other member need not be cut.
 
     Raises DesignError for teeth that cannot exist.
     """
     spec, member_blank = (design.pinion, blank.pinion) if name == "pinion" else (design.gear, blank.gear)
-    by_flank = {side.flank: places[key] for key, side in sides.items()}
-    member = bevel_member(name, spec, blank, member_blank, sides, by_flank)
-    return CutMember(member, lost_heights(member.tooth))
+    letter = {"pinion": "P", "gear": "G"}[name]
+    parameters = NamedParameters(
+        (_blade_parameter(f"u_{letter}", sides.values()), SourceParameter(f"theta_{letter}", "deg", CUTTER_ANGLE)),
+        lambda p, v: (p, np.degrees(v)),
+    )
+    by_flank = {side.flank: side for side in sides.values()}
+    at = {side.flank: places[key] for key, side in sides.items()}
+    return bevel_member(name, spec, blank, member_blank, by_flank, at, parameters, TOOTH_REMEDIES)
 
 
-def bevel_pair(design: BevelDesign, cut: CutSides, pinion: CutMember, gear: CutMember) -> GearTrain:
+def _blade_parameter(name: str, sides: Iterable[Generated]) -> SourceParameter:
+    """Return the parameter along the cutting edges of a member's sides.
+
+    A straight edge has a length, an arc the angle of its normal.
+    """
+    meanings = {
+        True: ("rad", "angle of the arc of the blade"),
+        False: ("mm", "distance along the straight blade, from its tip plane"),
+    }
+    straight = {side.blade.blade_radius == 0.0 for side in sides}
+    units, words = zip(*(meanings[not line] for line in sorted(straight, reverse=True)), strict=True)
+    return SourceParameter(name, " or ".join(units), ", or ".join(words))
+
+
+def bevel_pair(design: HandedDesign, cut: CutSides, pinion: CutMember, gear: CutMember) -> GearTrain:
     """Return the pair of a design (in mm) by its cut members."""
     name, blank, (places, turns) = design.contact.pinion_side, cut.blank, (cut.places, cut.turns)
     mating = MATING_SIDES[name]
@@ -143,26 +172,7 @@ def bevel_pair(design: BevelDesign, cut: CutSides, pinion: CutMember, gear: CutM
 def undercut_warnings(cut: CutMember, blank: BevelBlank) -> tuple[str, ...]:
     """Return the warnings on flanks that are partly undercut."""
     remedies = TRIM_REMEDIES["undercut"] if blank.offset == 0.0 else f"a smaller offset, {TRIM_REMEDIES['undercut']}"
-    return tuple(
-        f"{cut.member.name}: the {side} flank is undercut by up to {lost:.3g} mm of the height that its cutter could "
-        f"generate; remedies: {remedies}"
-        for side, lost in cut.lost.items()
-    )
-
-
-def basic_data(
-    design: BevelDesign, spiral_angle: float, pressure_angle: float, mean_cone_distance: float | None = None
-) -> BasicData:
-    """Return the basic data of a design (in mm), angles in deg. Raises DesignError for pitch cones that cannot exist."""
-    return BasicData(
-        (design.pinion.teeth, design.gear.teeth),
-        design.given_module,
-        spiral_angle=float(np.radians(spiral_angle)),
-        shaft_angle=float(np.radians(design.shaft_angle)),
-        pressure_angle=float(np.radians(pressure_angle)),
-        given_face_width=design.face_width,
-        given_mean_cone_distance=mean_cone_distance,
-    )
+    return cut.undercut_warnings(remedies)
 
 
 def thinning(backlash: float, blank: BevelBlank) -> float:
@@ -193,7 +203,7 @@ def _about_axes(blank: BevelBlank, hand: int) -> tuple[Rigid, Rigid]:
     return Rigid.about_z(-hand * pinion_azimuth), gear_to_axes
 
 
-def displaced_frames(design: BevelDesign, blank: BevelBlank) -> tuple[Rigid, Rigid]:
+def displaced_frames(design: HandedDesign, blank: BevelBlank) -> tuple[Rigid, Rigid]:
     """Return the mounting of pinion and gear with the assembly errors of a design: their frames to the fixed frame."""
     errors = design.assembly
     axes_to_pinion, gear_to_axes = _about_axes(blank, HAND_SIGNS[design.hand])
@@ -204,12 +214,12 @@ def displaced_frames(design: BevelDesign, blank: BevelBlank) -> tuple[Rigid, Rig
     return axes_to_pinion @ moved @ axes_to_pinion.inverse, axes_to_pinion @ opened @ gear_to_axes @ along
 
 
-def without_errors(design: BevelDesign) -> dict[str, float]:
+def without_errors(design: HandedDesign) -> dict[str, float]:
     """Return zero assembly errors of a design by dotted key."""
     return {f"assembly.{key}": 0.0 for key in type(design.assembly).model_fields}
 
 
-def _mounts(design: BevelDesign, blank: BevelBlank, pinion_turn: float, gear_turn: float) -> tuple[Mount, Mount]:
+def _mounts(design: HandedDesign, blank: BevelBlank, pinion_turn: float, gear_turn: float) -> tuple[Mount, Mount]:
     """Return the mounts of both members; `pinion_turn` and `gear_turn` (rad) bring the flanks to their mean contact."""
     sense = float(HAND_SIGNS[design.hand])
     pinion_frame, gear_frame = displaced_frames(design, blank)

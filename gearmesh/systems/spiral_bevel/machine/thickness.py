@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearmesh.errors import DesignError
+from gearmesh.systems.common.bevel.tooth_measures import PitchLines
 from gearmesh.systems.common.bounds import at_most
 from gearmesh.systems.spiral_bevel.machine.pair import Angles, Sides, beside_space
-from gearmesh.systems.spiral_bevel.sheet.tooth_measures import PitchLines
 
 if TYPE_CHECKING:
-    from gearmesh.systems.spiral_bevel.blank.blank import MemberBlank
+    from gearmesh.systems.common.bevel.blank import MemberBlank
 
 #: distance (mm) from the given thickness that counts as 0
 THICKNESS_TOLERANCE_MM = 1e-12

@@ -1,7 +1,7 @@
 """Rows of the data sheet on a workshop drawing of a bevel or hypoid gear [DIN 3966-2, ISO 1340], for its teeth as cut."""
 
 from gearmesh.metrology.iso17485 import TOLERANCE_NAMES
-from gearmesh.systems.spiral_bevel.sheet.dimension_sheet import CUT_TEETH_TITLE
+from gearmesh.systems.common.bevel.sheet_rows import CUT_TEETH_TITLE
 from gearmesh.systems.system import DrawnRows
 
 #: symbols of teeth and cones

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gearmesh.systems.common.bevel.accuracy import tolerance_table
 from gearmesh.systems.spiral_bevel.build import cut_alone
 from gearmesh.systems.spiral_bevel.machine.pair import BLADE_SIDES, index_angles
-from gearmesh.systems.spiral_bevel.sheet.accuracy import tolerance_table
 from gearmesh.systems.spiral_bevel.sheet.dimension_sheet import CutTooth, measured_table, measures_of, point_width
 from gearmesh.systems.spiral_bevel.sheet.sheet import (
     fit_edge_radius,

@@ -15,20 +15,20 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.numeric.algebra import unit as unit_vector
 from gearmesh.kernel.surface.stations import along
+from gearmesh.systems.common.bevel.accuracy import tolerance_table
+from gearmesh.systems.common.bevel.blank import BevelBlank, MemberBlank, Proportions
+from gearmesh.systems.common.bevel.cone_blank import ConeData, cone_dimensions
+from gearmesh.systems.common.bevel.iso23509.dimension_table import pair_rows
+from gearmesh.systems.common.bevel.tooth_measures import width_across
 from gearmesh.systems.common.symbol_table import running_rows, table, tables_of
-from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank, MemberBlank, Proportions
-from gearmesh.systems.spiral_bevel.blank.cone_blank import ConeData, cone_dimensions
 from gearmesh.systems.spiral_bevel.blank.proportion_choice import FACTOR_KEYS
 from gearmesh.systems.spiral_bevel.design import SYNTHESISED_KEYS, HypoidDesign, SpiralBevelDesign
-from gearmesh.systems.spiral_bevel.iso23509.dimension_table import pair_rows
 from gearmesh.systems.spiral_bevel.machine.cutting import indexed_backlash
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
 from gearmesh.systems.spiral_bevel.machine.maker_settings import maker_table
 from gearmesh.systems.spiral_bevel.machine.pair import BLADE_SIDES, HAND_SIGNS, MATING_SIDES, nominal_base
-from gearmesh.systems.spiral_bevel.sheet.accuracy import tolerance_table
 from gearmesh.systems.spiral_bevel.sheet.dimension_sheet import CutPair, dimension_tables
 from gearmesh.systems.spiral_bevel.sheet.thrusts import thrust_table
-from gearmesh.systems.spiral_bevel.sheet.tooth_measures import width_across
 from gearmesh.systems.spiral_bevel.synthesis.flank_form import form_figures
 from gearmesh.systems.spiral_bevel.synthesis.settings import mean_point, offset_data
 from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import bevel_teeth

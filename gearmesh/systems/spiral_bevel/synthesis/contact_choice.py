@@ -32,7 +32,7 @@ from gearmesh.systems.spiral_bevel.synthesis.flank_form import form_choice
 from gearmesh.systems.spiral_bevel.synthesis.settings import ContactChoice, contact_asked
 
 if TYPE_CHECKING:
-    from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank
+    from gearmesh.systems.common.bevel.blank import BevelBlank
     from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
 
 #: directions of the path (deg) in the order of trial: across the profile is the least sensitive to misalignment

@@ -34,7 +34,7 @@ from gearmesh.kernel.envelope.envelope import Envelope
 from gearmesh.kernel.numeric.algebra import Z_AXIS, Array, cross, dot, unit
 from gearmesh.kernel.surface.stations import follow
 from gearmesh.kernel.surface.surface import Jet, Surface
-from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank
+from gearmesh.systems.common.bevel.blank import BevelBlank
 from gearmesh.systems.spiral_bevel.conjugate.flank import ActiveFlank, ConjugateFlank
 from gearmesh.systems.spiral_bevel.design import EASE_OFF_KEYS, SYNTHESISED_KEYS, PinionSide
 from gearmesh.systems.spiral_bevel.machine.pair import HAND_SIGNS, MATING_SIDES, nominal_base

@@ -20,9 +20,10 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import ARCSEC, Z_AXIS, Array, cross, unit
 from gearmesh.kernel.surface.curvature import principal, shape_operator, tangent_basis
 from gearmesh.kernel.surface.surface import Jet, Surface
+from gearmesh.systems.common.bevel.blank import BevelBlank, Proportions, basic_data
+from gearmesh.systems.common.bevel.cone_blank import ConeData, OffsetData, cone_blank
+from gearmesh.systems.common.bevel.pair_blank import pair_blank, proportions
 from gearmesh.systems.common.bounds import at_least, at_most
-from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank, Proportions, roots_through_apex, tapered_blank
-from gearmesh.systems.spiral_bevel.blank.cone_blank import ConeData, OffsetData, cone_blank
 from gearmesh.systems.spiral_bevel.design import (
     BLADE_KEYS,
     MAX_MOTION_ORDER,
@@ -34,7 +35,7 @@ from gearmesh.systems.spiral_bevel.machine.gear_cradle import machine_axes, root
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
 from gearmesh.systems.spiral_bevel.machine.index import touching_turn
 from gearmesh.systems.spiral_bevel.machine.machine import MachineSettings
-from gearmesh.systems.spiral_bevel.machine.pair import BLADE_SIDES, HAND_SIGNS, MATING_SIDES, basic_data
+from gearmesh.systems.spiral_bevel.machine.pair import BLADE_SIDES, HAND_SIGNS, MATING_SIDES
 from gearmesh.systems.spiral_bevel.machine.thickness import cut_to
 from gearmesh.systems.spiral_bevel.synthesis.local_synthesis import (
     ContactAsked,
@@ -148,24 +149,7 @@ def basic_blank(design: FaceMilledDesign, given: Proportions | None = None) -> B
         return cone_blank(ConeData.of_hypoid(offset_data(design)), given, design.gear_backlash)
     mean = design.mean_cone_distance if isinstance(design, SpiralBevelDesign) else None
     data = basic_data(design, design.spiral_angle, design.pressure_angle, mean)
-    if design.taper == "standard" and roots_through_apex(data, given):
-        return tapered_blank(data, given, radius, design.gear_backlash)
-    return cone_blank(ConeData.of_bevel(data, radius, design.taper), given, design.gear_backlash)
-
-
-def proportions(design: FaceMilledDesign) -> Proportions:
-    """Return the tooth proportions that a design in mm gives."""
-    members = (design.pinion, design.gear)
-    pinion_root, gear_root = (_given_radians(spec.root_angle) for spec in members)
-    pinion_face, gear_face = (_given_radians(spec.face_angle) for spec in members)
-    return Proportions(
-        design.depth_factor,
-        design.addendum_factor,
-        design.thickness_factor,
-        design.clearance,
-        (pinion_root, gear_root),
-        (pinion_face, gear_face),
-    )
+    return pair_blank(design, data, given, radius, design.gear_backlash)
 
 
 def offset_data(design: HypoidDesign) -> OffsetData:
@@ -625,11 +609,6 @@ def meshing_turns(jet: Jet, gear_to_pinion: Rigid, sense: int, ratio: float, nea
     roots = (roots + np.pi) % (2.0 * np.pi) - np.pi
     nearest: Array = near + np.where(np.abs(roots[0]) <= np.abs(roots[1]), roots[0], roots[1])
     return nearest
-
-
-def _given_radians(degrees: float | None) -> float | None:
-    """Return an angle in rad, or None if it is left out."""
-    return None if degrees is None else float(np.radians(degrees))
 
 
 def _radians(degrees: float | None, otherwise: float) -> float:

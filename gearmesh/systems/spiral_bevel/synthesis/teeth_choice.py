@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from gearmesh.design.keys import DERIVED_VALUE
 from gearmesh.errors import DesignError, NoSolutionError, VagueError
 from gearmesh.progress import in_turn
+from gearmesh.systems.common.bevel.pair_blank import proportions
 from gearmesh.systems.spiral_bevel.blank.proportion_choice import (
     FACTOR_KEYS,
     ToothFaults,
@@ -23,7 +24,6 @@ from gearmesh.systems.spiral_bevel.machine.cutting import Choices, cut_pinion, c
 from gearmesh.systems.spiral_bevel.machine.pair import (
     BLADE_SIDES,
     Angles,
-    CutMember,
     CutSides,
     Sides,
     beside_space,
@@ -31,11 +31,12 @@ from gearmesh.systems.spiral_bevel.machine.pair import (
     member_of,
 )
 from gearmesh.systems.spiral_bevel.synthesis.contact_choice import chooses, contact_choice, contact_said
-from gearmesh.systems.spiral_bevel.synthesis.settings import basic_blank, gear_sides, proportions
+from gearmesh.systems.spiral_bevel.synthesis.settings import basic_blank, gear_sides
 from gearmesh.teeth.limits import crossing, undercut_margin
 
 if TYPE_CHECKING:
-    from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank, Proportions
+    from gearmesh.systems.common.bevel.blank import BevelBlank, Proportions
+    from gearmesh.systems.common.bevel.member import CutMember
     from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
     from gearmesh.teeth.tooth import Tooth
 

@@ -6,7 +6,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from gearmesh.systems.spiral_bevel.iso23509.dimensions import BevelDimensions, MemberDimensions
+from gearmesh.systems.common.bevel.iso23509.dimensions import BevelDimensions, MemberDimensions
 
 #: a row of the table: symbol, words, unit ("mm", "deg" or "-"), value
 Dimension: TypeAlias = "tuple[str, str, str, float]"

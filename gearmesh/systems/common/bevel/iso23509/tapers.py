@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from gearmesh.errors import DesignError
+from gearmesh.systems.common.bevel.iso23509.pitch_cones import PitchCones
+from gearmesh.systems.common.bevel.iso23509.taper_names import TAPER_NAMES
 from gearmesh.systems.common.bounds import at_least
-from gearmesh.systems.spiral_bevel.iso23509.pitch_cones import PitchCones
-from gearmesh.systems.spiral_bevel.iso23509.taper_names import TAPER_NAMES
 
 #: largest sum of the dedendum angles with a tilted root line, over the sum of the standard taper
 MAX_TILT_RATIO = 1.3

@@ -33,14 +33,14 @@ import numpy as np
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import bracketed_root
-from gearmesh.systems.common.bounds import at_least, at_most
-from gearmesh.systems.spiral_bevel.iso23509.pitch_cones import (
+from gearmesh.systems.common.bevel.iso23509.pitch_cones import (
     PitchCones,
     TangentCones,
     bevel_pitch_angles,
     crown_shaft_angle,
 )
-from gearmesh.systems.spiral_bevel.iso23509.tooth_line import FaceCutter, ToothLine
+from gearmesh.systems.common.bevel.iso23509.tooth_line import FaceCutter, ToothLine
+from gearmesh.systems.common.bounds import at_least, at_most
 
 #: wheel pitch angles of the table (rad); two roots closer than their distance, 0.2 deg, are both overlooked
 WHEEL_ANGLES = np.radians(np.linspace(0.5, 89.9, 448))

@@ -27,7 +27,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.systems.spiral_bevel.iso23509.tooth_line import FaceCutter, ToothLine
+from gearmesh.systems.common.bevel.iso23509.tooth_line import FaceCutter, ToothLine
 
 
 @dataclass(frozen=True)

@@ -17,12 +17,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from gearmesh.errors import DesignError
-from gearmesh.systems.common.bounds import at_most
-from gearmesh.systems.spiral_bevel.iso23509.blank_cones import BlankCones, blank_cones
-from gearmesh.systems.spiral_bevel.iso23509.pitch_cones import PitchCones
-from gearmesh.systems.spiral_bevel.iso23509.taper_names import CUTTER_TAPERS
-from gearmesh.systems.spiral_bevel.iso23509.tapers import taper_angles
-from gearmesh.systems.spiral_bevel.iso23509.tooth_factors import (
+from gearmesh.systems.common.bevel.iso23509.blank_cones import BlankCones, blank_cones
+from gearmesh.systems.common.bevel.iso23509.pitch_cones import PitchCones
+from gearmesh.systems.common.bevel.iso23509.taper_names import CUTTER_TAPERS
+from gearmesh.systems.common.bevel.iso23509.tapers import taper_angles
+from gearmesh.systems.common.bevel.iso23509.tooth_factors import (
     NO_BACKLASH,
     Backlash,
     PressureAngles,
@@ -30,7 +29,8 @@ from gearmesh.systems.spiral_bevel.iso23509.tooth_factors import (
     normal_thickness,
     pressure_angles,
 )
-from gearmesh.systems.spiral_bevel.iso23509.tooth_line import FaceCutter, ToothLine, reaching
+from gearmesh.systems.common.bevel.iso23509.tooth_line import FaceCutter, ToothLine, reaching
+from gearmesh.systems.common.bounds import at_most
 
 
 @dataclass(frozen=True)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,21 +12,20 @@ import numpy as np
 from gearmesh.errors import VagueError
 from gearmesh.kernel.surface.levels import ConeLevel
 from gearmesh.kernel.surface.stations import TrimError
+from gearmesh.systems.common.bevel.blank import BevelBlank, MemberBlank
+from gearmesh.systems.common.bevel.root import CutSide, bottom, root_cone
 from gearmesh.systems.common.bodies.body import bore_radius, recessed_body
 from gearmesh.systems.common.bodies.features import UnderTeeth, body_features
 from gearmesh.systems.common.tooth_edges import with_end_chamfers, with_tip_edge
-from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank, MemberBlank
-from gearmesh.systems.spiral_bevel.blank.root import bottom, root_cone
-from gearmesh.systems.spiral_bevel.machine.generated import Generated
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.body import Body
-from gearmesh.teeth.gear_train import Member
+from gearmesh.teeth.gear_train import Member, SourceParameters
+from gearmesh.teeth.limits import lost_heights
 from gearmesh.teeth.region import Side
-from gearmesh.teeth.source_parameters import NamedParameters, SourceParameter
 from gearmesh.teeth.tooth import Tooth
 
 if TYPE_CHECKING:
-    from gearmesh.systems.spiral_bevel.design import BevelBody
+    from gearmesh.systems.common.bevel.design import BevelBody
 
 #: shares of the default edge radius that are tried if it does not fit
 EDGE_SHARES = (1.0, 0.75, 0.5, 0.35, 0.2, 0.1, 0.0)
@@ -34,26 +33,36 @@ EDGE_SHARES = (1.0, 0.75, 0.5, 0.35, 0.2, 0.1, 0.0)
 TOE_RIM_DEPTHS = 0.35
 #: depth of the back cone under the root, in mean depths of the teeth
 HEEL_RIM_DEPTHS = 1.2
-#: remedies for a tooth that cannot be trimmed, by the kind of failure
-TRIM_REMEDIES = {
-    "pointed": "a smaller addendum, spiral angle or face width",
-    "undercut": "more teeth, a smaller dedendum or a larger pressure angle",
-    "flank": "a larger addendum, a smaller face width or a smaller edge radius of the {name}'s blades",
-    "root": "a smaller edge radius of the {name}'s blades, a larger point width or a smaller face width",
-    "tip": "settings whose cutter generates the whole tooth: check face width, spiral angle and cutter radius",
-    "crossing": "a toprem_angle nearer to the blade angle, a smaller toprem_height or a toprem_radius",
-}
 #: failures that the edge radii may cause
 EDGE_FAILURES = ("flank", "crossing")
-#: keys that remedy a failure; their values have to be larger (1) or smaller (-1), or either (0)
-REMEDY_KEYS = {
-    "pointed": {"addendum_factor": 0, "spiral_angle": -1, "face_width": -1},
-    "undercut": {"pressure_angle": 1, "pinion.teeth": 1, "gear.teeth": 1, "depth_factor": -1},
-    "tip": {"face_width": -1, "spiral_angle": 0, "gear.cutter.tip_radius": 0},
-}
 
-#: meaning of the parameter around the cutter
-CUTTER_ANGLE = "angle of the point of the blade about the axis of the cutter, 0 near the mean cone distance"
+
+@dataclass(frozen=True)
+class Remedies:
+    """Remedies for teeth that cannot be trimmed, by the kind of failure."""
+
+    #: texts; {name} is the member
+    texts: Mapping[str, str]
+    #: keys whose values have to be larger (1) or smaller (-1), or either (0)
+    keys: Mapping[str, Mapping[str, int]]
+
+
+@dataclass(frozen=True)
+class CutMember:
+    """A member and its undercut."""
+
+    #: the member
+    member: Member
+    #: height (mm) lost to undercut, out of the height that the tool could generate, by undercut flank
+    lost: dict[Side, float]
+
+    def undercut_warnings(self, remedies: str) -> tuple[str, ...]:
+        """Return the warnings on flanks that are partly undercut, with `remedies`."""
+        return tuple(
+            f"{self.member.name}: the {side} flank is undercut by up to {lost:.3g} mm of the height that its cutter could "
+            f"generate; remedies: {remedies}"
+            for side, lost in self.lost.items()
+        )
 
 
 def bevel_member(
@@ -61,26 +70,29 @@ def bevel_member(
     spec: BevelBody,
     blank: BevelBlank,
     own: MemberBlank,
-    sides: dict[str, Generated],
+    sides: Mapping[Side, CutSide],
     places: dict[Side, float],
-) -> Member:
+    parameters: SourceParameters,
+    remedies: Remedies,
+) -> CutMember:
     """Return a member of a pair.
 
     - `name`: "pinion" or "gear"
     - `spec`: its part of the design, lengths in mm
     - `blank`: blank of the pair
     - `own`: the member's blank
-    - `sides`: its sides, "concave" and "convex"
+    - `sides`: its sides
     - `places`: index positions of the flanks, rad
+    - `parameters`: names of the flanks' parameters
+    - `remedies`: remedies for teeth that cannot be closed
 
     Raises DesignError for teeth that cannot be closed from toe to heel.
     """
     axial, extent = own.stations, own.extent
-    by_flank = {side.flank: side for side in sides.values()}
     try:
-        root = root_cone(name, by_flank, axial, extent)
+        root = root_cone(name, sides, axial, extent)
     except TrimError as failure:
-        raise VagueError(name, reason=failure.reason, allowed=TRIM_REMEDIES["tip"]) from failure
+        raise VagueError(name, reason=failure.reason, allowed=remedies.texts["tip"]) from failure
     body = Blank(
         axial,
         extent,
@@ -88,39 +100,18 @@ def bevel_member(
         root,
         _body(name, spec, blank, own, root),
     )
-    fitting = _fitting_tooth(name, own.teeth, body, by_flank, places, spec.given_sides)
+    fitting = _fitting_tooth(name, own.teeth, body, sides, places, spec.given_sides, remedies)
     tooth = with_tip_edge(name, fitting, spec)
-    letter = {"pinion": "P", "gear": "G"}[name]
-
-    parameters = NamedParameters(
-        (_blade_parameter(f"u_{letter}", sides.values()), SourceParameter(f"theta_{letter}", "deg", CUTTER_ANGLE)),
-        lambda p, v: (p, np.degrees(v)),
-    )
     (toe, _), *_, (heel, _) = body.body.profile
     under = UnderTeeth(name, tooth, body.body, toe, heel, blank.mean_normal_module)
-    return with_end_chamfers(Member(name, tooth, parameters, body_features(spec, under)), spec)
-
-
-def _blade_parameter(name: str, sides: Iterable[Generated]) -> SourceParameter:
-    """Return the parameter along the cutting edges of a member's sides.
-
-    A straight edge has a length, an arc the angle of its normal.
-    """
-    meanings = {
-        True: ("rad", "angle of the arc of the blade"),
-        False: ("mm", "distance along the straight blade, from its tip plane"),
-    }
-    straight = {side.blade.blade_radius == 0.0 for side in sides}
-    units, words = zip(*(meanings[not line] for line in sorted(straight, reverse=True)), strict=True)
-    return SourceParameter(name, " or ".join(units), ", or ".join(words))
+    member = with_end_chamfers(Member(name, tooth, parameters, body_features(spec, under)), spec)
+    return CutMember(member, lost_heights(member.tooth))
 
 
 def _on_cone(member: MemberBlank, root: ConeLevel, cone_distance: float, below: float = 0.0) -> tuple[float, float]:
     """Return (rho, z), mm, on the cone across the pitch cone at a cone distance, `below` mm under the root."""
     c, s = np.cos(member.pitch_angle), np.sin(member.pitch_angle)
-    # depth under the pitch line at which the root cone rho = radius + slope z is reached
-    above = s * cone_distance - root.radius - root.slope * c * cone_distance + root.slope * member.pitch_apex
-    depth = above / (c + root.slope * s) + below
+    depth = float(member.depth_of(root, np.array(cone_distance))) + below
     return float(s * cone_distance - c * depth), float(c * cone_distance + s * depth - member.pitch_apex)
 
 
@@ -145,9 +136,10 @@ def _fitting_tooth(
     name: str,
     teeth: int,
     body: Blank,
-    sides: dict[Side, Generated],
+    sides: Mapping[Side, CutSide],
     places: dict[Side, float],
     given_sides: tuple[str, ...],
+    remedies: Remedies,
 ) -> Tooth:
     """Return the tooth with the largest free edge radii that the fillets of neighbouring teeth leave room for.
 
@@ -168,12 +160,12 @@ def _fitting_tooth(
         except TrimError as failure:
             if share > 0.0 and (failure.what == "root" or (given_sides and failure.what in EDGE_FAILURES)):
                 raise
-            raise _refusal(name, tooth, failure, given_sides) from failure
+            raise _refusal(name, tooth, failure, given_sides, remedies) from failure
         except ValueError as failure:
             raise VagueError(
                 name,
                 reason="the fillets do not end in a smooth line along the face",
-                allowed=TRIM_REMEDIES["tip"] + _given_remedy(given_sides),
+                allowed=remedies.texts["tip"] + _given_remedy(given_sides),
             ) from failure
         return tooth
 
@@ -188,14 +180,16 @@ def _fitting_tooth(
     return sharp
 
 
-def _refusal(name: str, tooth: Tooth, failure: TrimError, given_sides: tuple[str, ...]) -> VagueError:
+def _refusal(
+    name: str, tooth: Tooth, failure: TrimError, given_sides: tuple[str, ...], remedies: Remedies
+) -> VagueError:
     """Return the refusal of a tooth that cannot be trimmed, with its remedies."""
     return VagueError(
         name,
         reason=f"{failure.reason} at the cone distance {tooth.stations(failure.station):.5g} mm",
-        allowed=TRIM_REMEDIES[failure.what].format(name=name) + _given_remedy(given_sides),
+        allowed=remedies.texts[failure.what].format(name=name) + _given_remedy(given_sides),
         topic=f"{name}: {failure.what}",
-        remedies=REMEDY_KEYS.get(failure.what),
+        remedies=remedies.keys.get(failure.what),
     )
 
 

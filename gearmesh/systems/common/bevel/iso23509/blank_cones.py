@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gearmesh.errors import DesignError
-from gearmesh.systems.spiral_bevel.iso23509.pitch_cones import PitchCones
+from gearmesh.systems.common.bevel.iso23509.pitch_cones import PitchCones
 
 #: residual (rad) of the pinion's cone angle at which the iteration ends
 MAX_ANGLE_RESIDUAL = 1e-14

@@ -7,6 +7,9 @@ each cut the sides, the root is drawn straight from fillet to fillet at every st
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Protocol, Self
+
 import numpy as np
 
 from gearmesh.errors import DesignError
@@ -15,18 +18,44 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import ConeLevel, Level
 from gearmesh.kernel.surface.stations import along
 from gearmesh.kernel.surface.strip import Strip
-from gearmesh.systems.spiral_bevel.machine.generated import Generated
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth_side import Bottom, ToothSide
-from gearmesh.tools.rack import RackLine
 
 #: number of stations along the face at which the ends of the fillets are computed
 FILLET_STATIONS = 9
-#: tip plane of the cutter as a blade that lies in it; the parameter is the radius on the cutter
-TIP_PLANE = RackLine(0.5 * np.pi, 0.0, 0.0)
 
 
-def root_cone(name: str, sides: dict[Side, Generated], axial: Level, extent: tuple[float, float]) -> ConeLevel:
+class CutSide(Protocol):
+    """One side of a bevel gear's tooth, as its tool cuts it."""
+
+    @property
+    def flank(self) -> Side:
+        """Side of the tooth."""
+
+    @property
+    def cuts_cone(self) -> bool:
+        """True where the tool's tip leaves a cone about the member's axis."""
+
+    @property
+    def root_cone(self) -> ConeLevel:
+        """That cone."""
+
+    def side(self, place: float) -> ToothSide:
+        """Return flank and fillet, turned by a `place` (rad) about the member's axis."""
+
+    def with_edge(self, share: float) -> Self:
+        """Return the side with a share of its edge radius, or unchanged if the edge radius is not free."""
+
+    def common_root(self, other: Self, turn: float, place: float) -> Bottom | None:
+        """Return the root between this right flank and the left flank of the tooth before, if one tool cuts both.
+
+        - `other`: the left side of a tooth
+        - `turn`: rotation (rad) between the places of both sides of a space
+        - `place`: index position of this side, rad
+        """
+
+
+def root_cone(name: str, sides: Mapping[Side, CutSide], axial: Level, extent: tuple[float, float]) -> ConeLevel:
     """Return the root cone of a member.
 
     Upright cutters with roll cut both sides to one cone. Other cutters leave none; the result is then a cone with the
@@ -34,7 +63,7 @@ def root_cone(name: str, sides: dict[Side, Generated], axial: Level, extent: tup
 
     Raises DesignError for sides that are cut to different depths or not from toe to heel.
     """
-    if all(side.settings.cuts_cone for side in sides.values()):
+    if all(side.cuts_cone for side in sides.values()):
         return _common(name, sides)
     ends = [_fillet_end(side.side(0.0), axial, np.linspace(*extent, FILLET_STATIONS)) for side in sides.values()]
     rho, z = (
@@ -45,23 +74,20 @@ def root_cone(name: str, sides: dict[Side, Generated], axial: Level, extent: tup
     return ConeLevel.of(float((rho - slope * z).max()), slope)
 
 
-def _common(name: str, sides: dict[Side, Generated]) -> ConeLevel:
+def _common(name: str, sides: Mapping[Side, CutSide]) -> ConeLevel:
     """Return the cone to which both sides are cut. Raises DesignError for sides that are cut to different depths."""
-    by_name = {("concave" if side.concave else "convex"): side.settings.tip_cone() for side in sides.values()}
-    concave_cone, convex_cone = by_name["concave"], by_name["convex"]
-    if not np.allclose(
-        (concave_cone.angle, concave_cone.offset), (convex_cone.angle, convex_cone.offset), rtol=0.0, atol=1e-9
-    ):
+    right_cone, left_cone = sides[Side.RIGHT].root_cone, sides[Side.LEFT].root_cone
+    if not np.allclose((right_cone.angle, right_cone.offset), (left_cone.angle, left_cone.offset), rtol=0.0, atol=1e-9):
         raise DesignError(
             f"{name}.convex.sliding_base",
             reason="the sides would be cut to different depths",
             allowed=f"the same sliding_base and machine_root_angle as {name}.concave",
         )
-    return concave_cone
+    return right_cone
 
 
 def bottom(
-    sides: dict[Side, Generated],
+    sides: Mapping[Side, CutSide],
     cut: dict[Side, ToothSide],
     places: dict[Side, float],
     pitch_angle: float,
@@ -77,15 +103,13 @@ def bottom(
 
     Raises ValueError where the fillets do not end in smooth curves.
     """
-    if all(side.settings.cuts_cone for side in sides.values()):
+    if all(side.cuts_cone for side in sides.values()):
         return None
-    right, left = sides[Side.RIGHT], sides[Side.LEFT]
-    in_one = right.settings == left.settings and abs(places[Side.LEFT] - places[Side.RIGHT] - pitch_angle) < 1e-9
-    # one cutter cuts both sides: the root is the envelope of its tip plane between the ends of both blades
-    if in_one:
-        outside = right if right.concave else left
-        surface = outside.cut(TIP_PLANE, places[Side.RIGHT])
-        return Bottom(surface, (left.blade.land_radius, right.blade.land_radius))
+    together = sides[Side.RIGHT].common_root(
+        sides[Side.LEFT], places[Side.LEFT] - places[Side.RIGHT] - pitch_angle, places[Side.RIGHT]
+    )
+    if together is not None:
+        return together
     # two cutters: a ruled strip between the ends of the fillets of neighbouring teeth
     axial, extent = face
     back = Rigid.about_z(-pitch_angle)

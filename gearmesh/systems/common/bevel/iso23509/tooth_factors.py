@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gearmesh.errors import DesignError
-from gearmesh.systems.spiral_bevel.iso23509.pitch_cones import PitchCones
+from gearmesh.systems.common.bevel.iso23509.pitch_cones import PitchCones
 
 #: depth factor k_d by number of pinion teeth below 12 (spiral bevel, AGMA 2005); 2 for 12 and more
 DEPTH_FACTORS = {6: 1.765, 7: 1.835, 8: 1.895, 9: 1.940, 10: 1.975, 11: 1.995}

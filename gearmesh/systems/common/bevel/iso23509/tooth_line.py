@@ -11,6 +11,7 @@ The pitch plane, with the crown gear's centre O, the mean point P and the cutter
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -28,7 +29,7 @@ Value: TypeAlias = "float | Array"
 class FaceCutter:
     """A face cutter."""
 
-    #: cutter radius r_c0, mm
+    #: cutter radius r_c0, mm; infinite for a tool that moves in a straight line
     radius: float
     #: number of blade groups z_0; 0 for face milling
     blade_groups: int = 0
@@ -71,6 +72,8 @@ class ToothLine:
     def centre_distance(self) -> Value:
         """Distance rho_P0 from the crown gear's centre to the cutter's, mm [ISO 23509 (37), (79), (177)]."""
         mean, radius = self.mean_cone_distance, self.cutter.radius
+        if math.isinf(radius):
+            return radius
         return np.sqrt(mean**2 + radius**2 - 2.0 * mean * radius * np.cos(self.centre_angle))
 
     @property
@@ -100,30 +103,36 @@ class ToothLine:
         radius, centre = self.cutter.radius, self.centre_distance
         if not self.cutter.blade_groups:
             mean = self.mean_cone_distance
-            sine = 2.0 * mean * radius * np.sin(self.spiral_angle) - mean**2 + cone_distance**2
-            return np.arcsin(np.clip(sine / (2.0 * cone_distance * radius), -1.0, 1.0))
+            sine = mean / cone_distance * np.sin(self.spiral_angle)
+            sine = sine + (cone_distance**2 - mean**2) / (2.0 * cone_distance * radius)
+            return np.arcsin(np.clip(sine, -1.0, 1.0))
         turn: Array = np.arccos(
             np.clip((cone_distance**2 + centre**2 - radius**2) / (2.0 * cone_distance * centre), -1.0, 1.0)
         )
         return np.arctan2(cone_distance - self.base_radius * np.cos(turn), self.base_radius * np.sin(turn))
 
+    @property
+    def inner_distance(self) -> float:
+        """Least cone distance of the line, mm."""
+        if math.isinf(self.cutter.radius):
+            return abs(float(self.mean_cone_distance * np.sin(self.spiral_angle)))
+        return abs(float(self.centre_distance) - self.cutter.radius)
+
     def reaches(self, cone_distance: float) -> bool:
         """Return True if the line crosses a cone distance (mm)."""
-        radius, centre = self.cutter.radius, float(self.centre_distance)
-        return bool(abs(centre - radius) < cone_distance < centre + radius)
+        return bool(self.inner_distance < cone_distance < float(self.centre_distance) + self.cutter.radius)
 
 
 def reaching(line: ToothLine, distances: tuple[float, ...]) -> None:
     """Raise DesignError for a cutter that does not reach all given cone distances (mm)."""
     for distance in distances:
         if not line.reaches(distance):
-            inner = abs(float(line.centre_distance) - line.cutter.radius)
             raise DesignError(
                 "gear.cutter.tip_radius",
                 line.cutter.radius,
                 unit="mm",
                 reason=f"does not reach the cone distance {distance:.6g} mm",
-                allowed=f"a radius whose tooth line goes from {at_least(inner)} mm over both ends of the face",
+                allowed=f"a radius whose tooth line goes from {at_least(line.inner_distance)} mm over both ends of the face",
             )
 
 

@@ -9,26 +9,30 @@ Lengths in mm, angles in rad; "mean" is at the mean cone distance, "outer" at th
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import ConeLevel
-from gearmesh.systems.common.bounds import at_least, at_most
-from gearmesh.systems.spiral_bevel.iso23509.blank_cones import BlankCones, blank_cones
-from gearmesh.systems.spiral_bevel.iso23509.dimensions import ToothDepth
-from gearmesh.systems.spiral_bevel.iso23509.methods import without_offset
-from gearmesh.systems.spiral_bevel.iso23509.pitch_cones import PitchCones, bevel_pitch_angles, crown_shaft_angle
-from gearmesh.systems.spiral_bevel.iso23509.tapers import standard_dedendum_angle
-from gearmesh.systems.spiral_bevel.iso23509.tooth_factors import (
+from gearmesh.systems.common.bevel.iso23509.blank_cones import BlankCones, blank_cones
+from gearmesh.systems.common.bevel.iso23509.dimensions import ToothDepth
+from gearmesh.systems.common.bevel.iso23509.methods import without_offset
+from gearmesh.systems.common.bevel.iso23509.pitch_cones import PitchCones, bevel_pitch_angles, crown_shaft_angle
+from gearmesh.systems.common.bevel.iso23509.tapers import standard_dedendum_angle
+from gearmesh.systems.common.bevel.iso23509.tooth_factors import (
     CLEARANCE_FACTOR,
     normal_thickness,
     suggested_addendum_factor,
     suggested_depth_factor,
     suggested_thickness_factor,
 )
-from gearmesh.systems.spiral_bevel.iso23509.tooth_line import FaceCutter, ToothLine
+from gearmesh.systems.common.bevel.iso23509.tooth_line import FaceCutter, ToothLine
+from gearmesh.systems.common.bounds import at_least, at_most
+
+if TYPE_CHECKING:
+    from gearmesh.systems.common.bevel.design import BevelDesign
 
 #: nominal cutter diameters, inch
 NOMINAL_CUTTER_DIAMETERS_INCH = (1.1, 1.5, 2.0, 2.75, 3.5, 4.5, 5.0, 6.0, 7.5, 9.0, 10.5, 12.0, 14.0, 16.0, 18.0, 21.0)
@@ -127,6 +131,18 @@ class MemberBlank:
     def tip(self) -> ConeLevel:
         """The tip cone."""
         return ConeLevel.of(self.tip_radius, float(np.tan(self.face_angle)))
+
+    @property
+    def root(self) -> ConeLevel:
+        """The root cone."""
+        slope = float(np.tan(self.root_angle))
+        return ConeLevel.of(self.root_apex * slope, slope)
+
+    def depth_of(self, root: ConeLevel, cone_distance: Array) -> Array:
+        """Depths (...,), mm, of a root cone under the pitch cone at cone distances (...,), across the pitch cone."""
+        c, s = np.cos(self.pitch_angle), np.sin(self.pitch_angle)
+        above = s * cone_distance - root.radius - root.slope * c * cone_distance + root.slope * self.pitch_apex
+        return np.asarray(above / (c + root.slope * s))
 
     def addendum_at(self, cone_distance: Array) -> Array:
         """Heights (...,), mm, of the tip cone over the pitch cone at cone distances (...,), across the pitch cone."""
@@ -292,6 +308,21 @@ class BasicData:
     @property
     def mean_normal_module(self) -> float:
         return self.pitch_cones.mean_normal_module
+
+
+def basic_data(
+    design: BevelDesign, spiral_angle: float, pressure_angle: float, mean_cone_distance: float | None = None
+) -> BasicData:
+    """Return the basic data of a design (in mm), angles in deg. Raises DesignError for pitch cones that cannot exist."""
+    return BasicData(
+        (design.pinion.teeth, design.gear.teeth),
+        design.given_module,
+        spiral_angle=float(np.radians(spiral_angle)),
+        shaft_angle=float(np.radians(design.shaft_angle)),
+        pressure_angle=float(np.radians(pressure_angle)),
+        given_face_width=design.face_width,
+        given_mean_cone_distance=mean_cone_distance,
+    )
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank
+from gearmesh.systems.common.bevel.blank import BevelBlank
 
 
 @dataclass(frozen=True)
@@ -52,6 +52,10 @@ def contact_ratios(blank: BevelBlank) -> BevelContactRatios:
 def _face_ratio(blank: BevelBlank) -> float:
     """Return the turn of the tooth line about the crown gear's centre from toe to heel, in pitches."""
     line = blank.tooth_line
+    if np.isinf(blank.cutter_radius):
+        # a straight line turns about the centre as its spiral angle falls
+        toe, heel = (float(line.spiral_angle_at(distance)) for distance in blank.gear.extent)
+        return (toe - heel) * float(line.crown_teeth) / (2.0 * np.pi)
     centre, radius = float(line.centre_distance), blank.cutter_radius
     turns = []
     for distance in blank.gear.extent:

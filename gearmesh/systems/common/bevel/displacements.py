@@ -13,7 +13,7 @@ from gearmesh.systems.common.axes import shifts
 from gearmesh.systems.system import Displacements
 
 if TYPE_CHECKING:
-    from gearmesh.systems.spiral_bevel.design import BevelDesign
+    from gearmesh.systems.common.bevel.design import BevelDesign
     from gearmesh.teeth.gear_train import GearTrain
     from gearmesh.teeth.mount import Mount
 

@@ -8,8 +8,7 @@ import numpy as np
 
 from gearmesh.errors import DesignError, VagueError
 from gearmesh.systems.common.axes import gear_base
-from gearmesh.systems.common.bounds import at_most
-from gearmesh.systems.spiral_bevel.blank.blank import (
+from gearmesh.systems.common.bevel.blank import (
     CUTTER_RADIUS_SHARE,
     BasicData,
     BevelBlank,
@@ -20,23 +19,24 @@ from gearmesh.systems.spiral_bevel.blank.blank import (
     nominal_radius,
     wide_face,
 )
-from gearmesh.systems.spiral_bevel.iso23509.blank_cones import lean_of_plane
-from gearmesh.systems.spiral_bevel.iso23509.dimensions import (
+from gearmesh.systems.common.bevel.iso23509.blank_cones import lean_of_plane
+from gearmesh.systems.common.bevel.iso23509.dimensions import (
     BevelDimensions,
     MemberDimensions,
     ToothDepth,
     bevel_dimensions,
 )
-from gearmesh.systems.spiral_bevel.iso23509.methods import OffsetPair, with_offset
-from gearmesh.systems.spiral_bevel.iso23509.pitch_cones import PitchCones
-from gearmesh.systems.spiral_bevel.iso23509.tooth_factors import (
+from gearmesh.systems.common.bevel.iso23509.methods import OffsetPair, with_offset
+from gearmesh.systems.common.bevel.iso23509.pitch_cones import PitchCones
+from gearmesh.systems.common.bevel.iso23509.tooth_factors import (
     CLEARANCE_FACTOR,
     ToothFactors,
     suggested_addendum_factor,
     suggested_depth_factor,
     suggested_thickness_factor,
 )
-from gearmesh.systems.spiral_bevel.iso23509.tooth_line import FaceCutter
+from gearmesh.systems.common.bevel.iso23509.tooth_line import FaceCutter
+from gearmesh.systems.common.bounds import at_most
 
 
 @dataclass(frozen=True)
