@@ -97,7 +97,11 @@ def test_a_suffix_stands_in_one_place() -> None:
     known = {suffix for entry in formats.FILE_FORMATS for suffix in entry.suffixes}
     found = set()
     for path in PACKAGE.rglob("*.py"):
-        tree = list(nodes(path.read_text(encoding="utf-8")))
+        text = path.read_text(encoding="utf-8")
+        # a tree takes ten times as long as a look
+        if not any(f'"{suffix}"' in text for suffix in known):
+            continue
+        tree = nodes(text)
         # ends of names of files: f"{member}.png"
         ends = {id(part) for node in tree if isinstance(node, ast.JoinedStr) for part in node.values}
         if any(isinstance(node, ast.Constant) and node.value in known and id(node) not in ends for node in tree):

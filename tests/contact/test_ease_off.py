@@ -29,6 +29,7 @@ def turn_of_first_touch(pair: GearPair, field: object, sense: float, point: np.n
     return np.asarray((ahead + np.pi) % (2.0 * np.pi) - np.pi)
 
 
+@pytest.mark.sweep_cases("novikov")
 @pytest.mark.parametrize("name", ["spiral_bevel_basic", "novikov"])
 def test_the_map_is_what_circles_through_the_gear_say(name: str) -> None:
     gears = gm.build(gm.load(SAMPLES / f"{name}.toml"))

@@ -178,7 +178,7 @@ def test_normal_force() -> None:
 
 def test_crossed_beveloid_pair_under_50_nm() -> None:
     design = load(SAMPLES / "beveloid_crossed.toml")
-    gears, found = pair_of(design), contact_of(design, 50.0)
+    gears, found = pair_of(design), contact_of(design, 50.0, cycle=False)
     assert found.hertz is not None
     # the common rack's normal is at the normal pressure angle everywhere: the arm is m N cos(alpha) / 2
     np.testing.assert_allclose(found.hertz.force, 50e3 / (60.0 * np.cos(np.radians(20.0))), rtol=1e-12)
@@ -195,7 +195,7 @@ def test_crossed_beveloid_pair_under_50_nm() -> None:
     np.testing.assert_allclose(rows[2]["hertz"]["approach_um"], 1e3 * wanted.approach[2], rtol=1e-9)
     # the same shape as the overlap by the approach, but smaller
     assert (found.hertz.semi_minor < np.sqrt(2.0 * found.hertz.approach / kappa[:, 1])).all()
-    plain = contact_of(design)
+    plain = contact_of(design, cycle=False)
     assert "hertz" not in plain.document()["positions"][0]
     assert "hertz_p0_mpa" in found.csv()
     assert "hertz" not in plain.csv()
@@ -207,7 +207,7 @@ def test_crossed_beveloid_pair_under_50_nm() -> None:
 def test_spur_pair_in_line_contact() -> None:
     """Involutes, whose radii of curvature add up to the line of action; the load is T / r_b over the narrower face."""
     design: Any = load(SAMPLES / "spur.toml", ["contact.phi1.start=-4", "contact.phi1.stop=4", "contact.phi1.count=3"])
-    gears, found = pair_of(design), contact_of(design, 30.0)
+    gears, found = pair_of(design), contact_of(design, 30.0, cycle=False)
     assert found.hertz is not None
     assert set(found.path.kind) == {"line"}
     alpha = np.radians(design.pressure_angle)
@@ -225,7 +225,7 @@ def test_spur_pair_in_line_contact() -> None:
 
 def test_edges_have_no_hertz_contact() -> None:
     design = load(SAMPLES / "beveloid_crossed.toml", ["contact.phi1.start=20", "contact.phi1.stop=0"])
-    found = contact_of(design, 50.0)
+    found = contact_of(design, 50.0, cycle=False)
     kinds = found.path.kind
     assert {"point"} < set(kinds)
     for kind, row in zip(kinds, found.document()["positions"], strict=True):

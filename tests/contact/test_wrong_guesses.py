@@ -56,7 +56,7 @@ def test_an_oversized_hob_swivels_by_the_lead_angles_of_its_working_cylinders() 
     reference = math.atan(0.2), math.asin(2.0 * 4.0 * math.cos(math.atan(0.2)) / 44.0)
     assert math.degrees(reference[0] - reference[1]) == pytest.approx(1.0399, abs=1e-4)
     # the path of contact crosses the wheel's mid plane on the worm's working cylinder
-    contact = gears.contact()
+    contact = gears.contact(cycle=False)
     worm_mount, wheel_mount = contact.pair.mounts
     aside = (contact.path.point - wheel_mount.origin) @ wheel_mount.axis
     away = contact.path.point - worm_mount.origin
@@ -117,7 +117,9 @@ def test_misaligned_crossed_gears_keep_their_ratio_and_move_their_path(error: st
     sizes = ["module=2", "pinion.teeth=20", "gear.teeth=30"]
     screws = [f"{name}.{key}" for name in ("pinion", "gear") for key in ("cone_angle=0", "helix_angle=45")]
     contacts = [
-        gm.build(gm.load(SAMPLES / "beveloid_crossed.toml", [*sizes, *screws, f"assembly.{error}={size}"])).contact()
+        gm.build(gm.load(SAMPLES / "beveloid_crossed.toml", [*sizes, *screws, f"assembly.{error}={size}"])).contact(
+            cycle=False
+        )
         for size in (0.0, 0.5, -0.5)
     ]
     places = [

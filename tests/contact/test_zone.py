@@ -46,7 +46,7 @@ def swept_gap(pair: GearPair, gears: gm.Gears, points: Array) -> Array:
     radius, angle = np.hypot(r[:, 0], r[:, 1]), np.unwrap(np.arctan2(r[:, 1], r[:, 0]))
     screw, lead = thread.hand * thread.screw, thread.axial_pitch
     phi1 = np.linspace(-3.0, 3.0, 2000) * pair.pitch
-    path = gears.contact().path
+    path = gears.contact(cycle=False).path
     shift = float((path.phi2 - pair.ratio * path.rotation)[path.touching][0])
     least = np.full(len(points), np.inf)
     for turn in phi1:

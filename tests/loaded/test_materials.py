@@ -19,7 +19,7 @@ def test_each_member_is_of_its_own_material(monkeypatch: pytest.MonkeyPatch) -> 
     """Hertz on lines goes with the root of E*, a deck has both materials, and under load a gear of plastic turns far more."""
     steel, own = (gm.build(gm.load(SAMPLES / "spur.toml", list(keys))) for keys in ((), PLASTIC))
     ratio = contact_modulus(Material(2e5, 0.3), Material(3000.0, 0.4)) / contact_modulus(Material(), Material())
-    peaks = [np.nanmax(gears.contact(torque=50).hertz.peak_pressure) for gears in (steel, own)]
+    peaks = [np.nanmax(gears.contact(torque=50, cycle=False).hertz.peak_pressure) for gears in (steel, own)]
     assert peaks[1] / peaks[0] == pytest.approx(np.sqrt(ratio), rel=1e-6)
     deck = own.finite_elements()._model.materials
     assert deck == {"pinion": Material(2e5, 0.3), "gear": Material(3000.0, 0.4)}

@@ -3,12 +3,15 @@ machine cannot cut is left, and wrong input is refused in one line."""
 
 from __future__ import annotations
 
+import json
+from collections.abc import Iterator
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
 import pytest
-from oracles.measuring import along_normals
+from oracles.measuring import along_normals, flanks_cut_once
 from oracles.places import SAMPLES
 
 import gearmesh as gm
@@ -33,6 +36,12 @@ CHANGES = {
 }
 
 
+@pytest.fixture(scope="module", autouse=True)
+def _cut_once() -> Iterator[None]:
+    with flanks_cut_once():
+        yield
+
+
 @pytest.fixture(scope="module")
 def hypoid() -> Design:
     """With every setting stated."""
@@ -48,7 +57,13 @@ def pinion(design: Design, values: dict[str, float] | None = None) -> Tooth:
         for key, change in (values or {}).items()
         for side in ("concave", *(("convex",) if key in COMMON else ()))
     }
-    return systems.member(design.with_values(changes), "pinion").member.one_tooth
+    return cut_pinion(json.dumps(design.with_values(changes).stated()))
+
+
+@lru_cache(maxsize=16)
+def cut_pinion(keys: str) -> Tooth:
+    """Of a design by its keys; several tests ask for the same ones."""
+    return systems.member(gm.parse(json.loads(keys)), "pinion").member.one_tooth
 
 
 def measured(path: Path, design: Design, values: dict[str, float], noise: float = 0.0) -> dict[Side, DeviationGrid]:

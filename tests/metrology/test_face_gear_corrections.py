@@ -3,14 +3,15 @@ does with them, and that one that was off comes back from the deviations."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from oracles.measuring import along_normals
+from oracles.measuring import along_normals, flanks_cut_once
 from oracles.places import SAMPLES
 
 import gearmesh as gm
@@ -36,6 +37,13 @@ RADII = ("gear.inner_radius=490", "gear.outer_radius=550")
 GROUND = ('gear.machine.tool="worm"', *RADII)
 
 
+@pytest.fixture(scope="module", autouse=True)
+def _cut_once() -> Iterator[None]:
+    with flanks_cut_once():
+        yield
+
+
+@lru_cache(maxsize=4)
 def design_of(*keys: str, sample: str = "face_gear") -> Design:
     """With every setting stated."""
     design = gm.load(SAMPLES / f"{sample}.toml", list(keys))

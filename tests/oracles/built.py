@@ -21,9 +21,9 @@ def pair_of(design: Design) -> GearPair:
     return pair
 
 
-def contact_of(design: Design, torque: float | None = None) -> Contact:
-    """Its contact."""
-    return gm.build(design).contact(torque=torque)
+def contact_of(design: Design, torque: float | None = None, *, cycle: bool = True) -> Contact:
+    """Its contact; without the mesh cycle, most of the work, only the path of one tooth pair."""
+    return gm.build(design).contact(torque=torque, cycle=cycle)
 
 
 def model_of(design: Design, phi1: float = 0.0, members: Sequence[str] | None = None) -> FiniteElements:

@@ -5,11 +5,15 @@ Nothing here knows of involutes. A member is in its own frame (axis z, a tooth c
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
 
 import numpy as np
+import pytest
 from scipy.optimize import brentq, root
 
+from gearmesh.answers.inspection.machine_settings import CutFlanks
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.micro_geometry.deviations import DeviationGrid
@@ -211,3 +215,22 @@ def along_normals(tooth: Tooth, side: Side, nominal: Tooth, shape: tuple[int, in
 
         values[i, j] = 0.01 * root(gap, [*start, 0.0], tol=1e-13).x[2]
     return DeviationGrid(lines.points, lines.normals, values)
+
+
+@contextmanager
+def flanks_cut_once() -> Iterator[None]:
+    """Corrections of one design at the same points cut each flank once: most tests move the same settings by the same steps."""
+    known: dict[tuple[object, ...], Array] = {}
+    cut = CutFlanks.displacements
+
+    def remembered(flanks: CutFlanks, values: Mapping[str, Any]) -> Array:
+        # points that were read from a file are off by rounding
+        places = [(side, np.round(grid.points, 9).tobytes()) for side, grid in flanks.grids.items()]
+        key = (repr(flanks.design.plain()), flanks.name, repr(sorted(values.items())), *places)
+        if key not in known:
+            known[key] = cut(flanks, values)
+        return known[key].copy()
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(CutFlanks, "displacements", remembered)
+        yield
