@@ -158,8 +158,10 @@ def test_examples_that_do_not_run_are_few_and_have_a_reason() -> None:
 
 @pytest.mark.parametrize("name", EXAMPLES)
 @pytest.mark.sweep_cases(
+    "Cad.face_names",
     "Compensation.apply",
     "Diagram.save",
+    "Gears.compare",
     "Gears.compensate",
     "Gears.drawing",
     "Gears.roll",

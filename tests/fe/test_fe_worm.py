@@ -40,6 +40,7 @@ def crossings(faces: Array) -> Array:
     return np.unique(place[steep & (np.abs(place) < 0.65)].round(9))
 
 
+@pytest.mark.sweep_cases("keys0")
 @pytest.mark.parametrize("keys", [{}, {"worm": {"threads": 2, "right_hand": False}, "contact": {"flank": "left"}}])
 def test_stations_of_both_flanks_lie_over_each_other_under_load(keys: dict[str, Any]) -> None:
     """To a tenth of an element, in the middle to a fiftieth; where flanks touch unloaded they are a third of one apart."""

@@ -72,6 +72,7 @@ def test_ends_and_bodies_take_few_triangles(sample: str, name: str, tolerance: f
     assert under.sum() < most * member.tooth.teeth * (outline(member.tooth, tolerance) + body(member, tolerance))
 
 
+@pytest.mark.sweep_cases("zerol-gear-0.1-regions0")
 @pytest.mark.parametrize(
     ("sample", "name", "tolerance", "regions"),
     [

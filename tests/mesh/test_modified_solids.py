@@ -53,7 +53,7 @@ def modified(helix: float, **changes: Any) -> Member:
     return pair_of(parse(design)).pinion
 
 
-@pytest.mark.sweep_cases("0.0-changes1-0.0005")
+@pytest.mark.sweep_cases("0.0-changes1-0.0005", "18.0-changes0-0.0005")
 @pytest.mark.parametrize("tolerance", [5e-3, 5e-4])
 @pytest.mark.parametrize(("helix", "changes"), [(18.0, {}), (0.0, {"tip_chamfer": 0.2})])
 def test_within_tolerance_and_closed_with_lines_on_the_corners(helix: float, changes: Any, tolerance: float) -> None:
@@ -73,6 +73,7 @@ def test_within_tolerance_and_closed_with_lines_on_the_corners(helix: float, cha
                 assert not ((length[:, 0] < corner - 1e-9) & (length[:, 2] > corner + 1e-9)).any()
 
 
+@pytest.mark.sweep_cases("15.0")
 @pytest.mark.parametrize("helix", [0.0, 15.0])
 def test_internal_gears_by_a_shaper(helix: float) -> None:
     """Their tips are nearer to the base circle; the fillets, of another tool, turn with them, and the ring loses material."""

@@ -23,7 +23,7 @@ CORPUS = sorted((Path(__file__).parents[1] / "corpus").glob("solid_*.toml"))
 TOLERANCE, FINEST = 1e-3, 1e-3
 
 
-@pytest.mark.sweep_cases("solid_spiral_bevel_edge_1009")
+@pytest.mark.sweep_cases("solid_spiral_bevel_edge_1009", "solid_worm_drive_172")
 @pytest.mark.parametrize("file", some(CORPUS, 2), ids=lambda file: file.stem)
 def test_a_random_design_keeps_its_tolerance(file: Path) -> None:
     built = gm.build(gm.load(file))

@@ -73,6 +73,7 @@ def test_compensation_keeps_the_backlash_by_the_thickness() -> None:
     assert abs(row["value_after"] - row["value_before"]) > 0.01
 
 
+@pytest.mark.sweep_cases("no room")
 @pytest.mark.parametrize(
     ("values", "message"),
     [

@@ -42,7 +42,7 @@ def test_a_deeply_ground_pinion_is_built(file: Path) -> None:
         assert (up > 0.0).all() or (up < 0.0).all()
 
 
-@pytest.mark.sweep_cases("disk")
+@pytest.mark.sweep_cases("disk", "worm_plunge")
 @pytest.mark.parametrize("crowning", ["none", "worm_plunge", "disk"])
 def test_a_rack_that_turns_past_square_is_undercut(crowning: str) -> None:
     """Its line of action comes back from infinity, so that the flank at the form point is not turned inside out again."""

@@ -78,7 +78,7 @@ def test_circular_arc_gears_turn_by_their_backlash(backlash: str) -> None:
 # ---------------------------------------------------------------- the face gear's tips and the pinion's root
 
 
-@pytest.mark.sweep_cases("face_gear-given3", "face_gear-given2", "face_gear-given0")
+@pytest.mark.sweep_cases("face_gear-given0", "face_gear-given1", "face_gear-given2", "face_gear-given3")
 @pytest.mark.parametrize(
     ("sample", "given"),
     [

@@ -73,6 +73,7 @@ def test_shaper_like_the_pinion_is_conjugate_on_crossed_axes_without_overlap() -
     assert ahead.pieces[0].thickness > 0.03
 
 
+@pytest.mark.sweep_cases("module=0.5 offset=6.3 pinion.bore=4.7 gear.bore=60")
 @pytest.mark.parametrize(
     "overrides",
     [
@@ -137,6 +138,7 @@ def test_root_that_the_top_cylinder_generates_runs_into_both_fillets() -> None:
         assert root_matches(pair_of(design(*keys)).gear.tooth) < 1e-10
 
 
+@pytest.mark.sweep_cases("offset=900-")
 @pytest.mark.parametrize(
     ("overrides", "words"),
     [

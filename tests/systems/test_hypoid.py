@@ -369,6 +369,7 @@ def test_settings_given_as_they_were_derived_are_the_same_pair(more: dict[str, A
     np.testing.assert_allclose(paths[1].te, paths[0].te, rtol=0.0, atol=1e-3 * ARCSEC)
 
 
+@pytest.mark.sweep_cases("offset", "cutter", "clearance")
 @pytest.mark.parametrize(
     ("keys", "message"),
     [

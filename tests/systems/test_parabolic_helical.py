@@ -372,11 +372,17 @@ def test_inches_and_millimetres_are_the_same_pair() -> None:
             "backlash=30",
             r"backlash = 30 mm: allowed is at most 4.78\d? mm, .*: leaves no tooth of the pinion",
         ),
-        ("novikov", "worm.pitch_radius=2", r"worm.pitch_radius = 2 mm: .*must be above threads m_n / 2 = 2.54 mm"),
-        (
+        pytest.param(
+            "novikov",
+            "worm.pitch_radius=2",
+            r"worm.pitch_radius = 2 mm: .*must be above threads m_n / 2 = 2.54 mm",
+            marks=pytest.mark.sweep,
+        ),
+        pytest.param(
             "novikov",
             "rack_parameter=0.2",
             r"pinion.dedendum = 0.85: the cutter's tooth is pointed; allowed is a smaller",
+            marks=pytest.mark.sweep,
         ),
         (
             "novikov",
@@ -384,10 +390,11 @@ def test_inches_and_millimetres_are_the_same_pair() -> None:
             r"pinion.tool_tip_radius = 0.6: .* too narrow for the fillet; allowed is at most 0.4486",
         ),
         ("modified_involute", "pinion.crowning=lapping", r'pinion.crowning = "lapping": must be one of "worm_plunge"'),
-        (
+        pytest.param(
             "modified_involute",
             "pinion.parabola=0.5",
             r"pinion.parabola = 0.5 1.mm: the profile bends back .* allowed is less",
+            marks=pytest.mark.sweep,
         ),
         (
             "novikov",

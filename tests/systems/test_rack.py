@@ -170,7 +170,7 @@ def test_a_bar_that_ends_above_the_root_is_refused() -> None:
         rack_member("rack", replace(mesh.rack, height=4.0), mesh.pinion)
 
 
-@pytest.mark.sweep_cases("steep", "right")
+@pytest.mark.sweep_cases("left_back", "right", "steep")
 def test_rolled_grids_touch_where_the_solver_says(pair: tuple[RackMesh, GearPair]) -> None:
     gears = pair[1]
     phi1 = np.array([-0.1, 0.0, 0.12])

@@ -23,6 +23,7 @@ def _some() -> list[tuple[str, str]]:
     ]
 
 
+@pytest.mark.sweep_cases("rack-rack.modifications_left.triangular_end_relief_root.amount")
 @pytest.mark.parametrize(("kind", "key"), _some())
 def test_bounds_are_values_of_the_key_that_build(kind: str, key: str) -> None:
     assert faults(kind, key) == []
@@ -47,7 +48,7 @@ def test_bounds_are_values_of_the_key_that_build(kind: str, key: str) -> None:
         pytest.param("planetary", "ring.root_diameter", 2.4, marks=pytest.mark.sweep),
         ("planetary", "ring.tip_diameter", 2.4),
         # without their unit
-        ("novikov", "pinion.face_width", 2250.0),
+        pytest.param("novikov", "pinion.face_width", 2250.0, marks=pytest.mark.sweep),
         ("novikov", "pinion.parabola", 0.0139492),
         # of the tip that follows from other values
         pytest.param("novikov", "pinion.parabola", 0.418475, marks=pytest.mark.sweep),

@@ -185,6 +185,7 @@ def test_an_end_that_is_nearly_seen_stands_whole() -> None:
     assert flank_window(flank, (30.0, 45.0), 6.7)[0][0] > 0.0
 
 
+@pytest.mark.sweep_cases("beveloid_crossed")
 @pytest.mark.parametrize("sample", ["spiral_bevel_basic", "beveloid_crossed"])
 def test_lines_of_equal_values_are_labelled_where_there_is_room(sample: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Labels stay inside of the flank, where it has values, and off each other."""
