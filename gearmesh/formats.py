@@ -7,6 +7,9 @@ To add a format, add its suffix and its row, and write its module.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
+
+from gearmesh.errors import OutputError
 
 # ---------------------------------------------------------------- suffixes
 
@@ -166,3 +169,16 @@ def format_row(entry: FileFormat) -> tuple[str, str, str, str, str]:
 def mesh_contents(suffix: str) -> str:
     """Return the contents of a mesh file of a suffix, as text."""
     return _MESH_CONTENTS[suffix]
+
+
+#: largest number of suffixes that a message joins by "or"
+MAX_JOINED_SUFFIXES = 3
+
+
+def refuse_suffix(path: Path, *suffixes: str) -> None:
+    """Raise OutputError for a file whose suffix, in any case, is not one of `suffixes`."""
+    if path.suffix.lower() in map(str.lower, suffixes):
+        return
+    few = len(suffixes) <= MAX_JOINED_SUFFIXES
+    must_be = " or ".join(suffixes) if few else f"one of {', '.join(suffixes)}"
+    raise OutputError("cannot write", path, reason=f"its suffix must be {must_be}")

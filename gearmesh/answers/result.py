@@ -12,9 +12,8 @@ from typing import Any
 from gearmesh import __version__
 from gearmesh.answers.tables import Listing, align, as_html, json_text, plain
 from gearmesh.design.core import Design
-from gearmesh.errors import OutputError
 from gearmesh.figures import Content, Figures, Summary, as_rows, figure
-from gearmesh.formats import JSON_SUFFIX
+from gearmesh.formats import JSON_SUFFIX, refuse_suffix
 from gearmesh.pickling import Picklable
 
 
@@ -139,8 +138,7 @@ class Result(Picklable, ABC):
         'limits.json'
         """
         target = Path(path)
-        if target.suffix.lower() not in self.suffixes:
-            raise OutputError("cannot write", target, reason=f"its suffix must be one of {', '.join(self.suffixes)}")
+        refuse_suffix(target, *self.suffixes)
         if target.suffix.lower() == JSON_SUFFIX:
             from gearmesh.io.atomic import whole_text
 

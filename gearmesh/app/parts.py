@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from gearmesh.app.terminal import refuse_folder, refuse_suffix, refuse_unwritable, show, tolerance_in_mm, warn, working
+from gearmesh.app.terminal import refuse_folder, refuse_unwritable, show, tolerance_in_mm, warn, working
 from gearmesh.cad.planes import AXIAL_PLANE
-from gearmesh.errors import ArgumentError, OutputError
+from gearmesh.errors import ArgumentError
 from gearmesh.formats import (
     CSV_SUFFIX,
     DEFAULT_DXF_VERSION,
@@ -20,6 +20,7 @@ from gearmesh.formats import (
     SECTION_SUFFIXES,
     STEP_SUFFIXES,
     STL_SUFFIX,
+    refuse_suffix,
 )
 from gearmesh.lengths import in_mm
 
@@ -95,8 +96,7 @@ class PartFile:
         suffix, several = self.suffix, (*io.formats(several=True), *STEP_SUFFIXES)
         known = (*io.formats(), *STEP_SUFFIXES, *SECTION_SUFFIXES)
         if suffix not in known:
-            names = ", ".join((*known, *others))
-            raise OutputError("cannot write", self.output, reason=f"its suffix must be one of {names}")
+            refuse_suffix(self.output, *known, *others)
         self._refuse_extract(member)
         if member in (BOTH_MEMBERS, ALL_MEMBERS) and suffix not in several:
             raise ArgumentError(

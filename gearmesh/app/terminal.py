@@ -76,12 +76,6 @@ def refuse_folder(path: Path | None) -> None:
         raise OutputError("cannot write", path, reason=f"the folder {known} is not writable")
 
 
-def refuse_suffix(path: Path, *suffixes: str) -> None:
-    """Raise OutputError for a file with another suffix."""
-    if path.suffix.lower() not in map(str.lower, suffixes):
-        raise OutputError("cannot write", path, reason=f"its suffix must be {' or '.join(suffixes)}")
-
-
 def write_text(target: str | None, text: Callable[[], str]) -> None:
     """Write a text to a file, or to standard output for "-"; None writes nothing."""
     if target is None:

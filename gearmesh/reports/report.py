@@ -9,7 +9,6 @@ from dataclasses import dataclass, field, replace
 from html import escape
 from importlib.metadata import PackageNotFoundError, version
 from io import BytesIO
-from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -26,10 +25,10 @@ from gearmesh.answers.sheet import DesignSheet, sheet_of
 from gearmesh.answers.tables import Listing, as_html, cell, described, round_to
 from gearmesh.design.core import Design
 from gearmesh.design.files import with_version
-from gearmesh.drawing.drawing import WorkshopDrawing, drawing_of
+from gearmesh.drawing.drawing import drawing_of
 from gearmesh.errors import NoSolutionError, OutputArgumentError, OutputError
 from gearmesh.files.reading import BYTES_PER_MIB, file_bytes, read_json
-from gearmesh.formats import HTML_SUFFIX
+from gearmesh.formats import HTML_SUFFIX, SVG_SUFFIX
 from gearmesh.io.atomic import scratch_folder, whole_text
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.study.summary import StudySummary
@@ -40,7 +39,7 @@ from gearmesh.view.diagrams.modification_diagrams import is_modified, plot_modif
 from gearmesh.view.diagrams.turns_plot import plot_turns
 from gearmesh.view.load.loaded_pictures import LoadedPictures
 from gearmesh.view.offscreen.letters import Image
-from gearmesh.view.picture import saved_bytes
+from gearmesh.view.picture import Saved, saved_bytes
 from gearmesh.view.render import render
 from gearmesh.view.report import page as pages
 from gearmesh.view.report.bars import pattern_bars
@@ -85,7 +84,7 @@ class PagePlots:
 
 
 @dataclass(frozen=True, repr=False)
-class ReportPage:
+class ReportPage(Saved):
     """Report page as HTML text."""
 
     #: title of the page
@@ -104,34 +103,12 @@ class ReportPage:
     def __repr__(self) -> str:
         return f"<ReportPage: {self.title}, {len(self.html.encode()) / 1e6:.2f} MB>"
 
-    def save(self, path: str | PathLike[str]) -> Path:
-        """Write the page to a .html file, whole or not at all.
+    @property
+    def suffixes(self) -> tuple[str, ...]:
+        return (HTML_SUFFIX,)
 
-        Parameters
-        ----------
-        path : str or os.PathLike
-            The file.
-
-        Returns
-        -------
-        pathlib.Path
-            The file.
-
-        Raises
-        ------
-        OutputError
-            For another suffix.
-
-        Examples
-        --------
-        >>> gears.report(0.05).save("report.html").name
-        'report.html'
-        """
-        target = Path(path)
-        if target.suffix.lower() != HTML_SUFFIX:
-            raise OutputError("cannot write", target, reason=f"its suffix must be {HTML_SUFFIX}")
+    def _write(self, target: Path) -> None:
         whole_text(target, self.html)
-        return target
 
 
 def report_page(
@@ -366,15 +343,13 @@ def _few_decimals(value: Any) -> Any:
 
 def _sections_alone(gears: GearSet) -> list[PageSection]:
     """Return the sections of gears that do not mesh, in place of contact."""
-    body = "".join(drawing(f"Drawing of the {name}", _svg(drawing_of(gears, name))) for name in gears.members)
+    body = "".join(
+        drawing(f"Drawing of the {name}", saved_bytes(drawing_of(gears, name), SVG_SUFFIX)) for name in gears.members
+    )
     return [
         PageSection("Drawing", body),
         PageSection("Limits", tables_html(limits_of(gears.design, gears.train).listings)),
     ]
-
-
-def _svg(made: WorkshopDrawing) -> bytes:
-    return saved_bytes(made.save, "drawing.svg")
 
 
 def study_section(folder: Path) -> PageSection:

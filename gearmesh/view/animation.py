@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from gearmesh.errors import OutputError
-from gearmesh.formats import GIF_SUFFIX, MP4_SUFFIX
+from gearmesh.formats import GIF_SUFFIX, MP4_SUFFIX, refuse_suffix
 from gearmesh.io.atomic import whole_file
 from gearmesh.progress import in_turn
 from gearmesh.view.offscreen.letters import Image
@@ -34,14 +34,10 @@ FILM_PROGRAM = "ffmpeg"
 
 def refuse_file(file: Path) -> None:
     """Raise OutputError for a suffix that is not of animations, and for an MP4 without ffmpeg."""
-    suffix = file.suffix.lower()
-    if suffix not in (GIF_SUFFIX, MP4_SUFFIX):
-        reason = f"the suffix of an animation must be {GIF_SUFFIX} or {MP4_SUFFIX}"
-    elif suffix == MP4_SUFFIX and shutil.which(FILM_PROGRAM) is None:
+    refuse_suffix(file, GIF_SUFFIX, MP4_SUFFIX)
+    if file.suffix.lower() == MP4_SUFFIX and shutil.which(FILM_PROGRAM) is None:
         reason = f"the program {FILM_PROGRAM} is not installed; {GIF_SUFFIX} needs no program"
-    else:
-        return
-    raise OutputError("cannot write", file, reason=reason)
+        raise OutputError("cannot write", file, reason=reason)
 
 
 def write_animation(

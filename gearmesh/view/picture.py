@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from os import PathLike
@@ -9,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from gearmesh.errors import OutputError
-from gearmesh.formats import PNG_SUFFIX
+from gearmesh.formats import DIAGRAM_SUFFIXES, GIF_SUFFIX, MP4_SUFFIX, PNG_SUFFIX, refuse_suffix
 from gearmesh.io.atomic import scratch_folder
 from gearmesh.view.scene import Scene
 
@@ -35,14 +36,66 @@ MOVING_VIEWS = ("section", "pair", "contact", "pattern")
 LOADED_VIEWS = ("loaded", "loaded_flank", "loaded_te", "loaded_share", "loaded_stress", "loaded_pair")
 
 
-def saved_bytes(save: Callable[[Path], Path], name: str) -> bytes:
-    """Return the bytes that `save` writes to a file of this name."""
+class Saved(ABC):
+    """A picture, drawing or page that is drawn when it is saved, with the same bytes every time."""
+
+    @property
+    @abstractmethod
+    def suffixes(self) -> tuple[str, ...]:
+        """Suffixes of the files that `save` writes."""
+
+    def save(self, path: str | PathLike[str]) -> Path:
+        """Write to a file, whole or not at all; the suffix is the format.
+
+        Parameters
+        ----------
+        path : str or os.PathLike
+            The file.
+
+        Returns
+        -------
+        pathlib.Path
+            The file.
+
+        Raises
+        ------
+        OutputError
+            If the suffix is not one of `suffixes`, if the file cannot be written, and if something that draws it is missing: OpenGL
+            for pictures and animations, the program ffmpeg for .mp4.
+
+        Examples
+        --------
+        >>> gears.picture("te").save("te.svg").name
+        'te.svg'
+        """
+        target = Path(path)
+        refuse_suffix(target, *self.suffixes)
+        self._write(target)
+        return target
+
+    @abstractmethod
+    def _write(self, target: Path) -> None:
+        """Draw into a file with one of the suffixes."""
+
+    def __dir__(self) -> list[Any]:
+        return [name for name in super().__dir__() if not str(name).startswith("_")]
+
+
+class SavedPicture(Saved):
+    """A picture or drawing that notebooks show."""
+
+    def _repr_png_(self) -> bytes:
+        return saved_bytes(self, PNG_SUFFIX)
+
+
+def saved_bytes(saved: Saved, suffix: str) -> bytes:
+    """Return the bytes of the file that is saved with a suffix."""
     with scratch_folder() as folder:
-        return save(folder / name).read_bytes()
+        return saved.save(folder / f"saved{suffix}").read_bytes()
 
 
 @dataclass(frozen=True, repr=False)
-class Picture:
+class Picture(SavedPicture):
     """A picture of gears; drawing needs off-screen OpenGL."""
 
     _scene: Scene
@@ -51,93 +104,42 @@ class Picture:
         width, height = self._scene.size
         return f"<Picture: {self._scene.title}, {width} x {height}>"
 
-    def save(self, path: str | PathLike[str]) -> Path:
-        """Draw into a .png file, whole or not at all.
+    @property
+    def suffixes(self) -> tuple[str, ...]:
+        return (PNG_SUFFIX,)
 
-        Parameters
-        ----------
-        path : str or os.PathLike
-            The file.
-
-        Returns
-        -------
-        pathlib.Path
-            The file.
-
-        Raises
-        ------
-        OutputError
-            Naming the missing system package where there is no OpenGL, and for another suffix.
-
-        Examples
-        --------
-        >>> gears.picture("pair", size=(160, 120)).save("pair.png").name
-        'pair.png'
-        """
+    def _write(self, target: Path) -> None:
         from gearmesh.view.opengl import missing_opengl_message
         from gearmesh.view.render import render
 
-        target = Path(path)
-        if target.suffix.lower() != PNG_SUFFIX:
-            raise OutputError("cannot write", target, reason="its suffix must be .png")
         missing = missing_opengl_message()
         if missing:
             raise OutputError(reason=missing)
         render(self._scene, target)
-        return target
-
-    def _repr_png_(self) -> bytes:
-        return saved_bytes(self.save, "picture.png")
-
-    def __dir__(self) -> list[Any]:
-        return ["save"]
 
 
 @dataclass(frozen=True, repr=False)
-class Diagram:
+class Diagram(SavedPicture):
     """A figure on paper with its `title`; it needs no OpenGL. `draw` writes it to a file."""
 
     title: str
     draw: Callable[[Path], None]
+    #: True if the figure is made of pixels
+    _pixels: bool = False
 
     def __repr__(self) -> str:
         return f"<Diagram: {self.title}>"
 
-    def save(self, path: str | PathLike[str]) -> Path:
-        """Draw into a .png, .svg or .pdf file, whole or not at all.
+    @property
+    def suffixes(self) -> tuple[str, ...]:
+        return (PNG_SUFFIX,) if self._pixels else DIAGRAM_SUFFIXES
 
-        Parameters
-        ----------
-        path : str or os.PathLike
-            The file.
-
-        Returns
-        -------
-        pathlib.Path
-            The file.
-
-        Raises
-        ------
-        OutputError
-            For another suffix.
-
-        Examples
-        --------
-        >>> gears.picture("te").save("te.svg").name
-        'te.svg'
-        """
-        self.draw(Path(path))
-        return Path(path)
-
-    def _repr_png_(self) -> bytes:
-        return saved_bytes(self.save, "diagram.png")
-
-    def __dir__(self) -> list[Any]:
-        return ["save", "title"]
+    def _write(self, target: Path) -> None:
+        self.draw(target)
 
 
 @dataclass(frozen=True, repr=False)
-class Animation:
+class Animation(Saved):
     """Gears that roll through one pitch, or contact that rolls over a tooth, over and over.
 
     Drawing needs off-screen OpenGL.
@@ -150,33 +152,11 @@ class Animation:
     def __repr__(self) -> str:
         return f"<Animation: {self._scenes[0].title}, {len(self._scenes)} pictures>"
 
-    def save(self, path: str | PathLike[str]) -> Path:
-        """Draw into a .gif or .mp4 file, whole or not at all. The program ffmpeg writes .mp4.
+    @property
+    def suffixes(self) -> tuple[str, ...]:
+        return (GIF_SUFFIX, MP4_SUFFIX)
 
-        Parameters
-        ----------
-        path : str or os.PathLike
-            The file.
-
-        Returns
-        -------
-        pathlib.Path
-            The file.
-
-        Raises
-        ------
-        OutputError
-            For another suffix, where there is no OpenGL, or no ffmpeg for .mp4.
-
-        Examples
-        --------
-        >>> gears.animation(size=(160, 120)).save("mesh.gif").name
-        'mesh.gif'
-        """
+    def _write(self, target: Path) -> None:
         from gearmesh.view.animation import write_animation
 
-        write_animation(Path(path), list(self._scenes), hold=self._hold)
-        return Path(path)
-
-    def __dir__(self) -> list[Any]:
-        return ["save"]
+        write_animation(target, list(self._scenes), hold=self._hold)

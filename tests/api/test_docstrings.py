@@ -129,7 +129,7 @@ LEFT_OUT = {
     "FiniteElementModel.with_frequencies": "CalculiX takes a minute; tests/fe runs it",
 }
 #: examples that need OpenGL
-DRAWN = ("Picture.save", "Animation.save", "Gears.animation", "Gears.report", "ReportPage.save", "Gears.run")
+DRAWN = ("Gears.animation", "Gears.report", "Gears.run")
 #: examples that take more than a second or two
 SLOW = (
     *DRAWN,
@@ -160,7 +160,6 @@ def test_examples_that_do_not_run_are_few_and_have_a_reason() -> None:
 @pytest.mark.sweep_cases(
     "Cad.face_names",
     "Compensation.apply",
-    "Diagram.save",
     "Gears.compare",
     "Gears.compensate",
     "Gears.drawing",
@@ -172,12 +171,12 @@ def test_examples_that_do_not_run_are_few_and_have_a_reason() -> None:
     "PlanetarySizing.first_sets",
     "Result.json",
     "RollTest.patches",
+    "Saved.save",
     "Study.assemblies",
     "Study.csv",
     "Study.numbers",
     "StudySummary.read",
     "Summary.entry",
-    "WorkshopDrawing.save",
     "size_planetary",
 )
 def test_examples_run(

@@ -223,7 +223,7 @@ def test_figures_of_flanks_have_words_and_are_the_same_twice(sample: str, tmp_pa
     assert written[0] == written[1]
     for word in ("toe", "heel", "tip", "root", "Paare"):
         assert f"<!-- {word} -->".encode() in written[0]
-    with pytest.raises(gm.OutputError, match=r"the suffix of a plot must be \.png, \.svg, \.pdf"):
+    with pytest.raises(gm.OutputError, match=r"its suffix must be \.png or \.svg or \.pdf"):
         plot_flanks(tmp_path / "a.xls", rows, "")
 
 

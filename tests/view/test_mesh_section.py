@@ -119,5 +119,5 @@ def test_an_animation_moves_and_is_the_same_twice(tmp_path: Path) -> None:
         first = np.asarray(image.convert("RGB")).astype(int)
         image.seek(1)
         assert (np.abs(np.asarray(image.convert("RGB")) - first).max(axis=-1) > 40).mean() > 0.01
-    with pytest.raises(gm.OutputError, match=r"the suffix of an animation must be \.gif or \.mp4"):
+    with pytest.raises(gm.OutputError, match=r"its suffix must be \.gif or \.mp4"):
         rolling.save(tmp_path / "a.avi")

@@ -768,6 +768,6 @@ def test_plots_are_written_whole_repeatable_and_only_in_known_formats(tmp_path):
         assert written[0] == written[1]
     curves = {"a/b": (np.array([0.0, 5.0, 10.0]), np.array([np.inf, 10.0, 5.0]))}
     plots.plot_curves(tmp_path / "ratio.png", curves, ("cone angle (deg)", "a/b"), log_y=True)
-    with pytest.raises(OutputError, match=r"the suffix of a plot must be \.png, \.svg, \.pdf"):
+    with pytest.raises(OutputError, match=r"its suffix must be \.png or \.svg or \.pdf"):
         plots.plot_curves(tmp_path / "ratio.xls", curves, ("cone angle (deg)", "a/b"))
     assert sorted(f.name for f in tmp_path.iterdir()) == ["cost.pdf", "cost.png", "cost.svg", "ratio.png"]

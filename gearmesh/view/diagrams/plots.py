@@ -18,9 +18,8 @@ import numpy as np
 from gearmesh.answers.contact.fit import BacklashCurve
 from gearmesh.contact.engagement.cycle import Cycle
 from gearmesh.contact.path import ContactPath
-from gearmesh.errors import OutputError
 from gearmesh.figures import at_resolution
-from gearmesh.formats import PDF_SUFFIX, PNG_SUFFIX, SVG_SUFFIX
+from gearmesh.formats import PDF_SUFFIX, PNG_SUFFIX, SVG_SUFFIX, refuse_suffix
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.view.lettering import fit_title
 from gearmesh.view.palette import (
@@ -432,8 +431,7 @@ def save_figure(figure: Any, file: Path | str) -> None:
     from gearmesh.io.atomic import whole_file
 
     kind = Path(file).suffix.lower()
-    if kind not in _FILE_METADATA:
-        raise OutputError("cannot write", file, reason=f"the suffix of a plot must be {', '.join(_FILE_METADATA)}")
+    refuse_suffix(Path(file), *_FILE_METADATA)
     lay_out(figure)
     with rc_context({"svg.hashsalt": "gearmesh"}), whole_file(file) as unfinished:
         figure.savefig(unfinished, metadata=_FILE_METADATA[kind])

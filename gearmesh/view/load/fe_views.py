@@ -12,11 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.answers.bodies.finite_elements import FiniteElementSolution
-from gearmesh.errors import OutputError
 from gearmesh.fe.model import Model
 from gearmesh.fe.placing import PlacedPair
 from gearmesh.fe.results import NodalSolution, principal_stresses
-from gearmesh.formats import PNG_SUFFIX
 from gearmesh.io.atomic import whole_file
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
@@ -203,8 +201,6 @@ def solution_picture(solved: FiniteElementSolution) -> Diagram:
     def draw(file: Path) -> None:
         from matplotlib.image import imsave
 
-        if file.suffix.lower() != PNG_SUFFIX:
-            raise OutputError("cannot write", file, reason="its suffix must be .png")
         scenes = [stress_scene(problem._model, solved.solution, problem._built.at)]
         if problem._model.contacts:
             pressure = pressure_scene(problem._model, solved.solution, problem._built.at, note=solved.reserve)
@@ -213,4 +209,4 @@ def solution_picture(solved: FiniteElementSolution) -> Diagram:
         with whole_file(file) as unfinished:
             imsave(unfinished, np.concatenate(panels, axis=1))
 
-    return Diagram(f"{problem.headline}: pressure and tension", draw)
+    return Diagram(f"{problem.headline}: pressure and tension", draw, _pixels=True)

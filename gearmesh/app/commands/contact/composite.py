@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Annotated
 
 from gearmesh.app.options import Csv, DesignFile, Json, Pair, Set, chosen_pair, load_gears, option, refuse_one_stream
-from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
-from gearmesh.formats import DIAGRAM_SUFFIXES
+from gearmesh.app.terminal import refuse_unwritable, show, warn, working, write_text
+from gearmesh.formats import DIAGRAM_SUFFIXES, refuse_suffix
 
 
 def composite(

@@ -8,9 +8,9 @@ from typing import Annotated
 import typer
 
 from gearmesh.app.options import Json, Set, load_gears, option, present
-from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
+from gearmesh.app.terminal import refuse_unwritable, show, warn, working, write_text
 from gearmesh.errors import ArgumentError
-from gearmesh.formats import REXS_SUFFIXES, TOML_SUFFIX
+from gearmesh.formats import REXS_SUFFIXES, TOML_SUFFIX, refuse_suffix
 
 
 def convert(

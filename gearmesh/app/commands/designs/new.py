@@ -10,9 +10,9 @@ import typer
 
 import gearmesh as gm
 from gearmesh.app.options import option
-from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, write_text
+from gearmesh.app.terminal import refuse_unwritable, write_text
 from gearmesh.errors import OutputError
-from gearmesh.formats import TOML_SUFFIX
+from gearmesh.formats import TOML_SUFFIX, refuse_suffix
 
 
 def new(

@@ -10,8 +10,8 @@ from typing import Annotated
 
 import gearmesh as gm
 from gearmesh.app.options import DesignFile, Json, Set, load_gears, option
-from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
-from gearmesh.formats import TOML_SUFFIX
+from gearmesh.app.terminal import refuse_unwritable, show, warn, working, write_text
+from gearmesh.formats import TOML_SUFFIX, refuse_suffix
 
 
 def pin(

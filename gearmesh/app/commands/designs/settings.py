@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import gearmesh as gm
 from gearmesh.app.options import DesignFile, Json, Set, SheetTorque, load_gears, option, refuse_torque
-from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
+from gearmesh.app.terminal import refuse_unwritable, show, warn, working, write_text
 from gearmesh.errors import ArgumentError
-from gearmesh.formats import TOML_SUFFIX
+from gearmesh.formats import TOML_SUFFIX, refuse_suffix
 
 if TYPE_CHECKING:
     from gearmesh import Gears

@@ -8,9 +8,9 @@ from typing import Annotated, Any
 
 import gearmesh as gm
 from gearmesh.app.options import Json, PressureAngle, option
-from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, working, write_text
+from gearmesh.app.terminal import refuse_unwritable, show, working, write_text
 from gearmesh.errors import ArgumentError, OutputError
-from gearmesh.formats import TOML_SUFFIX
+from gearmesh.formats import TOML_SUFFIX, refuse_suffix
 from gearmesh.lengths import in_mm
 from gearmesh.numerals import parse_number, with_point
 

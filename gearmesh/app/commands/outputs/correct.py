@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from gearmesh.app.options import DesignFile, Json, MeasuredFile, MeasuredFlanks, Member, Set, load_gears, option
-from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
-from gearmesh.formats import CSV_SUFFIX, TOML_SUFFIX
+from gearmesh.app.terminal import refuse_unwritable, show, warn, working, write_text
+from gearmesh.formats import CSV_SUFFIX, TOML_SUFFIX, refuse_suffix
 
 if TYPE_CHECKING:
     from gearmesh import Gears

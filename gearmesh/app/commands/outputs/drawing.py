@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Annotated
 
 from gearmesh.app.options import DesignFile, Member, Set, load_gears, option
-from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, warn, working
-from gearmesh.formats import DRAWING_SUFFIXES
+from gearmesh.app.terminal import refuse_unwritable, warn, working
+from gearmesh.formats import DRAWING_SUFFIXES, refuse_suffix
 
 
 def drawing(

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from gearmesh.app.options import DesignFile, Json, MeasuredFile, MeasuredFlanks, Member, Set, load_gears, option
-from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
-from gearmesh.formats import DIAGRAM_SUFFIXES
+from gearmesh.app.terminal import refuse_unwritable, show, warn, working, write_text
+from gearmesh.formats import DIAGRAM_SUFFIXES, refuse_suffix
 from gearmesh.progress import part
 
 if TYPE_CHECKING:

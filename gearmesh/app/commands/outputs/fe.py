@@ -24,7 +24,6 @@ from gearmesh.app.terminal import (
     Progress,
     output_folder,
     refuse_folder,
-    refuse_suffix,
     refuse_unwritable,
     show,
     warn,
@@ -32,7 +31,7 @@ from gearmesh.app.terminal import (
     write_text,
 )
 from gearmesh.errors import ArgumentError, OutputError
-from gearmesh.formats import JSON_SUFFIX, PNG_SUFFIX, VTU_SUFFIX
+from gearmesh.formats import JSON_SUFFIX, PNG_SUFFIX, VTU_SUFFIX, refuse_suffix
 from gearmesh.numerals import parse_whole_number
 from gearmesh.progress import part
 

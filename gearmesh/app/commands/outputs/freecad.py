@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Annotated
 
 from gearmesh.app.options import DesignFile, Set, design_text, load_design, option
-from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, tolerance_in_mm, write_text
-from gearmesh.formats import MACRO_SUFFIX
+from gearmesh.app.terminal import refuse_unwritable, tolerance_in_mm, write_text
+from gearmesh.formats import MACRO_SUFFIX, refuse_suffix
 
 
 def freecad(

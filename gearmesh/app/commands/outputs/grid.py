@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from gearmesh.app.options import DesignFile, Json, Member, Set, load_gears, option
-from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
-from gearmesh.formats import DIAGRAM_SUFFIXES, POINT_SUFFIXES
+from gearmesh.app.terminal import refuse_unwritable, show, warn, working, write_text
+from gearmesh.formats import DIAGRAM_SUFFIXES, POINT_SUFFIXES, refuse_suffix
 
 if TYPE_CHECKING:
     from gearmesh import Gears, MeasuringGrids

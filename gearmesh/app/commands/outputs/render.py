@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from gearmesh.app.options import DesignFile, Pair, Set, chosen_pair, load_gears, option, torques_in_nm
-from gearmesh.app.terminal import picture_size, refuse_suffix, refuse_unwritable, warn, working
+from gearmesh.app.terminal import picture_size, refuse_unwritable, warn, working
 from gearmesh.errors import ArgumentError
-from gearmesh.formats import DIAGRAM_SUFFIXES, GIF_SUFFIX, MP4_SUFFIX, PNG_SUFFIX
+from gearmesh.formats import DIAGRAM_SUFFIXES, GIF_SUFFIX, MP4_SUFFIX, PNG_SUFFIX, refuse_suffix
 from gearmesh.progress import Progress, part, silent
 from gearmesh.view.animation import refuse_file
 from gearmesh.view.opengl import begin_drawing

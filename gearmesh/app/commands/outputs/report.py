@@ -19,9 +19,9 @@ from gearmesh.app.options import (
     stem,
     torques_in_nm,
 )
-from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, tolerance_in_mm, warn, working
+from gearmesh.app.terminal import refuse_unwritable, tolerance_in_mm, warn, working
 from gearmesh.errors import ArgumentError, NoSolutionError
-from gearmesh.formats import HTML_SUFFIX
+from gearmesh.formats import HTML_SUFFIX, refuse_suffix
 from gearmesh.progress import Progress, silent
 from gearmesh.view.opengl import begin_drawing
 

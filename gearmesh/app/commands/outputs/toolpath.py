@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from gearmesh.app.options import DesignFile, Json, Member, Set, load_alone, option
-from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
-from gearmesh.formats import PNG_SUFFIX, TOOL_PATH_SUFFIXES
+from gearmesh.app.terminal import refuse_unwritable, show, warn, working, write_text
+from gearmesh.formats import PNG_SUFFIX, TOOL_PATH_SUFFIXES, refuse_suffix
 from gearmesh.numerals import parse_whole_number
 
 if TYPE_CHECKING:

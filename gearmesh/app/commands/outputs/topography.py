@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Annotated
 
 from gearmesh.app.options import DesignFile, Json, Member, Set, load_gears, option
-from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, tolerance_in_mm, warn, working, write_text
-from gearmesh.formats import CSV_SUFFIX
+from gearmesh.app.terminal import refuse_unwritable, show, tolerance_in_mm, warn, working, write_text
+from gearmesh.formats import CSV_SUFFIX, refuse_suffix
 
 
 def topography(
