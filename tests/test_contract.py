@@ -278,7 +278,9 @@ KIND_OF_MEMBER = {
 def conditions(text: str) -> dict[int, str]:
     """Conditions of a file that ask what kind of member there is, by their lines."""
     found: dict[int, str] = {}
-    for node in ast.walk(ast.parse(text)):
+    if not any(name.rpartition(".")[2] in text for name in KIND_OF_MEMBER):
+        return found
+    for node in nodes(text):
         tests = list(node.ifs) if isinstance(node, ast.comprehension) else []
         tests += node.values if isinstance(node, ast.BoolOp) else []
         tests += [node.test] if isinstance(node, ast.If | ast.IfExp | ast.While | ast.Assert) else []

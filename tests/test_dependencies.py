@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 from oracles.places import PACKAGE, ROOT
+from oracles.sources import imports
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 
@@ -25,10 +26,10 @@ def imported() -> set[str]:
     """Top-level modules from elsewhere that the package imports anywhere."""
     found = set()
     for path in PACKAGE.rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        for node in imports(path.read_text(encoding="utf-8")):
             if isinstance(node, ast.Import):
                 found |= {alias.name.split(".")[0] for alias in node.names}
-            elif isinstance(node, ast.ImportFrom) and not node.level and node.module:
+            elif not node.level and node.module:
                 found.add(node.module.split(".")[0])
     return found - {*sys.stdlib_module_names, "gearmesh"}
 

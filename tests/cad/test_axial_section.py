@@ -47,7 +47,7 @@ def profile(member: Member) -> tuple[Array, Array]:
     return sides[0], sides[1]
 
 
-@pytest.mark.sweep_cases("left rounded", "run out")
+@pytest.mark.sweep_cases("dual lead", "left rounded", "run out")
 @pytest.mark.parametrize(
     "case",
     [

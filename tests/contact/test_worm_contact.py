@@ -185,6 +185,7 @@ def test_repeated_conditions_keep_what_bounds_each_position() -> None:
     assert np.ptp(f[:, 3:], axis=0).max() > 1.0
 
 
+@pytest.mark.sweep_cases("face_worm_drive_10-keys0--1.2")
 @pytest.mark.parametrize(
     ("name", "keys", "phi1"),
     [

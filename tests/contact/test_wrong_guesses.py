@@ -65,6 +65,7 @@ def test_an_oversized_hob_swivels_by_the_lead_angles_of_its_working_cylinders() 
     assert float(np.interp(0.0, aside[order], radius[order])) == pytest.approx(21.6, abs=1e-3)
 
 
+@pytest.mark.sweep_cases("70.67-3.125-66.5")
 @pytest.mark.parametrize(("phase", "waves", "figure"), [(25.5, 3.52017, 74.95), (70.67, 3.125, 66.5)])
 def test_two_eccentricities_add_by_their_phase(phase: float, waves: float, figure: float) -> None:
     """20/40 with 0.02 mm each: waves of e / cos(alpha), once a turn of the pinion and once of the gear. Their sum over a turn of

@@ -35,7 +35,7 @@ REFUSED = [
 ]
 
 
-@pytest.mark.sweep_cases("spiral_bevel_geometry1-addendum=1.8")
+@pytest.mark.sweep_cases("spiral_bevel_geometry1-addendum=1.8", "worm_drive-worm.addendum=3")
 @pytest.mark.parametrize(
     ("sample", "given", "key", "side"),
     [*some(REFUSED[:-1], 3), *some(REFUSED[-1:], 0)],
@@ -62,6 +62,7 @@ def test_the_key_that_the_design_sets_is_named_with_a_true_bound(
         gm.build(gm.load(file, [*given, f"{key}={beyond}"]))
 
 
+@pytest.mark.sweep_cases("beveloid_intersected-pinion.profile_shift=1-10")
 @pytest.mark.parametrize(
     ("sample", "given", "most"),
     # the cutter's tooth is pointed, the tooth is

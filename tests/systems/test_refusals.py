@@ -29,6 +29,7 @@ def test_bounds_are_values_of_the_key_that_build(kind: str, key: str) -> None:
     assert faults(kind, key) == []
 
 
+@pytest.mark.sweep_cases("worm_drive-center_distance-120.0")
 @pytest.mark.parametrize(
     ("kind", "key", "value"),
     [

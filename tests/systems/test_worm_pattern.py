@@ -41,7 +41,7 @@ def crossing(design: gm.Design) -> float:
     return float(share[at] - depth[at] * (share[at + 1] - share[at]) / (depth[at + 1] - depth[at]))
 
 
-@pytest.mark.sweep_cases("alpha-left hand", "V-right hand", "V-left hand")
+@pytest.mark.sweep_cases("J-left hand", "V-left hand", "V-right hand", "alpha-left hand", "alpha-right hand")
 @pytest.mark.parametrize("right_hand", [True, False], ids=["right hand", "left hand"])
 @pytest.mark.parametrize("moved", ["J", "alpha", "V"])
 def test_contact_is_where_it_was_asked_for(moved: str, right_hand: bool) -> None:

@@ -33,6 +33,7 @@ def meeting(before: Rigid, here: Rigid, after: Rigid, line: ContactLine, step: f
     return np.asarray((here.vector(line.normals) * velocity).sum(axis=-1) / reach)
 
 
+@pytest.mark.sweep_cases("spiral_bevel_basic-pinion")
 @pytest.mark.parametrize(
     ("sample", "name"),
     [("helical", "pinion"), ("spiral_bevel_basic", "pinion"), ("face_gear", "gear")],

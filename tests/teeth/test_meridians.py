@@ -107,6 +107,7 @@ def test_level_and_surface_of_a_meridian_are_one(curve: Any, axial: Level) -> No
     np.testing.assert_allclose(meridian.hessian(jet.r, np.broadcast_to(w, jet.r.shape)), changed, atol=1e-7)
 
 
+@pytest.mark.sweep_cases("throat_and_cylinder-0.0", "conical_tip-0.3")
 @pytest.mark.parametrize("cone", [0.0, ANGLE])
 @pytest.mark.parametrize("name", ["throat", "throat_and_cylinder", "conical_tip"])
 def test_a_member_with_any_tip_is_a_closed_solid_within_tolerance(name: str, cone: float) -> None:

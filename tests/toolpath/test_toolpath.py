@@ -176,7 +176,9 @@ def test_the_holder_stays_clear_of_the_teeth() -> None:
         ("--tool ball:0", 2, "--tool = ball:0: must be ball:D, ball:D,L or ball:D,L,H"),
         ("--tool ball:3,9,2", 2, "each from 0.001 to 10000 mm, H more than D"),
         ("--tool ball:1 --stock 9", 2, "--stock = 9 mm: it leaves no room for a ball; allowed is at most 0.59"),
-        ("--tool ball:0.001 --scallop 1um", 3, "mm long, more than 600000 radii of the ball"),
+        pytest.param(
+            "--tool ball:0.001 --scallop 1um", 3, "mm long, more than 600000 radii of the ball", marks=pytest.mark.sweep
+        ),
         ("--tool ball:1 --flank up", 2, "--flank = up: must be one of right, left, both"),
     ],
 )
