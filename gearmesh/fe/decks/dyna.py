@@ -19,11 +19,11 @@ from gearmesh.fe.decks.fields import (
     cyclic_equations,
     one_line,
     rows_of_numbers,
+    write_ascii,
 )
 from gearmesh.fe.decks.registry import register
 from gearmesh.fe.model import Model, RigidTie
 from gearmesh.formats import K_SUFFIX
-from gearmesh.io.atomic import whole_file
 from gearmesh.io.texts import lines
 
 #: element formulations of first and second order
@@ -36,14 +36,11 @@ DIRECTION_NUMBERS = (1, 2, 3, 5, 6, 7)
 RIGID_MASS_T = 1e-3
 #: density, t/mm^3, of a material without one
 MISSING_DENSITY_T_PER_MM3 = 1e-12
-#: coefficient of an equation below which the term is left out
-MIN_EQUATION_COEFFICIENT = 1e-14
 
 
 def write(model: Model, path: Path) -> None:
     """Write the whole file."""
-    with whole_file(path) as temporary, open(temporary, "w", encoding="ascii", errors="replace", newline="\n") as file:
-        file.writelines(_file(model))
+    write_ascii(path, _file(model))
 
 
 def _file(model: Model) -> Iterator[str]:
@@ -185,10 +182,9 @@ def _cyclic(model: Model) -> Iterator[str]:
     if model.cyclic is None:
         return
     equations, number = cyclic_equations(model.mesh, model.cyclic), 0
-    for row, coefficients in enumerate(equations.rotation.tolist()):
-        terms = [(d + 1, -c) for d, c in enumerate(coefficients) if abs(c) > MIN_EQUATION_COEFFICIENT]
+    for row, terms in enumerate(equations.terms):
         template = f"*CONSTRAINED_MULTIPLE_GLOBAL +\n%20d\n{1 + len(terms):20d}\n%20d{row + 1:20d}{1.0:20.1f}\n"
-        template += "".join(f"%20d{d:20d}{c:20.12E}\n" for d, c in terms)
+        template += "".join(f"%20d{d + 1:20d}{c:20.12E}\n" for d, c in terms)
         count = len(equations.dependent)
         numbers = np.arange(number + 1, number + 1 + count)
         others: list[NDArray[np.int64]] = [equations.independent + 1] * len(terms)

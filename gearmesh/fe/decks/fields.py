@@ -1,14 +1,16 @@
-"""Parts that several formats share: numbers in fields of fixed width, contact faces, equations of cyclic symmetry."""
+"""Parts that several formats share: ASCII files, fields of fixed width, contact faces, equations of cyclic symmetry."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.fe.model import CyclicSymmetry
+from gearmesh.io.atomic import whole_file
 from gearmesh.io.texts import lines
 from gearmesh.kernel.numeric.algebra import Array, unit
 from gearmesh.mesh.hexahedra.hexes import HexMesh
@@ -17,6 +19,14 @@ from gearmesh.mesh.hexahedra.hexes import HexMesh
 T_PER_MM3_OF_KG_PER_M3 = 1e-12
 #: order of the mid-side nodes where edges between bottom and top precede those of the top
 UPRIGHT_EDGES_FIRST_ORDER = [*range(12), 16, 17, 18, 19, 12, 13, 14, 15]
+#: coefficient of an equation below which the term is left out
+MIN_EQUATION_COEFFICIENT = 1e-14
+
+
+def write_ascii(path: Path, pieces: Iterator[str]) -> None:
+    """Write a whole ASCII file from its pieces; other characters become question marks."""
+    with whole_file(path) as temporary, open(temporary, "w", encoding="ascii", errors="replace", newline="\n") as file:
+        file.writelines(pieces)
 
 
 @dataclass(frozen=True)
@@ -29,6 +39,14 @@ class NodeEquations:
     independent: NDArray[np.int64]
     #: (3, 3)
     rotation: Array
+
+    @property
+    def terms(self) -> list[list[tuple[int, float]]]:
+        """Direction and coefficient of the terms of u_independent, on the left side, for each direction of u_dependent."""
+        return [
+            [(direction, -c) for direction, c in enumerate(row) if abs(c) > MIN_EQUATION_COEFFICIENT]
+            for row in self.rotation.tolist()
+        ]
 
 
 def cyclic_equations(mesh: HexMesh, cyclic: CyclicSymmetry) -> NodeEquations:

@@ -18,11 +18,11 @@ from gearmesh.fe.decks.fields import (
     cyclic_equations,
     one_line,
     rows_of_numbers,
+    write_ascii,
 )
 from gearmesh.fe.decks.registry import register
 from gearmesh.fe.model import Model
 from gearmesh.formats import CDB_SUFFIX
-from gearmesh.io.atomic import whole_file
 from gearmesh.io.texts import lines
 
 #: numbers of the element types
@@ -32,14 +32,11 @@ FIRST_REAL_NUMBER = 10
 #: directions of displacements and rotations, of forces and moments
 MOTION_NAMES = ("UX", "UY", "UZ", "ROTX", "ROTY", "ROTZ")
 LOAD_NAMES = ("FX", "FY", "FZ", "MX", "MY", "MZ")
-#: coefficient of an equation below which the term is left out
-MIN_EQUATION_COEFFICIENT = 1e-14
 
 
 def write(model: Model, path: Path) -> None:
     """Write the whole archive."""
-    with whole_file(path) as temporary, open(temporary, "w", encoding="ascii", errors="replace", newline="\n") as file:
-        file.writelines(_archive(model))
+    write_ascii(path, _archive(model))
 
 
 def _archive(model: Model) -> Iterator[str]:
@@ -150,11 +147,10 @@ def _cyclic(model: Model) -> Iterator[str]:
         return
     equations = cyclic_equations(model.mesh, model.cyclic)
     pairs = np.column_stack((equations.dependent, equations.independent)) + 1
-    for row, coefficients in enumerate(equations.rotation.tolist()):
-        terms = [(MOTION_NAMES[d], -c) for d, c in enumerate(coefficients) if abs(c) > MIN_EQUATION_COEFFICIENT]
+    for row, terms in enumerate(equations.terms):
         # NEXT is the number of the equation, which stays the same for further terms of it as HIGH
         template = f"CE,NEXT,0,%d,{MOTION_NAMES[row]},1" + "".join(
-            (",%d" if k < 2 else "\nCE,HIGH,0,%d") + f",{move},{c:.15g}" for k, (move, c) in enumerate(terms)
+            (",%d" if k < 2 else "\nCE,HIGH,0,%d") + f",{MOTION_NAMES[d]},{c:.15g}" for k, (d, c) in enumerate(terms)
         )
         yield from lines(template + "\n", np.column_stack((pairs[:, :1], *([pairs[:, 1:]] * len(terms)))))
 

@@ -21,11 +21,11 @@ from gearmesh.fe.decks.fields import (
     longest_edge,
     one_line,
     rows_of_numbers,
+    write_ascii,
 )
 from gearmesh.fe.decks.registry import register
 from gearmesh.fe.model import ContactPair, Model
 from gearmesh.formats import BDF_SUFFIX
-from gearmesh.io.atomic import whole_file
 from gearmesh.io.texts import lines
 from gearmesh.mesh.hexahedra.hexes import HexMesh
 
@@ -33,14 +33,11 @@ from gearmesh.mesh.hexahedra.hexes import HexMesh
 SPC_SET_NUMBER, LOAD_SET_NUMBER, MPC_SET_NUMBER = 1, 2, 3
 #: number of the set of all contacts; contact k has this number + k
 CONTACT_SET_NUMBER = 100
-#: coefficient of an MPC below which the term is left out
-MIN_EQUATION_COEFFICIENT = 1e-14
 
 
 def write(model: Model, path: Path) -> None:
     """Write the whole deck."""
-    with whole_file(path) as temporary, open(temporary, "w", encoding="ascii", errors="replace", newline="\n") as file:
-        file.writelines(_deck(model))
+    write_ascii(path, _deck(model))
 
 
 def _deck(model: Model) -> Iterator[str]:
@@ -199,11 +196,10 @@ def _cyclic(model: Model) -> Iterator[str]:
     if model.cyclic is None:
         return
     equations = cyclic_equations(model.mesh, model.cyclic)
-    for row, coefficients in enumerate(equations.rotation.tolist()):
-        terms = [(d + 1, -c) for d, c in enumerate(coefficients) if abs(c) > MIN_EQUATION_COEFFICIENT]
+    for row, terms in enumerate(equations.terms):
         # a line of the small format has two terms; here each of its halves has one, after a blank field in every second
         template = f"MPC*    {MPC_SET_NUMBER:16d}%16d{row + 1:16d}{1.0:16.9E}\n" + "".join(
-            f"*       {'':{16 * (k % 2)}}%16d{d:16d}{c:16.9E}\n" for k, (d, c) in enumerate(terms)
+            f"*       {'':{16 * (k % 2)}}%16d{d + 1:16d}{c:16.9E}\n" for k, (d, c) in enumerate(terms)
         )
         table = np.column_stack((equations.dependent, *([equations.independent] * len(terms)))) + 1
         yield from lines(template, table)

@@ -19,10 +19,13 @@ Writer = Callable[[Model, Path], None]
 
 @dataclass(frozen=True)
 class DeckFormat:
-    """A format of models. `write(model, path)` writes the whole file or none. Several formats may share a suffix."""
+    """A format of models. Several formats may share a suffix."""
 
+    #: suffix of the files
     suffix: str
+    #: name of the format in words
     description: str
+    #: function that writes a whole file or none
     write: Writer
     #: raises OutputError where a package that the format needs is missing
     require: Callable[[Path], None]
