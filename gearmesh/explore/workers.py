@@ -50,7 +50,9 @@ class Listener:
 class Asked:
     """A question, and the pages that ask it; without any of them it is not wanted any more."""
 
+    #: message to the process
     request: dict[str, Any]
+    #: pages that wait for answers
     listeners: list[Listener]
     #: answers that have come
     heard: list[bytes] = field(default_factory=list)
@@ -80,15 +82,21 @@ class Worker:
 
     #: called with a line about the process itself, for all pages
     report: Callable[[bool, str], None] = lambda works, line: None
+    #: time without a sign of life, s, after which the process is ended
     hang_s: float = HANG_S
     #: first message to the process; None until the design is known
     first: dict[str, Any] | None = None
+    #: questions that wait for the process, in turn
     waiting: list[Asked] = field(default_factory=list)
+    #: question that the process works on; None without one
     running: Asked | None = None
     #: the process; None while there is none
     process: asyncio.subprocess.Process | None = None
+    #: number of the last question that was sent
     _job: int = 0
+    #: set when a question waits
     _wake: asyncio.Event = field(default_factory=asyncio.Event)
+    #: task that serves the questions
     _task: asyncio.Task[None] | None = None
 
     async def start(self) -> None:

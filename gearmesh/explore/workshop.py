@@ -112,7 +112,9 @@ class Shape:
 
     #: key of the shape
     key: str
+    #: arrays of the mesh, as the page reads them
     data: dict[str, Any]
+    #: greatest distance of a vertex from the origin, mm
     reach: float
     #: mesh of the whole member, own frame
     whole: TriangleMesh

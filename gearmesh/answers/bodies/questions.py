@@ -91,8 +91,8 @@ class ModelledGears(SolvedGears):
         space : bool
             The space between two teeth up to the tip surface as a solid, as a broach or an electrode fills it.
         blank : bool
-            The blank before its teeth are cut: the body turned up to the tips, with hubs, shafts, bore and web, without
-            keyway and holes; of a rack the bar.
+            The blank before its teeth are cut: the body turned up to the tips, with hubs, shafts, bore and web. It has no
+            keyway and no holes. The blank of a rack is a bar.
         offset : float or str
             Distance by which all tooth surfaces move along their normals, mm. Positive is away from the member's
             material, for stock or a spark gap; negative is for clearance.
@@ -314,8 +314,8 @@ class ModelledGears(SolvedGears):
             The contour is trimmed in inner corners that are sharper than the tool; `measured.stock_left` is the largest
             stock that remains there.
         blank : bool
-            The outline of the blank before its teeth are cut, instead of a section: the half section over z and radius,
-            with the axis; of a rack its bar across the axis.
+            The outline of the blank before its teeth are cut, instead of a section. It is the half section over z and
+            radius, with the axis. For a rack it is the bar across the axis.
         dxf : str
             Version of DXF files: "R12", "R2000", "R2004", "R2007", "R2010", "R2013" or "R2018". R12 has no splines, so
             that it needs other `curves`.

@@ -35,13 +35,16 @@ NORMAL_ROUNDING = 1e-11
 class ImageCurve:
     """Transmission advance of the gears on their coast flanks, as the image of the `curve` of the driving flanks.
 
-    The advance at phi1 is the advance of the curve at `sum` - phi1 (rad), plus `more` (rad). `exchange` is the diagonal
-    of the map of the members' own frames.
+    The advance at phi1 is the advance of the curve at `sum` - phi1, plus `more`.
     """
 
+    #: transmission advance on the driving flanks
     curve: MeshCurve
+    #: sum of a rotation of the pinion and the rotation of its image, rad
     sum: float
+    #: advance of the image beyond the advance of the curve, rad
     more: float
+    #: diagonal (3,) of the map of the members' own frames
     exchange: Array
 
     @property

@@ -102,14 +102,13 @@ def _draw_lines(axes: Any, keys: Sequence[tuple[str, Array]], j: int, values: Ar
 
 @dataclass(frozen=True)
 class SwingBars:
-    """Effects of keys on a figure that depends linearly on them.
+    """Effects of keys on a figure that depends linearly on them."""
 
-    `middle` is the figure in the middle; `keys` has for each key the figure at its 5th and 95th percentile, the largest
-    swing first.
-    """
-
+    #: key of the figure
     name: str
+    #: figure in the middle of all keys
     middle: float
+    #: keys with the figure at their 5th and 95th percentile, the largest swing first
     keys: Sequence[tuple[str, float, float]]
     #: meaning and unit of the figure
     label: str = ""

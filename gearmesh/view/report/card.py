@@ -28,10 +28,13 @@ ZERO_LENGTH = f"0{NO_BREAK_SPACE}\u00b5m"
 
 @dataclass(frozen=True)
 class CardFigure:
-    """A figure in words: its label, its value with unit, and a note."""
+    """A figure in words."""
 
+    #: name of the figure
     label: str
+    #: value with unit
     value: str
+    #: remark on the value, "" without one
     note: str = ""
     #: first number of the value, in its unit (lengths in mm); None if there is none
     amount: float | None = None
