@@ -23,18 +23,32 @@ from gearmesh.systems.common.bevel.sheet_rows import (
 from gearmesh.systems.common.bevel.tooth_measures import ToothMeasures
 from gearmesh.systems.common.plain_sheet import plain_sheet
 from gearmesh.systems.common.symbol_table import Row, running_rows, table, tables_of
-from gearmesh.systems.straight_bevel.build import straight_blank
+from gearmesh.systems.straight_bevel.build import cut_side, straight_blank
+from gearmesh.systems.straight_bevel.generated import CrownCut, DiscCut
 from gearmesh.systems.system import DrawnRows, Sheet, SheetTable
 from gearmesh.teeth.region import Side
 
 if TYPE_CHECKING:
-    from gearmesh.systems.common.bevel.blank import BevelBlank
+    from gearmesh.systems.common.bevel.blank import BevelBlank, MemberBlank
     from gearmesh.systems.straight_bevel.design import StraightBevelDesign
     from gearmesh.teeth.gear_train import GearTrain
 
 #: titles of the tables
 RATIOS_TITLE, DIMENSIONS_TITLE = "Ratios, depths and backlash", "Dimensions [ISO 23509]"
 TOLERANCES_TITLE = "Tolerances [ISO 17485:2006]"
+#: title of the table of disc cutters
+DISCS_TITLE = "Disc cutters of the right flanks"
+#: symbol, words and unit of its rows
+DISC_ROWS = (
+    ("r_c0", "radius where edge and land meet", "mm"),
+    ("epsilon", "dish angle", "deg"),
+    ("c_i", "crowning at the toe, on the pitch line", "mm"),
+    ("c_e", "crowning at the heel, on the pitch line", "mm"),
+    ("i", "tilt of the axis against the crown gear's axis", "deg"),
+    ("x_c", "centre from the apex, along the pitch line", "mm"),
+    ("y_c", "centre beside the pitch line, > 0 over the tooth", "mm"),
+    ("h_c", "centre over the pitch plane", "mm"),
+)
 #: beginning of the symbols of spiral angles, which straight teeth do not have
 SPIRAL_SYMBOL = "beta"
 #: rows of a workshop drawing
@@ -75,7 +89,37 @@ def straight_sheet(design: StraightBevelDesign, train: GearTrain) -> Sheet:
         (CUT_TEETH_TITLE, lambda: _measured_table(blank, train, unit, noun)),
         (TOLERANCES_TITLE, lambda: tolerance_table(own.accuracy_grade, blank, MEMBER_NAMES)),
     )
+    cut = [cut_side(own, blank, k, Side.RIGHT) for k in range(2)]
+    if any(isinstance(side, DiscCut) for side in cut):
+        tables = (*tables, *tables_of((DISCS_TITLE, lambda: _disc_table(blank, cut, unit, noun))))
     return Sheet((*tables, *plain.tables), plain.values, plain.replaced)
+
+
+def _disc_table(blank: BevelBlank, cut: list[CrownCut | DiscCut], unit: float, noun: str) -> SheetTable:
+    """Return the table of the discs that cut the right flanks; those of left flanks are their mirror images.
+
+    Lengths are over `unit` (mm) in `noun`.
+    """
+    columns = [_disc_values(own, side) for own, side in zip(blank.members, cut, strict=True)]
+    rows: list[Row] = [
+        (symbol, words, kind, tuple(column[k] for column in columns))
+        for k, (symbol, words, kind) in enumerate(DISC_ROWS)
+    ]
+    return table(DISCS_TITLE, MEMBER_NAMES, in_unit(rows, unit, noun))
+
+
+def _disc_values(own: MemberBlank, side: CrownCut | DiscCut) -> tuple[float | None, ...]:
+    """Return the values of DISC_ROWS of a member, in mm and deg; None for a member without discs."""
+    if not isinstance(side, DiscCut):
+        return (None,) * len(DISC_ROWS)
+    blade, mean = side.blade, own.mean_cone_distance
+    radius = float(np.hypot(*side.place.inverse.point(np.array([mean, 0.0, 0.0]))[:2]))
+    # the edges turn about the axis by theta from the mean point to the ends of the face
+    turns = np.arcsin((np.array(own.extent) - mean) / radius)
+    toe, heel = (float(c) for c in radius * (1.0 - np.cos(turns)) * np.sin(blade.dish_angle))
+    tilt = float(np.degrees(np.arccos(side.place.rotation[2, 2])))
+    x, y, z = (float(coordinate) for coordinate in side.place.translation)
+    return blade.radius, float(np.degrees(blade.dish_angle)), toe, heel, tilt, x, y, -z
 
 
 def _straight(rows: list[Row]) -> list[Row]:
