@@ -404,7 +404,9 @@ def _body(member: Member, outline: tuple[Loop, Loop], outward: bool) -> list[Nam
             outer, inner = (ring, loop) if ring is not None and ring.rho > loop.rho else (loop, ring)
             rho, z = profile[-end]
             holes = holes_in(z, 0.0, rho) if member.body.around else holes_in(z, rho, np.inf)
-            shape = plane_face(outer, inner, (up > 0.0) == (end == 1), holes)
+            # a shaft thicker than the teeth is a wall that looks the other way
+            wall = outer is ring and not member.body.around
+            shape = plane_face(outer, inner, ((up > 0.0) == (end == 1)) != wall, holes)
         region = end_regions(blank.axial)[end]
         faces.append(NamedFace(shape, region, region))
     return faces

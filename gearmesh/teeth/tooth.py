@@ -1246,8 +1246,9 @@ class Tooth:
             return residual
 
         # start: the nominal tip at each station
-        near = follow(side.flank, np.full_like(stations, side.tip), stations, axial)
-        start = np.stack((np.full_like(stations, side.tip), near.values), axis=-1)
+        begin = np.full_like(stations, side.tip) if side.tip_along is None else side.tip_along(stations)
+        near = follow(side.flank, begin, stations, axial)
+        start = np.stack((begin, near.values), axis=-1)
         last = start, near.jet
 
         def jet_at(x: Array) -> Jet:

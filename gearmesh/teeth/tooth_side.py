@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.surface import GeneratedSurface, Surface
 from gearmesh.tools.description import ToolDescription
 
@@ -44,6 +45,8 @@ class ToothSide:
     root: float
     #: parameter p near the tip, a start value; with a generated land, p at the tip
     tip: float
+    #: parameters p near the tip at station coordinates (T,), start values; None: `tip` everywhere
+    tip_along: Callable[[Array], Array] | None = None
     #: chamfer or rounding of the tip that the tool generates, on both sides of a tooth or on none
     tip_corner: TipCorner | None = None
     #: parameters p of breaks along the flank

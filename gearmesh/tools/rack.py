@@ -281,14 +281,14 @@ class RackSurface:
 
     def jet(self, u: Array, v: Array) -> Jet:
         u, v = broadcast_pair(u, v)
-        lift, trace = self._directions
+        lift, trace = self.directions
         points, tangents, normals, turned = np.array(self.profile.section(u)) @ lift
         along = np.empty((*u.shape, 3))
         along[...] = trace
         return Jet(points + v[..., None] * trace, normals, tangents, along, turned, np.zeros((*u.shape, 3)))
 
     @cached_property
-    def _directions(self) -> tuple[Array, Array]:
+    def directions(self) -> tuple[Array, Array]:
         """Directions of x_n and y_n (2, 3) and of u (3,) of this side; the left side has y_n reversed."""
         axes = self.axes
         return axes[:2] * np.array([[1.0], [self.side]]), axes[2]

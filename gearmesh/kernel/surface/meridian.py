@@ -39,6 +39,8 @@ RELATIVE_ROUNDING = 1e-15
 
 #: the station coordinate z
 AXIAL_STATION = PlaneLevel(0.0)
+#: halvings of a range of angles
+MAX_HALVINGS = 60
 #: f, df/da and d2f/da2, (...,) each
 Values = tuple[Array, Array, Array]
 
@@ -128,6 +130,17 @@ class CylinderMeridian:
         slope = u * c / narrower
         bend = c * root / narrower**3 / (radius_part / root + distance_part * root**2)
         return (self.distance - self.radius / root) * narrower, slope, bend
+
+    def reaching(self, rho: float) -> float:
+        """Return z >= 0 (mm) at a radius rho between distance - radius and distance, mm, by bisection."""
+        low, high = 0.0, 0.5 * np.pi
+        for _ in range(MAX_HALVINGS):
+            psi = 0.5 * (low + high)
+            x = self.distance - self.radius * np.cos(psi)
+            below = x * np.hypot(1.0, np.tan(psi) * np.sin(self.tilt)) < rho
+            low, high = (psi, high) if below else (low, psi)
+        s, c = np.sin(self.tilt), np.cos(self.tilt)
+        return float(self.radius * np.sin(high) * c + self.distance * np.tan(high) * s**2 / c)
 
 
 @dataclass(frozen=True)

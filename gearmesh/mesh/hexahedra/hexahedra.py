@@ -25,6 +25,8 @@ from gearmesh.teeth.region import FLANK_REGIONS, Side
 from gearmesh.teeth.section import breaks
 from gearmesh.teeth.tooth import Tooth
 
+#: stations and lines nearer to each other, as shares of face or flank, are the same
+SAME_STATION = 1e-12
 #: default thickness of the rim under the root, in whole depths
 RIM_WHOLE_DEPTHS = 1.2
 #: growth of the cell size per unit of distance from the contact
@@ -236,7 +238,7 @@ def on_stations(grid: HexGrid, places: Array) -> HexGrid:
 def with_stations(grid: HexGrid, places: Array) -> HexGrid:
     """Return the grid with a station at each of the places (K,): the nearest one moved, or a new one if that is taken."""
     moved = on_stations(grid, places)
-    missing = [place for place in places if np.abs(moved.t - place).min() > 1e-12]
+    missing = [place for place in places if np.abs(moved.t - place).min() > SAME_STATION]
     t = np.sort(np.concatenate((moved.t, missing)))
 
     def at(lines: Array) -> Array:
@@ -249,16 +251,22 @@ def with_stations(grid: HexGrid, places: Array) -> HexGrid:
 
 
 def _snap(places: Array, wanted: Array) -> Array:
-    """Return places (N,) or (N, T), rising, with the nearest moved to each of `wanted`; none twice, and never an end."""
+    """Return places (N,) or (N, T), rising, with the nearest moved to each of `wanted`; none twice, and never an end.
+
+    Places that are wanted stay, so that a second call changes nothing.
+    """
     moved = places.copy().reshape(len(places), -1)
     taken = np.zeros(moved.shape, dtype=bool)
     taken[[0, -1]] = True
     columns = np.arange(moved.shape[1])
-    for place in wanted:
+    there = np.abs(moved - np.reshape(wanted, (-1, 1, 1))) <= SAME_STATION
+    taken |= there.any(axis=0)
+    present_at = np.asarray(there.any(axis=1))
+    for place, present in zip(wanted, present_at, strict=True):
         k = np.where(taken, np.inf, np.abs(moved - place)).argmin(axis=0)
         # a place may only move between its neighbours
         inner = np.clip(k, 1, len(moved) - 2)
-        fits = (k == inner) & (moved[inner - 1, columns] < place) & (place < moved[inner + 1, columns])
+        fits = ~present & (k == inner) & (moved[inner - 1, columns] < place) & (place < moved[inner + 1, columns])
         moved[inner[fits], columns[fits]] = place
         taken[inner[fits], columns[fits]] = True
     return moved.reshape(places.shape)

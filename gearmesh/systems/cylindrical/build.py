@@ -25,6 +25,7 @@ from gearmesh.systems.common.racks.rack_tooth import Heights
 from gearmesh.systems.common.tooth_edges import with_end_chamfers
 from gearmesh.systems.cylindrical.cutting.cutter import other_cutters, trimming_warnings
 from gearmesh.systems.cylindrical.cutting.hobbed import hobbed_racks
+from gearmesh.systems.cylindrical.cutting.run_out import run_outs
 from gearmesh.systems.cylindrical.cutting.shaped import cut_of, shaped_member
 from gearmesh.systems.cylindrical.design import BASIC_RACKS
 from gearmesh.systems.cylindrical.double_helical import HALF_NOTE, double_helical_member, half_of
@@ -120,7 +121,8 @@ def _toothed_member(gear: GearProportions) -> Member:
         return with_true_involutes(made, internal=own.internal) if own_flanks else made
     racks = hobbed_racks(name, spec, own, Heights(tip - own.radius, root - own.radius))
     parameters = rack_parameters(f"l_{letter}", f"u_{letter}")
-    made = member(name, spec, racks, Roll(own.radius, own.beta, 0.0), parameters, tip_key)
+    way_out = run_outs(gear, racks[0])
+    made = member(name, spec, racks, Roll(own.radius, own.beta, 0.0), parameters, tip_key, way_out=way_out)
     return with_modifications(with_tip_surface(made, spec, tip), spec)
 
 

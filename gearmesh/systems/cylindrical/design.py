@@ -208,6 +208,12 @@ class CylindricalMember(TurnedTip, MemberTable, Modified):
         ("generated", FORMED_MANUFACTURE),
         "generated",
     )
+    run_out_radius: float | None = keys.length(
+        "radius of the hob or milling cutter, at its tip, that leaves the teeth before a shaft thicker than their roots",
+        None,
+        above=0,
+        default="24 mm times the root of the module in mm, where there is such a shaft",
+    )
     rim: float | None = keys.length("rim outside the root of an internal gear", None, above=0, default="3 modules")
     gap_diameter: float | None = keys.length(
         "diameter of the gap between the halves of a double helical gear",
@@ -264,6 +270,8 @@ class CylindricalMember(TurnedTip, MemberTable, Modified):
             raise conflict("rim", self.rim, reason="only an internal gear has one")
         if self.formed:
             self._check_formed()
+        if self.run_out_radius is not None and not self.hobbed:
+            raise conflict("run_out_radius", self.run_out_radius, reason="only teeth cut by a hob or rack run out")
         if self.hob is not None and not self.hobbed:
             tool = "an internal gear has none" if self.internal else "cannot be given together with shaper"
             raise conflict("hob", None, reason=tool)

@@ -73,6 +73,8 @@ if TYPE_CHECKING:
 
 #: title of the table of basic racks
 BASIC_RACK_TITLE = "Basic rack"
+#: shorter run-outs are rounding
+LEAST_RUN_OUT_MM = 1e-9
 #: largest difference of a proportion of a standard basic rack
 BASIC_RACK_TOLERANCE_MODULES = 1e-9
 #: reasons of missing values
@@ -406,6 +408,16 @@ def _at_allowance(pair: SheetGears, k: int, end: str) -> Toothing:
 # ---------------------------------------------------------------- members
 
 
+def _run_out_rows(pair: SheetGears) -> list[Row]:
+    """Return the row of teeth that go on beyond the face width, where any do."""
+    rows = [member.tooth.blank.faces for member in pair.members if len(member.halves) == 1]
+    lengths = [high - low - spec.face_width for (low, high), spec in zip(rows, pair.specs, strict=False)]
+    if len(rows) < len(pair.members) or max(lengths) <= LEAST_RUN_OUT_MM:
+        return []
+    words = "run-outs of the teeth beyond the face width, of both ends"
+    return [("l_o", words, "mm", pair.of_all(lambda k: lengths[k] if lengths[k] > LEAST_RUN_OUT_MM else None))]
+
+
 def _member_rows(pair: SheetGears) -> list[Row]:
     """Return the rows of the members."""
     teeth, specs, geometry = pair.teeth, pair.specs, pair.geometry
@@ -418,6 +430,7 @@ def _member_rows(pair: SheetGears) -> list[Row]:
         ("z", "teeth; internal: negative", "-", pair.of_all(lambda k: teeth[k].signed_teeth)),
         ("hand", "hand of the helix", "", pair.of_all(lambda k: hands[1 + int(np.sign(teeth[k].beta))])),
         (*_width(pair), "mm", pair.of_all(lambda k: specs[k].face_width)),
+        *_run_out_rows(pair),
         ("x", "profile shift", "m_n", pair.of_all(lambda k: teeth[k].shift)),
         ("k", "tip alteration", "m_n", pair.of_all(lambda k: _alteration(pair, k))),
         diameter("d", "reference diameter", lambda k: teeth[k].radius),

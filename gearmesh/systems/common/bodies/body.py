@@ -47,21 +47,24 @@ def bore_radius(
     return radius
 
 
-def disc_body(name: str, spec: MemberTable, bore: float, root: float, depth: float) -> Body:
-    """Return the body of a member between plane end faces, its middle at z = 0: a disc with a bore and maybe a web.
+def disc_body(
+    name: str, spec: MemberTable, bore: float, root: float, depth: float, ends: tuple[float, float] | None = None
+) -> Body:
+    """Return the body of a member between plane end faces: a disc with a bore and maybe a web, whose middle is at z = 0.
 
     - bore: radius of the bore, mm.
     - root: smallest radius of the root, mm.
     - depth: whole depth of the teeth, mm.
+    - ends: z of both end faces; by default the face width apart, with their middle at z = 0.
 
     Raises DesignError naming key, value and limit.
     """
-    half, web = 0.5 * spec.face_width, spec.web
+    web, (toe, heel) = spec.web, ends or (-0.5 * spec.face_width, 0.5 * spec.face_width)
     if web is None:
-        return Body.tube(bore, -half, half)
+        return Body.tube(bore, toe, heel)
     _check_thickness(name, web, spec.face_width, "the face width")
     inner, outer = _web_radii(name, spec, web, (bore, root - RIM_DEPTHS * depth, root))
-    return Body.hub_and_rim(bore, Disc(inner, outer, -0.5 * web.thickness, 0.5 * web.thickness), -half, half)
+    return Body.hub_and_rim(bore, Disc(inner, outer, -0.5 * web.thickness, 0.5 * web.thickness), toe, heel)
 
 
 def recessed_body(name: str, spec: GearBody, web: Web | None, disk: Body, root: ConeLevel, depth: float) -> Body:

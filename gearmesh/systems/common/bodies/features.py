@@ -68,6 +68,8 @@ class UnderTeeth:
     module: float
     #: rows of teeth
     halves: tuple[HalfGear, ...] = (HalfGear(),)
+    #: radii at toe and heel above which a shaft may be a wall that the teeth run out into
+    walls: tuple[float, float] = (math.inf, math.inf)
 
     @property
     def ends(self) -> tuple[float, float]:
@@ -184,10 +186,10 @@ def body_features(spec: MemberBody, under: UnderTeeth) -> BodyFeatures:
         for key, hub, end in (("toe_hub", spec.toe_hub, ends[0]), ("hub", spec.hub, ends[1]))
     ]
     shafts = [
-        _shaft(name, key, shaft, (corner, end if hub is None else None), inner)
-        for key, shaft, hub, end in (
-            ("toe_shaft", spec.toe_shaft, hubs[0], ends[0]),
-            ("heel_shaft", spec.heel_shaft, hubs[1], ends[1]),
+        _shaft(name, key, shaft, (corner, end if hub is None else None), inner, wall)
+        for key, shaft, hub, end, wall in (
+            ("toe_shaft", spec.toe_shaft, hubs[0], ends[0], under.walls[0]),
+            ("heel_shaft", spec.heel_shaft, hubs[1], ends[1], under.walls[1]),
         )
     ]
     if web is None and isinstance(spec, MemberTable) and spec.web is not None:
@@ -332,11 +334,12 @@ def _boss(
 
 
 def _shaft(
-    name: str, key: str, spec: ShaftSteps | None, bounds: tuple[float, float | None], inner: str
+    name: str, key: str, spec: ShaftSteps | None, bounds: tuple[float, float | None], inner: str, wall: float
 ) -> tuple[TurnedStep, ...]:
     """Return the steps of a shaft.
 
-    `bounds`: radius (mm) of the bore or keyway, called `inner`, and of the end face; None for a shaft on a hub.
+    `bounds`: radius (mm) of the bore or keyway, called `inner`, and of the end face; None for a shaft on a hub. `wall`: radius
+    above which teeth run out into the shaft.
     """
     if spec is None:
         return ()
@@ -350,13 +353,14 @@ def _shaft(
                 unit="mm",
                 allowed=f"more than the {inner}, {at_least(2.0 * low)} mm",
             )
-    if high is not None and spec.diameters[0] >= 2.0 * high:
+    if high is not None and 2.0 * high <= spec.diameters[0] <= 2.0 * wall:
         raise DesignError(
             f"{name}.{key}.diameters",
             spec.diameters[0],
             unit="mm",
             reason="the first step is wider than the end face",
-            allowed=f"less than {at_most(2.0 * high)} mm",
+            allowed=f"less than {at_most(2.0 * high)} mm"
+            + (f", or more than the tip diameter, {at_least(2.0 * wall)} mm" if math.isfinite(wall) else ""),
         )
     return tuple(
         TurnedStep(0.5 * diameter, 0.5 * end, length, Region.SHAFT)

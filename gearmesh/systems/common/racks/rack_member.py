@@ -6,6 +6,7 @@ the fillet, and its tip plane the root land. Blanks are bounded by transverse pl
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -27,6 +28,7 @@ from gearmesh.systems.common.bodies.body import bore_radius, disc_body
 from gearmesh.systems.common.bodies.features import UnderTeeth, body_features
 from gearmesh.systems.common.bounds import at_most
 from gearmesh.systems.common.racks.rack_tooth import RackTooth
+from gearmesh.systems.common.racks.way_out import WayOut
 from gearmesh.systems.common.tooth_edges import edge_refusal, fits, goes, largest_trimmed, stations_on, tip_edge
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.gear_train import Member, SourceParameters
@@ -102,6 +104,7 @@ def member(
     tip_key: str,
     grinding: ToothMaking | None = None,
     bottom: Bottom | None = None,
+    way_out: WayOut | None = None,
 ) -> Member:
     """Return a member from its part `spec` of a design (in mm), proved to have closed, unpointed teeth.
 
@@ -109,22 +112,33 @@ def member(
     - tip_key: the key that gives the tip, named if the face width is not the cause.
     - grinding: makes the tooth surface from a cutter surface; by default the cutter rolls on the pitch cylinder.
     - bottom: a root that is no surface of revolution.
+    - way_out: run-outs of teeth that the rack cutter makes.
 
     Raises DesignError naming key, value and limit: a bore not below the root, a pointed tooth, an undercut flank, or a
     tip edge larger than the tooth.
     """
+    if way_out is not None:
+        grinding = ToothMaking(lambda tool, _: way_out.surface(tool), lambda cutter: cutter)
     right, left = (_side(_in_use(rack, roll), roll, side, grinding) for rack, side in zip(racks, (1, -1), strict=True))
+    ground = None if grinding is None or way_out is not None else _root(right, bottom)
+    blank = _blank(name, spec, racks[0], roll, ground, None if way_out is None else way_out.extent)
+    if way_out is not None:
+        blank = replace(blank, root=way_out.level)
+        breaks = way_out.breaks((right, left))
+        right, left = (replace(side, face_breaks=breaks, tip_along=way_out.tip_along(side)) for side in (right, left))
     tooth = Tooth(
         teeth=spec.teeth,
         right=right,
         left=left,
-        blank=_blank(name, spec, racks[0], roll, None if grinding is None else _root(right, bottom)),
+        blank=blank,
         tip_edge=tip_edge(spec),
         bottom=bottom,
     )
     prove(name, tooth, spec, tip_key)
     radii = [float(tooth.blank.root.at(z)) for z in tooth.blank.extent]
-    under = UnderTeeth(name, tooth, tooth.blank.body, min(radii), radii[1], 2.0 * roll.radius / spec.teeth)
+    walls = (math.inf, math.inf) if way_out is None else way_out.walls
+    smallest = min(radii) if way_out is None else way_out.root
+    under = UnderTeeth(name, tooth, tooth.blank.body, smallest, radii[1], 2.0 * roll.radius / spec.teeth, walls=walls)
     return Member(name, tooth, source_parameters, body_features(spec, under))
 
 
@@ -214,8 +228,19 @@ def _root(side: ToothSide, bottom: Bottom | None) -> tuple[Surface, float]:
     return (side.fillet, ROOT_PARAMETER) if bottom is None else (bottom.surface, 0.5 * sum(bottom.ends))
 
 
-def _blank(name: str, spec: MemberTable, rack: RackTooth, roll: Roll, ground: tuple[Surface, float] | None) -> Blank:
-    """Return the blank; `ground`, see `_root`, gives the root of a tool that may plunge."""
+def _blank(
+    name: str,
+    spec: MemberTable,
+    rack: RackTooth,
+    roll: Roll,
+    ground: tuple[Surface, float] | None,
+    extent: tuple[float, float] | None,
+) -> Blank:
+    """Return the blank.
+
+    - ground: see `_root`, gives the root of a tool that may plunge.
+    - extent: z of both ends of teeth that are longer than the face width.
+    """
     slope, half = np.tan(roll.cone), 0.5 * spec.face_width
     # a plane at height h over the tilted rack's pitch plane envelops the cone rho = r + h / cos(delta) + z tan(delta)
     tip = ConeLevel.of(roll.radius + rack.tip_height / np.cos(roll.cone), slope)
@@ -248,8 +273,8 @@ def _blank(name: str, spec: MemberTable, rack: RackTooth, roll: Roll, ground: tu
             ) from failure
         smallest = float(root.at(np.linspace(-half, half, ROOT_SAMPLES)).min())
     bore = bore_radius(name, spec.stated_bore, smallest, "the smallest root diameter", key=spec.bore_key)
-    body = disc_body(name, spec, bore, smallest, float(tip.at(0.0) - root.at(0.0)))
-    return Blank(PlaneLevel(0.0), (-half, half), tip, root, body)
+    body = disc_body(name, spec, bore, smallest, float(tip.at(0.0) - root.at(0.0)), extent)
+    return Blank(PlaneLevel(0.0), extent or (-half, half), tip, root, body)
 
 
 def prove(name: str, tooth: Tooth, spec: MemberTable, tip_key: str) -> None:

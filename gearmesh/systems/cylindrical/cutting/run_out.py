@@ -1,0 +1,76 @@
+"""Run-outs of the teeth of cylindrical gears into thicker shafts: where they are, and the tool that makes them."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gearmesh.errors import DesignError
+from gearmesh.kernel.envelope.envelope import Envelope
+from gearmesh.kernel.motion.rolling import RackRoll
+from gearmesh.systems.common.bounds import at_least, at_most
+from gearmesh.systems.common.racks.rack_tooth import RackTooth
+from gearmesh.systems.common.racks.way_out import WayOut
+from gearmesh.systems.common.tooth_edges import end_widths
+from gearmesh.tools.rack import RackSurface
+
+if TYPE_CHECKING:
+    from gearmesh.systems.cylindrical.geometry.proportions import GearProportions
+
+#: default radius (mm) of the tool at a module of 1 mm; it grows with the root of the module, as radii of catalogue hobs do
+DEFAULT_TOOL_RADIUS_MM = 24.0
+
+
+def run_outs(gear: GearProportions, rack: RackTooth) -> WayOut | None:
+    """Return the run-outs at ends whose shaft begins thicker than the root; None if there is none.
+
+    `rack`: the tool's tooth. Raises DesignError for a radius without such a shaft, for teeth that have another last cut, and
+    for a tool that leaves no full depth.
+    """
+    name, spec, own = gear.name, gear.spec, gear.own
+    shafts = {
+        key: shaft.diameters[0]
+        for key, shaft, hub in (
+            ("toe_shaft", spec.toe_shaft, spec.toe_hub),
+            ("heel_shaft", spec.heel_shaft, spec.hub),
+        )
+        if shaft is not None and hub is None and shaft.diameters[0] >= 2.0 * gear.root
+    }
+    if not shafts:
+        if spec.run_out_radius is not None:
+            reason = "no shaft begins on an end face thicker than the roots, so that no teeth run out"
+            raise DesignError(f"{name}.run_out_radius", spec.run_out_radius, unit="mm", reason=reason)
+        return None
+    key, diameter = next(iter(shafts.items()))
+    if spec.modified or spec.tip_cone_angle or spec.tip_throat_radius or any(end_widths(spec)):
+        raise DesignError(
+            f"{name}.{key}.diameters",
+            diameter,
+            unit="mm",
+            reason="teeth with modifications, turned tips or broken end edges cannot run out into a thicker shaft",
+            allowed=f"less than the root diameter, {at_most(2.0 * gear.root)} mm",
+        )
+    tool = Envelope(RackSurface(rack.flank, own.beta, 0.0), RackRoll(own.radius))
+    form = tool.jet(np.array(rack.form_point[0]), np.array(0.0)).r
+    radius = DEFAULT_TOOL_RADIUS_MM * math.sqrt(own.module) if spec.run_out_radius is None else spec.run_out_radius
+    half = 0.5 * spec.face_width
+    way_out = WayOut(
+        tool_radius=radius,
+        radius=own.radius,
+        helix=own.beta,
+        alpha=own.alpha,
+        root=gear.root,
+        form=float(np.hypot(form[0], form[1])),
+        tip=gear.tip,
+        module=own.module,
+        faces=(-half, half),
+        ends=("toe_shaft" in shafts, "heel_shaft" in shafts),
+    )
+    if way_out.rise <= 0.0:
+        raise DesignError(f"{name}.{key}.diameters", diameter, unit="mm", reason="the flanks are too low to run out")
+    if way_out.fault:
+        allowed = f"more than {at_least(gear.tip - gear.root)} mm, and a run-out shorter than the face width"
+        raise DesignError(f"{name}.run_out_radius", radius, unit="mm", reason=way_out.fault, allowed=allowed)
+    return way_out
