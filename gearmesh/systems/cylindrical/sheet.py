@@ -410,9 +410,11 @@ def _at_allowance(pair: SheetGears, k: int, end: str) -> Toothing:
 
 def _run_out_rows(pair: SheetGears) -> list[Row]:
     """Return the row of teeth that go on beyond the face width, where any do."""
-    rows = [member.tooth.blank.faces for member in pair.members if len(member.halves) == 1]
-    lengths = [high - low - spec.face_width for (low, high), spec in zip(rows, pair.specs, strict=False)]
-    if len(rows) < len(pair.members) or max(lengths) <= LEAST_RUN_OUT_MM:
+    lengths = [
+        float(np.ptp(member.tooth.blank.faces)) - spec.face_width
+        for member, spec in zip(pair.members, pair.specs, strict=True)
+    ]
+    if max(lengths) <= LEAST_RUN_OUT_MM:
         return []
     words = "run-outs of the teeth beyond the face width, of both ends"
     return [("l_o", words, "mm", pair.of_all(lambda k: lengths[k] if lengths[k] > LEAST_RUN_OUT_MM else None))]

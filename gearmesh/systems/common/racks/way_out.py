@@ -5,7 +5,7 @@
       root  ____________________ . -      |        radius of the rise: that of the tool at its tip
                face width       |run-out  |
 
-The generating rack then has ends, `tools.arc_rack`. It slides along the tool's axis, which stands still. Flanks and fillets
+The generating rack then has ends, `tools.stopped_rack`. It slides along the tool's axis, which stands still. Flanks and fillets
 are the envelopes of the rack, the root is the envelope of the tool's cylinder; up to the stop they are those of a gear without
 run-out.
 """
@@ -23,8 +23,8 @@ from gearmesh.kernel.motion.rolling import RackRoll
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.meridian import CylinderMeridian, Meridian, Values
 from gearmesh.teeth.tooth_side import ToothSide
-from gearmesh.tools.arc_rack import ArcRack
 from gearmesh.tools.rack import RackSurface
+from gearmesh.tools.stopped_rack import StoppedRack
 
 #: height of the flanks that run-outs leave, in modules
 LEFT_FLANK_MODULES = 0.05
@@ -170,5 +170,5 @@ class WayOut:
         c, s = math.cos(self.helix), math.sin(self.helix)
         low, high = (stop * c for stop in self.stops)
         axis = self.root + self.tool_radius - self.radius
-        tool = ArcRack(rack, axis, self.tool_radius, (low, high), self.radius * s**2)
+        tool = StoppedRack(rack, axis, self.tool_radius, (low, high), self.radius * s**2)
         return Envelope(tool, RackRoll(self.radius * c**2, -self.radius * s * c))

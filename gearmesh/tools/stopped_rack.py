@@ -26,7 +26,7 @@ from gearmesh.tools.rack import RackSurface
 
 
 @dataclass(frozen=True)
-class ArcRack:
+class StoppedRack:
     """Surface of a rack cutter with ends; parameters (p, v): profile parameter and length along the trace, mm."""
 
     #: the rack
