@@ -88,7 +88,7 @@ def test_neighbouring_eccentric_teeth_agree_where_they_change_over() -> None:
     """Both tooth pairs solved as they are: where the first ends, the second is neither ahead nor behind."""
     gears = spur(pinion_eccentricity=0.02, gear_eccentricity=0.03, gear_phase=70.0)
     pair = gears.pairs[0]
-    ends = np.radians(gears.contact().path.phi1[-1:].size * [9.0])
+    ends = np.radians([9.0])
     advances = [
         TransmissionAdvance(whole_engagement(solver_pair(own), pair.pitch)).at(ends - k * pair.pitch)[0][0]
         for k, own in enumerate((pair, next_teeth(pair)))

@@ -260,7 +260,7 @@ def test_spur_and_helical_gears_are_the_beveloids_with_no_cone() -> None:
             }
         )
         phi1 = np.array([-7.0, 0.0, 3.0])
-        found = [gm.build(design).contact(phi1).path for design in (own, beveloid)]
+        found = [gm.build(design).contact(phi1, cycle=False).path for design in (own, beveloid)]
         # tips give way so that the clearance is kept, which the beveloid's do not
         assert own.pinion.tip_alteration < 0.0
         assert found[0].phi2 == pytest.approx(found[1].phi2, abs=1e-12)

@@ -28,7 +28,7 @@ def in_touch(name: str) -> Array:
         return np.radians(PHI1) * pair.ratio
     pitch = 2.0 * np.pi / gears.members["wheel"].tooth.teeth
     threads = np.array([[-1.0], [0.0], [1.0]])
-    phi2 = gears.contact(np.ravel(PHI1 + 180.0 * threads)).path.phi2.reshape(3, -1)
+    phi2 = gears.contact(np.ravel(PHI1 + 180.0 * threads), cycle=False).path.phi2.reshape(3, -1)
     return np.asarray(np.nanmax(phi2 - threads * pitch, axis=0))
 
 

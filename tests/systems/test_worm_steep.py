@@ -265,6 +265,7 @@ UNDERCUT = {
 }
 
 
+@pytest.mark.sweep_cases("ZN 6/45")
 @pytest.mark.parametrize("name", sorted(UNDERCUT))
 def test_an_undercut_flank_is_of_one_sheet(name: str) -> None:
     """At 61 stations of the face that is left to the default: cut where it turns inside out, or before, not at the form point,
