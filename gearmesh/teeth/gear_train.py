@@ -540,12 +540,17 @@ class GearPair:
     def shaft_angle(self) -> float:
         """Angle between the axes, rad, 0 to pi, as counted for bevel gears; 0 if they are parallel in either sense.
 
-        Each axis has the sense in which both would coincide if the members were external gears on parallel axes,
-        turning against each other.
+        Each axis has the sense in which both would coincide on parallel axes: external gears turn against each other,
+        an internal gear turns with its mating gear.
         """
         first, second = (mount.sign * mount.axis for mount in self.mounts)
         across = float(np.linalg.norm(np.cross(first, second)))
-        return float(np.arctan2(across, -(first @ second))) if across > MAX_SINE_OF_PARALLEL else 0.0
+        inside = any(member.tooth.blank.body.around for member in self.both)
+        return (
+            float(np.arctan2(across, (first @ second) * (1.0 if inside else -1.0)))
+            if across > MAX_SINE_OF_PARALLEL
+            else 0.0
+        )
 
     @property
     def acute_angle(self) -> float:

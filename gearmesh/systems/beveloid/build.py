@@ -18,6 +18,7 @@ from gearmesh.kernel.motion.rigid import MAX_SINE_OF_PARALLEL, Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross, rotation_about
 from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.systems.beveloid.design import STANDARD_TIP_RADIUS
+from gearmesh.systems.beveloid.ring import ring
 from gearmesh.systems.common.axes import shifts, tilts
 from gearmesh.systems.common.backlash import thin
 from gearmesh.systems.common.bodies.tip_surface import with_tip_surface
@@ -51,19 +52,22 @@ def build(design: BeveloidDesign) -> GearTrain:
     for name, letter, spec in (("pinion", "F", design.pinion), ("gear", "G", design.gear)):
         helix, cone = np.radians(spec.helix_angle), np.radians(spec.cone_angle)
         roll = Roll(0.5 * spec.teeth * module / np.cos(helix), helix, cone)
-        racks = _rack(name, spec, module, alpha, design.backlash, roll)
         tip_key = "tip_diameter" if spec.tip_diameter is not None else "addendum"
         # u of a gear that is turned over is counted along its reversed axis [LT02 Table 4]
         along = -1.0 if name == "gear" and design.assembly.turned_over else 1.0
-        made = member(name, spec, racks, roll, rack_parameters(f"l_{letter}", f"u_{letter}", along), tip_key)
-        made = with_modifications(with_tip_surface(made, spec), spec)
+        if spec.internal:
+            made = ring(name, spec, module, alpha, design.backlash)
+        else:
+            racks = _rack(name, spec, module, alpha, design.backlash, roll)
+            made = member(name, spec, racks, roll, rack_parameters(f"l_{letter}", f"u_{letter}", along), tip_key)
+        made = with_modifications(with_tip_surface(made, spec), spec, internal=spec.internal)
         members.append(with_end_chamfers(made, spec))
         rolls.append(roll)
     flank = Side(design.contact.flank)
     pair = GearPair(
         pinion=replace(members[0], mount=Mount(Rigid.identity(), sign=-1.0)),
         gear=replace(members[1], mount=_gear_mount(design, rolls[0], rolls[1], alpha)),
-        flanks=(flank, flank.other if design.assembly.turned_over else flank),
+        flanks=(flank, flank.other if design.assembly.turned_over or design.gear.internal else flank),
         drive=flank.sign,
         ratio=design.pinion.teeth / design.gear.teeth,
         delta=design.contact.delta,
@@ -116,12 +120,13 @@ def _gear_mount(design: BeveloidDesign, pinion: Roll, gear: Roll, alpha: float) 
 
     Helix angles that add up to more than 90 deg do not turn the gear over: its axis only passes 90 deg.
     """
-    errors = design.assembly
-    angle = pinion.helix + gear.helix + (np.pi if errors.turned_over else 0.0)
+    errors, inside = design.assembly, design.gear.internal
+    angle = pinion.helix + design.gear.sense * gear.helix + (np.pi if errors.turned_over else 0.0)
     d1, d2 = pinion.cone, gear.cone
     x_t, y_t, z_t = np.array([np.cos(d1), 0, -np.sin(d1)]), np.array([0.0, 1, 0]), np.array([np.sin(d1), 0, np.cos(d1)])
-    # the gear's rack is the common rack seen from the other side, turned about its normal by the helix angles
-    x_rack = -x_t
+    # the gear's rack is the common rack seen from the other side, turned about its normal by the helix angles; an
+    # internal gear sees it from the same side
+    x_rack = x_t if inside else -x_t
     z_rack = np.cos(angle) * z_t + np.sin(angle) * y_t
     y_rack = cross(z_rack, x_rack)
     axes = np.stack(
@@ -138,12 +143,12 @@ def _gear_mount(design: BeveloidDesign, pinion: Roll, gear: Roll, alpha: float) 
     if parallel:
         origin = _parallel_origin(design, pinion, gear, alpha, origin)
     # [LT02 Fig. 5] errors are given in S_g: the gear's frame turned by 180 deg about its axis, and over with the gear
-    to_fixed = Rigid(axes, origin) @ Rigid.about_z(np.pi)
+    to_fixed = Rigid(axes, origin) @ Rigid.about_z(0.0 if inside else np.pi)
     over = Rigid(rotation_about("x", np.pi if errors.turned_over else 0.0), np.zeros(3))
     offset = Rigid(np.eye(3), np.array([errors.dx, errors.dy, errors.dz]))
     tilt = tilts(errors.gamma_h, errors.gamma_v)
     base = to_fixed @ over @ offset @ Rigid(tilt, np.zeros(3)) @ over
-    return Mount(base, sign=-1.0 if errors.turned_over else 1.0)
+    return Mount(base, sign=-1.0 if errors.turned_over or inside else 1.0)
 
 
 def _displaced_bases(design: BeveloidDesign, train: GearTrain, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
@@ -186,34 +191,37 @@ def _parallel_origin(design: BeveloidDesign, pinion: Roll, gear: Roll, alpha: fl
     given = design.assembly.center_distance
     if given is None and (pinion.cone or gear.cone):
         return origin
-    reference = pinion.radius + gear.radius
+    sense = design.gear.sense
+    reference = abs(pinion.radius + sense * gear.radius)
+    teeth = design.pinion.teeth + sense * design.gear.teeth
     transverse = np.arctan(np.tan(alpha) / np.cos(pinion.helix))
     if given is None:
         shifts = design.pinion.profile_shift + design.gear.profile_shift
         # inv(alpha_wt) for nominal teeth without backlash; the root below MAX_WORKING_ANGLE is the working pressure
         # angle
-        involute = (
-            np.tan(transverse) - transverse + 2 * shifts * np.tan(alpha) / (design.pinion.teeth + design.gear.teeth)
-        )
-        least = -0.5 * (np.tan(transverse) - transverse) * (design.pinion.teeth + design.gear.teeth) / np.tan(alpha)
+        involute = np.tan(transverse) - transverse + 2 * shifts * np.tan(alpha) / teeth
+        bound = -0.5 * (np.tan(transverse) - transverse) * teeth / np.tan(alpha)
         if involute <= 0.0:
-            raise _no_working_angle(design, "there is no working pressure angle", least=least)
+            ends = (bound, None) if sense > 0 else (None, bound)
+            raise _no_working_angle(design, "there is no working pressure angle", least=ends[0], most=ends[1])
         working = bracketed_root(lambda a, _: np.tan(a) - a - involute, np.zeros(1), np.array([MAX_WORKING_ANGLE]))
         if not working.converged[0]:
             steepest = np.tan(MAX_WORKING_ANGLE) - MAX_WORKING_ANGLE - np.tan(transverse) + transverse
-            most = 0.5 * steepest * (design.pinion.teeth + design.gear.teeth) / np.tan(alpha)
+            bound = 0.5 * steepest * teeth / np.tan(alpha)
             above = f"the working pressure angle would be above {np.degrees(MAX_WORKING_ANGLE):.4g} deg"
-            raise _no_working_angle(design, above, most=most)
+            ends = (None, bound) if sense > 0 else (bound, None)
+            raise _no_working_angle(design, above, least=ends[0], most=ends[1])
         given = reference * np.cos(transverse) / np.cos(float(working.values[0]))
     elif given <= reference * np.cos(transverse) and not (pinion.cone or gear.cone):
         raise DesignError(
             "assembly.center_distance",
             given,
             unit="mm",
-            allowed=f"more than the sum of the base radii, {at_least(reference * np.cos(transverse))} mm with "
+            allowed=f"more than the {'sum' if sense > 0 else 'difference'} of the base radii, "
+            f"{at_least(reference * np.cos(transverse))} mm with "
             f"pinion.teeth = {design.pinion.teeth}, gear.teeth = {design.gear.teeth}",
         )
-    return np.array([given, 0.0, origin[2]])
+    return np.array([sense * given, 0.0, origin[2]])
 
 
 def pinned_values(design: BeveloidDesign, train: GearTrain) -> dict[str, float]:
@@ -224,4 +232,4 @@ def pinned_values(design: BeveloidDesign, train: GearTrain) -> dict[str, float]:
     )
     if math.hypot(gear_base.rotation[0, 2], gear_base.rotation[1, 2]) >= MAX_SINE_OF_PARALLEL:
         return {}
-    return {"assembly.center_distance": float(gear_base.translation[0] - pinion_base.translation[0])}
+    return {"assembly.center_distance": abs(float(gear_base.translation[0] - pinion_base.translation[0]))}

@@ -16,7 +16,8 @@ from gearmesh.design.core import FlankContact, MemberTable, PairDesign, TurnedTi
 from gearmesh.design.keys import DERIVED_VALUE, conflict
 from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PairRunout
-from gearmesh.systems.common.defaults import straight_rounding
+from gearmesh.systems.common.defaults import ROOM_SHARE, straight_rounding
+from gearmesh.systems.common.internal_keys import check_ring, with_internal
 from gearmesh.systems.kinds import OWN_KINDS
 
 #: angles (deg) closer than this to parallel axes are parallel
@@ -31,7 +32,11 @@ class BeveloidMember(TurnedTip, MemberTable, Modified):
     usual: ClassVar[tuple[str, ...]] = ("helix_angle", "cone_angle")
     replaces: ClassVar = (("tip_diameter", "addendum"), ("root_diameter", "dedendum"))
 
+    signed: ClassVar[tuple[str, ...]] = ("teeth",)
+
     teeth: int = keys.count("number of teeth; one is a thread", low=1, high=10000)
+    internal: bool = keys.flag("internal gear; a negative number of teeth means the same", False, source="ISO 21771")
+    rim: float | None = keys.length("rim outside the root of an internal gear", None, above=0, default="3 modules")
     cone_angle: float = keys.angle("cone angle delta of the pitch plane", 0.0, low=-60, high=60, source="[LT02] Fig. 2")
     helix_angle: float = keys.angle(
         "helix angle beta, positive right-handed", 0.0, low=-88, high=88, source="[LT02] Fig. 2"
@@ -53,7 +58,7 @@ class BeveloidMember(TurnedTip, MemberTable, Modified):
         "root diameter at mid face, instead of dedendum", None, above=0, default="from dedendum"
     )
     tool_tip_radius: float = keys.coefficient(
-        "tip rounding of the rack; 0 = sharp edge",
+        "tip rounding of the rack; 0 = sharp edge; of an internal gear the radius of the root fillet, in the transverse section",
         DERIVED_VALUE,
         low=0,
         high=2,
@@ -67,17 +72,36 @@ class BeveloidMember(TurnedTip, MemberTable, Modified):
             raise conflict("cone_angle", self.cone_angle, must_be="0 where modifications are given")
         return self
 
+    @model_validator(mode="before")
+    @classmethod
+    def _negative_is_internal(cls, keys: Any) -> Any:
+        """Read a tooth number below zero as an internal gear [ISO 21771]."""
+        return with_internal(keys)
+
+    @model_validator(mode="after")
+    def _ring_is_a_ring(self) -> Self:
+        if self.internal and self.cone_angle:
+            raise conflict("cone_angle", self.cone_angle, must_be="0 for an internal gear")
+        check_ring(self, internal=self.internal, rim=self.rim)
+        return self
+
     @model_validator(mode="after")
     def _tip_above_root(self) -> Self:
         tip, root = self.tip_diameter, self.root_diameter
-        if tip is not None and root is not None and tip <= root:
+        if tip is not None and root is not None and (tip <= root) != self.internal:
+            order, other = ("smaller", "larger") if self.internal else ("larger", "smaller")
             raise conflict(
                 "tip_diameter",
                 tip,
-                must_be=f"larger than root_diameter, {root:g}",
-                other=("root_diameter", root, f"smaller than tip_diameter, {tip:g}"),
+                must_be=f"{order} than root_diameter, {root:g}",
+                other=("root_diameter", root, f"{other} than tip_diameter, {tip:g}"),
             )
         return self
+
+    @property
+    def sense(self) -> int:
+        """+1 for external teeth, -1 for internal teeth."""
+        return -1 if self.internal else 1
 
 
 #: text about the keys that determine the shaft angle
@@ -140,6 +164,9 @@ class BeveloidDesign(PairDesign):
         """Return the default tip rounding of a member's rack, normal modules."""
         m, alpha = self.given_module, math.radians(self.pressure_angle)
         depth = member.dedendum
+        if member.internal:
+            # the fillet of a form tool has its radius in the transverse section
+            return self._ring_rounding(member)
         if member.root_diameter is not None:
             radius = 0.5 * member.teeth * m / math.cos(math.radians(member.helix_angle))
             below = (radius - 0.5 * member.root_diameter) * math.cos(math.radians(member.cone_angle))
@@ -148,12 +175,35 @@ class BeveloidDesign(PairDesign):
         width = 0.5 * math.pi + 0.5 * self.backlash / m / math.cos(alpha)
         return straight_rounding(width, depth, (self.pressure_angle, self.pressure_angle), STANDARD_TIP_RADIUS)
 
+    def _ring_rounding(self, member: BeveloidMember) -> float:
+        """Return the default radius of an internal member's root fillets, normal modules."""
+        from gearmesh.systems.beveloid.ring import form_tool
+
+        m = self.given_module
+        sharp = form_tool("gear", member, m, math.radians(self.pressure_angle), self.backlash)
+        return min(STANDARD_TIP_RADIUS, ROOM_SHARE * sharp.largest_tip_radius / m)
+
     @property
     def parallel(self) -> bool:
         """True if the nominal axes are parallel [LT02 3]: opposite helices, and cone angles that cancel."""
-        cones = self.pinion.cone_angle + (-1 if self.assembly.turned_over else 1) * self.gear.cone_angle
-        helices = self.pinion.helix_angle + self.gear.helix_angle
+        other_way = self.assembly.turned_over != self.gear.internal
+        cones = self.pinion.cone_angle + (-1 if other_way else 1) * self.gear.cone_angle
+        helices = self.pinion.helix_angle + self.gear.sense * self.gear.helix_angle
         return math.hypot(cones, helices) < PARALLEL_TOLERANCE_DEG
+
+    @model_validator(mode="after")
+    def _one_inside_the_other(self) -> Self:
+        if self.pinion.internal:
+            raise conflict("pinion.internal", True, reason="only the gear can be internal")
+        if self.gear.internal and self.gear.teeth <= self.pinion.teeth:
+            raise conflict(
+                "gear.teeth",
+                self.gear.teeth,
+                reason=f"an internal gear needs more teeth than its mating gear, {self.pinion.teeth}",
+            )
+        if self.gear.internal and self.assembly.turned_over:
+            raise conflict("assembly.turned_over", True, reason="an internal gear is not turned over")
+        return self
 
     @model_validator(mode="after")
     def _center_distance_of_parallel_axes(self) -> Self:
@@ -162,7 +212,8 @@ class BeveloidDesign(PairDesign):
             raise conflict(
                 "assembly.center_distance",
                 distance,
-                reason="only parallel axes have one (helix angles opposite; cone angles opposite, or equal with "
+                reason="only parallel axes have one (helix angles opposite, of an internal gear equal; "
+                " cone angles opposite, or equal with "
                 "turned_over)",
             )
         return self

@@ -23,6 +23,7 @@ from gearmesh.design.core import (
 from gearmesh.design.keys import DERIVED_VALUE, MM_PER, Table, conflict, given_or
 from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PairRunout
+from gearmesh.systems.common.internal_keys import check_ring, with_internal
 from gearmesh.systems.cylindrical.allowance_keys import (
     BallMeasurement,
     CenterDistanceAllowance,
@@ -137,8 +138,6 @@ class Hob(Table):
 TIP_SHAPE_KEYS = ("tip_cone_angle", "tip_throat_radius", "tip_chamfer", "tip_rounding")
 #: keys of the size, of which one is given
 SIZE_KEYS = ("module", "diametral_pitch", "transverse_module", "transverse_diametral_pitch")
-#: tables of a body that an internal gear does not have
-NOT_INSIDE = ("keyway", "hex_bore", "d_bore", "hub", "web", "toe_hub", "heel_shaft", "toe_shaft", "spokes")
 
 
 class CylindricalMember(TurnedTip, MemberTable, Modified):
@@ -241,16 +240,7 @@ class CylindricalMember(TurnedTip, MemberTable, Modified):
     @classmethod
     def _negative_is_internal(cls, keys: Any) -> Any:
         """Read a tooth number below zero as an internal gear [ISO 21771]."""
-        if not isinstance(keys, Mapping):
-            return keys
-        teeth = keys.get("teeth")
-        if isinstance(teeth, bool) or not isinstance(teeth, int | float) or teeth >= 0:
-            return keys
-        if keys.get("internal", True) is False:
-            raise conflict(
-                "teeth", teeth, reason="a negative number of teeth means an internal gear, but internal is false"
-            )
-        return {**keys, "teeth": -teeth, "internal": True}
+        return with_internal(keys)
 
     @model_validator(mode="after")
     def _sound(self) -> Self:
@@ -258,16 +248,7 @@ class CylindricalMember(TurnedTip, MemberTable, Modified):
         if tip is not None and root is not None and (tip <= root) != self.internal:
             order = "smaller" if self.internal else "larger"
             raise conflict("tip_diameter", tip, must_be=f"{order} than root_diameter, {root:g}")
-        if self.internal:
-            for key in ("bore", *NOT_INSIDE):
-                if (given := getattr(self, key)) is not None:
-                    raise conflict(
-                        key,
-                        None if isinstance(given, Table) else given,
-                        reason="an internal gear has none (teeth below 0 mean one); its body is the rim around the teeth",
-                    )
-        elif self.rim is not None:
-            raise conflict("rim", self.rim, reason="only an internal gear has one")
+        check_ring(self, internal=self.internal, rim=self.rim)
         if self.formed:
             self._check_formed()
         if self.run_out_radius is not None and not self.hobbed:

@@ -24,10 +24,10 @@ import numpy as np
 
 from gearmesh.design.keys import given_or
 from gearmesh.errors import DesignError
-from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.kernel.surface.surface import PlacedSurface
 from gearmesh.systems.common.bounds import at_least, at_most
+from gearmesh.systems.common.racks.ring_member import formed_surface
 from gearmesh.systems.cylindrical.cutting.last_cut import FixedCut
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.teeth.region import Side
@@ -133,9 +133,7 @@ class Forming(FixedCut):
 
         `twist`: twist (rad/mm) of the tool for helical teeth; 0 gives the transverse section of spur teeth.
         """
-        # the tool's space is towards -x of its axis, the member's tooth on +x
-        place = Rigid.about_z(math.pi) @ Rigid(np.eye(3), np.array([-self.shaper.pitch_radius, 0.0, 0.0]))
-        return PlacedSurface(self.tool(profile, -which.sign, twist), place)
+        return formed_surface(self.shaper, profile, which, twist)
 
     @property
     def description(self) -> ToolDescription:

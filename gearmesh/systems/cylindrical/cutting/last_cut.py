@@ -5,15 +5,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-import numpy as np
-
-from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.surface.surface import PlacedSurface, Surface
-from gearmesh.kernel.surface.twisted import Twisted
+from gearmesh.kernel.surface.surface import Surface
 from gearmesh.systems.common.defaults import deepest
+from gearmesh.systems.common.racks.ring_member import tool_surface
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.tools.profile import Profile
-from gearmesh.tools.rack import RackSurface
 from gearmesh.tools.shaper import Shaper
 
 
@@ -51,11 +47,7 @@ class LastCut:
 
         `twist`: twist (rad/mm) of the section about the tool's axis.
         """
-        section = RackSurface(profile, 0.0, 0.0, side)
-        if twist == 0.0:
-            return section
-        to_axis = Rigid(np.eye(3), np.array([-self.shaper.pitch_radius, 0.0, 0.0]))
-        return PlacedSurface(Twisted(PlacedSurface(section, to_axis), twist), to_axis.inverse)
+        return tool_surface(self.shaper, profile, side, twist)
 
     def theta(self, radius: float) -> float:
         """Return the parameter theta_s (rad) of the tool's involute that cuts a radius (mm) of the member."""

@@ -17,12 +17,12 @@ from gearmesh.errors import DesignError, VagueError
 from gearmesh.kernel.envelope.envelope import Envelope
 from gearmesh.kernel.motion.chain import Chain, Step
 from gearmesh.kernel.surface.levels import ConeLevel, PlaneLevel
-from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.kernel.surface.twisted import Twisted
 from gearmesh.systems.common.bodies.body import bore_radius, disc_body
 from gearmesh.systems.common.bodies.features import UnderTeeth, body_features, ring_features
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.racks.rack_member import prove
+from gearmesh.systems.common.racks.ring_member import prove_internal, ring_blank
 from gearmesh.systems.common.tooth_edges import tip_edge
 from gearmesh.systems.cylindrical.cutting.cutter import cutter_of, sharp_shaper
 from gearmesh.systems.cylindrical.cutting.cutter_choice import CutterChoice
@@ -31,9 +31,8 @@ from gearmesh.systems.cylindrical.cutting.last_cut import LastCut
 from gearmesh.systems.cylindrical.design import DEFAULT_RIM_MODULES
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.teeth.blank.blank import Blank
-from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.gear_train import Member
-from gearmesh.teeth.region import Region, Side
+from gearmesh.teeth.region import Side
 from gearmesh.teeth.source_parameters import NamedParameters, SourceParameter
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide
@@ -139,17 +138,9 @@ def shaped_member(
         _blank(name, spec, cut),
         tip_edge=tip_edge(spec),
     )
-    # on an internal tooth the key at fault is not known; an external tooth is proved as the tooth of a rack cutter is
+    # an external tooth is proved as the tooth of a rack cutter is
     if own.internal:
-        try:
-            tooth.prove()
-        except TrimError as failure:
-            raise VagueError(
-                name,
-                reason=failure.reason,
-                allowed=f"a smaller addendum or tip edge, or another {name}.shaper or {name}.profile_shift",
-                topic=f"{name}: {failure.what}",
-            ) from failure
+        prove_internal(name, tooth, f"another {name}.shaper or {name}.profile_shift")
     else:
         prove(name, tooth, spec, tip_key)
 
@@ -206,11 +197,4 @@ def _blank(name: str, spec: CylindricalMember, cut: Shaping | Forming) -> Blank:
         body = disc_body(name, spec, bore, cut.root, cut.tip - cut.root)
         return Blank(PlaneLevel(0.0), (-half, half), ConeLevel.of(cut.tip), ConeLevel.of(cut.root), body)
     rim = DEFAULT_RIM_MODULES * cut.own.module if spec.rim is None else spec.rim
-    # the direction is -z, so that the frame along the chain points out of the material as on an external gear with +z
-    return Blank(
-        axial=PlaneLevel(0.0, -1.0),
-        extent=(-half, half),
-        tip=ConeLevel(-0.5 * np.pi, -cut.tip),
-        root=ConeLevel(-0.5 * np.pi, -cut.root),
-        body=Body.tube(cut.root + rim, half, -half, Region.RIM),
-    )
+    return ring_blank(half, cut.tip, cut.root, rim)
