@@ -19,6 +19,7 @@ from gearmesh.kernel.numeric.algebra import Array, cross, rotation_about
 from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.systems.beveloid.design import STANDARD_TIP_RADIUS
 from gearmesh.systems.beveloid.ring import ring
+from gearmesh.systems.beveloid.sheet import involute
 from gearmesh.systems.common.axes import shifts, tilts
 from gearmesh.systems.common.backlash import thin
 from gearmesh.systems.common.bodies.tip_surface import with_tip_surface
@@ -47,18 +48,18 @@ def build(design: BeveloidDesign) -> GearTrain:
     Raises DesignError for teeth that cannot exist (see `rack_member.member`). It is also raised for a centre distance
     on axes that are not parallel, or too small to have a working pressure angle.
     """
-    module, alpha = design.given_module, np.radians(design.pressure_angle)
+    module = design.given_module
     members, rolls = [], []
     for name, letter, spec in (("pinion", "F", design.pinion), ("gear", "G", design.gear)):
         helix, cone = np.radians(spec.helix_angle), np.radians(spec.cone_angle)
         roll = Roll(0.5 * spec.teeth * module / np.cos(helix), helix, cone)
-        tip_key = "tip_diameter" if spec.tip_diameter is not None else "addendum"
+        tip_key, angles = "tip_diameter" if spec.tip_diameter is not None else "addendum", design.pressure_angles(name)
         # u of a gear that is turned over is counted along its reversed axis [LT02 Table 4]
         along = -1.0 if name == "gear" and design.assembly.turned_over else 1.0
         if spec.internal:
-            made = ring(name, spec, module, alpha, design.backlash)
+            made = ring(name, spec, module, angles, design.reduction)
         else:
-            racks = _rack(name, spec, module, alpha, design.backlash, roll)
+            racks = _rack(name, spec, design, roll)
             made = member(name, spec, racks, roll, rack_parameters(f"l_{letter}", f"u_{letter}", along), tip_key)
         made = with_modifications(with_tip_surface(made, spec), spec, internal=spec.internal)
         members.append(with_end_chamfers(made, spec))
@@ -66,8 +67,8 @@ def build(design: BeveloidDesign) -> GearTrain:
     flank = Side(design.contact.flank)
     pair = GearPair(
         pinion=replace(members[0], mount=Mount(Rigid.identity(), sign=-1.0)),
-        gear=replace(members[1], mount=_gear_mount(design, rolls[0], rolls[1], alpha)),
-        flanks=(flank, flank.other if design.assembly.turned_over or design.gear.internal else flank),
+        gear=replace(members[1], mount=_gear_mount(design, rolls[0], rolls[1])),
+        flanks=(flank, flank.other if design.crosswise else flank),
         drive=flank.sign,
         ratio=design.pinion.teeth / design.gear.teeth,
         delta=design.contact.delta,
@@ -83,15 +84,14 @@ def _warnings(design: BeveloidDesign) -> tuple[str, ...]:
     )
 
 
-def _rack(
-    name: str, spec: BeveloidMember, module: float, alpha: float, backlash: float, roll: Roll
-) -> tuple[RackTooth, RackTooth]:
+def _rack(name: str, spec: BeveloidMember, design: BeveloidDesign, roll: Roll) -> tuple[RackTooth, RackTooth]:
     """Return both sides of the standard rack's space, shifted by x m_n.
 
-    Each of the pair's four flanks is set back by a quarter of the normal backlash.
+    Each of the pair's four flanks is set back by a quarter of the backlash, which is normal to the drive flanks.
     """
+    module = design.given_module
     shift = spec.profile_shift * module
-    half_thickness = thin(0.25 * np.pi * module, backlash, 0.25, alpha)
+    half_thickness = thin(0.25 * np.pi * module, design.backlash, 0.25, np.radians(design.pressure_angle))
     tip_height = shift + spec.addendum * module
     root_height = shift - spec.dedendum * module
     if spec.tip_diameter is not None:
@@ -111,11 +111,11 @@ def _rack(
             reason=f"the root ({2 * (roll.radius + root_height / np.cos(roll.cone)):.6g} mm) must be smaller than the "
             f"tip ({2 * (roll.radius + tip_height / np.cos(roll.cone)):.6g} mm)",
         )
-    flank = RackLine(alpha, module, half_thickness, shift)
-    return round_tips(name, spec, module, (flank, flank), Heights(tip_height, root_height))
+    right, left = (RackLine(np.radians(angle), module, half_thickness, shift) for angle in design.pressure_angles(name))
+    return round_tips(name, spec, module, (right, left), Heights(tip_height, root_height))
 
 
-def _gear_mount(design: BeveloidDesign, pinion: Roll, gear: Roll, alpha: float) -> Mount:
+def _gear_mount(design: BeveloidDesign, pinion: Roll, gear: Roll) -> Mount:
     """Return the position of the gear.
 
     Helix angles that add up to more than 90 deg do not turn the gear over: its axis only passes 90 deg.
@@ -141,7 +141,7 @@ def _gear_mount(design: BeveloidDesign, pinion: Roll, gear: Roll, alpha: float) 
             "assembly.center_distance", errors.center_distance, reason="allowed only where the axes are parallel"
         )
     if parallel:
-        origin = _parallel_origin(design, pinion, gear, alpha, origin)
+        origin = _parallel_origin(design, pinion, gear, origin)
     # [LT02 Fig. 5] errors are given in S_g: the gear's frame turned by 180 deg about its axis, and over with the gear
     to_fixed = Rigid(axes, origin) @ Rigid.about_z(0.0 if inside else np.pi)
     over = Rigid(rotation_about("x", np.pi if errors.turned_over else 0.0), np.zeros(3))
@@ -182,7 +182,7 @@ def _no_working_angle(
     return DesignError(f"{named}.profile_shift", shift, reason=f"{reason_begin} {reason}", allowed=allowed)
 
 
-def _parallel_origin(design: BeveloidDesign, pinion: Roll, gear: Roll, alpha: float, origin: Array) -> Array:
+def _parallel_origin(design: BeveloidDesign, pinion: Roll, gear: Roll, origin: Array) -> Array:
     """Return the origin of the gear on parallel axes.
 
     The axes are at the given centre distance. Cylindrical gears without one are at the distance without backlash [ISO
@@ -194,31 +194,38 @@ def _parallel_origin(design: BeveloidDesign, pinion: Roll, gear: Roll, alpha: fl
     sense = design.gear.sense
     reference = abs(pinion.radius + sense * gear.radius)
     teeth = design.pinion.teeth + sense * design.gear.teeth
-    transverse = np.arctan(np.tan(alpha) / np.cos(pinion.helix))
+    tangents = np.tan(np.radians(design.pressure_angles("pinion")))
+    transverse = np.arctan(tangents / np.cos(pinion.helix))
+    cosines, nominal, steepness = np.cos(transverse), float(involute(transverse).sum()), float(tangents.sum())
+    # the flanks of the smaller angle have the larger base circles, which touch first
+    flattest = float(cosines.max())
     if given is None:
         shifts = design.pinion.profile_shift + design.gear.profile_shift
-        # inv(alpha_wt) for nominal teeth without backlash; the root below MAX_WORKING_ANGLE is the working pressure
-        # angle
-        involute = np.tan(transverse) - transverse + 2 * shifts * np.tan(alpha) / teeth
-        bound = -0.5 * (np.tan(transverse) - transverse) * teeth / np.tan(alpha)
-        if involute <= 0.0:
-            ends = (bound, None) if sense > 0 else (None, bound)
+
+        def involutes(working: Array) -> Array:
+            """Return the sums of inv(alpha_wt) of both sides, by the working angles (K,) of the side that touches first."""
+            return np.asarray(involute(np.arccos(cosines * np.cos(working)[..., None] / flattest)).sum(axis=-1))
+
+        # both sides without backlash: sum of inv(alpha_wt) = sum of inv(alpha_t) + 2 (x1 + x2) / (z1 + z2) sum of tan(alpha_n)
+        wanted = nominal + 2.0 * shifts * steepness / teeth
+        least, most = (float(involutes(np.array([angle]))[0]) for angle in (0.0, MAX_WORKING_ANGLE))
+        bounds = [0.5 * (end - nominal) * teeth / steepness for end in (least, most)]
+        if wanted <= least:
+            ends = (bounds[0], None) if sense > 0 else (None, bounds[0])
             raise _no_working_angle(design, "there is no working pressure angle", least=ends[0], most=ends[1])
-        working = bracketed_root(lambda a, _: np.tan(a) - a - involute, np.zeros(1), np.array([MAX_WORKING_ANGLE]))
+        working = bracketed_root(lambda a, _: involutes(a) - wanted, np.zeros(1), np.array([MAX_WORKING_ANGLE]))
         if not working.converged[0]:
-            steepest = np.tan(MAX_WORKING_ANGLE) - MAX_WORKING_ANGLE - np.tan(transverse) + transverse
-            bound = 0.5 * steepest * teeth / np.tan(alpha)
             above = f"the working pressure angle would be above {np.degrees(MAX_WORKING_ANGLE):.4g} deg"
-            ends = (None, bound) if sense > 0 else (bound, None)
+            ends = (None, bounds[1]) if sense > 0 else (bounds[1], None)
             raise _no_working_angle(design, above, least=ends[0], most=ends[1])
-        given = reference * np.cos(transverse) / np.cos(float(working.values[0]))
-    elif given <= reference * np.cos(transverse) and not (pinion.cone or gear.cone):
+        given = reference * flattest / np.cos(float(working.values[0]))
+    elif given <= reference * flattest and not (pinion.cone or gear.cone):
         raise DesignError(
             "assembly.center_distance",
             given,
             unit="mm",
             allowed=f"more than the {'sum' if sense > 0 else 'difference'} of the base radii, "
-            f"{at_least(reference * np.cos(transverse))} mm with "
+            f"{at_least(reference * flattest)} mm with "
             f"pinion.teeth = {design.pinion.teeth}, gear.teeth = {design.gear.teeth}",
         )
     return np.array([sense * given, 0.0, origin[2]])

@@ -146,22 +146,70 @@ class BeveloidDesign(PairDesign):
     }
 
     pressure_angle: float = keys.angle(
-        "normal pressure angle of the rack", 20.0, low=1, high=45, source="[LT02] Table 1"
+        "normal pressure angle of the rack; with a coast_pressure_angle that of the drive side, the pinion's right flanks",
+        20.0,
+        low=1,
+        high=45,
+        source="[LT02] Table 1",
+    )
+    coast_pressure_angle: float | None = keys.angle(
+        "normal pressure angle of the coast side of asymmetric teeth: the pinion's left flanks and the gear's that they touch",
+        None,
+        low=1,
+        high=45,
+        default="pressure_angle",
     )
     pinion: BeveloidMember
     gear: BeveloidMember
     assembly: BeveloidAssembly = BeveloidAssembly()
     contact: FlankContact = FlankContact()
 
+    @property
+    def _coast_angle(self) -> float:
+        """Normal pressure angle of the coast side, deg."""
+        return self.pressure_angle if self.coast_pressure_angle is None else self.coast_pressure_angle
+
+    def pressure_angles(self, name: str) -> tuple[float, float]:
+        """Return the normal pressure angles of the right and the left flanks of a member.
+
+        Parameters
+        ----------
+        name : str
+            "pinion" or "gear".
+
+        Returns
+        -------
+        tuple of float
+            Right and left, deg.
+
+        Examples
+        --------
+        >>> gm.load("samples/beveloid_parallel.toml").pressure_angles("pinion")
+        (20.0, 20.0)
+        """
+        drive, coast = self.pressure_angle, self._coast_angle
+        return (coast, drive) if name == "gear" and self.crosswise else (drive, coast)
+
+    @property
+    def crosswise(self) -> bool:
+        """True if right flanks touch left flanks: the gear is turned over, or around the pinion."""
+        return self.assembly.turned_over or self.gear.internal
+
+    @property
+    def asymmetric(self) -> bool:
+        """True if drive side and coast side have different pressure angles."""
+        return self._coast_angle != self.pressure_angle
+
     def derived_values(self) -> dict[str, float]:
         # the tip roundings of the racks that the file leaves out; see the key's default.
         return {
             **super().derived_values(),
-            **{f"{name}.tool_tip_radius": self._rounding(getattr(self, name)) for name in ("pinion", "gear")},
+            **{f"{name}.tool_tip_radius": self._rounding(name) for name in ("pinion", "gear")},
         }
 
-    def _rounding(self, member: BeveloidMember) -> float:
+    def _rounding(self, name: str) -> float:
         """Return the default tip rounding of a member's rack, normal modules."""
+        member: BeveloidMember = getattr(self, name)
         m, alpha = self.given_module, math.radians(self.pressure_angle)
         depth = member.dedendum
         if member.internal:
@@ -173,15 +221,20 @@ class BeveloidDesign(PairDesign):
             depth = member.profile_shift + below / m
         # each flank of the pair is set back by a quarter of the backlash
         width = 0.5 * math.pi + 0.5 * self.backlash / m / math.cos(alpha)
-        return straight_rounding(width, depth, (self.pressure_angle, self.pressure_angle), STANDARD_TIP_RADIUS)
+        return straight_rounding(width, depth, self.pressure_angles(name), STANDARD_TIP_RADIUS)
 
     def _ring_rounding(self, member: BeveloidMember) -> float:
         """Return the default radius of an internal member's root fillets, normal modules."""
-        from gearmesh.systems.beveloid.ring import form_tool
+        from gearmesh.systems.beveloid.form_tool import form_tools
 
         m = self.given_module
-        sharp = form_tool("gear", member, m, math.radians(self.pressure_angle), self.backlash)
-        return min(STANDARD_TIP_RADIUS, ROOM_SHARE * sharp.largest_tip_radius / m)
+        halves = form_tools("gear", member, m, self.pressure_angles("gear"), self.reduction)
+        return min(STANDARD_TIP_RADIUS, *(ROOM_SHARE * sharp.largest_tip_radius / m for sharp in halves))
+
+    @property
+    def reduction(self) -> float:
+        """Reduction of half a tooth's normal thickness for the backlash, which is normal to the drive flanks."""
+        return 0.25 * self.backlash / math.cos(math.radians(self.pressure_angle))
 
     @property
     def parallel(self) -> bool:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gearmesh.errors import DesignError
-from gearmesh.systems.common.backlash import thin
+from gearmesh.systems.beveloid.form_tool import form_tools
 from gearmesh.systems.common.bodies.features import UnderTeeth, ring_features
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.micro_geometry import with_true_involutes
@@ -25,51 +26,15 @@ if TYPE_CHECKING:
 
 #: default rim of an internal gear, in normal modules
 DEFAULT_RIM_MODULES = 3.0
-#: radius by which a root is outside the base circle at least, in modules
-MIN_ROOT_MARGIN_MODULES = 1e-6
 
 
-def form_tool(name: str, spec: BeveloidMember, module: float, alpha: float, backlash: float) -> Shaper:
-    """Return the tool that fills the spaces of an internal member, in the transverse section and without rounding.
-
-    Raises DesignError naming key, value and limit: a root inside the base circle, or spaces pointed before the root.
-    """
-    helix = math.radians(spec.helix_angle)
-    transverse = math.atan(math.tan(alpha) / math.cos(helix))
-    radius = 0.5 * spec.teeth * module / math.cos(helix)
-    # the tool is as thick as the member's spaces: its shift is opposite, and backlash makes it thicker
-    thinner = 0.25 * math.pi * module - thin(0.25 * math.pi * module, backlash, 0.25, alpha)
-    shift = -spec.profile_shift + thinner / module / math.tan(alpha)
-    root = radius + (spec.dedendum - spec.profile_shift) * module
-    if spec.root_diameter is not None:
-        root = 0.5 * spec.root_diameter
-    base = radius * math.cos(transverse)
-    key, value, unit = (
-        ("dedendum", spec.dedendum, "") if spec.root_diameter is None else ("root_diameter", spec.root_diameter, "mm")
-    )
-    if root <= base + MIN_ROOT_MARGIN_MODULES * module:
-        least = f"at least {at_least(2.0 * base)} mm" if unit else "more"
-        raise DesignError(f"{name}.{key}", value, unit=unit, reason="the root is inside the base circle", allowed=least)
-    try:
-        return Shaper(
-            teeth=spec.teeth,
-            module=module / math.cos(helix),
-            pressure_angle=transverse,
-            addendum=root - radius,
-            profile_shift=shift * math.cos(helix),
-        )
-    except DesignError as failure:
-        reason = "the spaces are pointed before the root"
-        raise DesignError(f"{name}.{key}", value, unit=unit, reason=reason, allowed="less") from failure
-
-
-def ring(name: str, spec: BeveloidMember, module: float, alpha: float, backlash: float) -> Member:
+def ring(name: str, spec: BeveloidMember, module: float, angles: tuple[float, float], reduction: float) -> Member:
     """Return an internal member (in mm), proved to have closed, unpointed teeth from end to end.
 
-    Raises DesignError naming key, value and limit.
+    Arguments as for `form_tools`. Raises DesignError naming key, value and limit.
     """
-    sharp = form_tool(name, spec, module, alpha, backlash)
-    rounding, largest = spec.tool_tip_radius * module, sharp.largest_tip_radius
+    sharp = form_tools(name, spec, module, angles, reduction)
+    rounding, largest = spec.tool_tip_radius * module, min(tool.largest_tip_radius for tool in sharp)
     if rounding > largest:
         raise DesignError(
             f"{name}.tool_tip_radius",
@@ -77,18 +42,17 @@ def ring(name: str, spec: BeveloidMember, module: float, alpha: float, backlash:
             reason="the spaces are too narrow for such root fillets",
             allowed=f"at most {at_most(largest / module)}",
         )
-    shaper = Shaper(
-        sharp.teeth, sharp.module, sharp.pressure_angle, sharp.addendum, rounding, profile_shift=sharp.profile_shift
-    )
+    shaper, other = (replace(tool, tip_radius=rounding) for tool in sharp)
     tip = shaper.pitch_radius - (spec.addendum + spec.profile_shift) * module
     tip = tip if spec.tip_diameter is None else 0.5 * spec.tip_diameter
-    _check_tip(name, spec, shaper, tip)
+    for tool in (shaper, other):
+        _check_tip(name, spec, tool, tip)
     twist = math.tan(math.radians(spec.helix_angle)) / shaper.pitch_radius
     rim = DEFAULT_RIM_MODULES * module if spec.rim is None else spec.rim
     tooth = Tooth(
         spec.teeth,
         formed_side(shaper, Side.RIGHT, twist, tip),
-        formed_side(shaper, Side.LEFT, twist, tip),
+        formed_side(other, Side.LEFT, twist, tip),
         ring_blank(0.5 * spec.face_width, tip, shaper.top_radius, rim),
         tip_edge=tip_edge(spec),
     )

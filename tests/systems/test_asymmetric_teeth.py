@@ -1,0 +1,151 @@
+"""Asymmetric teeth of kind beveloid: two base circles, fillets against a rack in all positions, contact of both sides."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from oracles.built import built
+
+import gearmesh as gm
+from gearmesh.errors import DesignError
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.teeth.region import FILLET_REGIONS, FLANK_REGIONS, Side
+
+DRIVE, COAST = 25.0, 17.0
+SPUR: dict[str, Any] = {
+    "kind": "beveloid",
+    "module": 2,
+    "backlash": 0.1,
+    "pressure_angle": DRIVE,
+    "coast_pressure_angle": COAST,
+    "pinion": {"teeth": 20, "face_width": 15, "profile_shift": 0.3},
+    "gear": {"teeth": 41, "face_width": 15, "profile_shift": -0.1},
+}
+
+
+def with_helix(beta: float, **more: Any) -> dict[str, Any]:
+    keys = {**SPUR, **more}
+    inside = keys["gear"]["teeth"] < 0
+    return {
+        **keys,
+        "pinion": {**keys["pinion"], "helix_angle": beta},
+        "gear": {**keys["gear"], "helix_angle": beta if inside else -beta},
+    }
+
+
+RING = {"teeth": -50, "face_width": 15, "addendum": 0.7, "profile_shift": 0.1}
+
+
+@pytest.mark.parametrize("flank", ["right", "left"])
+@pytest.mark.parametrize(
+    "keys", [with_helix(0.0), with_helix(15.0), with_helix(10.0, gear=RING)], ids=["spur", "helical", "ring"]
+)
+def test_both_sides_are_conjugate_without_backlash_at_the_distance_of_both(keys: dict[str, Any], flank: str) -> None:
+    summary = built({**keys, "contact": {"flank": flank}}).contact([-6.0, 0.0, 6.0]).summary
+    assert summary["te_peak_to_peak_arcsec"] < 1e-9 * 3600.0
+    # the backlash is normal to the drive flanks; along the pitch circle it is the same for both sides
+    normal = 0.1 if flank == "right" else 0.1 * math.cos(math.radians(COAST)) / math.cos(math.radians(DRIVE))
+    assert summary["backlash_normal_min_mm"] == pytest.approx(normal, abs=1e-9)
+    tight = built({**keys, "backlash": 0.0, "contact": {"flank": flank}}).contact([-6.0, 0.0, 6.0]).summary
+    assert tight["backlash_normal_min_mm"] == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("beta", [0.0, 15.0])
+@pytest.mark.parametrize("name", ["pinion", "gear"])
+def test_flanks_are_involutes_of_their_base_circles(name: str, beta: float) -> None:
+    keys = with_helix(beta)
+    tooth, spec = built(keys).members[name].tooth, keys[name]
+    helix = math.radians(spec["helix_angle"])
+    radius = spec["teeth"] / math.cos(helix)
+    reduction = 0.025 / math.cos(math.radians(DRIVE))
+    for side, alpha in ((Side.RIGHT, math.radians(DRIVE)), (Side.LEFT, math.radians(COAST))):
+        alpha_t = math.atan(math.tan(alpha) / math.cos(helix))
+        base, twist = radius * math.cos(alpha_t), math.tan(helix) / radius
+        half = (0.5 * math.pi + 2.0 * spec["profile_shift"] * math.tan(alpha) - reduction) / math.cos(helix) / radius
+        r = tooth.flank_grid(side, np.linspace(0.0, 1.0, 7), np.linspace(0.0, 1.0, 5)).points
+        theta = np.sqrt((np.hypot(r[..., 0], r[..., 1]) / base) ** 2 - 1.0)
+        turned = np.arctan2(r[..., 1], r[..., 0]) - twist * r[..., 2]
+        at = half + math.tan(alpha_t) - alpha_t - (theta - np.arctan(theta))
+        assert turned == pytest.approx(-side.sign * at, abs=1e-12)
+
+
+def clearance(points: Array, alpha: float, half: float, tip: float, rounding: float) -> Array:
+    """Return distances (N,) of points (N, 2), x up, from a rack's tooth with y < -half + x tan(alpha) and a rounded corner."""
+    # the tooth is a wedge, smaller by the rounding, with a disc of that radius all over it
+    along, normal = np.array([math.cos(alpha), math.sin(alpha)]), np.array([-math.sin(alpha), math.cos(alpha)])
+    corner = np.array([tip + rounding, 0.0])
+    corner[1] = -half + corner[0] * math.tan(alpha) - rounding / math.cos(alpha)
+    away = points - corner
+    by_flank, by_tip = away @ normal, -away[:, 0]
+    beside = (away @ along <= 0.0) & (away[:, 1] >= 0.0)
+    return np.where(beside, np.linalg.norm(away, axis=1), np.maximum(by_flank, by_tip)) - rounding
+
+
+@pytest.mark.parametrize("side", [Side.RIGHT, Side.LEFT])
+def test_flank_and_fillet_are_what_a_rack_leaves_in_all_its_positions(side: Side) -> None:
+    """Every point touches the rack in one position, and no position cuts deeper."""
+    tooth = built(SPUR).members["pinion"].tooth
+    alpha, m, radius = math.radians(DRIVE if side is Side.RIGHT else COAST), 2.0, 20.0
+    half = 0.5 * math.pi - 0.025 / math.cos(math.radians(DRIVE)) + 0.6 * math.tan(alpha)
+    regions = FLANK_REGIONS[side], FILLET_REGIONS[side]
+    points = np.concatenate(
+        [tooth.grid(region, np.linspace(0.0, 1.0, 9), tooth.sections([0.5])).points[:, 0, :2] for region in regions]
+    )
+    # the left side is the right side of the mirror image
+    points = points * np.array([1.0, side.sign])
+    least = np.full(len(points), np.inf)
+    for phi in np.linspace(-0.6, 0.6, 6001).tolist():
+        c, s = math.cos(phi), math.sin(phi)
+        in_rack = points @ np.array([[c, -s], [s, c]]) - np.array([radius, -radius * phi])
+        least = np.minimum(least, clearance(in_rack, alpha, half, 0.6 - 1.25 * m, 0.38 * m))
+    assert (least > -1e-9).all()
+    assert (least < 2e-6).all()
+
+
+def test_sheet_has_both_base_circles_and_the_dimension_over_balls() -> None:
+    gears = built(SPUR)
+    sheet = gears.sheet().plain_tables["Sides of asymmetric teeth"]
+    bases = [40.0 * math.cos(math.radians(DRIVE)), 40.0 * math.cos(math.radians(COAST))]
+    assert sheet["d_b"][1:3] == pytest.approx(bases, abs=1e-8)
+    assert sheet["side"][1:] == ["drive", "coast", "drive", "coast"]
+    # a ball of 3.5 mm touches both flanks of the space between two teeth of the section
+    tooth, centre = gears.members["pinion"].tooth, 0.5 * (sheet["M_dK"][1] - 3.5)
+    sections = tooth.sections([0.5])
+    first, second = (
+        tooth.grid(FLANK_REGIONS[side], np.linspace(0, 1, 4001), sections).points[:, 0, :2] for side in Side
+    )
+    right, left = (first, second) if first[0, 1] < 0.0 else (second, first)
+    # the right flank of the next tooth, one pitch farther
+    turn = tooth.pitch_angle
+    c, s = math.cos(turn), math.sin(turn)
+    far = right @ np.array([[c, s], [-s, c]])
+    angles = np.linspace(0.3, 0.7, 4001) * turn
+    centres = centre * np.stack((np.cos(angles), np.sin(angles)), axis=-1)
+    gaps = [np.linalg.norm(flank[:, None] - centres[None, ::40], axis=-1).min(axis=0) for flank in (left, far)]
+    middle = int(np.argmin(np.abs(gaps[0] - gaps[1])))
+    assert [gap[middle] for gap in gaps] == pytest.approx([1.75, 1.75], abs=6e-3)
+    assert sheet["W_k"][1:] == [None] * 4
+
+
+def test_equal_sides_are_symmetric_teeth() -> None:
+    plain = {key: value for key, value in SPUR.items() if key != "coast_pressure_angle"}
+    ours, theirs = built({**plain, "coast_pressure_angle": DRIVE}), built(plain)
+    for name in ("pinion", "gear"):
+        assert np.array_equal(ours.solid(name, 0.02).mesh.vertices, theirs.solid(name, 0.02).mesh.vertices)
+    assert "Sides of asymmetric teeth" not in ours.sheet().plain_tables
+
+
+def test_solid_of_an_asymmetric_tooth_is_closed() -> None:
+    gears = built(with_helix(10.0, gear=RING))
+    for name in ("pinion", "gear"):
+        assert gears.solid(name, 0.02).figures["watertight"]
+
+
+def test_refusals() -> None:
+    for value in (0, 50):
+        with pytest.raises(DesignError) as refusal:
+            gm.parse({**SPUR, "coast_pressure_angle": value})
+        assert refusal.value.key == "coast_pressure_angle"
