@@ -43,14 +43,16 @@ def design_file(keys: Mapping[str, Any], origin: Origin) -> bytes:
     return rewritten(origin.text, {**keys, **origin.named}).encode()
 
 
-def gear_file(gears: ModelledGears, contacts: Mapping[int, Contact], suffix: str, member: str, source: str) -> bytes:
-    """Return a file of gears, made as the commands `solid` and `report` make it. Raises GearmeshError."""
+def gear_file(gears: ModelledGears, contacts: Mapping[int, Contact], name: str, member: str, source: str) -> bytes:
+    """Return a file of gears with a `name`, made as the commands `solid` and `report` make it. Raises GearmeshError."""
+    suffix = Path(name).suffix
     if suffix == HTML_SUFFIX:
         from gearmesh.reports.report import report_page
 
         return report_page(gears, contacts, source=source).html.encode()
     with tempfile.TemporaryDirectory(prefix="gearmesh-explore-") as folder:
-        target = Path(folder) / f"{member}{suffix}"
+        # STEP files hold their name
+        target = Path(folder) / name
         if suffix == DXF_SUFFIX:
             gears.section(member).save(target)
         elif suffix == STEP_SUFFIX:

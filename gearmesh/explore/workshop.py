@@ -255,7 +255,7 @@ class Workshop:
         refuse_file(suffix, member)
         design, origin = self._stated(request), self._origin(request.get("from"))
         source = design_file(request["keys"], origin)
-        content = source
+        content, name = source, file_name(design.title, str(member), str(suffix))
         if suffix != TOML_SUFFIX:
             job.begin("gears", 0.0, 0.1)
             gears = self._gears(design).gears
@@ -263,8 +263,7 @@ class Workshop:
                 raise ArgumentError("member", str(member), must_be=f"one of {', '.join(gears.members)}, all")
             job.begin(f"file {suffix}", 0.1, 1.0)
             contacts = {k: gears.contact(pair=k) for k in gears.train.different} if suffix == HTML_SUFFIX else {}
-            content = gear_file(gears, contacts, str(suffix), str(member), source.decode())
-        name = file_name(design.title, str(member), str(suffix))
+            content = gear_file(gears, contacts, name, str(member), source.decode())
         job.say("file", name=name, content=base64.b64encode(content).decode("ascii"))
 
     def _stated(self, request: Mapping[str, Any]) -> Design:

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.image import imread
 from oracles.browser import chromium, needs_chromium, requests, resize
 
 import gearmesh as gm
@@ -115,8 +116,6 @@ def press(browser: Any, css: str) -> Any:
 
 
 def pixels(browser: Any, file: Path) -> np.ndarray:
-    from matplotlib.image import imread
-
     browser.execute_async_script(
         "const done = arguments[0]; requestAnimationFrame(() => requestAnimationFrame(() => requestAnimationFrame(done)))"
     )
@@ -238,24 +237,46 @@ def test_a_process_that_is_killed_is_replaced_and_nothing_is_lost(browser: Any, 
     assert not browser.find_element("id", "trouble").is_displayed()
 
 
+def choose_file(browser: Any, what: str) -> None:
+    browser.execute_script(
+        "const e = document.getElementById('save'); e.value = arguments[0]; e.dispatchEvent(new Event('change'))", what
+    )
+
+
 def test_saved_design_gives_the_same_gears(browser: Any, downloads: Path) -> None:
     put(browser, "pinion.teeth", "23")
 
     def saved(suffix: str) -> Path:
-        browser.execute_script(
-            "const e = document.getElementById('save'); e.value = arguments[0]; e.dispatchEvent(new Event('change'))",
-            suffix,
-        )
+        choose_file(browser, suffix)
         wait_for(lambda: [file for file in downloads.glob(f"*{suffix}") if file.stat().st_size])
         return next(downloads.glob(f"*{suffix}"))
 
-    design, solid = saved(".toml"), saved(".stl")
+    design = saved(".toml")
     assert design.read_text() == DESIGN.replace("teeth = 20", "teeth = 23")
     gears = gm.build(gm.load(design))
     assert gears.design.pinion.teeth == 23
-    own = downloads / "own.stl"
-    gears.solid("pinion", file=own).save(own)
-    assert own.read_bytes() == solid.read_bytes()
+    own = downloads / "own"
+    own.mkdir()
+    # every file is the one that the program makes of the saved design, to the last byte
+    for suffix, made in {
+        ".stl": lambda file: gears.solid("pinion", file=file).save(file),
+        ".3mf": lambda file: gears.solid("pinion", file=file).save(file),
+        ".step": lambda file: gears.cad("pinion").save(file),
+        ".dxf": lambda file: gears.section("pinion").save(file),
+    }.items():
+        file = saved(suffix)
+        made(own / file.name)
+        assert (own / file.name).read_bytes() == file.read_bytes(), suffix
+    report = saved(".html").read_text(encoding="utf-8")
+    assert all(
+        f"{name}, {teeth} teeth" in report or str(teeth) in report for name, teeth in (("pinion", 23), ("gear", 31))
+    )
+    assert f"{gears.contact().summary['contact_ratio']:.4g}" in report
+    choose_file(browser, "picture")
+    wait_for(lambda: list(downloads.glob("*.png")))
+    picture = np.asarray(imread(next(downloads.glob("*.png"))))
+    shades = np.unique(picture.reshape(-1, picture.shape[-1]), axis=0)
+    assert len(shades) > 100
 
 
 def test_distance_of_two_points_and_other_gears(browser: Any) -> None:

@@ -1,9 +1,9 @@
-// Curves of the contact of a pair: transmission error over the rotation, and the path of contact on the pinion's flank. Both have a
-// cursor at the position of the view, and move it where they are pressed.
+// Curves of the contact of a pair: transmission error over the rotation, and the path or the lines of contact on the pinion's flank.
+// Both have a cursor at the position of the view, and move it where they are pressed.
 window.gearmeshCurves = function (parent, moveTo) {
   "use strict";
 
-  const NAMES = "http://www.w3.org/2000/svg", WIDTH = 360, HEIGHT = 190, LEFT = 58, RIGHT = 12, TOP = 24, BOTTOM = 24;
+  const NAMES = "http://www.w3.org/2000/svg", WIDTH = 360, HEIGHT = 190, LEFT = 66, RIGHT = 12, TOP = 24, BOTTOM = 24, LINES_SHOWN = 20;
   const floats = (text) => new Float32Array(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer);
 
   function made(name, attributes, text) {
@@ -70,6 +70,21 @@ window.gearmeshCurves = function (parent, moveTo) {
     return [along, out];
   }
 
+  // lines of contact (P) in the frame of a member, each as points (N, 3); a turn about its axis moves none of them on the flank
+  function ownLines(pair, index, member) {
+    const points = floats(pair.lines), turns = floats(pair.turns[index]), size = points.length / turns.length;
+    const [r, t] = [member.rotation, member.translation], [ex, ey] = member.eccentricity;
+    return Array.from(turns, (turn, k) => {
+      const angle = member.travel ? 0 : member.sign * (turn - member.zero), [c, s] = [Math.cos(angle), Math.sin(angle)], own = [];
+      for (let j = k * size; j < (k + 1) * size; j += 3) {
+        const d = [points[j] - t[0], points[j + 1] - t[1], points[j + 2] - t[2]];
+        const [x, y, z] = [0, 1, 2].map((axis) => r[0][axis] * d[0] + r[1][axis] * d[1] + r[2][axis] * d[2]);
+        own.push(c * x + s * y - ex, c * y - s * x - ey, z);
+      }
+      return own;
+    });
+  }
+
   let now = null;
 
   function seek(svg, xs, scale, event) {
@@ -95,7 +110,9 @@ window.gearmeshCurves = function (parent, moveTo) {
     first.svg.append(line);
 
     const member = members[pair.members[0]];
-    const second = chart(`Path of contact on the ${member.name}'s flank`);
+    const lines = ownLines(pair, pair.members[0], member).map((line) => onFlank(line, Boolean(member.travel)));
+    const isLine = lines.some(([at]) => Number.isFinite(at[0]));
+    const second = chart(`${isLine ? "Lines" : "Path"} of contact on the ${member.name}'s flank`);
     const [rows, columns] = flank.shape, [along, out] = onFlank(floats(flank.points), Boolean(member.travel));
     const [px, py] = onFlank(floats(flank.contact), Boolean(member.travel));
     const border = [];
@@ -105,19 +122,24 @@ window.gearmeshCurves = function (parent, moveTo) {
     for (let i = rows - 2; i >= 0; i--) border.push(i * columns);
     const places = axes(second.svg, ends(along, 1e-3), ends(out, 1e-3), "along the axis (mm)", member.travel ? "height (mm)" : "radius (mm)");
     second.svg.append(made("path", { d: path(border.map((k) => along[k]), border.map((k) => out[k]), places), class: "edge" }));
-    if (before) {
+    // which point of a line of contact counts as the contact means nothing: lines are drawn whole
+    if (isLine) {
+      const step = Math.max(1, Math.round(lines.length / LINES_SHOWN));
+      lines.forEach(([x, y], k) => { if (k % step === 0) second.svg.append(made("path", { d: path(x, y, places), class: "contact" })); });
+    }
+    if (before && !isLine) {
       const [bx, by] = onFlank(floats(before.flank.contact), Boolean(member.travel));
       second.svg.append(made("path", { d: path(bx, by, places), class: "pinned" }));
     }
-    second.svg.append(made("path", { d: path(px, py, places), class: "line" }));
-    const spot = made("circle", { r: 5, class: "spot" });
-    second.svg.append(spot);
+    if (!isLine) second.svg.append(made("path", { d: path(px, py, places), class: "line" }));
+    const spot = made("circle", { r: 5, class: "spot" }), touched = made("path", { class: "now" });
+    second.svg.append(touched, spot);
 
     for (const [svg, xs, of] of [[first.svg, phi1, scale], [second.svg, px, places]]) {
       svg.addEventListener("pointerdown", (event) => { svg.setPointerCapture(event.pointerId); seek(svg, xs, of, event); });
       svg.addEventListener("pointermove", (event) => { if (event.buttons) seek(svg, xs, of, event); });
     }
-    now = { pair, phi1, te, scale, line, px, py, places, spot, caption: first.caption, title: first.caption.textContent };
+    now = { pair, phi1, te, scale, line, lines, touched, px, py, places, spot, caption: first.caption, title: first.caption.textContent };
   }
 
   function follow(share) {
@@ -127,7 +149,8 @@ window.gearmeshCurves = function (parent, moveTo) {
     now.line.setAttribute("x1", x);
     now.line.setAttribute("x2", x);
     now.caption.textContent = `${now.title}: ${Number.isFinite(now.te[k]) ? `${shown(now.te[k], 3)} ${now.pair.te_unit}` : "no contact"} at φ₁ = ${shown(now.phi1[k], 2)}°`;
-    const known = Number.isFinite(now.px[k]);
+    const [lx, ly] = now.lines[k] ?? [[], []], isLine = Number.isFinite(lx[0]), known = !isLine && Number.isFinite(now.px[k]);
+    now.touched.setAttribute("d", isLine ? path(lx, ly, now.places) : "");
     now.spot.setAttribute("visibility", known ? "visible" : "hidden");
     if (known) {
       now.spot.setAttribute("cx", now.places.x(now.px[k]));

@@ -492,7 +492,7 @@ window.gearmeshScene = function () {
 
   function aim(focus, back, up, height) {
     const aspect = canvas.clientWidth / Math.max(canvas.clientHeight, 1);
-    const distance = height / Math.min(1, aspect / 1.333) / 2 / Math.tan(FIELD_OF_VIEW * Math.PI / 360);
+    const distance = height * retreat(aspect) / 2 / Math.tan(FIELD_OF_VIEW * Math.PI / 360);
     controls.target.copy(focus);
     camera.up.copy(up).normalize();
     camera.position.copy(back).setLength(distance).add(focus);
@@ -560,13 +560,27 @@ window.gearmeshScene = function () {
     aim(centre, normal.add(up.clone().setLength(0.6)), up, 0.9 * size);
   }
 
+  // how far a camera is away for a ratio of width to height, over its distance in a wide view
+  const retreat = (aspect) => 1 / Math.min(1, aspect / 1.333);
+  let sized = false;
+
   function resize() {
     const { clientWidth: width, clientHeight: height } = canvas;
     if (!width || !height) return;
+    const before = retreat(camera.aspect);
     renderer.setSize(width, height, false);
     camera.aspect = width / height;
+    // what was in sight stays in sight
+    if (sized) camera.position.sub(controls.target).multiplyScalar(retreat(camera.aspect) / before).add(controls.target);
+    sized = Boolean(data);
     controls.handleResize();
     stale = true;
+  }
+
+  // a canvas of another size is empty until it is drawn
+  function resized() {
+    resize();
+    if (data) draw();
   }
 
   function draw() {
@@ -738,7 +752,7 @@ window.gearmeshScene = function () {
     draw();
     element("print-view").src = canvas.toDataURL("image/png");
   });
-  new ResizeObserver(resize).observe(canvas);
+  new ResizeObserver(resized).observe(canvas);
 
   // materials that were replaced last: a renderer compiles its programs anew once no material has them, so they stay until others do
   let replaced = [];
