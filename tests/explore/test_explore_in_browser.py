@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import os
 import signal
@@ -225,6 +226,16 @@ def test_reload_and_a_second_tab_show_the_same(browser: Any, running: Explorer) 
     browser.switch_to.window(browser.window_handles[0])
     assert page_state(browser)["state"]["keys"]["backlash"] == 0.15
     assert figure(put(browser, "backlash", "0.2"), "backlash_normal_min_mm") == pytest.approx(0.2, abs=1e-6)
+
+
+@pytest.mark.parametrize("keys", [None, [1], "module"])
+def test_a_link_without_a_state_says_so(browser: Any, running: Explorer, keys: Any) -> None:
+    link = base64.urlsafe_b64encode(json.dumps({"from": "opened", "keys": keys}).encode()).decode().rstrip("=")
+    browser.get("about:blank")
+    browser.get(f"{address(running)}#{link}")
+    wait_for(lambda: browser.find_element("id", "trouble").text == "The link has no state that can be read.")
+    # the opened design is there instead
+    assert figure(settled(browser), "contact_ratio") > 1
 
 
 def test_a_process_that_is_killed_is_replaced_and_nothing_is_lost(browser: Any, running: Explorer) -> None:

@@ -98,7 +98,7 @@
     try {
       const bytes = Uint8Array.from(atob(text.replaceAll("-", "+").replaceAll("_", "/")), (c) => c.charCodeAt(0));
       const value = JSON.parse(new TextDecoder().decode(bytes));
-      return typeof value.from === "string" && typeof value.keys === "object" ? value : null;
+      return typeof value.from === "string" && Object.prototype.toString.call(value.keys) === "[object Object]" ? value : null;
     } catch {
       return null;
     }
@@ -354,7 +354,8 @@
 
   function takeRefusal(message) {
     const about = asked.get(message.id)?.what;
-    if (about === "range") return;
+    // of a question that is stale, or of a range that the page can do without
+    if (about === undefined || about === "range") return;
     if (about !== "show") {
       trouble(message.line);
       return;
