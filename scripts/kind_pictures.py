@@ -1,7 +1,8 @@
-"""Make the pictures of the kinds on the first screen of the local page: `python scripts/kind_pictures.py`."""
+"""Make the pictures of the kinds on the first screen of the local page: `python scripts/kind_pictures.py [KIND ...]`."""
 
 from __future__ import annotations
 
+import sys
 import tempfile
 import tomllib
 from pathlib import Path
@@ -19,9 +20,9 @@ QUALITY_PERCENT = 82
 
 
 def main() -> None:
-    """Draw the gears of a new file of each kind in mesh, without title."""
+    """Draw the gears of a new file of each kind, or of those that are named, in mesh, without title."""
     TARGET.mkdir(exist_ok=True)
-    for kind in gm.kinds():
+    for kind in sys.argv[1:] or gm.kinds():
         gears = gm.build(gm.parse(tomllib.loads(gm.new(kind, short=True))))
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "pair.png"

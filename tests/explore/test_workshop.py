@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import tomllib
+from importlib.resources import files
 from typing import Any
 
 import numpy as np
@@ -277,3 +278,11 @@ def test_keys_of_every_kind_may_be_set() -> None:
 def test_kinds_and_samples_open(name: str) -> None:
     origin = Origin.find(name)
     assert origin.shown["kind"] == name.partition(":")[2]
+
+
+@pytest.mark.quick
+def test_every_kind_has_its_picture() -> None:
+    """Made by `python scripts/kind_pictures.py KIND`."""
+    own = [kind for kind in gm.kinds() if gm.system(kind).design.__module__.startswith("gearmesh.")]
+    pictures = files("gearmesh.explore") / "page" / "kinds"
+    assert [kind for kind in own if not (pictures / f"{kind}.jpg").is_file()] == []
