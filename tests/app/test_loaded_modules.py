@@ -23,6 +23,8 @@ LOADED = {
         *("PIL", "contact", "manifold3d", "mesh.tessellate", "reports", "view")
     },
     "tca samples/spur.toml": {"contact"},
+    # of view only what starts the drawing process
+    "--help": {"view"},
 }
 
 

@@ -208,7 +208,7 @@ class Contact(Result):
         """Contact on both sides of the teeth; a side without contact is left out."""
         # the fit of eccentric members belongs to other members, which stay displaced
         known = self.fit is not None and not self.pair.eccentric
-        coast = self.fit.coast if self.fit and known else None
+        coast = self.fit.coast_curve if self.fit and known else None
         return side_contacts(self.pair, self.path, self.engagement, coast, self.whole, self._exchange)
 
     @property

@@ -7,7 +7,8 @@ from functools import cached_property
 
 import numpy as np
 
-from gearmesh.contact.engagement.cycle import engagement_range
+from gearmesh.contact.engagement.curve import MeshCurve
+from gearmesh.contact.engagement.cycle import engagement_range, range_of_curve
 from gearmesh.contact.engagement.ease_off import EaseOff, ease_off
 from gearmesh.contact.engagement.engagement import Engagement, whole_engagement
 from gearmesh.contact.fit.fit import reversed_pair
@@ -98,18 +99,21 @@ def side_contacts(
     pair: GearPair,
     path: ContactPath,
     engagement: Engagement | None = None,
-    coast: Engagement | None = None,
+    coast: MeshCurve | None = None,
     driving_whole: ContactPath | None = None,
     exchange: Array | None = None,
 ) -> tuple[SideContact, ...]:
     """Return the contact on both sides of a pair; a side without contact is left out.
 
     `path` belongs to the driving side. These are computed if not given: `engagement` of the driving flanks, the
-    engagement of the `coast` flanks, and the whole path of the driving side, `driving_whole`. With `exchange` (3,), the
+    curve of the `coast` flanks, and the whole path of the driving side, `driving_whole`. With `exchange` (3,), the
     diagonal of a map of the members' frames, the coast side is the image of the driving side, and is not solved.
     """
     contacts: list[SideContact] = []
-    for own_pair, driving, known in ((pair, True, engagement), (reversed_pair(pair), False, coast)):
+    for own_pair, driving, known in (
+        (pair, True, engagement),
+        (reversed_pair(pair), False, None if coast is None else coast.engagement),
+    ):
         if contacts and exchange is not None:
             contacts.append(replace(contacts[0], pair=own_pair, driving=False, exchange=exchange))
             continue
@@ -117,6 +121,9 @@ def side_contacts(
         followed = whole_engagement(flanks, own_pair.pitch) if known is None else known
         if followed is None or not followed.contacts.touching.any():
             continue
-        whole = driving_whole if driving and driving_whole is not None else whole_path(own_pair, followed)
+        if driving and driving_whole is not None:
+            whole = driving_whole
+        else:
+            whole = whole_path(own_pair, followed, None if driving or coast is None else range_of_curve(coast))
         contacts.append(SideContact(own_pair, driving, followed, whole, path))
     return tuple(contacts)

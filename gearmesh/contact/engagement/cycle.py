@@ -145,6 +145,17 @@ def gears_curve(pair: Pair, pitch: float, engagement: Engagement | None = None) 
     return None if followed is None or not followed.contacts.touching.any() else MeshCurve(followed, pitch)
 
 
+def range_of_curve(curve: MeshCurve) -> tuple[float, float]:
+    """Return phi1 (rad) as `engagement_range` does, from a curve of the engagement with any tolerance."""
+    begin, end, margin = curve.surface.begin, curve.surface.end, 2.0 * curve.tolerance
+    # arcs that certainly lie within surface contact do not decide
+    if np.isfinite([begin, end]).all() and all(
+        arc.first - margin > begin and arc.last + margin < end for arc in curve.arcs
+    ):
+        return begin, end
+    return engagement_range(curve.engagement, curve.pitch)
+
+
 def engagement_range(engagement: Engagement, pitch: float, cycle: Cycle | None = None) -> tuple[float, float]:
     """Return phi1 (rad) between which a pair is ahead of its neighbours or has surface contact.
 

@@ -126,12 +126,17 @@ class Fit:
     span: tuple[float, float]
     #: parts of a pitch without contact
     gaps: tuple[Gap, ...] = ()
-    #: engagement of the coast flanks, None where it is an image of the engagement of the driving flanks
-    coast: Engagement | None = None
+    #: curve of the coast flanks, None where it is an image of the curve of the driving flanks
+    coast_curve: MeshCurve | None = None
     #: diagonal of the map of own frames that makes this image; None where the coast flanks are no image
     exchange: Array | None = None
     #: deepest collision of tips beside the mesh on each side that has any
     collisions: tuple[TipCollision, ...] = ()
+
+    @property
+    def coast(self) -> Engagement | None:
+        """Engagement of the coast flanks, None where it is an image of the engagement of the driving flanks."""
+        return None if self.coast_curve is None else self.coast_curve.engagement
 
     @property
     def fits(self) -> bool | None:
@@ -278,7 +283,7 @@ def _fit(pair: GearPair, forwards: MeshCurve, backwards: MeshCurve | ImageCurve)
         lever=lever,
         span=(float(forwards.phi1[0]), float(forwards.phi1[-1])),
         gaps=gaps,
-        coast=backwards.engagement if isinstance(backwards, MeshCurve) else None,
+        coast_curve=backwards if isinstance(backwards, MeshCurve) else None,
         exchange=None if isinstance(backwards, MeshCurve) else backwards.exchange,
         collisions=collisions,
     )

@@ -12,7 +12,6 @@ from gearmesh.app.terminal import picture_size, refuse_unwritable, warn, working
 from gearmesh.errors import ArgumentError
 from gearmesh.formats import DIAGRAM_SUFFIXES, GIF_SUFFIX, MP4_SUFFIX, PNG_SUFFIX, refuse_suffix
 from gearmesh.progress import Progress, part, silent
-from gearmesh.view.animation import refuse_file
 from gearmesh.view.opengl import begin_drawing
 
 if TYPE_CHECKING:
@@ -157,6 +156,8 @@ def render(
     if output is not None:
         refuse_suffix(output, *PICTURE_SUFFIXES[view in DIAGRAM_VIEWS])
     if animate is not None:
+        from gearmesh.view.animation import refuse_file
+
         refuse_suffix(animate, GIF_SUFFIX, MP4_SUFFIX)
         refuse_file(animate)
         _refuse_still(view, animate)
