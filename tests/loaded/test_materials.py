@@ -22,7 +22,8 @@ def test_each_member_is_of_its_own_material(monkeypatch: pytest.MonkeyPatch) -> 
     peaks = [np.nanmax(gears.contact(torque=50, cycle=False).hertz.peak_pressure) for gears in (steel, own)]
     assert peaks[1] / peaks[0] == pytest.approx(np.sqrt(ratio), rel=1e-6)
     deck = own.finite_elements()._model.materials
-    assert deck == {"pinion": Material(2e5, 0.3), "gear": Material(3000.0, 0.4)}
+    # densities are that of steel unless stated
+    assert deck == {"pinion": Material(2e5, 0.3, 7850.0), "gear": Material(3000.0, 0.4, 7850.0)}
     monkeypatch.setattr("gearmesh.loaded.sharing.flank_compliance", few_elements)
     turned = [gears.loaded_contact(2, [0.0]).rows[0].rotation for gears in (steel, own)]
     # the gear gives way 69 times as much as of steel, the pinion a little more
