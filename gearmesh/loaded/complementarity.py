@@ -65,6 +65,8 @@ def pressures(
     torque: Array,
     start: Array,
     ease: Array | None = None,
+    precondition: Displacements | None = None,
+    tolerance: float = PRESSURE_TOLERANCE,
 ) -> Pressures:
     """Solve B contact problems of N cells for their pressures.
 
@@ -75,6 +77,9 @@ def pressures(
     - `start` (B, N): initial pressures, above 0 in some cell that is `on`.
     - `ease` (B, N): deflection of each cell under unit pressure on that cell alone, up to a factor; equal for all by
       default.
+    - `precondition`: pressures, up to a factor, under which all cells would move by given displacements: a symmetric
+      estimate of C^-1; displacements over `ease` by default.
+    - `tolerance`: change of the pressures in a step, as `PRESSURE_TOLERANCE`, with which a problem has converged.
     """
     weight, levers = np.where(on, area, 0.0), np.where(on, lever, 0.0)
     cell_ease = np.ones_like(weight) if ease is None else ease
@@ -83,6 +88,8 @@ def pressures(
     p = np.where(on, start, 0.0)
     p *= (torque / (weight * levers * p).sum(axis=1))[:, None]
     direction, last_size, restarts = np.zeros_like(p), np.ones(len(p)), np.ones(len(p), dtype=bool)
+    # pressures of touching cells for a unit rotation, by the estimate
+    of_levers = np.zeros_like(p)
     status = np.full(len(p), int(Status.MAX_ITERATIONS))
     active, steps = every, 0
     u = moved(p, every)
@@ -91,13 +98,23 @@ def pressures(
         steps += 1
         pressure, a, lv, softness = p[active], weight[active], levers[active], cell_ease[active]
         touching = pressure > 0.0
-        # gap under load w, with the theta for which the weighted squares of w over the touching cells are least
-        w = gap[active] + u[active]
         inner = a * touching
-        lever_square = (inner * lv * lv / softness).sum(axis=1)
-        w = w - lv * ((inner * lv * w / softness).sum(axis=1) / lever_square)[:, None]
+        # gap under load w, with the theta for which the descent carries no torque
+        w = gap[active] + u[active]
+        if precondition is None:
+            estimate, lever_estimate = w / softness, lv / softness
+        else:
+            stale = np.flatnonzero(restarts[active])
+            if stale.size:
+                of_levers[active[stale]] = touching[stale] * precondition(
+                    np.where(touching[stale], lv[stale], 0.0), active[stale]
+                )
+            estimate = touching * precondition(np.where(touching, w, 0.0), active)
+            lever_estimate = of_levers[active]
+        theta = (inner * lv * estimate).sum(axis=1) / (inner * lv * lever_estimate).sum(axis=1)
+        w = w - lv * theta[:, None]
+        descent = estimate - lever_estimate * theta[:, None]
         # conjugate direction d; the share of the last direction is 0 after the touching cells have changed
-        descent = w / softness
         descent_size = (inner * w * descent).sum(axis=1)
         conjugate_share = np.where(
             restarts[active] | (last_size[active] == 0.0),
@@ -116,7 +133,7 @@ def pressures(
         # step; cells whose pressure falls below zero separate, and cells that overlap begin to touch
         new = np.where(touching, np.maximum(pressure - step * d, 0.0), 0.0)
         overlap = on[active] & (new == 0.0) & (w < 0.0)
-        new = np.where(overlap, -step * descent, new)
+        new = np.where(overlap, -step * w / softness, new)
         carried_torque = (a * lv * new).sum(axis=1)
         # a step that separates every cell is too long: keep the pressures and halve the step
         separated = carried_torque <= 0.0
@@ -131,7 +148,7 @@ def pressures(
         if changed.any():
             u[active[changed]] = moved(new[changed], active[changed])
         change = (a * np.abs(new - pressure)).sum(axis=1) / (a * new).sum(axis=1)
-        converged = (change < PRESSURE_TOLERANCE) & ~overlap.any(axis=1) & ~separated
+        converged = (change < tolerance) & ~overlap.any(axis=1) & ~separated
         status[active[converged]] = Status.CONVERGED
         active = active[~converged]
     u = moved(p, every)

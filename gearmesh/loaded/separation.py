@@ -57,6 +57,8 @@ EDGE_PLACES = 17
 GAP_NODES = 5
 #: steps of the secant method to the ridge: gaps across are nearly parabolas
 RIDGE_STEPS = 6
+#: step, mm, below which all places are on the ridge: the gap changes by its square
+RIDGE_TOLERANCE_MM = 1e-6
 #: largest ratio, either way, of the gap's curvature to the curvature at first touch
 MAX_CURVATURE_RATIO = 5.0
 #: gap, mm, of the largest step to the ridge
@@ -93,6 +95,8 @@ EDGE_MARGIN = 2.0
 MIN_EDGE_TANGENT = 1e-3
 #: least cosine between x and an end face's normal for the face to count as at right angles to x
 MIN_END_COSINE = 0.7
+#: axis of the pairs in those arrays of a `Separation` where it is not the first
+PAIR_AXES = {"levers": 1, "places": 1, "open": 1, "part": 1, "ends": 2, "ridge_ends": 1}
 
 
 @dataclass(frozen=True)
@@ -124,6 +128,8 @@ class NearPairs:
     kappa: Array
     #: motion of each half to its place: reflections at the pinion's plane of symmetry
     images: tuple[Rigid, ...]
+    #: the pairs of all positions, and the rows (M,) of these pairs there; None for all
+    chosen_from: tuple[NearPairs, NDArray[np.intp]] | None = None
 
     @cached_property
     def surfaces(self) -> _Surfaces:
@@ -133,13 +139,43 @@ class NearPairs:
     @cached_property
     def range(self) -> tuple[Array, Array]:
         """Least and largest x (M,), mm, at which the ridge lies on both flanks; equal for all torques."""
-        return _range(self.surfaces, self)
+        if self.chosen_from is None:
+            return _range(self.surfaces, self)
+        every_pair, rows = self.chosen_from
+        low, high = every_pair.range
+        return low[rows], high[rows]
 
     @cached_property
     def beyond(self) -> tuple[Array, Array]:
         """Lengths (2, M), mm, by which the ridge continues along edges beyond the ends of `range`, and tangents of the
         angles to these edges."""
-        return _beyond(self.surfaces, self.range)
+        if self.chosen_from is None:
+            return _beyond(self.surfaces, self.range)
+        every_pair, rows = self.chosen_from
+        lengths, tangents = every_pair.beyond
+        return lengths[:, rows], tangents[:, rows]
+
+    def at_positions(self, positions: NDArray[np.bool_]) -> NearPairs:
+        """Return the pairs at some of the positions (P,) of the pinion."""
+        rows = np.flatnonzero(positions[self.position])
+        pinion, gear = self.mounts
+        if gear.base.rotation.ndim > 2:
+            gear = replace(gear, base=Rigid(gear.base.rotation[rows], gear.base.translation[rows]))
+        return NearPairs(
+            self.pair,
+            self.phi1[positions],
+            self.phi2[positions],
+            (np.cumsum(positions) - 1)[self.position[rows]],
+            self.number[rows],
+            self.half[rows],
+            (self.turns[0][rows], self.turns[1][rows]),
+            (pinion, gear),
+            _rows(self.path, rows),
+            self.axes[rows],
+            self.kappa[rows],
+            self.images,
+            (self, rows),
+        )
 
     def in_place(self, points: Array) -> Array:
         """Return points (M, ..., 3) in the fixed frame; those of the other half are mapped by its image."""
@@ -303,6 +339,17 @@ def _join(parts: Sequence[Record]) -> Record:
     return replace(parts[0], **{name: join_values([getattr(part, name) for part in parts]) for name in names})
 
 
+def _rows(path: ContactPath, rows: NDArray[np.intp]) -> ContactPath:
+    """Return some rows of a path."""
+
+    def chosen(values: Any) -> Any:
+        if isinstance(values, np.ndarray):
+            return values[rows]
+        return tuple(values[k] for k in rows) if isinstance(values, tuple) else values
+
+    return replace(path, **{field.name: chosen(getattr(path, field.name)) for field in fields(path)})
+
+
 @dataclass(frozen=True)
 class Separation:
     """Unloaded gaps of the tooth pairs (M,) on grids of cells, X along the contact by Y across it."""
@@ -341,6 +388,14 @@ class Separation:
     #: distances (2, M), mm, inward from the least and the largest x to the end of the ridge on the flanks; negative if
     #: the ridge continues beyond the grid
     ridge_ends: Array
+
+    def put(self, rows: NDArray[np.intp], other: Separation) -> None:
+        """Replace the grids of some pairs, `rows`, by those of another separation, of these pairs alone."""
+        for field in fields(self):
+            if field.name != "own_to_fixed":
+                axis = PAIR_AXES.get(field.name, 0)
+                whole, part = (np.moveaxis(getattr(grids, field.name), axis, 0) for grids in (self, other))
+                whole[rows] = part
 
 
 def separation(
@@ -639,6 +694,8 @@ class _Surfaces:
             step = np.clip(-slope / curvature, -max_step, max_step)
             last_step, last_slope = np.where(np.isfinite(step) & ~self._edge[:, None], step, 0.0), slope
             y = y + last_step
+            if np.abs(last_step).max(initial=0.0) < RIDGE_TOLERANCE_MM:
+                break
         return self._on_edge(x, y) if self.along_edge.any() else y
 
     def ridge_and_edge(self, x: Array) -> tuple[Array, NDArray[np.bool_], Array]:

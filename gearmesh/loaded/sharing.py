@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -24,9 +25,9 @@ from gearmesh.contact.hertz import STEEL, Material, contact_modulus
 from gearmesh.errors import ArgumentError, NoSolutionError, Status
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.loaded.complementarity import Displacements, pressures, tangent_stiffness
+from gearmesh.loaded.complementarity import PRESSURE_TOLERANCE, Displacements, pressures, tangent_stiffness
 from gearmesh.loaded.compliance.compliance import COARSER_CELLS, FlankCompliance, flank_compliance, rim_depth
-from gearmesh.loaded.compliance.contact_compliance import ContactCompliance
+from gearmesh.loaded.compliance.contact_compliance import ContactCompliance, half_space_pressures
 from gearmesh.loaded.compliance.half_space import rectangle_influence
 from gearmesh.loaded.compliance.threads import one_thread
 from gearmesh.loaded.mounts import FlexibleMount, Supports
@@ -61,6 +62,12 @@ MAX_GRID_ROUNDS = 6
 FILL_RANGE = (0.45, 0.97)
 #: least share of a grid's length that the contact may fill
 MIN_LENGTH_SHARE = 0.25
+#: least numbers of cells along and across with which grids are fitted before the cells are halved
+MIN_FITTED_CELLS = (16, 10)
+#: tolerance of the pressures (`complementarity`) while grids are fitted
+FIT_TOLERANCE = 1e-4
+#: search distance over the approach of bodies with such cells
+APPROACH_MARGIN = 1.05
 
 
 @dataclass(frozen=True)
@@ -236,7 +243,7 @@ def loaded_mesh(
     face = float(np.linalg.norm(points[0, -1] - points[0, 0]))
     arm = float(np.hypot(points[..., 0], points[..., 1]).mean())
     # tooth pairs that come near under the largest torque, from an estimate of the teeth's deflection
-    near, largest_problem, limit = _reaching(
+    near, largest_grids, limit = _reaching(
         gears, phi1, torque.max(), UNIT_DEFLECTION_MM * torque.max() / (arm * face * modulus), bodies, materials, cells
     )
     supports = None
@@ -259,11 +266,11 @@ def loaded_mesh(
             )
             displacement[k] = problem.displacement()
         else:
-            problem = (
-                largest_problem
-                if applied_torque == torque.max()
-                else _fit_grids(near, float(applied_torque), bodies, materials, cells)
-            )
+            grids = largest_grids
+            if applied_torque != torque.max():
+                fitted = _fit_grids(near, float(applied_torque), bodies, materials, cells, coarse=True)
+                grids = _fine(fitted.grids, cells)
+            problem = _fit_grids(near, float(applied_torque), bodies, materials, cells, grids=grids)
         tell(0.6)
         solution, moved = problem.solution, problem.near
         # displaced gears begin to touch at another rotation, which counts as part of the rotation under load
@@ -320,8 +327,8 @@ def _reaching(
     bodies: tuple[FlankCompliance, FlankCompliance],
     materials: tuple[Material, Material],
     cells: tuple[int, int],
-) -> tuple[NearPairs, _Problem, float]:
-    """Return all tooth pairs loaded under the largest torque, N mm, their problem, and the search distance, mm.
+) -> tuple[NearPairs, _Grids, float]:
+    """Return all tooth pairs loaded under the largest torque, N mm, their grids, and the search distance, mm.
 
     `give` is the estimated deflection of the teeth, mm. Bodies may deflect more, soft webs above all; the search is
     then repeated with a larger distance.
@@ -329,11 +336,55 @@ def _reaching(
     limit = 3.0 * give
     while True:
         near = near_pairs(gears, phi1, limit)
-        problem = _fit_grids(near, torque, bodies, materials, cells)
+        problem = _fit_grids(near, torque, bodies, materials, cells, coarse=True)
         largest_approach = float((problem.solution.rotation[near.position] * problem.lever).max())
-        if largest_approach < limit:
-            return near, problem, limit
+        if APPROACH_MARGIN * largest_approach < limit:
+            return near, _fine(problem.grids, cells), limit
         limit = 1.5 * largest_approach
+
+
+@dataclass(frozen=True)
+class _Grids:
+    """Sizes of the grids of tooth pairs (M,), and the pressures from which they are solved."""
+
+    #: widths (M,) of the grids over the estimate from the torque
+    widen: Array
+    #: start and end (2, M) of the grids as shares of the estimated length
+    part: Array
+    #: pressures (M, X, Y), MPa, on the grids before; None if there are none
+    pressure: Array | None = None
+
+    @staticmethod
+    def estimated(count: int) -> _Grids:
+        """Return grids as long and as wide as estimated."""
+        return _Grids(np.ones(count), np.repeat([[0.0], [1.0]], count, axis=1))
+
+    def some(self, rows: NDArray[np.intp]) -> _Grids:
+        """Return the grids of some pairs."""
+        return _Grids(self.widen[rows], self.part[:, rows], None if self.pressure is None else self.pressure[rows])
+
+    def with_halved_cells(self) -> _Grids:
+        """Return the grids with their pressures on cells half as long and half as wide."""
+        assert self.pressure is not None
+        return replace(self, pressure=self.pressure.repeat(2, axis=1).repeat(2, axis=2))
+
+    def carried(self, old: NearPairs, new: NearPairs) -> _Grids:
+        """Return the grids of the pairs that are near after members have moved; pairs that were not near have grids as
+        estimated, without pressure."""
+        keys, new_keys = (
+            list(zip(near.position.tolist(), near.number.tolist(), near.half.tolist(), strict=True))
+            for near in (old, new)
+        )
+        row_of = {key: row for row, key in enumerate(keys)}
+        known = np.array([key in row_of for key in new_keys])
+        rows = np.array([row_of[key] for key in new_keys if key in row_of], dtype=np.intp)
+        grids = _Grids.estimated(len(new_keys))
+        grids.widen[known], grids.part[:, known] = self.widen[rows], self.part[:, rows]
+        if self.pressure is None:
+            return grids
+        pressure = np.zeros((len(new_keys), *self.pressure.shape[1:]))
+        pressure[known] = self.pressure[rows]
+        return replace(grids, pressure=pressure)
 
 
 def _fit_grids(
@@ -343,36 +394,36 @@ def _fit_grids(
     materials: tuple[Material, Material],
     cells: tuple[int, int],
     supports: Supports | None = None,
+    grids: _Grids | None = None,
+    *,
+    coarse: bool = False,
 ) -> _Problem:
-    """Solve the problem of one torque on grids that contain the whole contact and are filled by it."""
-    widen = np.ones(len(near.position))
-    part: Array = np.repeat([[0.0], [1.0]], len(near.position), axis=1)
-    last_pressure: Array | None = None
-    for is_last in np.arange(MAX_GRID_ROUNDS) == MAX_GRID_ROUNDS - 1:
-        problem = _Problem(near, torque, bodies, materials, cells, widen, part, supports, last_pressure)
-        last_pressure = problem.solution.pressure
-        filled_width, (used_from, used_share), open_end = problem.fill(), problem.used_part(), problem.reaches_ends()
-        # grids to change: too narrow or too wide, much longer than the contact, or ended by an open end
-        misfit = (filled_width > FILL_RANGE[1]) | ((filled_width > 0.0) & (filled_width < FILL_RANGE[0]))
-        short = (used_share > 0.0) & (used_share < MIN_LENGTH_SHARE) & ~open_end.any(axis=0)
-        if is_last or not (misfit | short | open_end).any():
+    """Solve the problem of one torque on grids that contain the whole contact and are filled by it.
+
+    `grids` are those to begin with, by default as estimated. Only positions with a grid that does not fit are solved
+    again. With `coarse` cells ends stay where they are: whether a contact reaches an open end is seen by the cells
+    themselves.
+    """
+    begin = _Grids.estimated(len(near.position)) if grids is None else grids
+    tolerance, level = (FIT_TOLERANCE, _coarse(cells)) if coarse else (PRESSURE_TOLERANCE, cells)
+    problem = _Problem(near, torque, bodies, materials, level, begin, supports, tolerance=tolerance)
+    for _ in range(MAX_GRID_ROUNDS - 1):
+        wrong, better = problem.better_grids(ends=not coarse)
+        if not wrong.any():
             break
-        # too narrow: 1.6 times as wide; too wide: fill three quarters of the width
-        widen = np.where(
-            filled_width > FILL_RANGE[1], 1.6 * widen, np.where(misfit, widen * filled_width / 0.75, widen)
-        )
-        # much longer than the contact: cut to the contact and some room at both ends
-        end_room = np.maximum(0.5 * used_share, 2.0 / cells[0])
-        new_ends: Array = np.clip([used_from - end_room, used_from + used_share + end_room], 0.0, 1.0)
-        # the width grows with the square root of the load per length
-        widen = np.where(short & (filled_width > FILL_RANGE[0]), widen / np.sqrt(new_ends[1] - new_ends[0]), widen)
-        part = problem.grid.part
-        part_length = part[1] - part[0]
-        # an open end that the contact reaches moves out by the length of the grid
-        part = np.where(short, part[0] + part_length * new_ends, part) + open_end * part_length * np.array(
-            [[-1.0], [1.0]]
-        )
+        problem.solve_again(wrong, better)
     return problem
+
+
+def _coarse(cells: tuple[int, int]) -> tuple[int, int]:
+    """Return the numbers of cells with which grids are fitted: half of them each way, or all if they are few."""
+    along, across = cells[0] // 2, cells[1] // 2
+    return (along, across) if along >= MIN_FITTED_CELLS[0] and across >= MIN_FITTED_CELLS[1] else cells
+
+
+def _fine(grids: _Grids, cells: tuple[int, int]) -> _Grids:
+    """Return grids that were fitted with `_coarse` cells, with pressures on the `cells` themselves."""
+    return grids if _coarse(cells) == cells else grids.with_halved_cells()
 
 
 def _solve_on_mounts(
@@ -386,21 +437,50 @@ def _solve_on_mounts(
     limit: float,
 ) -> tuple[_Problem, bool]:
     """Solve the problem of one torque with displaced members; return it with True if their mean displacement has
-    converged."""
-    for _ in range(MAX_HELD_ROUNDS if supports.held else MAX_MOUNT_ROUNDS):
-        problem = _fit_grids(near, torque, bodies, materials, cells, supports)
+    converged.
+
+    Members find their places with coarse cells first.
+    """
+    settled, supports, _ = _settle(gears, near, torque, bodies, materials, cells, supports, limit, None, coarse=True)
+    grids = _fine(settled.grids, cells)
+    problem, _, converged = _settle(gears, settled.near, torque, bodies, materials, cells, supports, limit, grids)
+    return problem, converged
+
+
+def _settle(
+    gears: GearPair,
+    near: NearPairs,
+    torque: float,
+    bodies: tuple[FlankCompliance, FlankCompliance],
+    materials: tuple[Material, Material],
+    cells: tuple[int, int],
+    supports: Supports,
+    limit: float,
+    grids: _Grids | None,
+    *,
+    coarse: bool = False,
+) -> tuple[_Problem, Supports, bool]:
+    """Move members until their displacement is the mean of those under the pressures.
+
+    Returns the problem, the displaced supports, and True if the displacement has converged.
+    """
+    problem, converged = _fit_grids(near, torque, bodies, materials, cells, supports, grids, coarse=coarse), False
+    for rounds_left in reversed(range(MAX_HELD_ROUNDS if supports.held else MAX_MOUNT_ROUNDS)):
         displacements = problem.displacement()
         # rotations count as displacements at the largest lever
         largest_lever = float(problem.grid.levers.max())
         to_length = np.array([1.0, 1.0, 1.0, largest_lever, largest_lever, largest_lever])
         change = np.abs(displacements.mean(axis=0) - supports.displacement) * to_length
         held_change = np.abs(displacements - supports.anchor) * to_length * (supports.holding > 0.0)
-        if change.max() < MOUNT_TOLERANCE_MM and held_change.max() < HELD_TOLERANCE_MM:
-            return problem, True
+        converged = bool(change.max() < MOUNT_TOLERANCE_MM and held_change.max() < HELD_TOLERANCE_MM)
+        if converged or not rounds_left:
+            break
         # move the members by the mean displacement and search contact again
         supports, displaced_gears = supports.displace(gears, displacements)
-        near = near_pairs(displaced_gears, near.phi1, limit)
-    return problem, False
+        moved = near_pairs(displaced_gears, near.phi1, limit)
+        carried = problem.grids.carried(problem.near, moved)
+        problem = _fit_grids(moved, torque, bodies, materials, cells, supports, carried, coarse=coarse)
+    return problem, supports, converged
 
 
 class _Problem:
@@ -416,24 +496,21 @@ class _Problem:
         bodies: tuple[FlankCompliance, FlankCompliance],
         materials: tuple[Material, Material],
         cells: tuple[int, int],
-        widen: Array,
-        part: Array,
+        grids: _Grids,
         supports: Supports | None = None,
-        last_pressure: Array | None = None,
+        slots: tuple[NDArray[np.intp], int] | None = None,
+        tolerance: float = PRESSURE_TOLERANCE,
     ) -> None:
         self.near, self.bodies, self.materials, self.supports = near, bodies, materials, supports
-        self.torque = torque
+        self.torque, self.cells, self.tolerance = torque, cells, tolerance
         count = len(near.phi1)
-        # slot of each pair at its position, in the order of the pairs
-        order = np.argsort(near.position, kind="stable")
-        self.slot = np.empty_like(order)
-        self.slot[order] = np.arange(len(order)) - np.searchsorted(near.position[order], near.position[order])
-        self.most = int(self.slot.max()) + 1
+        self.slot, self.most = slots or _slots_of(near)
         # gaps on grids whose size is estimated from the whole torque on each pair alone
         self.lever = near.levers(0, near.path.point, near.axes[:, :, 2])
-        self.grid = separation(near, torque / self.lever, contact_modulus(*materials), cells, widen, part)
+        self.grid = separation(near, torque / self.lever, contact_modulus(*materials), cells, grids.widen, grids.part)
+        self.widen = grids.widen.copy()
         grid = self.grid
-        contact_compliance = self._local_compliance(grid.dx, grid.dy, cells)
+        self.contact = self._local_compliance(grid.dx, grid.dy, cells)
         self.area = self._slots(grid.dx * grid.dy)
         # motions from the teeth that touch to the tooth of which the compliance is known
         self.to_body = [
@@ -456,7 +533,7 @@ class _Problem:
         lever = np.broadcast_to(self._slots(grid.levers[0])[..., None], slot_shape)
         area = np.broadcast_to(self.area[..., None, None], slot_shape)
 
-        displacements_under = _displacements(contact_compliance, smooth, self.area, cells)
+        displacements_under = _displacements(self.contact, smooth, self.area, cells)
 
         # initial pressure: semi-ellipses across the contact
         eta = (np.arange(cells[1]) + 0.5) * 2.0 / cells[1] - 1.0
@@ -466,9 +543,9 @@ class _Problem:
         touches_first = pair_gap <= pair_gap.min(axis=1, keepdims=True)
         start = np.sqrt(1.0 - eta**2) * on * touches_first[:, :, None, None]
         flat_shape = (count, -1)
-        if last_pressure is not None:
+        if grids.pressure is not None:
             # or the pressures of the last grids, cell by cell
-            last_values = last_pressure.reshape(slot_shape) * on
+            last_values = self._slots(grids.pressure) * on
             start = np.where(last_values.any(axis=(1, 2, 3))[:, None, None, None], last_values, start)
         idle = ~((area * lever * start).reshape(count, -1).sum(axis=1) > 0.0)
         if idle.any():
@@ -488,9 +565,83 @@ class _Problem:
             np.full(count, torque),
             start.reshape(flat_shape),
             self._ease(grid.dx, grid.dy, slot_shape),
+            half_space_pressures(self._slots(grid.dx, 1.0), self._slots(grid.dy, 1.0), cells),
+            tolerance,
         )
         self.pressure = self.solution.pressure.reshape(slot_shape)[near.position, self.slot]
         self.line = self.pressure.sum(axis=2) * (grid.dx * grid.dy)[:, None]
+
+    @property
+    def grids(self) -> _Grids:
+        """Sizes and pressures of the grids."""
+        return _Grids(self.widen, self.grid.part, self.pressure)
+
+    def better_grids(self, *, ends: bool) -> tuple[NDArray[np.bool_], _Grids]:
+        """Return the positions (P,) with a grid that does not fit the contact, and grids that fit better; True for
+        `ends` moves open ends out."""
+        filled_width, (used_from, used_share), open_end = self.fill(), self.used_part(), self.reaches_ends() & ends
+        # grids to change: too narrow or too wide, much longer than the contact, or ended by an open end
+        misfit = (filled_width > FILL_RANGE[1]) | ((filled_width > 0.0) & (filled_width < FILL_RANGE[0]))
+        short = (used_share > 0.0) & (used_share < MIN_LENGTH_SHARE) & ~open_end.any(axis=0)
+        # too narrow: 1.6 times as wide; too wide: fill three quarters of the width
+        widen = np.where(
+            filled_width > FILL_RANGE[1],
+            1.6 * self.widen,
+            np.where(misfit, self.widen * filled_width / 0.75, self.widen),
+        )
+        # much longer than the contact: cut to the contact and some room at both ends
+        end_room = np.maximum(0.5 * used_share, 2.0 / self.cells[0])
+        new_ends: Array = np.clip([used_from - end_room, used_from + used_share + end_room], 0.0, 1.0)
+        # the width grows with the square root of the load per length
+        widen = np.where(short & (filled_width > FILL_RANGE[0]), widen / np.sqrt(new_ends[1] - new_ends[0]), widen)
+        part = self.grid.part
+        part_length = part[1] - part[0]
+        # an open end that the contact reaches moves out by the length of the grid
+        part = np.where(short, part[0] + part_length * new_ends, part) + open_end * part_length * np.array(
+            [[-1.0], [1.0]]
+        )
+        wrong = np.zeros(len(self.near.phi1), dtype=bool)
+        wrong[self.near.position[misfit | short | open_end.any(axis=0)]] = True
+        return wrong, _Grids(widen, part, self.pressure)
+
+    def solve_again(self, positions: NDArray[np.bool_], grids: _Grids) -> None:
+        """Solve some of the positions (P,) again on other grids, and replace what was found there."""
+        near = self.near.at_positions(positions)
+        rows = np.flatnonzero(positions[self.near.position])
+        part = _Problem(
+            near,
+            self.torque,
+            self.bodies,
+            self.materials,
+            self.cells,
+            grids.some(rows),
+            None if self.supports is None else replace(self.supports, anchor=self.supports.anchor[positions]),
+            (self.slot[rows], self.most),
+            self.tolerance,
+        )
+        self.grid.put(rows, part.grid)
+        for whole, replaced in zip(self._of_pairs(), part._of_pairs(), strict=True):
+            whole[rows] = replaced
+        for whole, replaced in zip(self._of_positions(), part._of_positions(), strict=True):
+            whole[positions] = replaced
+
+    def _of_pairs(self) -> list[NDArray[Any]]:
+        """Return all arrays by pair (M, ...), apart from those of `grid`."""
+        moved = [
+            values
+            for motion in self.to_body
+            for values in (motion.rotation, motion.translation)
+            if motion.rotation.ndim > 2
+        ]
+        return [self.widen, self.pressure, self.line, *self.places, *chain(*self.shares), *moved]
+
+    def _of_positions(self) -> list[NDArray[Any]]:
+        """Return all arrays by position (P, ...)."""
+        solved = self.solution
+        return [
+            *(self.contact.waves, self.area, self.levers, self.areas, self.smooth, self.gap, self.on),
+            *(solved.pressure, solved.rotation, solved.residual, solved.status),
+        ]
 
     def _slots(self, values: NDArray[Any], empty: float = 0.0) -> NDArray[Any]:
         """Return values (M, ...) of the pairs as values (P, K, ...) of the slots; empty slots have the value
@@ -652,6 +803,7 @@ class _Problem:
             np.full(count, self.torque),
             start.reshape(flat_shape),
             self._ease(dx, dy, slot_shape),
+            half_space_pressures(self._slots(dx, 1.0), self._slots(dy, 1.0), cells),
         )
         pressure = np.where(idle[:, None], np.nan, solution.pressure).reshape(slot_shape)
         return pressure[self.near.position, self.slot]
@@ -675,6 +827,14 @@ class _Problem:
             )
             stresses.append(replace(member_stress, place=self.near.in_place(fixed_place)))
         return RootStress.join(*stresses)
+
+
+def _slots_of(near: NearPairs) -> tuple[NDArray[np.intp], int]:
+    """Return the slot (M,) of each pair at its position, in the order of the pairs, and the number of slots."""
+    order = np.argsort(near.position, kind="stable")
+    slot = np.empty_like(order)
+    slot[order] = np.arange(len(order)) - np.searchsorted(near.position[order], near.position[order])
+    return slot, int(slot.max()) + 1
 
 
 def _displacements(local: ContactCompliance, smooth: Array, area: Array, cells: tuple[int, int]) -> Displacements:

@@ -69,6 +69,23 @@ def test_a_symmetric_pair_is_symmetric() -> None:
     np.testing.assert_allclose(found.root_stress[0], found.root_stress[0, ::-1, ::-1], rtol=5e-3)
 
 
+def test_positions_are_solved_as_if_alone() -> None:
+    """Positions whose grids did not fit are solved again among others that did: pressures, forces, stresses as alone."""
+    phases = [0.1, 0.3, 0.45]
+    together = under([300.0], phases, "helical")
+    for k, phase in enumerate(phases):
+        alone = under([300.0], [phase], "helical")
+        for name in ("rotation", "tangent", "gear_torque", "root_stress", "tangent_stress"):
+            np.testing.assert_allclose(
+                getattr(together, name)[:, k], getattr(alone, name)[:, 0], rtol=1e-5, err_msg=name
+            )
+        (whole,), (part,) = together.loads, alone.loads
+        here = whole.position == k
+        for name in ("force", "peak", "pressure"):
+            values, expected = getattr(whole, name)[here], getattr(part, name)
+            np.testing.assert_allclose(values, expected, rtol=1e-3, atol=1e-4 * np.nanmax(expected), err_msg=name)
+
+
 @pytest.mark.sweep_cases("spur")
 @pytest.mark.parametrize("sample", ["spur", "helical"])
 def test_torques_and_hertz_on_lines(sample: str) -> None:

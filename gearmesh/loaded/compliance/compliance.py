@@ -48,7 +48,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, unit
 from gearmesh.loaded.compliance.half_space import point_displacements
 from gearmesh.loaded.compliance.incompatible_modes import UNIT_CORNERS, corner_stresses, stiffness, unknowns
-from gearmesh.loaded.compliance.layers import responses
+from gearmesh.loaded.compliance.layers import cheapest, levels, responses
 from gearmesh.loaded.compliance.quarter_space import release
 from gearmesh.loaded.compliance.sector_grid import WEB_RIM_POWER, FilletSize, sector_grid
 from gearmesh.loaded.compliance.threads import one_thread
@@ -510,8 +510,9 @@ class Condensed:
         loads = csr_array(hstack([whole[:, cut], presses, stresses]))
         on_cut, pressed = slice(0, cut.size), slice(cut.size, cut.size + presses.shape[1])
         within = slice(cut.size, loads.shape[1])
+        from_land = levels(whole, unknowns(sector.mesh.node_sets["land"][:, None]).ravel(), np.flatnonzero(layer < 0))
         of_cuts, within_of_cuts, inner = responses(
-            whole, layer, loads, [(on_cut, on_cut), (on_cut, within), (within, pressed)]
+            whole, cheapest((layer, from_land), loads), loads, [(on_cut, on_cut), (on_cut, within), (within, pressed)]
         )
         # loads and stresses that act on nodes of the cuts themselves
         on_cut_directly = np.concatenate((presses[cut].toarray(), stresses[cut].toarray()), axis=1)
@@ -648,9 +649,15 @@ def _contact_compliance(sector: Sector, depth: int) -> Array:
     loads = csr_array(hstack([sector.presses, sector.stiffness[:, base_unknowns]]))
     pressed = slice(0, sector.flank.size)
     # L of the flank's nodes; deflections of the half-space at the base, transferred to the flank by the elements
+    layers_of_unknowns = np.repeat(layer, 3)
+    from_land = levels(
+        sector.stiffness,
+        unknowns(sector.mesh.node_sets["land"][:, None]).ravel(),
+        np.flatnonzero(layers_of_unknowns < 0),
+    )
     local, transfer = responses(
         sector.stiffness,
-        np.repeat(layer, 3),
+        cheapest((layers_of_unknowns, from_land), loads),
         loads,
         [(pressed, pressed), (pressed, slice(pressed.stop, loads.shape[1]))],
     )

@@ -12,6 +12,7 @@ Displacements follow from Love's solution for pressure on a rectangle.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,6 +22,9 @@ from gearmesh.contact.hertz import Material, contact_modulus
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.compliance.half_space import rectangle_influence
 from gearmesh.loaded.compliance.quarter_space import RELEASE_POWERS, release
+
+#: wave number of even pressure over that of half a wave along a grid
+EVEN_WAVE_SHARE = 0.5
 
 
 @dataclass(frozen=True)
@@ -86,6 +90,33 @@ class ContactCompliance:
         response_waves = np.moveaxis(responses.view(complex)[..., 0], -1, -2)
         displacements[row, column] = irfft(response_waves, self.padded)[..., : pressure.shape[-1]]
         return displacements
+
+
+def half_space_pressures(dx: Array, dy: Array, cells: tuple[int, int]) -> Callable[[Array, NDArray[np.intp]], Array]:
+    """Return a function that estimates pressures under displacements, up to a factor, on grids of cells dx by dy (P, K),
+    mm.
+
+    A wave of pressure of wave number k moves a half-space by 2 / (E* k) of itself, so that a wave of displacement needs
+    k / 2 of itself, times E*. The function takes displacements (B, K X Y) and the indices (B,) of their positions.
+    Cosines have an image beyond each side of a grid: the estimate is symmetric, and no grid has to be larger.
+    """
+    from scipy.fft import dctn, idctn
+
+    along = np.pi * np.arange(cells[0]) / (cells[0] * dx[..., None])
+    across = np.pi * np.arange(cells[1]) / (cells[1] * dy[..., None])
+    waves = 0.5 * np.hypot(along[..., :, None], across[..., None, :])
+    waves[..., 0, 0] = EVEN_WAVE_SHARE * waves[..., 1, 0]
+
+    def pressed(displacements: Array, which: NDArray[np.intp]) -> Array:
+        values = displacements.reshape(len(displacements), -1, *cells)
+        row, column = np.nonzero(values.any(axis=(2, 3)))
+        estimate = np.zeros_like(values)
+        spectrum = dctn(values[row, column], axes=(1, 2))
+        spectrum *= waves[which[row], column]
+        estimate[row, column] = idctn(spectrum, axes=(1, 2), overwrite_x=True)
+        return estimate.reshape(displacements.shape)
+
+    return pressed
 
 
 def _end(dx: Array, dy: Array, distance: Array, shape: tuple[int, int], material: Material, waves: Array) -> Array:
