@@ -139,6 +139,17 @@ class WormDriveMeasured(MeasuredTable):
     wheel_pitch_seed: int | None = pitch_seed("wheel")
 
 
+class CycloidalMeasured(Table):
+    """Measured places of the lobes of a cycloidal drive and of its pins."""
+
+    disc_pitch: str | None = pitch_file("disc")
+    disc_pitch_right_um: tuple[float, ...] | None = pitch_list("disc", "right")
+    disc_pitch_left_um: tuple[float, ...] | None = pitch_list("disc", "left")
+    ring_pitch: str | None = pitch_file("ring")
+    ring_pitch_right_um: tuple[float, ...] | None = pitch_list("ring", "right")
+    ring_pitch_left_um: tuple[float, ...] | None = pitch_list("ring", "left")
+
+
 class RackMeasured(MeasuredTable):
     """Measured flanks of pinion and rack, and teeth of the pinion."""
 

@@ -15,6 +15,7 @@ from pydantic import model_validator
 from gearmesh.design import keys
 from gearmesh.design.core import Design, FlankContact, MemberTable
 from gearmesh.design.keys import DERIVED_VALUE, Table, conflict
+from gearmesh.design.measured import CycloidalMeasured
 from gearmesh.design.runout import eccentricity, phase
 from gearmesh.member_names import MemberNames
 from gearmesh.systems.common.bounds import at_most
@@ -160,6 +161,7 @@ class CycloidalDesign(Design):
     ring: CycloidalRing
     output: OutputPins | None = None
     assembly: CycloidalAssembly = CycloidalAssembly()
+    measured: CycloidalMeasured | None = None
     contact: FlankContact = FlankContact()
 
     @property
