@@ -11,9 +11,12 @@ import pytest
 from scipy.integrate import quad
 
 import gearmesh as gm
+from gearmesh.contact.engagement.pitch_turns import whole_turns
 from gearmesh.kernel.envelope.limiting_line import limiting_line
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.metrology.measured_teeth import pitch_radius
 from gearmesh.systems.cycloidal.build import Drive
+from gearmesh.systems.cycloidal.forces import pin_forces
 from gearmesh.systems.cycloidal.geometry import PinCurve
 from gearmesh.systems.cycloidal.sheet import lobe_area
 from gearmesh.teeth.limits import member_limits
@@ -206,3 +209,50 @@ def test_limits_of_lobes_have_no_undercut() -> None:
 def test_bad_keys_are_refused_in_one_line(overrides: tuple[str, ...], message: str) -> None:
     with pytest.raises(gm.DesignError, match=message):
         gm.build(design(*overrides))
+
+
+@pytest.mark.parametrize(("form", "teeth"), FORMS)
+def test_pin_forces_carry_the_torque_through_the_pitch_point(form: str, teeth: int) -> None:
+    own = drive_of(form, teeth).curve
+    phi = np.array([0.0, 0.1, 0.2])
+    forces = pin_forces(own, 50.0, phi)
+    places = phi[:, None] + 2.0 * np.pi * np.arange(own.pins) / own.pins
+    at = own.circle * np.stack((np.cos(places), np.sin(places)), axis=-1)
+    away = at - np.array([own.pitch_radius, 0.0])
+    pushed = forces[..., None] * away / np.linalg.norm(away, axis=-1, keepdims=True)
+    assert (at[..., 0] * pushed[..., 1] - at[..., 1] * pushed[..., 0]).sum(axis=-1) == pytest.approx(5e4)
+    assert pushed[..., 1].sum(axis=-1) == pytest.approx(5e4 / own.pitch_radius)
+
+
+@pytest.mark.sweep
+def test_loaded_pins_share_the_torque_nearly_as_rigid_members_do() -> None:
+    given = design()
+    loaded = gm.build(given).loaded_contact(50.0, [3.0]).to_dict()
+    forces = np.sort([pair["force_n"] for pair in loaded["tooth_pairs"][0]])[::-1]
+    own = Drive(given).curve
+    closed = [np.sort(pin_forces(own, 50.0 * 20 / 19, np.array(phi)))[::-1] for phi in np.linspace(0.0, np.pi / 10, 91)]
+    # the pins' compliance differs from place to place by a few per cent
+    apart = min(np.abs(each[: forces.size] - forces).max() for each in closed)
+    assert apart < 0.1 * forces[0]
+
+
+@pytest.mark.sweep
+def test_pins_out_of_place_turn_the_ring_as_the_first_pin_says() -> None:
+    """To first order, which small deviations keep within a hundredth."""
+    chance = np.random.default_rng(3)
+    places, gap = np.round(chance.normal(0.0, 0.5, 20), 3), 0.003
+    keys = [f"measured.ring_pitch_{side}_um={places.tolist()}" for side in Side]
+    gears = gm.build(design(f"modification.equidistant={gap}", *keys))
+    turns = whole_turns(gears.train.pair(0))
+    angles = 1e-3 * (places - places.mean()) / pitch_radius(gears.members["ring"].tooth, None)
+    te = turns.te
+    apart = []
+    # which pin is at the tooth on x is a matter of the mounting: all are tried
+    for first in range(20):
+        phi = (np.arange(20) + first + 0.5) * np.pi / 10 - turns.phi1[:, None] * 19 / 20
+        levers = -Drive(gears.design).curve.levers(phi)
+        with np.errstate(divide="ignore"):
+            ahead = np.where(levers > 1e-3, angles - gap / levers, -np.inf).max(axis=-1)
+        apart.append(np.abs(ahead - ahead[0] - te).max())
+    assert min(apart) < 0.015 * np.ptp(te)
+    assert sorted(apart)[1] > 0.1 * np.ptp(te)

@@ -54,7 +54,12 @@ def pair_forces(design: CycloidalDesign, torque: float, speed: float | None) -> 
         ("F_max", "largest force of a pin", "N", (float(forces.max()),) * 2),
         ("F_y", "sum of their forces across the line of both axes", "N", (across,) * 2),
         ("F_x", "sum along the line of both axes, largest", "N", (float(np.abs(along).max()),) * 2),
-        ("F", "load of the eccentric's bearing by the pins, largest", "N", (float(np.hypot(along, across).max()), None)),
+        (
+            "F",
+            "load of the eccentric's bearing by the pins, largest",
+            "N",
+            (float(np.hypot(along, across).max()), None),
+        ),
     ]
     title = f"Forces for {torque:g} Nm on the disc, rigid members without modification"
     return (table(title, (DISC_NAME, RING_NAME), rows),)
