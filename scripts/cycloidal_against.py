@@ -157,7 +157,9 @@ def main() -> None:
                 deviation = 1e3 * outline_deviation(file, drive)
                 seconds = statistics.median(times[program])
                 size = file.stat().st_size
-                print(f"{name:7} {lobes:5}  {1e6 * apart:15.2g}  {program:10} {seconds:7.2f}  {size:7}  {deviation:.3f}")
+                print(
+                    f"{name:7} {lobes:5}  {1e6 * apart:15.2g}  {program:10} {seconds:7.2f}  {size:7}  {deviation:.3f}"
+                )
 
 
 if __name__ == "__main__":
