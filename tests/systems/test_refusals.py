@@ -23,7 +23,6 @@ def _some() -> list[tuple[str, str]]:
     ]
 
 
-@pytest.mark.sweep_cases("rack-rack.modifications_left.triangular_end_relief_root.amount")
 @pytest.mark.parametrize(("kind", "key"), _some())
 def test_bounds_are_values_of_the_key_that_build(kind: str, key: str) -> None:
     assert faults(kind, key) == []

@@ -263,12 +263,13 @@ def _keyway(spec: MemberBody, under: UnderTeeth) -> Slot | None:
 
 def _bore_form(spec: MemberBody, under: UnderTeeth) -> BoreForm | None:
     """Return the hexagon or the flats of the bore; None if the design has neither."""
-    name, bore, room = under.name, 2.0 * under.body.bore_radius, _bore_room(under)
+    name, bore = under.name, 2.0 * under.body.bore_radius
     for table, noun in (("hex_bore", "a hexagonal bore"), ("d_bore", "a flat")):
         if getattr(spec, table) is not None and bore == 0.0:
             raise DesignError(f"{name}.bore", 0, unit="mm", reason=f"{noun} needs a bore", allowed="more than 0 mm")
     if spec.hex_bore is not None:
-        hexagon = Hexagon(spec.hex_bore.across_flats)
+        # the room costs sections of the teeth: it is asked for a hexagon alone
+        hexagon, room = Hexagon(spec.hex_bore.across_flats), _bore_room(under)
         if hexagon.corner >= room:
             raise DesignError(
                 f"{name}.hex_bore.across_flats",
