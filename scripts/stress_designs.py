@@ -308,6 +308,31 @@ def spiral_bevel(dice: Dice, m: float) -> Keys:
     }
 
 
+def straight_bevel(dice: Dice, m: float) -> Keys:
+    one, two = teeth(dice, (13, 30), (8, 60), 4.0, 8.0)
+    angle = dice.one_of(90.0, 90.0, dice.between((60.0, 120.0), (30.0, 140.0)))
+    delta = math.atan2(math.sin(math.radians(angle)), two / one + math.cos(math.radians(angle)))
+    outer = 0.5 * m * one / math.sin(delta)
+    more: Keys = {}
+    if dice.chance(0.4):
+        more["face_width"] = float(f"{outer * dice.between((0.2, 0.32), (0.08, 0.45)):.4g}")
+    form = dice.one_of("octoid", "octoid", "spherical_involute")
+    pinion: Keys = {"teeth": one}
+    if form == "octoid" and dice.chance(0.4):
+        pinion["disc"] = {"dish_angle": dice.between((1.0, 5.0), (0.0, 15.0))}
+    return {
+        "form": form,
+        "taper": dice.one_of("standard", "standard", "tilted_root_line", "uniform"),
+        "shaft_angle": angle,
+        "pressure_angle": dice.one_of(20.0, dice.between((17.5, 25.0), (12.0, 30.0))),
+        "backlash": float(f"{dice.one_of(0.0, dice.between((0.01, 0.05), (0.0, 0.2)) * m):.3g}"),
+        "pinion": pinion,
+        "gear": {"teeth": two},
+        "assembly": bevel_errors(dice, m),
+        **more,
+    }
+
+
 def hypoid(dice: Dice, m: float) -> Keys:
     one, two = teeth(dice, (9, 16), (5, 25), 4.5, 8.0)
     diameter, angle = m * two, dice.one_of(90.0, 90.0, dice.between((80.0, 100.0), (60.0, 120.0)))
@@ -435,6 +460,7 @@ KINDS: Mapping[str, Callable[[Dice, float], Keys]] = {
     "novikov": lambda dice, m: parabolic(dice, m, True),
     "modified_involute": lambda dice, m: parabolic(dice, m, False),
     "spiral_bevel": spiral_bevel,
+    "straight_bevel": straight_bevel,
     "hypoid": hypoid,
     "spiral_bevel_conjugate": spiral_bevel_conjugate,
     "face_gear": face_gear,

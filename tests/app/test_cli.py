@@ -538,6 +538,8 @@ def test_one_wrong_value_is_named(scratch: Path, sample: str, data: st.DataObjec
         table = table.setdefault(name, {})
     if tables and "_relief" in tables[-1]:
         table |= {"amount": 0.01, "length": 1} if "end" in tables[-1] else {"amount": 0.01, "start_diameter": 1}
+    if tables and tables[-1] == "d_bore":
+        table |= {"height": 1}
     table[last] = value
     scratch.write_text(json.dumps(design))
     message = refused("tca", scratch)

@@ -123,7 +123,12 @@ def test_the_pattern_repeats_with_the_teeth_of_eccentric_members() -> None:
 def test_every_kind_takes_eccentric_members_and_puts_them_on_their_mounts() -> None:
     for kind in kinds():
         keys = {line.key for line in system(kind).design.key_lines()}
-        others = {"planetary": ("sun", "planet", "ring"), "rack": ("pinion",), "worm_drive": ("worm", "wheel")}
+        others = {
+            "planetary": ("sun", "planet", "ring"),
+            "rack": ("pinion",),
+            "worm_drive": ("worm", "wheel"),
+            "cycloidal": ("disc", "ring"),
+        }
         members = others.get(kind, ("pinion", "gear"))
         assert {f"assembly.{member}_{what}" for member in members for what in ("eccentricity", "phase")} <= keys
     samples = {

@@ -225,9 +225,10 @@ def test_closest_gap_is_the_smallest_over_the_positions():
 
 
 def pair_in(*mounts):
-    """A pair of members in these mounts, of whose teeth the number alone is known."""
+    """A pair of members in these mounts, of whose teeth the number alone is known, and that they are no ring's."""
+    outside = SimpleNamespace(body=SimpleNamespace(around=False))
     pinion, gear = (
-        Member(name, SimpleNamespace(teeth=20), None, mount=mount)
+        Member(name, SimpleNamespace(teeth=20, blank=outside), None, mount=mount)
         for name, mount in zip(("pinion", "gear"), mounts, strict=True)
     )
     return GearPair(pinion, gear, (Side.RIGHT, Side.RIGHT), 1, -1.0, 0.00635)

@@ -659,7 +659,8 @@ def _warnings(pair: GearPair, mesh: LoadedMesh, unloaded: float) -> list[str]:
     bodies = [member.name for member in pair.both if member.features != BodyFeatures()]
     if bodies:
         lines.append(
-            f"{' and '.join(bodies)}: the compliance of the body neglects holes, keyway or flats of the bore, and hub beyond the face"
+            f"{' and '.join(bodies)}: the compliance of the body neglects holes, keyway or flats of the bore, and hub "
+            "beyond the face"
         )
     halves = [member.name for member in pair.both if member.halves[1:]]
     if halves:

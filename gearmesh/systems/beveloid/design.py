@@ -244,10 +244,23 @@ class BeveloidDesign(PairDesign):
         helices = self.pinion.helix_angle + self.gear.sense * self.gear.helix_angle
         return math.hypot(cones, helices) < PARALLEL_TOLERANCE_DEG
 
+    @model_validator(mode="before")
+    @classmethod
+    def _pinion_is_external(cls, keys: Any) -> Any:
+        """Refuse an internal pinion before its other keys are compared with those of a ring."""
+        pinion = keys.get("pinion") if isinstance(keys, Mapping) else None
+        if isinstance(pinion, Mapping):
+            teeth = pinion.get("teeth")
+            if isinstance(teeth, int) and teeth < 0:
+                raise conflict(
+                    "pinion.teeth", teeth, must_be="a whole number from 1 to 10000: only the gear can be internal"
+                )
+            if pinion.get("internal") is True:
+                raise conflict("pinion.internal", True, reason="only the gear can be internal")
+        return keys
+
     @model_validator(mode="after")
     def _one_inside_the_other(self) -> Self:
-        if self.pinion.internal:
-            raise conflict("pinion.internal", True, reason="only the gear can be internal")
         if self.gear.internal and self.gear.teeth <= self.pinion.teeth:
             raise conflict(
                 "gear.teeth",

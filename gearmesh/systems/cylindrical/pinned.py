@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from gearmesh.systems.cylindrical.cutting.cutter import cutter_of
 from gearmesh.systems.cylindrical.cutting.hobbed import DEFAULT_CHAMFER_ANGLE_DEG
+from gearmesh.systems.cylindrical.cutting.run_out import runs_out, tool_radius
 from gearmesh.systems.cylindrical.double_helical import gap_heights, half_of
 from gearmesh.systems.cylindrical.geometry.nominal import MEMBER_NAMES
 from gearmesh.systems.cylindrical.geometry.proportions import proportions
@@ -52,6 +53,8 @@ def member_values(gear: GearProportions, called: str, member: Member) -> Values:
         values |= {"shaper.teeth": cutter.teeth, "shaper.profile_shift": cutter.shift}
     if spec.internal:
         values["rim"] = member.tooth.blank.body.profile[0][0] - gear.root
+    if spec.hobbed and runs_out(gear):
+        values["run_out_radius"] = tool_radius(gear)
     if spec.hob is not None and spec.hob.protuberance and spec.hob.protuberance_angle is None:
         values["hob.protuberance_angle"] = math.degrees(0.5 * gear.own.alpha)
     if spec.hob is not None and spec.hob.chamfer_diameter is not None and spec.hob.chamfer_angle is None:
@@ -69,7 +72,7 @@ def rack_values(design: RackDesign, train: GearTrain) -> Values:
     """Return the values for a complete design in mm and the gear set built from it."""
     geometry = rack_proportions(half_of(design))
     return {
-        **({"arrangement": design.arrangement} if design.double_helical else {}),
+        "arrangement": design.arrangement,
         **{f"{RACK_NAME}.gap_height": height for height in gap_heights(train.members[RACK_NAME])},
         "assembly.mounting_distance": geometry.mesh.mounting_distance,
         f"{RACK_NAME}.teeth": design.rack_teeth,

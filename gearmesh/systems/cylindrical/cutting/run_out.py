@@ -23,14 +23,10 @@ if TYPE_CHECKING:
 DEFAULT_TOOL_RADIUS_MM = 24.0
 
 
-def run_outs(gear: GearProportions, rack: RackTooth) -> WayOut | None:
-    """Return the run-outs at ends whose shaft begins thicker than the root; None if there is none.
-
-    `rack`: the tool's tooth. Raises DesignError for a radius without such a shaft, for teeth that have another last cut, and
-    for a tool that leaves no full depth.
-    """
-    name, spec, own = gear.name, gear.spec, gear.own
-    shafts = {
+def _thick_shafts(gear: GearProportions) -> dict[str, float]:
+    """Return the diameters, mm, of shafts that begin on an end face and are thicker than the roots, by their keys."""
+    spec = gear.spec
+    return {
         key: shaft.diameters[0]
         for key, shaft, hub in (
             ("toe_shaft", spec.toe_shaft, spec.toe_hub),
@@ -38,6 +34,27 @@ def run_outs(gear: GearProportions, rack: RackTooth) -> WayOut | None:
         )
         if shaft is not None and hub is None and shaft.diameters[0] >= 2.0 * gear.root
     }
+
+
+def tool_radius(gear: GearProportions) -> float:
+    """Return the radius, mm, at the tip of the hob or milling cutter that leaves the teeth at a shaft."""
+    given = gear.spec.run_out_radius
+    return DEFAULT_TOOL_RADIUS_MM * math.sqrt(gear.own.module) if given is None else given
+
+
+def runs_out(gear: GearProportions) -> bool:
+    """Return True if teeth run out into a shaft."""
+    return bool(_thick_shafts(gear))
+
+
+def run_outs(gear: GearProportions, rack: RackTooth) -> WayOut | None:
+    """Return the run-outs at ends whose shaft begins thicker than the root; None if there is none.
+
+    `rack`: the tool's tooth. Raises DesignError for a radius without such a shaft, for teeth that have another last cut, and
+    for a tool that leaves no full depth.
+    """
+    name, spec, own = gear.name, gear.spec, gear.own
+    shafts = _thick_shafts(gear)
     if not shafts:
         if spec.run_out_radius is not None:
             reason = "no shaft begins on an end face thicker than the roots, so that no teeth run out"
@@ -54,7 +71,7 @@ def run_outs(gear: GearProportions, rack: RackTooth) -> WayOut | None:
         )
     tool = Envelope(RackSurface(rack.flank, own.beta, 0.0), RackRoll(own.radius))
     form = tool.jet(np.array(rack.form_point[0]), np.array(0.0)).r
-    radius = DEFAULT_TOOL_RADIUS_MM * math.sqrt(own.module) if spec.run_out_radius is None else spec.run_out_radius
+    radius = tool_radius(gear)
     half = 0.5 * spec.face_width
     way_out = WayOut(
         tool_radius=radius,

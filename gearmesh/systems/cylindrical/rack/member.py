@@ -238,9 +238,14 @@ def rack_member(name: str, spec: RackProportions, pinion: Toothing, table: RackT
 def with_bolts(rack: Member, table: RackTable) -> Member:
     """Return a rack with the bolt holes of its table.
 
-    Raises DesignError naming key, value and limit if the holes do not stay in the bar.
+    Raises DesignError naming key, value and limit if the holes do not stay in the bar, or if chamfers of its end faces
+    reach them.
     """
-    return rack if table.bolts is None else replace(rack, features=BodyFeatures(row=_bolt_row(rack, table.bolts)))
+    if table.bolts is None:
+        return rack
+    bolted = replace(rack, features=BodyFeatures(row=_bolt_row(rack, table.bolts)))
+    # the chamfers are cut once more: they are checked beside the holes
+    return bolted if bolted.halves[1:] else with_end_chamfers(bolted, table)
 
 
 def _bolt_row(member: Member, bolts: BoltRow) -> HoleRow:
