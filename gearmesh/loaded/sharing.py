@@ -60,6 +60,10 @@ HELD_TOLERANCE_MM = 1e-6
 MAX_GRID_ROUNDS = 6
 #: least and largest share of a grid's half width that the contact may fill
 FILL_RANGE = (0.45, 0.97)
+#: factor for the width of a grid that the contact fills
+WIDENING_FACTOR = 1.6
+#: the same with coarse cells: the outermost of 12 is pressed from 0.83 of the half width on, where the grid may fit
+COARSE_WIDENING_FACTOR = 1.25
 #: least share of a grid's length that the contact may fill
 MIN_LENGTH_SHARE = 0.25
 #: least numbers of cells along and across with which grids are fitted before the cells are halved
@@ -408,7 +412,7 @@ def _fit_grids(
     tolerance, level = (FIT_TOLERANCE, _coarse(cells)) if coarse else (PRESSURE_TOLERANCE, cells)
     problem = _Problem(near, torque, bodies, materials, level, begin, supports, tolerance=tolerance)
     for _ in range(MAX_GRID_ROUNDS - 1):
-        wrong, better = problem.better_grids(ends=not coarse)
+        wrong, better = problem.better_grids(COARSE_WIDENING_FACTOR if coarse else WIDENING_FACTOR, ends=not coarse)
         if not wrong.any():
             break
         problem.solve_again(wrong, better)
@@ -576,17 +580,19 @@ class _Problem:
         """Sizes and pressures of the grids."""
         return _Grids(self.widen, self.grid.part, self.pressure)
 
-    def better_grids(self, *, ends: bool) -> tuple[NDArray[np.bool_], _Grids]:
-        """Return the positions (P,) with a grid that does not fit the contact, and grids that fit better; True for
-        `ends` moves open ends out."""
+    def better_grids(self, widening: float, *, ends: bool) -> tuple[NDArray[np.bool_], _Grids]:
+        """Return the positions (P,) with a grid that does not fit the contact, and grids that fit better.
+
+        `widening` is the factor for grids that are too narrow; True for `ends` moves open ends out.
+        """
         filled_width, (used_from, used_share), open_end = self.fill(), self.used_part(), self.reaches_ends() & ends
         # grids to change: too narrow or too wide, much longer than the contact, or ended by an open end
         misfit = (filled_width > FILL_RANGE[1]) | ((filled_width > 0.0) & (filled_width < FILL_RANGE[0]))
         short = (used_share > 0.0) & (used_share < MIN_LENGTH_SHARE) & ~open_end.any(axis=0)
-        # too narrow: 1.6 times as wide; too wide: fill three quarters of the width
+        # too wide: fill three quarters of the width
         widen = np.where(
             filled_width > FILL_RANGE[1],
-            1.6 * self.widen,
+            widening * self.widen,
             np.where(misfit, self.widen * filled_width / 0.75, self.widen),
         )
         # much longer than the contact: cut to the contact and some room at both ends

@@ -52,6 +52,8 @@ ABSENT = {
     *("pinion_right", "pinion_left", "gear_right", "gear_left", "pinion_pitch", "gear_pitch"),
     *(f"{member}_{what}_um" for member in ("pinion", "gear") for what in ("pitch_right", "pitch_left", "runout")),
     *(f"{member}_pitch_{what}" for member in ("pinion", "gear") for what in ("class", "seed")),
+    # that of the drive side
+    "coast_pressure_angle",
     # refused without a shaft thicker than the roots
     "run_out_radius",
     *("end_rounding_toe", "end_rounding_heel"),

@@ -181,14 +181,17 @@ def test_grids_follow_short_contacts() -> None:
 @pytest.mark.sweep
 def test_a_corner_carries_beside_its_ridge() -> None:
     """Of askew teeth one pair begins to touch at a corner of its flank, and carries a tenth of the load along the edge from there:
-    cells half as long and wide agree to 1e-4 of the rotation and 0.2 % of the load (a grid that ended there gave it 3 %)."""
+    cells half as long and wide agree to 1.2e-4 of the rotation and 0.2 % of the load (a grid that ended there gave it 3 %).
+
+    They agreed to 1e-4 while the finer grid was 1.8 times as wide as the contact needs, and so no finer.
+    """
     pair, bodies = geared("helical", "assembly.gamma_h=0.02")
     phi1, torque = pair.pitch * np.array([19.0 / 21.0]), np.array([5e5])
     coarse, fine = (loaded_mesh(pair, phi1, torque, bodies, cells=cells) for cells in ((40, 24), (80, 48)))
     assert (coarse.status == Status.CONVERGED).all()
     (load,), (finer,) = coarse.loads, fine.loads
     assert 0.08 < load.force[load.number == 0] / load.force.sum() < 0.15
-    np.testing.assert_allclose(coarse.rotation, fine.rotation, rtol=1e-4)
+    np.testing.assert_allclose(coarse.rotation, fine.rotation, rtol=1.2e-4)
     np.testing.assert_allclose(load.force, finer.force, atol=2e-3 * load.force.sum())
 
 
