@@ -103,7 +103,7 @@ def test_solid_and_cad() -> None:
 @pytest.mark.parametrize(
     ("member", "keys", "key"),
     [
-        ("pinion", {"teeth": -15}, "pinion.internal"),
+        ("pinion", {"teeth": -15}, "pinion.teeth"),
         ("gear", {"teeth": -15}, "gear.teeth"),
         ("gear", {"cone_angle": 5}, "gear.cone_angle"),
         ("gear", {"bore": 5}, "gear.bore"),
