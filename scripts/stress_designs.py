@@ -280,14 +280,20 @@ def bevel_errors(dice: Dice, m: float) -> Keys:
     return found
 
 
+def bevel_face_width(dice: Dice, m: float, teeth: tuple[int, int], angle: float) -> Keys:
+    """The face width as a part of the outer cone distance at a shaft angle, deg; most designs leave it to its default."""
+    one, two = teeth
+    delta = math.atan2(math.sin(math.radians(angle)), two / one + math.cos(math.radians(angle)))
+    outer = 0.5 * m * one / math.sin(delta)
+    if not dice.chance(0.4):
+        return {}
+    return {"face_width": float(f"{outer * dice.between((0.2, 0.32), (0.08, 0.45)):.4g}")}
+
+
 def spiral_bevel(dice: Dice, m: float) -> Keys:
     one, two = teeth(dice, (12, 25), (8, 45), 4.5, 8.0)
     angle = dice.one_of(90.0, 90.0, dice.between((70.0, 110.0), (35.0, 140.0)))
-    delta = math.atan2(math.sin(math.radians(angle)), two / one + math.cos(math.radians(angle)))
-    outer = 0.5 * m * one / math.sin(delta)
-    more: Keys = {}
-    if dice.chance(0.4):
-        more["face_width"] = float(f"{outer * dice.between((0.2, 0.32), (0.08, 0.45)):.4g}")
+    more = bevel_face_width(dice, m, (one, two), angle)
     pinion: Keys = {"teeth": one}
     if dice.chance(0.2):
         side = {
@@ -311,11 +317,7 @@ def spiral_bevel(dice: Dice, m: float) -> Keys:
 def straight_bevel(dice: Dice, m: float) -> Keys:
     one, two = teeth(dice, (13, 30), (8, 60), 4.0, 8.0)
     angle = dice.one_of(90.0, 90.0, dice.between((60.0, 120.0), (30.0, 140.0)))
-    delta = math.atan2(math.sin(math.radians(angle)), two / one + math.cos(math.radians(angle)))
-    outer = 0.5 * m * one / math.sin(delta)
-    more: Keys = {}
-    if dice.chance(0.4):
-        more["face_width"] = float(f"{outer * dice.between((0.2, 0.32), (0.08, 0.45)):.4g}")
+    more = bevel_face_width(dice, m, (one, two), angle)
     form = dice.one_of("octoid", "octoid", "spherical_involute")
     pinion: Keys = {"teeth": one}
     if form == "octoid" and dice.chance(0.4):
