@@ -83,6 +83,7 @@ def pressures(
     """
     weight, levers = np.where(on, area, 0.0), np.where(on, lever, 0.0)
     cell_ease = np.ones_like(weight) if ease is None else ease
+    estimated = precondition or (lambda displacement, which: displacement / cell_ease[which])
     every = np.arange(len(gap))
     # initial pressures, scaled to the torque
     p = np.where(on, start, 0.0)
@@ -101,16 +102,11 @@ def pressures(
         inner = a * touching
         # gap under load w, with the theta for which the descent carries no torque
         w = gap[active] + u[active]
-        if precondition is None:
-            estimate, lever_estimate = w / softness, lv / softness
-        else:
-            stale = np.flatnonzero(restarts[active])
-            if stale.size:
-                of_levers[active[stale]] = touching[stale] * precondition(
-                    np.where(touching[stale], lv[stale], 0.0), active[stale]
-                )
-            estimate = touching * precondition(np.where(touching, w, 0.0), active)
-            lever_estimate = of_levers[active]
+        stale = np.flatnonzero(restarts[active])
+        if stale.size:
+            stale_levers = np.where(touching[stale], lv[stale], 0.0)
+            of_levers[active[stale]] = touching[stale] * estimated(stale_levers, active[stale])
+        estimate, lever_estimate = touching * estimated(np.where(touching, w, 0.0), active), of_levers[active]
         theta = (inner * lv * estimate).sum(axis=1) / (inner * lv * lever_estimate).sum(axis=1)
         w = w - lv * theta[:, None]
         descent = estimate - lever_estimate * theta[:, None]

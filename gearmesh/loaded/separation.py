@@ -729,6 +729,9 @@ class _Surfaces:
 
         The direction of the edge is measured on both sides of first touch, which may be a corner of the flank.
         """
+        if self._near.chosen_from is not None:
+            every_pair, rows = self._near.chosen_from
+            return every_pair.surfaces.along_edge[rows]
         low, high = self.extent
         probe_length = PROBE_SHARE * (high - low)
         along = np.zeros(len(probe_length), dtype=bool)

@@ -242,13 +242,13 @@ def loaded_mesh(
     wrong = ~(np.isfinite(torque) & (torque > 0.0))
     if wrong.any():
         raise ArgumentError("torque", 0.001 * torque[wrong][0], unit="Nm", allowed="a finite number above 0")
-    modulus = contact_modulus(*materials)
+    model, modulus = _Model(bodies, materials, cells), contact_modulus(*materials)
     points = bodies[0].points
     face = float(np.linalg.norm(points[0, -1] - points[0, 0]))
     arm = float(np.hypot(points[..., 0], points[..., 1]).mean())
     # tooth pairs that come near under the largest torque, from an estimate of the teeth's deflection
     near, largest_grids, limit = _reaching(
-        gears, phi1, torque.max(), UNIT_DEFLECTION_MM * torque.max() / (arm * face * modulus), bodies, materials, cells
+        gears, phi1, torque.max(), UNIT_DEFLECTION_MM * torque.max() / (arm * face * modulus), model
     )
     supports = None
     if flexible != (None, None):
@@ -265,16 +265,13 @@ def loaded_mesh(
         mounts_converged = True
         # one problem per torque; members on elastic mounts are displaced until they have converged
         if supports is not None:
-            problem, mounts_converged = _solve_on_mounts(
-                gears, near, float(applied_torque), bodies, materials, cells, supports, limit
-            )
+            problem, mounts_converged = _solve_on_mounts(gears, near, float(applied_torque), model, supports, limit)
             displacement[k] = problem.displacement()
         else:
             grids = largest_grids
             if applied_torque != torque.max():
-                fitted = _fit_grids(near, float(applied_torque), bodies, materials, cells, coarse=True)
-                grids = _fine(fitted.grids, cells)
-            problem = _fit_grids(near, float(applied_torque), bodies, materials, cells, grids=grids)
+                grids = model.fine(_fit_grids(near, float(applied_torque), model, coarse=True).grids)
+            problem = _fit_grids(near, float(applied_torque), model, grids=grids)
         tell(0.6)
         solution, moved = problem.solution, problem.near
         # displaced gears begin to touch at another rotation, which counts as part of the rotation under load
@@ -328,9 +325,7 @@ def _reaching(
     phi1: Array,
     torque: float,
     give: float,
-    bodies: tuple[FlankCompliance, FlankCompliance],
-    materials: tuple[Material, Material],
-    cells: tuple[int, int],
+    model: _Model,
 ) -> tuple[NearPairs, _Grids, float]:
     """Return all tooth pairs loaded under the largest torque, N mm, their grids, and the search distance, mm.
 
@@ -340,11 +335,34 @@ def _reaching(
     limit = 3.0 * give
     while True:
         near = near_pairs(gears, phi1, limit)
-        problem = _fit_grids(near, torque, bodies, materials, cells, coarse=True)
+        problem = _fit_grids(near, torque, model, coarse=True)
         largest_approach = float((problem.solution.rotation[near.position] * problem.lever).max())
         if APPROACH_MARGIN * largest_approach < limit:
-            return near, _fine(problem.grids, cells), limit
+            return near, model.fine(problem.grids), limit
         limit = 1.5 * largest_approach
+
+
+@dataclass(frozen=True)
+class _Model:
+    """Model of the members under load."""
+
+    #: compliance of the working flanks of pinion and gear
+    bodies: tuple[FlankCompliance, FlankCompliance]
+    #: materials of pinion and gear
+    materials: tuple[Material, Material]
+    #: numbers of cells along and across each contact
+    cells: tuple[int, int]
+
+    @property
+    def coarse(self) -> _Model:
+        """The model with cells twice as long and wide, with which grids are fitted; the same if it has few cells."""
+        along, across = self.cells[0] // 2, self.cells[1] // 2
+        few = along < MIN_FITTED_CELLS[0] or across < MIN_FITTED_CELLS[1]
+        return self if few else replace(self, cells=(along, across))
+
+    def fine(self, grids: _Grids) -> _Grids:
+        """Return grids that were fitted with `coarse` cells, with their pressures on the cells of this model."""
+        return grids if self.coarse is self else grids.with_halved_cells()
 
 
 @dataclass(frozen=True)
@@ -394,9 +412,7 @@ class _Grids:
 def _fit_grids(
     near: NearPairs,
     torque: float,
-    bodies: tuple[FlankCompliance, FlankCompliance],
-    materials: tuple[Material, Material],
-    cells: tuple[int, int],
+    model: _Model,
     supports: Supports | None = None,
     grids: _Grids | None = None,
     *,
@@ -409,8 +425,8 @@ def _fit_grids(
     themselves.
     """
     begin = _Grids.estimated(len(near.position)) if grids is None else grids
-    tolerance, level = (FIT_TOLERANCE, _coarse(cells)) if coarse else (PRESSURE_TOLERANCE, cells)
-    problem = _Problem(near, torque, bodies, materials, level, begin, supports, tolerance=tolerance)
+    tolerance, level = (FIT_TOLERANCE, model.coarse) if coarse else (PRESSURE_TOLERANCE, model)
+    problem = _Problem(near, torque, level, begin, supports, tolerance=tolerance)
     for _ in range(MAX_GRID_ROUNDS - 1):
         wrong, better = problem.better_grids(COARSE_WIDENING_FACTOR if coarse else WIDENING_FACTOR, ends=not coarse)
         if not wrong.any():
@@ -419,24 +435,11 @@ def _fit_grids(
     return problem
 
 
-def _coarse(cells: tuple[int, int]) -> tuple[int, int]:
-    """Return the numbers of cells with which grids are fitted: half of them each way, or all if they are few."""
-    along, across = cells[0] // 2, cells[1] // 2
-    return (along, across) if along >= MIN_FITTED_CELLS[0] and across >= MIN_FITTED_CELLS[1] else cells
-
-
-def _fine(grids: _Grids, cells: tuple[int, int]) -> _Grids:
-    """Return grids that were fitted with `_coarse` cells, with pressures on the `cells` themselves."""
-    return grids if _coarse(cells) == cells else grids.with_halved_cells()
-
-
 def _solve_on_mounts(
     gears: GearPair,
     near: NearPairs,
     torque: float,
-    bodies: tuple[FlankCompliance, FlankCompliance],
-    materials: tuple[Material, Material],
-    cells: tuple[int, int],
+    model: _Model,
     supports: Supports,
     limit: float,
 ) -> tuple[_Problem, bool]:
@@ -445,9 +448,9 @@ def _solve_on_mounts(
 
     Members find their places with coarse cells first.
     """
-    settled, supports, _ = _settle(gears, near, torque, bodies, materials, cells, supports, limit, None, coarse=True)
-    grids = _fine(settled.grids, cells)
-    problem, _, converged = _settle(gears, settled.near, torque, bodies, materials, cells, supports, limit, grids)
+    settled, supports, _ = _settle(gears, near, torque, model, supports, limit, None, coarse=True)
+    grids = model.fine(settled.grids)
+    problem, _, converged = _settle(gears, settled.near, torque, model, supports, limit, grids)
     return problem, converged
 
 
@@ -455,9 +458,7 @@ def _settle(
     gears: GearPair,
     near: NearPairs,
     torque: float,
-    bodies: tuple[FlankCompliance, FlankCompliance],
-    materials: tuple[Material, Material],
-    cells: tuple[int, int],
+    model: _Model,
     supports: Supports,
     limit: float,
     grids: _Grids | None,
@@ -468,7 +469,7 @@ def _settle(
 
     Returns the problem, the displaced supports, and True if the displacement has converged.
     """
-    problem, converged = _fit_grids(near, torque, bodies, materials, cells, supports, grids, coarse=coarse), False
+    problem, converged = _fit_grids(near, torque, model, supports, grids, coarse=coarse), False
     for rounds_left in reversed(range(MAX_HELD_ROUNDS if supports.held else MAX_MOUNT_ROUNDS)):
         displacements = problem.displacement()
         # rotations count as displacements at the largest lever
@@ -483,7 +484,7 @@ def _settle(
         supports, displaced_gears = supports.displace(gears, displacements)
         moved = near_pairs(displaced_gears, near.phi1, limit)
         carried = problem.grids.carried(problem.near, moved)
-        problem = _fit_grids(moved, torque, bodies, materials, cells, supports, carried, coarse=coarse)
+        problem = _fit_grids(moved, torque, model, supports, carried, coarse=coarse)
     return problem, supports, converged
 
 
@@ -497,16 +498,15 @@ class _Problem:
         self,
         near: NearPairs,
         torque: float,
-        bodies: tuple[FlankCompliance, FlankCompliance],
-        materials: tuple[Material, Material],
-        cells: tuple[int, int],
+        model: _Model,
         grids: _Grids,
         supports: Supports | None = None,
         slots: tuple[NDArray[np.intp], int] | None = None,
         tolerance: float = PRESSURE_TOLERANCE,
     ) -> None:
-        self.near, self.bodies, self.materials, self.supports = near, bodies, materials, supports
-        self.torque, self.cells, self.tolerance = torque, cells, tolerance
+        bodies, materials, cells = model.bodies, model.materials, model.cells
+        self.near, self.torque, self.model, self.supports, self.tolerance = near, torque, model, supports, tolerance
+        self.bodies, self.materials = bodies, materials
         count = len(near.phi1)
         self.slot, self.most = slots or _slots_of(near)
         # gaps on grids whose size is estimated from the whole torque on each pair alone
@@ -596,7 +596,7 @@ class _Problem:
             np.where(misfit, self.widen * filled_width / 0.75, self.widen),
         )
         # much longer than the contact: cut to the contact and some room at both ends
-        end_room = np.maximum(0.5 * used_share, 2.0 / self.cells[0])
+        end_room = np.maximum(0.5 * used_share, 2.0 / self.model.cells[0])
         new_ends: Array = np.clip([used_from - end_room, used_from + used_share + end_room], 0.0, 1.0)
         # the width grows with the square root of the load per length
         widen = np.where(short & (filled_width > FILL_RANGE[0]), widen / np.sqrt(new_ends[1] - new_ends[0]), widen)
@@ -617,9 +617,7 @@ class _Problem:
         part = _Problem(
             near,
             self.torque,
-            self.bodies,
-            self.materials,
-            self.cells,
+            self.model,
             grids.some(rows),
             None if self.supports is None else replace(self.supports, anchor=self.supports.anchor[positions]),
             (self.slot[rows], self.most),

@@ -48,7 +48,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, unit
 from gearmesh.loaded.compliance.half_space import point_displacements
 from gearmesh.loaded.compliance.incompatible_modes import UNIT_CORNERS, corner_stresses, stiffness, unknowns
-from gearmesh.loaded.compliance.layers import cheapest, levels, responses
+from gearmesh.loaded.compliance.layers import responses
 from gearmesh.loaded.compliance.quarter_space import release
 from gearmesh.loaded.compliance.sector_grid import WEB_RIM_POWER, FilletSize, sector_grid
 from gearmesh.loaded.compliance.threads import one_thread
@@ -423,6 +423,11 @@ class Sector:
         return np.arange(len(self.mesh.nodes)) // (len(self.mesh.nodes) // self.layers)
 
     @property
+    def land(self) -> Index:
+        """Unknowns of the nodes of the tip land."""
+        return unknowns(self.mesh.node_sets["land"][:, None]).ravel()
+
+    @property
     def presses(self) -> csr_array:
         """Unit forces (3 N, n) into the body on the flank's nodes."""
         return _columns(unknowns(self.flank.reshape(-1, 1)), -self.normals.reshape(-1, 3), 3 * len(self.mesh.nodes))
@@ -510,10 +515,8 @@ class Condensed:
         loads = csr_array(hstack([whole[:, cut], presses, stresses]))
         on_cut, pressed = slice(0, cut.size), slice(cut.size, cut.size + presses.shape[1])
         within = slice(cut.size, loads.shape[1])
-        from_land = levels(whole, unknowns(sector.mesh.node_sets["land"][:, None]).ravel(), np.flatnonzero(layer < 0))
-        of_cuts, within_of_cuts, inner = responses(
-            whole, cheapest((layer, from_land), loads), loads, [(on_cut, on_cut), (on_cut, within), (within, pressed)]
-        )
+        asked = [(on_cut, on_cut), (on_cut, within), (within, pressed)]
+        of_cuts, within_of_cuts, inner = responses(whole, layer, loads, asked, sector.land)
         # loads and stresses that act on nodes of the cuts themselves
         on_cut_directly = np.concatenate((presses[cut].toarray(), stresses[cut].toarray()), axis=1)
         return Condensed(sector, whole[cut][:, cut].toarray() - of_cuts, on_cut_directly - within_of_cuts, inner)
@@ -649,18 +652,8 @@ def _contact_compliance(sector: Sector, depth: int) -> Array:
     loads = csr_array(hstack([sector.presses, sector.stiffness[:, base_unknowns]]))
     pressed = slice(0, sector.flank.size)
     # L of the flank's nodes; deflections of the half-space at the base, transferred to the flank by the elements
-    layers_of_unknowns = np.repeat(layer, 3)
-    from_land = levels(
-        sector.stiffness,
-        unknowns(sector.mesh.node_sets["land"][:, None]).ravel(),
-        np.flatnonzero(layers_of_unknowns < 0),
-    )
-    local, transfer = responses(
-        sector.stiffness,
-        cheapest((layers_of_unknowns, from_land), loads),
-        loads,
-        [(pressed, pressed), (pressed, slice(pressed.stop, loads.shape[1]))],
-    )
+    asked = [(pressed, pressed), (pressed, slice(pressed.stop, loads.shape[1]))]
+    local, transfer = responses(sector.stiffness, np.repeat(layer, 3), loads, asked, sector.land)
     return -local + transfer @ _half_spaces(sector, base_nodes)
 
 

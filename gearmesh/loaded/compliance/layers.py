@@ -7,6 +7,9 @@ Unknowns are grouped by layer, so that the stiffness K is block tridiagonal. Its
 Results are products Y^T Y of columns Y = L^-1 F, the forward half of a solution. They give responses F_a^T K^-1 F_b to
 loads F, and the stiffness of the body to unknowns that were excluded. They are sums over the layers, so that no more
 than two layers of L and Y are in memory: all of Y took 0.13 GB for a gear.
+
+Layers may run from toe to heel, or from the top of a tooth down. Of most teeth the latter are more layers with fewer
+unknowns each.
 """
 
 from __future__ import annotations
@@ -27,50 +30,18 @@ if TYPE_CHECKING:
 Index = NDArray[np.int64]
 
 
-def levels(stiffness: csr_array, start: Index, held: Index) -> Index:
-    """Return the level (N,) of each unknown: how many couplings it is away from the unknowns `start`; -1 for the
-    unknowns `held`, and beyond them.
-
-    Unknowns of levels that are not next to each other are not coupled. There are more levels, with fewer unknowns, from
-    the top of a tooth down than from toe to heel.
-    """
-    from scipy.sparse import csr_array
-    from scipy.sparse.csgraph import dijkstra
-
-    free = np.setdiff1d(np.arange(stiffness.shape[0]), held)
-    row = np.repeat(np.arange(stiffness.shape[0]), np.diff(stiffness.indptr))
-    coupled = csr_array((np.ones(row.size), (row, stiffness.indices)), shape=stiffness.shape)[free][:, free]
-    begin = np.flatnonzero(np.isin(free, start))
-    steps = dijkstra(coupled, indices=begin, unweighted=True, min_only=True)
-    level = np.full(stiffness.shape[0], -1)
-    level[free] = np.where(np.isfinite(steps), steps, -1)
-    return level
-
-
-def cheapest(layerings: Sequence[Index], loads: csr_array) -> Index:
-    """Return the layering (N,) with the fewest operations for loads (N, M), among those that contain as many unknowns
-    as the first."""
-    unknowns_of_first = np.count_nonzero(layerings[0] >= 0)
-    whole = [layer for layer in layerings if np.count_nonzero(layer >= 0) == unknowns_of_first]
-
-    def operations(layer: Index) -> float:
-        members = [np.flatnonzero(layer == k) for k in range(int(layer.max()) + 1)]
-        sizes = np.array([float(len(own)) for own in members])
-        last, begun = np.append(0.0, sizes[:-1]), _order(loads, members)[1].astype(float)
-        # Cholesky factor of a layer, coupling to the layer before, both of all columns that have begun
-        per_layer = sizes**3 / 3.0 + last**2 * sizes + 2.0 * sizes**2 * last
-        return float((per_layer + (sizes**2 + 2.0 * sizes * last) * begun).sum())
-
-    return min(whole, key=operations)
-
-
 def responses(
-    stiffness: csr_array, layer: Index, loads: csr_array, asked: Sequence[tuple[slice, slice]]
+    stiffness: csr_array,
+    layer: Index,
+    loads: csr_array,
+    asked: Sequence[tuple[slice, slice]],
+    top: Index | None = None,
 ) -> list[Array]:
     """Return F_a^T K^-1 F_b for pairs of ranges of columns of the loads F (N, M) over all unknowns.
 
-    Unknown k of the stiffness K (N, N) belongs to layer `layer` (N,); unknowns of layer -1 are held. Raises
-    NoSolutionError if elements are turned inside out.
+    Unknown k of the stiffness K (N, N) belongs to layer `layer` (N,); unknowns of layer -1 are held. If `top` is given,
+    layers by the distance from these unknowns are taken where they need fewer operations. Raises NoSolutionError if
+    elements are turned inside out.
     """
     from scipy.linalg import LinAlgError, cholesky, solve_triangular
 
@@ -78,7 +49,9 @@ def responses(
     every = np.arange(loads.shape[1])
     products = [np.zeros((every[one].size, every[other].size)) for one, other in asked]
     ranges = {(part.start, part.stop) for parts in asked for part in parts}
-    members = [np.flatnonzero(layer == k) for k in range(int(layer.max()) + 1)]
+    members = _members(layer)
+    if top is not None:
+        members = _cheaper(members, _members(_levels(stiffness, top, layer < 0)), loads)
     # a column is 0 up to the layer of its first load: columns are sorted by this layer
     order, active_columns = _order(loads, members)
     in_order = np.argsort(order)
@@ -119,3 +92,40 @@ def _order(loads: csr_array, members: Sequence[Index]) -> tuple[Index, Index]:
         first_layer[np.unique(loads[members[k]].indices)] = k
     order = np.argsort(first_layer, kind="stable")
     return order, np.searchsorted(first_layer[order], np.arange(len(members)), side="right")
+
+
+def _members(layer: Index) -> list[Index]:
+    """Return the unknowns of each layer."""
+    return [np.flatnonzero(layer == k) for k in range(int(layer.max()) + 1)]
+
+
+def _levels(stiffness: csr_array, start: Index, held: NDArray[np.bool_]) -> Index:
+    """Return how many couplings each unknown (N,) is away from the unknowns `start`.
+
+    It is -1 for unknowns that are `held` (N,), and for those beyond them. Unknowns of levels that are not next to each
+    other are not coupled.
+    """
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import dijkstra
+
+    free = np.flatnonzero(~held)
+    row = np.repeat(np.arange(stiffness.shape[0]), np.diff(stiffness.indptr))
+    coupled = csr_array((np.ones(row.size), (row, stiffness.indices)), shape=stiffness.shape)[free][:, free]
+    steps = dijkstra(coupled, indices=np.flatnonzero(np.isin(free, start)), unweighted=True, min_only=True)
+    level = np.full(stiffness.shape[0], -1)
+    level[free] = np.where(np.isfinite(steps), steps, -1)
+    return level
+
+
+def _cheaper(first: list[Index], second: list[Index], loads: csr_array) -> list[Index]:
+    """Return those of two layerings that take fewer operations for the loads; the first if the second lacks unknowns."""
+
+    def operations(members: list[Index]) -> float:
+        sizes = np.array([float(len(own)) for own in members])
+        last, begun = np.append(0.0, sizes[:-1]), _order(loads, members)[1].astype(float)
+        # Cholesky factor of a layer, coupling to the layer before, both of all columns that have begun
+        per_layer = sizes**3 / 3.0 + last**2 * sizes + 2.0 * sizes**2 * last
+        return float((per_layer + (sizes**2 + 2.0 * sizes * last) * begun).sum())
+
+    whole = sum(map(len, second)) == sum(map(len, first))
+    return second if whole and operations(second) < operations(first) else first
