@@ -35,6 +35,7 @@ from gearmesh.formats import HTML_SUFFIX, TOML_SUFFIX
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.pickling import fingerprint
 from gearmesh.progress import ending_when, listening
+from gearmesh.systems.displaced import displaced_bases, displaced_pair
 from gearmesh.systems.system import build, complete_design, system_of
 from gearmesh.teeth.gear_train import GearTrain, Member
 from gearmesh.view.pictures import members_picture
@@ -384,24 +385,24 @@ class Workshop:
 
     def _gears(self, design: Design) -> Built:
         """Return the gears of a design; where only errors of assembly differ, those of a known design are moved."""
-        own = system_of(design)
-        errors = error_keys(own, type(design))
-        set_errors = {key: value for key, value in design.own() if key in errors}
-        plain = design.with_values(dict.fromkeys(set_errors)) if set_errors else design
-        mark = _mark(plain.stated())
-        still = self.built.get(mark)
-        if still is None:
-            complete = complete_design(plain)
-            train = build(complete)
-            still = self.built.put(mark, Built(ModelledGears(complete, train), _marks(train)))
-        values = [design.key_at(key) and _value(design, key) for key in errors]
-        if not any(values) or len(still.gears.train.pairs) != 1:
-            if any(values):
-                complete = complete_design(design)
-                train = build(complete)
-                return Built(ModelledGears(complete, train), _marks(train))
+        errors = {key: _value(design, key) for key in error_keys(system_of(design), type(design))}
+        stated = {key: error for key, error in errors.items() if design.sets(key)}
+        still = self._built(design.with_values(dict.fromkeys(stated)) if stated else design)
+        if not any(errors.values()):
             return still
-        return Built(_moved(still.gears, design, errors), still.marks)
+        if len(still.gears.train.pairs) != 1:
+            return self._built(design)
+        return Built(_moved(still.gears, errors, stated), still.marks)
+
+    def _built(self, design: Design) -> Built:
+        """Return the gears of a design; known ones are not built again."""
+        mark = _mark(design.stated())
+        known = self.built.get(mark)
+        if known is None:
+            complete = complete_design(design)
+            train = build(complete)
+            known = self.built.put(mark, Built(ModelledGears(complete, train), _marks(train)))
+        return known
 
     def _first_scene(
         self,
@@ -461,23 +462,15 @@ class Workshop:
 # ---------------------------------------------------------------- parts of answers
 
 
-def _moved(gears: ModelledGears, design: Design, errors: Sequence[str]) -> ModelledGears:
-    """Return the gears of one pair with errors of assembly; the teeth stay, only the mounts move."""
-    known = system_of(design).displacements
-    assert known is not None
-    given = {key: _value(design, key) for key in errors}
-    own, (pair,) = gears.design.in_mm(), gears.train.pairs
-    scale = {key: design.mm_per_unit if (of := design.key_at(key)) and of.power else 1.0 for key in errors}
-    values = {key.partition(".")[2]: np.array([scale[key] * value]) for key, value in given.items()}
-    bases = known.displaced(own, gears.train, values)
-    first, second = (
-        replace(member, mount=replace(member.mount, base=replace(base, rotation=np.broadcast_to(base.rotation, (1, 3, 3))[0],
-                translation=np.broadcast_to(base.translation, (1, 3))[0])))
-        for member, base in zip(pair.both, bases, strict=True)
-    )  # fmt: skip
-    train = replace(gears.train, pairs=(replace(pair, pinion=first, gear=second),))
-    stated = {key: value for key, value in given.items() if design.sets(key)}
-    return ModelledGears(gears.design.with_values(stated), train)
+def _moved(gears: ModelledGears, errors: Mapping[str, float], stated: Mapping[str, float]) -> ModelledGears:
+    """Return the gears of one pair with errors of assembly; the teeth stay, only the mounts move.
+
+    `errors`: all of them by dotted key, in the units of the design; `stated`: those that the design sets.
+    """
+    train, (pair,) = gears.train, gears.train.pairs
+    values = {key: np.array([error]) for key, error in errors.items()}
+    moved = displaced_pair(pair, displaced_bases(gears.design, train, pair, values))
+    return ModelledGears(gears.design.with_values(stated), replace(train, pairs=(moved,)))
 
 
 def _value(design: Design, dotted: str) -> float:

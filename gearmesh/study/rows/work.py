@@ -50,6 +50,7 @@ from gearmesh.study.rows.path_figures import PathShift, path_figures
 from gearmesh.study.rows.turns_figures import turns_figures
 from gearmesh.systems import system as systems
 from gearmesh.systems.designs import parse
+from gearmesh.systems.displaced import displaced_bases, displaced_pair
 from gearmesh.teeth.flank_frame import FlankFrame
 from gearmesh.teeth.gear_train import GearPair, GearTrain
 
@@ -289,12 +290,13 @@ class Variant:
 
     def bases(self, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
         """Return the bases of pinion and gear in M assemblies; errors (M,) by dotted key replace the design's errors."""
-        return _bases(self.design, self.train, self.pair, self.errors, errors)
+        count = len(next(iter(errors.values())))
+        given = {key: np.full(count, own) for key, own in self.errors.items()}
+        return displaced_bases(self.design, self.train, self.pair, {**given, **errors})
 
     def standing(self, bases: tuple[Rigid, Rigid], m: int) -> Variant:
         """Return the design with its members mounted as in the m-th of M assemblies."""
-        pinion, gear = (Rigid(basis.rotation[m], basis.translation[m]) for basis in bases)
-        pair = _place(self.pair, pinion, gear)
+        pair = displaced_pair(self.pair, bases, m)
         return replace(self, pair=pair, flanks=remount(self.flanks, pair))
 
 
@@ -329,9 +331,8 @@ def _build(text: str, which: int | str) -> Variant:
     pair = train.pair(which)
     flanks = solver_pair(pair)
     if any(errors.values()):
-        bases = _bases(aligned, train, pair, errors, {"": np.zeros(1)})
-        placed = _place(pair, *(Rigid(basis.rotation[0], basis.translation[0]) for basis in bases))
-        mounted_flanks = remount(flanks, placed)
+        bases = displaced_bases(aligned, train, pair, {key: np.full(1, error) for key, error in errors.items()})
+        mounted_flanks = remount(flanks, displaced_pair(pair, bases))
     else:
         mounted_flanks = flanks
     phi1 = _positions(design, pair, mounted_flanks)
@@ -354,34 +355,6 @@ def _positions(design: Design, pair: GearPair, flanks: Pair) -> Array:
         ends = tuple(np.degrees((first - EXTRA_PITCHES * pair.pitch, last + EXTRA_PITCHES * pair.pitch)).tolist())
     phi1 = np.radians(np.linspace(*ends, wanted.count))
     return phi1 if pair.generation is None else contact_path(flanks, phi1, pair.generation).rotation
-
-
-def _bases(
-    design: Design, train: GearTrain, pair: GearPair, own: Mapping[str, float], errors: Mapping[str, Array]
-) -> tuple[Rigid, Rigid]:
-    count = len(next(iter(errors.values())))
-    known = systems.system_of(design).displacements
-    bases = tuple(mount.base for mount in pair.mounts)
-    if known is not None:
-        values = {}
-        for key in known.keys:
-            dotted = f"assembly.{key}"
-            meant = type(design).key_at(dotted)
-            factor = design.mm_per_unit if meant is not None and meant.unit == "length" else 1.0
-            values[key] = factor * errors.get(dotted, np.full(count, own[dotted]))
-        bases = known.displaced(design.in_mm(), train, values)
-    first, second = (
-        Rigid(np.broadcast_to(b.rotation, (count, 3, 3)), np.broadcast_to(b.translation, (count, 3))) for b in bases
-    )
-    return first, second
-
-
-def _place(pair: GearPair, pinion: Rigid, gear: Rigid) -> GearPair:
-    first, second = (
-        replace(member, mount=replace(member.mount, base=base))
-        for member, base in zip(pair.both, (pinion, gear), strict=True)
-    )
-    return replace(pair, pinion=first, gear=second)
 
 
 def _value(summary: Summary, name: str) -> Any:
