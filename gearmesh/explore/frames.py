@@ -3,16 +3,26 @@
 from __future__ import annotations
 
 import struct
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 #: length of a message in 4 bytes
 FRAME_LENGTH = struct.Struct("<I")
 
 
+def frame(content: bytes) -> bytes:
+    """Return a message with its length before it."""
+    return FRAME_LENGTH.pack(len(content)) + content
+
+
 def write_frame(stream: BinaryIO, content: bytes) -> None:
     """Write a message."""
-    stream.write(FRAME_LENGTH.pack(len(content)) + content)
+    stream.write(frame(content))
     stream.flush()
+
+
+def refused(line: str) -> dict[str, Any]:
+    """Return the answer to a question that failed for no fault of a key: nothing is offered."""
+    return {"type": "refused", "line": line, "key": "", "offers": []}
 
 
 def read_frame(stream: BinaryIO) -> bytes | None:

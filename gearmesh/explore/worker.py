@@ -15,7 +15,7 @@ import threading
 import time
 from typing import Any, BinaryIO
 
-from gearmesh.explore.frames import read_frame, write_frame
+from gearmesh.explore.frames import read_frame, refused, write_frame
 
 #: least time between two reports of progress, s
 PROGRESS_INTERVAL_S = 0.05
@@ -80,11 +80,11 @@ def main() -> None:
         except Stale:
             status = "cancelled"
         except MemoryError:
-            send({"type": "refused", "line": "out of memory: choose coarser gears", "key": "", "offers": []})
+            send(refused("out of memory: choose coarser gears"))
         except Exception as fault:  # a fault of the program, which the page must show
             print(f"gearmesh explore: {type(fault).__name__}: {fault}", file=sys.stderr)
             line = " ".join(f"a fault of the program: {type(fault).__name__}: {fault}".split())
-            send({"type": "refused", "line": line[:300], "key": "", "offers": []})
+            send(refused(line[:300]))
         inbox.cancelled.discard(number)
         send({"type": "end", "status": status})
 

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-from gearmesh.explore.frames import FRAME_LENGTH
+from gearmesh.explore.frames import FRAME_LENGTH, frame, refused
 from gearmesh.explore.state import Origin
 
 #: time without any answer after which a job counts as hung, s; reports of progress are answers
@@ -99,10 +99,6 @@ class Worker:
     #: task that serves the questions
     _task: asyncio.Task[None] | None = None
 
-    async def start(self) -> None:
-        """Start the process, which prepares itself until the design is known."""
-        await self._begin()
-
     def open(self, opened: Origin | None) -> None:
         """Tell the process the design, and serve it."""
         self.first = {"opened": None if opened is None else vars(opened)}
@@ -117,14 +113,18 @@ class Worker:
                 await self._task
         await self._end()
 
+    @property
+    def _unanswered(self) -> list[Asked]:
+        """Questions without an end: the one that the process works on, then those that wait for it."""
+        return [*([] if self.running is None else [self.running]), *self.waiting]
+
     def ask(self, request: dict[str, Any], listener: Listener) -> None:
         """Take a question; an older one of the same page is dropped if only the newest counts.
 
         A page that asks what is being worked on, for another page or before any page was there, joins in.
         """
         what = str(request.get("do"))
-        known = [self.running] if self.running is not None else []
-        same = next((each for each in (*known, *self.waiting) if each.listeners and each.request == request), None)
+        same = next((each for each in self._unanswered if each.listeners and each.request == request), None)
         if same is not None and what == "show":
             same.join(listener)
         else:
@@ -136,7 +136,7 @@ class Worker:
 
     def drop(self, page: int, what: str | None = None, newest: Listener | None = None) -> None:
         """Drop the questions of a page, or those of one kind, but for the newest one."""
-        for asked in (*self.waiting, *([] if self.running is None else [self.running])):
+        for asked in self._unanswered:
             if what in (None, asked.what) and asked.listeners:
                 asked.listeners = [each for each in asked.listeners if each.page != page or each is newest]
                 if asked is self.running and not asked.listeners:
@@ -145,7 +145,8 @@ class Worker:
 
     # ---------------------------------------------------------------- the process
 
-    async def _begin(self) -> asyncio.subprocess.Process:
+    async def start(self) -> None:
+        """Start the process, which prepares itself until the design is known."""
         path = os.pathsep.join(part for part in sys.path if part)
         threads = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
         self.process = await asyncio.create_subprocess_exec(
@@ -160,7 +161,6 @@ class Worker:
         )
         if self.first is not None:
             self._write(self.first)
-        return self.process
 
     async def _end(self) -> None:
         process, self.process = self.process, None
@@ -172,9 +172,8 @@ class Worker:
     def _write(self, message: dict[str, Any]) -> None:
         process = self.process
         if process is not None and process.stdin is not None and process.returncode is None:
-            content = json.dumps(message).encode()
             with contextlib.suppress(ConnectionError):
-                process.stdin.write(FRAME_LENGTH.pack(len(content)) + content)
+                process.stdin.write(frame(json.dumps(message).encode()))
 
     async def _serve(self) -> None:
         while True:
@@ -196,7 +195,7 @@ class Worker:
         await self._end()
         why = f"gave no answer for {self.hang_s:g} s" if hung else "ended"
         self.report(False, f"the process for the gears {why}; a new one takes over, and nothing that was set is lost")
-        await self._begin()
+        await self.start()
         asked.lost += 1
         if not asked.listeners:
             return
@@ -205,8 +204,7 @@ class Worker:
             self.waiting.append(asked)
             return
         line = f"{asked.what}: the process for the gears {why} {asked.lost} times; change a key to try again"
-        told: dict[str, Any] = {"type": "refused", "line": line, "key": "", "offers": []}
-        asked.hear(json.dumps(told).encode())
+        asked.hear(json.dumps(refused(line)).encode())
         asked.hear(json.dumps({"type": "end", "status": "lost"}).encode())
 
     async def _work(self, asked: Asked) -> None:
