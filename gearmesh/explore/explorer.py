@@ -216,7 +216,7 @@ def require_server() -> None:
 
 
 def _bound(port: int) -> socket.socket:
-    """Return a socket that listens on a port of this machine alone. Raises OutputError for a port in use."""
+    """Return a socket bound to a port of this machine alone. Raises ArgumentError for a port in use."""
     made = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
     if hasattr(socket, "SO_EXCLUSIVEADDRUSE"):  # of Windows, where another program could listen, too
         made.setsockopt(socket.SOL_SOCKET, socket.SO_EXCLUSIVEADDRUSE, 1)

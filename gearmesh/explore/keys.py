@@ -9,6 +9,7 @@ from typing import Any
 from gearmesh.design.core import Design
 from gearmesh.design.dotted import leaves
 from gearmesh.design.keys import MM_PER, Key
+from gearmesh.explore.state import is_file
 from gearmesh.figures import ZERO_SIZES, at_resolution
 from gearmesh.systems.system import System
 
@@ -50,8 +51,6 @@ def error_keys(system: System[Any], design: type[Design]) -> list[str]:
 
 def plain_values(design: Design) -> Iterator[tuple[str, Any]]:
     """Yield all keys of a design that have a value, set or not, without names of files; rounding is shown as 0."""
-    from gearmesh.explore.state import is_file
-
     for dotted, value in leaves(design.plain()):
         if not is_file(type(design), dotted):
             key = type(design).key_at(dotted)

@@ -10,7 +10,7 @@ from typing import Any
 
 from gearmesh.design.dotted import leaves
 from gearmesh.design.files import toml
-from gearmesh.explore.state import nested
+from gearmesh.explore.state import nested, tables_of
 
 #: head of a table
 _TABLE_PATTERN = re.compile(r"\s*\[\s*([A-Za-z0-9_.\s-]+?)\s*\]\s*(#.*)?$")
@@ -58,11 +58,11 @@ def _edited(text: str, keys: Mapping[str, Any]) -> str:
     left = dict(keys)
     kept: list[_Part] = []
     for part in parts:
-        inside = {key for key in before if key == part.key or key.startswith(f"{part.key}.")} if part.key else set()
+        inside = {key for key in before if _is_within(key, part.key)} if part.key else set()
         if not inside:
             kept.append(part)
             continue
-        now = {key: left.pop(key) for key in list(left) if key == part.key or key.startswith(f"{part.key}.")}
+        now = {key: left.pop(key) for key in list(left) if _is_within(key, part.key)}
         if now == {key: before[key] for key in inside}:
             kept.append(part)
         elif now:
@@ -72,15 +72,14 @@ def _edited(text: str, keys: Mapping[str, Any]) -> str:
         if value != {} or key not in heads:
             _add(kept, key, value)
     # heads of tables that have no key any more
-    names = {name for key in keys for name in _with_tables(key)}
+    names = {name for key in keys for name in (key, *tables_of(key))}
     kept = [part for part in kept if part.key or part.table in names or not _TABLE_PATTERN.match(part.lines[0])]
     return "\n".join(line for part in kept for line in part.lines) + "\n"
 
 
-def _with_tables(key: str) -> list[str]:
-    """Return a dotted key and the tables in which it stands."""
-    names = key.split(".")
-    return [".".join(names[: k + 1]) for k in range(len(names))]
+def _is_within(key: str, whole: str) -> bool:
+    """True for a dotted key that is another one, or stands in the table of its name."""
+    return key == whole or key.startswith(f"{whole}.")
 
 
 def _parts(text: str) -> Iterator[_Part]:
@@ -163,7 +162,7 @@ def _add(parts: list[_Part], key: str, value: Any) -> None:
         return
     # a table that is written in one line
     for part in parts:
-        if part.key and table and (table == part.key or table.startswith(f"{part.key}.")):
+        if part.key and _is_within(table, part.key):
             inner = dict(leaves(tomllib.loads("\n".join(part.lines))))
             prefix = f"{part.table}." if part.table else ""
             part.lines = _with_value(part, {**{f"{prefix}{name}": each for name, each in inner.items()}, key: value})

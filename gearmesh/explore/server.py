@@ -159,7 +159,7 @@ class Pages:
     @property
     def opened_state(self) -> dict[str, Any] | None:
         """State of the opened design as a page has it; None without one."""
-        return None if self.opened is None else {"from": self.opened.name, "keys": self.opened.shown}
+        return None if self.opened is None else self.opened.state
 
     def _about_worker(self, works: bool, line: str) -> None:
         """Tell all pages that the process ended, or that its successor works."""
@@ -329,14 +329,7 @@ def application(opened: Origin | None, gate: Gate, port: int, worker: Worker) ->
         worker.open(opened)
         # what the first page will ask is worked on before it asks
         if opened is not None:
-            first: dict[str, Any] = {
-                "do": "show",
-                "from": opened.name,
-                "keys": opened.shown,
-                "last": None,
-                "have": [],
-                "rows": None,
-            }
+            first = {"do": "show", **opened.state, "last": None, "have": [], "rows": None}
             worker.ask(first, Listener(NO_PAGE, None, lambda content: None))
         yield
 

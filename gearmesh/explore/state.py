@@ -54,12 +54,17 @@ class Origin:
     @property
     def files(self) -> dict[str, Any]:
         """Keys that name files, which a page can neither see nor set."""
-        return {key: value for key, value in self.keys.items() if is_file(self.design, key)}
+        return {key: value for key, value in self.keys.items() if key in self.named}
 
     @property
     def shown(self) -> dict[str, Any]:
         """Keys that a page sees."""
-        return {key: value for key, value in self.keys.items() if not is_file(self.design, key)}
+        return {key: value for key, value in self.keys.items() if key not in self.named}
+
+    @property
+    def state(self) -> dict[str, Any]:
+        """State of a page that has just opened the design."""
+        return {"from": self.name, "keys": self.shown}
 
     @staticmethod
     def of_text(name: str, text: str, data: Mapping[str, Any], folder: Path) -> Origin:
@@ -92,6 +97,12 @@ def nested(keys: Mapping[str, Any]) -> dict[str, Any]:
     return with_keys({}, sorted(keys.items(), key=lambda each: each[1] != {}))
 
 
+def tables_of(dotted: str) -> list[str]:
+    """Return the dotted names of the tables in which a key stands, the outermost first."""
+    names = dotted.split(".")[:-1]
+    return [".".join(names[: k + 1]) for k in range(len(names))]
+
+
 def is_file(design: type[Design], dotted: str) -> bool:
     """True for a key that names a file."""
     key = design.key_at(dotted)
@@ -108,9 +119,7 @@ def refuse_keys(keys: Any) -> dict[str, Any]:
         if not _is_plain(value, 2):
             raise ArgumentError("keys", entry=key, must_be="a finite number, a text, true, false or a list of them")
     for key in keys:
-        tables = key.split(".")[:-1]
-        names = (".".join(tables[: k + 1]) for k in range(len(tables)))
-        if table := next((name for name in names if keys.get(name, {}) != {}), None):
+        if table := next((name for name in tables_of(key) if keys.get(name, {}) != {}), None):
             raise DesignError(table, keys[table], reason=f"a table, in which {key} is set, has no value")
     return keys
 
@@ -125,9 +134,8 @@ def _is_plain(value: Any, depth: int) -> bool:
     return isinstance(value, bool | int) or (isinstance(value, float) and math.isfinite(value))
 
 
-def refuse_files(keys: Mapping[str, Any]) -> None:
+def refuse_files(design: type[Design], keys: Mapping[str, Any]) -> None:
     """Raise DesignError for a key that names a file: pages have no way to the disk."""
-    design = design_class_of(keys)
     for key in keys:
         if is_file(design, key):
             raise DesignError(
@@ -137,6 +145,7 @@ def refuse_files(keys: Mapping[str, Any]) -> None:
 
 def as_stated(keys: Mapping[str, Any], origin: Origin) -> Design:
     """Return the design of the keys of a page, with the files of its origin. Raises DesignError."""
-    refuse_files(keys)
-    whole = {**keys, **origin.files} if design_class_of(keys) is origin.design else dict(keys)
+    design = design_class_of(keys)
+    refuse_files(design, keys)
+    whole = {**keys, **origin.files} if design is origin.design else keys
     return parse_as_stated(nested(whole))

@@ -15,7 +15,7 @@ import json
 from collections import OrderedDict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any, Generic, TypeVar
 
 import numpy as np
@@ -24,11 +24,12 @@ from gearmesh.answers.bodies.questions import ModelledGears
 from gearmesh.answers.contact.contact import Contact
 from gearmesh.answers.contact.staging import first_contact, solved_contact, staged_contact
 from gearmesh.design.core import Design
+from gearmesh.design.keys import MM_PER
 from gearmesh.errors import ArgumentError, GearmeshError
 from gearmesh.explore.keys import error_keys, key_rows, plain_values
 from gearmesh.explore.ranges import builds, key_range
 from gearmesh.explore.refusals import refusal
-from gearmesh.explore.saving import design_file, file_name, gear_file, refuse_file
+from gearmesh.explore.saving import ALL_MEMBERS, design_file, file_name, gear_file, refuse_file
 from gearmesh.explore.state import OPENED_NAME, Origin, as_stated, design_class_of, refuse_keys
 from gearmesh.figures import Summary, at_resolution
 from gearmesh.formats import HTML_SUFFIX, TOML_SUFFIX
@@ -139,7 +140,7 @@ class Job:
     #: part of the work that is done, and its name
     doing: str = ""
     #: share of the whole work at which the present stage begins, and at which it ends
-    stage: tuple[float, float] = field(default=(0.0, 1.0))
+    stage: tuple[float, float] = (0.0, 1.0)
 
     def check(self) -> None:
         """Raise Stale if the work is not wanted any more."""
@@ -183,7 +184,6 @@ class Workshop:
             "open": self._open,
             "start": self._start,
         }
-        design: type[Design] | None = None
         try:
             question = questions.get(str(request.get("do")))
             if question is None:
@@ -194,12 +194,13 @@ class Workshop:
         except CancelledError:
             raise Stale from None
         except GearmeshError as error:
+            design, unit = Design, "mm"
             try:
                 design = design_class_of(request["keys"])
-                mm = 25.4 if request["keys"].get("units") == "inch" else 1.0
+                unit = "inch" if request["keys"].get("units") == "inch" else "mm"
             except (GearmeshError, LookupError, TypeError, AttributeError):
-                design, mm = Design, 1.0
-            job.say("refused", **refusal(error, design, mm))
+                pass
+            job.say("refused", **refusal(error, design, MM_PER[unit]))
 
     # ---------------------------------------------------------------- questions
 
@@ -227,8 +228,7 @@ class Workshop:
 
     def _open(self, request: Mapping[str, Any], job: Job) -> None:
         """Send the keys of a kind, a sample or the opened design."""
-        origin = self._origin(request.get("from"))
-        job.say("opened", **{"from": origin.name, "keys": origin.shown})
+        job.say("opened", **self._origin(request.get("from")).state)
 
     def _range(self, request: Mapping[str, Any], job: Job) -> None:
         """Send the range of a key with which the gears can be built."""
@@ -247,8 +247,7 @@ class Workshop:
             return builds(design, str(dotted), tried)
 
         found = key_range(whole, str(dotted), value, works)
-        fields = {"low": found.low, "high": found.high, "low_known": found.low_known, "high_known": found.high_known}
-        job.say("range", key=dotted, value=value, **fields)
+        job.say("range", key=dotted, value=value, **vars(found))
 
     def _file(self, request: Mapping[str, Any], job: Job) -> None:
         """Send a file that the browser saves."""
@@ -260,8 +259,8 @@ class Workshop:
         if suffix != TOML_SUFFIX:
             job.begin("gears", 0.0, 0.1)
             gears = self._gears(design).gears
-            if member not in (*gears.members, "all"):
-                raise ArgumentError("member", str(member), must_be=f"one of {', '.join(gears.members)}, all")
+            if member not in (*gears.members, ALL_MEMBERS):
+                raise ArgumentError("member", str(member), must_be=f"one of {', '.join(gears.members)}, {ALL_MEMBERS}")
             job.begin(f"file {suffix}", 0.1, 1.0)
             contacts = {k: gears.contact(pair=k) for k in gears.train.different} if suffix == HTML_SUFFIX else {}
             content = gear_file(gears, contacts, name, str(member), source.decode())
@@ -269,10 +268,8 @@ class Workshop:
 
     def _stated(self, request: Mapping[str, Any]) -> Design:
         """Return the design of a state; a refusal looks first at the key that the page changed last."""
-        design, last = (
-            as_stated(refuse_keys(request.get("keys")), self._origin(request.get("from"))),
-            request.get("last"),
-        )
+        design = as_stated(refuse_keys(request.get("keys")), self._origin(request.get("from")))
+        last = request.get("last")
         return design.with_changed_keys([last]) if isinstance(last, str) else design
 
     # ---------------------------------------------------------------- gears
