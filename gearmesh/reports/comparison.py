@@ -12,6 +12,7 @@ from gearmesh.answers.contact.contact import Contact
 from gearmesh.answers.gearset import GearSet
 from gearmesh.answers.tables import Listing
 from gearmesh.design.core import Design
+from gearmesh.design.dotted import leaves
 from gearmesh.errors import NoSolutionError
 from gearmesh.io.atomic import scratch_folder
 from gearmesh.reports.report import MAP_DPI, ReportPage, tables_html
@@ -96,7 +97,7 @@ def change(first: float | None, second: float | None, unit: str = "") -> str:
 
 def _keys(first: Design, second: Design) -> Listing:
     """Return the table of the keys that one of both designs sets and that have another value in the other one."""
-    resolved = [_flat(design.resolve()) for design in (first, second)]
+    resolved = [{key: value for key, value in leaves(design.resolve()) if value != {}} for design in (first, second)]
     own = [dict(design.own()) for design in (first, second)]
     rows = []
     for key in dict.fromkeys([*own[0], *own[1]]):
@@ -107,17 +108,6 @@ def _keys(first: Design, second: Design) -> Listing:
             ]
             rows.append([key, *(_value(value) + note for value, note in zip(values, notes, strict=True))])
     return Listing("" if rows else "No key differs", ("key", *DESIGN_LETTERS), rows)
-
-
-def _flat(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    """Return nested tables as dotted keys with values."""
-    flat: dict[str, Any] = {}
-    for name, value in table.items():
-        if isinstance(value, Mapping):
-            flat |= _flat(value, f"{prefix}{name}.")
-        else:
-            flat[f"{prefix}{name}"] = value
-    return flat
 
 
 def _value(value: Any) -> str:

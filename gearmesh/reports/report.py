@@ -80,7 +80,7 @@ class PagePlots:
     def split(self, caption: str) -> tuple[list[tuple[str, bytes]], list[tuple[str, bytes]]]:
         """Return the plots of contact whose caption begins with a text, and the others."""
         first = [plot for plot in self.contact if plot[0].startswith(caption)]
-        return first, [plot for plot in self.contact if plot not in first]
+        return first, [plot for plot in self.contact if not plot[0].startswith(caption)]
 
 
 @dataclass(frozen=True, repr=False)
@@ -149,7 +149,7 @@ def report_page(
     solids = {} if check is None else check.solids
     members = [_staged_member(member, tolerance, solids.get(name)) for name, member in gears.members.items()]
     meshes = {member.member.name: member.whole for member in members}
-    overview = overview_scene(gears, moving, meshes)
+    overview = _overview(gears, moving, meshes)
     skipped = opengl.missing_opengl_message()
     if images is None:
         images = [] if skipped else _draw(gears, moving, members, overview)
@@ -219,7 +219,7 @@ def _most_important(
     ]
 
 
-def overview_scene(gears: GearSet, contacts: Mapping[int, Contact], meshes: Mapping[str, TriangleMesh]) -> Scene:
+def _overview(gears: GearSet, contacts: Mapping[int, Contact], meshes: Mapping[str, TriangleMesh]) -> Scene:
     """Return the picture of all gears, in mesh if they mesh."""
     if 0 not in contacts:
         axis = next(iter(gears.members.values())).mount.axis

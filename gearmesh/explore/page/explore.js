@@ -4,6 +4,8 @@
   "use strict";
 
   const element = (id) => document.getElementById(id);
+  const create = (name, fields = {}) => Object.assign(document.createElement(name), fields);
+  const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
   const STORED = "gearmesh-explore", MAX_HISTORY = 200, SLOW_MS = 500, AGAIN_MS = 1000, DIGITS = 4, SET_DIGITS = 10, DERIVED_DIGITS = 6;
   const UNITS = { um: "µm", deg: "°", arcsec: "arcsec" };
 
@@ -62,7 +64,7 @@
     figures: takeFigures,
     scene: takeScene,
     range: takeRange,
-    file(message) { save(message.name, Uint8Array.from(atob(message.content), (c) => c.charCodeAt(0))); },
+    file(message) { save(message.name, bytes(message.content)); },
     refused: takeRefusal,
     progress(message) { if (busy) busy.doing = `${message.doing}, ${Math.round(100 * message.share)} %`; },
     end(message) {
@@ -96,8 +98,7 @@
     .replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");
   function decode(text) {
     try {
-      const bytes = Uint8Array.from(atob(text.replaceAll("-", "+").replaceAll("_", "/")), (c) => c.charCodeAt(0));
-      const value = JSON.parse(new TextDecoder().decode(bytes));
+      const value = JSON.parse(new TextDecoder().decode(bytes(text.replaceAll("-", "+").replaceAll("_", "/"))));
       return typeof value.from === "string" && Object.prototype.toString.call(value.keys) === "[object Object]" ? value : null;
     } catch {
       return null;
@@ -175,13 +176,12 @@
     values = message.values;
     members = message.members;
     errorKeys = message.errors;
-    const before = element("saved-member").value;
-    options(element("saved-member"), [...members, "all"].map((name) => [name, name]));
-    if ([...members, "all"].includes(before)) element("saved-member").value = before;
+    const saved = element("saved-member"), before = saved.value, parts = [...members, "all"];
+    options(saved, parts.map((name) => [name, name]));
+    if (parts.includes(before)) saved.value = before;
     if (message.rows) {
       rows = message.rows;
       rowsOf = message.of;
-      ranges.clear();
       element("groups").replaceChildren();
       listKeys();
       listErrors();
@@ -192,7 +192,7 @@
   }
 
   function options(select, choices) {
-    select.replaceChildren(...choices.map(([key, text]) => Object.assign(document.createElement("option"), { value: key, textContent: text })));
+    select.replaceChildren(...choices.map(([key, text]) => create("option", { value: key, textContent: text })));
   }
 
   const isSet = (key) => Object.hasOwn(state.keys, key);
@@ -237,7 +237,7 @@
     const open = new Set([...document.querySelectorAll("#groups details[open]")].map((each) => each.dataset.table));
     const first = !document.querySelector("#groups details");
     element("groups").replaceChildren(...[...groups].map(([table, inside]) => {
-      const details = document.createElement("details"), summary = document.createElement("summary");
+      const details = create("details"), summary = create("summary");
       details.dataset.table = table;
       summary.textContent = table || "general";
       details.open = words.length > 0 || (first ? !table.includes(".") && groups.size < 12 || inside.some((row) => isSet(row.key)) : open.has(table));
@@ -248,23 +248,23 @@
   }
 
   function rowOf(row) {
-    const item = document.createElement("div"), name = row.key.slice(row.key.lastIndexOf(".") + 1), id = `key-${row.key}`;
+    const item = create("div"), name = row.key.slice(row.key.lastIndexOf(".") + 1), id = `key-${row.key}`;
     item.className = "key";
     item.dataset.key = row.key;
-    const label = Object.assign(document.createElement("label"), { htmlFor: id, textContent: name.replaceAll("_", " "), title: row.about });
+    const label = create("label", { htmlFor: id, textContent: name.replaceAll("_", " "), title: row.about });
     let input;
     if (row.input === "choice" || row.input === "flag") {
-      input = document.createElement("select");
+      input = create("select");
       options(input, (row.input === "flag" ? ["true", "false"] : row.choices).map((each) => [each, each.replaceAll("_", " ")]));
       input.addEventListener("change", () => set(row.key, row.input === "flag" ? input.value === "true" : input.value));
     } else {
-      input = Object.assign(document.createElement("input"), { type: "text", spellcheck: false });
+      input = create("input", { type: "text", spellcheck: false });
       if (row.input === "number") input.inputMode = "decimal";
       input.addEventListener("change", () => set(row.key, fromText(row, input.value)));
     }
     input.id = id;
-    const unit = Object.assign(document.createElement("span"), { className: "unit", textContent: row.unit === "-" ? "" : row.unit });
-    const back = Object.assign(document.createElement("button"), { type: "button", className: "back", textContent: "↺", title: `Default: ${row.default}` });
+    const unit = create("span", { className: "unit", textContent: row.unit === "-" ? "" : row.unit });
+    const back = create("button", { type: "button", className: "back", textContent: "↺", title: `Default: ${row.default}` });
     back.setAttribute("aria-label", `Back to the default of ${row.key}`);
     back.addEventListener("click", () => set(row.key, undefined));
     item.append(label, input, unit, back);
@@ -295,7 +295,7 @@
     if (chosen?.row.key === row.key && item.querySelector(".more")) return;
     chosen?.item.querySelectorAll(".more, input[type=range]").forEach((each) => each.remove());
     chosen = { row, item };
-    const more = document.createElement("div");
+    const more = create("div");
     more.className = "more";
     more.textContent = `${row.about}${row.source ? ` [${row.source.replace(/^\[|\]$/g, "")}]` : ""}. Allowed: ${row.allowed}. Default: ${row.default}.`;
     item.append(more);
@@ -321,7 +321,7 @@
   const snapped = (value, by) => Number((Math.round(value / by) * by).toPrecision(10));
 
   function slider(key, low, high, by, label) {
-    const made = Object.assign(document.createElement("input"), { type: "range", min: low, max: high, step: by });
+    const made = create("input", { type: "range", min: low, max: high, step: by });
     made.setAttribute("aria-label", label);
     made.value = valueOf(key) ?? 0;
     const moved = (live) => set(key, Math.min(Math.max(snapped(Number(made.value), by), low), high), live);
@@ -361,9 +361,14 @@
       return;
     }
     if (message.id !== latest) return;
-    for (const id of ["view", "results"]) element(id).classList.add("old");
+    grey(true);
     refuse(message);
     if (!rows.length) element("title").textContent = "gearmesh explore";
+  }
+
+  // the last good gears stay, greyed
+  function grey(old) {
+    for (const id of ["view", "results"]) element(id).classList.toggle("old", old);
   }
 
   function refuse(message) {
@@ -373,12 +378,12 @@
     general.replaceChildren();
     if (!message) return;
     const row = shownRows.get(message.key);
-    const target = row ? Object.assign(document.createElement("div"), { className: "refusal" }) : general;
+    const target = row ? create("div", { className: "refusal" }) : general;
     target.append(message.line);
     for (const offer of message.offers) {
-      const button = Object.assign(document.createElement("button"), { type: "button", textContent: offer.text });
+      const button = create("button", { type: "button", textContent: offer.text });
       button.addEventListener("click", () => set(offer.key, offer.value));
-      target.append(document.createElement("br"), button);
+      target.append(create("br"), button);
     }
     target.hidden = false;
     if (row) {
@@ -401,16 +406,16 @@
   const unitOf = (unit) => UNITS[unit] ?? unit;
 
   function takeFigures(message) {
-    for (const id of ["view", "results"]) element(id).classList.remove("old");
+    grey(false);
     figures = message.meshes;
     element("pin").disabled = false;
     drawFigures();
-    const box = document.createElement("div");
+    const box = create("div");
     if (message.warnings.length) {
       box.className = "warnings";
-      const list = document.createElement("ul");
-      list.append(...message.warnings.map((line) => Object.assign(document.createElement("li"), { textContent: line })));
-      box.append(Object.assign(document.createElement("h2"), { textContent: "Warnings" }), list);
+      const list = create("ul");
+      list.append(...message.warnings.map((line) => create("li", { textContent: line })));
+      box.append(create("h2", { textContent: "Warnings" }), list);
     } else {
       box.className = "good";
       box.textContent = "No warnings.";
@@ -419,24 +424,26 @@
     drawCompare();
   }
 
+  const capital = (text) => `${text[0].toUpperCase()}${text.slice(1)}`;
+
   function nameOf(figure) {
     const member = members.find((name) => figure.key.includes(`_${name}_`));
     const words = figure.about.split(/[:;]/)[0];
-    return `${member ? `${member[0].toUpperCase()}${member.slice(1).replaceAll("_", " ")}: ${words}` : `${words[0].toUpperCase()}${words.slice(1)}`}`;
+    return member ? `${capital(member.replaceAll("_", " "))}: ${words}` : capital(words);
   }
 
   function figureOf(mesh, figure) {
-    const item = document.createElement("div"), term = document.createElement("dt"), said = document.createElement("dd");
+    const item = create("div"), term = create("dt"), said = create("dd");
     item.className = "figure";
     item.dataset.figure = figure.key;
     term.textContent = nameOf(figure);
     term.title = figure.about;
-    const strong = document.createElement("strong");
+    const strong = create("strong");
     strong.textContent = figure.value === null ? "not known" : `${amount(figure.value)} ${unitOf(figure.unit)}`.trim();
     said.append(strong);
     const before = pinned?.figures.find((each) => each.name === mesh.name)?.figures.find((each) => each.key === figure.key);
     if (before && before.value !== null && figure.value !== null) {
-      const change = document.createElement("span");
+      const change = create("span");
       change.className = "change";
       change.textContent = before.value === figure.value ? "as pinned" : `${amount(figure.value - before.value, true)} ${unitOf(figure.unit)}`.trim();
       said.append(change);
@@ -448,13 +455,13 @@
   function drawFigures() {
     const open = new Set([...document.querySelectorAll("#figures details[open]")].map((each) => each.dataset.mesh));
     element("figures").replaceChildren(...figures.flatMap((mesh) => {
-      const main = document.createElement("dl"), more = document.createElement("dl"), rest = document.createElement("details");
+      const main = create("dl"), more = create("dl"), rest = create("details");
       main.append(...mesh.figures.filter((each) => each.main).map((each) => figureOf(mesh, each)));
       more.append(...mesh.figures.filter((each) => !each.main).map((each) => figureOf(mesh, each)));
       rest.dataset.mesh = mesh.name;
       rest.open = open.has(mesh.name);
-      rest.append(Object.assign(document.createElement("summary"), { textContent: "More figures" }), more);
-      const head = figures.length > 1 ? [Object.assign(document.createElement("h3"), { textContent: mesh.name })] : [];
+      rest.append(create("summary", { textContent: "More figures" }), more);
+      const head = figures.length > 1 ? [create("h3", { textContent: mesh.name })] : [];
       return [...head, main, rest];
     }));
     if (!figures.length) element("figures").textContent = "A gear without a mating gear has no contact.";
@@ -469,20 +476,20 @@
     errorRows = new Map();
     const size = typeof values.module === "number" ? values.module : typeof values.diametral_pitch === "number" ? 1 / values.diametral_pitch : 1;
     element("error-rows").replaceChildren(...errorKeys.map((key) => {
-      const row = rows.find((each) => each.key === key), item = document.createElement("div");
+      const row = rows.find((each) => each.key === key), item = create("div");
       item.className = "error";
       item.dataset.key = key;
       const id = `error-${key}`;
-      const label = Object.assign(document.createElement("label"), { htmlFor: id, textContent: `${key.split(".")[1].replaceAll("_", " ")}`, title: row.about });
-      const input = Object.assign(document.createElement("input"), { type: "text", id, inputMode: "decimal" });
-      const unit = Object.assign(document.createElement("span"), { className: "unit", textContent: row.unit });
-      const back = Object.assign(document.createElement("button"), { type: "button", className: "back", textContent: "0" });
+      const label = create("label", { htmlFor: id, textContent: key.split(".")[1].replaceAll("_", " "), title: row.about });
+      const input = create("input", { type: "text", id, inputMode: "decimal" });
+      const unit = create("span", { className: "unit", textContent: row.unit });
+      const back = create("button", { type: "button", className: "back", textContent: "0" });
       back.setAttribute("aria-label", `${key} back to its default`);
       const reach = row.length ? even(size / 10) : 0.5;
       const range = slider(key, -reach, reach, even(reach / 100), `${row.about}, ${row.unit}`);
       input.addEventListener("change", () => set(key, fromText(row, input.value)));
       back.addEventListener("click", () => set(key, undefined));
-      const about = Object.assign(document.createElement("small"), { className: "hint", textContent: row.about });
+      const about = create("small", { className: "hint", textContent: row.about });
       about.style.gridColumn = "1 / -1";
       item.append(label, input, unit, back, range, about);
       errorRows.set(key, { input, range, back });
@@ -561,12 +568,12 @@
   }
 
   function table(title, heads, lines) {
-    const scroll = document.createElement("div"), made = document.createElement("table");
+    const scroll = create("div"), made = create("table");
     scroll.className = "scroll";
-    made.append(Object.assign(document.createElement("caption"), { textContent: title }));
+    made.append(create("caption", { textContent: title }));
     for (const [k, line] of [heads, ...lines].entries()) {
-      const row = document.createElement("tr");
-      row.append(...line.map((text) => Object.assign(document.createElement(k ? "td" : "th"), { textContent: text })));
+      const row = create("tr");
+      row.append(...line.map((text) => create(k ? "td" : "th", { textContent: text })));
       made.append(row);
     }
     scroll.append(made);
@@ -590,12 +597,12 @@
       parts.push(table(`Figures of ${mesh.name}`, ["figure", "pinned", "present", "change", "unit"], lines));
     }
     if (pinned.picture) {
-      const pictures = document.createElement("div");
+      const pictures = create("div");
       pictures.className = "pictures";
       for (const [caption, source] of [["pinned", pinned.picture], ["present", scene.picture()]]) {
-        const figure = document.createElement("figure");
-        figure.append(Object.assign(document.createElement("img"), { src: source, alt: `The view, ${caption}` }),
-          Object.assign(document.createElement("figcaption"), { textContent: caption }));
+        const figure = create("figure");
+        figure.append(create("img", { src: source, alt: `The view, ${caption}` }),
+          create("figcaption", { textContent: caption }));
         pictures.append(figure);
       }
       parts.push(pictures);
@@ -606,19 +613,18 @@
   // ---------------------------------------------------------------- files
 
   function save(name, content, type = "application/octet-stream") {
-    const link = document.createElement("a"), address = URL.createObjectURL(new Blob([content], { type }));
-    Object.assign(link, { href: address, download: name });
-    link.click();
+    const address = URL.createObjectURL(new Blob([content], { type }));
+    create("a", { href: address, download: name }).click();
     setTimeout(() => URL.revokeObjectURL(address), 1000);
   }
 
-  element("save").addEventListener("change", async () => {
+  element("save").addEventListener("change", () => {
     const what = element("save").value, member = element("saved-member").value;
     element("save").value = "";
     if (!state || !what) return;
     if (what === "picture") {
       if (!scene || !shown) trouble("Without WebGL there is no picture.");
-      else save("view.png", Uint8Array.from(atob(scene.picture().split(",")[1]), (c) => c.charCodeAt(0)), "image/png");
+      else save("view.png", bytes(scene.picture().split(",")[1]), "image/png");
       return;
     }
     trouble("");
@@ -633,13 +639,13 @@
     element("tools").hidden = !state;
     element("start").hidden = false;
     const card = (name, about, from, picture) => {
-      const item = document.createElement("li"), button = Object.assign(document.createElement("button"), { type: "button" });
+      const item = create("li"), button = create("button", { type: "button" });
       if (picture) {
-        const image = Object.assign(document.createElement("img"), { src: picture, alt: "", width: 320, height: 240 });
+        const image = create("img", { src: picture, alt: "", width: 320, height: 240 });
         image.addEventListener("error", () => image.remove());
         button.append(image);
       }
-      button.append(Object.assign(document.createElement("strong"), { textContent: name }), Object.assign(document.createElement("small"), { textContent: about }));
+      button.append(create("strong", { textContent: name }), create("small", { textContent: about }));
       button.addEventListener("click", () => ask("open", { from }));
       item.append(button);
       return item;

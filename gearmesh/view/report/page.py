@@ -123,7 +123,7 @@ def _section(section: PageSection) -> str:
     return f'<section id="{section.anchor}"><h2>{heading}</h2>\n{section.body}\n</section>'
 
 
-def card_figures(mesh: MeshCard) -> str:
+def _card_figures(mesh: MeshCard) -> str:
     """Return the figures of a mesh as a list with terms."""
     figures = "".join(
         f"<div><dt>{html.escape(figure.label)}</dt><dd><strong>{html.escape(figure.value)}</strong>"
@@ -137,7 +137,7 @@ def _card(card: Card) -> str:
     parts = []
     for mesh in card.meshes:
         heading = f"<h3>{html.escape(mesh.mesh)}</h3>" if len(card.meshes) > 1 else ""
-        parts.append(heading + card_figures(mesh))
+        parts.append(heading + _card_figures(mesh))
     parts.append(f'<p class="{"failed" if card.failures else "good"}">{html.escape(card.verdict)}</p>')
     if not card.warnings:
         parts.append('<p class="good">No warnings.</p>')
