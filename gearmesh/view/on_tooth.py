@@ -32,6 +32,8 @@ NORMAL_DISTANCE_WEIGHT = 0.25
 #: rings of points from the centre of an ellipse to its edge; chords between them are at most 0.4 pixels below the flank
 #: (spiral bevel), discs are drawn at least 1.3 pixels above it
 RINGS_PER_ELLIPSE = 5
+#: rays from the centre of an ellipse; the last is the first
+RAYS_PER_ELLIPSE = 145
 #: share of a ray within which its end on the flank's edge is found
 EDGE_SEARCH_SHARE = 6e-5
 #: distance beyond the edges, mm, of places that have none, such as places without a closest point of the surface
@@ -111,8 +113,11 @@ class _Ellipses:
         middle = np.broadcast_to(middle[:, None, None], (len(self.chosen), 1, self.rays, 3))
         return np.concatenate((middle, within, self.edge[:, None]), axis=1)
 
-    def outlines(self) -> Array:
-        """Edges (E, rays, 3) of whole ellipses, which end where they cross the edges of the flank."""
+    def outlines(self, lift: float) -> Array:
+        """Edges (E, rays + 1, 3) of whole ellipses, lifted, each with NaN as its last point.
+
+        They end where they cross the edges of the flank.
+        """
         rim, outside, turn = self.rim.copy(), self.outside, self.turn
         row, column = np.nonzero(outside[:, 1:] != outside[:, :-1])
         inner, outer = column + outside[row, column], column + ~outside[row, column]
@@ -123,7 +128,8 @@ class _Ellipses:
             turn[row, outer],
         )
         rim[row, outer] = self.place(ends, last, np.ones(last.shape))
-        return rim
+        raised = rim + 1.5 * (lift * self.contact.normal[self.chosen])[:, None]
+        return np.concatenate((raised, np.full((len(self.chosen), 1, 3), np.nan)), axis=1)
 
 
 def ellipse_edges(contact: MemberContact, chosen: NDArray[np.int64], project: Project, rays: int) -> Array:
@@ -133,23 +139,27 @@ def ellipse_edges(contact: MemberContact, chosen: NDArray[np.int64], project: Pr
     return _Ellipses(contact, chosen, project, rays).edge
 
 
+def ellipse_outlines(
+    contact: MemberContact, chosen: NDArray[np.int64], project: Project, lift: float, rays: int = RAYS_PER_ELLIPSE
+) -> Array:
+    """Outlines (E, rays + 1, 3) of contact ellipses of the positions `chosen` (E,), on the surface; each ends with NaN."""
+    return _Ellipses(contact, chosen, project, rays).outlines(lift)
+
+
 def ellipses_on_surface(
     contact: MemberContact,
     chosen: NDArray[np.int64],
     project: Project,
     lift: float,
-    rays: int = 145,
+    rays: int = RAYS_PER_ELLIPSE,
     rings: int = RINGS_PER_ELLIPSE,
 ) -> tuple[Array, Array]:
     """Return contact ellipses of the positions `chosen` (E,), on the surface and cut off at the flank's edges.
 
-    Returns discs (E, rings, rays, 3) and outlines (E (rays + 1), 3), separated by NaN.
+    Returns discs (E, rings, rays, 3) and outlines (E, rays + 1, 3), each of which ends with NaN.
     """
     ellipses = _Ellipses(contact, chosen, project, rays)
-    normal = lift * contact.normal[chosen]
-    gap = np.full((len(chosen), 1, 3), np.nan)
-    outlines = np.concatenate((ellipses.outlines() + 1.5 * normal[:, None], gap), axis=1)
-    return ellipses.discs(rings) + normal[:, None, None], outlines.reshape(-1, 3)
+    return ellipses.discs(rings) + (lift * contact.normal[chosen])[:, None, None], ellipses.outlines(lift)
 
 
 def path_on_surface(view: ToothView, contact: MemberContact, between: int = 8) -> tuple[Curve, ...]:

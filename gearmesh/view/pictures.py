@@ -30,6 +30,7 @@ from gearmesh.view.projection import flank_projection
 from gearmesh.view.scene import MemberContact, Scene, ToothView, contact_on
 from gearmesh.view.views import (
     compound_scene,
+    compound_share,
     flank_pixel,
     gap_scene,
     member_scene,
@@ -122,8 +123,8 @@ def pattern_picture(
     grid = _pattern_grid(pair, name)
     if look == COMPOUND_LOOK:
         # the gap grows with the square of the distance from the contact, to the thickness of the compound on the ellipse
-        share = union_level(contact, grid) ** 2
-        return compound_scene(view, contact, grid, _stays(share), _rubbed(pair))
+        share = compound_share(union_level(contact, grid) ** 2)
+        return compound_scene(view, contact, grid, share, _rubbed(pair))
     return pattern_scene(view, contact, grid)
 
 
@@ -158,11 +159,6 @@ def _refuse_lines(contact: MemberContact) -> None:
         )
 
 
-def _stays(gap: Array) -> Array:
-    """Share (I, J) of the compound that stays where the gap (I, J) is so large, in thicknesses of the compound."""
-    return np.where(np.isfinite(gap), np.clip(gap, 0.0, 1.0), 1.0)
-
-
 def _rubbed(pair: GearPair) -> str:
     return f"rubbed off: gap below {1e3 * pair.delta:.3g} µm"
 
@@ -190,7 +186,7 @@ def gap_picture(
     )
     grid = _pattern_grid(pair, name)
     if look == COMPOUND_LOOK:
-        share = _stays(closest_gap(grid, patches) / pair.delta)
+        share = compound_share(closest_gap(grid, patches) / pair.delta)
         return compound_scene(view, contact, grid, share, _rubbed(pair))
     return gap_scene(view, contact, grid, patches, pair.delta)
 

@@ -44,26 +44,27 @@ from gearmesh.view.scene import (
 )
 
 
-def member_scene(view: ToothView, contact: MemberContact, count: int = 9, camera: Camera | None = None) -> Scene:
+def tooth_scene(view: ToothView, contact: MemberContact, camera: Camera | None = None) -> Scene:
+    """Scene of a tooth with its title and the names of its edges; without a `camera` the flank fills the picture."""
+    camera = camera or flank_camera(view, contact)
+    return Scene(view.bodies, camera, words=edge_words(view, camera, contact), title=view.title, size=view.size)
+
+
+def member_scene(view: ToothView, contact: MemberContact, count: int = 9) -> Scene:
     """Scene of a tooth with the path of contact and about `count` evenly spaced contact ellipses or contact lines."""
     chosen = every_nth(contact.ellipses, count)
     discs, outlines = ellipses_on_surface(contact, chosen, view.project, view.lift)
     areas = tuple(PatternArea(disc, label="contact ellipses" if i == 0 else "") for i, disc in enumerate(discs))
-    curves = (Curve(outlines, colour=OUTLINE_COLOUR, width=1.5),) if len(chosen) else ()
-    camera = camera or flank_camera(view, contact)
-    return Scene(
-        bodies=view.bodies,
-        camera=camera,
+    curves = (Curve(outlines.reshape(-1, 3), colour=OUTLINE_COLOUR, width=1.5),) if len(chosen) else ()
+    return replace(
+        tooth_scene(view, contact),
         areas=areas,
         curves=curves + contact_lines(view, contact, count) + path_on_surface(view, contact),
         dots=position_dots(view, contact),
-        words=edge_words(view, camera, contact),
-        title=view.title,
-        size=view.size,
     )
 
 
-def pattern_scene(view: ToothView, contact: MemberContact, grid: Array, camera: Camera | None = None) -> Scene:
+def pattern_scene(view: ToothView, contact: MemberContact, grid: Array) -> Scene:
     """Scene of a tooth with the union of its contact ellipses as one area.
 
     `grid` (I, J, 3) are points of its exact flank; 150 x 300 points draw the ends of slender ellipses smoothly. A pair
@@ -72,21 +73,19 @@ def pattern_scene(view: ToothView, contact: MemberContact, grid: Array, camera: 
     lifted, level = lift_grid(grid, contact, view.lift), union_level(contact, grid)
     area = PatternArea(lifted, level, "contact pattern: union of the ellipses")
     border = (Curve(area_edges(lifted, level), colour=REGION_EDGE, width=1.0),) if len(contact.ellipses) else ()
-    camera = camera or flank_camera(view, contact)
-    return Scene(
-        bodies=view.bodies,
-        camera=camera,
+    return replace(
+        tooth_scene(view, contact),
         areas=(area,) if len(contact.ellipses) else (),
         curves=border + contact_lines(view, contact, count=25) + path_on_surface(view, contact),
-        words=edge_words(view, camera, contact),
-        title=view.title,
-        size=view.size,
     )
 
 
-def compound_scene(
-    view: ToothView, contact: MemberContact, grid: Array, share: Array, rubbed: str, camera: Camera | None = None
-) -> Scene:
+def compound_share(gap: Array) -> Array:
+    """Share (I, J) of marking compound that stays at a gap (I, J), in thicknesses of the compound; all without a gap."""
+    return np.where(np.isfinite(gap), np.clip(gap, 0.0, 1.0), 1.0)
+
+
+def compound_scene(view: ToothView, contact: MemberContact, grid: Array, share: Array, rubbed: str) -> Scene:
     """Scene of a tooth painted with marking compound, as it looks after rolling.
 
     `grid` (I, J, 3) are points of its exact flank, `share` (I, J) the share of the compound that stays there, and
@@ -94,24 +93,12 @@ def compound_scene(
     """
     lifted = lift_grid(grid, contact, view.lift)
     film = CompoundFilm(lifted, share, unit(lifted - grid), rubbed_label=rubbed)
-    camera = camera or flank_camera(view, contact)
-    return Scene(
-        bodies=tuple(replace(body, paint=MARKED_PAINT) for body in view.bodies),
-        camera=camera,
-        films=(film,),
-        words=edge_words(view, camera, contact),
-        title=view.title,
-        size=view.size,
-    )
+    bodies = tuple(replace(body, paint=MARKED_PAINT) for body in view.bodies)
+    return replace(tooth_scene(view, contact), bodies=bodies, films=(film,))
 
 
 def gap_scene(
-    view: ToothView,
-    contact: MemberContact,
-    grid: Array,
-    patches: Sequence[tuple[Array, Array]],
-    limit: float,
-    camera: Camera | None = None,
+    view: ToothView, contact: MemberContact, grid: Array, patches: Sequence[tuple[Array, Array]], limit: float
 ) -> Scene:
     """Scene of a tooth with the smallest gap of a roll test, up to `limit` mm, in colours.
 
@@ -122,14 +109,10 @@ def gap_scene(
     value_map = ValueMap(lifted, 1e3 * gap, 1e3 * limit, "smallest gap in the roll test (µm)")
     border = Curve(area_edges(lifted, gap / limit), colour=REGION_EDGE, width=1.0)
     seen = replace(view, size=beside_bar(view.size))
-    camera = camera or flank_camera(seen, contact)
-    return Scene(
-        bodies=view.bodies,
-        camera=camera,
+    return replace(
+        tooth_scene(seen, contact),
         maps=(value_map,),
         curves=(border, *path_on_surface(view, contact)),
-        words=edge_words(seen, camera, contact),
-        title=view.title,
         size=view.size,
     )
 

@@ -137,7 +137,8 @@ def test_bar_is_a_closed_solid():
 def test_ellipses_lie_on_the_surface_and_end_at_its_edges():
     here = contact([0.0, 6.5, -6.5], angle=[0.02, 0.0, 0.08])
     lift = 0.02
-    discs, outline = ellipses_on_surface(here, np.arange(3), project, lift)
+    discs, outlines = ellipses_on_surface(here, np.arange(3), project, lift)
+    outline = outlines.reshape(-1, 3)
 
     def height(points):
         return np.hypot(points[..., 0] - AXIS[0], points[..., 1] - AXIS[1]) - RADIUS

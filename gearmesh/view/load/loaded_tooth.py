@@ -11,7 +11,7 @@ from gearmesh.view.load.loaded_diagrams import MIN_DRAWN_SHARE, PRESSURE_LABEL, 
 from gearmesh.view.on_tooth import lift_grid
 from gearmesh.view.palette import EDGE_COLOUR
 from gearmesh.view.scene import Camera, Dots, MemberContact, Scene, ToothView, ValueMap, beside_bar
-from gearmesh.view.views import edge_words, flank_camera
+from gearmesh.view.views import flank_camera, tooth_scene
 
 #: size of the marks of edge contact
 EDGE_MARK_PIXELS = 5.0
@@ -48,15 +48,12 @@ def loaded_scene(view: ToothView, pattern: LoadedPattern, name: str, torque: int
     marks = lifted[np.isfinite(lifted).all(axis=1)]
     seen = replace(view, size=beside_bar(view.size))
     camera = _holding(flank_camera(seen, contact), seen, grid)
-    return Scene(
-        bodies=view.bodies,
-        camera=camera,
+    return replace(
+        tooth_scene(seen, contact, camera),
         maps=(ValueMap(lift_grid(grid, contact, view.lift), shown, limit, PRESSURE_LABEL),),
         dots=(Dots(marks, "edge contact, or contact longer than its grid", EDGE_COLOUR, EDGE_MARK_PIXELS),)
         if len(marks)
         else (),
-        words=edge_words(seen, camera, contact),
-        title=view.title,
         size=view.size,
     )
 
