@@ -24,9 +24,9 @@ def test_both_sides_of_a_contact_are_followed_once(monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(sides, "whole_engagement", lambda *given: pytest.fail("a side is followed again"))
     assert [each.driving for each in contact.sides] == [True, False]
     assert contact.fit is not None
-    assert contact.fit.coast is not None
+    assert contact.fit.coast_curve is not None
     assert alone is not None
-    assert np.array_equal(contact.fit.coast.contacts.x, alone.contacts.x, equal_nan=True)
+    assert np.array_equal(contact.fit.coast_curve.engagement.contacts.x, alone.contacts.x, equal_nan=True)
 
 
 @pytest.mark.parametrize("sample", ["spur", "face_gear"])

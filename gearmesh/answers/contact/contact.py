@@ -206,15 +206,18 @@ class Contact(Result):
     @cached_property
     def sides(self) -> tuple[SideContact, ...]:
         """Contact on both sides of the teeth; a side without contact is left out."""
-        # the fit of eccentric members belongs to other members, which stay displaced
-        known = self.fit is not None and not self.pair.eccentric
-        coast = self.fit.coast_curve if self.fit and known else None
+        coast = None if self._own_fit is None else self._own_fit.coast_curve
         return side_contacts(self.pair, self.path, self.engagement, coast, self.whole, self._exchange)
+
+    @property
+    def _own_fit(self) -> Fit | None:
+        """Fit of these members; None without a fit, and where it belongs to eccentric members that stay displaced."""
+        return None if self.pair.eccentric else self.fit
 
     @property
     def _exchange(self) -> Array | None:
         """Diagonal (3,) of the map of the members' frames that makes the coast side of the driving side; None: no image."""
-        return None if self.fit is None or self.pair.eccentric else self.fit.exchange
+        return None if self._own_fit is None else self._own_fit.exchange
 
     @cached_property
     def patterns(self) -> tuple[PatternFigures, ...]:
@@ -484,17 +487,14 @@ def contact_of(
     tell(0.3)
     fits, whole = fitted_cycle(pair, followed) if cycle and followed is not None else (None, None)
     tell(0.7)
+    # first and last contact of the pair as the cycle knows them; its phi1 is not the phi1 of a source's tables
+    known = None if whole is None or pair.eccentric or pair.generation is not None else whole.engagement
     if following and followed is not None and followed.contacts.touching.any():
-        known = whole is not None and not pair.eccentric
-        ends = np.degrees(
-            whole.engagement if whole is not None and known else engagement_range(followed, pair.pitch, whole)
-        )
+        ends = np.degrees(engagement_range(followed, pair.pitch, whole) if known is None else known)
         design = design.with_values(dict(zip(PHI1_RANGE_KEYS, map(float, ends), strict=True)))
     # the positions of a design are solved together with those of the whole engagement, which takes hardly more time
-    more = np.empty(0)
+    more = np.empty(0) if phi1 is not None or known is None else whole_positions(known)
     if phi1 is None:
-        if whole is not None and pair.generation is None and not pair.eccentric:
-            more = whole_positions(whole.engagement)
         wanted = design.contact.phi1
         phi1 = np.radians(np.linspace(wanted.start, wanted.stop, wanted.count))
     # gears that jam have no contact: these positions of the path stay empty
@@ -520,6 +520,15 @@ def contact_of(
     if all_turns is not None:
         summary = Summary(summary, TurnsSummary.of(pair, all_turns))
         warnings = (*warnings, *turns_warnings(pair, all_turns))
+    if fits is not None:
+        warnings = (*warnings, *fit_warnings(pair, fits))
+    elif cycle:
+        warnings = (*warnings, NO_CONTACT_WARNING)
+    warnings = (
+        *warnings,
+        *_contact_warnings(pair, path, whole),
+        *_break_warnings(pair, whole, design.keeps_from_crossing),
+    )
     return Contact(
         design,
         pair,
@@ -529,18 +538,7 @@ def contact_of(
             for member, params in zip(pair.both, (path.params1, path.params2), strict=True)
         },
         summary,
-        (
-            *warnings,
-            *(
-                (NO_CONTACT_WARNING,)
-                if cycle and fits is None
-                else fit_warnings(pair, fits)
-                if fits is not None
-                else ()
-            ),
-            *_contact_warnings(pair, path, whole),
-            *_break_warnings(pair, whole, design.keeps_from_crossing),
-        ),
+        warnings,
         whole,
         hertz,
         None if first_order is None else first_order(path.rotation),

@@ -53,8 +53,7 @@ class SideContact:
         phi1 = np.linspace(self.whole.rotation[0], self.whole.rotation[-1], len(asked.phi1))
         if self.exchange is not None and np.abs(phi1 - asked.rotation).max() <= SAME_ROTATION_RAD:
             return asked
-        flanks = self.engagement.pair if self.exchange is not None else solver_pair(self.pair)
-        return contact_path(flanks, phi1, None, engagement=self.engagement)
+        return contact_path(self.engagement.pair, phi1, None, engagement=self.engagement)
 
     @cached_property
     def ease_off(self) -> EaseOff:
@@ -87,7 +86,7 @@ def whole_path(pair: GearPair, engagement: Engagement, known_range: tuple[float,
     `known_range`: the rotations (rad) of first and last contact, if they are known.
     """
     ends = engagement_range(engagement, pair.pitch) if known_range is None else known_range
-    return contact_path(solver_pair(pair), whole_positions(ends), None, engagement=engagement)
+    return contact_path(engagement.pair, whole_positions(ends), None, engagement=engagement)
 
 
 def whole_positions(ends: tuple[float, float]) -> Array:
@@ -117,8 +116,7 @@ def side_contacts(
         if contacts and exchange is not None:
             contacts.append(replace(contacts[0], pair=own_pair, driving=False, exchange=exchange))
             continue
-        flanks = solver_pair(own_pair)
-        followed = whole_engagement(flanks, own_pair.pitch) if known is None else known
+        followed = whole_engagement(solver_pair(own_pair), own_pair.pitch) if known is None else known
         if followed is None or not followed.contacts.touching.any():
             continue
         if driving and driving_whole is not None:

@@ -94,7 +94,7 @@ def solved_contact(train: GearTrain, contact: Contact) -> StagedContact | None:
     met = np.flatnonzero(path.touching)
     if met.size < MIN_SOLVED_POSITIONS or np.ptp(met) >= met.size:
         return None
-    return _at_first(train, pair, solver_pair(pair), path.part_of(slice(met[0], met[-1] + 1)))
+    return _at_first(train, pair, path.part_of(slice(met[0], met[-1] + 1)))
 
 
 def first_contact(train: GearTrain, pair: GearPair, ends: tuple[float, float]) -> StagedContact | None:
@@ -110,12 +110,15 @@ def first_contact(train: GearTrain, pair: GearPair, ends: tuple[float, float]) -
     path = path.part_of(slice(met[0], met[-1] + 1))
     if not path.touching.all():
         path = contact_path(flanks, path.phi1[path.touching], pair.generation)
-    return _at_first(train, pair, flanks, path)
+    return _at_first(train, pair, path, flanks)
 
 
-def _at_first(train: GearTrain, pair: GearPair, flanks: Pair, path: ContactPath) -> StagedContact:
-    """Return the contact at positions that all touch, with gaps only where the pattern needs them."""
-    gaps = None if np.isfinite(path.semi_major).any() else _gaps(pair, flanks, path, None)
+def _at_first(train: GearTrain, pair: GearPair, path: ContactPath, flanks: Pair | None = None) -> StagedContact:
+    """Return the contact at positions that all touch, with gaps only where the pattern needs them.
+
+    `flanks` of the pair for the solver are made if gaps need them and they are not given.
+    """
+    gaps = None if np.isfinite(path.semi_major).any() else _gaps(pair, flanks or solver_pair(pair), path, None)
     return StagedContact(pair, path, train_turns(train, pair, path.rotation, path.phi2), None, gaps)
 
 

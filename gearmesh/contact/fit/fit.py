@@ -134,11 +134,6 @@ class Fit:
     collisions: tuple[TipCollision, ...] = ()
 
     @property
-    def coast(self) -> Engagement | None:
-        """Engagement of the coast flanks, None where it is an image of the engagement of the driving flanks."""
-        return None if self.coast_curve is None else self.coast_curve.engagement
-
-    @property
     def fits(self) -> bool | None:
         """True if the gears turn without interference.
 
