@@ -40,7 +40,7 @@ from gearmesh.cad.turned import Prism
 from gearmesh.kernel.numeric.algebra import Array, unit
 from gearmesh.teeth.blank.body import end_edges
 from gearmesh.teeth.blank.end_edge import SHARP_ENDS
-from gearmesh.teeth.blank.halves import HalfEnd, HalfGear
+from gearmesh.teeth.blank.halves import AxialGap, HalfEnd, HalfGear, row_stations
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import FILLET_REGIONS, Region
 
@@ -227,83 +227,140 @@ class BarTop:
 
 def under_teeth(member: Member, tops: Sequence[BarTop]) -> list[NamedFace]:
     """Return the faces of the bar beside and under its rows of teeth, and the walls of the holes across it."""
-    up, rows, back = np.array([1.0, 0.0, 0.0]), member.rows, member.tooth.blank.body.profile[0][0]
-    inner = [end for gap in rows.gaps for end in gap.ends[::-1]]
-    stations = [rows.outer[0], *inner, rows.outer[1]]
-    if len(tops) > 1 and not inner:
-        half, which = rows.outer[0]
-        stations.insert(1, (half, 1 - which))
+    foot, rows, (walls, holes) = _Foot.of(member, tops), member.rows, _bolt_holes(member)
+    faces = [*walls, *(foot.end_face(end, upper, holes[upper]) for upper, end in enumerate(rows.outer))]
+    faces += [foot.end_face(end, upper) for gap in rows.gaps for upper, end in enumerate(gap.ends)]
+    for n in (0, 1):
+        faces += [foot.side(n, number) for number in range(len(tops))]
+        faces += [foot.side_of_gap(n, number) for number in range(len(rows.gaps))]
+    return [*faces, foot.back_face(), *(foot.floor_of_gap(number) for number in range(len(rows.gaps)))]
 
-    def station(end: HalfEnd) -> int:
-        """Return the number of an end of a row among the stations; rows that meet share it."""
-        return stations.index(end) if end in stations else 1
 
-    def below(n: int, end: HalfEnd, height: float) -> Array:
+@dataclass(frozen=True)
+class _Foot:
+    """Bar under its rows of teeth, with edges at and between the stations along z where rows of teeth begin and end.
+
+    Pairs are of the first and the last end of the bar, in the order of y.
+    """
+
+    #: tops under the rows of teeth
+    tops: Sequence[BarTop]
+    #: gaps between the rows
+    gaps: tuple[AxialGap, ...]
+    #: height x of the back, mm
+    back: float
+    #: station of each end of a row; rows that meet share one
+    station_of: dict[HalfEnd, int]
+    #: edges at each station from the teeth down to the back, two at a gap: they meet at its floor
+    down: tuple[list[list[Any]], ...]
+    #: edges of the back between stations
+    across_back: tuple[list[Any], ...]
+    #: edges of the back along y at the first and the last station
+    along_back: tuple[Any, Any]
+    #: edges of the floor of each gap along z
+    across_floor: tuple[list[Any], ...]
+    #: edges of the floors along y, under the end of a row
+    along_floor: dict[HalfEnd, Any]
+
+    @staticmethod
+    def of(member: Member, tops: Sequence[BarTop]) -> _Foot:
+        """Return the foot of a bar under the tops of its rows."""
+        rows, back = member.rows, member.tooth.blank.body.profile[0][0]
+        stations = row_stations(rows)
+        floors = {end: gap.floor for gap in rows.gaps for end in gap.ends}
+        down, across_back, across_floor, ground, floor = list[list[list[Any]]](), [], [], [], []
+        for n in (0, 1):
+            ground.append([vertex(_below(tops, n, end, back)) for end, *_ in stations])
+            floor.append({end: vertex(_below(tops, n, end, height)) for end, height in floors.items()})
+            down.append([])
+            for (end, *_), foot in zip(stations, ground[n], strict=True):
+                top, _ = _corner(tops, n, end)
+                way = [top, floor[n][end], foot] if end in floors else [top, foot]
+                down[n].append([straight_edge(*pair) for pair in pairwise(way)])
+            across_back.append([straight_edge(*pair) for pair in pairwise(ground[n])])
+            across_floor.append([straight_edge(*(floor[n][end] for end in gap.ends[::-1])) for gap in rows.gaps])
+        return _Foot(
+            tops,
+            rows.gaps,
+            back,
+            {end: k for k, ends in enumerate(stations) for end in ends},
+            tuple(down),
+            tuple(across_back),
+            (straight_edge(ground[0][0], ground[1][0]), straight_edge(ground[0][-1], ground[1][-1])),
+            tuple(across_floor),
+            {end: straight_edge(floor[0][end], floor[1][end]) for end in floors},
+        )
+
+    def end_face(self, end: HalfEnd, upper: int, wires: Sequence[Any] = ()) -> NamedFace:
+        """Return the end face of a row, down to the back, or at a gap to its floor; `upper`: 1 if it looks along +z."""
         half, which = end
-        _, place = tops[half].corners[n][which]
-        return np.array([height, *place[1:]])
-
-    # vertices and edges from the teeth down to the back, over the floor of a gap
-    floors = {end: gap.floor for gap in rows.gaps for end in gap.ends}
-    ground = [[vertex(below(n, end, back)) for end in stations] for n in (0, 1)]
-    floor = [{end: vertex(below(n, end, height)) for end, height in floors.items()} for n in (0, 1)]
-    down = [
-        [
-            [straight_edge(*pair) for pair in pairwise((tops[h].corners[n][e][0], *way, ground[n][k]))]
-            for k, (h, e) in enumerate(stations)
-            for way in [[floor[n][h, e]] if (h, e) in floors else []]
-        ]
-        for n in (0, 1)
-    ]
-    across_back = [[straight_edge(*pair) for pair in pairwise(ground[n])] for n in (0, 1)]
-    along_back = {k: straight_edge(ground[0][k], ground[1][k]) for k in (0, len(stations) - 1)}
-    along_floor = {end: straight_edge(floor[0][end], floor[1][end]) for end in floors}
-    across_floor = [[straight_edge(*(floor[n][end] for end in gap.ends[::-1])) for gap in rows.gaps] for n in (0, 1)]
-    faces, holes = _bolt_holes(member)
-
-    def end_face(end: HalfEnd, base: Any, upper: int, name: str, wires: Sequence[Any] = ()) -> None:
-        """Add the end face of a row, down to the back or to the floor of a gap."""
-        half, which = end
-        first, last = (down[n][station(end)][: 1 if end in floors else None] for n in (0, 1))
-        loop = [*tops[half].outlines[which], *((part, True) for part in last), (base, False)]
-        loop += [(part, False) for part in reversed(first)]
+        at_gap = end in self.along_floor
+        first, last = (down[self.station_of[end]][: 1 if at_gap else None] for down in self.down)
+        base = self.along_floor[end] if at_gap else self.along_back[upper]
+        loop = [*self.tops[half].outlines[which], *_forwards(last), (base, False), *_backwards(first)]
         region = (Region.FACE_TOE, Region.FACE_HEEL)[upper]
         normal = np.array([0.0, 0.0, 1.0 if upper else -1.0])
-        shape = _plane(tops[half].origins[which], normal, loop if upper else _reverse(loop), wires)
-        faces.append(NamedFace(shape, f"{region}{name}", region))
+        shape = _plane(self.tops[half].origins[which], normal, loop if upper else _reverse(loop), wires)
+        return NamedFace(shape, f"{region}_gap" if at_gap else f"{region}", region)
 
-    for upper, end in enumerate(rows.outer):
-        end_face(end, along_back[station(end)], upper, "", holes[upper])
-    for gap in rows.gaps:
-        for upper, end in enumerate(gap.ends):
-            end_face(end, along_floor[end], upper, "_gap")
-    for n, sense in ((0, -1.0), (1, 1.0)):
-        for number, top in enumerate(tops):
-            toe, heel = station((number, 0)), station((number, 1))
-            rising, k = heel > toe, min(toe, heel)
-            loop = [*top.lines[n], *((part, True) for part in down[n][heel]), (across_back[n][k], not rising)]
-            loop += [(part, False) for part in reversed(down[n][toe])]
-            normal = sense * top.half.hand_sign * np.cross(top.roots[n, 1] - top.roots[n, 0], up)
-            shape = _plane(top.roots[n, 0], normal, loop if (n == 0) == rising else _reverse(loop))
-            faces.append(NamedFace(shape, f"end_{n + 1}{top.half.suffix}", Region.END))
-        for number, gap in enumerate(rows.gaps):
-            upper_end, lower_end = gap.ends
-            low, high = station(lower_end), station(upper_end)
-            loop = [(across_floor[n][number], True), (down[n][high][1], True), (across_back[n][low], False)]
-            loop.append((down[n][low][1], False))
-            shape = _plane(
-                below(n, lower_end, back), sense * np.array([0.0, 1.0, 0.0]), loop if n == 0 else _reverse(loop)
-            )
-            faces.append(NamedFace(shape, f"end_{n + 1}_gap", Region.END))
-    loop = [*((part, True) for part in across_back[0]), (along_back[len(stations) - 1], True)]
-    loop += [*((part, False) for part in reversed(across_back[1])), (along_back[0], False)]
-    faces.append(NamedFace(_plane(below(0, stations[0], back), -up + 0.0, loop), Region.BACK, Region.BACK))
-    for number, gap in enumerate(rows.gaps):
+    def side(self, n: int, number: int) -> NamedFace:
+        """Return the face under a row at the first (n = 0) or last (1) end of the bar."""
+        top, sense = self.tops[number], 1.0 if n else -1.0
+        toe, heel = self.station_of[number, 0], self.station_of[number, 1]
+        rising, across = heel > toe, self.across_back[n][min(toe, heel)]
+        down = self.down[n]
+        loop = [*top.lines[n], *_forwards(down[heel]), (across, not rising), *_backwards(down[toe])]
+        normal = sense * top.half.hand_sign * np.cross(top.roots[n, 1] - top.roots[n, 0], [1.0, 0.0, 0.0])
+        shape = _plane(top.roots[n, 0], normal, loop if (n == 0) == rising else _reverse(loop))
+        return NamedFace(shape, f"end_{n + 1}{top.half.suffix}", Region.END)
+
+    def side_of_gap(self, n: int, number: int) -> NamedFace:
+        """Return the face under a gap at the first (n = 0) or last (1) end of the bar."""
+        upper_end, lower_end = self.gaps[number].ends
+        low, high = self.station_of[lower_end], self.station_of[upper_end]
+        loop = [(self.across_floor[n][number], True), (self.down[n][high][1], True)]
+        loop += [(self.across_back[n][low], False), (self.down[n][low][1], False)]
+        normal = np.array([0.0, 1.0 if n else -1.0, 0.0])
+        shape = _plane(_below(self.tops, n, lower_end, self.back), normal, _reverse(loop) if n else loop)
+        return NamedFace(shape, f"end_{n + 1}_gap", Region.END)
+
+    def back_face(self) -> NamedFace:
+        """Return the back of the bar."""
+        near, far = self.along_back
+        loop = [*_forwards(self.across_back[0]), (far, True), *_backwards(self.across_back[1]), (near, False)]
+        first = next(iter(self.station_of))
+        shape = _plane(_below(self.tops, 0, first, self.back), np.array([-1.0, 0.0, 0.0]), loop)
+        return NamedFace(shape, Region.BACK, Region.BACK)
+
+    def floor_of_gap(self, number: int) -> NamedFace:
+        """Return the floor of a gap."""
+        gap = self.gaps[number]
         upper_end, lower_end = gap.ends
-        loop = [(along_floor[lower_end], True), (across_floor[1][number], True), (along_floor[upper_end], False)]
-        loop.append((across_floor[0][number], False))
-        faces.append(NamedFace(_plane(below(0, lower_end, gap.floor), up, loop), Region.GAP, Region.GAP))
-    return faces
+        loop = [(self.along_floor[lower_end], True), (self.across_floor[1][number], True)]
+        loop += [(self.along_floor[upper_end], False), (self.across_floor[0][number], False)]
+        shape = _plane(_below(self.tops, 0, lower_end, gap.floor), np.array([1.0, 0.0, 0.0]), loop)
+        return NamedFace(shape, Region.GAP, Region.GAP)
+
+
+def _corner(tops: Sequence[BarTop], n: int, end: HalfEnd) -> tuple[Any, Array]:
+    """Return vertex and point (3,) where the outline of a row begins (n = 0) or ends (1)."""
+    half, which = end
+    return tops[half].corners[n][which]
+
+
+def _below(tops: Sequence[BarTop], n: int, end: HalfEnd, height: float) -> Array:
+    """Return the point (3,) at a height x under a corner of a row's outline."""
+    return np.array([height, *_corner(tops, n, end)[1][1:]])
+
+
+def _forwards(edges: Sequence[Any]) -> list[tuple[Any, bool]]:
+    """Return edges with their own sense."""
+    return [(part, True) for part in edges]
+
+
+def _backwards(edges: Sequence[Any]) -> list[tuple[Any, bool]]:
+    """Return edges in opposite order and sense."""
+    return [(part, False) for part in reversed(edges)]
 
 
 def has_straight_faces(member: Member) -> bool:

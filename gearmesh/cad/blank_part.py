@@ -15,7 +15,7 @@ from gearmesh.cad.section import MemberSection, section_spline
 from gearmesh.cad.solid_part import whole_part
 from gearmesh.cad.step import NamedFace, Part, require_occ
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve, PlaneLine
+from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve, PlaneLine, lines_through
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.turned_blank import BLANK_REGIONS, BarBlank, TipCurve, TurnedBlank, blank_of
@@ -34,7 +34,7 @@ def blank_section(member: Member, tolerance: float) -> MemberSection:
     blank = blank_of(member)
     if isinstance(blank, BarBlank):
         corners = blank.outline
-        lines = tuple(PlaneLine(a, b) for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True))
+        lines = lines_through([*corners, corners[0]])
         return MemberSection(member.name, float(blank.stations[:2].mean()), (Contour(BLANK_CONTOUR, lines, True),), 0.0)
     curves, deviation = _outline(blank, tolerance)
     z = np.array([(curve.start[0], curve.end[0]) for curve in curves])

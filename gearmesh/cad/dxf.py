@@ -20,8 +20,6 @@ from gearmesh.io.atomic import PathLike, whole_file
 from gearmesh.io.digits import angle_on_grid, curve_on_grid
 from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve
 
-#: number of the version R12 in its files
-OLDEST_DXF_NUMBER = "AC1009"
 #: name of the line type of axes
 AXIS_LINE = "CENTER"
 #: length of its pattern, then dashes and (negative) gaps, mm
@@ -103,7 +101,7 @@ def _add_joined(space: Any, contour: Contour, layer: str) -> None:
         )
         for curve in contour.curves
     ]
-    old = space.dxfversion <= OLDEST_DXF_NUMBER
+    old = space.doc.acad_release == DXF_VERSION_WITHOUT_SPLINES
     add = space.add_polyline2d if old else space.add_lwpolyline
     add(points, format="xyb", close=True, dxfattribs={"layer": layer})
 

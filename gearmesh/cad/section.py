@@ -20,7 +20,7 @@ from gearmesh.cad.nodes import MAX_NODES, PLACES_PER_INTERVAL, by_interval, plan
 from gearmesh.errors import ArgumentError, DesignError, NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array, unit
 from gearmesh.kernel.numeric.splines import SplineCurve
-from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve, PlaneLine
+from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve, PlaneLine, lines_through
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.progress import tell
 from gearmesh.teeth.end_strip import EndStrip, StripPiece
@@ -155,8 +155,7 @@ def _bar(member: Member, z: float, tolerance: float) -> tuple[tuple[PlaneCurve, 
     z = member.rows.station(z)
     if gap is not None:
         low, high = map(float, member.bar_ends(np.array(tooth.blank.faces[1])))
-        ring = [np.array(corner) for corner in ((back, low), (gap.floor, low), (gap.floor, high), (back, high))]
-        return tuple(PlaneLine(a, b) for a, b in pairwise([*ring, ring[0]])), 0.0
+        return lines_through([(back, low), (gap.floor, low), (gap.floor, high), (back, high), (back, low)]), 0.0
     tooth_curves, deviation = _one_tooth(tooth, z, tolerance, _of_rack)
     pitch = np.asarray(tooth.joint.to(tooth.pitch_angle).translation)[:2]
     moved = _join(tooth_curves, tooth_curves[-1].move(-pitch))

@@ -89,9 +89,10 @@ def facts_of(gears: GearSet, member: Member) -> Facts:
     reference = None if drawn_rows is None or drawn_rows.reference is None else drawn_rows.reference
     ends = tuple(_value(tables, symbol, member.name) for symbol in reference or ())
     deviations = tuple(_value(tables, symbol, member.name) for symbol in TIP_DEVIATIONS)
-    given = design.in_mm().material.density
+    in_mm = design.in_mm()
+    given = in_mm.material.density
     density = STEEL_DENSITY_KG_PER_M3 if given is None else given
-    modulus, _ = design.in_mm().elastic(member.name)
+    modulus, _ = in_mm.elastic(member.name)
     own = [*rows[:own_rows], *_end_chamfers(member), *_stock(gears.stock(member.name))]
     return Facts(
         rows=(

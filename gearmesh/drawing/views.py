@@ -2,7 +2,7 @@
 2203].
 
 First-angle projection: the view from the left is drawn on the right. The side with the teeth or the hub looks to the
-left. x is up in both views; the keyway, a corner or flat of the bore and the first tooth lie there.
+left. The x axis is up in both views: the first tooth lies there, and the keyway, a corner or a flat of the bore.
 """
 
 from __future__ import annotations

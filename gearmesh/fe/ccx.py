@@ -10,6 +10,8 @@ import re
 import shutil
 import subprocess
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +19,7 @@ from numpy.typing import NDArray
 
 from gearmesh.errors import NoSolutionError, OutputError
 from gearmesh.fe.decks.inp import reference_nodes, write_modes, write_solved
-from gearmesh.fe.model import Model, RigidTie
+from gearmesh.fe.model import Model
 from gearmesh.fe.results import ContactTotal, NodalSolution, ReferenceNode
 from gearmesh.formats import INP_SUFFIX
 from gearmesh.io.atomic import PathLike, files_together, scratch_folder
@@ -63,15 +65,8 @@ def solve(
     Raises OutputError if ccx is missing. Raises NoSolutionError, with ccx's message, if ccx fails, or if bodies that
     only contact holds do not touch at the start.
     """
-    executable = program()
-    with scratch_folder() as folder:
-        write_solved(model, folder / f"{_JOB_NAME}{INP_SUFFIX}")
-        loose = bool(model.contacts) and any(_loose(tie) for tie in model.ties)
-        try:
-            run(executable, folder, progress, threads, must_touch=loose)
-        finally:
-            if keep is not None:
-                _keep(folder, keep)
+    loose = bool(model.contacts) and any(tie.is_loaded for tie in model.ties)
+    with _solved(partial(write_solved, model), progress, threads, keep, must_touch=loose) as folder:
         return read(model, folder)
 
 
@@ -82,14 +77,7 @@ def frequencies(
 
     Raises the errors of `solve`.
     """
-    executable = program()
-    with scratch_folder() as folder:
-        write_modes(model, folder / f"{_JOB_NAME}{INP_SUFFIX}", count)
-        try:
-            run(executable, folder, progress, threads)
-        finally:
-            if keep is not None:
-                _keep(folder, keep)
+    with _solved(partial(write_modes, model, count=count), progress, threads, keep) as folder:
         text = (folder / f"{_JOB_NAME}.dat").read_text()
     # rows: mode, eigenvalue, frequency in rad/s, in Hz, imaginary part
     table = text.partition("E I G E N V A L U E   O U T P U T")[2].partition("P A R T I C I P A T I O N")[0]
@@ -100,6 +88,26 @@ def frequencies(
     return found[:count]
 
 
+@contextmanager
+def _solved(
+    write: Callable[[Path], None],
+    progress: Progress | None,
+    threads: int | None,
+    keep: PathLike | None,
+    must_touch: bool = False,
+) -> Iterator[Path]:
+    """Yield a temporary folder in which ccx has solved the deck that `write` writes. Arguments are those of `solve` and `run`."""
+    executable = program()
+    with scratch_folder() as folder:
+        write(folder / f"{_JOB_NAME}{INP_SUFFIX}")
+        try:
+            run(executable, folder, progress, threads, must_touch)
+        finally:
+            if keep is not None:
+                _keep(folder, keep)
+        yield folder
+
+
 def _keep(folder: Path, target: PathLike) -> None:
     """Copy the deck and the files of ccx from `folder` to another folder."""
     with files_together(target) as temporary:
@@ -107,10 +115,6 @@ def _keep(folder: Path, target: PathLike) -> None:
             file = folder / f"{_JOB_NAME}{suffix}"
             if file.exists():
                 shutil.copyfile(file, temporary / file.name)
-
-
-def _loose(tie: RigidTie) -> bool:
-    return any(motion is None and load for motion, load in zip(tie.motion, tie.load, strict=True))
 
 
 def run(

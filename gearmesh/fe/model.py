@@ -44,6 +44,11 @@ class RigidTie:
     #: forces (N) and moments (N mm) in the free directions
     load: tuple[float, ...] = (0.0,) * 6
 
+    @property
+    def is_loaded(self) -> bool:
+        """True if a force or moment acts in a free direction."""
+        return any(motion is None and load for motion, load in zip(self.motion, self.load, strict=True))
+
 
 @dataclass(frozen=True)
 class ContactPair:
@@ -106,6 +111,12 @@ class Model:
     cyclic: CyclicSymmetry | None = None
     #: remarks at the head of files, such as the parts that are not modelled
     notes: tuple[str, ...] = ()
+
+    @property
+    def is_loaded(self) -> bool:
+        """True if a force, a moment or a prescribed motion other than 0 acts."""
+        moved = any(support.value for support in self.supports) or any(any(tie.motion) for tie in self.ties)
+        return moved or bool(self.forces) or any(tie.is_loaded for tie in self.ties)
 
     @property
     def note_lines(self) -> list[str]:

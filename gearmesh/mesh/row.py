@@ -27,7 +27,8 @@ from gearmesh.mesh.ends.end_mesh import EndMesh
 from gearmesh.mesh.halves import WeldedHalves
 from gearmesh.mesh.tessellate import ToothMesh
 from gearmesh.mesh.triangles import with_area
-from gearmesh.teeth.blank.halves import HalfEnd, Rows
+from gearmesh.teeth.blank.halves import HalfEnd, Rows, row_stations
+from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Region
 
 Index = NDArray[np.int64]
@@ -67,13 +68,9 @@ class BarFloors:
         - sides: lines (N,) from toe to heel of every row, at the first and the last end of the bar.
         - vertices: (V, 3), mm, of teeth and roots.
         """
-        # ends of the rows in the order of z; rows that meet share one
-        inner = [end for gap in rows.gaps for end in gap.ends[::-1]]
-        if len(rows.halves) > 1 and not inner:
-            number, which = rows.outer[0]
-            inner = [(number, 1 - which)]
-        stations = [rows.outer[0], *inner, rows.outer[1]]
-        tops = np.array([[side[half][-end] for half, end in stations] for side in sides])
+        stations = row_stations(rows)
+        station_of = {end: k for k, ends in enumerate(stations) for end in ends}
+        tops = np.array([[side[half][-end] for (half, end), *_ in stations] for side in sides])
         levels = [back, *(gap.floor for gap in rows.gaps)]
         corners = [vertices[tops.ravel()], *(vertices[tops[:, 1:-1].ravel()] for _ in rows.gaps)]
         for points, level in zip(corners, levels, strict=True):
@@ -90,8 +87,7 @@ class BarFloors:
             sense = -1 if n else 1
             for k, half in enumerate(rows.halves):
                 # each row has its own plane, from its toe to its heel
-                near = stations.index((k, 0)) if (k, 0) in stations else stations.index((k, 1)) - half.hand_sign
-                far = near + half.hand_sign
+                near, far = station_of[k, 0], station_of[k, 1]
                 groove = [grooves[n, k]] if rows.gaps else []
                 line = np.concatenate((side[k], groove, [bottom[far]])).astype(np.int64)
                 faces.append((Region.END, _fan(bottom[near], line)[:, :: sense * half.hand_sign]))
@@ -107,13 +103,9 @@ class BarFloors:
         return BarFloors(np.concatenate(corners), faces, under_end)
 
 
-def row_mesh(tooth_mesh: ToothMesh, rows: Rows, overhang: float = 0.0) -> RowMesh:
-    """Return the closed surface of all teeth and the bar; the tooth of `tooth_mesh` is in the middle, or next to it.
-
-    - rows: rows of teeth side by side.
-    - overhang: length, mm, of the bar beyond the last pitch, at either end.
-    """
-    tooth, strips, halves = tooth_mesh.tooth, tooth_mesh.end_meshes(), rows.halves
+def row_mesh(tooth_mesh: ToothMesh, member: Member) -> RowMesh:
+    """Return the closed surface of a rack; the tooth of `tooth_mesh` is in the middle, or next to it."""
+    tooth, strips, rows, halves = tooth_mesh.tooth, tooth_mesh.end_meshes(), member.rows, member.halves
     single = tooth_mesh.weld()
     welded, size = WeldedHalves.of(single, halves), len(single.triangles)
     count, teeth = len(welded.vertices), tooth.teeth
@@ -137,11 +129,11 @@ def row_mesh(tooth_mesh: ToothMesh, rows: Rows, overhang: float = 0.0) -> RowMes
     firsts = [number[single.firsts[1]] for number in welded.numbers]
     lasts = [number[single.firsts[0]] + teeth * count for number in welded.numbers]
     ends, added = list[list[Index]](), len(vertices)
-    for lines, way, beyond in zip((firsts, lasts), ways[[0, -1]], (-overhang, overhang), strict=True):
+    for n, lines in enumerate((firsts, lasts)):
         numbers = list[Index]()
         for half, line in zip(halves, lines, strict=True):
             points = half.points(vertices[line])
-            points[:, 1] = tooth.root_middle(points[:, 2]) + way[1] + beyond
+            points[:, 1] = member.bar_ends(points[:, 2])[n]
             fresh = added + np.arange(len(line))
             for end in half.shared:
                 fresh[-end] = numbers[0][-end]

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,7 +16,7 @@ from numpy.typing import NDArray
 
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array, distinct
-from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve, PlaneLine
+from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve, lines_through
 from gearmesh.mesh.body import gear_body, ring_count, triangulate, without_needles
 from gearmesh.mesh.gear_mesh import GearMesh
 from gearmesh.mesh.labelled import labelled_mesh
@@ -85,7 +84,7 @@ def gear_facets(
         raise ValueError(f"{len(kinds)} different teeth need as many meshes, not {len(tooth_meshes)}")
     if member.tooth.joint.travel is not None:
         tooth_mesh = tooth_meshes[0]
-        row = row_mesh(tooth_mesh, member.rows, member.overhang)
+        row = row_mesh(tooth_mesh, member)
         names = (*_names(tooth_mesh), *member.body_regions)
         regions = np.array([names.index(region) for region in row.regions], dtype=np.int32)
         normals = np.concatenate([half.vectors(_normals(tooth_mesh, 1)) for half in member.halves])[row.of_tooth]
@@ -322,7 +321,7 @@ def _with_bore(
     drilled = any(isinstance(curve, PlaneArc) for curve in form.in_bore(radius))
     hole = _hole(radius, ends, *sides) if drilled else None
     corners = form.polygon(radius)
-    walls = _prism(tuple(PlaneLine(a, b) for a, b in pairwise([*corners, corners[0]])), ends, sides[1])
+    walls = _prism(lines_through([*corners, corners[0]]), ends, sides[1])
     sources[walls.original_id()] = form.region
     if hole is None:
         # the round bore is inside the polygon everywhere

@@ -15,6 +15,7 @@ A distance may be too large in three ways, which are tested on sections from toe
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -65,11 +66,17 @@ def offset_member(member: Member, distance: float) -> Member:
         return member
     if not np.isfinite(distance):
         raise ArgumentError(OFFSET_KEY, distance, must_be="a finite number of mm")
-    moved_tooth, others = offset_tooth(member.tooth, distance), dict[int, Tooth]()
-    for number, tooth in member.others.items():
-        same_number = next((k for k in others if member.others[k] is tooth), None)
-        others[number] = offset_tooth(tooth, distance) if same_number is None else others[same_number]
-    return replace(member, tooth=moved_tooth, others=others)
+    return with_moved_teeth(member, lambda tooth: offset_tooth(tooth, distance))
+
+
+def with_moved_teeth(member: Member, move: Callable[[Tooth], Tooth]) -> Member:
+    """Return the member with its teeth moved by a function, which is called once for each different tooth."""
+    moved: dict[int, Tooth] = {}
+    for tooth in (member.tooth, *member.others.values()):
+        if id(tooth) not in moved:
+            moved[id(tooth)] = move(tooth)
+    others = {number: moved[id(tooth)] for number, tooth in member.others.items()}
+    return replace(member, tooth=moved[id(member.tooth)], others=others)
 
 
 def offset_tooth(tooth: Tooth, distance: float) -> Tooth:
@@ -80,20 +87,32 @@ def offset_tooth(tooth: Tooth, distance: float) -> Tooth:
     made = _trial(tooth, distance)
     if isinstance(made, Tooth):
         return made
-    # bisection between no offset and the asked offset, or one tooth height
-    most, rounds = float(np.sign(distance)) * min(abs(distance), tooth.height), int(np.ceil(-np.log2(OFFSET_ACCURACY)))
+    raise distance_refusal(OFFSET_KEY, distance, tooth.height, OFFSET_ACCURACY, lambda d: _trial(tooth, d))
+
+
+def distance_refusal(
+    key: str, distance: float, height: float, accuracy: float, trial: Callable[[float], Tooth | str]
+) -> ArgumentError:
+    """Return the refusal of a distance (mm) by which surfaces of a tooth cannot move, with the largest that works.
+
+    - height: height of the tooth, mm.
+    - accuracy: accuracy of the largest distance, as a share of the height.
+    - trial: the moved tooth for a distance, or the reason why it is wrong.
+    """
+    # bisection between no distance and the asked distance, or one tooth height
+    most, rounds = float(np.sign(distance)) * min(abs(distance), height), int(np.ceil(-np.log2(accuracy)))
     largest, beyond = last_true(
-        lambda tried, _: np.array([isinstance(_trial(tooth, float(d)), Tooth) for d in tried]),
+        lambda tried, _: np.array([isinstance(trial(float(d)), Tooth) for d in tried]),
         np.zeros(1),
         np.array([most]),
         rounds=rounds,
     )
-    # the fault just beyond the largest offset explains more than the fault at the asked offset
-    reason = _trial(tooth, float(beyond[0]))
-    digits = max(int(np.ceil(-np.log10(OFFSET_ACCURACY * tooth.height))), 0)
+    # the fault just beyond the largest distance explains more than the fault at the asked distance
+    reason = trial(float(beyond[0]))
+    digits = max(int(np.ceil(-np.log10(accuracy * height))), 0)
     shown = np.trunc(largest[0] * 10.0**digits) / 10.0**digits
     bound = "at most" if distance > 0.0 else "at least"
-    raise ArgumentError(OFFSET_KEY, distance, unit="mm", reason=str(reason), allowed=f"{bound} {shown:.{digits}f} mm")
+    return ArgumentError(key, distance, unit="mm", reason=str(reason), allowed=f"{bound} {shown:.{digits}f} mm")
 
 
 def _trial(tooth: Tooth, distance: float) -> Tooth | str:

@@ -1,4 +1,4 @@
-"""Teeth with stock on their flanks alone, as they are before grinding, hard cutting or honing.
+r"""Teeth with stock on their flanks alone, as they are before grinding, hard cutting or honing.
 
 The flank with stock is the parallel surface of the finished flank, from the tip down to the form point. From there a
 ramp, as a tool with protuberance leaves it, goes straight down to the fillet. Fillet, root and lands are those of the
@@ -7,7 +7,7 @@ finished tooth. Chamfers of the tip lie on their planes, and grow with the stock
                     |  | flank with stock
       finished flank|  |
          form point |  |
-                     \\ /  ramp, RAMP_ANGLE_DEG from the flank
+                     \ /  ramp, RAMP_ANGLE_DEG from the flank
                       (
               fillet   \
 """
@@ -19,15 +19,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from gearmesh.errors import ArgumentError, DesignError, KindError
-from gearmesh.kernel.numeric.roots import last_true
+from gearmesh.errors import DesignError, KindError
 from gearmesh.kernel.numeric.splines import CUBIC_DEGREE, Polynomials, spline_through
 from gearmesh.kernel.surface.continued import Continued
 from gearmesh.kernel.surface.offset import Parallel
 from gearmesh.kernel.surface.stations import TrimError, along
 from gearmesh.kernel.surface.surface import Surface
 from gearmesh.teeth.gear_train import Member
-from gearmesh.teeth.offset import CROSSED_TEETH, LINK_SAMPLES, crosses_itself
+from gearmesh.teeth.offset import CROSSED_TEETH, LINK_SAMPLES, crosses_itself, distance_refusal, with_moved_teeth
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import PROOF_STATIONS, Tooth
 from gearmesh.teeth.tooth_side import ToothSide
@@ -53,10 +52,7 @@ def stock_member(member: Member, stock: float) -> Member:
     """Return the member with stock (mm) on all its flanks. Raises ArgumentError, with the largest stock that works."""
     if not stock:
         return member
-    teeth = {id(tooth): stock_tooth(tooth, stock) for tooth in member.different_teeth}
-    others = {number: teeth[id(tooth)] for number, tooth in member.others.items()}
-    nominal = teeth.get(id(member.tooth)) or stock_tooth(member.tooth, stock)
-    return replace(member, tooth=nominal, others=others)
+    return with_moved_teeth(member, lambda tooth: stock_tooth(tooth, stock))
 
 
 def stock_tooth(tooth: Tooth, stock: float) -> Tooth:
@@ -64,18 +60,7 @@ def stock_tooth(tooth: Tooth, stock: float) -> Tooth:
     made = _trial(tooth, stock)
     if isinstance(made, Tooth):
         return made
-    rounds = int(np.ceil(-np.log2(STOCK_ACCURACY)))
-    largest, beyond = last_true(
-        lambda tried, _: np.array([isinstance(_trial(tooth, float(d), RAMP_LENGTHS[:1]), Tooth) for d in tried]),
-        np.zeros(1),
-        np.array([min(stock, tooth.height)]),
-        rounds=rounds,
-    )
-    digits = max(int(np.ceil(-np.log10(STOCK_ACCURACY * tooth.height))), 0)
-    shown = np.trunc(largest[0] * 10.0**digits) / 10.0**digits
-    # the fault just beyond the largest stock explains more than the fault at the asked stock
-    reason = str(_trial(tooth, float(beyond[0]), RAMP_LENGTHS[:1]))
-    raise ArgumentError("stock", stock, unit="mm", reason=reason, allowed=f"at most {shown:.{digits}f} mm")
+    raise distance_refusal("stock", stock, tooth.height, STOCK_ACCURACY, lambda d: _trial(tooth, d, RAMP_LENGTHS[:1]))
 
 
 def _trial(tooth: Tooth, stock: float, lengths: tuple[float, ...] = RAMP_LENGTHS) -> Tooth | str:

@@ -221,9 +221,7 @@ def _bar(member: Member) -> BarBlank:
     blank = member.tooth.sharp_ends.blank
     back, tip, stations = blank.body.profile[0][0], float(blank.tip.at(0.0)), np.array(sorted(blank.extent))
     ends = np.stack(member.bar_ends(stations))
-    tops, plane = [tip], None
-    for half in member.halves[1:]:
-        plane = half.plane
+    tops, plane = [tip], member.halves[-1].plane
     if plane is not None:
         # the second half is the image of the first; both share a station unless there is a gap
         kept = slice(None) if member.gaps else slice(1, None)

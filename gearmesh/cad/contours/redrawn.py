@@ -16,7 +16,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from enum import StrEnum
-from itertools import pairwise
 from typing import Protocol, TypeAlias
 
 import numpy as np
@@ -25,7 +24,7 @@ from gearmesh.cad.contours.curves import CUBIC_DEGREE, PlaneSpline
 from gearmesh.cad.nodes import Nodes
 from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array, plane_cross
-from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve, PlaneLine
+from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve, PlaneLine, lines_through
 
 #: share of the tolerance that curves keep at the measured places
 TOLERANCE_SHARE = 0.95
@@ -106,7 +105,7 @@ def _chords(curve: Smooth, y: Array) -> tuple[Callable[[], tuple[PlaneCurve, ...
     along = np.diff(points, axis=0)
     along /= np.linalg.norm(along, axis=-1, keepdims=True)
     miss = np.abs(plane_cross(along[:, None], _points(curve, _between(y)) - points[:-1, None]))
-    return lambda: tuple(PlaneLine(a, b) for a, b in pairwise(points)), miss
+    return lambda: lines_through(points), miss
 
 
 def _spline(curve: Smooth, y: Array) -> tuple[Callable[[], tuple[PlaneCurve, ...]], Array]:

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.errors import OutputError
-from gearmesh.fe.decks.fields import T_PER_MM3_OF_KG_PER_M3, corners_then_middles, one_line
+from gearmesh.fe.decks.fields import T_PER_MM3_OF_KG_PER_M3, all_points, corners_then_middles, one_line
 from gearmesh.fe.decks.registry import register
 from gearmesh.fe.model import ContactPair, Model, RigidTie
 from gearmesh.formats import COMM_SUFFIX, MED_SUFFIX
@@ -52,7 +52,6 @@ def require(path: Path) -> None:
 
 def write(model: Model, path: Path) -> None:
     """Write the mesh, and the commands beside it."""
-    require(path)
     if model.cyclic is not None:
         reason = "cyclic symmetry of a sector is written for CalculiX, Abaqus, Ansys, Nastran and LS-DYNA alone"
         raise OutputError("cannot write", path, reason=reason)
@@ -92,7 +91,7 @@ def _med(model: Model) -> Any:
     import medcoupling as mc
 
     mesh = model.mesh
-    points = np.concatenate((mesh.nodes, [tie.point for tie in model.ties])) if model.ties else mesh.nodes
+    points = all_points(model)
     coordinates = mc.DataArrayDouble(np.ascontiguousarray(points))
     coordinates.setInfoOnComponents(["X [mm]", "Y [mm]", "Z [mm]"])
     order = MED_NODE_ORDER if mesh.second_order else list(MED_CORNER_ORDER)
@@ -238,12 +237,8 @@ def _solution(model: Model) -> Iterator[str]:
     yield "ramp = DEFI_FONCTION(NOM_PARA='INST', VALE=(0.0, 0.0, 1.0, 1.0))\n"
     yield "times = DEFI_LIST_REEL(DEBUT=0.0, INTERVALLE=_F(JUSQU_A=1.0, NOMBRE=1))\n\n"
     held = bool(model.supports or model.ties)
-    moved = any(support.value for support in model.supports) or any(any(tie.motion) for tie in model.ties)
-    pushed = any(
-        load and motion is None for tie in model.ties for load, motion in zip(tie.load, tie.motion, strict=True)
-    )
     charges = ["_F(CHARGE=held)"] if held else []
-    charges += ["_F(CHARGE=loads, FONC_MULT=ramp)"] if moved or pushed or model.forces else []
+    charges += ["_F(CHARGE=loads, FONC_MULT=ramp)"] if model.is_loaded else []
     yield "result = STAT_NON_LINE(\n    MODELE=model,\n    CHAM_MATER=matter,\n"
     yield "    CARA_ELEM=discrete,\n" if model.ties else ""
     yield f"    EXCIT=({', '.join(charges)},),\n"

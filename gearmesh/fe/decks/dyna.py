@@ -15,8 +15,10 @@ from numpy.typing import NDArray
 
 from gearmesh.fe.decks.fields import (
     T_PER_MM3_OF_KG_PER_M3,
+    all_points,
     coordinate_field,
     cyclic_equations,
+    material_numbers,
     one_line,
     rows_of_numbers,
     write_ascii,
@@ -81,14 +83,11 @@ def _number(value: float) -> str:
 
 def _mesh(model: Model) -> Iterator[str]:
     mesh = model.mesh
-    points = np.concatenate((mesh.nodes, [tie.point for tie in model.ties])) if model.ties else mesh.nodes
+    points = all_points(model)
     yield "*NODE\n"
     template = "%8d" + 3 * coordinate_field(points, 16) + "\n"
     yield from lines(template, np.column_stack((np.arange(1, len(points) + 1), points)))
-    parts = np.zeros(len(mesh.elements), np.int64)
-    for number, name in enumerate(model.materials, 1):
-        parts[mesh.element_sets[name]] = number
-    table = np.column_stack((np.arange(1, len(mesh.elements) + 1), parts, mesh.elements + 1))
+    table = np.column_stack((np.arange(1, len(mesh.elements) + 1), material_numbers(model), mesh.elements + 1))
     if mesh.second_order:
         yield "*ELEMENT_SOLID_H20\n"
         yield from lines("%8d%8d\n" + "%8d" * 10 + "\n" + "%8d" * 10 + "\n", table)

@@ -1,4 +1,4 @@
-"""Parts that several formats share: ASCII files, fields of fixed width, contact faces, equations of cyclic symmetry."""
+"""Parts that several formats share: ASCII files, fields of fixed width, nodes, contact faces, equations of cyclic symmetry."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.fe.model import CyclicSymmetry
+from gearmesh.fe.model import CyclicSymmetry, Model
 from gearmesh.io.atomic import whole_file
 from gearmesh.io.texts import lines
 from gearmesh.kernel.numeric.algebra import Array, unit
@@ -58,6 +58,20 @@ def cyclic_equations(mesh: HexMesh, cyclic: CyclicSymmetry) -> NodeEquations:
     return NodeEquations(mesh.node_sets[cyclic.last], mesh.node_sets[cyclic.first], rotation)
 
 
+def all_points(model: Model) -> Array:
+    """Return the nodes (N, 3), mm, of the mesh, and after them the reference nodes of the ties."""
+    nodes = model.mesh.nodes
+    return np.concatenate((nodes, [tie.point for tie in model.ties])) if model.ties else nodes
+
+
+def material_numbers(model: Model) -> NDArray[np.int64]:
+    """Return the number (M,) of the material of each element, from 1; 0 for an element without a material."""
+    numbers = np.zeros(len(model.mesh.elements), np.int64)
+    for number, name in enumerate(model.materials, 1):
+        numbers[model.mesh.element_sets[name]] = number
+    return numbers
+
+
 def coordinate_field(nodes: Array, width: int) -> str:
     """Return the %-format of a coordinate, mm, in `width` characters, with as many decimals as the largest leaves."""
     whole = len(str(int(np.ceil(np.abs(nodes).max(initial=1.0)))))
@@ -90,4 +104,5 @@ def corners_then_middles(mesh: HexMesh, name: str) -> NDArray[np.int64]:
 
 
 def one_line(text: str) -> str:
+    """Return a text with single blanks in place of line ends and other white space."""
     return " ".join(text.split())

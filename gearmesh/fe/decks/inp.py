@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.fe.decks.fields import T_PER_MM3_OF_KG_PER_M3
+from gearmesh.fe.decks.fields import T_PER_MM3_OF_KG_PER_M3, one_line
 from gearmesh.fe.decks.registry import register
 from gearmesh.fe.model import ContactPair, CyclicSymmetry, Model, NodeForces, RigidTie
 from gearmesh.formats import INP_SUFFIX
@@ -113,7 +113,7 @@ def _write(path: Path, deck: Iterator[str]) -> None:
 
 
 def _deck(model: Model, dialect: _Dialect) -> Iterator[str]:
-    yield f"*HEADING\n{' '.join(model.title.split())}\n** mm, N, MPa, t\n"
+    yield f"*HEADING\n{one_line(model.title)}\n** mm, N, MPa, t\n"
     yield from (f"** {line}\n" for line in model.note_lines)
     nodes = reference_nodes(model, dialect.rotation_node)
     yield from _nodes(model, nodes)

@@ -14,8 +14,10 @@ import numpy as np
 
 from gearmesh.fe.decks.fields import (
     T_PER_MM3_OF_KG_PER_M3,
+    all_points,
     corners_then_middles,
     cyclic_equations,
+    material_numbers,
     one_line,
     rows_of_numbers,
     write_ascii,
@@ -75,22 +77,18 @@ def _types(model: Model) -> Iterator[str]:
 
 
 def _mesh(model: Model) -> Iterator[str]:
-    mesh = model.mesh
-    points = np.concatenate((mesh.nodes, [tie.point for tie in model.ties])) if model.ties else mesh.nodes
+    points, elements = all_points(model), model.mesh.elements
     count = len(points)
     yield f"NBLOCK,6,SOLID,{count:10d},{count:10d}\n(3i9,6e21.13e3)\n"
     table = np.column_stack((np.arange(1, count + 1), points))
     yield from lines(f"%9d{0:9d}{0:9d}%21.13E%21.13E%21.13E\n", table)
     yield "N,R5.3,LOC,       -1,\n"
-    elements = mesh.elements
-    material = np.zeros(len(elements), np.int64)
-    for number, name in enumerate(model.materials, 1):
-        material[mesh.element_sets[name]] = number
     yield f"EBLOCK,19,SOLID,{len(elements):10d},{len(elements):10d}\n(19i10)\n"
     # material, type, real constants, section, frame, four flags, count of nodes, unused, number, nodes
     head = f"%10d{SOLID_TYPE_NUMBER:10d}{1:10d}{1:10d}{0:10d}{0:10d}{0:10d}{0:10d}{elements.shape[1]:10d}{0:10d}%10d"
-    template = head + "%10d" * 8 + ("\n" + "%10d" * 12 if mesh.second_order else "") + "\n"
-    yield from lines(template, np.column_stack((material, np.arange(1, len(elements) + 1), elements + 1)))
+    template = head + "%10d" * 8 + ("\n" + "%10d" * 12 if model.mesh.second_order else "") + "\n"
+    numbers = np.arange(1, len(elements) + 1)
+    yield from lines(template, np.column_stack((material_numbers(model), numbers, elements + 1)))
     yield "        -1\n"
 
 

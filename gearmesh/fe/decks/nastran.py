@@ -16,9 +16,11 @@ from numpy.typing import NDArray
 from gearmesh.fe.decks.fields import (
     T_PER_MM3_OF_KG_PER_M3,
     UPRIGHT_EDGES_FIRST_ORDER,
+    all_points,
     coordinate_field,
     cyclic_equations,
     longest_edge,
+    material_numbers,
     one_line,
     rows_of_numbers,
     write_ascii,
@@ -73,7 +75,7 @@ def _case_control(model: Model) -> Iterator[str]:
     yield "SUBCASE 1\n"
     wanted = (
         ("SPC", SPC_SET_NUMBER, model.supports or model.ties),
-        ("LOAD", LOAD_SET_NUMBER, _loaded(model)),
+        ("LOAD", LOAD_SET_NUMBER, model.is_loaded),
         ("MPC", MPC_SET_NUMBER, model.cyclic),
         ("BCSET", CONTACT_SET_NUMBER, model.contacts),
     )
@@ -82,17 +84,9 @@ def _case_control(model: Model) -> Iterator[str]:
     yield "  BCRESULTS(TRACTION,FORCE) = ALL\n" if model.contacts else ""
 
 
-def _loaded(model: Model) -> bool:
-    moved = any(support.value for support in model.supports) or any(any(tie.motion) for tie in model.ties)
-    free_loads = (
-        load and motion is None for tie in model.ties for load, motion in zip(tie.load, tie.motion, strict=True)
-    )
-    return moved or bool(model.forces) or any(free_loads)
-
-
 def _mesh(model: Model) -> Iterator[str]:
     mesh = model.mesh
-    points = np.concatenate((mesh.nodes, [tie.point for tie in model.ties])) if model.ties else mesh.nodes
+    points = all_points(model)
     field = coordinate_field(points, 16)
     # float64 holds node numbers exactly, and %d prints them without a point
     table = np.column_stack((np.arange(1, len(points) + 1), points))
@@ -100,10 +94,8 @@ def _mesh(model: Model) -> Iterator[str]:
     elements = mesh.elements[:, UPRIGHT_EDGES_FIRST_ORDER] if mesh.second_order else mesh.elements
     rows = ["%8d" * 8, "%8d" * 2] if not mesh.second_order else ["%8d" * 8, "%8d" * 8, "%8d" * 6]
     template = "CHEXA   " + "\n+       ".join(rows) + "\n"
-    properties = np.zeros(len(elements), np.int64)
-    for number, name in enumerate(model.materials, 1):
-        properties[mesh.element_sets[name]] = number
-    yield from lines(template, np.column_stack((np.arange(1, len(elements) + 1), properties, elements + 1)))
+    numbers = np.arange(1, len(elements) + 1)
+    yield from lines(template, np.column_stack((numbers, material_numbers(model), elements + 1)))
 
 
 def _supports(model: Model) -> Iterator[str]:

@@ -5,8 +5,9 @@ Points are (x, y), mm.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
@@ -77,6 +78,11 @@ class PlaneLine:
 
     def move(self, way: Array) -> PlaneLine:
         return PlaneLine(self.start + way, self.end + way)
+
+
+def lines_through(points: Iterable[Sequence[float] | Array]) -> tuple[PlaneLine, ...]:
+    """Return the lines from each point (2,), mm, to the next."""
+    return tuple(PlaneLine(start, end) for start, end in pairwise(np.asarray(point) for point in points))
 
 
 @dataclass(frozen=True)

@@ -5,15 +5,13 @@ The outline is a closed line of arcs about the axis and of straight lines. Lengt
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve, PlaneLine
+from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve, PlaneLine, lines_through
 from gearmesh.teeth.region import Region
 
 #: a closed line of curves, counterclockwise
@@ -105,7 +103,7 @@ class Slot:
         first = float(np.arcsin(half / radius))
         near = radius * np.cos(first)
         arc = PlaneArc(np.zeros(2), radius, first, 2.0 * (np.pi - first))
-        return arc, *_lines([(near, -half), (bottom, -half), (bottom, half), (near, half)])
+        return arc, *lines_through([(near, -half), (bottom, -half), (bottom, half), (near, half)])
 
     def reach(self, radius: float) -> float:
         """Return the distance of its corners from the axis.
@@ -161,14 +159,14 @@ class Hexagon:
     def in_bore(self, radius: float) -> ClosedLine:
         inner, ends = 0.5 * self.across_flats, self.polygon(radius)
         if radius <= inner:
-            return _lines([*ends, ends[0]])
+            return lines_through([*ends, ends[0]])
         # in the middle of each flat the outline follows the round bore
         half, curves = float(np.arccos(inner / radius)), list[PlaneCurve]()
         for k in range(6):
             middle = (2 * k + 1) * HALF_SIXTH_RAD
             arc = PlaneArc(np.zeros(2), radius, middle - half, 2.0 * half)
             following = PlaneArc(np.zeros(2), radius, middle + 2.0 * HALF_SIXTH_RAD - half, 2.0 * half)
-            curves += [arc, *_lines([arc.end, ends[(k + 1) % 6], following.start])]
+            curves += [arc, *lines_through([arc.end, ends[(k + 1) % 6], following.start])]
         return tuple(curves)
 
     def reach(self, radius: float) -> float:
@@ -263,9 +261,3 @@ def beside_circle(outline: ClosedLine, radius: float) -> tuple[ClosedLine, ...]:
         width = (following.first - arc.first - arc.width) % (2.0 * np.pi)
         parts.append((*way, PlaneArc(arc.centre, radius, following.first, -width)))
     return tuple(parts)
-
-
-def _lines(points: Sequence[Array | tuple[float, float]]) -> tuple[PlaneLine, ...]:
-    """Return the lines through points (2,)."""
-    ends = [np.asarray(point) for point in points]
-    return tuple(PlaneLine(start, end) for start, end in pairwise(ends))

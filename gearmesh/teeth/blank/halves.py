@@ -66,7 +66,7 @@ class AxialGap:
     """The gap between two halves.
 
     `body`: the cylinder in the gap. `ends`: ends of the halves at the gap, in the order of the body's profile. `flat`:
-    True if the floor is a plane, between the halves of a rack.
+    True between the halves of a rack, where the floor is a plane and the body's radii are its heights x.
     """
 
     body: Body
@@ -234,3 +234,15 @@ class DoubleHelicalBar(DoubleHelical):
 
 #: rows of a member with one row of teeth
 SINGLE_ROW = SingleRow()
+
+
+def row_stations(rows: Rows) -> list[tuple[HalfEnd, ...]]:
+    """Return the ends of all rows by their stations, in the order of the whole body's profile.
+
+    Rows that meet share a station.
+    """
+    first, last = rows.outer
+    if len(rows.halves) == 1:
+        return [(first,), (last,)]
+    inner = [(half, 1 - which) for half, which in rows.outer]
+    return [(first,), *([(end,) for end in inner] if rows.gaps else [tuple(inner)]), (last,)]
