@@ -26,6 +26,7 @@ from .answers.inspection.correction import Correction as Correction
 from .answers.inspection.inspection import Inspection as Inspection
 from .answers.limits import Limits as Limits
 from .answers.load.loaded import LoadedContact as LoadedContact
+from .answers.load.tribology import Tribology as Tribology
 from .answers.pinned import Pinned as Pinned
 from .answers.planetary_sizing import PlanetarySizing as PlanetarySizing
 from .answers.planetary_sizing import size_planetary as size_planetary

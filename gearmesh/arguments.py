@@ -9,6 +9,7 @@ from __future__ import annotations
 import builtins
 import functools
 import inspect
+import math
 import numbers
 import os
 import sys
@@ -62,6 +63,12 @@ def checks_methods(owner: ClassT) -> ClassT:
         if inspect.isfunction(method) and (name == "__init__" or not name.startswith("_")):
             setattr(owner, name, checks_arguments(method))
     return owner
+
+
+def refuse_speed(speed: float | None) -> None:
+    """Raise ArgumentError for a speed that is not a finite number above 0."""
+    if speed is not None and not 0.0 < speed < math.inf:
+        raise ArgumentError("speed", speed, must_be="a finite number of revolutions per minute above 0")
 
 
 def _refuse(name: str, hint: Any, value: Any, remedy: str) -> None:

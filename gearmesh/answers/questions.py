@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearmesh.answers.gearset import GearSet, number_list, position_list
-from gearmesh.arguments import checks_methods
+from gearmesh.arguments import checks_methods, refuse_speed
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.progress import Progress, silent
 from gearmesh.systems import system as systems
@@ -39,6 +39,7 @@ class SolvedGears(GearSet):
         cycle: bool = True,
         turns: bool = False,
         pair: int | str = 0,
+        speed: float | None = None,
     ) -> Contact:
         """Tooth contact of a pair: the path of one tooth pair, and the whole mesh cycle.
 
@@ -56,6 +57,8 @@ class SolvedGears(GearSet):
             Add the transmission error over whole turns of eccentric members, until the same teeth meet again.
         pair : int or str
             Number of the mesh, or its members as "sun-planet_1".
+        speed : float, optional
+            Rpm of the pinion: adds sliding and rolling velocities in m/s, and pressure times velocity.
 
         Returns
         -------
@@ -65,7 +68,7 @@ class SolvedGears(GearSet):
         Raises
         ------
         DesignError
-            For an invalid position, torque or pair.
+            For an invalid position, torque, speed or pair.
 
         Examples
         --------
@@ -77,6 +80,7 @@ class SolvedGears(GearSet):
         # invalid arguments are refused before anything is built
         positions = None if phi1 is None else np.radians(position_list(phi1))
         refuse_torques(torque, load_sharing=load_sharing)
+        refuse_speed(speed)
         known, mesh = systems.system_of(self.design).first_order, self.pair(pair)
 
         def shares(path: ContactPath, whole: Cycle | None) -> tuple[Array, list[str]]:
@@ -97,6 +101,7 @@ class SolvedGears(GearSet):
             cycle=cycle,
             first_order=None if known is None else known(self.design.in_mm()),
             turns=turns,
+            speed=speed,
         )
 
     def loaded_contact(

@@ -11,6 +11,7 @@ from typing import Any
 from gearmesh.answers.gearset import GearSet
 from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, plain
+from gearmesh.arguments import refuse_speed
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.figures import ZERO_SIZES, Content, Figures, at_resolution, figure
@@ -232,6 +233,7 @@ def sheet_of(gears: GearSet, torque: float | None = None, speed: float | None = 
     known = systems.system_of(gears.design)
     if speed is not None and torque is None:
         raise ArgumentError("speed", speed, reason="needs a torque")
+    refuse_speed(speed)
     if torque is not None and known.forces is None:
         if systems.system(gears.design.kind).forces is not None:
             raise ArgumentError("torque", torque, reason="forces need a mating gear, which this design has not")

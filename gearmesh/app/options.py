@@ -111,6 +111,11 @@ SheetTorque = Annotated[
     float | None, option("--torque NM", "Torque on the pinion (planetary: on the driving member): adds the forces.")
 ]
 
+Speed = Annotated[
+    float | None,
+    option("--speed RPM", "Speed of the pinion: velocities in m/s, pressure times velocity.", show_default=False),
+]
+
 SheetSpeed = Annotated[
     float | None, option("--speed RPM", "Speed of the member that --torque is on: adds speeds and power.")
 ]
@@ -125,12 +130,6 @@ def refuse_torque(torque: float | None) -> None:
     """Raise ArgumentError for a torque that is not a finite number above 0."""
     if torque is not None and not 0.0 < torque < math.inf:
         raise ArgumentError("torque", torque, must_be="a finite number of Nm above 0")
-
-
-def refuse_speed(speed: float | None) -> None:
-    """Raise ArgumentError for a speed that is not a finite number above 0."""
-    if speed is not None and not 0.0 < speed < math.inf:
-        raise ArgumentError("speed", speed, must_be="a finite number of revolutions per minute above 0")
 
 
 def torques_in_nm(text: str) -> list[float]:

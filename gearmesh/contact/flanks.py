@@ -82,6 +82,12 @@ class PathHertz:
     #: share (P,) of the torque on the tooth pair
     share: Array
 
+    @property
+    def line_load(self) -> Array:
+        """Load per length (P,), N/mm, in the middle of the contact: the integral of the pressure across it."""
+        loads: Array = 0.5 * np.pi * self.peak_pressure * self.semi_minor
+        return loads
+
 
 def refuse_torque(torque: float) -> None:
     """Raise ArgumentError for a torque (Nm) that is not above 0."""

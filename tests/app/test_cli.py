@@ -113,9 +113,16 @@ class CannedGears:
         self.real, self.train, self.pairs, self.names = gears, gears.train, gears.pairs, gears.names
 
     def contact(
-        self, *, torque: float | None = None, load_sharing: bool = False, pair: str = "pinion-gear", turns: bool = False
+        self,
+        *,
+        torque: float | None = None,
+        load_sharing: bool = False,
+        pair: str = "pinion-gear",
+        turns: bool = False,
+        speed: float | None = None,
     ) -> Contact:
         assert pair == "pinion-gear"
+        assert speed is None
         if self.told.error is not None:
             raise self.told.error
         path = contact_path(self.told.kinds)

@@ -66,6 +66,7 @@ WRONG: dict[str, dict[str, Any]] = {
         "--csv": NOWHERE,
         "--torque": ("nan", "--torque = nan"),
         "--ease-off": NOWHERE,
+        "--speed": ("0", "--speed = 0"),
         "--pair": ("a-b", "--pair = a-b"),
     },
     "load": {
@@ -73,6 +74,8 @@ WRONG: dict[str, dict[str, Any]] = {
         "--phi1": ("3:1:5", "--phi1 = 3:1:5"),
         "--csv": NOWHERE,
         "-o": IN_FILE,
+        "--tribology": ("out.txt", "cannot write out.txt"),
+        "--speed": ("1500", "--speed = 1500: must be left out without --tribology"),
         "--pair": ("gear", "--pair = gear"),
     },
     "solid": {

@@ -18,10 +18,12 @@ from gearmesh.answers.contact.figures import (
     EllipseFigures,
     HertzFigures,
     MemberPoint,
+    MotionFigures,
     PairCurvature,
     ParameterMeaning,
     PathSummary,
     PositionFigures,
+    SpeedFigures,
     TorqueSummary,
     shown_contact,
     slid_summary,
@@ -52,6 +54,7 @@ from gearmesh.contact.first_touch.crossing import crossing_over_a_pitch
 from gearmesh.contact.fit.fit import Fit
 from gearmesh.contact.flanks import PathHertz, hertz_path, path_curvatures, refuse_torque, solver_pair
 from gearmesh.contact.path import ContactPath
+from gearmesh.contact.sliding import path_motion
 from gearmesh.contact.tca import contact_path, jammed_path
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, DesignError, NoSolutionError, Status
@@ -102,6 +105,8 @@ class Contact(Result):
     turns: FullTurns | None = None
     #: whole engagement of the tooth pair; None if it has not been followed
     engagement: Engagement | None = None
+    #: speed of the pinion, rpm; None if not given
+    speed: float | None = None
     #: path from first to last contact if it was solved together with `path`, else None
     _solved_whole: ContactPath | None = None
 
@@ -121,6 +126,7 @@ class Contact(Result):
         return [
             *self._path_listing(),
             *self._hertz_listing(),
+            *self._speed_listing(),
             *self._closed_listing(),
             *pattern_listing(self.patterns, self.pair.delta),
             *(() if self.turns is None else (turns_listing(self.turns),)),
@@ -257,6 +263,13 @@ class Contact(Result):
         member_points = dict(zip(self.params, (path.point1.tolist(), path.point2.tolist()), strict=True))
         regions = list(zip(*(region.tolist() for region in path.regions), strict=True))
         curved, output = self._curvatures(), self.pair.output
+        motions = MotionFigures.of(path_motion(self.pair, path), list(self.params))
+        hertz = self.hertz
+
+        def at_speed(i: int) -> SpeedFigures | None:
+            if self.speed is None:
+                return None
+            return SpeedFigures.of(motions[i], self.speed, None if hertz is None else float(hertz.peak_pressure[i]))
 
         backlash = None if self.fit is None or self.fit.jammed else self.fit.play(path.rotation)
         slid_advance = None if self.neighbours is None else output.way(self.neighbours)
@@ -285,12 +298,15 @@ class Contact(Result):
                 ellipse=EllipseFigures(float(path.semi_major[i]), float(path.semi_minor[i]), angle[i], majors[i]),
                 curvature=curved[i],
                 line=path.lines[i],
-                hertz=None if self.hertz is None else _hertz(self.hertz, i),
-                load_share=None if self.hertz is None else float(self.hertz.share[i]),
+                hertz=None if hertz is None else _hertz(hertz, i),
+                load_share=None if hertz is None else float(hertz.share[i]),
                 neighbour_advance=optional(self.neighbours, 1.0 / ARCSEC, i),
                 neighbour_advance_um=optional(slid_advance, 1e3, i),
                 backlash=optional(backlash, 180.0 / math.pi, i),
                 te_first_order=optional(self.first_order, 1.0 / ARCSEC, i),
+                line_load=None if hertz is None else float(hertz.line_load[i]),
+                motion=motions[i],
+                at_speed=at_speed(i),
             )
             for i in range(len(phi1))
         )
@@ -413,6 +429,20 @@ class Contact(Result):
         title = f"Hertz contact, {self.hertz.torque:g} Nm on the {self.pair.pinion.name}, {how}"
         return [Listing(title, heads, values)]
 
+    def _speed_listing(self) -> list[Listing]:
+        """Return the table of velocities; none without a speed."""
+        if self.speed is None:
+            return []
+        rows = [
+            [round_to(position.phi1, 4), *(round_to(value, 4) for value in position.at_speed.flat.values())]
+            for position in self._positions
+            if position.at_speed is not None
+        ]
+        first, second = self.params
+        heads = ["phi1 deg", "sliding m/s", f"{first} m/s", f"{second} m/s", "entrainment m/s"]
+        heads += [] if self.hertz is None else ["p v MPa m/s"]
+        return [Listing(f"Sliding and rolling, {self.speed:g} rpm of the {first}", heads, rows)]
+
     def _closed_listing(self) -> list[Listing]:
         """Return the table of solver and closed form; none if the gear system has no closed form."""
         if self.first_order is None:
@@ -472,13 +502,14 @@ def contact_of(
     cycle: bool = True,
     first_order: FirstOrder | None = None,
     turns: bool = False,
+    speed: float | None = None,
 ) -> Contact:
     """Return the contact of a pair at phi1 (P,), rad, and the whole mesh cycle.
 
     The default positions are those of the design; if it sets none, they extend from the first to the last contact of a
     tooth pair. A `torque` (Nm) on the pinion adds the Hertz contact, with the whole load on one tooth pair or with its
-    `shares`. `turns` adds the pair over whole turns, until it repeats. Raises ArgumentError for a torque that is not
-    above 0, and for sharing without a torque.
+    `shares`. `turns` adds the pair over whole turns, until it repeats. A `speed` (rpm) of the pinion adds velocities.
+    Raises ArgumentError for a torque that is not above 0, and for sharing without a torque.
     """
     flanks = solver_pair(pair)
     # positions: those asked for, those of the design, or the engagement of a tooth pair
@@ -546,6 +577,7 @@ def contact_of(
         _neighbours(pair, path, followed, whole),
         all_turns,
         None if whole is None or whole.curve is None else followed,
+        speed,
         solved_whole,
     )
 

@@ -12,6 +12,7 @@ import numpy as np
 from gearmesh.contact.engagement.cycle import Cycle
 from gearmesh.contact.pair import FORM_POINT, MEMBER_NAMES
 from gearmesh.contact.path import ContactPath
+from gearmesh.contact.sliding import FlankMotion
 from gearmesh.figures import Entry, Figures, Summary, figure
 from gearmesh.kernel.numeric.algebra import ARCSEC
 from gearmesh.teeth.gear_train import GearPair
@@ -187,6 +188,69 @@ class HertzFigures(Figures):
 
 
 @dataclass(frozen=True)
+class MotionFigures(Figures):
+    """Sliding and rolling of both flanks at a contact, per radian of the pinion's rotation."""
+
+    sliding: float = figure("sliding velocity of the flanks, per rad of the pinion", "mm/rad", "v_g")
+    sliding_across: float = figure(
+        "sliding velocity across the contact, above 0 where the pinion's surface is faster, per rad of the pinion",
+        "mm/rad",
+    )
+    rolling: Mapping[str, float] = figure(
+        "velocity of the member's surface through the contact, across it, per rad of the pinion",
+        "mm/rad",
+        key="rolling_{member}_mm_per_rad",
+    )
+    entrainment: float = figure(
+        "mean velocity of both surfaces through the contact, across it, per rad of the pinion", "mm/rad"
+    )
+
+    @staticmethod
+    def of(motion: FlankMotion, members: Sequence[str]) -> list[MotionFigures]:
+        """Return the figures of all contacts (N,)."""
+        columns = motion.sliding_speed, motion.sliding_across, motion.entrainment
+        return [
+            MotionFigures(sliding, across, dict(zip(members, rolling, strict=True)), entrainment)
+            for sliding, across, entrainment, rolling in zip(
+                *(column.tolist() for column in columns), motion.rolling.tolist(), strict=True
+            )
+        ]
+
+    @property
+    def known(self) -> bool:
+        """False without contact."""
+        return not math.isnan(self.sliding)
+
+
+@dataclass(frozen=True)
+class SpeedFigures(Figures):
+    """Velocities of both flanks at a contact, at a speed of the pinion."""
+
+    sliding: float = figure("sliding velocity of the flanks", "m/s", "v_g")
+    rolling: Mapping[str, float] = figure(
+        "velocity of the member's surface through the contact, across it", "m/s", key="rolling_{member}_m_per_s"
+    )
+    entrainment: float = figure("mean velocity of both surfaces through the contact, across it", "m/s")
+    pressure_velocity: float | None = figure("largest pressure times sliding velocity", "MPa m/s", "p v", optional=True)
+
+    @staticmethod
+    def of(motion: MotionFigures, speed: float, pressure: float | None) -> SpeedFigures:
+        """Return the figures at a speed of the pinion, rpm, under a largest pressure, MPa, if it is known."""
+        per_rad = 1e-3 * math.tau * speed / 60.0
+        return SpeedFigures(
+            per_rad * motion.sliding,
+            {member: per_rad * rolling for member, rolling in motion.rolling.items()},
+            per_rad * motion.entrainment,
+            None if pressure is None else per_rad * motion.sliding * pressure,
+        )
+
+    @property
+    def known(self) -> bool:
+        """False without contact."""
+        return not math.isnan(self.sliding)
+
+
+@dataclass(frozen=True)
 class ParameterMeaning(Figures):
     """Unit and meaning of a parameter of a member's surface."""
 
@@ -243,3 +307,6 @@ class PositionFigures(Figures):
         "backlash of the gears at this position, as rotation of the gear", "deg", "j_theta", optional=True
     )
     te_first_order: float | None = figure("transmission error of first order, in closed form", "arcsec", optional=True)
+    line_load: float | None = figure("load per length in the middle of the contact", "N/mm", "w", optional=True)
+    motion: MotionFigures = figure("sliding and rolling of both flanks, per rad of the pinion")
+    at_speed: SpeedFigures | None = figure("velocities of both flanks at the speed of the pinion", optional=True)

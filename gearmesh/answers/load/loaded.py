@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,7 @@ from gearmesh.answers.load.figures import (
 from gearmesh.answers.load.members import held_by_rim, materials_of, mounts_of
 from gearmesh.answers.result import Result, RunTime, columns, header
 from gearmesh.answers.tables import Listing, csv_text, round_to
+from gearmesh.arguments import refuse_speed
 from gearmesh.contact.engagement.cycle import Cycle
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, Status
@@ -40,6 +41,9 @@ from gearmesh.loaded.sharing import LoadedMesh, PairLoad, compliances, loaded_me
 from gearmesh.progress import listening
 from gearmesh.teeth.blank.features import BodyFeatures
 from gearmesh.teeth.gear_train import GearPair
+
+if TYPE_CHECKING:
+    from gearmesh.answers.load.tribology import Tribology
 
 #: positions in a pitch
 POSITIONS_PER_PITCH = 21
@@ -254,6 +258,35 @@ class LoadedContact(Result):
         order = np.argsort(pair_rotation)
         shares: Array = np.interp(rotation, pair_rotation[order], share.ravel()[order], 0.0, 0.0)
         return shares
+
+    def tribology(self, speed: float | None = None) -> Tribology:
+        """Load, curvature, sliding and rolling along every loaded contact.
+
+        Parameters
+        ----------
+        speed : float, optional
+            Rpm of the pinion: adds velocities in m/s, and pressure times velocity.
+
+        Returns
+        -------
+        Tribology
+            One row per place along each contact, by torque, position and tooth pair.
+
+        Raises
+        ------
+        ArgumentError
+            For a speed that is not above 0.
+
+        Examples
+        --------
+        >>> tribology = gears.loaded_contact(20.0, [0.0]).tribology(1500)
+        >>> tribology.rows[0].at_speed.sliding > 0.0
+        True
+        """
+        from gearmesh.answers.load.tribology import Tribology
+
+        refuse_speed(speed)
+        return Tribology(self.design, self.pair, self.mesh, self.warnings, speed)
 
     @cached_property
     def totals(self) -> list[LoadedTotals]:

@@ -14,6 +14,7 @@ from gearmesh.app.options import (
     Pair,
     Positions,
     Set,
+    Speed,
     Timing,
     chosen_pair,
     load_gears,
@@ -24,7 +25,9 @@ from gearmesh.app.options import (
     torques_in_nm,
 )
 from gearmesh.app.terminal import output_folder, refuse_folder, refuse_unwritable, show, warn, working, write_text
-from gearmesh.errors import NoSolutionError
+from gearmesh.arguments import refuse_speed
+from gearmesh.errors import ArgumentError, NoSolutionError
+from gearmesh.formats import CSV_SUFFIX, JSON_SUFFIX, refuse_suffix
 
 
 def load(
@@ -36,6 +39,14 @@ def load(
     output: Annotated[
         Path | None, option("-o --output DIR", "Folder for loaded.json, loaded.csv and pictures.")
     ] = None,
+    tribology: Annotated[
+        str | None,
+        option(
+            "--tribology FILE",
+            "Write load, curvature, sliding and rolling along every loaded contact: .json or .csv.",
+        ),
+    ] = None,
+    speed: Speed = None,
     pair: Pair = None,
     timing: Timing = True,
     settings: Set = None,
@@ -43,7 +54,12 @@ def load(
     """Contact under load: load of each tooth pair, transmission error, pressures, stiffness, root stress over a mesh cycle."""
     refuse_one_stream(json_file, csv_file)
     torques, positions = torques_in_nm(torque), positions_in_degrees(phi1)
-    for file in (json_file, csv_file):
+    if tribology is not None:
+        refuse_suffix(Path(tribology), JSON_SUFFIX, CSV_SUFFIX)
+    elif speed is not None:
+        raise ArgumentError("speed", speed, must_be="left out without --tribology, which has the velocities")
+    refuse_speed(speed)
+    for file in (json_file, csv_file, tribology):
         refuse_unwritable(file)
     refuse_folder(output)
     gears = load_gears(
@@ -56,6 +72,10 @@ def load(
         answer = gears.loaded_contact(torques, positions, pair=mesh, progress=progress)
     write_text(json_file, lambda: answer.json(timing=timing))
     write_text(csv_file, answer.csv)
+    if tribology is not None:
+        with working("rows of the contacts"):
+            rows = answer.tribology(speed)
+            rows.save(tribology, timing=timing)
     if output is not None:
         with output_folder(output):
             answer.save(output / "loaded.json", timing=timing)
@@ -63,7 +83,7 @@ def load(
             with working("pictures"):
                 gears.save_pictures(answer, output)
     if "-" not in (json_file, csv_file):
-        show(answer.listings)
+        show([*answer.listings, *(() if tribology is None else rows.listings)])
     warn(answer.warnings, other_meshes(gears, mesh), answer.complaints)
     if answer.complaints:
         raise typer.Exit(NoSolutionError.exit_status)

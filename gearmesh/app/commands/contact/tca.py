@@ -10,6 +10,7 @@ from gearmesh.app.options import (
     Json,
     Pair,
     Set,
+    Speed,
     Timing,
     chosen_pair,
     load_gears,
@@ -19,6 +20,7 @@ from gearmesh.app.options import (
     refuse_torque,
 )
 from gearmesh.app.terminal import refuse_unwritable, require_contact, show, warn, without_contact, working, write_text
+from gearmesh.arguments import refuse_speed
 from gearmesh.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -45,6 +47,7 @@ def tca(
             "Transmission error of eccentric members over whole turns, until it repeats; --csv then writes these.",
         ),
     ] = False,
+    speed: Speed = None,
     ease_off: Annotated[
         str | None, option("--ease-off FILE", "Write the ease-off map of the pinion's flank: .json or .vtu.")
     ] = None,
@@ -55,13 +58,16 @@ def tca(
     """Tooth contact: path, transmission error, ellipses."""
     refuse_one_stream(json_file, csv_file)
     refuse_torque(torque)
+    refuse_speed(speed)
     if load_sharing and torque is None:
         raise ArgumentError("load_sharing", must_be="left out without --torque, which is shared")
     for file in (json_file, csv_file, ease_off):
         refuse_unwritable(file)
 
     def ask(gears: Gears) -> Contact:
-        return gears.contact(torque=torque, load_sharing=load_sharing, pair=chosen_pair(gears, pair), turns=turns)
+        return gears.contact(
+            torque=torque, load_sharing=load_sharing, pair=chosen_pair(gears, pair), turns=turns, speed=speed
+        )
 
     gears = load_gears(design_file, settings, ask)
     mesh = chosen_pair(gears, pair)

@@ -23,10 +23,10 @@ from gearmesh.app.options import (
     load_alone,
     load_gears,
     option,
-    refuse_speed,
     refuse_torque,
 )
 from gearmesh.app.terminal import refuse_unwritable, show, warn, write_text
+from gearmesh.arguments import refuse_speed
 from gearmesh.errors import ArgumentError
 from gearmesh.formats import JSON_SUFFIX, TOML_SUFFIX
 
