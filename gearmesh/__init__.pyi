@@ -25,6 +25,7 @@ from .answers.inspection.composite import CompositeTest as CompositeTest
 from .answers.inspection.correction import Correction as Correction
 from .answers.inspection.inspection import Inspection as Inspection
 from .answers.limits import Limits as Limits
+from .answers.load.dynamics import Dynamics as Dynamics
 from .answers.load.loaded import LoadedContact as LoadedContact
 from .answers.load.tribology import Tribology as Tribology
 from .answers.pinned import Pinned as Pinned

@@ -34,6 +34,8 @@ KEY_ENDINGS = {
     "Nm/arcsec": "_nm_per_arcsec",
     "N/(mm um)": "_n_per_mm_um",
     "N/mm": "_n_per_mm",
+    "N/m": "_n_per_m",
+    "Nm/rad": "_nm_per_rad",
     "mm/rad": "_mm_per_rad",
     "m/s": "_m_per_s",
     "MPa m/s": "_mpa_m_per_s",

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from gearmesh.answers.bodies.solid import Solid
     from gearmesh.answers.check import Check
     from gearmesh.answers.contact.contact import Contact
+    from gearmesh.answers.load.dynamics import Dynamics
     from gearmesh.answers.load.loaded import LoadedContact
     from gearmesh.contact.engagement.cycle import Cycle
     from gearmesh.contact.path import ContactPath
@@ -171,6 +172,73 @@ class SolvedGears(GearSet):
             mounts=mounts,
         )
 
+    def dynamics(
+        self,
+        torque: ArrayLike,
+        phi1: ArrayLike | None = None,
+        *,
+        pair: int | str | None = None,
+        progress: Progress = silent,
+        loaded: LoadedContact | None = None,
+    ) -> Dynamics:
+        """Tables for rotor dynamics: static transmission error, mesh stiffness, harmonics and phases of the meshes.
+
+        Parameters
+        ----------
+        torque : array_like
+            One torque or several, Nm, on the pinion of the first mesh. Other meshes have the torque transmitted to them.
+        phi1 : array_like, (P,), optional
+            Rotations of the pinion, deg, on equal steps over one pitch or several; by default 21 in a pitch.
+        pair : int or str, optional
+            The only mesh, by number or by members as "sun-planet_1"; by default every different mesh. The torque is
+            then that of its pinion.
+        progress : callable, optional
+            Called with the finished share of the work (0 to 1) and its current step.
+        loaded : LoadedContact, optional
+            Solved loaded contact of the first mesh, or of `pair`, at the same torques and positions.
+
+        Returns
+        -------
+        Dynamics
+            A regular grid over torque and phi1, harmonics 1 to 10, and the phases of all meshes.
+
+        Raises
+        ------
+        DesignError
+            For torques that are not above 0, for eccentric members, and for positions that do not cover whole pitches.
+        NoSolutionError
+            If no teeth touch without load.
+
+        Examples
+        --------
+        >>> half_pitches = np.degrees(gears.pairs[0].pitch) * np.array([0.0, 0.5])
+        >>> tables = gears.dynamics(20.0, half_pitches)
+        >>> tables.grid[0].mesh_stiffness.tangent_line > 1e8
+        True
+        """
+        from gearmesh.answers.load.dynamics import Dynamics, whole_pitches
+        from gearmesh.answers.load.loaded import required_torques
+
+        torques = np.array(required_torques(number_list("torque", torque, "Nm").tolist()))
+        numbers = list(self.train.different) if pair is None else [self.train.names.pair_number(pair)]
+        if phi1 is not None:
+            for number in numbers:
+                whole_pitches(self.pairs[number], np.radians(position_list(phi1)))
+        ratios = transmitted_torques(self.pairs)
+        solved: dict[int, LoadedContact] = {}
+        for done, number in enumerate(numbers):
+
+            def report(share: float, doing: str, done: int = done) -> None:
+                progress((done + share) / len(numbers), doing)
+
+            if loaded is not None and loaded.pair.name == self.pairs[number].name:
+                solved[number] = loaded
+            else:
+                ratio = 1.0 if pair is not None else ratios[number]
+                solved[number] = self.loaded_contact(ratio * torques, phi1, pair=number, progress=report)
+        warnings = dict.fromkeys(line for answer in solved.values() for line in answer.warnings)
+        return Dynamics(self.design, self.train, solved, tuple(warnings))
+
     def check_solved(self, contacts: Mapping[int, Contact], solids: dict[str, Solid]) -> Check:
         """Check of solved contacts and solids.
 
@@ -216,6 +284,17 @@ class SolvedGears(GearSet):
         return replace(checks[0], solids=solids, warnings=warnings, others=tuple(checks[1:]))
 
 
+def transmitted_torques(pairs: Sequence[GearPair]) -> list[float]:
+    """Return the torque on the pinion of every pair, over the torque on the pinion of the first.
+
+    Idlers, such as planets, take up no torque.
+    """
+    ratios: dict[str, float] = {}
+    for pair in pairs:
+        ratios.setdefault(pair.gear.name, ratios.setdefault(pair.pinion.name, 1.0) / abs(pair.ratio))
+    return [ratios[pair.pinion.name] for pair in pairs]
+
+
 def loaded_meshes(
     gears: SolvedGears,
     torque: ArrayLike,
@@ -228,13 +307,11 @@ def loaded_meshes(
     pinions; idlers, such as planets, take up no torque. Raises the errors of `SolvedGears.loaded_contact`.
     """
     first, torques = gears.pairs[0], number_list("torque", torque, "Nm")
-    torque_ratios: dict[str, float] = {first.pinion.name: 1.0}
+    torque_ratios = transmitted_torques(gears.pairs)
     by_pair: dict[int, LoadedContact] = {}
-    for pair in gears.pairs:
-        torque_ratios.setdefault(pair.gear.name, torque_ratios.setdefault(pair.pinion.name, 1.0) / abs(pair.ratio))
     different = gears.train.different
     for done, k in enumerate(different):
-        pair, ratio = gears.pairs[k], torque_ratios[gears.pairs[k].pinion.name]
+        pair, ratio = gears.pairs[k], torque_ratios[k]
 
         def report(share: float, doing: str, done: int = done) -> None:
             progress((done + share) / len(different), doing)

@@ -74,6 +74,7 @@ WRONG: dict[str, dict[str, Any]] = {
         "--phi1": ("3:1:5", "--phi1 = 3:1:5"),
         "--csv": NOWHERE,
         "-o": IN_FILE,
+        "--dynamics": ("out.txt", "cannot write out.txt"),
         "--tribology": ("out.txt", "cannot write out.txt"),
         "--speed": ("1500", "--speed = 1500: must be left out without --tribology"),
         "--pair": ("gear", "--pair = gear"),

@@ -330,16 +330,27 @@ class LoadedContact(Result):
         pair.
         """
         names = "mean_tangent_stiffness_per_width", "c_gamma", "c_prime"
-        if self._width is None:
+        tangent, twist = self.mesh.tangent[torque], self.twist
+        if self._width is None or twist is None:
             return dict.fromkeys(names)
-        tangent, twist = self.mesh.tangent[torque], self._twist
         bent = self.mesh.rotation[torque] - twist * self.mesh.torque[torque]
         values = tangent.mean(), (1.0 / (1.0 / tangent - twist)).mean(), (load.moment / bent[load.position]).max()
         return {name: float(value) / self._width for name, value in zip(names, values, strict=True)}
 
     @cached_property
-    def _twist(self) -> float:
-        """Rotation of the pinion over its torque, rad/(N mm), by the twist of both bodies; an idler does not twist."""
+    def lever(self) -> float:
+        """Lever, mm, of the line of action about the pinion's axis: on parallel axes the base radius, otherwise the mean
+        lever of the normal force."""
+        return _lever(self.pair, self.mesh.loads[-1])
+
+    @cached_property
+    def twist(self) -> float | None:
+        """Rotation of the pinion over its torque, rad/(N mm), by the twist of both bodies; an idler does not twist.
+
+        None unless the axes are parallel.
+        """
+        if not _has_parallel_axes(self.pair):
+            return None
         materials, held = materials_of(self.design, self.pair), held_by_rim(self.design, self.pair)
         first, second = (
             0.0 if member.idler else twist_compliance(member.one_tooth, material, by_rim=by_rim)
@@ -356,6 +367,26 @@ class LoadedContact(Result):
         worst = np.nan_to_num(mesh.bending, nan=-np.inf).argmax(axis=1)[:, None]
         error = np.take_along_axis(mesh.root_error, worst, axis=1)
         return mesh.bending, error, mesh.root_stress, mesh.tangent_stress, mesh.contact_stress
+
+    def tooth_pairs_at(self, torque: int) -> NDArray[np.intp]:
+        """Numbers of loaded tooth pairs.
+
+        Parameters
+        ----------
+        torque : int
+            Number of the torque.
+
+        Returns
+        -------
+        ndarray, (P,)
+            One per position.
+
+        Examples
+        --------
+        >>> gears.loaded_contact(20.0, [0.0]).tooth_pairs_at(0).tolist()
+        [2]
+        """
+        return self._carrying(self.mesh.loads[torque])
 
     def _carrying(self, load: PairLoad) -> NDArray[np.intp]:
         """Return the number of loaded tooth pairs (P,)."""
@@ -601,7 +632,7 @@ def _per_width(pair: GearPair, load: PairLoad) -> float | None:
     The latter is measured along the transverse line of action. None unless the axes are parallel, except for assembly
     errors.
     """
-    if pair.acute_angle > MAX_PARALLEL_ANGLE_RAD:
+    if not _has_parallel_axes(pair):
         return None
     axis = pair.pinion.mount.axis
     ends = [
@@ -609,10 +640,27 @@ def _per_width(pair: GearPair, load: PairLoad) -> float | None:
         for member, side in zip(pair.both, pair.flanks, strict=True)
     ]
     face = min(high for _, high in ends) - max(low for low, _ in ends)
-    grid, weight = load.separation, load.pressure.sum(axis=2)
-    across = np.sqrt(1.0 - (grid.normal @ axis) ** 2)
-    base = (weight * grid.levers[0] / across).sum() / weight.sum()
-    return 1e3 * float(base**2 * face * len(pair.halves))
+    return 1e3 * float(_lever(pair, load) ** 2 * face * len(pair.halves))
+
+
+def _has_parallel_axes(pair: GearPair) -> bool:
+    """Return True if the axes of a pair are parallel, except for assembly errors."""
+    return pair.acute_angle <= MAX_PARALLEL_ANGLE_RAD
+
+
+def _lever(pair: GearPair, load: PairLoad) -> float:
+    """Return the lever, mm, of the line of action about the pinion's axis.
+
+    On parallel axes that is the transverse line of action, and the lever is the base radius. Otherwise it is the mean
+    lever of the normal force. Contact on edges, whose normals are others, does not count.
+    """
+    grid = load.separation
+    weight = load.pressure.sum(axis=2)
+    weight = np.where(grid.edged, 0.0, weight) if weight[~grid.edged].any() else weight
+    across = np.ones(())
+    if _has_parallel_axes(pair):
+        across = np.sqrt(1.0 - (grid.normal @ pair.pinion.mount.axis) ** 2)
+    return float((weight * grid.levers[0] / across).sum() / weight.sum())
 
 
 #: remedies that reduce the load next to an edge

@@ -5,8 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
 import typer
 
+from gearmesh.answers.tables import Listing
 from gearmesh.app.options import (
     Csv,
     DesignFile,
@@ -39,6 +41,14 @@ def load(
     output: Annotated[
         Path | None, option("-o --output DIR", "Folder for loaded.json, loaded.csv and pictures.")
     ] = None,
+    dynamics: Annotated[
+        str | None,
+        option(
+            "--dynamics FILE",
+            "Write static transmission error and mesh stiffness over torque and rotation for rotor dynamics, in JSON with "
+            "harmonics and phases of all meshes: .json or .csv.",
+        ),
+    ] = None,
     tribology: Annotated[
         str | None,
         option(
@@ -54,12 +64,13 @@ def load(
     """Contact under load: load of each tooth pair, transmission error, pressures, stiffness, root stress over a mesh cycle."""
     refuse_one_stream(json_file, csv_file)
     torques, positions = torques_in_nm(torque), positions_in_degrees(phi1)
-    if tribology is not None:
-        refuse_suffix(Path(tribology), JSON_SUFFIX, CSV_SUFFIX)
-    elif speed is not None:
+    for table in (dynamics, tribology):
+        if table is not None:
+            refuse_suffix(Path(table), JSON_SUFFIX, CSV_SUFFIX)
+    if tribology is None and speed is not None:
         raise ArgumentError("speed", speed, must_be="left out without --tribology, which has the velocities")
     refuse_speed(speed)
-    for file in (json_file, csv_file, tribology):
+    for file in (json_file, csv_file, dynamics, tribology):
         refuse_unwritable(file)
     refuse_folder(output)
     gears = load_gears(
@@ -68,14 +79,27 @@ def load(
         lambda gears: gears.loaded_contact(torques, positions, pair=chosen_pair(gears, pair)),
     )
     mesh = chosen_pair(gears, pair)
+    if dynamics is not None and positions is not None:
+        from gearmesh.answers.load.dynamics import whole_pitches
+
+        whole_pitches(gears.pair(mesh), np.radians(positions))
     with working("loaded contact") as progress:
         answer = gears.loaded_contact(torques, positions, pair=mesh, progress=progress)
     write_text(json_file, lambda: answer.json(timing=timing))
     write_text(csv_file, answer.csv)
+    more: list[Listing] = []
+    if dynamics is not None:
+        with working("tables for dynamics") as progress:
+            tables = gears.dynamics(
+                torques, positions, pair=None if pair is None else mesh, progress=progress, loaded=answer
+            )
+        tables.save(dynamics, timing=timing)
+        more += tables.listings
     if tribology is not None:
         with working("rows of the contacts"):
             rows = answer.tribology(speed)
-            rows.save(tribology, timing=timing)
+        rows.save(tribology, timing=timing)
+        more += rows.listings
     if output is not None:
         with output_folder(output):
             answer.save(output / "loaded.json", timing=timing)
@@ -83,7 +107,7 @@ def load(
             with working("pictures"):
                 gears.save_pictures(answer, output)
     if "-" not in (json_file, csv_file):
-        show([*answer.listings, *(() if tribology is None else rows.listings)])
+        show([*answer.listings, *more])
     warn(answer.warnings, other_meshes(gears, mesh), answer.complaints)
     if answer.complaints:
         raise typer.Exit(NoSolutionError.exit_status)
