@@ -81,6 +81,9 @@ from .systems.worm_drive.design import WormDriveDesign as WormDriveDesign
 from .teeth.gear_train import GearPair as GearPair
 from .teeth.gear_train import GearTrain as GearTrain
 from .teeth.gear_train import Member as Member
+from .trains.train import MultistageTrain as MultistageTrain
+from .trains.train import TrainError as TrainError
+from .trains.train import load_train as load_train
 from .view.picture import Animation as Animation
 from .view.picture import Diagram as Diagram
 from .view.picture import Picture as Picture

@@ -1,4 +1,4 @@
-"""Samples of the package: design files, scripts that compute a figure from them, guides and notebooks.
+"""Samples of the package: design files, files of trains, scripts that compute a figure from them, guides and notebooks.
 
 In a checkout and in an editable install they are in the folder `samples` beside the package. In a wheel they are inside the
 package as `sample_files` (see pyproject.toml), without the pictures of guides.
@@ -94,6 +94,7 @@ def _find(name: str) -> Traversable:
 def _files() -> dict[str, Traversable]:
     entries = [
         *(entry for entry in _folder().iterdir() if entry.name.endswith(SAMPLE_SUFFIXES)),
+        *(entry for entry in (_folder() / "trains").iterdir() if entry.name.endswith(SAMPLE_SUFFIXES)),
         *(entry for entry in (_folder() / "guides").iterdir() if entry.name.endswith(GUIDE_SUFFIXES)),
     ]
     return {entry.name.rpartition(".")[0]: entry for entry in entries if entry.name != "README.md"}

@@ -20,7 +20,8 @@ TOP = {"README.md", "findings", "gearmesh", "pyproject.toml", "samples", "script
 
 
 def test_all_samples_have_a_name_and_a_headline() -> None:
-    files = [path for path in SAMPLES.iterdir() if path.suffix in samples.SAMPLE_SUFFIXES]
+    folders = (SAMPLES, SAMPLES / "trains")
+    files = [path for folder in folders for path in folder.iterdir() if path.suffix in samples.SAMPLE_SUFFIXES]
     assert samples.names() == sorted(path.stem for path in files)
     assert "spur" in samples.names()
     for path in files:

@@ -7,11 +7,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from gearmesh import __version__
 from gearmesh.answers.tables import Listing, align, as_html, json_text, plain
-from gearmesh.design.core import Design
 from gearmesh.figures import Content, Figures, Summary, as_rows, figure
 from gearmesh.formats import JSON_SUFFIX, refuse_suffix
 from gearmesh.pickling import Picklable
@@ -165,7 +164,29 @@ class Result(Picklable, ABC):
         return [name for name in super().__dir__() if not name.startswith("_")]
 
 
-def header(design: Design) -> Mapping[str, Content]:
+class StatedDesign(Protocol):
+    """Design of a gear set, or train of several, that an answer is about."""
+
+    @property
+    def title(self) -> str:
+        """Title of pages and pictures."""
+
+    def resolve(self) -> dict[str, Any]:
+        """Return it as plain tables with every default filled in.
+
+        Returns
+        -------
+        dict of str to values
+            As in its file.
+
+        Examples
+        --------
+        >>> design.resolve()["pinion"]["teeth"]
+        18
+        """
+
+
+def header(design: StatedDesign) -> Mapping[str, Content]:
     """Return the beginning of every document: version and design."""
     return {"gearmesh": __version__, "design": design.resolve()}
 

@@ -10,11 +10,12 @@ from dataclasses import dataclass
 import gearmesh.answers
 import gearmesh.study
 import gearmesh.systems
+import gearmesh.trains
 from gearmesh.answers.tables import Listing
 from gearmesh.figures import MEMBER_PLACE, Figure, Figures
 
 #: packages whose modules declare figures
-FIGURE_PACKAGES = (gearmesh.answers, gearmesh.systems, gearmesh.study)
+FIGURE_PACKAGES = (gearmesh.answers, gearmesh.systems, gearmesh.study, gearmesh.trains)
 #: suffix of a column that names one of three coordinates
 COORDINATE_SUFFIX = re.compile(r"_[xyz](?=_mm$|$)")
 #: columns of the reference

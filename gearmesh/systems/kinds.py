@@ -125,6 +125,9 @@ FIELD_WORDS = {
     "pin": 'kind = "cycloidal"',
     "pin wheel": 'kind = "cycloidal"',
     "trochoidal": 'kind = "cycloidal"',
+    "train": "a train of several stages has a command of its own, gearmesh train",
+    "gear train": "a train of several stages has a command of its own, gearmesh train",
+    "gearbox": "a train of several stages has a command of its own, gearmesh train",
     "gerotor": 'kind = "cycloidal" with form = "pins_in_disc" or "pins_in_ring"',
 }
 #: words beside a kind that say nothing about it

@@ -73,13 +73,26 @@ NEEDED: dict[str, tuple[Any, ...]] = {
     "size": (2.0, 64.0, 2.0),
     "size_planetary": (4.0,),
     "load": (SAMPLES / "helical.toml",),
+    "load_train": (SAMPLES / "trains" / "train_two_stage.toml",),
     "load_rexs": ("x.rexs",),
     "new": ("rack",),
     "parse": (SMALL,),
     "toml": ({},),
 }
 VERBS = (
-    *("build", "gear", "load", "load_rexs", "new", "parse", "prove", "register", "size", "size_planetary"),
+    *(
+        "build",
+        "gear",
+        "load",
+        "load_rexs",
+        "load_train",
+        "new",
+        "parse",
+        "prove",
+        "register",
+        "size",
+        "size_planetary",
+    ),
     *("system", "toml"),
 )
 METHODS = [name for name, _ in inspect.getmembers(gm.Gears, inspect.isfunction) if not name.startswith("_")]

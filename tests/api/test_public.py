@@ -128,8 +128,8 @@ def test_public_names_are_verbs_gears_answers_designs_and_errors() -> None:
     assert verbs == {word for word in verbs if word.islower()}
     assert designs <= set(classes)
     assert {*classes} - designs - errors - saved <= PARTS_OF_GEARS
-    # every kind adds its class of designs
-    assert len(set(gm.__all__) - designs) <= 70
+    # every kind adds its class of designs; a train of several designs has a verb and two answers
+    assert len(set(gm.__all__) - designs) <= 73
     assert asked - INTERNAL <= set(gm.__all__)
 
 

@@ -67,7 +67,8 @@ def test_a_new_file_of_every_kind_loads_and_builds(kind: str, here: Path) -> Non
 def test_samples_are_listed_and_copied(here: Path) -> None:
     listed = [line.split()[0] for line in run("sample")[1].splitlines() if line and line[0] != " "]
     guides = sorted(path.stem for path in (SAMPLES / "guides").iterdir() if path.suffix in (".md", ".ipynb"))
-    designs = sorted(path.stem for path in SAMPLES.iterdir() if path.suffix in (".toml", ".py"))
+    folders = (SAMPLES, SAMPLES / "trains")
+    designs = sorted(path.stem for folder in folders for path in folder.iterdir() if path.suffix in (".toml", ".py"))
     assert listed == ["sample", *designs, "guide", *(name for name in guides if name != "README")]
     for name, file in (
         ("spur", "spur.toml"),

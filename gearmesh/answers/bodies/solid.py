@@ -14,7 +14,7 @@ import numpy as np
 
 from gearmesh.answers.bodies.extract import WHOLE_MEMBER, Extract, ExtractMesh
 from gearmesh.answers.gearset import GearSet
-from gearmesh.answers.result import Result, columns, header
+from gearmesh.answers.result import Result, StatedDesign, columns, header
 from gearmesh.answers.tables import Listing, figures
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, DesignError
@@ -297,7 +297,7 @@ class Solid(Result):
 class Solids(Result):
     """Several members as triangle meshes, in mesh (fixed frame, mm)."""
 
-    design: Design
+    design: StatedDesign
     parts: dict[str, Solid]
     warnings: tuple[str, ...] = ()
 

@@ -1,0 +1,110 @@
+"""Bodies of a train: one solid per member, or per shaft whose members are joined, all in mesh."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from os import PathLike
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gearmesh.answers.bodies.solid import Solid, Solids, solid_of
+from gearmesh.errors import DesignError
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.mesh.joined import joined_mesh
+from gearmesh.progress import in_turn
+from gearmesh.trains.file import naming_stage
+from gearmesh.trains.layout import Layout, Shaft
+
+if TYPE_CHECKING:
+    from gearmesh.answers.gearset import GearSet
+
+
+@dataclass(frozen=True)
+class TrainBody:
+    """A body of a train: one member, or the members of a joined shaft."""
+
+    #: name of the member, as "first.pinion", or of the shaft
+    name: str
+    #: members with the transformations from their own frames to that of the body
+    members: Mapping[str, Rigid]
+    #: frame of the body to that of the train
+    place: Rigid
+
+
+def bodies_of(layout: Layout, psi: float) -> tuple[TrainBody, ...]:
+    """Return all bodies of a train in contact at a rotation (rad) of the input shaft, in the order of shafts and stages."""
+    placed = layout.places(psi)
+    turned = layout.turns(np.array([psi]))
+    joined: dict[str, TrainBody] = {}
+    for shaft in layout.shafts.values():
+        names = [member.name for member in shaft.members if member.name in placed]
+        if shaft.joined and len(names) > 1:
+            frame = shaft.frame @ Rigid.about_z(float(turned[shaft.name][0]))
+            joined |= dict.fromkeys(names, TrainBody(shaft.name, _in_shaft(layout, shaft), frame))
+    alone = {name: TrainBody(name, {name: Rigid.identity()}, place) for name, place in placed.items()}
+    return tuple({body.name: body for body in {**alone, **joined}.values()}.values())
+
+
+def _in_shaft(layout: Layout, shaft: Shaft) -> dict[str, Rigid]:
+    """Return transformations from the own frames of the gears of a shaft to its frame at rotation 0."""
+    stages = {step.stage.name: step.stage for step in layout.steps}
+    found = {}
+    for member in shaft.members:
+        train = stages[member.stage].gears.train
+        if member.port in train.members:
+            turned = Rigid.about_z(float(member.theta(np.zeros(1))[0]))
+            found[member.name] = member.port_to_shaft @ turned @ train.members[member.port].mount.own_to_turning
+    return found
+
+
+def solids_of_train(
+    layout: Layout, tolerance: float | None, file: str | PathLike[str] | None, psi: float, warnings: tuple[str, ...]
+) -> Solids:
+    """Return all bodies as watertight meshes in contact at a rotation (rad) of the input shaft.
+
+    `tolerance`: mm; by default those of the designs. `file`: file for which the meshes are proved.
+    """
+    gears: dict[str, GearSet] = {step.stage.name: step.stage.gears for step in layout.steps}
+    made = {}
+    for body in in_turn(bodies_of(layout, psi)):
+        parts = []
+        for name, to_body in body.members.items():
+            stage, _, member = name.partition(".")
+            with naming_stage(stage):
+                place = body.place @ to_body
+                part = solid_of(gears[stage], member, gears[stage].within(tolerance), file=file, place=place)
+                parts.append(_named(part.move(to_body), name))
+        made[body.name] = _one_body(body, parts, file) if len(parts) > 1 else parts[0].move(body.place)
+    return Solids(layout.file, made, warnings)
+
+
+def _named(solid: Solid, name: str) -> Solid:
+    """Return a solid under the name of its member in the train; the train has its warnings."""
+    return replace(solid, facets=replace(solid.mesh, name=name), warnings=())
+
+
+def _one_body(body: TrainBody, parts: list[Solid], file: str | PathLike[str] | None) -> Solid:
+    """Return the parts of a joined shaft as one solid in the frame of the train."""
+    from gearmesh import io
+    from gearmesh.mesh.solid import prove
+
+    try:
+        mesh, genus = joined_mesh([part.mesh for part in parts], body.name)
+    except DesignError as failure:
+        raise failure.rename(f"shafts.{body.name}.joined") from failure
+    placed = mesh.move(body.place)
+    proof = prove(placed if file is None else io.mesh_in_file(placed, file), genus)
+    measured = [part.measured for part in parts]
+    figures = replace(
+        measured[0],
+        triangles=placed.triangle_count,
+        watertight=proof.ok,
+        volume=proof.volume,
+        max_deviation=max(own.max_deviation for own in measured),
+        sampled_deviation=max(own.sampled_deviation for own in measured),
+        tolerance=max(own.tolerance for own in measured),
+        seconds=sum(own.seconds for own in measured),
+    )
+    return Solid(parts[0].design, placed, figures)

@@ -1,0 +1,485 @@
+"""A train of several stages: kinematics, positions, bodies, pictures and transmission error of the output."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from gearmesh.answers.gearset import refuse_rotation
+from gearmesh.answers.result import Result, columns, header
+from gearmesh.answers.tables import Listing, csv_text, round_to
+from gearmesh.arguments import checks_arguments, checks_methods
+from gearmesh.figures import Content, Figures, figure
+from gearmesh.formats import CSV_SUFFIX, JSON_SUFFIX
+from gearmesh.kernel.numeric.algebra import ARCSEC, Array
+from gearmesh.lengths import Length, tolerance_in_mm
+from gearmesh.trains.file import TrainFile, naming_stage, read_train, train_of
+from gearmesh.trains.layout import Layout, TrainStep, layout_of, stages_of
+from gearmesh.trains.stage import CARRIER_NAME, Mesh
+from gearmesh.trains.transmission import ShaftError, mesh_motions, output_error, relative_speed
+
+if TYPE_CHECKING:
+    from gearmesh.answers.bodies.solid import Solids
+    from gearmesh.kernel.motion.rigid import Rigid
+
+#: coordinates of an axis that differ from 0 by less are 0
+AXIS_ROUNDING = 1e-12
+#: phase (pitches) below which a mesh is at the beginning of a pitch
+SAME_PHASE_PITCHES = 1e-9
+
+
+@dataclass(frozen=True)
+class ShaftFigures(Figures):
+    """A shaft of a train: speed and torque per those of the input, and its axis."""
+
+    shaft: str = figure("name of the shaft")
+    members: str = figure("members on it")
+    speed: float = figure("turns per turn of the input, positive right-handed about the axis", "", "n")
+    speed_fraction: str = figure("the same as a ratio of whole numbers")
+    torque: float = figure("torque on its driven side per torque on the input, without losses", "", "T")
+    axis: list[float] = figure("direction of its z axis, frame of the train", vector=True)
+    origin: list[float] = figure("a point of its axis, frame of the train", "mm", vector=True)
+
+
+@dataclass(frozen=True)
+class TrainMeshFigures(Figures):
+    """A mesh of a train: teeth, hunting, and phase."""
+
+    stage: str = figure("name of the stage")
+    mesh: str = figure("members")
+    teeth: list[int] = figure("teeth of both members", whole=True, singular="teeth", symbol="z")
+    common_factor: int = figure("greatest common divisor of the tooth numbers", whole=True)
+    hunting: bool = figure("whether every tooth of one member meets every tooth of the other")
+    turns_until_repeat: float = figure("turns of the input until the same two teeth meet again")
+    teeth_per_turn: float = figure("tooth pairs that pass per turn of the input: the order of the mesh")
+    phase: float = figure("part of a pitch since the contact of a tooth pair began, input at 0", "")
+
+
+@dataclass(frozen=True)
+class TrainFigures(Figures):
+    """A train as a whole."""
+
+    input: str = figure("name of the driving shaft")
+    output: str = figure("name of the driven shaft")
+    ratio: float = figure("speed of the input over that of the output, negative if their senses differ", "", "i")
+    ratio_fraction: str = figure("the same as a ratio of whole numbers")
+    input_sense: int = figure("sense in which the input turns about its z axis, 1 right-handed", whole=True)
+    turns_until_repeat: float = figure("turns of the input until all teeth are where they were")
+
+
+@dataclass(frozen=True)
+class TrainErrorFigures(Figures):
+    """Transmission error of the output of a train."""
+
+    output: str = figure("name of the shaft")
+    turns: float = figure("turns of the input")
+    te_peak_to_peak: float = figure("transmission error of the shaft, peak to peak", "arcsec")
+    stage_te_peak_to_peak: Mapping[str, float] = figure(
+        "share of a stage, peak to peak, at the shaft", "arcsec", key="te_peak_to_peak_{member}_arcsec"
+    )
+
+
+@dataclass(frozen=True, repr=False)
+class TrainError(Result):
+    """Transmission error of a shaft of a train: the sum of the errors of the stages before it, with their phases."""
+
+    #: the train
+    train: MultistageTrain
+    #: name of the shaft
+    shaft: str
+    #: errors over rotations of the input
+    solved: ShaftError
+
+    @property
+    def suffixes(self) -> tuple[str, ...]:
+        """Suffixes of the files that `save` writes."""
+        return (JSON_SUFFIX, CSV_SUFFIX)
+
+    @cached_property
+    def figures(self) -> TrainErrorFigures:
+        """Sizes of the error."""
+        return TrainErrorFigures(
+            self.shaft,
+            float(self.solved.psi[-1]) / (2.0 * math.pi),
+            float(np.ptp(self.solved.te)) / ARCSEC,
+            {stage: float(np.ptp(part)) / ARCSEC for stage, part in self.solved.parts.items()},
+        )
+
+    @property
+    def headline(self) -> str:
+        size, turns = self.figures.te_peak_to_peak, self.figures.turns
+        return f"{self.shaft}: TE {size:.4g} arcsec peak to peak over {turns:.4g} turns of the input"
+
+    @property
+    def listings(self) -> list[Listing]:
+        rows = [[stage, round_to(size, 4)] for stage, size in self.figures.stage_te_peak_to_peak.items()]
+        rows.append(["all stages", round_to(self.figures.te_peak_to_peak, 4)])
+        return [
+            Listing(
+                f"Transmission error of the shaft {self.shaft}",
+                ("stage", "peak to peak arcsec"),
+                rows,
+                notes=[f"over {self.figures.turns:.6g} turns of the input"],
+            )
+        ]
+
+    def to_dict(self) -> dict[str, list[Any]]:
+        parts = {f"te_{stage}_arcsec": (part / ARCSEC).tolist() for stage, part in self.solved.parts.items()}
+        degrees = np.degrees(self.solved.psi).round(10).tolist()
+        return {"input_deg": degrees, "te_arcsec": (self.solved.te / ARCSEC).tolist(), **parts}
+
+    @property
+    def sections(self) -> Mapping[str, Content]:
+        return {**self.train.sections, "transmission_error": self.figures, "positions": self.to_dict()}
+
+    def csv(self) -> str:
+        """The errors at all positions as CSV text.
+
+        Returns
+        -------
+        str
+            One row per position.
+
+        Examples
+        --------
+        >>> error = gm.load_train("samples/trains/train_two_stage.toml").transmission_error(turns=0.1)
+        >>> error.csv().splitlines()[0]
+        'input_deg,te_arcsec,te_first_arcsec,te_second_arcsec'
+        """
+        table = self.to_dict()
+        return csv_text([dict(zip(table, row, strict=True)) for row in zip(*table.values(), strict=True)])
+
+    def _write(self, target: Path) -> None:
+        from gearmesh.io import whole_text
+
+        whole_text(target, self.csv())
+
+
+@checks_methods
+class MultistageTrain(Result):
+    """A train of several stages on common shafts, as `load_train` reads it.
+
+    Everything is computed at its first use. Rotations of the input are in deg, from the position at which the members of the input
+    shaft have their `phase`.
+    """
+
+    def __init__(self, file: TrainFile) -> None:
+        """Keep the train as its file states it."""
+        self.file = file
+
+    @cached_property
+    def layout(self) -> Layout:
+        """Stages and shafts in one frame. Raises DesignError for shafts and stages that make no train."""
+        return layout_of(self.file, stages_of(self.file))
+
+    @property
+    def title(self) -> str:
+        """Title for pages and pictures."""
+        return self.file.title
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Warnings about the gears of all stages, one line each."""
+        return tuple(f"{step.stage.name}: {line}" for step in self.layout.steps for line in step.stage.gears.warnings)
+
+    # ---------------------------------------------------------------- kinematics
+
+    @cached_property
+    def figures(self) -> TrainFigures:
+        """Figures of the whole train."""
+        speeds, output = self.layout.speeds, self.file.output
+        ratio = 1 / speeds[output]
+        within = (motion.pinion_turns for step in self.layout.steps for motion in mesh_motions(self.layout, step))
+        whole = math.lcm(*(speed.denominator for speed in (*speeds.values(), *within)))
+        return TrainFigures(self.file.input, output, float(ratio), _words(ratio), self.layout.sense, float(whole))
+
+    @cached_property
+    def shafts(self) -> tuple[ShaftFigures, ...]:
+        """Speed, torque and axis of every shaft."""
+        torques = self._torques()
+        return tuple(
+            ShaftFigures(
+                name,
+                ", ".join(member.name for member in shaft.members),
+                float(self.layout.speeds[name]),
+                _words(self.layout.speeds[name]),
+                float(torques[name]),
+                _coordinates(shaft.frame.rotation[:, 2]),
+                _coordinates(shaft.frame.translation),
+            )
+            for name, shaft in self.layout.shafts.items()
+        )
+
+    def _torques(self) -> dict[str, Fraction]:
+        """Return the torque with which each shaft is driven per torque on the input, for a train without branches before it."""
+        known = {self.file.input: Fraction(1)}
+        for step in self.layout.steps:
+            (source, driver), (target, driven) = step.driver, step.driven
+            passed = -step.stage.torques(driver.port)[driven.port]
+            known[target] = known[source] * driver.sense * passed * driven.sense
+        return known
+
+    @cached_property
+    def meshes(self) -> tuple[TrainMeshFigures, ...]:
+        """Hunting and phase of every mesh, with the input at 0."""
+        start = self.layout.turns(np.zeros(1))
+        found = []
+        for step in self.layout.steps:
+            source, driver = step.driver
+            with naming_stage(step.stage.name):
+                turned = step.stage.follow(driver.port, driver.theta(start[source]))
+                relative = turned[step.stage.members[0]] - turned[CARRIER_NAME]
+                phases = self._phases(step, relative)
+            for mesh, motion, phase in zip(step.stage.meshes, mesh_motions(self.layout, step), phases, strict=True):
+                teeth = [member.tooth.teeth for member in mesh.pair.both]
+                common = math.gcd(*teeth)
+                until = Fraction(teeth[1], common) / motion.pinion_turns
+                found.append(TrainMeshFigures(step.stage.name, mesh.pair.name, teeth, common, common == 1,
+                                              float(until), float(motion.teeth), phase))  # fmt: skip
+        return tuple(found)
+
+    def _phases(self, step: TrainStep, relative: Array) -> list[float]:
+        """Return the phases of all meshes of a stage at a rotation (1,), rad, of A in the frame of the carrier."""
+        own = [path.output(relative) for path in step.stage.paths]
+        turning = self.layout.sense * relative_speed(self.layout, step)
+        sense = step.stage.meshes[0].pair.pinion.mount.sign * (1 if turning > 0 else -1)
+        return [
+            _phase(path.meshes[k], float(turned[k][0]), sense)
+            for k in range(len(step.stage.paths[0].meshes))
+            for path, turned in zip(step.stage.paths, own, strict=True)
+        ]
+
+    # ---------------------------------------------------------------- as a result
+
+    @property
+    def headline(self) -> str:
+        values = self.figures
+        return f"{self.title}: {len(self.file.stages)} stages, ratio {values.ratio_fraction} = {values.ratio:.6g}"
+
+    @property
+    def listings(self) -> list[Listing]:
+        values = self.figures
+        sense = "right-handed" if values.input_sense > 0 else "left-handed"
+        shafts = [
+            [own.shaft, own.members, round_to(own.speed, 6), own.speed_fraction,
+             round_to(own.torque, 4), _vector(own.axis)]
+            for own in self.shafts
+        ]  # fmt: skip
+        meshes = [
+            [f"{own.stage}: {own.mesh}", "/".join(map(str, own.teeth)), own.common_factor,
+             round_to(own.turns_until_repeat, 4), round_to(own.teeth_per_turn, 4), round_to(own.phase, 4)]
+            for own in self.meshes
+        ]  # fmt: skip
+        return [
+            Listing(
+                self.title,
+                ("shaft", "members", "speed", "= n/n_in", "torque", "axis"),
+                shafts,
+                notes=[
+                    f"ratio {values.input} to {values.output}: {values.ratio_fraction} = {values.ratio:.7g}",
+                    f"the input turns {sense} about its axis; speeds and torques are per those of the input, without losses",
+                    f"all teeth are where they were after {values.turns_until_repeat:.10g} turns of the input",
+                ],
+            ),
+            Listing(
+                "Meshes",
+                ("mesh", "teeth", "common factor", "turns", "order", "phase"),
+                meshes,
+                notes=[
+                    "turns: of the input until the same two teeth meet again; order: tooth pairs per turn of the input",
+                    "phase: part of a pitch since the contact of a tooth pair began, with the input at 0",
+                ],
+            ),
+        ]
+
+    def to_dict(self) -> dict[str, list[Any]]:
+        return columns([shaft.flat for shaft in self.shafts])
+
+    @property
+    def sections(self) -> Mapping[str, Content]:
+        return {
+            **header(self.file),
+            "train": self.figures,
+            "shafts": self.shafts,
+            "meshes": self.meshes,
+            "warnings": self.warnings,
+        }
+
+    # ---------------------------------------------------------------- answers
+
+    def places(self, phi: float = 0.0) -> dict[str, Rigid]:
+        """Positions of all gears in contact.
+
+        Parameters
+        ----------
+        phi : float
+            Rotation of the input shaft about its z axis, deg.
+
+        Returns
+        -------
+        dict of str to Rigid
+            Transformations from the own frames of the gears, by "stage.member", to the frame of the train.
+
+        Examples
+        --------
+        >>> list(gm.load_train("samples/trains/train_two_stage.toml").places(5.0))
+        ['first.pinion', 'first.gear', 'second.pinion', 'second.gear']
+        """
+        refuse_rotation(phi)
+        return self.layout.places(math.radians(phi))
+
+    def turns(self, phi: float = 0.0) -> dict[str, float]:
+        """Rotations of all shafts in contact.
+
+        Parameters
+        ----------
+        phi : float
+            Rotation of the input shaft about its z axis, deg.
+
+        Returns
+        -------
+        dict of str to float
+            Rotations about the z axes of the shafts, deg, by their names.
+
+        Examples
+        --------
+        >>> list(gm.load_train("samples/trains/train_two_stage.toml").turns(5.0))
+        ['input', 'middle', 'output']
+        """
+        refuse_rotation(phi)
+        turned = self.layout.turns(np.radians([phi]))
+        return {name: float(np.degrees(psi[0])) for name, psi in turned.items()}
+
+    def solids(
+        self, tolerance: Length | None = None, *, file: str | PathLike[str] | None = None, phi: float = 0.0
+    ) -> Solids:
+        """All gears as watertight meshes, in mesh; the gears of a joined shaft are one body.
+
+        Parameters
+        ----------
+        tolerance : float or str, optional
+            Largest distance from the exact surfaces, mm, or with a unit; by default those of the stages.
+        file : str or os.PathLike, optional
+            File for which the meshes are proved: some formats round coordinates.
+        phi : float
+            Rotation of the input shaft about its z axis, deg.
+
+        Returns
+        -------
+        Solids
+            The solids by "stage.member", or by the name of a joined shaft.
+
+        Raises
+        ------
+        DesignError
+            For gears of a joined shaft that do not touch.
+
+        Examples
+        --------
+        >>> list(gm.load_train("samples/trains/train_two_stage.toml").solids(0.1).parts)
+        ['first.pinion', 'middle', 'second.gear']
+        """
+        from gearmesh.trains.bodies import solids_of_train
+
+        refuse_rotation(phi)
+        within = None if tolerance is None else tolerance_in_mm("tolerance", tolerance)
+        return solids_of_train(self.layout, within, file, math.radians(phi), self.warnings)
+
+    def transmission_error(self, turns: float | None = None) -> TrainError:
+        """Transmission error of the output shaft: the sum of those of the stages, with their phases.
+
+        Parameters
+        ----------
+        turns : float, optional
+            Turns of the input; by default those of one turn of the output.
+
+        Returns
+        -------
+        TrainError
+            Errors of the output by stage, over rotations of the input.
+
+        Raises
+        ------
+        DesignError
+            For turns with too many positions.
+        NoSolutionError
+            If the teeth of a stage lose contact.
+
+        Examples
+        --------
+        >>> gm.load_train("samples/trains/train_two_stage.toml").transmission_error(turns=0.1).save("te.csv").name
+        'te.csv'
+        """
+        return TrainError(self, self.file.output, output_error(self.layout, self.file.output, turns))
+
+
+@checks_arguments
+def load_train(source: str | PathLike[str] | Mapping[str, Any], overrides: Sequence[str] = ()) -> MultistageTrain:
+    """Return the train in a TOML or JSON file, or in plain tables: stages, and the shafts on which their members are.
+
+    Parameters
+    ----------
+    source : str or os.PathLike or mapping
+        The file, or its tables; names of design files are relative to its folder, or to the working folder.
+    overrides : sequence of str
+        Keys of a file that are put in before validation, as "stages.second.gear.teeth=41".
+
+    Returns
+    -------
+    MultistageTrain
+        Its stages are built on first use.
+
+    Raises
+    ------
+    DesignError
+        One line naming file or key, value and what is allowed.
+
+    Examples
+    --------
+    >>> train = gm.load_train("samples/trains/train_two_stage.toml")
+    >>> train.figures.ratio_fraction
+    '106/17'
+    """
+    if isinstance(source, Mapping):
+        from gearmesh.design.files import override
+
+        return MultistageTrain(train_of(override(source, overrides), Path()))
+    return MultistageTrain(read_train(source, overrides))
+
+
+def _words(ratio: Fraction) -> str:
+    """Return a ratio as text."""
+    return f"{ratio.numerator}/{ratio.denominator}" if ratio.denominator != 1 else str(ratio.numerator)
+
+
+def _coordinates(vector: Any) -> list[float]:
+    """Return coordinates without the rounding of zeros."""
+    return [0.0 if abs(value) < AXIS_ROUNDING else value for value in map(float, vector)]
+
+
+def _vector(values: Sequence[float]) -> str:
+    """Return a direction in short: the name of a coordinate axis, or three numbers."""
+    for k, name in enumerate("xyz"):
+        if abs(abs(values[k]) - 1.0) < AXIS_ROUNDING:
+            return f"{'+' if values[k] > 0.0 else '-'}{name}"
+    return " ".join(f"{value:.3g}" for value in values)
+
+
+def _phase(mesh: Mesh, theta: float, sense: float) -> float:
+    """Return the part of a pitch since the surface contact of a tooth pair began, at a rotation (rad) of the pinion.
+
+    `sense`: +1 or -1, in which phi1 of the mesh changes. Without surface contact the phase is counted from phi1 = 0.
+    """
+    surface, pitch = mesh.curve.surface, mesh.pair.pitch
+    phi1 = float(mesh.curve_phi1(np.array([theta]))[0])
+    begin = surface.begin if sense > 0.0 else surface.end
+    phase = sense * (phi1 - (begin if math.isfinite(begin) else 0.0)) / pitch % 1.0
+    return 0.0 if 1.0 - phase < SAME_PHASE_PITCHES else phase

@@ -1,0 +1,455 @@
+"""Trains of several stages: kinematics, positions, overlap of solids, transmission error, refusals."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from fractions import Fraction
+from itertools import combinations
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from oracles.command_line import refused, run
+from oracles.places import SAMPLES
+
+import gearmesh as gm
+from gearmesh.contact.engagement.train_turns import leading_turns
+from gearmesh.kernel.numeric.algebra import ARCSEC
+from gearmesh.systems.cylindrical.planetary.motion import phases
+from gearmesh.trains.bodies import bodies_of
+from gearmesh.trains.layout import layout_of, stages_of
+from gearmesh.trains.stage import Stage
+
+TWO_STAGE = SAMPLES / "trains" / "train_two_stage.toml"
+PLANETARY = SAMPLES / "trains" / "train_planetary.toml"
+#: tolerance, mm, of the solids that are looked at for overlap
+TOLERANCE_MM = 0.02
+#: area, mm^2, of the flanks in contact, above that of the largest contact zone of the samples
+FLANK_AREA_MM2 = 200.0
+
+#: a straight bevel pair whose gear drives a helical pinion on its shaft
+BEVEL_AND_HELICAL: dict[str, Any] = {
+    "kind": "train",
+    "stages": {
+        "bevel": {
+            "kind": "straight_bevel",
+            "module": 3,
+            "face_width": 16,
+            "backlash": 0.08,
+            "pinion": {"teeth": 16},
+            "gear": {"teeth": 31},
+        },
+        "helical": {
+            "kind": "cylindrical",
+            "module": 2,
+            "helix_angle": 20,
+            "backlash": 0.06,
+            "pinion": {"teeth": 19, "face_width": 20},
+            "gear": {"teeth": 58, "face_width": 18},
+        },
+    },
+    "shafts": {
+        "input": {"members": ["bevel.pinion"]},
+        "middle": {"members": ["bevel.gear", {"member": "helical.pinion", "position": 60, "turn": 90, "phase": 7}]},
+        "output": {"members": ["helical.gear"]},
+    },
+}
+
+
+@pytest.fixture(scope="module")
+def two_stage() -> gm.MultistageTrain:
+    return gm.load_train(TWO_STAGE)
+
+
+@pytest.fixture(scope="module")
+def planetary() -> gm.MultistageTrain:
+    return gm.load_train(PLANETARY)
+
+
+@pytest.fixture(scope="module")
+def bevel() -> gm.MultistageTrain:
+    return gm.load_train(BEVEL_AND_HELICAL)
+
+
+# ---------------------------------------------------------------- kinematics
+
+
+@pytest.mark.quick
+def test_external_pairs_turn_against_each_other_by_the_ratio_of_their_teeth(two_stage: gm.MultistageTrain) -> None:
+    speeds = {shaft.shaft: shaft.speed_fraction for shaft in two_stage.shafts}
+    assert speeds == {"input": "1", "middle": "-1/2", "output": str(Fraction(24, 48) * Fraction(17, 53))}
+    assert two_stage.figures.ratio == pytest.approx(48 / 24 * 53 / 17, rel=1e-15)
+    torques = [shaft.torque * shaft.speed for shaft in two_stage.shafts]
+    assert torques == pytest.approx([1.0, 1.0, 1.0], rel=1e-15)
+    # the same two teeth: lcm(24, 48) = 48 teeth of a pinion of 24; lcm(17, 53) teeth of a pinion that turns half as fast
+    assert [mesh.turns_until_repeat for mesh in two_stage.meshes] == [2.0, 2.0 * 53]
+    assert [mesh.hunting for mesh in two_stage.meshes] == [False, True]
+    assert two_stage.figures.turns_until_repeat == 106.0
+
+
+def willis(sun: int, ring: int, fixed: str, driver: str) -> dict[str, float]:
+    """Speeds of a planetary set, from (n_sun - n_c) z_sun + (n_ring - n_c) z_ring = 0 as linear equations."""
+    names = ["sun", "ring", "carrier"]
+    rows = [[sun, ring, -(sun + ring)], [name == fixed for name in names], [name == driver for name in names]]
+    return dict(zip(names, np.linalg.solve(np.array(rows, dtype=float), [0.0, 0.0, 1.0]), strict=True))
+
+
+@pytest.fixture(scope="module")
+def planets() -> Stage:
+    """A set of two planets, whose meshes are solved once."""
+    return Stage.of("set", gm.build(gm.load(SAMPLES / "planetary.toml", ["planets=2"])))
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("fixed", "driver"), [("ring", "sun"), ("ring", "carrier"), ("carrier", "ring"), ("sun", "ring")]
+)
+def test_planetary_stages_turn_as_willis_says(fixed: str, driver: str, planets: Stage) -> None:
+    """Also in contact: flanks without modifications turn uniformly."""
+    stage = replace(planets, fixed=fixed)
+    speeds = {name: float(speed) for name, speed in stage.speeds(driver).items()}
+    wanted = willis(18, 72, fixed, driver)
+    assert speeds == pytest.approx(wanted, abs=1e-15)
+    theta = np.array([0.0, 0.4, 3.0])
+    for sense in (1, -1):
+        turned = stage.driving(driver, sense).follow(driver, theta)
+        for name, speed in wanted.items():
+            assert turned[name] - turned[name][0] == pytest.approx(speed * theta, abs=2e-11), (sense, name)
+    # what is driven drives back: the relation is solved either way
+    (driven,) = (name for name in stage.free if name != driver)
+    back = stage.follow(driven, stage.follow(driver, theta)[driven])
+    assert back[driver] == pytest.approx(theta, abs=1e-12)
+
+
+@pytest.mark.quick
+def test_carrier_and_pinion_of_a_train_turn_as_one(planetary: gm.MultistageTrain) -> None:
+    carrier = willis(18, 72, "ring", "sun")["carrier"]
+    assert {shaft.shaft: shaft.speed for shaft in planetary.shafts} == pytest.approx(
+        {"input": 1.0, "middle": carrier, "output": -carrier * 17 / 53}, rel=1e-14
+    )
+    assert [shaft.torque * shaft.speed for shaft in planetary.shafts] == pytest.approx([1.0] * 3, rel=1e-14)
+
+
+def test_phases_of_planets_are_those_of_the_set() -> None:
+    """19 teeth of the sun in thirds of a turn: three phases, in both senses."""
+    text = {"kind": "train", "stages": {"set": {"design": str(SAMPLES / "planetary.toml"), "sun": {"teeth": 19},
+            "planet": {"teeth": 26}, "ring": {"teeth": -71}}},
+            "shafts": {"input": {"members": ["set.sun"]}, "output": {"members": ["set.carrier"]}}}  # fmt: skip
+    for reverse in (False, True):
+        train = gm.load_train({**text, "reverse": reverse})
+        flank = gm.load(SAMPLES / "planetary.toml").contact.flank
+        sense = (1 if flank == "right" else -1) * (-1 if reverse else 1)
+        wanted = np.array(phases(19, [0.0, 120.0, 240.0], sense))
+        own = np.array([mesh.phase for mesh in train.meshes])
+        for first in (0, 3):
+            apart = own[first : first + 3] - own[first] - wanted
+            assert apart - np.round(apart) == pytest.approx(np.zeros(3), abs=1e-6), (reverse, first)
+    # every planet knows its own mesh: without the curve of the first one, the relation is the same
+    stage = Stage.of("set", gm.build(train.file.stages["set"]))
+    theta = np.linspace(0.0, 1.0, 5)
+    shared = [path.output(theta)[-1] for path in stage.paths]
+    for path, known in zip(stage.paths, shared, strict=True):
+        turned = theta
+        for mesh in path.meshes:
+            phi1 = mesh.phi1(turned)
+            phi2, mount = leading_turns(mesh.pair, phi1, 2)[1], mesh.pair.gear.mount
+            turned = mesh.ahead[1] + mount.sign * (phi2 - mount.zero)
+        pitch = 2.0 * np.pi / 71
+        apart = turned - known
+        assert apart - np.round(apart / pitch) * pitch == pytest.approx(np.zeros(5), abs=1e-9)
+
+
+# ---------------------------------------------------------------- positions
+
+
+def test_axes_are_where_the_shafts_have_them(bevel: gm.MultistageTrain) -> None:
+    shafts = {shaft.shaft: shaft for shaft in bevel.shafts}
+    axis = {name: np.array(shaft.axis) for name, shaft in shafts.items()}
+    assert abs(axis["input"] @ axis["middle"]) < 1e-12
+    assert axis["middle"] == pytest.approx(axis["output"], abs=1e-12)
+    between = np.array(shafts["output"].origin) - np.array(shafts["middle"].origin)
+    distance = 2 * (19 + 58) / (2 * math.cos(math.radians(20)))
+    assert np.linalg.norm(np.cross(between, axis["middle"])) == pytest.approx(distance, abs=1e-9)
+    # turned by 90 deg from the plane of both bevel axes
+    across = between - (between @ axis["middle"]) * axis["middle"]
+    assert across @ axis["input"] == pytest.approx(0.0, abs=1e-9)
+    assert shafts["output"].speed == pytest.approx(
+        -16 / 31 * -19 / 58 * (1 if shafts["middle"].speed < 0 else -1), rel=1e-12
+    )
+    places = bevel.places(33.0)
+    assert places["helical.pinion"].translation @ axis["middle"] == pytest.approx(60.0, abs=1e-9)
+
+
+def test_turn_is_counted_from_straight_on_for_offset_axes_too() -> None:
+    """A hypoid pinion's mate is beside its own x axis: at turn 0 both gears of the input are on opposite sides of it."""
+    pair = {
+        "kind": "cylindrical",
+        "module": 2,
+        "pinion": {"teeth": 20, "face_width": 10},
+        "gear": {"teeth": 40, "face_width": 10},
+    }
+    stages: dict[str, Stage] = {}
+    for reversed_pinion, turn in ((False, 0.0), (True, 0.0), (False, 50.0)):
+        train = gm.load_train(
+            {
+                "kind": "train",
+                "stages": {"a": pair, "b": {"design": str(SAMPLES / "hypoid.toml")}},
+                "shafts": {
+                    "input": {
+                        "members": [
+                            "a.pinion",
+                            {"member": "b.pinion", "position": 90, "turn": turn, "reversed": reversed_pinion},
+                        ]
+                    },
+                    "one": {"members": ["a.gear"]},
+                    "other": {"members": ["b.gear"]},
+                },
+            }
+        )
+        stages = stages or stages_of(train.file)
+        layout = layout_of(train.file, stages)
+        axis, (first, second) = layout.shafts["input"].frame.rotation[:, 2], layout.steps
+        wheel = second.stage.gears.train.members["gear"]
+        middle = (second.place @ wheel.mount.base).point(
+            np.array([0.0, 0.0, second.stage.gears.train.pairs[0].middle(wheel)])
+        )
+        away = middle - np.array([0.0, 0.0, 90.0])
+        away -= (away @ axis) * axis
+        angle = math.atan2(np.cross(first.place.rotation[:, 0], away) @ axis, first.place.rotation[:, 0] @ away)
+        assert math.degrees(angle) % 360.0 == pytest.approx(180.0 + turn, abs=1e-6), (reversed_pinion, turn)
+
+
+class Overlaps:
+    """Volumes that pairs of solids of a train have in common; the solids are made once, and moved."""
+
+    def __init__(self, train: gm.MultistageTrain, tolerance: float) -> None:
+        self.train = train
+        self.solids = {name: part.to_manifold() for name, part in train.solids(tolerance).parts.items()}
+        self.start = {body.name: body.place for body in bodies_of(train.layout, 0.0)}
+
+    def at(self, phi: float) -> dict[tuple[str, str], float]:
+        """Volumes above 0, mm^3, at a rotation of the input, deg."""
+        moved = {}
+        for body in bodies_of(self.train.layout, math.radians(phi)):
+            motion = body.place @ self.start[body.name].inverse
+            moved[body.name] = self.solids[body.name].transform(np.column_stack((motion.rotation, motion.translation)))
+        common = {pair: float((moved[pair[0]] ^ moved[pair[1]]).volume()) for pair in combinations(moved, 2)}
+        return {pair: volume for pair, volume in common.items() if volume > 0.0}
+
+
+@pytest.mark.parametrize("name", ["two_stage", "planetary", "bevel"])
+@pytest.mark.sweep
+def test_no_two_solids_overlap_at_20_rotations(name: str, request: pytest.FixtureRequest) -> None:
+    """Beyond the tolerance of both meshes on the flanks in contact; bodies that do not mesh have nothing in common."""
+    train: gm.MultistageTrain = request.getfixturevalue(name)
+    meshing = [{f"{m.stage}.{word}" for word in m.mesh.split("-")} for m in train.meshes]
+    speed = min(abs(shaft.speed) for shaft in train.shafts)
+    overlaps = Overlaps(train, TOLERANCE_MM)
+    for phi in np.linspace(0.0, 360.0 / speed, 20, endpoint=False):
+        for pair, volume in overlaps.at(float(phi)).items():
+            names = {"first.gear": "middle", "second.pinion": "middle"} if name == "two_stage" else {}
+            assert any({names.get(word, word) for word in own} == set(pair) for own in meshing), (phi, pair)
+            assert volume < 2.0 * TOLERANCE_MM * FLANK_AREA_MM2, (phi, pair, volume)
+
+
+def test_teeth_touch_and_do_not_overlap(two_stage: gm.MultistageTrain) -> None:
+    """The output turned back by little is free of all solids, turned ahead it is not: it is where the contact has it."""
+    tolerance = 0.005
+    solids = two_stage.solids(tolerance, phi=77.0)
+    bodies = {name: part.to_manifold() for name, part in solids.parts.items()}
+    assert all(part.measured.watertight for part in solids.parts.values())
+    assert (bodies["first.pinion"] ^ bodies["second.gear"]).volume() == 0.0
+    shaft = two_stage.layout.shafts["output"].frame
+    sense = two_stage.layout.sense * (1 if two_stage.layout.speeds["output"] > 0 else -1)
+    for ahead, free in ((3.0, True), (-3.0, False)):
+        # the tolerance of both meshes at the pitch radius of the gear, 81 mm
+        angle = sense * ahead * tolerance / 81.0
+        moved = shaft @ gm.Rigid.about_z(angle) @ shaft.inverse
+        turned = bodies["second.gear"].transform(np.column_stack((moved.rotation, moved.translation)))
+        assert ((turned ^ bodies["middle"]).volume() == 0.0) == free, ahead
+
+
+def test_gears_of_a_joined_shaft_are_one_body(two_stage: gm.MultistageTrain) -> None:
+    solids = two_stage.solids(0.05)
+    assert list(solids.parts) == ["first.pinion", "middle", "second.gear"]
+    body = solids.parts["middle"].to_manifold()
+    assert len(body.decompose()) == 1
+    assert body.genus() == 1
+    apart = two_stage.file.stages
+    volumes = {
+        name: gm.build(apart[stage]).solid(member, 0.05).measured.volume or 0.0
+        for name, stage, member in (("gear", "first", "gear"), ("pinion", "second", "pinion"))
+    }
+    # hub and pinion meet in a plane: nothing is lost
+    assert solids.parts["middle"].measured.volume == pytest.approx(sum(volumes.values()), rel=1e-6)
+    mesh = solids.parts["middle"].mesh
+    assert {"flank_left", "hub", "bore"} <= {str(mesh.region_names[k]) for k in np.unique(mesh.regions)}
+
+
+# ---------------------------------------------------------------- transmission error
+
+
+def chained(train: gm.MultistageTrain, phi: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
+    """Rotation of the output, rad, by first touch of both stages at every position, one after the other.
+
+    The sample is in line: a member's rotation is that of its shaft, and that of the second pinion 3 deg more.
+    """
+    flanks = {1: ("left", "right"), -1: ("right", "left")}
+    first, second = (gm.build(design).train.pairs[0] for design in train.file.stages.values())
+    out, lead = np.asarray(phi, dtype=float), [0.0, math.radians(3.0)]
+    for stage, pair, phase in zip(("first", "second"), (first, second), lead, strict=True):
+        theta = out + phase
+        forward = train.layout.sense * (1 if stage == "first" else -1) * pair.pinion.mount.sign
+        if forward * pair.drive < 0:
+            # the flanks that carry when the pinion turns so
+            side = flanks[1][0] if pair.flanks[0] == "right" else "right"
+            pair = gm.build(train.file.stages[stage].with_values({"contact.flank": side})).train.pairs[0]
+            assert pair.drive == forward
+        mount = pair.pinion.mount
+        phi2 = leading_turns(pair, mount.zero + mount.sign * theta, 2)[1]
+        out = pair.gear.mount.sign * (phi2 - pair.gear.mount.zero)
+    return out
+
+
+def test_output_error_is_that_of_both_stages_rolled_one_after_the_other(two_stage: gm.MultistageTrain) -> None:
+    """Against an own chain of first touches, which knows neither curve nor sum."""
+    phi = two_stage.layout.sense * np.sort(np.random.default_rng(7).uniform(0.0, 2.0 * np.pi * 6.2, 40))
+    phi[0] = 0.0
+    rolled = chained(two_stage, phi)
+    followed = two_stage.layout.turns(phi)["output"]
+    pitch = 2.0 * np.pi / 53
+    apart = followed - rolled
+    assert apart - np.round(apart / pitch) * pitch == pytest.approx(np.zeros(len(phi)), abs=1e-9)
+    te = np.unwrap(rolled - rolled[0] - phi / two_stage.figures.ratio, period=pitch)
+    te -= np.round(te / pitch) * pitch
+    error = two_stage.transmission_error()
+    known = np.interp(np.abs(phi), error.solved.psi, error.solved.te)
+    assert np.ptp(te) / ARCSEC > 5.0
+    # 12 positions a pitch, between which errors of 10 arcsec are interpolated
+    assert (known - te) / ARCSEC == pytest.approx(np.zeros(len(phi)), abs=0.15)
+    exact = sum_at(two_stage, phi)
+    # of second order: 5 arcsec of the first stage times the slope of the error of the second, 1e-3
+    assert (exact - te) / ARCSEC == pytest.approx(np.zeros(len(phi)), abs=0.02)
+
+
+def sum_at(train: gm.MultistageTrain, phi: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
+    """Sum of the errors of both stages at rotations of the input, by the curves of their meshes."""
+    start = train.layout.turns(np.zeros(1))
+    total, psi, behind = np.zeros(len(phi)), np.asarray(phi, dtype=float), [-17 / 53, 1.0]
+    for step, gain in zip(train.layout.steps, behind, strict=True):
+        source, driver = step.driver
+        at = driver.theta(start[source]) + psi
+        error = step.stage.relation(at) - float(step.stage.slope) * at
+        zero = driver.theta(start[source])
+        total += gain * (error - (step.stage.relation(zero) - float(step.stage.slope) * zero))
+        psi = psi * float(step.stage.slope)
+    return total
+
+
+def test_conjugate_stages_have_no_error(planetary: gm.MultistageTrain) -> None:
+    error = planetary.transmission_error(turns=1.0)
+    assert error.figures.te_peak_to_peak < 1e-4
+    assert error.to_dict()["te_arcsec"][0] == 0.0
+
+
+# ---------------------------------------------------------------- files and the command
+
+
+def changed(**shafts: Any) -> dict[str, Any]:
+    return {**BEVEL_AND_HELICAL, "shafts": {**BEVEL_AND_HELICAL["shafts"], **shafts}}
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("tables", "words"),
+    [
+        ({"kind": "cylindrical"}, 'kind = "cylindrical": must be "train"'),
+        ({"kind": "train"}, "stages: must be tables with names"),
+        ({**BEVEL_AND_HELICAL, "shaft": {}}, "shaft: unknown key; did you mean shafts?"),
+        (changed(middle={"members": ["bevel.gea"]}), 'shafts.middle.members = "bevel.gea": no member of a stage that turns'),
+        (changed(output={"members": ["bevel.pinion"]}), "it is on the shaft input already"),
+        (changed(middle={"members": ["bevel.gear"]}), "stages.helical.pinion: it is on no shaft"),
+        (changed(middle={"members": ["bevel.gear", "helical.pinion"]}), "position: missing"),
+        (changed(middle={"member": ["bevel.gear"]}), "shafts.middle.member: unknown key; did you mean members?"),
+        (
+            changed(middle={"members": [{"member": "bevel.gear", "phas": 3}]}),
+            "shafts.middle.members.bevel.gear.phas: unknown key; did you mean phase?",
+        ),
+        (
+            changed(output={"members": ["helical.gear"], "coaxial": "input"}),
+            'shafts.output.coaxial = "input": the shafts do not coincide',
+        ),
+        (changed(output={"members": []}), "shafts.output.members = []: must be a list of members"),
+        ({**BEVEL_AND_HELICAL, "output": "wheel"}, 'output = "wheel": must be one of input, middle, output'),
+        (
+            {**BEVEL_AND_HELICAL, "stages": {**BEVEL_AND_HELICAL["stages"], "bevel": {"design": "rack.toml"}}},
+            "stages.bevel.design: rack.toml: cannot be read",
+        ),
+        (
+            {**BEVEL_AND_HELICAL, "stages": {**BEVEL_AND_HELICAL["stages"], "bevel": {"kind": "straight_bevel", "modul": 3}}},
+            "stages.bevel.modul: unknown key; did you mean module?",
+        ),
+    ],
+)  # fmt: skip
+def test_wrong_trains_are_refused_in_one_line(tables: dict[str, Any], words: str) -> None:
+    with pytest.raises(gm.DesignError) as refusal:
+        _ = gm.load_train(tables).headline
+    assert words in str(refusal.value)
+    assert len(str(refusal.value).splitlines()) == 1
+
+
+def loop(center_distance: float) -> dict[str, Any]:
+    """Two pairs between the same shafts."""
+    pair = {
+        "kind": "cylindrical", "module": 2,
+        "pinion": {"teeth": 20, "face_width": 10}, "gear": {"teeth": 40, "face_width": 10},
+    }  # fmt: skip
+    return {
+        "kind": "train",
+        "stages": {"a": pair, "b": {**pair, "assembly": {"center_distance": center_distance}}},
+        "shafts": {
+            "input": {"members": ["a.pinion", {"member": "b.pinion", "position": 30, "turn": 180}]},
+            "output": {"members": ["a.gear", {"member": "b.gear", "position": 30}]},
+        },
+    }
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(("distance", "words"), [(60.0, "b.gear closes a loop"), (60.4, "0.4 mm and 0 deg apart")])
+def test_loops_are_refused(distance: float, words: str) -> None:
+    with pytest.raises(gm.DesignError, match=words):
+        _ = gm.load_train(loop(distance)).headline
+
+
+@pytest.mark.quick
+def test_slides_and_lone_gears_are_no_stages() -> None:
+    shafts = {"shafts": {"input": {"members": ["a.pinion"]}, "output": {"members": ["a.rack"]}}}
+    train = {"kind": "train", "stages": {"a": {"design": str(SAMPLES / "rack.toml")}}, **shafts}
+    with pytest.raises(gm.DesignError, match=r"^stages\.a: the rack does not turn on a shaft"):
+        _ = gm.load_train(train).headline
+
+
+def test_gears_of_a_joined_shaft_must_touch() -> None:
+    train = gm.load_train(TWO_STAGE, ['shafts.middle.members=["first.gear", {member="second.pinion", position=60}]'])
+    with pytest.raises(gm.DesignError, match=r"^shafts\.middle\.joined: first\.gear, second\.pinion make 2 bodies"):
+        train.solids(0.1)
+
+
+def test_the_command_writes_figures_table_and_solids(tmp_path: Path) -> None:
+    made, table, solids = tmp_path / "train.json", tmp_path / "te.csv", tmp_path / "train.3mf"
+    files = ("--json", made, "--csv", table, "-o", solids)
+    status, _, err = run("train", TWO_STAGE, *files, "--tol", "0.1", "--turns", "0.25")
+    assert status == 0, err
+    document = json.loads(made.read_text())
+    assert document["train"]["ratio_fraction"] == "106/17"
+    assert [shaft["shaft"] for shaft in document["shafts"]] == ["input", "middle", "output"]
+    assert document["transmission_error"]["te_peak_to_peak_first_arcsec"] > 1.0
+    assert table.read_text().splitlines()[0] == "input_deg,te_arcsec,te_first_arcsec,te_second_arcsec"
+    assert solids.stat().st_size > 10_000
+
+
+def test_other_commands_name_the_command_of_trains() -> None:
+    assert "gearmesh train" in refused("tca", TWO_STAGE)
