@@ -63,6 +63,7 @@ from .systems.cycloidal.design import CycloidalDesign as CycloidalDesign
 from .systems.cylindrical.design import CylindricalDesign as CylindricalDesign
 from .systems.cylindrical.planetary.design import PlanetaryDesign as PlanetaryDesign
 from .systems.cylindrical.rack.design import RackDesign as RackDesign
+from .systems.cylindrical.spline.design import SplineDesign as SplineDesign
 from .systems.designs import load as load
 from .systems.designs import new as new
 from .systems.designs import parse as parse

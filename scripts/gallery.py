@@ -43,6 +43,7 @@ PAIRS = {
     "hypoid": 0.05,
     "worm_drive": 0.05,
     "cycloidal": 0.01,
+    "spline": 0.01,
 }
 #: designs of which another member's tooth is shown than the first's
 MEMBERS = {"worm_drive": "wheel", "worm_drive_dual_lead": "wheel", "worm_drive_zk_oversize": "wheel"}

@@ -66,6 +66,10 @@ CORNER_STEP_SHARE = 1e-6
 SKEW_SINE = 0.1
 #: least cosine of the angle between the spins of members that turn inside each other
 NESTED_COSINE = 0.9
+#: rotation beyond half a turn that is rounding
+HALF_TURN_ROUNDING_RAD = 1e-12
+#: difference of a ratio from 1 that is rounding
+COUPLED_RATIO_ROUNDING = 1e-12
 #: largest residual of a solved contact
 SOLVED_RESIDUAL_MM = 1e-11
 #: largest residual of a solved contact of large gears, as a share of the pinion's largest coordinate
@@ -124,6 +128,17 @@ class Pair:
         """True if one member turns inside the other, about axes that are nearly parallel."""
         first, second = (flank.mount.spin for flank in self.flanks)
         return float(np.min(np.sum(first * second, axis=-1))) > NESTED_COSINE
+
+    @property
+    def turn(self) -> tuple[float, float]:
+        """Ends (rad) of the turn of phi1 in which a tooth pair of coupled members counts as pair 0."""
+        middle = self.pinion.mount.sign * self.pinion.middle_angle
+        return -np.pi - middle, np.pi - middle
+
+    @property
+    def coupled(self) -> bool:
+        """True if both members turn alike about axes that coincide but for assembly errors: all tooth pairs mesh at once."""
+        return self.nested and abs(self.ratio - 1.0) < COUPLED_RATIO_ROUNDING
 
     @cached_property
     def length(self) -> float:
@@ -184,7 +199,9 @@ class Pair:
         if self.pinion.winding + np.abs(phi1).max(initial=0.0) <= np.pi:
             return np.zeros(np.broadcast_shapes(r.shape[:-1], phi1.shape), dtype=bool)
         turned = self.pinion.mount.sign * (phi1 - self.facing)
-        farther: NDArray[np.bool_] = np.abs(self.pinion.azimuth(r) + turned) > np.pi
+        # the teeth of coupled members face each other at every rotation: a whole flank changes its count at once
+        azimuth = np.full(r.shape[:-1], self.pinion.middle_angle) if self.coupled else self.pinion.azimuth(r)
+        farther: NDArray[np.bool_] = np.abs(azimuth + turned) > np.pi + HALF_TURN_ROUNDING_RAD
         return farther
 
     @cached_property

@@ -440,14 +440,18 @@ class GearBody(MemberBody, NumberOfTeeth):
     """Keys of every gear."""
 
 
-class MemberTable(GearBody):
-    """A member between plane end faces."""
+class PlaneFaces(Table):
+    """Plane end faces of a member, and what may be between them."""
 
     usual: ClassVar[tuple[str, ...]] = ("face_width",)
 
     face_width: float = keys.length("width of the gear blank along its axis", above=0)
     web: Web | None = None
     holes: Holes | None = None
+
+
+class MemberTable(PlaneFaces, GearBody):
+    """A member between plane end faces."""
 
 
 class Phi1(Table):

@@ -278,7 +278,9 @@ class _Followed:
         self.pair, self._gears = solver_pair(gears), gears
         self._phi1, self._pitch = phi1, gears.pitch
         self._first = np.round(phi1 / gears.pitch).astype(np.intp)
-        self._numbers = np.arange(-SEARCHED_PAIRS, SEARCHED_PAIRS + 1)
+        # any tooth pair of coupled members may be the first to touch
+        searched = int(np.ceil(np.pi / gears.pitch)) if self.pair.coupled else SEARCHED_PAIRS
+        self._numbers = np.arange(-searched, searched + 1)
         self._advances, self._levers = self._solve(self._numbers)
 
     @property
@@ -289,7 +291,7 @@ class _Followed:
 
     def widen(self, advance: Array, limit: float) -> None:
         """Add pairs further out until the outermost pairs are not within `limit`, mm, of `advance` (P,)."""
-        for direction in (-1, 1):
+        for direction in () if self.pair.coupled else (-1, 1):
             outermost = self._numbers[::direction][-1]
             while self._near(advance, limit)[:, ::direction][:, -1].any() and abs(outermost) < MAX_PAIRS:
                 new_numbers = outermost + direction * np.arange(1, MORE_PAIRS + 1)

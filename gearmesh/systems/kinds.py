@@ -76,6 +76,10 @@ OWN_KINDS = {
         "worm drives: worms ZA, ZN, ZI, ZK and ZC [ISO 10828], the wheel as its hob generates it",
         ("worm_drive.design", "WormDriveDesign"),
     ),
+    "spline": OwnKind(
+        "involute splines: shaft and hub on one axis, by designation or by keys [DIN 5480, ISO 4156, ANSI B92.1]",
+        ("cylindrical.spline.design", "SplineDesign"),
+    ),
     "cycloidal": OwnKind(
         "cycloidal drives: pins on a circle and the lobes that they generate, difference of one or two teeth",
         ("cycloidal.design", "CycloidalDesign"),
@@ -119,6 +123,10 @@ FIELD_WORDS = {
     "worm": 'kind = "worm_drive"',
     "worm wheel": 'kind = "worm_drive"',
     "worm and wheel": 'kind = "worm_drive"',
+    "splined shaft": 'kind = "spline"',
+    "splined hub": 'kind = "spline"',
+    "involute spline": 'kind = "spline"',
+    "serration": 'kind = "spline" with profile = "ISO 4156 45 fillet"',
     "cycloid": 'kind = "cycloidal"',
     "cycloidal drive": 'kind = "cycloidal"',
     "cycloidal reducer": 'kind = "cycloidal"',

@@ -128,6 +128,7 @@ def test_every_kind_takes_eccentric_members_and_puts_them_on_their_mounts() -> N
             "rack": ("pinion",),
             "worm_drive": ("worm", "wheel"),
             "cycloidal": ("disc", "ring"),
+            "spline": ("shaft", "hub"),
         }
         members = others.get(kind, ("pinion", "gear"))
         assert {f"assembly.{member}_{what}" for member in members for what in ("eccentricity", "phase")} <= keys

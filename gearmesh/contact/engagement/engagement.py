@@ -330,7 +330,9 @@ def _distance_from_mesh(
 
 
 def _reach(pair: Pair, pitch: float) -> int:
-    """Return the pitches each way in which the pair may be in mesh: all windings of a thread."""
+    """Return the pitches each way in which the pair may be in mesh: all windings of a thread, half a turn of coupled members."""
+    if pair.coupled:
+        return int(np.ceil(np.pi / pitch)) + 1
     return max(MAX_PITCHES, int(np.ceil(pair.pinion.winding / pitch)) + PITCHES_BEYOND_WINDINGS)
 
 

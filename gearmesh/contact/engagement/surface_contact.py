@@ -103,6 +103,11 @@ class _Ends:
         known: dict[_End, tuple[float, float]] = {
             end: (float(self.phi1[end.last]), np.nan) for end in both_ends if not 0 <= end.beyond < len(self.phi1)
         }
+        if self.pair.coupled:
+            # teeth in mesh at every rotation: the count of the pair begins and ends, the contact goes on
+            known |= {
+                end: (at, np.nan) for end, at in zip(both_ends, self.pair.turn, strict=True) if self._between(at, end)
+            }
         open_ends = [end for end in both_ends if end not in known]
         lines = [end for end in open_ends if c.line[end.last]]
         points = [end for end in open_ends if end not in lines]
@@ -134,7 +139,8 @@ class _Ends:
         return self.phi1[[end.last]], self.phi1[[end.beyond]]
 
     def _between(self, phi1: float, end: _End) -> bool:
-        low, high = sorted((self.phi1[end.last], self.phi1[end.beyond]))
+        nodes = np.clip((end.last, end.beyond), 0, len(self.phi1) - 1)
+        low, high = sorted(self.phi1[nodes])
         return bool(low - 1e-12 <= phi1 <= high + 1e-12)
 
     def _point_ends(self, ends: list[_End]) -> dict[_End, tuple[float, float]]:

@@ -476,7 +476,8 @@ def _lever(pair: GearPair, engagement: Engagement) -> tuple[float, float]:
     """Return the distance (mm) of the normal of contact from the gear's axis, and the radius (mm) of the gear's pitch circle.
 
     The contact is the contact inside the flanks nearest to phi1 = 0, or on edges or fillets if no other exists. Where the axes are
-    not parallel, the speed (mm/rad) of the point of contact stands for the radius.
+    not parallel, the speed (mm/rad) of the point of contact stands for the radius, and for coupled members the radius of the middle
+    of the gear's flank.
     """
     contacts = engagement.flanks if engagement.flanks.touching.any() else engagement.contacts
     inside = contacts.touching & (contacts.edges[:, 0] < 0)
@@ -485,6 +486,11 @@ def _lever(pair: GearPair, engagement: Engagement) -> tuple[float, float]:
     lever, point = _normal(engagement.pair, contacts, engagement.phi1, k)
     first, second = pair.mounts
     apart = centre_distance(pair)
+    if engagement.pair.coupled:
+        # without a pitch point: the middle of the gear's flank
+        flank = engagement.pair.gear
+        middle = flank.grid[flank.grid.shape[0] // 2, flank.grid.shape[1] // 2]
+        return lever, float(np.hypot(*flank.surface.jet(*middle).r[:2]))
     if apart is not None:
         # external gears turn against each other, a ring with its pinion
         return lever, apart / abs(1.0 - pair.ratio * float(first.spin @ second.spin))

@@ -9,7 +9,17 @@ from gearmesh.design.core import MemberTable
 from gearmesh.design.keys import Table, conflict
 
 #: tables of a body that an internal gear does not have
-NOT_INSIDE = ("keyway", "hex_bore", "d_bore", "hub", "web", "toe_hub", "heel_shaft", "toe_shaft", "spokes")
+NOT_INSIDE: tuple[str, ...] = (
+    "keyway",
+    "hex_bore",
+    "d_bore",
+    "hub",
+    "web",
+    "toe_hub",
+    "heel_shaft",
+    "toe_shaft",
+    "spokes",
+)
 
 
 def with_internal(keys: Any) -> Any:

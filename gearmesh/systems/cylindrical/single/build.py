@@ -35,9 +35,10 @@ HALF_NOTE = "double helical: finite elements are for one half, and the other hal
 
 def single_gear(design: SingleGearDesign) -> ToothedGear:
     """Return the teeth of the gear, with the allowance as made."""
-    name, spec = design.member_name, design.spec
+    table, spec = design.member_name, design.spec
+    name = design.name_in_texts(table)
     own = teeth_of(design, spec, allowance=made_allowance(name, spec, teeth_of(design, spec)))
-    return ToothedGear(name, name, spec, own, design.profile)
+    return ToothedGear(table, name, spec, own, design.profile)
 
 
 def derived_values(design: SingleGearDesign) -> dict[str, float]:
