@@ -194,7 +194,7 @@ def test_every_gear_system_has_its_page() -> None:
 
 
 #: folders of systems that are told of as wholes
-OWN_PAGE = {"planetary", "rack", "single", "iso23509", "__pycache__"}
+OWN_PAGE = {"planetary", "rack", "single", "spline", "iso23509", "__pycache__"}
 
 
 @pytest.mark.quick

@@ -63,8 +63,8 @@ def member_design(design: SplineDesign, name: str) -> SingleGearDesign:
     """Return a member of a design as a design of one gear, in the same units."""
     spec, inside = getattr(design, name), name == HUB_NAME
     keys: dict[str, Any] = {key: value for key, value in spec.plain().items() if key not in _OWN_KEYS}
-    keys |= {"teeth": design.teeth, "internal": inside, "tip_alteration": 0.0}
-    keys["profile_shift"] = -design.shift if inside else design.shift
+    keys |= {"teeth": design.counted_teeth, "internal": inside, "tip_alteration": 0.0}
+    keys["profile_shift"] = -design.profile_shift if inside else design.profile_shift
     if not spec.thickness_given:
         upper, lower = _allowance_by_tolerance(design, name)
         keys["thickness_allowance"] = {"upper": upper, "lower": lower}
@@ -89,6 +89,14 @@ def _allowance_by_tolerance(design: SplineDesign, name: str) -> tuple[float, flo
         return wider, wider
     upper, lower = (wider + (known.effective - part) / units for part in (known.variation, known.total))
     return upper, lower
+
+
+def effective_variation(design: SplineDesign, name: str) -> float:
+    """Return the effective variation of a member, given or by its tolerance, else 0, in the design's units."""
+    given, known = getattr(design, name).effective_variation, design.member_tolerance(name)
+    if given is not None:
+        return float(given)
+    return 0.0 if known is None else known.variation / design.mm_per_unit
 
 
 def derived_values(design: SplineDesign) -> dict[str, float]:
@@ -125,7 +133,9 @@ def gears_of(design: SplineDesign) -> GearsProportions:
             refuse_thin_allowance(gear.name, gear.spec, gear.own.thickness)
             shift = 0.25 * math.pi / math.tan(gear.own.alpha)
             allowed = f"less than {at_most(shift)}" if gear.own.internal else f"more than {at_least(-shift)}"
-            raise DesignError("profile_shift", design.shift, reason=f"leaves the {gear.name} no tooth", allowed=allowed)
+            raise DesignError(
+                "profile_shift", design.profile_shift, reason=f"leaves the {gear.name} no tooth", allowed=allowed
+            )
     return GearsProportions(gears)
 
 
@@ -138,7 +148,7 @@ def build(design: SplineDesign) -> GearTrain:
     flank = Side(design.contact.flank)
     errors = design.assembly
     # a space of the hub on +x, before the errors
-    turned = tilts(errors.gamma_h, errors.gamma_v) @ Rigid.about_z(-math.pi / design.teeth).rotation
+    turned = tilts(errors.gamma_h, errors.gamma_v) @ Rigid.about_z(-math.pi / design.counted_teeth).rotation
     mount = Mount(Rigid(turned, np.array([errors.dx, errors.dy, errors.dz])), sign=-1.0)
     pair = GearPair(
         pinion=replace(gear_member(shaft), mount=Mount(Rigid.identity(), sign=-1.0)),
@@ -166,9 +176,9 @@ def _warnings(design: SplineDesign, shaft: GearProportions, hub: GearProportions
     """Yield the warnings of a design: sizes outside of a standard, tolerances that are not known, tips on roots."""
     if design.reference_diameter is not None and design.profile == "DIN 5480":
         low, high = DIN_SHIFTS
-        if not low - 1e-9 <= design.shift <= high + 1e-9:
+        if not low - 1e-9 <= design.profile_shift <= high + 1e-9:
             yield (
-                f"profile shift {design.shift:.4g}: outside of {low:g} to {high:g} of DIN 5480-1; "
+                f"profile shift {design.profile_shift:.4g}: outside of {low:g} to {high:g} of DIN 5480-1; "
                 "another number of teeth may be meant"
             )
     for name in MEMBER_NAMES:
@@ -192,7 +202,6 @@ def pinned_values(design: SplineDesign, train: GearTrain) -> Values:
         if not getattr(design, name).thickness_given:
             upper, lower = _allowance_by_tolerance(design, name)
             values |= {f"{name}.thickness_allowance.upper": upper, f"{name}.thickness_allowance.lower": lower}
-        known = design.member_tolerance(name)
-        if getattr(design, name).effective_variation is None and known is not None:
-            values[f"{name}.effective_variation"] = known.variation
+        values[f"{name}.tolerance"] = design.tolerance(name) or None
+        values[f"{name}.effective_variation"] = effective_variation(design, name)
     return values

@@ -18,12 +18,12 @@ from gearmesh.systems.common.internal_keys import NOT_INSIDE
 from gearmesh.systems.common.standards import iso4156
 from gearmesh.systems.cylindrical.allowance_keys import BallMeasurement, ThicknessAllowance, thickness_made_key
 from gearmesh.systems.cylindrical.design import FORMED_MANUFACTURE, ShaperCutter
-from gearmesh.systems.cylindrical.spline.designation import FORMS, Designation, parse_designation
+from gearmesh.systems.cylindrical.spline.designation import DESIGNATION_FORMS, Designation, parse_designation
 from gearmesh.systems.cylindrical.spline.profiles import (
     DEFAULT_PROFILE,
     FINE_PITCH,
-    PROFILES,
     REFERENCE_MODULES,
+    SPLINE_PROFILES,
     SplineProfile,
 )
 from gearmesh.systems.kinds import OWN_KINDS
@@ -36,6 +36,21 @@ HUB_NAME = "hub"
 MEMBER_NAMES = (SHAFT_NAME, HUB_NAME)
 #: difference of a key and the same key by the designation, as a share, that is rounding
 DESIGNATION_ROUNDING = 1e-9
+#: decimals of a profile shift by the reference diameter, and the largest difference of a given one
+SHIFT_DECIMALS, SHIFT_ROUNDING = 12, 1e-9
+#: keys that give the size, from which defaults of the members follow
+SIZE_KEYS = {
+    *(
+        "designation",
+        "profile",
+        "module",
+        "diametral_pitch",
+        "teeth",
+        "reference_diameter",
+        "profile_shift",
+        "pressure_angle",
+    )
+}
 
 _FROM_FIT = "the clearance follows from the thickness allowances of shaft and hub"
 
@@ -146,7 +161,6 @@ class SplineDesign(Design):
 
     own_kind: ClassVar[str] = "spline"
     usual: ClassVar[tuple[str, ...]] = ("designation", "profile")
-    replaces: ClassVar = (("reference_diameter", "profile_shift"),)
     absent: ClassVar[Mapping[str, str]] = {
         "backlash": _FROM_FIT,
         "helix_angle": "teeth of splines are straight",
@@ -161,14 +175,14 @@ class SplineDesign(Design):
     called: ClassVar[str] = "Involute spline"
 
     designation: str | None = keys.text(
-        "profile, size and tolerances by a standard, lengths in mm, " + FORMS,
+        "profile, size and tolerances by a standard, lengths in mm, " + DESIGNATION_FORMS,
         None,
         default="by the keys below",
     )
     profile: str = keys.choice(
-        "basic rack: pressure angle, addenda, dedenda and roundings", tuple(PROFILES), DEFAULT_PROFILE
+        "basic rack: pressure angle, addenda, dedenda and roundings", tuple(SPLINE_PROFILES), DEFAULT_PROFILE
     )
-    teeth: int = keys.count("number of teeth of shaft and hub", low=5, high=1000)
+    teeth: int | None = keys.count("number of teeth of shaft and hub", None, low=5, high=1000, default="by designation")
     reference_diameter: float | None = keys.length(
         "reference diameter d_B, which gives the profile shift",
         None,
@@ -190,6 +204,12 @@ class SplineDesign(Design):
     assembly: SplineAssembly = SplineAssembly()
     contact: FlankContact = FlankContact()
 
+    def __init__(self, /, **keys: Any) -> None:
+        """Validate; keys that the designation alone gives count as left out."""
+        super().__init__(**keys)
+        if self.designation is not None:
+            self.model_fields_set.difference_update(_said(self.designation, self.mm_per_unit).keys() - keys.keys())
+
     @model_validator(mode="before")
     @classmethod
     def _by_designation(cls, keys: Any) -> Any:
@@ -210,10 +230,16 @@ class SplineDesign(Design):
         return {**keys, **said}
 
     @model_validator(mode="after")
-    def _designated(self) -> Self:
-        """Count the keys that the designation gives as left out."""
-        if self.designation is not None:
-            self.model_fields_set.difference_update(_said(self.designation, self.mm_per_unit))
+    def _one_tooth_number(self) -> Self:
+        if self.teeth is None:
+            raise conflict("teeth", None, reason="missing; give teeth, or a designation")
+        return self
+
+    @model_validator(mode="after")
+    def _one_shift(self) -> Self:
+        own = self._designed_shift
+        if self.reference_diameter is not None and abs(self.profile_shift - own) > SHIFT_ROUNDING:
+            raise conflict("profile_shift", self.profile_shift, reason=f"reference_diameter gives {own:.9g}")
         return self
 
     @model_validator(mode="after")
@@ -229,14 +255,7 @@ class SplineDesign(Design):
     @property
     def basic_rack(self) -> SplineProfile:
         """Proportions of the profile."""
-        return PROFILES[self.profile]
-
-    @property
-    def shift(self) -> float:
-        """Profile shift of the shaft, modules."""
-        if self.reference_diameter is None:
-            return self.profile_shift
-        return 0.5 * (self.reference_diameter / self.given_module - self.teeth - REFERENCE_MODULES)
+        return SPLINE_PROFILES[self.profile]
 
     @property
     def member_names(self) -> MemberNames:
@@ -245,14 +264,39 @@ class SplineDesign(Design):
 
     @property
     def counted_teeth(self) -> int:
+        assert self.teeth is not None
         return self.teeth
 
     @property
     def _tooth_numbers(self) -> tuple[int, ...]:
-        return (self.teeth,)
+        return (self.counted_teeth,)
+
+    @property
+    def _designed_shift(self) -> float:
+        """Profile shift by the reference diameter; 0 without one."""
+        if self.reference_diameter is None:
+            return 0.0
+        over = self.reference_diameter / self.given_module - self.counted_teeth - REFERENCE_MODULES
+        return round(0.5 * over, SHIFT_DECIMALS)
 
     def tolerance(self, name: str) -> str:
-        """Return the tolerance of a member, given or by designation; "" without one."""
+        """Return the tolerance of a member, given or by designation.
+
+        Parameters
+        ----------
+        name : str
+            "shaft" or "hub".
+
+        Returns
+        -------
+        str
+            Empty without one.
+
+        Examples
+        --------
+        >>> gm.load("samples/spline.toml").tolerance("hub")
+        '9H'
+        """
         given: str | None = getattr(self, name).tolerance
         if given is not None or self.designation is None:
             return given or ""
@@ -261,17 +305,33 @@ class SplineDesign(Design):
         return said.hub if name == HUB_NAME else said.shaft
 
     def member_tolerance(self, name: str) -> iso4156.SplineTolerance | None:
-        """Return the limits by the tolerance of a member, mm; None without one that is known."""
+        """Return the limits by the tolerance of a member.
+
+        Parameters
+        ----------
+        name : str
+            "shaft" or "hub".
+
+        Returns
+        -------
+        SplineTolerance or None
+            mm; None without a tolerance whose limits are known.
+
+        Examples
+        --------
+        >>> gm.load("samples/spline.toml").member_tolerance("hub") is None
+        True
+        """
         letters = iso4156.HUB_LETTERS if name == HUB_NAME else iso4156.SHAFT_LETTERS
         parsed = iso4156.parse(self.tolerance(name), letters)
         module = self.given_module * self.mm_per_unit
         if (
             parsed is None
             or not self.profile.startswith("ISO 4156")
-            or module * self.teeth > iso4156.LARGEST_DIAMETER_MM
+            or module * self.counted_teeth > iso4156.LARGEST_DIAMETER_MM
         ):
             return None
-        return iso4156.tolerance(*parsed, module, self.teeth, getattr(self, name).face_width * self.mm_per_unit)
+        return iso4156.tolerance(*parsed, module, self.counted_teeth, getattr(self, name).face_width * self.mm_per_unit)
 
     def derived_values(self) -> dict[str, float]:
         """Return the defaults that the profile gives; the roundings of tools follow from the room that they have.
@@ -296,13 +356,17 @@ class SplineDesign(Design):
         smaller = 0.5 * self._deviation / (module * math.tan(math.radians(rack.pressure_angle)))
         return {
             **super().derived_values(),
-            **({} if self.reference_diameter is not None else {"profile_shift": 0.0}),
+            "profile_shift": self._designed_shift,
             "pressure_angle": rack.pressure_angle,
             "shaft.addendum": rack.shaft[0] - smaller,
             "shaft.dedendum": (rack.fine_dedendum if fine else rack.shaft[1]) + smaller,
-            "hub.addendum": rack.hub_addendum(self.teeth),
+            "hub.addendum": rack.hub_addendum(self.counted_teeth),
             "hub.dedendum": rack.hub[1],
         }
+
+    def stays(self, dotted: str, values: Mapping[str, Any]) -> bool:
+        # heights, roundings and the shift follow from designation, profile and size
+        return super().stays(dotted, values) and not (SIZE_KEYS & values.keys() and not dotted.startswith("contact."))
 
     @property
     def _deviation(self) -> float:

@@ -10,26 +10,26 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from gearmesh.systems.cylindrical.spline.profiles import PROFILES, REFERENCE_MODULES
+from gearmesh.systems.cylindrical.spline.profiles import REFERENCE_MODULES, SPLINE_PROFILES
 
 #: forms of designations, for refusals
-FORMS = (
+DESIGNATION_FORMS = (
     'as "DIN 5480 W 45x2x21 8f / N 9H", "ISO 4156 INT/EXT 24z x 2.5m x 30P x 5H/5f" (P flat, R fillet root) or '
     '"ANSI B92.1 24T 12/24P 30 flat"'
 )
-_NUMBER = r"(\d+(?:[.,]\d+)?)"
-_BY = r"\s*[x*\u00d7]\s*"
-_GRADE = r"(\d+[A-Za-z]+)"
-_DIN = re.compile(
-    rf"DIN\s*5480\s*-?\s*([WN]?)\s*{_NUMBER}{_BY}{_NUMBER}(?:{_BY}30)?{_BY}(\d+)(?:(?:{_BY}|\s+){_GRADE})?"
-    rf"(?:\s*/\s*([WN]?)\s*{_GRADE})?"
+_NUMBER_PATTERN = r"(\d+(?:[.,]\d+)?)"
+_BY_PATTERN = r"\s*[x*\u00d7]\s*"
+_GRADE_PATTERN = r"(\d+[A-Za-z]+)"
+_DIN_PATTERN = re.compile(
+    rf"DIN\s*5480\s*-?\s*([WN]?)\s*{_NUMBER_PATTERN}{_BY_PATTERN}{_NUMBER_PATTERN}(?:{_BY_PATTERN}30)?{_BY_PATTERN}(\d+)(?:(?:{_BY_PATTERN}|\s+){_GRADE_PATTERN})?"
+    rf"(?:\s*/\s*([WN]?)\s*{_GRADE_PATTERN})?"
 )
-_ISO = re.compile(
-    rf"ISO\s*4156\s*-?\s*(INT/EXT|INT|EXT)?\s*(\d+)\s*[zZ]{_BY}{_NUMBER}\s*m{_BY}{_NUMBER}\s*([PR])"
-    rf"(?:{_BY}{_GRADE}(?:\s*/\s*{_GRADE})?)?"
+_ISO_PATTERN = re.compile(
+    rf"ISO\s*4156\s*-?\s*(INT/EXT|INT|EXT)?\s*(\d+)\s*[zZ]{_BY_PATTERN}{_NUMBER_PATTERN}\s*m{_BY_PATTERN}{_NUMBER_PATTERN}\s*([PR])"
+    rf"(?:{_BY_PATTERN}{_GRADE_PATTERN}(?:\s*/\s*{_GRADE_PATTERN})?)?"
 )
-_ANSI = re.compile(
-    rf"ANSI\s*B92\.1\s*-?\s*(\d+)\s*[TzZ]\s*{_NUMBER}\s*/\s*{_NUMBER}\s*P?\s*{_NUMBER}\s*(flat|fillet)"
+_ANSI_PATTERN = re.compile(
+    rf"ANSI\s*B92\.1\s*-?\s*(\d+)\s*[TzZ]\s*{_NUMBER_PATTERN}\s*/\s*{_NUMBER_PATTERN}\s*P?\s*{_NUMBER_PATTERN}\s*(flat|fillet)"
     r"(?:\s*(?:side fit)?\s*([4-7]))?"
 )
 
@@ -55,13 +55,13 @@ class Designation:
 def parse_designation(text: str) -> Designation | str:
     """Return what a designation says, or the allowed forms as text."""
     stripped = " ".join(text.split())
-    if (match := _DIN.fullmatch(stripped)) is not None:
+    if (match := _DIN_PATTERN.fullmatch(stripped)) is not None:
         return _din(match)
-    if (match := _ISO.fullmatch(stripped)) is not None:
+    if (match := _ISO_PATTERN.fullmatch(stripped)) is not None:
         return _iso(match)
-    if (match := _ANSI.fullmatch(stripped)) is not None:
+    if (match := _ANSI_PATTERN.fullmatch(stripped)) is not None:
         return _ansi(match)
-    return FORMS
+    return DESIGNATION_FORMS
 
 
 def _din(match: re.Match[str]) -> Designation | str:
@@ -73,14 +73,14 @@ def _din(match: re.Match[str]) -> Designation | str:
             grades[which or ("N" if grade[-1].isupper() else "W")] = grade
     m, reference = _value(module), _value(diameter)
     if not m > 0.0 or not reference > REFERENCE_MODULES * m:
-        return FORMS
+        return DESIGNATION_FORMS
     return Designation("DIN 5480", int(teeth), m, None, reference, grades["W"], grades["N"])
 
 
 def _iso(match: re.Match[str]) -> Designation | str:
     _, teeth, module, angle, root, first, second = match.groups()
     profile = f"ISO 4156 {_value(angle):g} {'flat' if root == 'P' else 'fillet'}"
-    if profile not in PROFILES:
+    if profile not in SPLINE_PROFILES:
         return _angles("ISO 4156")
     grades = {True: "", False: ""}
     for grade in (first, second):
@@ -92,7 +92,7 @@ def _iso(match: re.Match[str]) -> Designation | str:
 def _ansi(match: re.Match[str]) -> Designation | str:
     teeth, pitch, stub, angle, root, number = match.groups()
     profile = f"ANSI B92.1 {_value(angle):g} {root}"
-    if profile not in PROFILES:
+    if profile not in SPLINE_PROFILES:
         return _angles("ANSI B92.1")
     if _value(stub) != 2.0 * _value(pitch):
         return f"a second pitch of {2.0 * _value(pitch):g}, twice the first"
@@ -101,7 +101,7 @@ def _ansi(match: re.Match[str]) -> Designation | str:
 
 def _angles(standard: str) -> str:
     """Return the profiles of a standard as text."""
-    return "one of " + ", ".join(f'"{name}"' for name in PROFILES if name.startswith(standard))
+    return "one of " + ", ".join(f'"{name}"' for name in SPLINE_PROFILES if name.startswith(standard))
 
 
 def _value(text: str) -> float:

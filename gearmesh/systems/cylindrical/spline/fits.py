@@ -11,15 +11,17 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from gearmesh.systems.cylindrical.geometry.allowances import allowances_of
+from gearmesh.systems.cylindrical.spline.build import effective_variation
 from gearmesh.systems.cylindrical.spline.design import HUB_NAME, MEMBER_NAMES
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.geometry.proportions import GearProportions, GearsProportions
-    from gearmesh.systems.cylindrical.spline.design import SplineDesign
+    from gearmesh.systems.cylindrical.spline.build import effective_variation
+from gearmesh.systems.cylindrical.spline.design import SplineDesign
 
 
 @dataclass(frozen=True)
-class Limits:
+class SplineLimits:
     """Tooth thickness of the shaft or space width of the hub, on the reference circle, mm."""
 
     #: without allowance
@@ -51,11 +53,11 @@ class Limits:
 
 
 @dataclass(frozen=True)
-class Fit:
+class SplineFit:
     """Thickness and space width, and the circumferential clearance between them, mm on the reference circle."""
 
-    shaft: Limits
-    hub: Limits
+    shaft: SplineLimits
+    hub: SplineLimits
     #: reference and base radius, mm
     radius: float
     base_radius: float
@@ -76,31 +78,28 @@ class Fit:
         return self.hub.made - self.shaft.made
 
 
-def fit_of(design: SplineDesign, gears: GearsProportions) -> Fit:
+def fit_of(design: SplineDesign, gears: GearsProportions) -> SplineFit:
     """Return the limits of a complete design in mm and the clearance between them."""
     shaft, hub = (_limits(design, name, gear) for name, gear in zip(MEMBER_NAMES, gears.gears, strict=True))
     own = gears.gears[0].own
-    return Fit(shaft, hub, own.radius, own.base_radius)
+    return SplineFit(shaft, hub, own.radius, own.base_radius)
 
 
-def _limits(design: SplineDesign, name: str, gear: GearProportions) -> Limits:
+def _limits(design: SplineDesign, name: str, gear: GearProportions) -> SplineLimits:
     """Return the limits of a member."""
-    own, known, inside = gear.own, design.member_tolerance(name), name == HUB_NAME
-    given, variation = allowances_of(gear.name, gear.spec, own), getattr(design, name).effective_variation
+    own, inside, given = gear.own, name == HUB_NAME, allowances_of(gear.name, gear.spec, gear.own)
     assert given is not None
-    if variation is None:
-        variation = 0.0 if known is None else known.variation
 
     def size(allowance: float) -> float:
         """Return the thickness of a tooth with an allowance, or the width that it leaves of the pitch."""
         thickness = own.thickness - own.allowance + allowance
         return math.pi * own.module - thickness if inside else thickness
 
-    return Limits(
+    return SplineLimits(
         nominal=size(0.0),
         most=size(given.upper),
         least=size(given.lower),
         made=size(own.allowance),
-        variation=variation,
+        variation=effective_variation(design, name),
         sense=-1 if inside else 1,
     )

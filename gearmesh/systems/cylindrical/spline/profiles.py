@@ -61,7 +61,7 @@ class SplineProfile:
 _BY_FORM = math.nan
 
 #: basic racks by name
-PROFILES = {
+SPLINE_PROFILES = {
     "DIN 5480": SplineProfile(30.0, (0.45, 0.60, 0.16), (0.45, 0.55, 0.16)),
     "ISO 4156 30 flat": SplineProfile(30.0, (0.5, 0.75, 0.2), (_BY_FORM, 0.75, 0.2), 0.6),
     "ISO 4156 30 fillet": SplineProfile(30.0, (0.5, 0.9, 0.4), (_BY_FORM, 0.9, 0.4), 0.6),

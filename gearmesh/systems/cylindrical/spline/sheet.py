@@ -17,7 +17,7 @@ from gearmesh.systems.cylindrical.sheet import SheetGears, member_tables
 from gearmesh.systems.cylindrical.single.drawn import THICKNESS_SYMBOLS, TOOTH_SYMBOLS
 from gearmesh.systems.cylindrical.spline.build import gears_of, member_design
 from gearmesh.systems.cylindrical.spline.design import MEMBER_NAMES, SHAFT_NAME
-from gearmesh.systems.cylindrical.spline.fits import Fit, fit_of
+from gearmesh.systems.cylindrical.spline.fits import SplineFit, fit_of
 from gearmesh.systems.system import DrawnRows, Sheet, SheetTable, complete_design
 from gearmesh.teeth.gear_train import GearPair, GearTrain
 
@@ -102,7 +102,7 @@ def _size(design: SplineDesign, gears: GearsProportions) -> SheetTable:
     return table(SPLINE_TITLE, ("",), rows)
 
 
-def _limits(design: SplineDesign, fit: Fit) -> SheetTable:
+def _limits(design: SplineDesign, fit: SplineFit) -> SheetTable:
     """Return the table of thickness and space width: limits of actual and effective sizes."""
     both = fit.shaft, fit.hub
     tolerances = tuple(design.tolerance(name) or None for name in MEMBER_NAMES)
@@ -120,7 +120,7 @@ def _limits(design: SplineDesign, fit: Fit) -> SheetTable:
     return table(LIMITS_TITLE, MEMBER_NAMES, rows)
 
 
-def _clearance(fit: Fit) -> SheetTable:
+def _clearance(fit: SplineFit) -> SheetTable:
     """Return the table of the clearance: on the pitch circle, along the normal, as a rotation."""
     values = fit.effective_least, fit.effective_largest, fit.made
     rows: list[Row] = [
@@ -135,7 +135,7 @@ def _form(design: SplineDesign, gears: GearsProportions, train: GearTrain) -> Sh
     """Return the table of form diameters, and how far the mating tips stay from them and from the roots."""
     (shaft_root, shaft_tip), (hub_root, hub_tip) = (flank_radii(train.members[name]) for name in MEMBER_NAMES)
     tips, roots = gears.tips, gears.roots
-    standard = design.basic_rack.form_radius(design.teeth) * gears.gears[0].own.module
+    standard = design.basic_rack.form_radius(design.counted_teeth) * gears.gears[0].own.module
     rows: list[Row] = [
         ("d_Ff", "root form diameter", "mm", (2.0 * shaft_root, 2.0 * hub_root)),
         ("d_Fa", "tip form diameter", "mm", (2.0 * shaft_tip, 2.0 * hub_tip)),
