@@ -453,6 +453,33 @@ def cycloidal(dice: Dice, m: float) -> Keys:
     }
 
 
+def spline(dice: Dice, m: float) -> Keys:
+    profiles = ("DIN 5480", "ISO 4156 30 flat", "ISO 4156 30 fillet", "ISO 4156 37.5 fillet", "ISO 4156 45 fillet")
+    width = m * dice.between((5.0, 15.0), (1.0, 30.0))
+    thinner = m * dice.between((0.01, 0.03), (0.0, 0.1))
+    shaft: Keys = {
+        "face_width": float(f"{width:.4g}"),
+        "thickness_allowance": {"upper": 0.0, "lower": -float(f"{thinner:.3g}")},
+    }
+    if dice.chance(0.5):
+        shaft["modifications"] = {"helix_crowning": float(f"{m * dice.between((0.001, 0.005), (0.0001, 0.02)):.3g}")}
+    return {
+        "profile": dice.one_of(*profiles),
+        "teeth": dice.count((12, 40), (6, 80)),
+        "profile_shift": dice.one_of(0.0, dice.between((-0.05, 0.45), (-0.3, 0.5))),
+        "shaft": shaft,
+        "hub": {"face_width": float(f"{width * dice.between((0.8, 1.2), (0.3, 2.0)):.4g}")},
+        "assembly": dice.errors(
+            dx=(1e-4 * m, 1e-3 * m),
+            dy=(1e-4 * m, 1e-3 * m),
+            dz=(0.1 * m, m),
+            gamma_h=(0.005, 0.05),
+            gamma_v=(0.005, 0.05),
+        ),
+        "contact": {"flank": dice.one_of("right", "left")},
+    }
+
+
 KINDS: Mapping[str, Callable[[Dice, float], Keys]] = {
     "cylindrical": cylindrical,
     "planetary": planetary,
@@ -468,4 +495,5 @@ KINDS: Mapping[str, Callable[[Dice, float], Keys]] = {
     "face_gear": face_gear,
     "worm_drive": worm_drive,
     "cycloidal": cycloidal,
+    "spline": spline,
 }
