@@ -1,10 +1,11 @@
 """Bevel pairs from basic data alone: is what the program makes of them a good pair, on both sides?
 
-python scripts/bevel_sweep.py [--count 200] [--hypoids 50] [--seed 0] [--jobs 2] [--no-solids] [--write]
+python scripts/bevel_sweep.py [--count 200] [--hypoids 50] [--hobbed 50] [--seed 0] [--jobs 2] [--no-solids] [--write]
 
 Seeded pairs of 8 to 60 teeth, ratio 1 to 6, spiral angle 0 to 45 deg, pressure angle 16 to 25 deg, shaft angle 45 to 135 deg,
 face width 0.2 to 0.35 outer cone distances, module 0.8 to 12, both hands; and seeded hypoid pairs of 8 to 16 teeth, ratio 2.5 to
-5.5, offset 0.05 to 0.25 of the gear's mean diameter, spiral angle 35 to 50 deg. Of each side: does surface contact last longer than
+5.5, offset 0.05 to 0.25 of the gear's mean diameter, spiral angle 35 to 50 deg; and seeded face-hobbed pairs of 6 to 40 teeth,
+ratio 1 to 6, spiral angle 20 to 42 deg, heads of 5 to 17 blade groups. Of each side: does surface contact last longer than
 a pitch and pass from pair to pair without a break, is the transmission error within 15 % of the lag asked for, is the path in the
 middle of the flank, are roots and tips clear, is nothing undercut. Both solids at 20 um are proved. Prints a line for what fails
 and a table; with --write it is kept in scripts/measured. Exit 1 if a solid is no solid.
@@ -81,6 +82,33 @@ def random_hypoid(seed: int) -> dict[str, Any]:
     }
 
 
+def random_hobbed(seed: int) -> dict[str, Any]:
+    """Basic data of a face-hobbed pair as a design file holds them."""
+    rng = np.random.default_rng([60, seed])
+    while True:
+        pinion = int(rng.integers(6, 41))
+        gear = int(np.clip(round(pinion * rng.uniform(1.0, 6.0)), pinion, 180))
+        shaft = np.radians(90.0 if rng.random() < 0.6 else rng.uniform(45.0, 120.0))
+        if 0.0 < np.arctan2(np.sin(shaft), pinion / gear + np.cos(shaft)) < np.radians(87.0):
+            break
+    return {
+        "kind": "spiral_bevel",
+        "process": "face_hobbed",
+        "module": round(float(np.exp(rng.uniform(np.log(1.5), np.log(12.0)))), 3),
+        "spiral_angle": round(float(rng.uniform(20.0, 42.0)), 2),
+        "pressure_angle": round(float(rng.uniform(18.0, 23.0)), 2),
+        "shaft_angle": round(float(np.degrees(shaft)), 3),
+        "hand": str(rng.choice(["left", "right"])),
+        "head": {"blade_groups": int(rng.integers(5, 18))},
+        "pinion": {"teeth": pinion},
+        "gear": {"teeth": gear},
+    }
+
+
+#: basic data of seeded pairs by what they are
+RANDOM_PAIRS = {"spiral_bevel": random_pair, "hypoid": random_hypoid, "face_hobbed": random_hobbed}
+
+
 @dataclass
 class Found:
     """What was found of a pair: `faults`, by what they are, with a figure; CPU `seconds` for both solids and both contacts."""
@@ -96,7 +124,7 @@ class Found:
 def tried(task: tuple[str, int, bool]) -> Found:
     """One pair of a kind by its seed, its solids too if asked for."""
     kind, seed, solids = task
-    data = random_pair(seed) if kind == "spiral_bevel" else random_hypoid(seed)
+    data = RANDOM_PAIRS[kind](seed)
     found = Found(kind, seed, data["pinion"]["teeth"])
     started = time.process_time()
     try:
@@ -159,6 +187,8 @@ def summary(found: list[Found]) -> list[tables.Row]:
         ("fewer", "spiral_bevel", False),
         (f"hypoid, {FEW} and more", "hypoid", True),
         ("hypoid, fewer", "hypoid", False),
+        (f"face-hobbed, {FEW} and more", "face_hobbed", True),
+        ("face-hobbed, fewer", "face_hobbed", False),
     ):
         some = [each for each in found if each.kind == kind and (each.pinion >= FEW) == many]
         if not some:
@@ -183,6 +213,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--count", type=int, default=200, help="pairs")
     parser.add_argument("--hypoids", type=int, default=50, help="hypoid pairs")
+    parser.add_argument("--hobbed", type=int, default=50, help="face-hobbed pairs")
     parser.add_argument("--seed", type=int, default=0, help="of the first")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--no-solids", dest="solids", action="store_false", help="contact only")
@@ -191,6 +222,7 @@ def main() -> int:
     found = []
     tasks = [("spiral_bevel", asked.seed + k, asked.solids) for k in range(asked.count)]
     tasks += [("hypoid", asked.seed + k, asked.solids) for k in range(asked.hypoids)]
+    tasks += [("face_hobbed", asked.seed + k, asked.solids) for k in range(asked.hobbed)]
     with ProcessPoolExecutor(asked.jobs) as pool:
         for each in pool.map(tried, tasks):
             found.append(each)

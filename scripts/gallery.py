@@ -57,7 +57,7 @@ LOADED = {"spiral_bevel_basic": ("20,60,150", "60")}
 #: designs of which the pattern is shown in marking compound
 MARKED = ("spiral_bevel_basic",)
 #: designs of which a member is shown with its tool
-TOOLS = {"spiral_bevel_basic": "gear"}
+TOOLS = {"spiral_bevel_basic": "gear", "cyclo_palloid": "gear"}
 #: designs of which a member is shown with its grinding worm
 GROUND = ("face_gear",)
 #: designs of which the tool of a member is shown with its lines of contact

@@ -14,6 +14,7 @@ from typing import Protocol
 import numpy as np
 
 from gearmesh.kernel.envelope.helicoid import half_plane
+from gearmesh.kernel.motion.motion import Motion
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Z_AXIS, Array, components, unit
 from gearmesh.kernel.surface.surface import GeneratedSurface, Jet
@@ -24,6 +25,12 @@ POINTS_ACROSS_FLANK = 25
 POINTS_ACROSS_TIP = 17
 #: points around a surface of revolution
 POINTS_AROUND = 361
+#: points of a blade behind its cutting edge
+POINTS_BEHIND_EDGE = 9
+#: shown length of a blade behind its cutting edge, over the distance of the blades
+SHOWN_BLADE_PITCHES = 0.12
+#: shown width of a blade beyond its tip, in widths that its cutting edge takes
+SHOWN_BLADE_WIDTHS = 0.6
 #: points along a rack
 POINTS_ALONG_RACK = 61
 #: shown height of a head cutter's blades and of a disk, in heights of the generated flank
@@ -91,9 +98,8 @@ Drawn = tuple[tuple[ToolSheet, ...], tuple[Array, ...]]
 class Drawing(Protocol):
     """The way in which a tool is shown."""
 
-    #: frame whose z axis is the tool's axis, over the tool's frame; None for a tool without an axis
-    @property
-    def axis(self) -> Rigid | None: ...
+    def axis_at(self, at: DrawnPlace) -> Rigid | None:
+        """Return the frame whose z axis is the tool's axis, over the tool's frame; None for a tool without an axis."""
 
     #: True for a tool shown by a mesh of its own instead of sheets
     @property
@@ -103,8 +109,17 @@ class Drawing(Protocol):
         """Return the tool that generates these `sides`, one or two, in its frame."""
 
 
+class _FixedAxis:
+    """A tool whose axis has one place in the tool's frame."""
+
+    axis: Rigid | None
+
+    def axis_at(self, at: DrawnPlace) -> Rigid | None:
+        return self.axis
+
+
 @dataclass(frozen=True)
-class PartDrawing:
+class PartDrawing(_FixedAxis):
     """A tool shown by a mesh of its own, such as a worm."""
 
     axis: Rigid | None = field(default_factory=Rigid.identity)
@@ -115,7 +130,7 @@ class PartDrawing:
 
 
 @dataclass(frozen=True)
-class TurnedDrawing:
+class TurnedDrawing(_FixedAxis):
     """A surface of revolution about the tool's z axis: flanks and tips, and their section at the generating point.
 
     Between two sides the tip plane or rim is drawn, too.
@@ -159,7 +174,62 @@ def _revolve(line: Jet, angles: Array) -> Jet:
 
 
 @dataclass(frozen=True)
-class StraightDrawing:
+class BladesDrawing:
+    """A face-hobbing head: the blades of one side, which sweep the tool's surface, and the rim that holds them.
+
+    Every blade is relieved behind its cutting edge, as a surface of revolution about the head's axis.
+    """
+
+    #: motion of the head in the tool's frame by its rotation
+    motion: Motion
+    #: number of blades
+    blades: int
+    #: False: the head is drawn by sheets
+    as_part: bool = False
+
+    def axis_at(self, at: DrawnPlace) -> Rigid:
+        return self.motion.at(np.asarray(at.parameters[1], dtype=float)).tool_to_blank
+
+    def draw(self, sides: list[DrawnSide], at: DrawnPlace) -> Drawn:
+        head, v = self.axis_at(at), float(at.parameters[1])
+        (side,), back = sides[:1], head.inverse
+        behind = -np.linspace(0.0, SHOWN_BLADE_PITCHES * 2.0 * np.pi / self.blades, POINTS_BEHIND_EDGE)
+        sheets, section = [], []
+        for region, surface, p in side.parts(
+            side.form_point[0] + SHOWN_FLANK_HEIGHTS * (side.tip - side.form_point[0])
+        ):
+            edge = surface.tool.jet(p, np.full_like(p, v)).move(back)
+            section.append(edge.r)
+            for number in range(self.blades):
+                turned = Rigid.about_z(behind + number * 2.0 * np.pi / self.blades)
+                points, normals = turned.point(edge.r[:, None]), turned.vector(edge.n[:, None])
+                sheets.append(ToolSheet(region, head.point(points), head.vector(normals)))
+        flank, fillet = section
+        # flank and fillet share a point
+        line = np.concatenate((flank, fillet[1:]))
+        sheets.extend(self._faces(line, head))
+        return tuple(sheets), (head.point(line),)
+
+    def _faces(self, line: Array, head: Rigid) -> Iterator[ToolSheet]:
+        """Yield the faces of the blades with a cutting edge `line` (K, 3) in the head's frame, and the rim."""
+        radius = np.hypot(line[:, 0], line[:, 1])
+        # the blade's body is on the side of the edge to which its tip rounding ends
+        inwards = float(np.sign(radius[-1] - radius[0]))
+        across = radius[-1] + inwards * SHOWN_BLADE_WIDTHS * abs(radius[-1] - radius[0]) - radius
+        beside = line + across[:, None] * line * np.array([1.0, 1.0, 0.0]) / radius[:, None]
+        for number in range(self.blades):
+            turned = Rigid.about_z(np.array(number * 2.0 * np.pi / self.blades))
+            points = turned.point(np.stack((line, beside)))
+            normal = np.broadcast_to(head.vector(turned.vector(np.array([0.0, 1.0, 0.0]))), points.shape)
+            yield ToolSheet("land", head.point(points), normal)
+        angles = np.linspace(0.0, 2.0 * np.pi, POINTS_AROUND)
+        ends = np.array([radius[0], float(radius[0] + across[0])])[:, None]
+        rim = components(ends * np.cos(angles), ends * np.sin(angles), np.full((2, POINTS_AROUND), line[0, 2]))
+        yield ToolSheet("land", head.point(rim), np.broadcast_to(head.vector(-Z_AXIS), rim.shape))
+
+
+@dataclass(frozen=True)
+class StraightDrawing(_FixedAxis):
     """A tool along the face: flanks and tips of spaces, and the tip planes between the spaces.
 
     A rack that rolls on a pitch `radius` (mm) is drawn with a few spaces, a shaper (`radius` None) with one.
@@ -199,7 +269,7 @@ class StraightDrawing:
 
 
 @dataclass(frozen=True)
-class ThreadDrawing:
+class ThreadDrawing(_FixedAxis):
     """A hob: flanks, tip roundings, tips and roots of its threads; the gashes are not shown."""
 
     #: frame of the hob, whose z axis is the hob's axis, over the tool's frame

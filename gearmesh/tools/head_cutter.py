@@ -1,4 +1,4 @@
-r"""Face-milling head cutters: a blade profile turned about the cutter's axis.
+r"""Head cutters: a blade profile turned about the cutter's axis (face milling), or a cutting edge (face hobbing).
 
 Cutter frame: origin in the tip plane on the axis, z along the axis from the cutter into the blank. The blade profile is
 a curve (x, y) of `tools.rack`. x is the height over the tip plane. y is the radius for outside blades and minus the
@@ -27,7 +27,8 @@ from functools import cached_property
 
 import numpy as np
 
-from gearmesh.kernel.numeric.algebra import Array, about_axis, broadcast_pair
+from gearmesh.kernel.envelope.swept_curve import Edge
+from gearmesh.kernel.numeric.algebra import Array, about_axis, broadcast_pair, components
 from gearmesh.kernel.surface.surface import Jet
 from gearmesh.tools.description import Dimension, HeightZero, ToolDescription
 from gearmesh.tools.drawing import TurnedDrawing
@@ -62,6 +63,37 @@ class Revolved:
         space[..., 0], space[..., 1], space[..., 2] = radial * c, radial * s, -plane[..., 0]
         points, tangents, normals, bent = space
         return Jet(points, normals, tangents, about_axis(points), bent, about_axis(normals))
+
+
+@dataclass(frozen=True)
+class BladeEdge:
+    """Cutting edge of a blade in the cutter frame; the blade's face is a plane parallel to the cutter's axis.
+
+    The face contains the point at the cutter's `radius` on the x axis. It is turned there by `offset_angle` about the
+    direction of z; at 0 it contains the axis. `SweptCurve.sense` is minus the side of the blade.
+    """
+
+    #: profile of the blade
+    profile: Profile
+    #: OUTSIDE_BLADE or INSIDE_BLADE
+    side: int
+    #: radius of the cutter at which the blade's face is turned, mm
+    radius: float
+    #: angle between the blade's face and the radius of the cutter, rad
+    offset_angle: float
+
+    def at(self, u: Array) -> Edge:
+        """Return points and tangents of the edge at the profile's parameter u (...,)."""
+        points, derivatives, normals, bent = self.profile.section(u)
+        # the tangent turned by -90 deg is the profile's normal, even at a corner of the edge
+        tangent, tangent_u = (np.stack((-a[..., 1], a[..., 0]), axis=-1) for a in (normals, bent))
+        c, s = np.cos(self.offset_angle), np.sin(self.offset_angle)
+
+        def in_space(plane: Array, radius: float = 0.0) -> Array:
+            across = self.side * plane[..., 1] - radius
+            return components(radius + c * across, s * across, -plane[..., 0])
+
+        return Edge(in_space(points, self.radius), *map(in_space, (tangent, derivatives, tangent_u)))
 
 
 @dataclass(frozen=True)

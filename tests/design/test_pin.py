@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
@@ -17,6 +18,8 @@ import gearmesh as gm
 from gearmesh.answers.load.members import mounts_of
 from gearmesh.design.keys import Table
 
+#: keys whose values face hobbing derives
+HOBBED_RESULT = re.compile(r"(pinion\.con|gear\.cutter|(pinion|gear)\.root_angle|head\.eccentricity)")
 #: mm, and of rotations: what later versions may differ by
 SAME = 1e-12
 #: of what takes longest there is another sample, and the snapshot has its derived values
@@ -115,6 +118,9 @@ def test_pinned_samples_build_the_same_gears_and_hold_every_default(path: Path, 
     left = set(absent(type(design), given))
     if design.kind == "spiral_bevel" and "formate" in getattr(design, "process", ""):
         left.discard("gear.cutter.ratio_of_roll")
+    if getattr(design, "process", "") == "face_hobbed":
+        # head, blank and ease-off give machines, thicknesses and blades; their roundings are kept
+        left -= {key for key in left if HOBBED_RESULT.match(key) and not key.endswith("edge_radius")}
     assert not left
     same = gm.build(design)
     np.testing.assert_allclose(places(same.train), places(gears.train), rtol=0, atol=SAME)

@@ -109,8 +109,10 @@ def left_to_geometry(design: FaceMilledDesign) -> dict[str, float]:
     They are the radius of the straightest teeth, tilt and swivel for a gear that is not generated, and sliding bases of
     tilted cutters and of pairs with offset.
 
-    Raises DesignError and NoSolutionError as `build`.
+    Face hobbing leaves none. Raises DesignError and NoSolutionError as `build`.
     """
+    if design.hobbed:
+        return {}
     radius = _straightest_radius(design)
     design = design.fill(radius) if radius else design
     leaning = _leaning(design)

@@ -6,9 +6,10 @@ blank follows method 1 of ISO 23509.
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Mapping
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, Self, TypeGuard
 
 from pydantic import model_validator
 
@@ -134,6 +135,28 @@ class Machine(Table):
     )
     toprem_radius: float = keys.length(
         "radius of a toprem that is an arc tangent to the blade; 0 = straight", 0.0, low=0
+    )
+
+
+class HeadTable(Table):
+    """Two-part head of face hobbing, for both members."""
+
+    blade_groups: int = keys.count(
+        "number of blade groups z0: the blank turns by so many teeth per turn of the head", 5, low=1, high=40
+    )
+    radius: float | None = keys.length(
+        "cutter radius at the pitch point, mean of outer and inner blades",
+        None,
+        above=0,
+        default="the usual radius nearest to 0.8 mean cone distance",
+        source="ISO 23509 r_c0",
+    )
+    eccentricity: float | None = keys.length(
+        "radius of the outer blades less that of the inner blades, which turn about another centre: crowns the teeth "
+        "lengthwise; 0 = line contact if blades are straight, too",
+        None,
+        low=0,
+        default="by contact.ease_off.length_crowning, or the contact ellipse",
     )
 
 
@@ -373,6 +396,12 @@ class HandedDesign(BevelDesign):
 
 #: processes: each flank of the pinion by its own machine, or both at once; the gear both at once, generated or not
 PROCESS_NAMES = ("fixed_setting", "completing", "formate_fixed", "formate_completing")
+#: processes with continuous indexing
+HOBBED_PROCESSES = ("face_hobbed",)
+_PROCESS_TEXT = (
+    "pinion sides cut with a machine setting each (fixed_setting) or both in one cut (completing); formate: "
+    "gear not generated"
+)
 #: processes that cut both flanks of the pinion at once
 COMPLETING_PROCESSES = ("completing", "formate_completing")
 #: processes that do not generate the gear
@@ -390,6 +419,12 @@ ONE_SIDE_KEYS = (
     "semi_major_axis",
     "mean_offset",
 )
+#: keys of a blade that face hobbing knows: edges pass through the pitch point, where blade_angle holds
+HOBBED_BLADE_KEYS = tuple(key for key in BLADE_KEYS if key not in ("blade_angle", "blade_height"))
+#: keys of the contact that eccentricity and hollow blades give
+HOBBED_CONTACT_KEYS = ("te_at_change", "ratio_derivative", "semi_major_axis")
+#: parameters of an ease-off that eccentricity and hollow blades of face hobbing give
+HOBBED_EASE_OFF_KEYS = ("profile_crowning", "length_crowning")
 #: largest difference (mm) of lengths that count as equal: 1e5 times the rounding of solved settings of 100 mm
 MAX_LENGTH_ROUNDING_MM = 1e-9
 #: keys of a side of the pinion that, all given, leave nothing to local synthesis
@@ -430,12 +465,7 @@ class FaceMilledDesign(ProportionedDesign, HandedDesign):
 
     usual: ClassVar[tuple[str, ...]] = ("spiral_angle", "process")
 
-    process: str = keys.choice(
-        "pinion sides cut with a machine setting each (fixed_setting) or both in one cut (completing); formate: "
-        "gear not generated",
-        PROCESS_NAMES,
-        "fixed_setting",
-    )
+    process: str = keys.choice(_PROCESS_TEXT, PROCESS_NAMES, "fixed_setting")
     spiral_angle: float = keys.angle("mean spiral angle", 35.0, low=0, high=50, source="ISO 23509")
     pressure_angle: float = keys.angle("nominal pressure angle: blade angle of the gear", 20.0, low=10, high=30)
     mean_point: str = keys.choice(
@@ -518,6 +548,11 @@ class FaceMilledDesign(ProportionedDesign, HandedDesign):
     def completing(self) -> bool:
         """True if both sides of the pinion are cut at once."""
         return self.process in COMPLETING_PROCESSES
+
+    @property
+    def hobbed(self) -> bool:
+        """True if the cutter indexes continuously: face hobbing."""
+        return self.process in HOBBED_PROCESSES
 
     @property
     def indexed(self) -> bool:
@@ -727,9 +762,99 @@ class SpiralBevelDesign(FaceMilledDesign):
     example: ClassVar[Mapping[str, Any]] = {"module": 5, "pinion": {"teeth": 13}, "gear": {"teeth": 44}}
     about: ClassVar[str] = OWN_KINDS["spiral_bevel"].about
 
+    process: str = keys.choice(
+        f"{_PROCESS_TEXT}; face_hobbed: both members by one crown gear, with continuous indexing",
+        (*PROCESS_NAMES, *HOBBED_PROCESSES),
+        "fixed_setting",
+    )
+    head: HeadTable = HeadTable()
     mean_cone_distance: float | None = keys.length(
         "cone distance of the mean point", None, above=0, default="outer less half the face width"
     )
+
+    def plain(self) -> dict[str, Any]:
+        tables = super().plain()
+        if not self.hobbed:
+            del tables["head"]
+            return tables
+        for prefix, (_, known) in self._hobbed_tables.items():
+            *above, name = prefix.split(".")
+            outer = functools.reduce(lambda table, key: table[key], above, tables)
+            # a radius of the cutting edge that is left out follows from the profile crowning
+            outer[name] = {
+                key: value
+                for key, value in outer[name].items()
+                if key in known and (key != "blade_radius" or self.sets(f"{prefix}.{key}"))
+            }
+        return tables
+
+    @property
+    def _hobbed_tables(self) -> dict[str, tuple[Table, tuple[str, ...]]]:
+        """Tables of members and cutters, by their keys, and the keys that face hobbing has in them."""
+        side_keys = (*HOBBED_BLADE_KEYS, *HOBBED_CONTACT_KEYS, "ease_off")
+        blade = (*HOBBED_BLADE_KEYS, "blade_angle")
+        gear, pinion = self.gear, self.pinion
+        return {
+            "pinion": (pinion, tuple(key for key in BevelPinion.model_fields if key != "root_angle")),
+            "gear": (gear, tuple(key for key in BevelGear.model_fields if key != "root_angle")),
+            "pinion.concave": (pinion.concave, side_keys),
+            "pinion.convex": (pinion.convex, side_keys),
+            "gear.cutter": (gear.cutter, (*blade, "outside", "inside")),
+            "gear.cutter.outside": (gear.cutter.outside, blade),
+            "gear.cutter.inside": (gear.cutter.inside, blade),
+        }
+
+    @model_validator(mode="before")
+    @classmethod
+    def _depth_of_hobbing(cls, data: Any) -> Any:
+        """Make the depth uniform where face hobbing leaves the taper out."""
+        hobbed = isinstance(data, dict) and str(data.get("process", "")) in HOBBED_PROCESSES
+        return {"taper": "uniform", **data} if hobbed else data
+
+    @model_validator(mode="after")
+    def _continuous(self) -> Self:
+        """Refuse keys of face milling beside face hobbing, and keys of the head beside face milling."""
+        own = f'process = "{self.process}"'
+        if not self.hobbed:
+            for key in HeadTable.model_fields:
+                if getattr(self.head, key) != HeadTable.model_fields[key].default:
+                    why = (
+                        f'is for face hobbing; {own} cuts one space after the other; allowed is process = "face_hobbed"'
+                    )
+                    raise conflict(f"head.{key}", getattr(self.head, key), reason=why)
+            return self
+        for prefix, (table, known) in self._hobbed_tables.items():
+            for key in sorted(table.model_fields_set - {*known}):
+                value = getattr(table, key)
+                unset = value == type(table).model_fields[key].default or (
+                    isinstance(value, float) and math.isnan(value)
+                )
+                # tilt, swivel and sliding base of 0 are derived values
+                if value and not unset:
+                    why = f"{own} derives it from head, blank and contact.ease_off; leave it out"
+                    raise conflict(f"{prefix}.{key}", value, reason=why)
+        for key, allowed in (("taper", "uniform"), ("mean_point", "mean_cone_distance")):
+            if key in self.model_fields_set and getattr(self, key) != allowed:
+                raise conflict(key, getattr(self, key), reason=f'{own}; allowed is "{allowed}"')
+        self._refuse_other_crownings(own)
+        return self
+
+    def _refuse_other_crownings(self, own: str) -> None:
+        """Refuse parameters of an ease-off that face hobbing does not give."""
+        for name in ("concave", "convex"):
+            target = self.ease_off(name)
+            if target is None:
+                continue
+            asked = self.ease_off_key(name)
+            for key in EASE_OFF_KEYS:
+                value = getattr(target, key)
+                if key not in HOBBED_EASE_OFF_KEYS and value:
+                    raise conflict(f"{asked}.{key}", value, reason=f"{own} gives none; allowed is 0")
+                if value < 0.0:
+                    raise conflict(f"{asked}.{key}", value, reason=own, allowed="0 or more")
+            if self.head.eccentricity is not None and target.length_crowning:
+                why = f"cannot be given together with {asked}.length_crowning"
+                raise conflict("head.eccentricity", self.head.eccentricity, reason=why)
 
     @property
     def kind_in_words(self) -> str:
@@ -739,6 +864,11 @@ class SpiralBevelDesign(FaceMilledDesign):
     def apex_base(self) -> float:
         given = self.pinion.root_angle, self.gear.root_angle
         return 0.0 if self.taper == "standard" and given == (None, None) else super().apex_base
+
+
+def is_hobbed(design: FaceMilledDesign) -> TypeGuard[SpiralBevelDesign]:
+    """Return True if the teeth of a design are face-hobbed."""
+    return isinstance(design, SpiralBevelDesign) and design.hobbed
 
 
 class HypoidDesign(FaceMilledDesign):

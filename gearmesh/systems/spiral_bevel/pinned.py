@@ -33,14 +33,19 @@ def settings_values(design: FaceMilledDesign, train: GearTrain) -> Values:
         "gear.cutter": made.cut.gear["concave"],
     }
     roots = {key: float(np.degrees(side.settings.machine_root_angle)) for key, side in sides.items()}
+    factor_values: Values = {
+        "depth_factor": depth,
+        "addendum_factor": share,
+        "thickness_factor": suggested_thickness_factor(teeth) if thicker is None else thicker,
+    }
+    if design.hobbed:
+        return {**sheet.values, **factor_values}
     values: Values = {
         **sheet.values,
         **sheet.following,
         **{f"{key}.machine_root_angle": angle for key, angle in roots.items()},
         **{f"{key}.sliding_base": side.settings.sliding_base for key, side in sides.items()},
-        "depth_factor": depth,
-        "addendum_factor": share,
-        "thickness_factor": suggested_thickness_factor(teeth) if thicker is None else thicker,
+        **factor_values,
         **{f"pinion.{name}.mesh_angle": float(np.degrees(angle)) for name, angle in made.cut.mesh_angles.items()},
         **dict.fromkeys((*sheet.replaced, "pinion.thickness")),
     }

@@ -14,6 +14,7 @@ from gearmesh.exchange.model import Component
 from gearmesh.exchange.stage import StageReader
 from gearmesh.exchange.stage_form import StageForm
 from gearmesh.exchange.stage_writer import StageWriter
+from gearmesh.systems.spiral_bevel.hobbing.head import refuse_hobbing
 from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import bevel_teeth
 
 if TYPE_CHECKING:
@@ -186,6 +187,7 @@ def _one_cutter(file: StageReader, gear: Component, sides: Mapping[str, dict[str
 
 def write_bevel(file: StageWriter, design: FaceMilledDesign, known: Component | None) -> Component:
     """Write a complete design in mm with all values stated; return the component of its stage."""
+    refuse_hobbing(design, "the file has settings of face-milling machines")
     blank, keys = bevel_teeth(design).cut.blank, file.keys
     stage = file.stage(STAGE_TYPE, known, design.name or "")
     gears = file.gears(stage, (GEAR_TYPE, GEAR_TYPE), MEMBER_NAMES)

@@ -73,8 +73,9 @@ def tool_in_place(tooth: Tooth, which: Side) -> ToolInPlace:
     reach = [tooth.flank_grid(flank_side, [0.0, 1.0], [0.0, 1.0]).parameters[..., 1] for flank_side in Side]
     place = DrawnPlace(middle, at_point.r, (float(np.min(reach)), float(np.max(reach))), tooth.pitch_angle)
     own_axes: tuple[MachineAxis, ...] = ()
-    if drawing.axis is not None:
-        axis_frame = tool_to_own @ drawing.axis
+    axis = drawing.axis_at(place)
+    if axis is not None:
+        axis_frame = tool_to_own @ axis
         own_axes = (MachineAxis(f"axis of the {side.tool.name}", axis_frame.translation, axis_frame.vector(Z_AXIS)),)
     return ToolInPlace(
         side.tool,

@@ -200,6 +200,8 @@ class BevelBlank:
     standard_depths: tuple[ToothDepth, ToothDepth]
     #: offset of the axes, mm; > 0 makes the pinion's spiral angle the larger one
     offset: float = 0.0
+    #: number of blade groups of a face-hobbing cutter; 0 in face milling
+    blade_groups: int = 0
     #: azimuths of the mean point in the frames of pinion and gear, rad, for a right-hand pinion; the x axes are in the
     #: plane of both axes' directions
     azimuths: tuple[float, float] = (0.0, 0.0)
@@ -217,9 +219,10 @@ class BevelBlank:
 
     @property
     def tooth_line(self) -> ToothLine:
-        """Tooth line of the face-milling cutter on the gear's crown gear."""
+        """Tooth line of the cutter on the gear's crown gear."""
         crown, gear = self.gear.teeth / np.sin(self.gear.pitch_angle), self.gear
-        return ToothLine(FaceCutter(self.cutter_radius), gear.mean_cone_distance, gear.spiral_angle, float(crown))
+        cutter = FaceCutter(self.cutter_radius, self.blade_groups)
+        return ToothLine(cutter, gear.mean_cone_distance, gear.spiral_angle, float(crown))
 
 
 @dataclass(frozen=True)

@@ -151,6 +151,7 @@ def cone_blank(data: ConeData, given: Proportions, backlash: float = 0.0) -> Bev
         edge_radius=cut.edge_radius,
         standard_depths=(dimensions.pinion.mean_depth, wheel.mean_depth),
         offset=pitch.offset,
+        blade_groups=data.cutter.blade_groups,
         azimuths=_azimuths(pitch),
         warnings=wide_face(wheel.face.width, wheel.cone_distances[0]),
     )

@@ -5,8 +5,8 @@ circles of d_v = d_m / cos(delta). The virtual gears have the mean addenda of th
 tan(alpha_vt) = tan(alpha_n) / cos(beta_v). beta_v is the mean of both spiral angles, which differ with offset.
 
 The face contact ratio is the turn of the tooth line about the crown gear's centre from the gear's toe to its heel, in
-pitches. It is exact for the circle of the cutter. Contact analysis determines the part of both ratios that a localised
-contact covers.
+pitches. It is exact for the circle or epicycloid of the cutter. Contact analysis determines the part of both ratios that
+a localised contact covers.
 """
 
 from __future__ import annotations
@@ -56,10 +56,6 @@ def _face_ratio(blank: BevelBlank) -> float:
         # a straight line turns about the centre as its spiral angle falls
         toe, heel = (float(line.spiral_angle_at(distance)) for distance in blank.gear.extent)
         return (toe - heel) * float(line.crown_teeth) / (2.0 * np.pi)
-    centre, radius = float(line.centre_distance), blank.cutter_radius
-    turns = []
-    for distance in blank.gear.extent:
-        cosine = (distance**2 + centre**2 - radius**2) / (2.0 * distance * centre)
-        turns.append(float(np.arccos(np.clip(cosine, -1.0, 1.0))))
+    turns = [float(line.turn_at(distance)) for distance in blank.gear.extent]
     # the line reverses where the circle is tangent to a ray, as in the middle of a zerol gear's face
     return abs(turns[1] - turns[0]) * float(line.crown_teeth) / (2.0 * np.pi)

@@ -14,6 +14,7 @@ import numpy as np
 from gearmesh.errors import DesignError
 from gearmesh.systems.common.bevel.blank import BevelBlank, basic_data, uniform_blank
 from gearmesh.systems.spiral_bevel.conjugate.geometry import ConjugateGeometry
+from gearmesh.systems.spiral_bevel.machine.blades import or_else
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
 from gearmesh.systems.spiral_bevel.machine.machine import MachineSettings
 from gearmesh.systems.spiral_bevel.machine.pair import (
@@ -25,7 +26,6 @@ from gearmesh.systems.spiral_bevel.machine.pair import (
     cut_member,
     thinning,
 )
-from gearmesh.systems.spiral_bevel.synthesis.settings import or_else
 from gearmesh.teeth.gear_train import GearTrain
 from gearmesh.teeth.region import Side
 from gearmesh.tools.head_cutter import Blade

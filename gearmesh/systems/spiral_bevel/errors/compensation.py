@@ -20,6 +20,7 @@ from gearmesh.kernel.surface.curvature import shape_operator, tangent_basis
 from gearmesh.kernel.surface.surface import Jet
 from gearmesh.systems.spiral_bevel.build import build
 from gearmesh.systems.spiral_bevel.design import SYNTHESISED_KEYS
+from gearmesh.systems.spiral_bevel.hobbing.head import refuse_hobbing
 from gearmesh.systems.spiral_bevel.machine.cutting import indexed_backlash, pinion_places
 from gearmesh.systems.spiral_bevel.machine.pair import (
     BLADE_SIDES,
@@ -52,8 +53,10 @@ if TYPE_CHECKING:
 def compensate(design: FaceMilledDesign) -> list[Setting]:
     """Return the settings of both sides of the pinion for the gear in its misaligned position.
 
-    Raises NoSolutionError if no setting restores the contact, and DesignError for the contact of an ease-off.
+    Raises NoSolutionError if no setting restores the contact, and DesignError for the contact of an ease-off and for face
+    hobbing.
     """
+    refuse_hobbing(design, "compensation changes settings of face-milling machines")
     for name in BLADE_SIDES:
         if design.ease_off(name) is not None:
             raise DesignError(

@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 
 from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.envelope.envelope import Envelope
+from gearmesh.kernel.envelope.swept_curve import SweptCurve
 from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.motion.rolling import CradleRoll
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import ConeLevel
@@ -19,7 +21,9 @@ from gearmesh.kernel.surface.surface import GeneratedSurface, PlacedSurface
 from gearmesh.systems.spiral_bevel.machine.machine import MachineSettings
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth_side import Bottom, ToothSide
-from gearmesh.tools.head_cutter import OUTSIDE_BLADE, Blade, Revolved
+from gearmesh.tools.description import Dimension, ToolDescription
+from gearmesh.tools.drawing import BladesDrawing
+from gearmesh.tools.head_cutter import OUTSIDE_BLADE, Blade, BladeEdge, Revolved
 from gearmesh.tools.profile import Profile
 from gearmesh.tools.rack import RackLine
 
@@ -29,6 +33,25 @@ TIP_PLANE = RackLine(0.5 * np.pi, 0.0, 0.0)
 SAME_PLACE_RAD = 1e-9
 #: cradle rotation (rad) that counts as 0, before the last Newton step
 CRADLE_ZERO_TOLERANCE = 1e-12
+
+
+@dataclass(frozen=True)
+class Indexing:
+    """Continuous indexing of face hobbing: the blank turns by one tooth from blade group to blade group.
+
+    Blade groups and blank turn against each other, so that the tooth line on the crown gear is an extended epicycloid
+    [ISO 23509]. The blank's rotation for the indexing adds to that for the roll. Seen from the generating crown gear,
+    cradle and cutter therefore sweep one surface, in the constant ratio of blade groups and crown gear's teeth.
+    """
+
+    #: number of blade groups z0 of the cutter
+    blade_groups: int
+    #: number of teeth of the member
+    teeth: int
+    #: radius of the cutter at which the blades' faces are turned, mm
+    radius: float
+    #: angle between a blade's face and the radius there, rad; > 0 for right-hand members
+    offset_angle: float
 
 
 @dataclass(frozen=True)
@@ -49,6 +72,8 @@ class Generated:
     edge_free: bool = True
     #: rotation of the member about its axis after cutting that brings its mean point over the x axis, rad
     turned: float = 0.0
+    #: continuous indexing of face hobbing; None in face milling
+    indexing: Indexing | None = None
 
     def with_edge(self, share: float) -> Generated:
         """Return the side with a share of its edge radius, or unchanged if the edge radius is not free."""
@@ -77,7 +102,7 @@ class Generated:
         - `turn`: rotation (rad) between the places of both sides of a space; 0 if they are cut at once
         - `place`: index position of this side, rad
         """
-        if self.settings != other.settings or abs(turn) >= SAME_PLACE_RAD:
+        if self.settings != other.settings or abs(turn) >= SAME_PLACE_RAD or self.indexing is not None:
             return None
         outside = self if self.concave else other
         return Bottom(outside.cut(TIP_PLANE, place), (other.blade.land_radius, self.blade.land_radius))
@@ -109,7 +134,7 @@ class Generated:
             fillet_breaks=blade.tip_breaks,
             sharp=kinked,
             crossed=kinked,
-            tool=blade.description,
+            tool=self.description,
             generation=(flank, fillet),
         )
 
@@ -147,16 +172,55 @@ class Generated:
         The surface is the profile's envelope, or the profile's surface of revolution on a machine without roll.
         """
         if self.settings.formate:
-            tool = Revolved(profile, self.blade.side, self._mean_direction)
-            return PlacedSurface(tool, self.settings.standing(self.hand, self.turned + place))
+            return PlacedSurface(self._revolved(profile), self.settings.standing(self.hand, self.turned + place))
         return self.envelope(profile, place)
 
     def envelope(self, profile: Profile, place: float = 0.0) -> Envelope:
         """Return the envelope of a profile of the blade."""
-        tool = Revolved(profile, self.blade.side, self._mean_direction)
+        motion = self.settings.motion(self.hand, self.turned + place)
         # branch 1: as for a rack, f grows with the roll where the normal has a component up the tooth; all blade angles
         # are > 0, so this is the physical root
-        return Envelope(tool, self.settings.motion(self.hand, self.turned + place), branch=1)
+        if self.indexing is None:
+            return Envelope(self._revolved(profile), motion, branch=1)
+        # the crown gear's tooth is the tool, and carries the cutter
+        return Envelope(self._swept(profile), replace(motion, centre=(0.0, 0.0, 0.0), tilt=(), swivel=()), branch=1)
+
+    def _revolved(self, profile: Profile) -> Revolved:
+        """Return the surface of revolution of a profile of the blade, in the cutter frame."""
+        return Revolved(profile, self.blade.side, self._mean_direction)
+
+    def _swept(self, profile: Profile) -> SweptCurve:
+        """Return the crown gear's surface that a profile of the blade sweeps, in the frame of the cradle.
+
+        v is the rotation of the cutter from the position in which the blade passes through the mean point.
+        """
+        assert self.indexing is not None
+        edge = BladeEdge(profile, self.blade.side, self.indexing.radius, self.indexing.offset_angle)
+        return SweptCurve(edge, self.index_motion, -float(self.blade.side))
+
+    @property
+    def description(self) -> ToolDescription:
+        """The cutter."""
+        milled = self.blade.description
+        if self.indexing is None:
+            return milled
+        dimensions = (
+            Dimension("cutter radius", self.indexing.radius, "mm", "r_c0"),
+            *milled.dimensions,
+            Dimension("blade groups", self.indexing.blade_groups, "", "z_0"),
+            Dimension("lead angle", float(np.degrees(abs(self.indexing.offset_angle))), "deg", "nu"),
+        )
+        drawing = BladesDrawing(self.index_motion, self.indexing.blade_groups)
+        return replace(milled, name="face-hobbing head", drawing=drawing, dimensions=dimensions)
+
+    @cached_property
+    def index_motion(self) -> CradleRoll:
+        """Motion of the cutter in the frame of the crown gear, by the cutter's rotation."""
+        assert self.indexing is not None
+        settings = self.settings
+        cutter = Rigid(settings.cutter_axes(self.hand), settings.cutter_centre(self.hand))
+        rate = settings.ratio_of_roll * self.indexing.blade_groups / self.indexing.teeth
+        return CradleRoll((0.0, 0.0, 0.0), cutter, (0.0, rate), swivel=(self._mean_direction,))
 
     def above_plane(self, r: Array) -> Array:
         """Return the heights (...,), mm, of points r (..., 3) over the machine plane, towards the tip of the tooth.

@@ -77,8 +77,11 @@ class CutPair:
     def nominal_thicknesses(self) -> tuple[float, float]:
         """Mean normal circular thicknesses (mm) of pinion and gear by the cutters' blades.
 
-        They follow from the normal width of the gear's spaces between the blades at the pitch line.
+        They follow from the normal width of the gear's spaces between the blades at the pitch line. The blades of face
+        hobbing cut a side each: thicknesses are those of the blank.
         """
+        if self.blank.blade_groups:
+            return self.blank.pinion.thickness, self.blank.gear.thickness
         pitch, gear_space = np.pi * self.blank.mean_normal_module, _between(self.gear, self.blank.gear)
         if self.at_once:
             pinion = pitch - _between(self.pinion, self.blank.pinion)
@@ -87,8 +90,10 @@ class CutPair:
         return float(pinion), float(pitch - gear_space)
 
     @property
-    def point_widths(self) -> tuple[float | None, float]:
-        """Distances (mm) between the tips of a cutter's blades; None for a pinion with a cutter per side."""
+    def point_widths(self) -> tuple[float | None, float | None]:
+        """Distances (mm) between the tips of a cutter's blades; None for a blade per side."""
+        if self.blank.blade_groups:
+            return None, None
         pinion, gear = point_width(self.pinion), point_width(self.gear)
         return (pinion if self.at_once else None), gear
 

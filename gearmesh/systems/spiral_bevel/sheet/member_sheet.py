@@ -8,6 +8,7 @@ import numpy as np
 
 from gearmesh.systems.common.bevel.accuracy import tolerance_table
 from gearmesh.systems.spiral_bevel.build import cut_alone
+from gearmesh.systems.spiral_bevel.hobbing.head_sheet import head_table
 from gearmesh.systems.spiral_bevel.machine.pair import BLADE_SIDES, index_angles
 from gearmesh.systems.spiral_bevel.sheet.dimension_sheet import CutTooth, measured_table, measures_of, point_width
 from gearmesh.systems.spiral_bevel.sheet.sheet import (
@@ -35,8 +36,9 @@ def member_sheet(design: FaceMilledDesign, name: str) -> tuple[SheetTable, ...]:
     member_blank = blank.pinion if pinion else blank.gear
     sides = {key: fit_edge_radius(side, member) for key, side in made.sides.items()}
     slots = slot_widths_of(member.tooth, member_blank)
-    angles = index_angles(made.sides, member_blank.teeth, made.places) if pinion else {}
-    one_cutter = not pinion or design_mm.completing
+    angles = index_angles(made.sides, member_blank.teeth, made.places) if pinion and not design.hobbed else {}
+    one_cutter = not design.hobbed and (not pinion or design_mm.completing)
+    names = tuple(f"{name} {side}" for side in BLADE_SIDES)
     rows = [row for row in member_rows((member_blank,), unit, noun) if row[0] not in PAIR_ROWS]
     tooth = CutTooth(
         member,
@@ -50,9 +52,10 @@ def member_sheet(design: FaceMilledDesign, name: str) -> tuple[SheetTable, ...]:
     return (
         SheetTable("Blank", (name,), (*rows, *slot_rows([slots], unit, noun))),
         SheetTable("Pair", ("",), pair_rows_of(blank, unit, noun)),
+        *([head_table(list(sides.values()), names, blank, unit, noun)] if design.hobbed else []),
         *setting_tables(
             list(sides.values()),
-            tuple(f"{name} {side}" for side in BLADE_SIDES),
+            names,
             tuple(float(np.degrees(angles[side])) for side in BLADE_SIDES) if angles else (),
             unit,
             noun,

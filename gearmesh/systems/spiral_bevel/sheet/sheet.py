@@ -20,14 +20,15 @@ from gearmesh.systems.common.bevel.blank import BevelBlank, MemberBlank, Proport
 from gearmesh.systems.common.bevel.cone_blank import ConeData, cone_dimensions
 from gearmesh.systems.common.bevel.iso23509.dimension_table import pair_rows
 from gearmesh.systems.common.bevel.tooth_measures import width_across
-from gearmesh.systems.common.symbol_table import running_rows, table, tables_of
+from gearmesh.systems.common.symbol_table import Part, running_rows, table, tables_of
 from gearmesh.systems.spiral_bevel.blank.proportion_choice import FACTOR_KEYS
-from gearmesh.systems.spiral_bevel.design import SYNTHESISED_KEYS, HypoidDesign, SpiralBevelDesign
-from gearmesh.systems.spiral_bevel.machine.cutting import indexed_backlash
+from gearmesh.systems.spiral_bevel.design import SYNTHESISED_KEYS, HypoidDesign, SpiralBevelDesign, is_hobbed
+from gearmesh.systems.spiral_bevel.hobbing.head_sheet import head_table, head_values
+from gearmesh.systems.spiral_bevel.machine.cutting import Choices, indexed_backlash
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
 from gearmesh.systems.spiral_bevel.machine.maker_settings import maker_table
-from gearmesh.systems.spiral_bevel.machine.pair import BLADE_SIDES, HAND_SIGNS, MATING_SIDES, nominal_base
-from gearmesh.systems.spiral_bevel.sheet.dimension_sheet import CutPair, dimension_tables
+from gearmesh.systems.spiral_bevel.machine.pair import BLADE_SIDES, HAND_SIGNS, MATING_SIDES, Sides, nominal_base
+from gearmesh.systems.spiral_bevel.sheet.dimension_sheet import CutPair, dimension_tables, point_width
 from gearmesh.systems.spiral_bevel.sheet.thrusts import thrust_table
 from gearmesh.systems.spiral_bevel.synthesis.flank_form import form_figures
 from gearmesh.systems.spiral_bevel.synthesis.settings import mean_point, offset_data
@@ -67,6 +68,7 @@ def settings_sheet(design: FaceMilledDesign, train: GearTrain) -> Sheet:
     slots = [slot_widths_of(member.tooth, own_blank) for member, own_blank in zip(members, blank.members, strict=True)]
     cut = CutPair(blank, pinion, gear, members, indexed_backlash(made.cut), design_mm.completing)
     sides = tuple(f"{member} {name}" for member in ("pinion", "gear") for name in BLADE_SIDES)
+    angles = () if design.hobbed else tuple(index.values())
     narrowest = float(slots[0].min()), float(slots[1].min())
     tables = tables_of(
         (
@@ -81,14 +83,58 @@ def settings_sheet(design: FaceMilledDesign, train: GearTrain) -> Sheet:
             ),
         ),
         ("Pair", lambda: SheetTable("Pair", ("",), pair_rows_of(blank, unit, design.units))),
-        ("Settings", lambda: setting_tables(made_sides, sides, tuple(index.values()), unit, design.units)),
+        *_head_part(made_sides, sides, blank, unit, design.units),
+        ("Settings", lambda: setting_tables(made_sides, sides, angles, unit, design.units)),
         ("Dimensions", lambda: dimension_tables(cut, design_mm.hand, narrowest, unit, design.units)),
         ("Tolerances", lambda: [tolerance_table(design_mm.accuracy_grade, blank, ("pinion", "gear"))]),
     )
     if isinstance(design_mm, HypoidDesign):
         offset = tables_of((OFFSET_TITLE, lambda: _offset_table(design_mm, made.proportions, unit, design.units)))
         tables = (*tables, *offset)
-    # values of the sheet by key of the design: settings and blades, then contact, blank and edge radii
+    values = (
+        head_values(design_mm, blank, unit)
+        if is_hobbed(design_mm)
+        else _machine_values(design, pinion, gear, choices, unit)
+    )
+    # chosen factors; suggested ones follow from the basic data again
+    values |= {key: value for key in FACTOR_KEYS if (value := getattr(made.proportions, key)) is not None}
+    if not design.hobbed:
+        values |= {
+            "gear.cutter.tip_radius": blank.cutter_radius / unit,
+            "gear.cutter.point_width": point_width(gear) / unit,
+        }
+    edges = {f"pinion.{name}": side.blade.edge_radius for name, side in pinion.items()}
+    outside_radius, inside_radius = (gear[name].blade.edge_radius for name in ("concave", "convex"))
+    edges |= (
+        {"gear.cutter": outside_radius}
+        if outside_radius == inside_radius
+        else {"gear.cutter.outside": outside_radius, "gear.cutter.inside": inside_radius}
+    )
+    values |= {f"{key}.edge_radius": value / unit for key, value in edges.items()}
+    values |= {
+        "face_width": blank.gear.face_width / unit,
+        "clearance": blank.clearance / unit,
+    }
+    if isinstance(design_mm, SpiralBevelDesign):
+        values["mean_cone_distance"] = blank.gear.mean_cone_distance / unit
+    for name, member in (("pinion", blank.pinion), ("gear", blank.gear)):
+        if not design.hobbed:
+            values[f"{name}.root_angle"] = float(np.degrees(member.root_angle))
+        values[f"{name}.face_angle"] = float(np.degrees(member.face_angle))
+    forms = {name: choice.form for name, choice in choices.items() if choice.form is not None}
+    if design.hobbed:
+        return Sheet(tables, values)
+    indexed = {f"pinion.{name}.index_angle": angle for name, angle in index.items()}
+    # the index of a flank with ease-off is a result; other flanks follow their settings again
+    values |= {key: angle for key, angle in indexed.items() if key.split(".")[1] in forms}
+    of_form = tables_of(("Flank form", lambda: form_tables(design_mm, forms)))
+    return Sheet((*tables, *of_form), values, _replaced_keys(design), following=indexed)
+
+
+def _machine_values(
+    design: FaceMilledDesign, pinion: Sides, gear: Sides, choices: Choices, unit: float
+) -> dict[str, float]:
+    """Return settings and blades of face milling, and the chosen contact, by key of the design."""
     nouns = {key: noun for _, noun, key in _SETTING_KEYS}
     values = {
         f"{prefix}.{key}": _value(side, key, 1.0 if nouns[key] else unit)
@@ -122,37 +168,14 @@ def settings_sheet(design: FaceMilledDesign, train: GearTrain) -> Sheet:
         for power, value in enumerate(side.settings.modified_roll, start=2)
         if any(choices[name].roll) or choices[name].form is not None
     }
-    # chosen factors; suggested ones follow from the basic data again
-    values |= {key: value for key in FACTOR_KEYS if (value := getattr(made.proportions, key)) is not None}
-    values |= {
-        "gear.cutter.tip_radius": blank.cutter_radius / unit,
-        "gear.cutter.point_width": cut.point_widths[1] / unit,
-    }
-    edges = {f"pinion.{name}": side.blade.edge_radius for name, side in pinion.items()}
-    outside_radius, inside_radius = (gear[name].blade.edge_radius for name in ("concave", "convex"))
-    edges |= (
-        {"gear.cutter": outside_radius}
-        if outside_radius == inside_radius
-        else {"gear.cutter.outside": outside_radius, "gear.cutter.inside": inside_radius}
-    )
-    values |= {f"{key}.edge_radius": value / unit for key, value in edges.items()}
-    values |= {
-        "face_width": blank.gear.face_width / unit,
-        "clearance": blank.clearance / unit,
-    }
-    if isinstance(design_mm, SpiralBevelDesign):
-        values["mean_cone_distance"] = blank.gear.mean_cone_distance / unit
-    for name, member in (("pinion", blank.pinion), ("gear", blank.gear)):
-        values |= {
-            f"{name}.root_angle": float(np.degrees(member.root_angle)),
-            f"{name}.face_angle": float(np.degrees(member.face_angle)),
-        }
-    forms = {name: choice.form for name, choice in choices.items() if choice.form is not None}
-    indexed = {f"pinion.{name}.index_angle": angle for name, angle in index.items()}
-    # the index of a flank with ease-off is a result; other flanks follow their settings again
-    values |= {key: angle for key, angle in indexed.items() if key.split(".")[1] in forms}
-    of_form = tables_of(("Flank form", lambda: form_tables(design_mm, forms)))
-    return Sheet((*tables, *of_form), values, _replaced_keys(design), following=indexed)
+    return values
+
+
+def _head_part(sides: list[Generated], names: tuple[str, ...], blank: BevelBlank, unit: float, noun: str) -> list[Part]:
+    """Return the table of the head if the teeth are face-hobbed."""
+    if not blank.blade_groups:
+        return []
+    return [("Face hobbing head", lambda: head_table(sides, names, blank, unit, noun))]
 
 
 def setting_tables(

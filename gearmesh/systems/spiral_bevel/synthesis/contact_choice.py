@@ -63,6 +63,8 @@ MAX_ROLL_COEFFICIENT = 1.0
 
 def contact_said(design: FaceMilledDesign, blank: BevelBlank, name: str) -> ContactChoice:
     """Return the contact of the pinion's side `name` that a design in mm requests, with plain defaults for open keys."""
+    if design.hobbed:
+        return ContactChoice(contact_asked(design, blank, name))
     target = design.ease_off(name)
     if target is not None:
         return form_choice(design, blank, name, target)
@@ -91,7 +93,7 @@ def chooses(design: FaceMilledDesign, name: str) -> bool:
 
     Nothing is chosen if the side's settings are given, or if the design requests an ease-off or the mean point of [AB].
     """
-    if design.ease_off(name) is not None:
+    if design.hobbed or design.ease_off(name) is not None:
         return False
     given = all(getattr(design.pinion.side(name), setting) is not None for setting in SYNTHESISED_KEYS)
     return not (given or design.completing or design.mean_point != "mean_cone_distance")

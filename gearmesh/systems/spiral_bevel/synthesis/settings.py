@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import zip_longest
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,20 +23,22 @@ from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.systems.common.bevel.blank import BevelBlank, Proportions, basic_data
 from gearmesh.systems.common.bevel.cone_blank import ConeData, OffsetData, cone_blank
 from gearmesh.systems.common.bevel.pair_blank import pair_blank, proportions
-from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.spiral_bevel.design import (
-    BLADE_KEYS,
     MAX_MOTION_ORDER,
     SYNTHESISED_KEYS,
     HypoidDesign,
     SpiralBevelDesign,
+    is_hobbed,
 )
+from gearmesh.systems.spiral_bevel.hobbing.sides import hobbed_blank, hobbed_gear, hobbed_pinion
+from gearmesh.systems.spiral_bevel.machine.blades import blade_keys, made_blade, or_else, or_none, radians_or
 from gearmesh.systems.spiral_bevel.machine.gear_cradle import machine_axes, root_normal, turned_after_cut
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
 from gearmesh.systems.spiral_bevel.machine.index import touching_turn
 from gearmesh.systems.spiral_bevel.machine.machine import MachineSettings
 from gearmesh.systems.spiral_bevel.machine.pair import BLADE_SIDES, HAND_SIGNS, MATING_SIDES
 from gearmesh.systems.spiral_bevel.machine.thickness import cut_to
+from gearmesh.systems.spiral_bevel.synthesis.default_ellipse import default_semi_major_axis
 from gearmesh.systems.spiral_bevel.synthesis.local_synthesis import (
     ContactAsked,
     MeanContact,
@@ -44,10 +46,10 @@ from gearmesh.systems.spiral_bevel.synthesis.local_synthesis import (
     pinion_operator,
     tool_settings,
 )
-from gearmesh.tools.head_cutter import OUTSIDE_BLADE, Blade, Toprem
+from gearmesh.tools.head_cutter import OUTSIDE_BLADE, Blade
 
 if TYPE_CHECKING:
-    from gearmesh.systems.spiral_bevel.design import BladeTable, FaceMilledDesign, GearCutter, Machine, PinionSide
+    from gearmesh.systems.spiral_bevel.design import FaceMilledDesign, GearCutter, Machine, PinionSide
 
 #: three equally spaced rotations (rad) that determine A cos + B sin + C
 _THIRD_TURNS = np.array([0.0, 2.0, 4.0]) * np.pi / 3.0
@@ -55,10 +57,6 @@ _THIRD_TURNS = np.array([0.0, 2.0, 4.0]) * np.pi / 3.0
 MAX_LEAN_STEPS = 100
 #: change (rad) of the direction of lean at which the iteration ends
 LEAN_TOLERANCE_RAD = 1e-14
-#: largest default edge radius under a toprem, over the largest that fits
-TOPREM_EDGE_SHARE = 0.8
-#: largest difference of curvatures along the default ellipse, in 1/module
-MAX_ELLIPSE_CURVATURE = 0.025
 
 
 @dataclass(frozen=True)
@@ -134,11 +132,6 @@ class MeanPoint:
     mating: tuple[Surface, Rigid]
 
 
-def or_else(value: float | None, otherwise: float) -> float:
-    """Return a key's value, or `otherwise` if it is left out."""
-    return otherwise if value is None else value
-
-
 def basic_blank(design: FaceMilledDesign, given: Proportions | None = None) -> BevelBlank:
     """Return the blank of a design in mm, with `given` proportions or those of the design.
 
@@ -147,6 +140,8 @@ def basic_blank(design: FaceMilledDesign, given: Proportions | None = None) -> B
     given, radius = proportions(design) if given is None else given, design.gear.cutter.tip_radius
     if isinstance(design, HypoidDesign):
         return cone_blank(ConeData.of_hypoid(offset_data(design)), given, design.gear_backlash)
+    if is_hobbed(design):
+        return hobbed_blank(design, given)
     mean = design.mean_cone_distance if isinstance(design, SpiralBevelDesign) else None
     data = basic_data(design, design.spiral_angle, design.pressure_angle, mean)
     return pair_blank(design, data, given, radius, design.gear_backlash)
@@ -169,10 +164,14 @@ def offset_data(design: HypoidDesign) -> OffsetData:
 
 
 def gear_sides(design: FaceMilledDesign, blank: BevelBlank) -> dict[str, Generated]:
-    """Return both sides of the gear by the spread-blade cutter [AB 4-7]; the gear rolls unless it is a Formate gear.
+    """Return both sides of the gear by the spread-blade cutter [AB 4-7], or by the head of face hobbing.
+
+    The gear rolls unless it is a Formate gear.
 
     Raises DesignError for blades that cannot exist.
     """
+    if is_hobbed(design):
+        return hobbed_gear(design, blank)
     spec, member = design.gear.cutter, blank.gear
     _check_gear_tilt(spec)
     dedendum_angle = member.dedendum_angle
@@ -187,7 +186,7 @@ def gear_sides(design: FaceMilledDesign, blank: BevelBlank) -> dict[str, Generat
         "machine_centre_to_back": member.along_root(0.0),
     }
     values = {key: or_else(getattr(spec, key), value) for key, value in derived.items()}
-    base = member.root_base(_radians(spec.machine_root_angle, member.root_angle))
+    base = member.root_base(radians_or(spec.machine_root_angle, member.root_angle))
     values["sliding_base"] = given_or(spec.sliding_base, base)
     machine = _machine(spec, member.root_angle, values, design.formate)
 
@@ -211,8 +210,10 @@ def _gear_side(
     table, nominal = ("outside", blank.blade_angles[1]) if side == OUTSIDE_BLADE else ("inside", blank.blade_angles[0])
     keys = blade_keys(spec, getattr(spec, table))
     prefix = f"gear.cutter.{table}" if getattr(spec, table).model_fields_set else "gear.cutter"
-    angle = _radians(keys["blade_angle"], nominal)
-    blade = _blade(prefix, (side, blank.cutter_radius + 0.5 * side * width, angle), keys, 0.5 * blank.mean_depth, blank)
+    angle = radians_or(keys["blade_angle"], nominal)
+    blade = made_blade(
+        prefix, (side, blank.cutter_radius + 0.5 * side * width, angle), keys, 0.5 * blank.mean_depth, blank
+    )
     tip_height, mean = blank.mean_depth - blank.clearance, member.along_root(member.mean_cone_distance)
     return Generated(machine, blade, -HAND_SIGNS[design.hand], mean, tip_height, keys["edge_radius"] is None)
 
@@ -230,81 +231,6 @@ def _check_gear_tilt(spec: GearCutter) -> None:
         )
 
 
-def blade_keys(spec: Machine, own: BladeTable | None = None) -> dict[str, float | None]:
-    """Return the keys of a blade: its values where given, else those of the cutter."""
-    keys = {key: getattr(spec, key) for key in BLADE_KEYS}
-    return keys if own is None else {key: or_none(getattr(own, key), value) for key, value in keys.items()}
-
-
-def _blade(
-    name: str, cutting_edge: tuple[int, float, float], keys: dict[str, float | None], height: float, blank: BevelBlank
-) -> Blade:
-    """Return the blade of the keys of `name`.
-
-    `cutting_edge`: its side, tip radius and angle, which holds at `height` unless the keys give another height.
-
-    Raises DesignError for a blade that bends too much within the depth of the tooth, and for a toprem that does not
-    fit.
-    """
-    radius, high = or_else(keys["blade_radius"], 0.0), or_else(keys["toprem_height"], 0.0)
-    limit = 5.0 * blank.mean_depth
-    if 0.0 < abs(radius) < limit:
-        raise DesignError(
-            f"{name}.blade_radius", radius, unit="mm", allowed=f"0 (straight) or more than {limit:.4g} mm either way"
-        )
-    side, tip_radius, angle = cutting_edge
-    edge = or_else(keys["edge_radius"], blank.edge_radius)
-    blade = Blade(side, tip_radius, angle, edge, radius, or_else(keys["blade_height"], height))
-    return replace(blade, **_toprem(name, blade, keys, blank)) if high else blade
-
-
-def _toprem(name: str, blade: Blade, keys: dict[str, float | None], blank: BevelBlank) -> dict[str, Any]:
-    """Return toprem and edge radius of a blade. Raises DesignError if they do not fit each other."""
-    high, arc = or_else(keys["toprem_height"], 0.0), or_else(keys["toprem_radius"], 0.0)
-    straight, most = keys["toprem_angle"], 0.5 * blank.mean_depth
-    if not high < most:
-        raise DesignError(
-            f"{name}.toprem_height", high, unit="mm", allowed=f"less than half the depth, {at_most(most)} mm"
-        )
-    if (straight is None) == (arc == 0.0):
-        raise DesignError(
-            f"{name}.toprem_height",
-            high,
-            unit="mm",
-            reason="needs either toprem_angle (straight) or toprem_radius (an arc)",
-        )
-    angle = blade.angle_at(high)
-    if straight is not None and not np.radians(straight) < angle:
-        raise DesignError(
-            f"{name}.toprem_angle",
-            straight,
-            unit="deg",
-            allowed=f"less than the blade's, {at_most(np.degrees(angle))} deg",
-        )
-    # the rounding touches the toprem, not the cutting edge above it
-    most = high / (1.0 - float(np.sin(angle if straight is None else np.radians(straight))))
-    edge = blade.edge_radius if keys["edge_radius"] is not None else min(blade.edge_radius, TOPREM_EDGE_SHARE * most)
-    if not edge < most:
-        raise DesignError(
-            f"{name}.edge_radius",
-            edge,
-            unit="mm",
-            reason="reaches beyond the toprem",
-            allowed=f"less than {at_most(most)} mm",
-        )
-    # an arc with a smaller radius would make the blade concave
-    least = (high - edge) / float(np.sin(angle))
-    if straight is None and not arc > least:
-        raise DesignError(
-            f"{name}.toprem_radius",
-            arc,
-            unit="mm",
-            reason="the blade would be hollow",
-            allowed=f"more than {at_least(least)} mm",
-        )
-    return {"toprem": Toprem(high, 0.0 if straight is None else float(np.radians(straight)), arc), "edge_radius": edge}
-
-
 def pinion_side(design: FaceMilledDesign, blank: BevelBlank, name: str, mean: MeanPoint) -> Generated:
     """Return one side ("concave" or "convex") of the pinion: given settings, and local synthesis for those left out.
 
@@ -312,6 +238,8 @@ def pinion_side(design: FaceMilledDesign, blank: BevelBlank, name: str, mean: Me
 
     Raises NoSolutionError if the requested contact is impossible, and DesignError for a blade that cannot exist.
     """
+    if is_hobbed(design):
+        return hobbed_pinion(design, blank, name, mean.gear_turn)
     spec = design.pinion.side(name)
     values = pinion_values(design, blank, name, mean.contact, mean.choice)
     made = side_of(design, blank, name, values, _roll_of(spec, mean.choice))
@@ -334,8 +262,8 @@ def side_of(
     """
     spec, member = design.pinion.side(name), blank.pinion
     edge = BLADE_SIDES[name], values["tip_radius"], float(np.radians(values["blade_angle"]))
-    blade = _blade(f"pinion.{name}", edge, blade_keys(spec), values["blade_height"], blank)
-    machine = _machine(spec, _radians(pinion_root_angle(design, name), member.root_angle), values)
+    blade = made_blade(f"pinion.{name}", edge, blade_keys(spec), values["blade_height"], blank)
+    machine = _machine(spec, radians_or(pinion_root_angle(design, name), member.root_angle), values)
     made = Generated(
         replace(machine, modified_roll=roll),
         blade,
@@ -378,11 +306,6 @@ def machine_root_angle(design: FaceMilledDesign, blank: BevelBlank, name: str) -
 def upright_base(design: FaceMilledDesign, blank: BevelBlank, name: str) -> float:
     """Return the sliding base (mm) with which an upright cutter of one side of the pinion reaches the root cone's apex."""
     return blank.pinion.root_base(machine_root_angle(design, blank, name))
-
-
-def or_none(value: float | None, otherwise: float | None) -> float | None:
-    """Return a key's value, or `otherwise` if it is left out; both may be None."""
-    return otherwise if value is None else value
 
 
 def pinion_values(
@@ -495,22 +418,14 @@ def contact_asked(design: FaceMilledDesign, blank: BevelBlank, name: str) -> Con
     return ContactAsked(
         ratio_derivative=or_else(spec.ratio_derivative, lag),
         path_angle=float(np.radians(spec.path_angle)),
-        semi_major_axis=or_else(spec.semi_major_axis, _default_semi_major_axis(design, blank)),
+        semi_major_axis=or_else(spec.semi_major_axis, default_semi_major_axis(design, blank)),
         delta=design.contact.delta,
-    )
-
-
-def _default_semi_major_axis(design: FaceMilledDesign, blank: BevelBlank) -> float:
-    """Return a quarter of the face width (mm), or more on a narrow face, where flanks cannot separate within it."""
-    return max(
-        0.25 * blank.gear.face_width,
-        float(np.sqrt(2.0 * design.contact.delta * design.given_module / MAX_ELLIPSE_CURVATURE)),
     )
 
 
 def longer_than_standard(design: FaceMilledDesign, blank: BevelBlank) -> tuple[str, ...]:
     """Return the warnings on default ellipses that are longer than a quarter of the face width."""
-    length, standard = _default_semi_major_axis(design, blank), 0.25 * blank.gear.face_width
+    length, standard = default_semi_major_axis(design, blank), 0.25 * blank.gear.face_width
     return tuple(
         f"pinion.{name}.semi_major_axis = {length:.4g} mm: the default; a quarter of the face width, {standard:.4g} mm, is too "
         f"short for the flanks to separate by contact.delta = {design.contact.delta:.4g} mm"
@@ -611,11 +526,6 @@ def meshing_turns(jet: Jet, gear_to_pinion: Rigid, sense: int, ratio: float, nea
     return nearest
 
 
-def _radians(degrees: float | None, otherwise: float) -> float:
-    """Return an angle in rad, or `otherwise` (rad) if it is left out."""
-    return otherwise if degrees is None else float(np.radians(degrees))
-
-
 def _machine(spec: Machine, root_angle: float, values: dict[str, float], formate: bool = False) -> MachineSettings:
     """Return machine settings from the values of their keys (mm, deg)."""
     return MachineSettings(
@@ -624,7 +534,7 @@ def _machine(spec: Machine, root_angle: float, values: dict[str, float], formate
         ratio_of_roll=values["ratio_of_roll"],
         machining_offset=values["machining_offset"],
         machine_centre_to_back=values["machine_centre_to_back"],
-        machine_root_angle=_radians(spec.machine_root_angle, root_angle),
+        machine_root_angle=radians_or(spec.machine_root_angle, root_angle),
         sliding_base=values["sliding_base"],
         modified_roll=given_roll(spec),
         tilt=float(np.radians(spec.tilt)),

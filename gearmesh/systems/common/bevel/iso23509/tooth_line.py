@@ -111,6 +111,20 @@ class ToothLine:
         )
         return np.arctan2(cone_distance - self.base_radius * np.cos(turn), self.base_radius * np.sin(turn))
 
+    def turn_at(self, cone_distance: Value) -> Value:
+        """Return the angle (rad) about the crown gear's centre from the mean point to the line at a cone distance (mm).
+
+        It is > 0 towards the cutter. The cutter's centre is in the direction in which the circle of the blades lies; the
+        crown gear turns by z_0 / z_p of the cutter's rotation from the mean point.
+        """
+        mean, radius, centre = self.mean_cone_distance, self.cutter.radius, self.centre_distance
+        at_crown, at_cutter = [], []
+        for distance in (mean, cone_distance):
+            at_crown.append(_angle(distance, centre, radius))
+            at_cutter.append(_angle(radius, centre, distance))
+        rolled = self.cutter.blade_groups / self.crown_teeth * (at_cutter[1] - at_cutter[0])
+        return at_crown[0] - at_crown[1] + rolled
+
     @property
     def inner_distance(self) -> float:
         """Least cone distance of the line, mm."""
@@ -134,6 +148,13 @@ def reaching(line: ToothLine, distances: tuple[float, ...]) -> None:
                 reason=f"does not reach the cone distance {distance:.6g} mm",
                 allowed=f"a radius whose tooth line goes from {at_least(line.inner_distance)} mm over both ends of the face",
             )
+
+
+def _angle(side: Value, other: Value, opposite: Value) -> Value:
+    """Return the angle (rad) of a triangle between two sides, by the law of cosines; 0 or 180 deg if it does not close."""
+    cosine = (side**2 + other**2 - opposite**2) / (2.0 * side * other)
+    angle: Array = np.arccos(np.clip(cosine, -1.0, 1.0))
+    return angle
 
 
 def _sine(value: Value) -> Value:

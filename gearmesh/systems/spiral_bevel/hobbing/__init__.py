@@ -1,0 +1,1 @@
+"""Face-hobbed spiral bevel gears: head, blank and sides by continuous indexing."""

@@ -1,0 +1,255 @@
+"""Blank, machines and blades of a face-hobbed pair that one crown gear generates [ISO 23509 method 0, uniform depth]."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gearmesh.kernel.numeric.algebra import ARCSEC
+from gearmesh.kernel.surface.curvature import shape_operator
+from gearmesh.systems.common.bevel.blank import BevelBlank, MemberBlank, Proportions, basic_data
+from gearmesh.systems.common.bevel.cone_blank import ConeData, cone_blank
+from gearmesh.systems.common.bevel.iso23509.tooth_line import FaceCutter, ToothLine
+from gearmesh.systems.spiral_bevel.hobbing.head import HeadLines, check_head, head_radius
+from gearmesh.systems.spiral_bevel.machine.blades import blade_keys, made_blade
+from gearmesh.systems.spiral_bevel.machine.generated import Generated, Indexing
+from gearmesh.systems.spiral_bevel.machine.machine import MachineSettings
+from gearmesh.systems.spiral_bevel.machine.pair import BLADE_SIDES, HAND_SIGNS, MATING_SIDES, Sides
+from gearmesh.systems.spiral_bevel.synthesis.default_ellipse import default_semi_major_axis
+from gearmesh.teeth.region import Side
+from gearmesh.tools.head_cutter import Blade
+
+if TYPE_CHECKING:
+    from gearmesh.systems.spiral_bevel.design import EaseOffTable, SpiralBevelDesign
+
+#: depth taper of all face-hobbed teeth
+HOBBED_TAPER = "uniform"
+#: eccentricity, over the cutter radius, whose effect on the curvatures is measured
+ECCENTRICITY_STEP_SHARE = 1e-4
+#: least difference of curvatures along the contact line, over the least one that has the transmission error
+MIN_CURVATURE_RATIO = 1.3
+#: table of the gear's blades by side of the gear
+BLADE_TABLES = {"concave": "outside", "convex": "inside"}
+
+
+def hobbed_blank(design: SpiralBevelDesign, given: Proportions) -> BevelBlank:
+    """Return the blank of a face-hobbed pair (design in mm), with uniform depth.
+
+    Raises DesignError for a blank that cannot exist, and for a head that cannot cut it.
+    """
+    data = basic_data(design, design.spiral_angle, design.pressure_angle, design.mean_cone_distance)
+    pitch = data.pitch_cones
+    radius = head_radius(design, data.mean_cone_distance, data.mean_normal_module)
+    cutter = FaceCutter(radius, design.head.blade_groups)
+    check_head(pitch.tooth_line(cutter), (pitch.inner_cone_distance, pitch.outer_cone_distance))
+    return cone_blank(ConeData(pitch, cutter, data.pressure_angle, HOBBED_TAPER), given, design.gear_backlash)
+
+
+@dataclass(frozen=True)
+class HobbedContact:
+    """Crowning of one side of the pinion with the mating side of the gear."""
+
+    #: excess (mm) of the outer blade's radius over the inner blade's
+    eccentricity: float
+    #: length crowning, mm along the normal, mean of toe and heel
+    length_crowning: float
+    #: profile crowning, mm along the normal
+    profile_crowning: float
+
+    @staticmethod
+    def of(design: SpiralBevelDesign, blank: BevelBlank, name: str) -> HobbedContact:
+        """Return the crowning of the pinion's side `name`, "concave" or "convex", of a design in mm.
+
+        Raises DesignError for a length crowning that no eccentricity gives.
+        """
+        target: EaseOffTable | None = design.ease_off(name)
+        lines = HeadLines.of(blank, blade_angle(design, blank, MATING_SIDES[name]))
+        length, profile = (
+            _asked(design, blank, name) if target is None else (target.length_crowning, target.profile_crowning)
+        )
+        if design.head.eccentricity is not None:
+            apart = design.head.eccentricity
+            return HobbedContact(apart, float(lines.crowning(np.array([apart]))[0]), profile)
+        return HobbedContact(lines.eccentricity(length), length, profile)
+
+    def blade_radius(self, blank: BevelBlank, pressure_angle: float) -> float:
+        """Return the radius (mm) of both blades that give the profile crowning, half each; 0 for straight blades.
+
+        The blades are hollow: half the working depth from their middle they stand away by half the crowning.
+        """
+        half = 0.5 * blank.mean_working_depth / np.cos(pressure_angle)
+        return -float(half**2 / self.profile_crowning) if self.profile_crowning else 0.0
+
+
+def _asked(design: SpiralBevelDesign, blank: BevelBlank, name: str) -> tuple[float, float]:
+    """Return the crownings (mm) lengthwise and along the profile with the ellipse and transmission error of a design.
+
+    On the crown gear, with x along the tooth and y up the blade from the middle of the working depth, the flanks part by
+    (k_x x^2 + 2 c k_x x y + k_y y^2) / 2; the eccentricity gives the first two terms, hollow blades the last one. They
+    touch where the gap is least on the line that generates at the roll phi, g_x x + g_y y = phi. With T = k_x (g_y^2 - 2 c
+    g_x g_y) + k_y g_x^2, the gap there is phi^2 (k_x k_y - c^2 k_x^2) / (2 T), and T / (g_x^2 + g_y^2) is the difference of
+    curvatures along the line.
+    """
+    spec, angle = design.pinion.side(name), blade_angle(design, blank, MATING_SIDES[name])
+    ratio, teeth = blank.pinion.teeth / blank.gear.teeth, float(blank.tooth_line.crown_teeth)
+    lag = abs(spec.te_at_change) * ARCSEC
+    if spec.ratio_derivative is not None:
+        lag = 0.5 * ratio * abs(spec.ratio_derivative) * (np.pi / blank.pinion.teeth) ** 2
+    axis = default_semi_major_axis(design, blank) if spec.semi_major_axis is None else spec.semi_major_axis
+    # gap along the normal at the change of tooth pairs, half a pitch from the middle
+    gap = lag * blank.gear.mean_radius * np.cos(blank.gear.spiral_angle) * np.cos(angle)
+    half_pitch, (g_x, g_y, twist) = np.pi / teeth, _crown_slopes(design, blank, name)
+    total = (g_x**2 + g_y**2) * 2.0 * design.contact.delta / axis**2
+    stiffness, sheared = 2.0 * gap / half_pitch**2, g_y - twist * g_x
+    # a shorter ellipse where this one leaves no such transmission error, or only with a path along the face
+    least = 4.0 * g_x**2 * sheared**2 * stiffness
+    total = max(total, MIN_CURVATURE_RATIO * least)
+    root = np.sqrt(total**2 - least * total)
+    k_x = (total + root) / (2.0 * sheared**2)
+    k_y = (total - k_x * (g_y**2 - 2.0 * twist * g_x * g_y)) / g_x**2
+    return (
+        float(0.125 * k_x * (blank.gear.face_width / np.cos(blank.gear.spiral_angle)) ** 2),
+        float(0.5 * k_y * (0.5 * blank.mean_working_depth / np.cos(angle)) ** 2),
+    )
+
+
+def _crown_slopes(design: SpiralBevelDesign, blank: BevelBlank, name: str) -> tuple[float, float, float]:
+    """Return figures of the crown gear's flank in its middle, with x along the tooth and y up the blade.
+
+    They are the gradient (1/mm) of the cradle's rotation by x and by y, and the curvature by x and y over the curvature by
+    x that an eccentricity adds.
+    """
+    blade, share = _blade(design, blank, "pinion", name), ECCENTRICITY_STEP_SHARE * blank.cutter_radius
+    nominal, wider, narrower = (
+        _side(design, blank, blank.pinion, blade, HobbedContact(apart, 0.0, 0.0)) for apart in (0.0, share, -share)
+    )
+    envelope = nominal.envelope(nominal.blade.flank)
+    at = np.array(nominal.blade.at_height(0.5 * blank.mean_depth)), np.zeros(())
+    jet, (_, by_p, by_v) = envelope.tool.jet(*at), envelope.progress(*at)
+    x = jet.r_v / np.linalg.norm(jet.r_v)
+    y = np.cross(jet.n, x)
+    tangents = np.array([[jet.r_u @ x, jet.r_u @ y], [jet.r_v @ x, jet.r_v @ y]])
+    g_x, g_y = np.linalg.solve(tangents, np.array([by_p, by_v]))
+    more, less = (shape_operator(side.envelope(side.blade.flank).tool.jet(*at), x, y) for side in (wider, narrower))
+    added = more - less
+    return float(g_x), float(g_y), float(added[0, 1] / added[0, 0])
+
+
+def blade_angle(design: SpiralBevelDesign, blank: BevelBlank, name: str) -> float:
+    """Return the angle (rad) of the blades that cut the gear's side `name`, "concave" or "convex"."""
+    given = blade_keys(design.gear.cutter, getattr(design.gear.cutter, BLADE_TABLES[name]))["blade_angle"]
+    return blank.pressure_angle if given is None else float(np.radians(given))
+
+
+def hobbed_gear(design: SpiralBevelDesign, blank: BevelBlank) -> Sides:
+    """Return both sides of the gear; as cut, the middle of the tooth space is over the x axis.
+
+    Raises DesignError for blades that cannot exist.
+    """
+    sides = {}
+    for name in BLADE_SIDES:
+        contact = HobbedContact.of(design, blank, MATING_SIDES[name])
+        made = _side(design, blank, blank.gear, _blade(design, blank, "gear", name), contact)
+        sides[name] = replace(made, turned=_gear_turned(design, blank, made.flank))
+    return sides
+
+
+def _gear_turned(design: SpiralBevelDesign, blank: BevelBlank, flank: Side) -> float:
+    """Return the rotation (rad) of a side of the gear from the pitch point over the x axis to its place beside a space."""
+    own = blank.gear
+    thickness = own.thickness if design.gear.thickness is None else design.gear.thickness
+    half_space = np.pi / own.teeth - 0.5 * thickness / (np.cos(own.spiral_angle) * own.mean_radius)
+    return float(-half_space if flank is Side.LEFT else half_space)
+
+
+def hobbed_pinion(design: SpiralBevelDesign, blank: BevelBlank, name: str, gear_turn: float) -> Generated:
+    """Return one side of the pinion, "concave" or "convex", turned into contact with the gear.
+
+    `gear_turn`: rotation (rad) of the gear, as cut, to the contact of the mean point.
+
+    Raises DesignError for blades that cannot exist.
+    """
+    contact = HobbedContact.of(design, blank, name)
+    made = _side(design, blank, blank.pinion, _blade(design, blank, "pinion", name), contact)
+    # from the position of the crown gear in which both members are cut
+    turned = (gear_turn + _gear_turned(design, blank, made.flank)) * blank.gear.teeth / blank.pinion.teeth
+    return replace(made, turned=-float(turned))
+
+
+@dataclass(frozen=True)
+class _BladeKeys:
+    """Keys of one blade."""
+
+    #: OUTSIDE_BLADE or INSIDE_BLADE
+    side: int
+    #: table that a refusal names
+    prefix: str
+    #: values
+    values: dict[str, float | None]
+    #: angle, rad
+    angle: float
+    #: True if the radius of the cutting edge is given
+    curved: bool
+
+
+def _blade(design: SpiralBevelDesign, blank: BevelBlank, member: str, name: str) -> _BladeKeys:
+    """Return the keys of the blade that cuts the side `name` of a member."""
+    if member == "pinion":
+        prefixes, values = [f"pinion.{name}"], blade_keys(design.pinion.side(name))
+    else:
+        own = getattr(design.gear.cutter, BLADE_TABLES[name])
+        values = blade_keys(design.gear.cutter, own)
+        prefixes = [f"gear.cutter.{BLADE_TABLES[name]}"] if own.model_fields_set else []
+        prefixes.append("gear.cutter")
+    angle = blade_angle(design, blank, name if member == "gear" else MATING_SIDES[name])
+    curved = any(design.sets(f"{prefix}.blade_radius") for prefix in prefixes)
+    return _BladeKeys(BLADE_SIDES[name], prefixes[0], values, angle, curved)
+
+
+def _side(
+    design: SpiralBevelDesign, blank: BevelBlank, own: MemberBlank, blade: _BladeKeys, contact: HobbedContact
+) -> Generated:
+    """Return one side of a member.
+
+    - `own`: blank of the member
+    - `blade`: keys of its blade
+    - `contact`: crowning of the side and its mating side
+    """
+    hand = HAND_SIGNS[design.hand] * (1 if own is blank.pinion else -1)
+    nominal, angle = blank.tooth_line, blade.angle
+    radius = nominal.cutter.radius + 0.5 * blade.side * contact.eccentricity
+    line = ToothLine(
+        FaceCutter(radius, nominal.cutter.blade_groups), own.mean_cone_distance, own.spiral_angle, nominal.crown_teeth
+    )
+    given = blade.values["blade_radius"] if blade.curved else None
+    curved = contact.blade_radius(blank, angle) if given is None else given
+    # the straight edge passes through the pitch point; a curved edge touches it in the middle of the working depth
+    middle = 0.5 * blank.mean_depth
+    beside = radius + blade.side * (middle - own.mean_dedendum) * np.tan(angle)
+    tip_radius = Blade.through(blade.side, float(beside), middle, angle, 0.0, curved).tip_radius
+    edge, values = (blade.side, tip_radius, angle), {**blade.values, "blade_radius": curved, "blade_height": None}
+    made = made_blade(blade.prefix, edge, values, middle, blank)
+    return Generated(
+        _machine(line, own),
+        made,
+        hand,
+        own.mean_cone_distance,
+        blank.mean_depth - blank.clearance,
+        edge_free=values["edge_radius"] is None,
+        indexing=Indexing(line.cutter.blade_groups, own.teeth, radius, hand * float(line.lead_angle)),
+    )
+
+
+def _machine(line: ToothLine, own: MemberBlank) -> MachineSettings:
+    """Return the machine: the cradle's axis is that of the crown gear, and the cutter's centre gives the tooth line."""
+    lean, radius = line.spiral_angle - line.lead_angle, line.cutter.radius
+    x, y = float(line.mean_cone_distance - radius * np.sin(lean)), float(radius * np.cos(lean))
+    return MachineSettings(
+        radial=float(np.hypot(x, y)),
+        cradle_angle=float(np.arctan2(y, x)),
+        ratio_of_roll=float(np.sin(own.pitch_angle)),
+        machine_root_angle=own.root_angle,
+        sliding_base=own.root_base(own.root_angle),
+    )

@@ -1,0 +1,283 @@
+"""Face-hobbed pairs: crown gear against closed forms, flanks against blades moved as the machine moves them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+import gearmesh as gm
+from gearmesh.contact.flanks import analyse
+from gearmesh.kernel.numeric.algebra import ARCSEC, Array, rotation_about
+from gearmesh.systems.common.bevel.machine_frame import own_axes
+from gearmesh.systems.spiral_bevel.hobbing.head_sheet import tooth_line
+from gearmesh.systems.spiral_bevel.hobbing.sides import HobbedContact
+from gearmesh.systems.spiral_bevel.machine.generated import Generated, Indexing
+from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import BevelTeeth, bevel_teeth
+from gearmesh.teeth.generation.tool_in_place import tool_in_place
+from gearmesh.teeth.region import Side
+
+BASIC: dict[str, Any] = {
+    "kind": "spiral_bevel",
+    "process": "face_hobbed",
+    "module": 5,
+    "spiral_angle": 32,
+    "pinion": {"teeth": 14},
+    "gear": {"teeth": 39},
+}
+#: other ratios, shaft angles, hands, heads and pressure angles
+PAIRS: dict[str, dict[str, Any]] = {
+    "right_angle": {},
+    "miter": {"hand": "right", "gear": {"teeth": 14}, "head": {"blade_groups": 11}, "pressure_angle": 22},
+    "acute": {"shaft_angle": 60, "head": {"blade_groups": 3, "radius": 110}, "spiral_angle": 20},
+    "obtuse": {
+        **{"shaft_angle": 110, "hand": "right", "gear": {"teeth": 31, "cutter": {"outside": {"blade_angle": 23}}}},
+        **{"head": {"blade_groups": 7}},
+    },
+}
+#: no crowning at all
+CONJUGATE = {"length_crowning": 0, "profile_crowning": 0}
+#: a design of face milling with all settings
+MILLED = "samples/spiral_bevel_abdullah_curved.toml"
+NAMES = ("concave", "convex")
+
+
+def design_of(pair: str, ease_off: dict[str, float] | None = None, **head: float) -> gm.Design:
+    own = PAIRS[pair]
+    contact = {} if ease_off is None else {"contact": {"ease_off": ease_off}}
+    return gm.parse({**BASIC, **own, "head": {**own.get("head", {}), **head}, **contact})
+
+
+@cache
+def teeth_of(pair: str, eccentricity: float | None = None) -> BevelTeeth:
+    """Teeth as the design makes them, or of straight blades with an eccentricity (mm)."""
+    if eccentricity is None:
+        return bevel_teeth(design_of(pair).in_mm())  # type: ignore[arg-type]
+    straight = design_of(pair, {"profile_crowning": 0}, eccentricity=eccentricity)
+    return bevel_teeth(straight.in_mm())  # type: ignore[arg-type]
+
+
+def sides_of(teeth: BevelTeeth) -> list[tuple[Generated, float]]:
+    """Sides of both members, with their mean dedendum (mm)."""
+    cut, blank = teeth.cut, teeth.cut.blank
+    pairs = (cut.pinion, blank.pinion.mean_dedendum), (cut.gear, blank.gear.mean_dedendum)
+    return [(sides[name], dedendum) for sides, dedendum in pairs for name in NAMES]
+
+
+# ---- the crown gear
+
+
+def test_face_milling_is_the_case_without_indexing() -> None:
+    teeth = bevel_teeth(gm.load(MILLED).in_mm())  # type: ignore[arg-type]
+    for side, _ in sides_of(teeth):
+        swept = replace(side, indexing=Indexing(0, 13, 50.0, 0.0))
+        p = np.array([side.blade.at_height(height) for height in (1.0, 3.0, 5.0)])
+        u, v = np.meshgrid(p, np.linspace(-0.2, 0.2, 5), indexing="ij")
+        for profile, parameter in ((side.blade.flank, u), (side.blade.tip, np.full_like(u, 0.7))):
+            one, other = (cut.cut(profile, 0.1).jet(parameter, v) for cut in (side, swept))
+            for key in ("r", "n", "r_u", "r_v", "n_u", "n_v"):
+                assert getattr(one, key) == pytest.approx(getattr(other, key), abs=1e-10, rel=1e-10)
+
+
+@pytest.mark.parametrize("pair", PAIRS)
+def test_tooth_line_is_an_extended_epicycloid(pair: str) -> None:
+    teeth, turn = teeth_of(pair, 1.5), np.linspace(-0.3, 0.3, 13)
+    for side, dedendum in sides_of(teeth):
+        line = tooth_line(side, teeth.cut.blank)
+        tool = side.envelope(side.blade.flank).tool
+        trace = tool.jet(np.full_like(turn, side.blade.at_height(dedendum)), turn)
+        line_of_points = trace.r[:, 0] + 1j * trace.r[:, 1]
+        # a circle of the cutter rolls on the base circle, which turns the centre by rolling / base of its own rotation
+        base, rolling = float(line.base_radius), float(line.centre_distance - line.base_radius)
+        assert rolling / base == pytest.approx(line.cutter.blade_groups / line.crown_teeth)
+        centre = float(line.centre_distance) * np.exp(1j * side.hand * side.settings.cradle_angle)
+        arm = float(line.mean_cone_distance) - centre
+        closed = np.exp(1j * turn * rolling / base) * (centre + arm * np.exp(1j * turn))
+        assert line_of_points == pytest.approx(closed, abs=1e-12 * abs(centre))
+        assert abs(arm) == pytest.approx(line.cutter.radius, rel=1e-14)
+        # spiral angle and polar angle by ISO 23509
+        distance, tangent = np.abs(closed), trace.r_v[:, 0] + 1j * trace.r_v[:, 1]
+        across = np.abs(np.angle(tangent / closed))
+        spiral = np.array([line.spiral_angle_at(float(x)) for x in distance])
+        assert np.minimum(across, np.pi - across) == pytest.approx(spiral, abs=1e-12)
+        turns = np.array([line.turn_at(float(x)) for x in distance])
+        assert side.hand * np.angle(closed) == pytest.approx(turns, abs=1e-12)
+        # the blade's face is across the tooth line: the pressure angle is that of the blade
+        assert abs(trace.n[6, 2]) == pytest.approx(np.sin(side.blade.blade_angle), abs=1e-14)
+
+
+@pytest.mark.parametrize("pair", PAIRS)
+def test_curvature_of_the_tooth_line_is_that_of_iso_23509(pair: str) -> None:
+    teeth = teeth_of(pair, 1.5)
+    for side, dedendum in sides_of(teeth):
+        tool, step = side.envelope(side.blade.flank).tool, 1e-4
+        turn = step * np.array([-2.0, -1.0, 0.0, 1.0, 2.0])
+        trace = tool.jet(np.full_like(turn, side.blade.at_height(dedendum)), turn)
+        velocity = trace.r_v[:, 0] + 1j * trace.r_v[:, 1]
+        change = (8.0 * (velocity[3] - velocity[1]) - (velocity[4] - velocity[0])) / (12.0 * step)
+        curvature = abs((np.conj(velocity[2]) * change).imag) / abs(velocity[2]) ** 3
+        assert curvature == pytest.approx(abs(float(tooth_line(side, teeth.cut.blank).curvature)), rel=1e-9)
+
+
+def test_jets_of_swept_edges_agree_with_differences() -> None:
+    """Curved edge, rounding of the tip, and the derivatives of their normals."""
+    side, _ = sides_of(teeth_of("right_angle"))[0]
+    h, v = 1e-5, np.array([-0.15, 0.0, 0.2])
+    for profile, p in ((side.blade.flank, side.blade.at_height(4.0)), (side.blade.tip, side.blade.form_point[1] + 0.3)):
+        tool, u = side.envelope(profile).tool, np.full_like(v, p)
+        jet = tool.jet(u, v)
+        for shift, r_x, n_x in (((h, 0.0), jet.r_u, jet.n_u), ((0.0, h), jet.r_v, jet.n_v)):
+            ahead, behind = (tool.jet(u + sign * shift[0], v + sign * shift[1]) for sign in (1.0, -1.0))
+            assert r_x == pytest.approx((ahead.r - behind.r) / (2.0 * h), abs=1e-6)
+            assert n_x == pytest.approx((ahead.n - behind.n) / (2.0 * h), abs=1e-7)
+
+
+# ---- flanks
+
+
+def machine_points(side: Generated, roll: Array, turn: Array, p: Array) -> Array:
+    """Points (M, 3) of the blade on the blank, M of each: rotations of cradle and cutter, and parameters of the edge.
+
+    The machine's axes turn one by one; the blank turns for roll and indexing.
+    """
+    settings, indexing = side.settings, side.indexing
+    assert indexing is not None
+    centre = settings.radial * np.array([np.cos(settings.cradle_angle), side.hand * np.sin(settings.cradle_angle)])
+    mean, crown_teeth = np.array([side.mean, 0.0]), indexing.teeth / settings.ratio_of_roll
+    # the blade's face contains the point about which cutter and crown gear turn against each other
+    pole = centre * crown_teeth / (crown_teeth + indexing.blade_groups)
+    across = (mean - pole) / np.linalg.norm(mean - pole)
+    height, beside = np.moveaxis(side.blade.flank.section(p)[0], -1, 0)
+    out = side.blade.side * beside - indexing.radius
+    edge = np.column_stack(((mean - centre) + out[:, None] * across, -height))
+    on_cradle = (rotation_about("z", turn) @ edge[..., None])[..., 0] + np.append(centre, 0.0)
+    rolled = (rotation_about("z", side.hand * roll) @ on_cradle[..., None])[..., 0]
+    on_blank = (rolled - [0.0, 0.0, settings.sliding_base]) @ own_axes(settings.machine_root_angle).T
+    blank_turn = turn * indexing.blade_groups / indexing.teeth - side.hand * roll / settings.ratio_of_roll
+    return (rotation_about("z", blank_turn) @ on_blank[..., None])[..., 0]
+
+
+def clearances(side: Generated, roll: Array, points: tuple[Array, Array], start: Array) -> Array:
+    """Unknowns (M, 3): rotation of the cutter, parameter of the edge, and distance (mm) of the blade along normals."""
+    r, n = points
+    x, step = start.copy(), np.array([1e-6, 1e-6])
+    for _ in range(8):
+        at = machine_points(side, roll, x[:, 0], x[:, 1])
+        columns = [(machine_points(side, roll, x[:, 0] + d[0], x[:, 1] + d[1]) - at) / d.sum() for d in np.diag(step)]
+        matrix = np.stack((*columns, -n), axis=-1)
+        x -= np.linalg.solve(matrix, (at - r - x[:, 2:] * n)[..., None])[..., 0]
+    return x
+
+
+@pytest.mark.parametrize("pair", ["right_angle", "obtuse"])
+def test_flanks_are_the_lower_envelope_of_the_moving_blades(pair: str) -> None:
+    """No blade comes nearer than the flank, over rotation and roll; one blade touches it."""
+    for side, _ in sides_of(teeth_of(pair)):
+        made = replace(side, turned=0.0)
+        flank = made.envelope(made.blade.flank)
+        p, v = np.meshgrid([made.blade.at_height(x) for x in (2.0, 4.0, 6.5)], [-0.12, 0.0, 0.1], indexing="ij")
+        u, v = p.ravel(), v.ravel()
+        jet = flank.jet(u, v)
+        points = jet.r, jet.n
+        # the crown gear turns with cradle and cutter, the cradle alone with the roll
+        crown = made.settings.ratio_of_roll * made.indexing.blade_groups / made.indexing.teeth  # type: ignore[union-attr]
+        roll = flank.parameter(u, v) + side.hand * crown * v
+        unknowns = np.stack((v, u, np.zeros_like(u)), axis=-1)
+        gaps = []
+        for sign in (1.0, -1.0):
+            x = unknowns
+            for k in range(16):
+                x = clearances(made, roll + sign * 0.01 * k, points, x)
+                gaps.append(x[:, 2])
+        gap = np.array(gaps)
+        assert np.abs(gap.min(axis=0)).max() < 1e-9
+        assert (gap[15] > 1e-3).all()
+
+
+@pytest.mark.parametrize(
+    "pair", ["right_angle", "obtuse", *(pytest.param(pair, marks=pytest.mark.sweep) for pair in ("miter", "acute"))]
+)
+def test_one_crown_gear_makes_conjugate_pairs(pair: str) -> None:
+    """Line contact, and a transmission error below 1e-9 rad, on both sides."""
+    for name in NAMES:
+        gears = gm.build(design_of(pair, CONJUGATE).with_values({"contact.side": f"pinion_{name}"}))
+        (mesh,) = gears.pairs
+        path = analyse(mesh, np.linspace(-0.12, 0.12, 7))
+        ratio = mesh.ratio
+        assert (path.kind == "line").all()
+        assert np.abs(path.phi2 - ratio * path.phi1).max() < 1e-9
+
+
+def test_crowned_pair_has_the_ellipse_and_the_lag_that_its_design_asks_for() -> None:
+    values = {"pinion.concave.te_at_change": 20.0, "pinion.concave.semi_major_axis": 5.0}
+    gears = gm.build(design_of("right_angle").with_values(values))
+    (mesh,) = gears.pairs
+    step = 0.02
+    path = analyse(mesh, step * np.array([-1.0, 0.0, 1.0]))
+    assert (path.kind == "point").all()
+    error = path.phi2 - mesh.ratio * path.phi1
+    bend = (error[0] - 2.0 * error[1] + error[2]) / step**2
+    assert abs(0.5 * bend * (np.pi / 14) ** 2) == pytest.approx(20.0 * ARCSEC, rel=0.03)
+    assert path.semi_major[1] == pytest.approx(5.0, rel=0.02)
+
+
+@pytest.mark.parametrize("pair", PAIRS)
+def test_length_crowning_is_the_gap_of_the_traces_at_toe_and_heel(pair: str) -> None:
+    teeth, turns = teeth_of(pair, 2.0), []
+    blank, turn = teeth.cut.blank, np.linspace(-0.9, 0.9, 4001)
+    ends = np.array(blank.gear.extent)
+    for side, dedendum in sides_of(teeth)[::3]:
+        r = side.envelope(side.blade.flank).tool.jet(np.full_like(turn, side.blade.at_height(dedendum)), turn).r
+        distance, angle = np.hypot(r[:, 0], r[:, 1]), side.hand * np.arctan2(r[:, 1], r[:, 0])
+        order = np.argsort(distance)
+        turns.append(np.interp(ends, distance[order], angle[order]))
+    spiral = np.array([blank.tooth_line.spiral_angle_at(float(end)) for end in ends])
+    pressure = teeth.cut.pinion["concave"].blade.blade_angle
+    gap = np.mean((turns[1] - turns[0]) * ends * np.cos(spiral) * np.cos(pressure))
+    assert float(gap) > 0.01
+    straight = design_of(pair, {"profile_crowning": 0}, eccentricity=2.0).in_mm()
+    assert HobbedContact.of(straight, blank, "concave").length_crowning == pytest.approx(gap, rel=1e-4)  # type: ignore[arg-type]
+    asked = design_of(pair, {"length_crowning": float(gap)}).in_mm()
+    assert HobbedContact.of(asked, blank, "concave").eccentricity == pytest.approx(2.0, rel=1e-4)  # type: ignore[arg-type]
+
+
+# ---- keys and pictures
+
+
+@pytest.mark.parametrize(
+    ("values", "key"),
+    [
+        ({"taper": "standard"}, "taper"),
+        ({"pinion.concave.radial": 70.0}, "pinion.concave.radial"),
+        ({"gear.cutter.point_width": 2.0}, "gear.cutter.point_width"),
+        ({"pinion.root_angle": 18.0}, "pinion.root_angle"),
+        ({"contact.ease_off.twist": 0.01}, "contact.ease_off.twist"),
+        ({"contact.ease_off.length_crowning": -0.01}, "contact.ease_off.length_crowning"),
+        ({"contact.ease_off.length_crowning": 0.02, "head.eccentricity": 1.0}, "head.eccentricity"),
+        ({"process": "fixed_setting", "head.radius": 70.0}, "head.radius"),
+        ({"head.radius": 12.0, "head.blade_groups": 9}, "head.radius"),
+        ({"head.radius": 5.0, "head.blade_groups": 1}, "head.radius"),
+    ],
+)
+def test_wrong_input_is_refused_by_its_key(values: dict[str, Any], key: str) -> None:
+    with pytest.raises(gm.DesignError) as refusal:
+        gm.build(design_of("right_angle").with_values(values))
+    assert refusal.value.key == key
+    assert "\n" not in str(refusal.value)
+
+
+def test_head_is_shown_with_its_blade_groups() -> None:
+    gears = gm.build(design_of("miter"))
+    tool = tool_in_place(gears.members["pinion"].tooth, Side.RIGHT)
+    assert tool.name == "face-hobbing head"
+    edges = [sheet for sheet in tool.sheets if sheet.region == "flank"]
+    assert len(edges) == 11
+    # one cutting edge passes through the point that it generates
+    miss = min(
+        float(np.linalg.norm(tool.tool_to_own.point(sheet.points[:, 0]) - tool.touching.r, axis=-1).min())
+        for sheet in edges
+    )
+    assert miss < 0.3
