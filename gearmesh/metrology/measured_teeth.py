@@ -153,10 +153,16 @@ class InspectionBasis:
     sizes: ToleranceSizes
     #: class that the design asks for
     asked: int
-    #: its involute flank, if it has one
+    #: its involute flank, if it has one; that of the right side of asymmetric teeth
     involute: InvoluteFlank | None = None
+    #: involute flank of the left side of asymmetric teeth
+    left_involute: InvoluteFlank | None = None
     #: ball by which runout follows from pitch deviations of both sides, if known
     ball: BallInSpace | None = None
+
+    def involute_of(self, side: Side) -> InvoluteFlank | None:
+        """Return the involute flank of a side, if the gear has one."""
+        return self.left_involute if side is Side.LEFT and self.left_involute is not None else self.involute
 
     def eccentric(self, size: float, phase: float, teeth: int) -> dict[Side, PitchDeviations]:
         """Return pitch deviations of eccentric teeth, as `BallInSpace.eccentric`.

@@ -75,26 +75,37 @@ class PitchDeviations:
 class BallInSpace:
     """A ball that touches both flanks of a space on the circle of the arcs.
 
-    Its normals at both flanks intersect in its centre. Each has the angle alpha + space to the tangent of the circle.
-    If both flanks together move by w further into the space, along the arcs, the ball rises by w cos(alpha) / (2
-    sin(alpha + space)).
+    Its normals at both flanks intersect in its centre. Each has the angle phi = alpha + space to the tangent of the
+    circle. Flanks that move by w_r and w_l further into the space, along the arcs, lift the ball by
+
+        h = (w_r cos(alpha_r) cos(phi_l) + w_l cos(alpha_l) cos(phi_r)) / sin(phi_r + phi_l)
+
+    Both flanks of symmetric teeth have the same angles. A ball touches asymmetric teeth on two circles; it is taken on the
+    one circle.
     """
 
-    #: transverse pressure angle alpha on the circle, rad
+    #: transverse pressure angle alpha on the circle, rad; that of right flanks of asymmetric teeth
     pressure_angle: float
-    #: half of the angle of the space about the axis, rad; negative on internal teeth
+    #: half of the angle of the space about the axis, on the side of right flanks, rad; negative on internal teeth
     space: float
+    #: both angles on the side of left flanks, if they differ
+    left: tuple[float, float] | None = None
+
+    def _angles(self, side: Side) -> tuple[float, float]:
+        """Return pressure angle and half of the angle of the space on a side, rad."""
+        own = self.pressure_angle, self.space
+        return self.left if side is Side.LEFT and self.left is not None else own
+
+    def _lift(self, side: Side) -> float:
+        """Return the rise of the ball for each mm that the flank of a side moves into the space."""
+        (alpha, space), (other, other_space) = self._angles(side), self._angles(side.other)
+        turned = other + other_space
+        return float(np.cos(alpha) * np.cos(turned) / np.sin(alpha + space + turned))
 
     def heights(self, right: PitchDeviations, left: PitchDeviations) -> Array:
         """Return the outward displacements (N,), mm, of the ball in the space before tooth k, between its right flank
         and the left flank of the tooth before."""
-        narrowing = np.roll(left.index, 1) - right.index
-        return np.asarray(narrowing / self._into)
-
-    @property
-    def _into(self) -> float:
-        """Distance that both flanks together move into the space for each mm that they lift the ball."""
-        return float(2.0 * np.sin(self.pressure_angle + self.space) / np.cos(self.pressure_angle))
+        return np.asarray(np.roll(left.index, 1) * self._lift(Side.LEFT) - right.index * self._lift(Side.RIGHT))
 
     def other_side(self, known: Side, pitch: PitchDeviations, heights: Array) -> PitchDeviations:
         """Return the pitch deviations of the side that was not measured.
@@ -102,10 +113,10 @@ class BallInSpace:
         The measured side is `known`, with the deviations `pitch`, and the ball rests at `heights` (N,), mm, in the
         spaces; their mean has no effect.
         """
-        narrowing = self._into * (heights - heights.mean())
+        on_right, on_left, risen = self._lift(Side.RIGHT), self._lift(Side.LEFT), heights - heights.mean()
         if known is Side.RIGHT:
-            return PitchDeviations(np.roll(pitch.index + narrowing, -1))
-        return PitchDeviations(np.roll(pitch.index, 1) - narrowing)
+            return PitchDeviations(np.roll((pitch.index * on_right + risen) / on_left, -1))
+        return PitchDeviations((np.roll(pitch.index, 1) * on_left - risen) / on_right)
 
     def eccentric(self, size: float, phase: float, teeth: int) -> dict[Side, PitchDeviations]:
         """Return the pitch deviations of teeth whose axis is displaced by `size`, mm, in first order.
@@ -117,14 +128,13 @@ class BallInSpace:
         normal points the other way, moves by e (sin u - tan(alpha) cos u).
         """
         sense = np.copysign(1.0, self.space)
-        half_tooth = np.pi / teeth - abs(self.space)
         directions = phase - 2.0 * np.pi * np.arange(teeth) / teeth
-        normal_slope = sense * np.tan(self.pressure_angle)
-        return {
-            side: PitchDeviations(size * (np.sin(u) - side.sign * normal_slope * np.cos(u)))
-            for side in Side
-            for u in [directions + side.sign * half_tooth]
-        }
+        found = {}
+        for side in Side:
+            alpha, space = self._angles(side)
+            u = directions + side.sign * (np.pi / teeth - abs(space))
+            found[side] = PitchDeviations(size * (np.sin(u) - side.sign * sense * np.tan(alpha) * np.cos(u)))
+        return found
 
     def both_sides(self, heights: Array) -> dict[Side, PitchDeviations]:
         """Return the pitch deviations of both sides if only heights (N,), mm, of the ball were measured.
@@ -136,9 +146,8 @@ class BallInSpace:
         spaces = 2.0 * np.pi * (np.arange(heights.size) - 0.5) / heights.size
         harmonic = 2.0 * np.mean(heights * np.exp(1j * spaces)) * np.copysign(1.0, self.space)
         eccentric_pitch = self.eccentric(float(np.abs(harmonic)), float(np.angle(harmonic)), heights.size)
-        half_narrowing = (
-            0.5 * self._into * (heights - self.heights(eccentric_pitch[Side.RIGHT], eccentric_pitch[Side.LEFT]))
-        )
+        rest = heights - self.heights(eccentric_pitch[Side.RIGHT], eccentric_pitch[Side.LEFT])
+        half_narrowing = rest / (self._lift(Side.RIGHT) + self._lift(Side.LEFT))
         return {
             Side.RIGHT: PitchDeviations(eccentric_pitch[Side.RIGHT].index - half_narrowing),
             Side.LEFT: PitchDeviations(eccentric_pitch[Side.LEFT].index + np.roll(half_narrowing, -1)),

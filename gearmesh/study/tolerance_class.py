@@ -98,10 +98,11 @@ def _limits(member: Member, side: Side, basis: InspectionBasis, number: int) -> 
         raise ArgumentError(
             "tolerance", entry=CLASS_KEY, reason=f"the {member.name} is beyond the range of {basis.sizes.standard}"
         )
-    if basis.involute is None:
+    involute = basis.involute_of(side)
+    if involute is None:
         return {}
-    profile, helix = basis.involute.profile, basis.involute.helix_trace
-    flank_length = _flank_length(member, side, basis.involute)
+    profile, helix = involute.profile, involute.helix_trace
+    flank_length = _flank_length(member, side, involute)
     evaluated_length, face = (abs(trace.slope[1] - trace.slope[0]) for trace in (profile, helix))
     return {
         "profile_slope": um["f_HaT"] / UM_PER_MM * flank_length / evaluated_length,

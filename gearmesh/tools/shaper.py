@@ -17,7 +17,7 @@ The surface is the cylinder over this section, `RackSurface(profile, helix=0, co
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -50,8 +50,20 @@ class Involute:
 
 
 @dataclass(frozen=True)
+class ShaperFlank:
+    """Flank of a shaper's tooth: pressure angle and additional thickness of symmetric teeth with this flank."""
+
+    #: pressure angle, rad
+    pressure_angle: float
+    #: additional tooth thickness on the pitch circle, mm
+    thicker: float = 0.0
+
+
+@dataclass(frozen=True)
 class Shaper:
-    """An involute spur shaper.
+    """An involute spur shaper. Its profile is one flank, with half of the tooth up to the tooth's middle.
+
+    A tooth whose other flank is not the mirror image has an `opposite` flank. Both flanks together leave the top land.
 
     Raises DesignError, with key, value and limit, for a pointed tip or a tip without room for its rounding.
     """
@@ -70,17 +82,19 @@ class Shaper:
     profile_shift: float = 0.0
     #: additional tooth thickness on the pitch circle, mm, without a longer addendum
     thicker: float = 0.0
+    #: the tooth's other flank; None for symmetric teeth
+    opposite: ShaperFlank | None = None
 
     def __post_init__(self) -> None:
-        if self.top_radius <= self.base_radius:
-            limit = (self.base_radius - self.pitch_radius) / self.module
+        if self.top_radius <= self.largest_base_radius:
+            limit = (self.largest_base_radius - self.pitch_radius) / self.module
             raise DesignError(
                 "shaper.addendum",
                 self.addendum / self.module,
                 unit="modules with the shift",
                 allowed=f"more than {limit:.4g}",
             )
-        beyond = self._top_angle(0.0) - np.pi / self.teeth
+        beyond = self._half_space(0.0) - np.pi / self.teeth
         if beyond > 0.0:
             raise VagueError(
                 "shaper.addendum",
@@ -101,7 +115,7 @@ class Shaper:
     @property
     def largest_tip_radius(self) -> float:
         """Largest rounding (mm) for which the tip has room."""
-        ends = np.zeros(1), np.array([self.top_radius - self.base_radius])
+        ends = np.zeros(1), np.array([self.top_radius - self.largest_base_radius])
         largest, _ = last_true(lambda radius, _: np.array([self._fits(float(r)) for r in radius]), *ends)
         return float(largest[0])
 
@@ -114,6 +128,21 @@ class Shaper:
         return float(self.pitch_radius * np.cos(self.pressure_angle))
 
     @property
+    def other_flank(self) -> Shaper:
+        """The tooth seen from its other flank; this tooth itself if it is symmetric."""
+        other = self.opposite
+        if other is None:
+            return self
+        own = ShaperFlank(self.pressure_angle, self.thicker)
+        return replace(self, pressure_angle=other.pressure_angle, thicker=other.thicker, opposite=own)
+
+    @property
+    def largest_base_radius(self) -> float:
+        """Base radius of the flank with the larger one, mm."""
+        angles = [self.pressure_angle, *([] if self.opposite is None else [self.opposite.pressure_angle])]
+        return max(float(self.pitch_radius * np.cos(angle)) for angle in angles)
+
+    @property
     def top_radius(self) -> float:
         """Radius of the top cylinder, mm."""
         return self.pitch_radius + self.addendum
@@ -121,9 +150,7 @@ class Shaper:
     @property
     def theta_0(self) -> float:
         """Half of the space's width on the base circle, rad [LF04 18.5.3]; a profile shift makes the space narrower."""
-        tangent = np.tan(self.pressure_angle)
-        half_space = (0.5 * np.pi - 2.0 * self.profile_shift * tangent - self.thicker / self.module) / self.teeth
-        return float(half_space - (tangent - self.pressure_angle))
+        return self._theta_0(self._flank)
 
     @property
     def description(self) -> ToolDescription:
@@ -171,18 +198,39 @@ class Shaper:
         return float(np.sqrt((radius / self.base_radius) ** 2 - 1.0))
 
     def _fits(self, radius: float) -> bool:
-        """Return True if a rounding of `radius` mm lies above the base circle and leaves a top land."""
-        return radius <= self.top_radius - self.base_radius and self._top_angle(radius) <= np.pi / self.teeth
+        """Return True if a rounding of `radius` mm lies above the base circles and leaves a top land."""
+        above = radius <= self.top_radius - self.largest_base_radius
+        return above and self._half_space(radius) <= np.pi / self.teeth
 
     def _centre_roll(self, radius: float) -> float:
         """Return the distance of the rounding's centre from the base circle, along the tangent, in base radii."""
         # the centre lies on the involute's normal, `radius` away from the involute
         return self.theta_at(self.top_radius - radius)
 
+    @property
+    def _flank(self) -> ShaperFlank:
+        return ShaperFlank(self.pressure_angle, self.thicker)
+
+    def _theta_0(self, flank: ShaperFlank) -> float:
+        """Return half of the space's width on the base circle of a flank, rad."""
+        tangent = np.tan(flank.pressure_angle)
+        half_space = (0.5 * np.pi - 2.0 * self.profile_shift * tangent - flank.thicker / self.module) / self.teeth
+        return float(half_space - (tangent - flank.pressure_angle))
+
     def _top_angle(self, radius: float) -> float:
         """Return the polar angle (rad) at which a rounding of `radius` mm touches the top cylinder.
 
         The angle is counted from the middle of the space.
         """
-        roll = self._centre_roll(radius)
-        return float(self.theta_0 + roll + radius / self.base_radius - np.arctan(roll))
+        return self._flank_top_angle(self._flank, radius)
+
+    def _half_space(self, radius: float) -> float:
+        """Return half of the polar angle (rad) of a space between roundings of `radius` mm at the top cylinder."""
+        flanks = (self._flank, self.opposite or self._flank)
+        return 0.5 * sum(self._flank_top_angle(flank, radius) for flank in flanks)
+
+    def _flank_top_angle(self, flank: ShaperFlank, radius: float) -> float:
+        """Return the polar angle (rad) at which a rounding of `radius` mm on a flank touches the top cylinder."""
+        base = float(self.pitch_radius * np.cos(flank.pressure_angle))
+        roll = float(np.sqrt(((self.top_radius - radius) / base) ** 2 - 1.0))
+        return float(self._theta_0(flank) + roll + radius / base - np.arctan(roll))

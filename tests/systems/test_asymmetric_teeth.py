@@ -1,4 +1,4 @@
-"""Asymmetric teeth of kind beveloid: two base circles, fillets against a rack in all positions, contact of both sides."""
+"""Asymmetric teeth: two base circles, fillets against a rack in all positions, contact of both sides."""
 
 from __future__ import annotations
 
@@ -39,6 +39,16 @@ def with_helix(beta: float, **more: Any) -> dict[str, Any]:
 RING = {"teeth": -50, "face_width": 15, "addendum": 0.7, "profile_shift": 0.1}
 
 
+def cylindrical(keys: dict[str, Any], **more: Any) -> dict[str, Any]:
+    """The same teeth by the keys of kind cylindrical."""
+    members = {
+        name: {key: value for key, value in keys[name].items() if key != "helix_angle"} | {"tool_tip_radius": 0.38}
+        for name in ("pinion", "gear")
+    }
+    helix = keys["pinion"].get("helix_angle", 0.0)
+    return {**keys, "kind": "cylindrical", "helix_angle": helix, **members, **more}
+
+
 @pytest.mark.parametrize("flank", ["right", "left"])
 @pytest.mark.parametrize(
     "keys", [with_helix(0.0), with_helix(15.0), with_helix(10.0, gear=RING)], ids=["spur", "helical", "ring"]
@@ -53,12 +63,13 @@ def test_both_sides_are_conjugate_without_backlash_at_the_distance_of_both(keys:
     assert tight["backlash_normal_min_mm"] == pytest.approx(0.0, abs=1e-9)
 
 
+@pytest.mark.parametrize("kind", ["beveloid", "cylindrical"])
 @pytest.mark.parametrize("beta", [0.0, 15.0])
 @pytest.mark.parametrize("name", ["pinion", "gear"])
-def test_flanks_are_involutes_of_their_base_circles(name: str, beta: float) -> None:
-    keys = with_helix(beta)
+def test_flanks_are_involutes_of_their_base_circles(name: str, beta: float, kind: str) -> None:
+    keys = with_helix(beta) if kind == "beveloid" else cylindrical(with_helix(beta))
     tooth, spec = built(keys).members[name].tooth, keys[name]
-    helix = math.radians(spec["helix_angle"])
+    helix = math.radians(beta if name == "pinion" else -beta)
     radius = spec["teeth"] / math.cos(helix)
     reduction = 0.025 / math.cos(math.radians(DRIVE))
     for side, alpha in ((Side.RIGHT, math.radians(DRIVE)), (Side.LEFT, math.radians(COAST))):
@@ -84,10 +95,11 @@ def clearance(points: Array, alpha: float, half: float, tip: float, rounding: fl
     return np.where(beside, np.linalg.norm(away, axis=1), np.maximum(by_flank, by_tip)) - rounding
 
 
+@pytest.mark.parametrize("kind", ["beveloid", "cylindrical"])
 @pytest.mark.parametrize("side", [Side.RIGHT, Side.LEFT])
-def test_flank_and_fillet_are_what_a_rack_leaves_in_all_its_positions(side: Side) -> None:
+def test_flank_and_fillet_are_what_a_rack_leaves_in_all_its_positions(side: Side, kind: str) -> None:
     """Every point touches the rack in one position, and no position cuts deeper."""
-    tooth = built(SPUR).members["pinion"].tooth
+    tooth = built(SPUR if kind == "beveloid" else cylindrical(SPUR)).members["pinion"].tooth
     alpha, m, radius = math.radians(DRIVE if side is Side.RIGHT else COAST), 2.0, 20.0
     half = 0.5 * math.pi - 0.025 / math.cos(math.radians(DRIVE)) + 0.6 * math.tan(alpha)
     regions = FLANK_REGIONS[side], FILLET_REGIONS[side]
@@ -142,6 +154,150 @@ def test_solid_of_an_asymmetric_tooth_is_closed() -> None:
     gears = built(with_helix(10.0, gear=RING))
     for name in ("pinion", "gear"):
         assert gears.solid(name, 0.02).figures["watertight"]
+
+
+CYLINDER: dict[str, Any] = {
+    "kind": "cylindrical",
+    "module": 2,
+    "backlash": 0.1,
+    "pressure_angle": DRIVE,
+    "coast_pressure_angle": COAST,
+    "helix_angle": 15,
+    "pinion": {"teeth": 20, "face_width": 15, "profile_shift": 0.2},
+    "gear": {"teeth": 41, "face_width": 15},
+}
+CYLINDERS: dict[str, dict[str, Any]] = {
+    "external": CYLINDER,
+    "shaped": {**CYLINDER, "pinion": {**CYLINDER["pinion"], "shaper": {"teeth": 24}}},
+    "hob": {**CYLINDER, "pinion": {**CYLINDER["pinion"], "hob": {"protuberance": 0.05, "stock": 0.05}}},
+    "internal": {**CYLINDER, "gear": {"teeth": -62, "face_width": 15}},
+    "formed": {**CYLINDER, "helix_angle": 0, "gear": {"teeth": -62, "face_width": 15, "manufacture": "formed"}},
+    "rack": {
+        **{key: value for key, value in CYLINDER.items() if key != "gear"},
+        "kind": "rack",
+        "rack": {"teeth": 12, "face_width": 15},
+    },
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "flank"),
+    [("external", "right"), *((name, "left") for name in CYLINDERS)],
+    ids=["drive", *CYLINDERS],
+)
+@pytest.mark.sweep_cases("shaped", "hob", "formed")
+def test_cylindrical_gears_are_conjugate_with_the_backlash_of_their_sheet(name: str, flank: str) -> None:
+    gears = built({**CYLINDERS[name], "contact": {"flank": flank}})
+    summary = gears.contact([-2.0, 1.0]).summary
+    assert summary["te_peak_to_peak_arcsec"] < 1e-9 * 3600.0
+    backlash = gears.sheet().plain_tables["Backlash"]
+    wanted = 0.1 if flank == "right" else backlash["j_bn_coast"][2]
+    assert summary["backlash_normal_min_mm"] == pytest.approx(wanted, abs=1e-8)
+
+
+@pytest.mark.parametrize("flank", ["right", "left"])
+@pytest.mark.sweep_cases("left")
+def test_planets_touch_the_ring_with_their_other_flanks(flank: str) -> None:
+    members = {name: {"teeth": z, "face_width": 15} for name, z in (("sun", 18), ("planet", 27), ("ring", 72))}
+    shared = {key: CYLINDER[key] for key in ("module", "backlash", "pressure_angle", "coast_pressure_angle")}
+    gears = built({"kind": "planetary", **shared, **members, "contact": {"flank": flank}})
+    coast = 0.1 / math.cos(math.radians(DRIVE)) * math.cos(math.radians(COAST))
+    for pair, normal in ((0, 0.1 if flank == "right" else coast), (3, coast if flank == "right" else 0.1)):
+        summary = gears.contact([-2.0, 1.0], pair=pair).summary
+        assert summary["te_peak_to_peak_arcsec"] < 1e-9 * 3600.0
+        assert summary["backlash_normal_min_mm"] == pytest.approx(normal, abs=1e-8)
+
+
+def flanks_and_fillets(keys: dict[str, Any], name: str, side: Side, sign: float) -> Array:
+    """Points of one side of a member, mirrored where `sign` is -1, from root to tip."""
+    tooth = built(keys).members[name].tooth
+    sections = tooth.sections([0.2, 0.5])
+    regions = FLANK_REGIONS[side], FILLET_REGIONS[side]
+    grids = [tooth.grid(region, np.linspace(0.0, 1.0, 7), sections).points[:: side.sign] for region in regions]
+    return np.concatenate(grids) * np.array([1.0, sign, 1.0])
+
+
+@pytest.mark.parametrize("name", ["external", "shaped", "hob", "internal"])
+@pytest.mark.sweep_cases("shaped", "hob")
+def test_coast_side_is_the_drive_side_of_the_mirrored_pair(name: str) -> None:
+    keys = CYLINDERS[name]
+    normal = built(keys).sheet().plain_tables["Backlash"]["j_bn_coast"][2]
+    swapped = {"pressure_angle": COAST, "coast_pressure_angle": DRIVE, "hand": "left", "backlash": normal}
+    for member in ("pinion", "gear"):
+        for side in Side:
+            own = flanks_and_fillets(keys, member, side, 1.0)
+            mirrored = flanks_and_fillets({**keys, **swapped}, member, side.other, -1.0)
+            assert np.abs(own - mirrored).max() < 1e-7
+
+
+def test_equal_angles_are_symmetric_cylindrical_teeth() -> None:
+    plain = {key: value for key, value in CYLINDER.items() if key != "coast_pressure_angle"}
+    ours, theirs = built({**plain, "coast_pressure_angle": DRIVE}), built(plain)
+    for name in ("pinion", "gear"):
+        assert np.array_equal(ours.solid(name, 0.05).mesh.vertices, theirs.solid(name, 0.05).mesh.vertices)
+    own, other = ours.sheet().plain_tables, theirs.sheet().plain_tables
+    assert {**own, "Derived keys (lengths in mm)": 0} == {**other, "Derived keys (lengths in mm)": 0}
+
+
+@pytest.mark.parametrize("name", ["external", "internal"])
+def test_a_ball_touches_both_flanks_of_a_helical_space(name: str) -> None:
+    """The distance of its centre from both exact flanks is its radius."""
+    gears = built(CYLINDERS[name])
+    sheet, tooth = gears.sheet().plain_tables["Measures of the tooth thickness"], gears.members["gear"].tooth
+    centre, diameter = 0.5 * sheet["d_K"][2], sheet["D_M"][2]
+    # flanks of the tooth and of the next one, in the transverse plane of the ball and beside it
+    shares = np.linspace(0.0, 1.0, 400), np.linspace(0.3, 0.7, 400)
+    points = {side: tooth.flank_grid(side, *shares).points.reshape(-1, 3) for side in Side}
+    c, s = math.cos(tooth.pitch_angle), math.sin(tooth.pitch_angle)
+    points[Side.RIGHT] = points[Side.RIGHT] @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+
+    def gaps(angle: float) -> dict[Side, float]:
+        at = centre * np.array([math.cos(angle), math.sin(angle), 0.0])
+        return {side: float(np.linalg.norm(cloud - at, axis=1).min()) for side, cloud in points.items()}
+
+    low, high = 0.2 * tooth.pitch_angle, 0.8 * tooth.pitch_angle
+    for _ in range(24):
+        middle = 0.5 * (low + high)
+        found = gaps(middle)
+        low, high = (middle, high) if found[Side.LEFT] < found[Side.RIGHT] else (low, middle)
+    assert [2.0 * gap for gap in found.values()] == pytest.approx([diameter] * 2, abs=1e-3)
+
+
+def test_sheet_says_both_sides_and_what_asymmetric_teeth_do_not_have() -> None:
+    fixed = {"profile_shift": 0.1, "tip_alteration": 0.0, "tool_tip_radius": 0.3}
+    members = {name: {**CYLINDER[name], **fixed} for name in ("pinion", "gear")}
+    given = {**CYLINDER, **members}
+    sheet = built(given).sheet()
+    tables = sheet.plain_tables
+    assert tables["Sides of asymmetric teeth"]["side"][1:] == ["drive", "coast"] * 2
+    assert tables["Pair"]["alpha_n"][1:] == [DRIVE, COAST]
+    # each side has the contact ratio and the sliding of symmetric teeth of its angle at this centre distance
+    for number, alpha in enumerate((DRIVE, COAST)):
+        plain = {key: value for key, value in given.items() if key != "coast_pressure_angle"}
+        distance = {"center_distance": tables["Pair"]["a"][1]}
+        alone = built({**plain, "pressure_angle": alpha, "backlash": 0.1, "assembly": distance}).sheet().plain_tables
+        assert tables["Pair"]["alpha_wt"][1 + number] == pytest.approx(alone["Pair"]["alpha_wt"][1], abs=1e-8)
+        assert tables["Contact from A to E"]["zeta_E"][1 + 2 * number] == pytest.approx(
+            alone["Contact from A to E"]["zeta_E"][1], abs=1e-8
+        )
+    assert tables["Measures of the tooth thickness"]["W_k"][1:] == [None, None]
+    reasons = {missing.symbol: missing.reason for table in sheet.tables for missing in table.missing}
+    assert "two base circles" in reasons["W_k"]
+    assert "symmetric" in reasons["s_Fn"]
+
+
+@pytest.mark.parametrize(
+    ("keys", "refused"),
+    [
+        ({"pinion": {**CYLINDER["pinion"], "span": {"teeth": 3}}}, "pinion.span"),
+        ({"coast_pressure_angle": 0.5}, "coast_pressure_angle"),
+        ({"pinion": {**CYLINDER["pinion"], "tool_tip_radius": 0.8}}, "pinion.tool_tip_radius"),
+    ],
+)
+def test_what_asymmetric_cylindrical_teeth_cannot_have_is_refused(keys: dict[str, Any], refused: str) -> None:
+    with pytest.raises(DesignError) as refusal:
+        built({**CYLINDER, "backlash": 0.1, **keys})
+    assert str(refusal.value.key).startswith(refused)
 
 
 def test_refusals() -> None:

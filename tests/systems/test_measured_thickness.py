@@ -60,7 +60,7 @@ def test_balls_of_din_3977() -> None:
     # the standard's own formula approximates the ideal one
     assert measures.best_ball(teeth, middle) == pytest.approx(6.475, abs=0.003)
     circles = teeth.radius_at(1.5 * 3.5), teeth.radius_at(-0.75 * 3.5)
-    assert measures.ball_diameter(teeth, (teeth.base_radius + 1.0, circles[0]), circles) == 6.5
+    assert measures.ball_diameter(teeth, [(teeth.base_radius + 1.0, circles[0])], circles) == 6.5
     assert (measures.ball_contact_radius(teeth, 6.0) - middle) / 3.5 == pytest.approx(-0.113, abs=5e-4)
 
 
@@ -200,8 +200,8 @@ def test_what_cannot_be_measured_is_refused_in_one_line(keys: dict[str, Any], sa
 def test_the_range_of_balls_ends_where_they_cease_to_touch() -> None:
     teeth = Toothing(30, 2.0, ALPHA, math.radians(10.0), shift=0.2)
     flank, circles = (teeth.base_radius + 0.3, teeth.radius + 2.4), (teeth.radius + 2.4, teeth.radius - 2.1)
-    between = measures.ball_range(teeth, flank, circles)
+    between = measures.ball_range(teeth, [flank], circles)
     assert between is not None
     for end, away in zip(between, (-1e-6, 1e-6), strict=True):
-        assert measures.ball_fits(teeth, end - away, flank, circles)
-        assert not measures.ball_fits(teeth, end + away, flank, circles)
+        assert measures.ball_fits(teeth, end - away, [flank], circles)
+        assert not measures.ball_fits(teeth, end + away, [flank], circles)

@@ -212,19 +212,20 @@ class Correction(Result):
         """
         inspection = systems.system_of(self.design).inspection
         basis = None if inspection is None else inspection(self.design, self.train, self.member)
-        if basis is None or basis.involute is None or side not in self.residual:
+        involute = None if basis is None else basis.involute_of(side)
+        if involute is None or side not in self.residual:
             raise ArgumentError(
                 "topography", str(side), reason="no involute flank was measured there", allowed="cylindrical gears"
             )
         grid = self.residual[side]
-        rolls = basis.involute.roll_length(np.hypot(grid.points[..., 0], grid.points[..., 1]))
+        rolls = involute.roll_length(np.hypot(grid.points[..., 0], grid.points[..., 1]))
         z = grid.points[..., 2]
         across, along = rolls.mean(axis=1), z.mean(axis=0)
         if max(np.ptp(rolls, axis=1).max(), np.ptp(z, axis=0).max()) > GRID_TOLERANCE_MM:
             raise ArgumentError(
                 "topography", str(side), reason="its points are on no grid over roll length and face", allowed="a grid"
             )
-        amounts = in_transverse_plane(grid.values, basis.involute.base_helix)
+        amounts = in_transverse_plane(grid.values, involute.base_helix)
         i, j = np.argsort(across), np.argsort(along)
         return topography_text(
             TopographyGrid(

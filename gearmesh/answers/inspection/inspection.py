@@ -73,10 +73,14 @@ class Inspection(Result):
     def _traces(
         self, trace: Callable[[Tooth, Side, FlankDeviations, InvoluteFlank], MeasuredTrace]
     ) -> dict[Side, MeasuredTrace]:
-        involute = None if self._basis is None else self._basis.involute
-        if involute is None:
+        basis, tooth = self._basis, self.member.tooth
+        if basis is None:
             return {}
-        return {side: trace(self.member.tooth, side, deviations, involute) for side, deviations in self._flanks}
+        return {
+            side: trace(tooth, side, deviations, involute)
+            for side, deviations in self._flanks
+            if (involute := basis.involute_of(side)) is not None
+        }
 
     @property
     def runout(self) -> float | None:

@@ -18,6 +18,7 @@ from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PairRunout
 from gearmesh.systems.common.defaults import ROOM_SHARE, straight_rounding
 from gearmesh.systems.common.internal_keys import check_ring, with_internal
+from gearmesh.systems.common.pressure_angles import coast_pressure_angle_key
 from gearmesh.systems.kinds import OWN_KINDS
 
 #: angles (deg) closer than this to parallel axes are parallel
@@ -152,13 +153,7 @@ class BeveloidDesign(PairDesign):
         high=45,
         source="[LT02] Table 1",
     )
-    coast_pressure_angle: float | None = keys.angle(
-        "normal pressure angle of the coast side of asymmetric teeth: the pinion's left flanks and the gear's that they touch",
-        None,
-        low=1,
-        high=45,
-        default="pressure_angle",
-    )
+    coast_pressure_angle: float | None = coast_pressure_angle_key()
     pinion: BeveloidMember
     gear: BeveloidMember
     assembly: BeveloidAssembly = BeveloidAssembly()

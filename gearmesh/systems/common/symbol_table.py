@@ -79,14 +79,31 @@ def table(title: str, columns: tuple[str, ...], rows: Iterable[Row]) -> SheetTab
     )
 
 
+def side_by_side(parts: Sequence[Sequence[Row]]) -> list[Row]:
+    """Return rows with the values of all parts, which have the same rows."""
+    first, *others = parts
+    return [
+        (*row[:3], tuple(value for part in (row, *beside) for value in part[3]))
+        for row, *beside in zip(first, *others, strict=True)
+    ]
+
+
 def column_of(of: SheetTable, column: int) -> SheetTable:
     """Return a table with only one of its columns, by number; an empty table is unchanged."""
+    return columns_of(of, (column,))
+
+
+def columns_of(of: SheetTable, columns: Iterable[int]) -> SheetTable:
+    """Return a table with only some of its columns, by numbers; an empty table is unchanged."""
     if not of.columns:
         return of
-    name = of.columns[column]
-    rows = tuple((*row[:FIRST_VALUE_COLUMN], row[FIRST_VALUE_COLUMN + column]) for row in of.rows)
+    numbers = [*columns]
+    names = tuple(of.columns[column] for column in numbers)
+    rows = tuple(
+        (*row[:FIRST_VALUE_COLUMN], *(row[FIRST_VALUE_COLUMN + column] for column in numbers)) for row in of.rows
+    )
     # columns of the same name belong to one member
-    return replace(of, columns=(name,), rows=rows, missing=tuple(_once(m for m in of.missing if m.column == name)))
+    return replace(of, columns=names, rows=rows, missing=tuple(_once(m for m in of.missing if m.column in names)))
 
 
 def _once(missing: Iterable[MissingValue]) -> Iterable[MissingValue]:

@@ -26,7 +26,7 @@ from gearmesh.systems.common.tooth_edges import with_end_chamfers
 from gearmesh.systems.cylindrical.cutting.cutter import other_cutters, trimming_warnings
 from gearmesh.systems.cylindrical.cutting.hobbed import hobbed_racks
 from gearmesh.systems.cylindrical.cutting.run_out import run_outs
-from gearmesh.systems.cylindrical.cutting.shaped import cut_of, shaped_member
+from gearmesh.systems.cylindrical.cutting.shaped import cuts_of, shaped_member
 from gearmesh.systems.cylindrical.design import BASIC_RACKS
 from gearmesh.systems.cylindrical.double_helical import HALF_NOTE, double_helical_member, half_of
 from gearmesh.systems.cylindrical.geometry.geometry import distance_of, sum_of_shifts
@@ -115,13 +115,13 @@ def _toothed_member(gear: GearProportions) -> Member:
             excess=(root - tip) * own.sense,
         )
     if not spec.hobbed:
-        made = shaped_member(name, spec, cut_of(gear), tip_key, f"theta_{letter}", f"u_{letter}")
+        made = shaped_member(name, spec, cuts_of(gear), tip_key, f"theta_{letter}", f"u_{letter}")
         made = with_modifications(with_tip_surface(made, spec, tip), spec, internal=own.internal)
         own_flanks = made.tooth.unmodified_tooth is made.tooth
         return with_true_involutes(made, internal=own.internal) if own_flanks else made
     racks = hobbed_racks(name, spec, own, Heights(tip - own.radius, root - own.radius))
     parameters = rack_parameters(f"l_{letter}", f"u_{letter}")
-    way_out = run_outs(gear, racks[0])
+    way_out = run_outs(gear, racks)
     made = member(name, spec, racks, Roll(own.radius, own.beta, 0.0), parameters, tip_key, way_out=way_out)
     return with_modifications(with_tip_surface(made, spec, tip), spec)
 

@@ -24,6 +24,7 @@ from gearmesh.design.keys import DERIVED_VALUE, MM_PER, Table, conflict, given_o
 from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PairRunout
 from gearmesh.systems.common.internal_keys import check_ring, with_internal
+from gearmesh.systems.common.pressure_angles import coast_pressure_angle_key
 from gearmesh.systems.cylindrical.allowance_keys import (
     BallMeasurement,
     CenterDistanceAllowance,
@@ -368,7 +369,7 @@ class ToothingKeys(Design):
         "basic rack: addendum, dedendum and tip rounding", tuple(BASIC_RACKS), "A", source="ISO 53"
     )
     pressure_angle: float = keys.angle(
-        "normal pressure angle",
+        "normal pressure angle; with a coast_pressure_angle that of the drive side, the pinion's right flanks",
         DERIVED_VALUE,
         low=1,
         high=45,
@@ -378,6 +379,7 @@ class ToothingKeys(Design):
     transverse_pressure_angle: float | None = keys.angle(
         "transverse pressure angle, instead of the normal one", None, low=1, high=60, default="by pressure_angle"
     )
+    coast_pressure_angle: float | None = coast_pressure_angle_key()
     helix_angle: float = keys.angle("helix angle at the reference cylinder", 0.0, low=0, high=60)
     hand: str = keys.choice("hand of the pinion's helix", ("right", "left"), "right")
     backlash: float = keys.length(
@@ -460,6 +462,11 @@ class ToothingKeys(Design):
             tangent = math.tan(math.radians(self.transverse_pressure_angle))
             return math.degrees(math.atan(tangent * math.cos(math.radians(self.helix_angle))))
         return given_or(self.pressure_angle, 20.0)
+
+    @property
+    def coast_angle(self) -> float | None:
+        """Normal pressure angle of the coast side of asymmetric teeth, deg; None for symmetric teeth."""
+        return None if self.coast_pressure_angle == self.normal_angle else self.coast_pressure_angle
 
     def derived_values(self) -> dict[str, float]:
         """Return the defaults that the profile gives; the system derives those that follow from the mesh.

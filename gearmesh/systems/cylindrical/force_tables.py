@@ -32,7 +32,7 @@ def pair_forces(design: CylindricalDesign, torque: float, speed: float | None) -
     own = complete_design(design).in_mm()
     mesh = proportions(half_of(own)).mesh
     flank = Side(own.contact.flank)
-    forces, ratio = mesh_forces(mesh, torque, flank.sign), mesh.gear.teeth / mesh.pinion.teeth
+    forces, ratio = mesh_forces(mesh.working_side(flank), torque, flank.sign), mesh.gear.teeth / mesh.pinion.teeth
     senses = (mesh.pinion.sense, mesh.gear.sense)
     rows = running_rows((torque, torque * ratio), None if speed is None else (speed, speed / ratio))
     if speed is not None:
@@ -85,7 +85,7 @@ def rack_forces(design: RackDesign, torque: float, speed: float | None) -> tuple
     own = complete_design(design).in_mm()
     mesh = rack_proportions(half_of(own)).mesh
     flank = Side(own.contact.flank)
-    forces = mesh_forces(mesh, torque, flank.sign)
+    forces = mesh_forces(mesh.working_side(flank), torque, flank.sign)
     turning = running_rows((torque,), None if speed is None else (speed,))
     rows: list[Row] = [(*row[:3], (*row[3], None)) for row in turning]
     if speed is not None:
@@ -125,8 +125,8 @@ def set_forces(design: PlanetaryDesign, torque: float, speed: float | None) -> t
     halves = own.double_helical
     inner, outer = (proportions(mesh).mesh for mesh in (both.inner, both.outer))
     # the planet drives the ring with its other flanks
-    with_sun = mesh_forces(inner, share, flank.sign)
-    with_ring = mesh_forces(outer, share * teeth[1] / teeth[0], flank.other.sign)
+    with_sun = mesh_forces(inner.working_side(flank), share, flank.sign)
+    with_ring = mesh_forces(outer.working_side(flank.other), share * teeth[1] / teeth[0], flank.other.sign)
     halves = own.double_helical
     pin: list[Row] = [
         ("F_pt", "tangential, at the circle of the planets' axes", "N", (with_sun.tangential + with_ring.tangential,)),

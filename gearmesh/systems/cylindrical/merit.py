@@ -7,11 +7,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from gearmesh.errors import VagueError
+from gearmesh.systems.cylindrical.geometry.geometry import flank_sides
 from gearmesh.systems.cylindrical.geometry.interference import reserves
 from gearmesh.systems.cylindrical.geometry.line_of_action import LineOfAction, form_roll_length, undercut_reserve
 from gearmesh.systems.cylindrical.geometry.measures import thickness_at
 from gearmesh.systems.cylindrical.geometry.nominal import MEMBER_NAMES
 from gearmesh.systems.cylindrical.geometry.proportions import GearProportions, PairProportions, proportions
+from gearmesh.teeth.region import Side
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import CylindricalDesign
@@ -56,10 +58,10 @@ def mesh_merit(design: CylindricalDesign) -> MeshMerit:
     """Return the merits of the mesh of a complete design. Raises DesignError for teeth that cannot exist."""
     geometry = proportions(design)
     mesh, both = geometry.mesh, (geometry.mesh.pinion, geometry.mesh.gear)
-    # flanks in closed form, from the form point or base circle to the tip
-    line = LineOfAction(mesh, (_flank(geometry.gears[0]), _flank(geometry.gears[1])))
+    lines = side_lines(geometry)
+    line = lines[0]
     points = line.points
-    eps_alpha = line.contact_ratio
+    eps_alpha = min(of_side.contact_ratio for of_side in lines)
     width = min(design.pinion.face_width, design.gear.face_width)
     first, second = tip_thicknesses(geometry)
     for name, thickness, tip in zip(MEMBER_NAMES, (first, second), geometry.tips, strict=True):
@@ -69,8 +71,8 @@ def mesh_merit(design: CylindricalDesign) -> MeshMerit:
                 reason=f"the tooth is pointed below its tip diameter of {2.0 * tip:.6g} mm",
                 excess=-thickness,
             )
-    undercut = min(undercut_reserve(gear) for gear in geometry.gears)
-    interference = min(line.interference_reserve(toothing) for toothing in both)
+    undercut = min(undercut_reserve(gear, side) for gear in geometry.gears for side in flank_sides(gear.own))
+    interference = min(of_side.interference_reserve(number) for of_side in lines for number in (0, 1))
     passing = reserves(mesh, geometry.tips).trochoid if design.gear.internal else math.inf
     faults = {
         "undercut": undercut < -LENGTH_ROUNDING_MM,
@@ -101,9 +103,21 @@ def tip_thicknesses(geometry: PairProportions) -> tuple[float, float]:
     return pinion_tip, gear_tip
 
 
-def _flank(gear: GearProportions) -> tuple[float, float]:
-    """Return the roll lengths of a member's flank at root and tip, as cut by its tool.
+def side_lines(geometry: PairProportions) -> tuple[LineOfAction, ...]:
+    """Return the lines of action of drive and coast side, or the one of symmetric teeth.
+
+    Flanks are in closed form, from the form point as cut, or the base circle, to the tip.
+    """
+    lines = []
+    for number, side in enumerate(geometry.mesh.sides):
+        first, second = (_flank(gear, flank_sides(gear.own)[number]) for gear in geometry.gears)
+        lines.append(LineOfAction(side, (first, second)))
+    return tuple(lines)
+
+
+def _flank(gear: GearProportions, side: Side) -> tuple[float, float]:
+    """Return the roll lengths of a side of a member at root and tip, as cut by its tool.
 
     An undercut flank begins at the base circle.
     """
-    return max(0.0, form_roll_length(gear)), gear.own.roll_length(gear.tip)
+    return max(0.0, form_roll_length(gear, side)), gear.own.side(side).roll_length(gear.tip)

@@ -23,6 +23,7 @@ SHARED_KEYS = (
     "profile",
     "pressure_angle",
     "transverse_pressure_angle",
+    "coast_pressure_angle",
     "helix_angle",
     "shift_sharing",
     "arrangement",

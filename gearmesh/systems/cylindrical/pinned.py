@@ -55,7 +55,9 @@ def member_values(gear: GearProportions, called: str, member: Member) -> Values:
         values["rim"] = member.tooth.blank.body.profile[0][0] - gear.root
     if spec.hobbed and runs_out(gear):
         values["run_out_radius"] = tool_radius(gear)
-    if spec.hob is not None and spec.hob.protuberance and spec.hob.protuberance_angle is None:
+    # asymmetric teeth have another default on each side, which one value cannot say
+    same = not gear.own.asymmetric
+    if same and spec.hob is not None and spec.hob.protuberance and spec.hob.protuberance_angle is None:
         values["hob.protuberance_angle"] = math.degrees(0.5 * gear.own.alpha)
     if spec.hob is not None and spec.hob.chamfer_diameter is not None and spec.hob.chamfer_angle is None:
         values["hob.chamfer_angle"] = DEFAULT_CHAMFER_ANGLE_DEG

@@ -25,6 +25,7 @@ from gearmesh.systems.common.symbol_table import (
     Row,
     Values,
     attempt,
+    side_by_side,
     table,
     tables_by_title,
     tables_of,
@@ -35,8 +36,8 @@ from gearmesh.systems.cylindrical.double_helical import gap_heights, half_of, ha
 from gearmesh.systems.cylindrical.geometry import measures
 from gearmesh.systems.cylindrical.geometry.accuracy import tolerance_sizes
 from gearmesh.systems.cylindrical.geometry.allowances import Allowances, allowances_of
-from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair, Toothing
-from gearmesh.systems.cylindrical.geometry.interference import reserves
+from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair, Toothing, both_flanks, flank_sides
+from gearmesh.systems.cylindrical.geometry.interference import Reserves, reserves
 from gearmesh.systems.cylindrical.geometry.line_of_action import (
     Flank,
     LineOfAction,
@@ -57,10 +58,11 @@ from gearmesh.systems.cylindrical.geometry.proportions import (
     tool_rounding,
 )
 from gearmesh.systems.cylindrical.geometry.root import CriticalSection, critical_section, lever
-from gearmesh.systems.cylindrical.measured import flank_radii
+from gearmesh.systems.cylindrical.measured import flanks_of
 from gearmesh.systems.system import Reserve, Sheet, SheetTable, complete_design
 from gearmesh.teeth.blank.moments import member_moments
 from gearmesh.teeth.gear_train import GearTrain, Member
+from gearmesh.teeth.region import Side
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import (
@@ -73,6 +75,12 @@ if TYPE_CHECKING:
 
 #: title of the table of basic racks
 BASIC_RACK_TITLE = "Basic rack"
+#: title of the table of both sides of asymmetric teeth
+SIDES_TITLE = "Sides of asymmetric teeth"
+#: words for the sides of asymmetric teeth, by number
+SIDE_WORDS = ("drive", "coast")
+#: symbols and words of the normal backlash of asymmetric teeth
+NORMAL_BACKLASH_ROWS = ("j_bn", "normal, of the drive side"), ("j_bn_coast", "normal, of the coast side")
 #: shorter run-outs are rounding
 LEAST_RUN_OUT_MM = 1e-9
 #: largest difference of a proportion of a standard basic rack
@@ -91,6 +99,8 @@ NARROW_FOR_PINS = (
 NO_BALL = "no ball or pin touches the flank, stands out of the space and clears its ground"
 NO_TANGENT = "no tangent of the fillet has that angle"
 OFF_FLANK = "its ends are not on the flank"
+NO_ASYMMETRIC_CHORD = "a rack touches the flanks of asymmetric teeth at two heights"
+NO_ASYMMETRIC_SECTION = "ISO 6336-3 has the critical section of symmetric teeth only"
 
 
 def data_sheet(design: CylindricalDesign, train: GearTrain) -> Sheet:
@@ -145,10 +155,13 @@ def half_tables(design: HalvesKeys, members: tuple[Member, ...]) -> list[SheetTa
 def pair_tables(pair: SheetPair, names: tuple[str, str] = MEMBER_NAMES) -> tuple[SheetTable, ...]:
     """Return the tables of a pair; `names` are the names of its pinion and gear."""
     own, thickness, *others = member_tables(pair, names)
+    sides = range(len(pair.lines))
+    columns = tuple(f"{SIDE_WORDS[number]} side" for number in sides) if pair.asymmetric else ("",)
+    both = tuple(name for number in sides for name in _side_columns(pair, names)[number :: len(sides)])
     of_mesh = tables_by_title(
         {
-            "Pair": (("",), lambda: _mesh_rows(pair)),
-            "Contact from A to E": (names, lambda: _contact_rows(pair)),
+            "Pair": (columns, lambda: side_by_side([_mesh_rows(pair, number) for number in sides])),
+            "Contact from A to E": (both, lambda: side_by_side([_contact_rows(pair, number) for number in sides])),
         }
     )
     backlash = tables_of(("Backlash", lambda: table("Backlash", *_backlash(pair))))
@@ -161,14 +174,16 @@ def member_tables(pair: SheetGears, names: tuple[str, ...] = MEMBER_NAMES) -> tu
     They are members, measures, root, reserves, bodies and tolerances. Rows that depend on a mesh are left out for gears
     that do not mesh.
     """
+    sides = {SIDES_TITLE: (_side_columns(pair, names), lambda: _side_rows(pair))} if pair.asymmetric else {}
     return tables_by_title(
         {
             "Members": (names, lambda: _member_rows(pair)),
+            **sides,
             "Measures of the tooth thickness": (names, lambda: _measures(pair)),
             "As cut by feeding the tool for the allowance": (names, lambda: _cut_rows(pair)),
             BASIC_RACK_TITLE: (names, lambda: _basic_rack_rows(pair)),
             "Root: tangent of 30 deg, internal 60 deg": (names, lambda: _root_rows(pair)),
-            "Reserves (negative: none)": (names, lambda: _reserves(pair)),
+            "Reserves (negative: none)": (_side_columns(pair, names), lambda: _reserves(pair)),
             "Bodies": (names, lambda: _bodies(pair)),
             "Flank tolerances [ISO 1328-1:2013]": (names, lambda: _tolerances(pair)),
         }
@@ -199,13 +214,31 @@ class SheetGears:
         return tuple(gear.spec for gear in self.geometry.gears)
 
     @cached_property
+    def side_flanks(self) -> tuple[tuple[Flank, ...], ...]:
+        """Radii d_Ff / 2 and d_Fa / 2 at which the usable flanks begin and end, of every member and each of its sides.
+
+        They are those in the middle of the face.
+        """
+        return tuple(flanks_of(own, member) for own, member in zip(self.teeth, self.members, strict=True))
+
+    @property
     def flanks(self) -> tuple[Flank, ...]:
-        """Radii d_Ff / 2 and d_Fa / 2 at which the usable flanks begin and end, in the middle of the face."""
-        return tuple(flank_radii(member) for member in self.members)
+        """Radii d_Ff / 2 and d_Fa / 2 of the drive side of every member."""
+        return tuple(sides[0] for sides in self.side_flanks)
+
+    @property
+    def asymmetric(self) -> bool:
+        """True if drive and coast side have different pressure angles."""
+        return self.teeth[0].asymmetric
 
     def of_all(self, value: Callable[[int], float | int | str | Missing | None]) -> Values:
         """Return a value of all members, by their number; a refused value is missing."""
         return values_of(range(len(self.members)), value)
+
+    def of_sides(self, value: Callable[[int, int], float | int | str | Missing | None]) -> Values:
+        """Return a value of all sides of all members, by their numbers; symmetric teeth have one side, number 0."""
+        numbers = [(k, side) for k, own in enumerate(self.teeth) for side in range(len(own.sides))]
+        return values_of(numbers, lambda both: value(*both))
 
     def fed_rounding(self, k: int, gear: GearProportions) -> float:
         """Return the default tip rounding (modules) of the tool of member k, fed for its allowance.
@@ -251,25 +284,54 @@ class SheetPair(SheetGears):
     def meshing(self) -> SheetPair:
         return self
 
-    @cached_property
+    @property
     def line(self) -> LineOfAction:
+        """Line of action of the drive side."""
+        return self.lines[0]
+
+    @cached_property
+    def lines(self) -> tuple[LineOfAction, ...]:
+        """Lines of action of drive and coast side, or the one of symmetric teeth."""
+        return tuple(self._line(number, mesh) for number, mesh in enumerate(self.mesh.sides))
+
+    def working_line(self, flank: Side) -> LineOfAction:
+        """Return the line of action of the side that works when right or left flanks of the pinion drive."""
+        return self.lines[0 if flank is self.teeth[0].drive else -1]
+
+    def _line(self, number: int, mesh: InvolutePair) -> LineOfAction:
+        """Return the line of action of one side, which has the `mesh`."""
         first, second = (
             (teeth.roll_length(root), teeth.roll_length(tip))
-            for teeth, (root, tip) in zip(self.teeth, self.flanks, strict=True)
+            for teeth, (root, tip) in zip(
+                (mesh.pinion, mesh.gear), (sides[number] for sides in self.side_flanks), strict=True
+            )
         )
-        return LineOfAction(self.mesh, (first, second))
+        return LineOfAction(mesh, (first, second), self._where(number))
+
+    def _where(self, number: int) -> str:
+        """Return the words for a side of asymmetric teeth after the name of a member."""
+        return f", {SIDE_WORDS[number]} side" if self.asymmetric else ""
 
     def fillet_interference(self, names: tuple[str, str]) -> tuple[str, ...]:
         """Return a warning for each member below whose flank the mating gear's tip reaches.
 
         `names`: names of pinion and gear.
         """
-        return self.line.fillet_interference(names, self.set_back_fillets)
+        return tuple(
+            warning
+            for number, line in enumerate(self.lines)
+            for warning in line.fillet_interference(names, self.set_back_fillets(number))
+        )
 
-    @property
-    def set_back_fillets(self) -> list[SetBackFillet | None]:
-        """Reasons why fillets lie behind the involutes of their flanks; None for other fillets."""
-        return [set_back_fillet(gear) for gear in self.geometry.gears]
+    def set_back_fillets(self, number: int) -> list[SetBackFillet | None]:
+        """Return the reasons why fillets of a side lie behind the involutes of its flanks; None for other fillets."""
+        return [set_back_fillet(gear, flank_sides(gear.own)[number]) for gear in self.geometry.gears]
+
+    def fillet_reserves(self) -> list[float | None]:
+        """Return the least interference reserve of pinion and gear; None where tips meet only fillets that are set back."""
+        of_sides = [line.fillet_reserves(self.set_back_fillets(number)) for number, line in enumerate(self.lines)]
+        found = [[value for value in of_member if value is not None] for of_member in zip(*of_sides, strict=True)]
+        return [min(values, default=None) for values in found]
 
     def interference_reserves(self, number: int, names: tuple[str, str]) -> tuple[Reserve, ...]:
         """Return the reserves of the pair against interference of its teeth.
@@ -279,7 +341,7 @@ class SheetPair(SheetGears):
         """
         reserves_of_pair = [
             Reserve(number, f"interference_{name}", value, "mm")
-            for name, value in zip(names, self.line.fillet_reserves(self.set_back_fillets), strict=True)
+            for name, value in zip(names, self.fillet_reserves(), strict=True)
             if value is not None
         ]
         if any(teeth.internal for teeth in self.teeth):
@@ -312,7 +374,7 @@ class SheetPair(SheetGears):
 
     @property
     def contact_ratio(self) -> float:
-        """Total contact ratio eps_gamma."""
+        """Total contact ratio eps_gamma of the drive side."""
         return self.line.contact_ratio + self.overlap_ratio
 
 
@@ -323,9 +385,10 @@ def _degrees(value: float) -> float:
 # ---------------------------------------------------------------- the pair
 
 
-def _mesh_rows(pair: SheetPair) -> list[Row]:
-    """Return the rows of the mesh."""
-    mesh, pinion, line = pair.mesh, pair.mesh.pinion, pair.line
+def _mesh_rows(pair: SheetPair, number: int) -> list[Row]:
+    """Return the rows of the mesh of one side."""
+    mesh, line = pair.mesh.sides[number], pair.lines[number]
+    pinion = mesh.pinion
     values = (
         ("u", "gear ratio z2 / z1", "-", mesh.gear.teeth / pinion.teeth),
         ("m_n", "normal module", "mm", pinion.module),
@@ -342,7 +405,7 @@ def _mesh_rows(pair: SheetPair) -> list[Row]:
         ("a_d", "reference centre distance", "mm", mesh.reference_distance),
         ("eps_alpha", "transverse contact ratio", "-", line.contact_ratio),
         ("eps_beta", "overlap ratio", "-", pair.overlap_ratio),
-        ("eps_gamma", "total contact ratio", "-", pair.contact_ratio),
+        ("eps_gamma", "total contact ratio", "-", line.contact_ratio + pair.overlap_ratio),
     )
     return [(symbol, words, unit, (value,)) for symbol, words, unit, value in values]
 
@@ -368,14 +431,21 @@ def _backlash(pair: SheetPair) -> tuple[tuple[str, ...], list[Row]]:
     if pair.ranged or pair.distance_deviations is not None:
         meshes |= {"least": _at_end(pair, "upper"), "largest": _at_end(pair, "lower")}
 
+    normal_words = NORMAL_BACKLASH_ROWS if pair.asymmetric else (("j_bn", "normal"),)
+
     def row(symbol: str, words: str, value: Callable[[InvolutePair], float]) -> Row:
         return symbol, words, "mm", tuple(value(mesh) for mesh in meshes.values())
 
     return tuple(meshes), [
         row("j_wt", "circumferential, at the working pitch circles", lambda mesh: mesh.working_backlash),
-        row("j_bn", "normal", lambda mesh: mesh.normal_backlash),
+        *(row(*words, _normal_backlash(number)) for number, words in enumerate(normal_words)),
         row("j_r", "radial: change of a that eliminates it", _radial_backlash),
     ]
+
+
+def _normal_backlash(side: int) -> Callable[[InvolutePair], float]:
+    """Return the normal backlash of a mesh to the flanks of one side."""
+    return lambda mesh: mesh.sides[side].normal_of(mesh.working_backlash)
 
 
 def _radial_backlash(mesh: InvolutePair) -> float:
@@ -436,15 +506,21 @@ def _member_rows(pair: SheetGears) -> list[Row]:
         ("x", "profile shift", "m_n", pair.of_all(lambda k: teeth[k].shift)),
         ("k", "tip alteration", "m_n", pair.of_all(lambda k: _alteration(pair, k))),
         diameter("d", "reference diameter", lambda k: teeth[k].radius),
-        diameter("d_b", "base diameter", lambda k: teeth[k].base_radius),
+        *_drive_row(pair, diameter("d_b", "base diameter", lambda k: teeth[k].base_radius)),
         diameter("d_a", "tip diameter", lambda k: geometry.tips[k]),
         *_tip_tolerances(pair),
         diameter("d_f", "root diameter", lambda k: geometry.roots[k]),
         *_meshing_row(pair, "d_w", "working pitch diameter", lambda both, k: 2.0 * both.mesh.working_radius(teeth[k])),
-        diameter("d_Ff", "root form diameter", lambda k: pair.flanks[k][0]),
-        *_meshing_row(pair, "d_Nf", "active root diameter", lambda both, k: 2.0 * _active_radius(both, k, 0)),
-        diameter("d_Fa", "tip form diameter", lambda k: pair.flanks[k][1]),
-        *_meshing_row(pair, "d_Na", "active tip diameter", lambda both, k: 2.0 * _active_radius(both, k, 1)),
+        *_drive_row(pair, diameter("d_Ff", "root form diameter", lambda k: pair.flanks[k][0])),
+        *_drive_row(
+            pair,
+            *_meshing_row(pair, "d_Nf", "active root diameter", lambda both, k: 2.0 * _active_radius(both, k, 0)),
+        ),
+        *_drive_row(pair, diameter("d_Fa", "tip form diameter", lambda k: pair.flanks[k][1])),
+        *_drive_row(
+            pair,
+            *_meshing_row(pair, "d_Na", "active tip diameter", lambda both, k: 2.0 * _active_radius(both, k, 1)),
+        ),
         ("h", "tooth depth", "mm", pair.of_all(lambda k: abs(geometry.tips[k] - geometry.roots[k]))),
         *_meshing_row(
             pair, "c", "clearance between its tip and the mating root", lambda both, k: both.geometry.clearance(k)
@@ -464,6 +540,49 @@ def _member_rows(pair: SheetGears) -> list[Row]:
             "mm",
             pair.of_all(lambda k: measures.thickness_at(teeth[k], geometry.tips[k])),
         ),
+    ]
+
+
+def _drive_row(pair: SheetGears, *rows: Row) -> list[Row]:
+    """Return rows of the flanks of symmetric teeth; those of asymmetric teeth are in the table of their sides."""
+    return [] if pair.asymmetric else [*rows]
+
+
+def _side_columns(pair: SheetGears, names: tuple[str, ...]) -> tuple[str, ...]:
+    """Return names of columns for both sides of every member, or for every member with symmetric teeth."""
+    if not pair.asymmetric:
+        return names
+    return tuple(f"{name}, {side}" for name, own in zip(names, pair.teeth, strict=True) for side in flank_sides(own))
+
+
+def _side_rows(pair: SheetGears) -> list[Row]:
+    """Return the rows of both sides of asymmetric teeth."""
+    both = pair.meshing
+
+    def of_flank(value: Callable[[Toothing], float]) -> Values:
+        return pair.of_sides(lambda k, side: value(pair.teeth[k].sides[side]))
+
+    def active(end: int) -> list[Values]:
+        if both is None:
+            return []
+        return [both.of_sides(lambda k, side: 2.0 * _active_radius(both, k, end, side))]
+
+    return [
+        ("side", "side of the teeth", "", pair.of_sides(lambda _, side: SIDE_WORDS[side])),
+        ("alpha_n", "normal pressure angle", "deg", of_flank(lambda own: _degrees(own.alpha))),
+        ("alpha_t", "transverse pressure angle", "deg", of_flank(lambda own: _degrees(own.alpha_t))),
+        ("beta_b", "base helix angle", "deg", of_flank(lambda own: _degrees(abs(own.beta_b)))),
+        ("d_b", "base diameter", "mm", of_flank(lambda own: 2.0 * own.base_radius)),
+        (
+            "s_n/2",
+            "normal thickness at d, from the middle of the rack's space",
+            "mm",
+            of_flank(lambda own: 0.5 * own.thickness),
+        ),
+        ("d_Ff", "root form diameter", "mm", pair.of_sides(lambda k, side: 2.0 * pair.side_flanks[k][side][0])),
+        *(("d_Nf", "active root diameter", "mm", values) for values in active(0)),
+        ("d_Fa", "tip form diameter", "mm", pair.of_sides(lambda k, side: 2.0 * pair.side_flanks[k][side][1])),
+        *(("d_Na", "active tip diameter", "mm", values) for values in active(1)),
     ]
 
 
@@ -504,11 +623,26 @@ def _basic_rack_rows(pair: SheetGears) -> list[Row]:
     ]
     return [
         ("rack", "basic rack profile", "", of_hobbed(profile)),
-        ("alpha_P", "pressure angle of the basic rack", "deg", of_hobbed(lambda k: math.degrees(teeth[k].alpha))),
+        *_rack_angle_rows(pair, of_hobbed),
         ("h_aP", "addendum of the basic rack", "m_n", of_hobbed(lambda k: specs[k].addendum)),
         ("h_fP", "dedendum of the basic rack", "m_n", of_hobbed(dedendum)),
         ("rho_fP", "fillet of the basic rack", "m_n", of_hobbed(lambda k: specs[k].tool_tip_radius)),
         *of_hobs,
+    ]
+
+
+def _rack_angle_rows(pair: SheetGears, of_hobbed: Callable[[Callable[[int], float | str]], Values]) -> list[Row]:
+    """Return the rows of the pressure angles of the basic rack.
+
+    `of_hobbed`: returns a value of the members that a hob or rack cutter generates.
+    """
+
+    def angle(side: int) -> Callable[[int], float]:
+        return lambda k: math.degrees(pair.teeth[k].sides[side].alpha)
+
+    return [
+        (f"alpha_P{which}", f"pressure angle of the basic rack{words}", "deg", of_hobbed(angle(number)))
+        for number, (which, words) in enumerate(_side_suffixes(pair))
     ]
 
 
@@ -549,9 +683,9 @@ def _meshing_row(
     return [] if both is None else [(symbol, words, "mm", both.of_all(lambda k: value(both, k)))]
 
 
-def _active_radius(pair: SheetPair, k: int, end: int) -> float:
-    """Return the radius at which the active flank begins (`end` 0) or ends (1)."""
-    return math.hypot(pair.teeth[k].base_radius, pair.line.active(pair.teeth[k])[end])
+def _active_radius(pair: SheetPair, k: int, end: int, side: int = 0) -> float:
+    """Return the radius at which the active flank of a side begins (`end` 0) or ends (1)."""
+    return math.hypot(pair.teeth[k].sides[side].base_radius, pair.lines[side].active(k)[end])
 
 
 def _width(pair: SheetGears) -> tuple[str, str]:
@@ -582,7 +716,15 @@ def _cut_rows(pair: SheetGears) -> list[Row]:
                 values_of(teeth, lambda own: own.generating_shift),
             ),
             (f"d_fE{suffix}", f"root diameter{end}", "mm", values_of(cut, lambda gear: 2.0 * gear.root)),
-            (f"d_FfE{suffix}", f"root form diameter{end}", "mm", values_of(cut, _form_diameter)),
+            *(
+                (
+                    f"d_FfE{which}{suffix}",
+                    f"root form diameter{words}{end}",
+                    "mm",
+                    values_of(cut, _form_diameter(number)),
+                )
+                for number, (which, words) in enumerate(_side_suffixes(pair))
+            ),
         ]
     return rows
 
@@ -603,10 +745,19 @@ def _fed(pair: SheetGears, k: int, own: Toothing) -> GearProportions | None:
     return replace(fed, spec=spec.model_copy(update={"tool_tip_radius": pair.fed_rounding(k, fed)}))
 
 
-def _form_diameter(gear: GearProportions) -> float | Missing:
-    """Return the root form diameter in closed form; missing if the tool undercuts the flank."""
-    length = form_roll_length(gear)
-    return Missing(UNDERCUT_REASON) if length < 0.0 else 2.0 * math.hypot(gear.own.base_radius, length)
+def _side_suffixes(pair: SheetGears) -> tuple[tuple[str, str], ...]:
+    """Return suffixes of symbols and words for rows of each side of the teeth; empty ones for symmetric teeth."""
+    return (("", ", drive side"), ("_coast", ", coast side")) if pair.asymmetric else (("", ""),)
+
+
+def _form_diameter(side: int) -> Callable[[GearProportions], float | Missing]:
+    """Return the root form diameter of one side in closed form; missing if the tool undercuts the flank."""
+
+    def diameter(gear: GearProportions) -> float | Missing:
+        own, length = gear.own.sides[side], form_roll_length(gear, flank_sides(gear.own)[side])
+        return Missing(UNDERCUT_REASON) if length < 0.0 else 2.0 * math.hypot(own.base_radius, length)
+
+    return diameter
 
 
 # ---------------------------------------------------------------- measures
@@ -650,14 +801,18 @@ def _measures(pair: SheetGears) -> list[Row]:
             "diameter of the ball's centre",
             lambda toothing, size: 2.0 * measures.ball_radius(toothing, size),
         ),
-        *by(
-            balls,
-            "d_M",
-            "diameter of contact",
-            lambda toothing, d: 2.0 * measures.ball_contact_radius(toothing, d),
+        *(
+            row
+            for number, (which, words) in enumerate(_side_suffixes(pair))
+            for row in by(balls, f"d_M{which}", f"diameter of contact{words}", _contact_diameter(number))
         ),
         *_chord_rows(pair),
     ]
+
+
+def _contact_diameter(side: int) -> Callable[[Toothing, float], float]:
+    """Return the diameter at which a ball of a diameter touches the flank of one side of teeth."""
+    return lambda toothing, diameter: 2.0 * measures.ball_contact_radii(toothing, diameter)[side]
 
 
 def _anvil_row(pair: SheetGears, counts: Values) -> list[Row]:
@@ -681,7 +836,7 @@ def _span_teeth(pair: SheetGears, k: int) -> int | Missing:
     if spec.span is not None:
         return spec.span.teeth
     if not measures.has_span(pair.teeth[k]):
-        return Missing(HOLLOW_FLANKS)
+        return Missing(measures.NO_ASYMMETRIC_SPAN if pair.asymmetric else HOLLOW_FLANKS)
     count = measures.span_teeth(pair.teeth[k], pair.flanks[k], spec.face_width)
     return Missing(NO_SPAN) if count is None else count
 
@@ -691,7 +846,7 @@ def _ball_diameter(pair: SheetGears, k: int) -> float | Missing:
     teeth, spec = pair.teeth[k], pair.specs[k]
     given = spec.balls or spec.pins
     circles = pair.geometry.tips[k], pair.geometry.roots[k]
-    size = measures.ball_diameter(teeth, pair.flanks[k], circles) if given is None else given.diameter
+    size = measures.ball_diameter(teeth, pair.side_flanks[k], circles) if given is None else given.diameter
     if size is None:
         return Missing(NO_BALL)
     least = measures.ball_width(teeth, size)
@@ -727,9 +882,7 @@ def _stocked(pair: SheetGears) -> dict[str, tuple[Toothing, ...]]:
     if not any(spec.stock for spec in pair.specs):
         return {}
     own = zip(pair.teeth, pair.specs, strict=True)
-    thicker = (
-        replace(teeth, allowance=teeth.allowance + 2.0 * spec.stock / math.cos(teeth.alpha)) for teeth, spec in own
-    )
+    thicker = (replace(teeth, allowance=teeth.allowance + both_flanks(teeth, spec.stock)) for teeth, spec in own)
     return {", with stock": tuple(thicker)}
 
 
@@ -761,7 +914,10 @@ def _on_flank(
     radius: Callable[[Toothing], float],
 ) -> tuple[float, float] | Missing:
     """Return a chord of a member's teeth and its height; missing if the ends of the chord are not on the flank."""
-    low, high = sorted(pair.flanks[k])
+    if pair.asymmetric and chord is measures.constant_chord:
+        return Missing(NO_ASYMMETRIC_CHORD)
+    ends = [sorted(flank) for flank in pair.side_flanks[k]]
+    low, high = max(first for first, _ in ends), min(last for _, last in ends)
     return chord(teeth, pair.geometry.tips[k]) if low < radius(teeth) < high else Missing(OFF_FLANK)
 
 
@@ -778,12 +934,13 @@ def _foot_radius(teeth: Toothing) -> float:
 # ---------------------------------------------------------------- contact, root, reserves
 
 
-def _contact_rows(pair: SheetPair) -> list[Row]:
-    """Return the rows of the points A to E."""
-    pinion, bases = pair.mesh.pinion, [teeth.base_radius for teeth in pair.teeth]
+def _contact_rows(pair: SheetPair, number: int) -> list[Row]:
+    """Return the rows of the points A to E of one side."""
+    line = pair.lines[number]
+    bases = [teeth.base_radius for teeth in line.members]
     rows: list[Row] = []
-    for point, length in pair.line.points.items():
-        lengths = length, pair.mesh.mating_roll_length(length, pinion)
+    for point, length in line.points.items():
+        lengths = length, line.mesh.mating_roll_length(length, line.mesh.pinion)
         both = tuple(zip(bases, lengths, strict=True))
         rows += [
             (
@@ -793,7 +950,7 @@ def _contact_rows(pair: SheetPair) -> list[Row]:
                 tuple(2.0 * math.hypot(*base_and_roll) for base_and_roll in both),
             ),
             (f"xi_{point}", f"roll angle at {point}", "deg", tuple(_degrees(roll / base) for base, roll in both)),
-            (f"zeta_{point}", f"specific sliding at {point}", "-", pair.line.mesh.sliding(length)),
+            (f"zeta_{point}", f"specific sliding at {point}", "-", line.mesh.sliding(length)),
         ]
     return rows
 
@@ -801,7 +958,7 @@ def _contact_rows(pair: SheetPair) -> list[Row]:
 def _root_rows(pair: SheetGears) -> list[Row]:
     """Return the rows of the critical section of the root."""
     sections = [
-        attempt(partial(critical_section, member.tooth, teeth))
+        Missing(NO_ASYMMETRIC_SECTION) if teeth.asymmetric else attempt(partial(critical_section, member.tooth, teeth))
         for member, teeth in zip(pair.members, pair.teeth, strict=True)
     ]
 
@@ -825,7 +982,7 @@ def _lever(pair: SheetPair, k: int, section: CriticalSection | Missing) -> float
     """Return the lever of a force on a member over its critical section."""
     if isinstance(section, Missing):
         return section
-    return _or_missing(lever(pair.teeth[k], pair.line, section), NO_TANGENT)
+    return _or_missing(lever(pair.line, k, section), NO_TANGENT)
 
 
 def _or_missing(value: float, reason: str) -> float | Missing:
@@ -835,21 +992,23 @@ def _or_missing(value: float, reason: str) -> float | Missing:
 
 def _reserves(pair: SheetGears) -> list[Row]:
     """Return the rows of the reserves against undercut and interference."""
+    gears = pair.geometry.gears
     return [
         (
             "undercut",
             "undercut: roll length to where it begins",
             "mm",
-            pair.of_all(lambda k: undercut_reserve(pair.geometry.gears[k])),
+            pair.of_sides(lambda k, side: undercut_reserve(gears[k], flank_sides(gears[k].own)[side])),
         ),
-        *_meshing_row(
-            pair,
-            "interference",
-            "interference: roll length from d_Ff to the mating tip",
-            lambda both, k: both.line.interference_reserve(both.teeth[k]),
-        ),
-        *([] if pair.meshing is None else _internal_reserves(pair.meshing)),
+        *([] if pair.meshing is None else _mesh_reserves(pair.meshing)),
     ]
+
+
+def _mesh_reserves(pair: SheetPair) -> list[Row]:
+    """Return the rows of the reserves against interference in the mesh."""
+    reserve = pair.of_sides(lambda k, side: pair.lines[side].interference_reserve(k))
+    words = "interference: roll length from d_Ff to the mating tip"
+    return [("interference", words, "mm", reserve), *_internal_reserves(pair)]
 
 
 def _internal_reserves(pair: SheetPair) -> list[Row]:
@@ -860,17 +1019,19 @@ def _internal_reserves(pair: SheetPair) -> list[Row]:
     """
     if not any(teeth.internal for teeth in pair.teeth):
         return []
-    turns = reserves(pair.mesh, pair.geometry.tips)
+    turns = [reserves(mesh, pair.geometry.tips) for mesh in pair.mesh.sides]
 
-    def of_ring(reserve: float) -> Values:
-        shown: float | Missing = _degrees(reserve)
+    def shown(reserve: float) -> float | Missing:
         if math.isinf(reserve):
-            shown = Missing(NEVER_NEAR if reserve > 0.0 else LARGER_THAN_HOLE)
-        return pair.of_all(lambda k: shown if pair.teeth[k].internal else None)
+            return Missing(NEVER_NEAR if reserve > 0.0 else LARGER_THAN_HOLE)
+        return _degrees(reserve)
+
+    def of_ring(reserve: Callable[[Reserves], float]) -> Values:
+        return pair.of_sides(lambda k, side: shown(reserve(turns[side])) if pair.teeth[k].internal else None)
 
     return [
-        ("trochoid", "tips passing each other in rotation", "deg", of_ring(turns.trochoid)),
-        ("trimming", "tips during radial assembly", "deg", of_ring(turns.trimming)),
+        ("trochoid", "tips passing each other in rotation", "deg", of_ring(lambda left: left.trochoid)),
+        ("trimming", "tips during radial assembly", "deg", of_ring(lambda left: left.trimming)),
     ]
 
 

@@ -105,7 +105,7 @@ def _passing(geometry: PairProportions, forms: tuple[float, float]) -> Iterator[
 
     def passes(tips: tuple[float, float]) -> bool:
         left, line = reserves(mesh, tips), line_of(tips)
-        return min(left.involute, left.trochoid, *(line.interference_reserve(own) for own in (pinion, ring))) >= 0.0
+        return min(left.involute, left.trochoid, line.interference_reserve(0), line.interference_reserve(1)) >= 0.0
 
     # for each tip of the pinion, bisect to the longest tip of the ring that passes
     for part in ADDENDUM_PARTS:

@@ -33,9 +33,10 @@ def plot_k_chart(file: Path | str, inspection: Inspection) -> None:
 
     Raises DesignError for flanks that are not involutes or have deviations, OutputError if the file cannot be written.
     """
-    involute = None if inspection.basis is None else inspection.basis.involute
+    basis = inspection.basis
+    involutes = {side: None if basis is None else basis.involute_of(side) for side in Side}
     flanks = [inspection.member.tooth.side(side).flank for side in Side]
-    if involute is None or not all(isinstance(flank, CLOSED_FORM_FLANKS) for flank in flanks):
+    if None in involutes.values() or not all(isinstance(flank, CLOSED_FORM_FLANKS) for flank in flanks):
         raise ArgumentError(
             "member",
             inspection.member.name,
@@ -46,7 +47,8 @@ def plot_k_chart(file: Path | str, inspection: Inspection) -> None:
     rows = figure.subplots(2, 2, gridspec_kw={"height_ratios": (1.2, 1.0)})
     for column, side in enumerate((Side.LEFT, Side.RIGHT)):
         own = flank_map(inspection.member, side, POINTS_PER_TRACE)
-        half = POINTS_PER_TRACE // 2
+        half, involute = POINTS_PER_TRACE // 2, involutes[side]
+        assert involute is not None
         profile, helix = -own.removed[:, half], -own.removed[half]
         _draw(
             rows[0, column], own.length, profile, involute.profile.evaluated, inspection.tolerance("F_a"), upwards=True

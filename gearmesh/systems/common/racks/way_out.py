@@ -60,11 +60,11 @@ class WayOut:
 
     #: radius of the tool at its tip
     tool_radius: float
-    #: rolling radius, helix angle and normal pressure angle of the teeth
+    #: rolling radius, helix angle and normal pressure angle of the teeth; the smaller angle of asymmetric teeth
     radius: float
     helix: float
     alpha: float
-    #: root radius of the teeth, and their radius at the form point
+    #: root radius of the teeth, and their radius at the form point; the larger radius of asymmetric teeth
     root: float
     form: float
     #: tip radius of the teeth

@@ -19,6 +19,7 @@ from gearmesh.systems.cylindrical.design import BASIC_RACKS
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.systems.cylindrical.geometry.nominal import ToothedGear
 from gearmesh.systems.cylindrical.geometry.shifts import TIP_MARGIN_MODULES, tip_radius
+from gearmesh.teeth.region import Side
 from gearmesh.tools.shaper import Shaper
 
 
@@ -43,6 +44,7 @@ def _cutter(gear: ToothedGear) -> Toothing:
         alpha=own.alpha,
         beta=own.beta if own.internal else -own.beta,
         shift=0.0 if given is None else given.profile_shift,
+        coast_alpha=own.coast_alpha,
     )
 
 
@@ -57,7 +59,8 @@ def cut_addendum(gear: ToothedGear, height: float) -> float:
         return height
     tip = tip_radius(spec, own, height, 0.0)
     if spec.formed:
-        least = tip if tip > own.base_radius else own.base_radius + TIP_MARGIN_MODULES * own.module
+        base = own.largest_base_radius
+        least = tip if tip > base else base + TIP_MARGIN_MODULES * own.module
     else:
         least = CutterChoice(own, root_radius(gear), _cutter(gear)).default_tip(tip, given=spec.shaper is not None)
     return float(height - (least - tip) / own.module)
@@ -102,7 +105,8 @@ def _root_at_shift(gear: ToothedGear) -> float:
 def sharp_shaper(gear: ToothedGear) -> Shaper:
     """Return the cutter of a shaped gear, or the form tool of a formed gear, without rounding.
 
-    The tool is given in the transverse section. Raises DesignError if it cannot cut these teeth.
+    The tool is given in the transverse section, by the flank that cuts the drive side. Raises DesignError if it cannot cut
+    these teeth.
     """
     name, own = gear.name, gear.own
     if gear.spec.formed:
@@ -119,6 +123,11 @@ def sharp_shaper(gear: ToothedGear) -> Shaper:
             allowed="a smaller one",
         )
     return sharp_tool(generating(cutter, own), root_radius(gear))
+
+
+def cutting_flank(gear: ToothedGear, sharp: Shaper, which: Side) -> Shaper:
+    """Return a tool of `sharp_shaper` by the flank that cuts the right or left flanks of a gear."""
+    return sharp if which is gear.own.drive else sharp.other_flank
 
 
 def trimming_warnings(gears: Iterable[ToothedGear]) -> tuple[str, ...]:

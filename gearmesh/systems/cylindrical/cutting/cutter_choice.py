@@ -18,7 +18,7 @@ from gearmesh.systems.cylindrical.design import FORMED_MANUFACTURE
 from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair, Toothing, distance_of
 from gearmesh.systems.cylindrical.geometry.interference import least_that, reserves
 from gearmesh.systems.cylindrical.geometry.shifts import TIP_MARGIN_MODULES
-from gearmesh.tools.shaper import Shaper
+from gearmesh.tools.shaper import Shaper, ShaperFlank
 
 #: teeth of a default cutter, as part of the member's
 CUTTER_TEETH_SHARE = 0.4
@@ -40,7 +40,7 @@ def generating(cutter: Toothing, own: Toothing) -> InvolutePair:
     signed = own.signed_teeth + cutter.teeth
     thicknesses = (own.thickness + cutter.thickness) / own.module
     # sum of the profile shifts that leads to these thicknesses
-    shifts = (thicknesses - math.pi) / (2.0 * math.tan(own.alpha))
+    shifts = (thicknesses - math.pi) / own.both_tangents
     nominal = replace(cutter, shift=shifts, allowance=0.0), replace(own, shift=0.0, allowance=0.0)
     return InvolutePair(cutter, own, distance_of(*nominal) if signed else math.nan)
 
@@ -48,16 +48,30 @@ def generating(cutter: Toothing, own: Toothing) -> InvolutePair:
 def sharp_tool(cutting: InvolutePair, root: float) -> Shaper:
     """Return the cutter of a last cut to a root radius as a tool in the transverse section, without rounding.
 
-    Raises DesignError if it cannot exist.
+    Its profile is the flank that cuts the drive side. Raises DesignError if it cannot exist.
     """
     cutter, own = cutting.pinion, cutting.gear
+    flanks = [_flank(side) for side in cutting.sides] if own.asymmetric else [ShaperFlank(cutter.alpha_t)]
     return Shaper(
         teeth=cutter.teeth,
         module=cutter.transverse_module,
-        pressure_angle=cutter.alpha_t,
+        pressure_angle=flanks[0].pressure_angle,
         addendum=own.sense * (cutting.distance - root) - cutter.radius,
         profile_shift=cutter.shift * math.cos(cutter.beta),
+        thicker=flanks[0].thicker,
+        opposite=flanks[1] if own.asymmetric else None,
     )
+
+
+def _flank(cutting: InvolutePair) -> ShaperFlank:
+    """Return the flank of a cutter that cuts one side of asymmetric teeth.
+
+    Both sides together have no backlash at the last cut. Each side has none where the cutter is turned: one half of its
+    tooth is thicker, the other half thinner.
+    """
+    cutter = cutting.pinion
+    thicker = cutting.working_backlash * cutter.radius / cutting.working_radius(cutter)
+    return ShaperFlank(cutter.alpha_t, thicker)
 
 
 @dataclass(frozen=True)
@@ -78,7 +92,7 @@ class CutterChoice:
             sharp_tool(cutting, self.root)
         except DesignError:
             return math.inf
-        return math.hypot(self.own.base_radius, cutting.generator)
+        return max(math.hypot(side.gear.base_radius, side.generator) for side in cutting.sides)
 
     def clears(self, teeth: int, tip: float) -> bool:
         """True if a cutter that is fed in radially does not trim tips at a radius."""
@@ -90,7 +104,7 @@ class CutterChoice:
 
     def untrimmed_from(self, teeth: int) -> float:
         """Return the least tip radius that a cutter fed in radially does not trim."""
-        return least_that(lambda tip: self.clears(teeth, tip), self.own.base_radius, self.root)
+        return least_that(lambda tip: self.clears(teeth, tip), self.own.largest_base_radius, self.root)
 
     @property
     def numbers(self) -> range:
@@ -151,6 +165,6 @@ class CutterChoice:
         few = f"fewer than {low} teeth leave no involute up to the tip diameter of {2.0 * tip:.7g} mm"
         if low >= self.own.teeth:
             few = f"no cutter generates involute up to the tip diameter of {2.0 * tip:.7g} mm"
-        if tip >= self.own.base_radius:
+        if tip >= self.own.largest_base_radius:
             other += f', or {name}.manufacture = "{FORMED_MANUFACTURE}", which needs no cutter'
         return f"{few}, more than {high} trim the tips; allowed is {other}"

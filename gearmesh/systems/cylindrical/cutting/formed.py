@@ -33,7 +33,7 @@ from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.teeth.region import Side
 from gearmesh.tools.description import ToolDescription
 from gearmesh.tools.profile import Profile
-from gearmesh.tools.shaper import Shaper
+from gearmesh.tools.shaper import Shaper, ShaperFlank
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import CylindricalMember
@@ -53,13 +53,20 @@ def form_tool(name: str, spec: CylindricalMember, own: Toothing, root: float) ->
     """
     _check_spaces(name, spec, own)
     _check_root(name, spec, own, root)
-    filling = counterpart(own)
+    filling, *others = (counterpart(side) for side in own.sides)
+    opposite = None
+    if others:
+        # the other half of the tool's tooth fills the other half of the space, by thickness in place of a shift
+        (other,) = others
+        thicker = 2.0 * other.module * (other.shift - filling.shift) * math.tan(other.alpha_t)
+        opposite = ShaperFlank(other.alpha_t, thicker)
     return Shaper(
         teeth=filling.teeth,
         module=filling.transverse_module,
         pressure_angle=filling.alpha_t,
         addendum=root - filling.radius,
         profile_shift=filling.shift * math.cos(filling.beta),
+        opposite=opposite,
     )
 
 
@@ -85,7 +92,7 @@ def _check_spaces(name: str, spec: CylindricalMember, own: Toothing) -> None:
     if over < 0.0:
         return
     given = spec.thickness_allowance
-    by_shift = own.shift - over / (2.0 * own.module * math.tan(own.alpha))
+    by_shift = own.shift - over / (own.module * own.both_tangents)
     raise DesignError(
         f"{name}.profile_shift" if given is None else f"{name}.thickness_allowance.upper",
         own.shift if given is None else given.upper,
@@ -102,17 +109,16 @@ def _check_root(name: str, spec: CylindricalMember, own: Toothing, root: float) 
     def open_at(radius: float) -> bool:
         return own.half_angle(radius) < half_pitch
 
-    if root > own.base_radius and open_at(root):
+    base = own.largest_base_radius
+    if root > base and open_at(root):
         return
     by_diameter = spec.root_diameter is not None
-    bounds = [own.base_radius]
-    if root > own.base_radius:
-        most, _ = last_true(
-            lambda r, _: np.array([open_at(float(x)) for x in r]), np.array([own.base_radius]), np.array([root])
-        )
+    bounds = [base]
+    if root > base:
+        most, _ = last_true(lambda r, _: np.array([open_at(float(x)) for x in r]), np.array([base]), np.array([root]))
         bounds = [float(most[0])]
     values = [2.0 * r if by_diameter else (r - own.radius) / own.module + own.shift for r in bounds]
-    deep = root > own.base_radius
+    deep = root > base
     raise DesignError(
         f"{name}.{'root_diameter' if by_diameter else 'dedendum'}",
         spec.root_diameter if by_diameter else given_or(spec.dedendum, math.nan),

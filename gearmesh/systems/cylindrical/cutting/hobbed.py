@@ -34,6 +34,7 @@ from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.racks.rack_member import ROOT_PARAMETER
 from gearmesh.systems.common.racks.rack_tooth import Heights, RackTipCorner, RackTooth, round_tips
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
+from gearmesh.teeth.region import Side
 from gearmesh.teeth.undercut import intersection
 from gearmesh.tools.profile import Profile
 from gearmesh.tools.rack import Arc, ProfilePieces, RackLine, RackSurface, RolledArc
@@ -70,14 +71,30 @@ def hobbed_racks(name: str, spec: CylindricalMember, own: Toothing, heights: Hei
     Raises DesignError naming key, value and limit: no room for the rounding, a protuberance longer than the flank, or
     no flank left.
     """
-    hob = spec.hob
+    hob, sides = spec.hob, [own.side(side) for side in (Side.RIGHT, Side.LEFT)]
     remaining_stock, relief = (0.0, 0.0) if hob is None else (hob.remaining_stock, hob.relief)
-    # the tip rounding touches the line `cutting`, which projects beyond the final flank by the relief
-    cutting, final = flank_line(own, remaining_stock - relief), flank_line(own, remaining_stock)
-    racks = round_tips(name, spec, own.module, (cutting, cutting), heights)
+    # the tip rounding touches this line, which projects beyond the final flank by the relief
+    right, left = (flank_line(side, remaining_stock - relief) for side in sides)
+    racks = round_tips(name, spec, own.module, (right, left), heights)
     if hob is None:
         return racks
-    made = racks[0]
+    if not own.asymmetric:
+        made = _hobbed_side(name, hob, own, heights, racks[0])
+        _check_chamfered_land(name, hob, own, heights, (made, made))
+        return made, made
+    first, second = (_hobbed_side(name, hob, side, heights, rack) for side, rack in zip(sides, racks, strict=True))
+    _check_chamfered_land(name, hob, own, heights, (first, second))
+    return first, second
+
+
+def _hobbed_side(name: str, hob: Hob, own: Toothing, heights: Heights, made: RackTooth) -> RackTooth:
+    """Return one side of the space of hob and finishing tool.
+
+    - own: symmetric teeth with the flanks of this side.
+    - made: this side of a rack with the hob's tip.
+    """
+    remaining_stock, relief = hob.remaining_stock, hob.relief
+    final = flank_line(own, remaining_stock)
     hobbing = _Hobbing(
         name, hob, replace(own, allowance=own.allowance + 2.0 * remaining_stock / math.cos(own.alpha)), heights, made
     )
@@ -96,7 +113,39 @@ def hobbed_racks(name: str, spec: CylindricalMember, own: Toothing, heights: Hei
         made = replace(made, flank=final, form_point=(flank.root, pieces.knots[-1]), pieces=pieces)
     if hob.chamfer_diameter is not None:
         made = replace(made, tip_corner=hobbing.chamfer(final, made.form_point[0]))
-    return made, made
+    return made
+
+
+def _check_chamfered_land(
+    name: str, hob: Hob, own: Toothing, heights: Heights, sides: tuple[RackTooth, RackTooth]
+) -> None:
+    """Refuse chamfers that leave no land between them."""
+    corners = [side.tip_corner for side in sides]
+    ends = [
+        _section_curve(ToothCut(corner.profile, corner.form_point[1], corner.end), own)[2][0]
+        for corner in corners
+        if corner is not None
+    ]
+    if ends and sum(math.atan2(y, x) for x, y in ends) >= 0.0:
+        raise VagueError(
+            f"{name}.hob.chamfer_diameter",
+            hob.chamfer_diameter,
+            unit="mm",
+            reason="the chamfers leave no land",
+            allowed="more, or a smaller chamfer_angle",
+        )
+
+
+def _section_curve(part: ToothCut, own: Toothing) -> tuple[Array, Array, Array]:
+    """Return both parameters (N,) and the points (N, 2), from its tip, of a part's transverse curve."""
+    p = np.linspace(part.tip, part.root, CURVE_SAMPLES)
+    v, jet = along(_surface(part, own), p, np.zeros_like(p), PlaneLevel(0.0))
+    return p, v, jet.r[:, :2]
+
+
+def _surface(part: ToothCut, own: Toothing) -> Envelope:
+    """Return the surface that a part generates."""
+    return Envelope(RackSurface(part.profile, own.beta, 0.0), RackRoll(own.radius))
 
 
 @dataclass(frozen=True)
@@ -229,14 +278,6 @@ class _Hobbing:
         turn = own.half_angle(radius) + math.atan2(aside, own.radius + height)
         line = RackLine(angle, 0.0, (own.radius * turn - aside) * math.cos(own.beta), height)
         end = (self._height(angle, tip) - height) / math.cos(angle)
-        if self._section_curve(ToothCut(line, 0.0, end))[2][0, 1] >= 0.0:
-            raise VagueError(
-                key,
-                diameter,
-                unit="mm",
-                reason="the chamfers leave no land",
-                allowed="more, or a smaller chamfer_angle",
-            )
         return RackTipCorner(line, (flank.at_height(self._height(own.alpha, radius)), 0.0), end)
 
     def _none_left(self) -> list[ToothCut]:
@@ -323,10 +364,8 @@ class _Hobbing:
 
     def _section_curve(self, part: ToothCut) -> tuple[Array, Array, Array]:
         """Return both parameters (N,) and the points (N, 2), from its tip, of a part's transverse curve."""
-        p = np.linspace(part.tip, part.root, CURVE_SAMPLES)
-        v, jet = along(self._surface(part), p, np.zeros_like(p), PlaneLevel(0.0))
-        return p, v, jet.r[:, :2]
+        return _section_curve(part, self.own)
 
     def _surface(self, part: ToothCut) -> Envelope:
         """Return the surface that a part generates."""
-        return Envelope(RackSurface(part.profile, self.own.beta, 0.0), RackRoll(self.own.radius))
+        return _surface(part, self.own)

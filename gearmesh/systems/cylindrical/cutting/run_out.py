@@ -47,11 +47,11 @@ def runs_out(gear: GearProportions) -> bool:
     return bool(_thick_shafts(gear))
 
 
-def run_outs(gear: GearProportions, rack: RackTooth) -> WayOut | None:
+def run_outs(gear: GearProportions, racks: tuple[RackTooth, RackTooth]) -> WayOut | None:
     """Return the run-outs at ends whose shaft begins thicker than the root; None if there is none.
 
-    `rack`: the tool's tooth. Raises DesignError for a radius without such a shaft, for teeth that have another last cut, and
-    for a tool that leaves no full depth.
+    `racks`: both sides of the tool's tooth. Raises DesignError for a radius without such a shaft, for teeth that have
+    another last cut, and for a tool that leaves no full depth.
     """
     name, spec, own = gear.name, gear.spec, gear.own
     shafts = _thick_shafts(gear)
@@ -69,17 +69,17 @@ def run_outs(gear: GearProportions, rack: RackTooth) -> WayOut | None:
             reason="teeth with modifications, turned tips or broken end edges cannot run out into a thicker shaft",
             allowed=f"less than the root diameter, {at_most(2.0 * gear.root)} mm",
         )
-    tool = Envelope(RackSurface(rack.flank, own.beta, 0.0), RackRoll(own.radius))
-    form = tool.jet(np.array(rack.form_point[0]), np.array(0.0)).r
+    tools = [Envelope(RackSurface(rack.flank, own.beta, 0.0), RackRoll(own.radius)) for rack in racks]
+    forms = [tool.jet(np.array(rack.form_point[0]), np.array(0.0)).r for tool, rack in zip(tools, racks, strict=True)]
     radius = tool_radius(gear)
     half = 0.5 * spec.face_width
     way_out = WayOut(
         tool_radius=radius,
         radius=own.radius,
         helix=own.beta,
-        alpha=own.alpha,
+        alpha=min(side.alpha for side in own.sides),
         root=gear.root,
-        form=float(np.hypot(form[0], form[1])),
+        form=max(float(np.hypot(form[0], form[1])) for form in forms),
         tip=gear.tip,
         module=own.module,
         faces=(-half, half),

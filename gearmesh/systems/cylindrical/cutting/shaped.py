@@ -8,6 +8,7 @@ the required thickness.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -24,7 +25,7 @@ from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.racks.rack_member import prove
 from gearmesh.systems.common.racks.ring_member import prove_internal, ring_blank
 from gearmesh.systems.common.tooth_edges import tip_edge
-from gearmesh.systems.cylindrical.cutting.cutter import cutter_of, sharp_shaper
+from gearmesh.systems.cylindrical.cutting.cutter import cutter_of, cutting_flank, sharp_shaper
 from gearmesh.systems.cylindrical.cutting.cutter_choice import CutterChoice
 from gearmesh.systems.cylindrical.cutting.formed import Forming, with_rounding
 from gearmesh.systems.cylindrical.cutting.last_cut import LastCut
@@ -46,15 +47,19 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Shaping(LastCut):
-    """A cutter over a member, with the tip radius (mm) of the member and the teeth of the cutter."""
+    """A cutter over one side of a member.
+
+    With the tip radius (mm) of the member, the teeth of the cutter, and the whole teeth of the member.
+    """
 
     tip: float
     cutter: Toothing
+    teeth: Toothing
 
     @property
     def choice(self) -> CutterChoice:
         """Choice among cutters with other tooth numbers."""
-        return CutterChoice(self.own, self.root, self.cutter)
+        return CutterChoice(self.teeth, self.root, self.cutter)
 
     @property
     def motion(self) -> Chain:
@@ -104,37 +109,48 @@ class Shaping(LastCut):
         )
 
 
-def cut_of(gear: GearProportions) -> Shaping | Forming:
-    """Return the cutter over a shaped gear, or the form tool in a formed gear, at the last cut.
+def cuts_of(gear: GearProportions) -> dict[Side, Shaping | Forming]:
+    """Return the cutter over both sides of a shaped gear, or the form tool in a formed gear, at the last cut.
 
     Raises DesignError if the tool cannot cut these teeth.
     """
-    spec, own, sharp = gear.spec, gear.own, sharp_shaper(gear)
+    spec, teeth, sharp = gear.spec, gear.own, sharp_shaper(gear)
     if spec.formed:
-        return Forming(with_rounding(gear.name, spec.tool_tip_radius, own, sharp), own, gear.root, gear.tip)
-    return Shaping(
-        replace(sharp, tip_radius=spec.tool_tip_radius * own.module), own, gear.root, gear.tip, cutter_of(gear)
-    )
+        tool = with_rounding(gear.name, spec.tool_tip_radius, teeth, sharp)
+        return {side: Forming(cutting_flank(gear, tool, side), teeth.side(side), gear.root, gear.tip) for side in Side}
+    tool, cutter = replace(sharp, tip_radius=spec.tool_tip_radius * teeth.module), cutter_of(gear)
+    return {
+        side: Shaping(cutting_flank(gear, tool, side), teeth.side(side), gear.root, gear.tip, cutter, teeth)
+        for side in Side
+    }
 
 
 def shaped_member(
-    name: str, spec: CylindricalMember, cut: Shaping | Forming, tip_key: str, theta: str, along: str
+    name: str,
+    spec: CylindricalMember,
+    cuts: Mapping[Side, Shaping | Forming],
+    tip_key: str,
+    theta: str,
+    along: str,
 ) -> Member:
     """Return a member of a part `spec` of a design (in mm), proved to have closed, unpointed teeth from toe to heel.
 
+    - cuts: see `cuts_of`.
     - tip_key: the key that gives the tip, named in refusals.
     - theta, along: names of the member's source parameters.
 
     Raises DesignError naming key, value and limit: a tip that the cutter's involute does not generate, a bore not below
     the root, or a pointed tooth.
     """
+    cut = cuts[Side.RIGHT]
     own = cut.own
-    cut.refuse_tip(name, spec, tip_key)
-    _check_flank(name, spec, cut)
+    for of_side in cuts.values():
+        of_side.refuse_tip(name, spec, tip_key)
+        _check_flank(name, spec, of_side)
     tooth = Tooth(
         spec.teeth,
         _side(cut, Side.RIGHT),
-        _side(cut, Side.LEFT),
+        _side(cuts[Side.LEFT], Side.LEFT),
         _blank(name, spec, cut),
         tip_edge=tip_edge(spec),
     )

@@ -68,6 +68,8 @@ def _allowance_at(name: str, spec: CylindricalMember | RackTable, key: str, end:
     """
     table, bare = getattr(spec, key), replace(own, allowance=0.0)
     value = getattr(table, end)
+    if key == "span" and own.asymmetric:
+        raise DesignError(f"{name}.span", reason=measures.NO_ASYMMETRIC_SPAN, remedy="give balls")
     if key == "span":
         thickness = measures.thickness_by_span(bare, table.teeth, value)
     elif measures.over_pins(bare, table.diameter) is None and key == "pins":

@@ -4,16 +4,23 @@ Tooth numbers, diameters and distances are positive. `sense` is +1 for external 
 21771 gives this sign to the tooth number. Profile shifts are counted as in the standard: positive towards the tip,
 which thickens external and internal teeth alike. All lengths share one unit, and angles are in rad. "Transverse" means
 the section across the axis.
+
+Teeth whose sides have different pressure angles are asymmetric. Each of their flanks is a flank of symmetric teeth with
+its own angle (`Toothing.sides`), and has its own base circle. Figures of one flank are those of the drive side; figures
+of whole teeth are sums over both sides.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import bracketed_root
+from gearmesh.teeth.region import Side
 
 #: largest working pressure angle (rad) that is searched
 MAX_WORKING_ANGLE = 1.5
@@ -29,12 +36,30 @@ def angle_of(involute_value: float) -> float:
 
     NaN if the angle is not between 0 and MAX_WORKING_ANGLE.
     """
-    if not 0.0 <= involute_value <= involute(MAX_WORKING_ANGLE):
+    return common_angle(involute_value, (1.0,))
+
+
+def common_angle(mean_involute: float, ratios: Sequence[float]) -> float:
+    """Return the angle a (rad) with a given mean of the involute functions of arccos(ratio cos(a)).
+
+    `ratios`: base radii of the flanks over the largest of them, which is 1. NaN if the angle is not between 0 and
+    MAX_WORKING_ANGLE.
+    """
+
+    def mean(angle: Array) -> Array:
+        angles = [angle if ratio == 1.0 else np.arccos(ratio * np.cos(angle)) for ratio in ratios]
+        return np.asarray(sum(np.tan(a) - a for a in angles) / len(ratios))
+
+    ends = np.zeros(1), np.array([MAX_WORKING_ANGLE])
+    if not mean(ends[0])[0] <= mean_involute <= mean(ends[1])[0]:
         return math.nan
-    roots = bracketed_root(
-        lambda a, _: np.tan(a) - a - involute_value, np.zeros(1), np.array([MAX_WORKING_ANGLE]), tolerance=1e-15
-    )
+    roots = bracketed_root(lambda a, _: mean(a) - mean_involute, *ends, tolerance=1e-15)
     return float(roots.values[0])
+
+
+def mean_of(values: Sequence[float]) -> float:
+    """Return the mean of a figure of all sides of teeth."""
+    return sum(values) / len(values)
 
 
 @dataclass(frozen=True)
@@ -55,6 +80,31 @@ class Toothing:
     internal: bool = False
     #: allowance A_sn of the normal tooth thickness at the reference cylinder
     allowance: float = 0.0
+    #: normal pressure angle of the coast side of asymmetric teeth, rad; None for symmetric teeth
+    coast_alpha: float | None = None
+    #: drive side of asymmetric teeth: their right or left flanks
+    drive: Side = Side.RIGHT
+
+    @property
+    def sides(self) -> tuple[Toothing, ...]:
+        """Symmetric teeth with the flanks of each side: drive and coast side, or these teeth alone if they are symmetric."""
+        if self.coast_alpha is None:
+            return (self,)
+        return tuple(replace(self, alpha=alpha, coast_alpha=None) for alpha in (self.alpha, self.coast_alpha))
+
+    def side(self, side: Side) -> Toothing:
+        """Return symmetric teeth with the right or the left flanks of these teeth."""
+        return self.sides[0 if side is self.drive else -1]
+
+    @property
+    def asymmetric(self) -> bool:
+        """True if both sides have different pressure angles."""
+        return self.coast_alpha is not None
+
+    @property
+    def both_tangents(self) -> float:
+        """Sum of tan(alpha_n) of both sides: the growth of the normal thickness with height on the rack."""
+        return 2.0 * mean_of([math.tan(side.alpha) for side in self.sides])
 
     @property
     def sense(self) -> int:
@@ -90,6 +140,11 @@ class Toothing:
         return self.radius * math.cos(self.alpha_t)
 
     @property
+    def largest_base_radius(self) -> float:
+        """Base radius of the side with the larger one: below it a side has no involute."""
+        return max(side.base_radius for side in self.sides)
+
+    @property
     def base_pitch(self) -> float:
         """Transverse base pitch p_et."""
         return math.pi * self.transverse_module * math.cos(self.alpha_t)
@@ -102,18 +157,24 @@ class Toothing:
     @property
     def thickness(self) -> float:
         """Normal tooth thickness at the reference cylinder, including the allowance."""
-        return self.module * (0.5 * math.pi + 2.0 * self.shift * math.tan(self.alpha)) + self.allowance
+        return self.module * (0.5 * math.pi + self.shift * self.both_tangents) + self.allowance
 
     @property
     def generating_shift(self) -> float:
-        """Generating profile shift coefficient x_E = x + A_sn / (2 m_n tan(alpha_n)) for this thickness."""
-        return self.shift + 0.5 * self.allowance / (self.module * math.tan(self.alpha))
+        """Generating profile shift coefficient x_E = x + A_sn / (2 m_n tan(alpha_n)) for this thickness.
+
+        Asymmetric teeth have the sum of the tangents of both sides in place of 2 tan(alpha_n).
+        """
+        return self.shift + self.allowance / (self.module * self.both_tangents)
 
     def half_angle(self, radius: float) -> float:
         """Return half of the tooth's transverse thickness at a radius, as an angle (rad) about the axis.
 
-        The angle is positive up to the radius where the tooth is pointed.
+        The angle is positive up to the radius where the tooth is pointed. Half of the thickness of asymmetric teeth is
+        the mean of both sides.
         """
+        if self.asymmetric:
+            return mean_of([side.half_angle(radius) for side in self.sides])
         at_reference = 0.5 * self.thickness / math.cos(self.beta) / self.radius
         pressure = math.acos(min(1.0, self.base_radius / radius))
         return at_reference + self.sense * (involute(self.alpha_t) - involute(pressure))
@@ -141,6 +202,19 @@ class Toothing:
         return self.radius + self.sense * height
 
 
+def flank_sides(teeth: Toothing) -> tuple[Side, ...]:
+    """Return the flanks of drive and coast side of asymmetric teeth; of symmetric teeth those of the drive side alone."""
+    return (teeth.drive, teeth.drive.other) if teeth.asymmetric else (teeth.drive,)
+
+
+def both_flanks(teeth: Toothing, normal: float) -> float:
+    """Return the change of the normal thickness at the reference cylinder if both flanks move outwards.
+
+    `normal`: distance of the flanks along their normals.
+    """
+    return 2.0 * mean_of([normal / math.cos(side.alpha) for side in teeth.sides])
+
+
 @dataclass(frozen=True)
 class InvolutePair:
     """Two members on parallel axes at a centre distance; at most one member is internal."""
@@ -157,6 +231,23 @@ class InvolutePair:
     @property
     def reference_distance(self) -> float:
         return 0.5 * self.sum_of_teeth * self.pinion.transverse_module
+
+    @property
+    def sides(self) -> tuple[InvolutePair, ...]:
+        """Pairs of the flanks of each side, symmetric teeth: drive and coast side, or this pair alone if it is symmetric."""
+        if not self.pinion.asymmetric:
+            return (self,)
+        both = zip(self.pinion.sides, self.gear.sides, strict=True)
+        return tuple(replace(self, pinion=pinion, gear=gear) for pinion, gear in both)
+
+    def working_side(self, flank: Side) -> InvolutePair:
+        """Return the pair of the side that works when the right or the left flanks of the pinion drive."""
+        return self.sides[0 if flank is self.pinion.drive else -1]
+
+    @property
+    def least_distance(self) -> float:
+        """Sum (with an internal gear: difference) of the base radii, of the side with the larger ones."""
+        return max(self.reference_distance * math.cos(side.alpha_t) for side in self.pinion.sides)
 
     @property
     def working_angle(self) -> float:
@@ -185,7 +276,11 @@ class InvolutePair:
     @property
     def normal_backlash(self) -> float:
         """Normal backlash j_bn = j_wt cos(alpha_wt) cos(beta_b)."""
-        return self.working_backlash * math.cos(self.working_angle) * math.cos(self.pinion.beta_b)
+        return self.normal_of(self.working_backlash)
+
+    def normal_of(self, circumferential: float) -> float:
+        """Return the normal backlash for a circumferential backlash at the working pitch circles."""
+        return circumferential * math.cos(self.working_angle) * math.cos(self.pinion.beta_b)
 
     @property
     def generator(self) -> float:
@@ -213,11 +308,17 @@ class InvolutePair:
 def distance_of(pinion: Toothing, gear: Toothing) -> float:
     """Return the centre distance at which nominal teeth mesh without backlash; NaN if there is none.
 
-    inv(alpha_wt) = inv(alpha_t) + 2 tan(alpha_n) (x1 + x2) / (z1 + z2), with the signs of ISO 21771.
+    inv(alpha_wt) = inv(alpha_t) + 2 tan(alpha_n) (x1 + x2) / (z1 + z2), with the signs of ISO 21771. For asymmetric
+    teeth the equation holds for the means of both sides.
     """
     signed = pinion.signed_teeth + gear.signed_teeth
-    working = angle_of(involute(pinion.alpha_t) + 2.0 * math.tan(pinion.alpha) * (pinion.shift + gear.shift) / signed)
-    return 0.5 * abs(signed) * pinion.transverse_module * math.cos(pinion.alpha_t) / math.cos(working)
+    nominal = mean_of([involute(side.alpha_t) for side in pinion.sides])
+    cosines = [math.cos(side.alpha_t) for side in pinion.sides]
+    working = common_angle(
+        nominal + pinion.both_tangents * (pinion.shift + gear.shift) / signed,
+        [cosine / max(cosines) for cosine in cosines],
+    )
+    return 0.5 * abs(signed) * pinion.transverse_module * max(cosines) / math.cos(working)
 
 
 def sum_of_shifts(pinion: Toothing, gear: Toothing, distance: float) -> float:
@@ -226,10 +327,25 @@ def sum_of_shifts(pinion: Toothing, gear: Toothing, distance: float) -> float:
     NaN if the distance is below the sum (with an internal gear: the difference) of the base radii.
     """
     signed = pinion.signed_teeth + gear.signed_teeth
-    cosine = 0.5 * abs(signed) * pinion.transverse_module * math.cos(pinion.alpha_t) / distance
-    if cosine > 1.0:
-        return math.nan
-    return signed * (involute(math.acos(cosine)) - involute(pinion.alpha_t)) / (2.0 * math.tan(pinion.alpha))
+    cosines = [0.5 * abs(signed) * side.transverse_module * math.cos(side.alpha_t) / distance for side in pinion.sides]
+    return math.nan if max(cosines) > 1.0 else _shifts_with(pinion, signed, [math.acos(cosine) for cosine in cosines])
+
+
+def shifts_at_angle(pinion: Toothing, gear: Toothing, angle: float) -> float:
+    """Return the sum x1 + x2 with which nominal teeth mesh without backlash at a working pressure `angle` (rad).
+
+    For asymmetric teeth it is the smaller working pressure angle of both sides.
+    """
+    cosines = [math.cos(side.alpha_t) for side in pinion.sides]
+    ratios = [cosine / max(cosines) for cosine in cosines]
+    angles = [angle if ratio == 1.0 else math.acos(ratio * math.cos(angle)) for ratio in ratios]
+    return _shifts_with(pinion, pinion.signed_teeth + gear.signed_teeth, angles)
+
+
+def _shifts_with(pinion: Toothing, signed: int, angles: Sequence[float]) -> float:
+    """Return the sum x1 + x2 for the working pressure angles of the sides and the sum of the signed tooth numbers."""
+    involutes = [involute(angle) - involute(side.alpha_t) for angle, side in zip(angles, pinion.sides, strict=True)]
+    return signed * mean_of(involutes) / pinion.both_tangents
 
 
 def specific_sliding(mesh: InvolutePair, tips: tuple[float, float]) -> tuple[float, float]:

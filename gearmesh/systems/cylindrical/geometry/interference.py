@@ -41,8 +41,17 @@ class Reserves:
 def reserves(mesh: InvolutePair, tips: tuple[float, float]) -> Reserves:
     """Return the reserves of a mesh with an internal gear.
 
-    `tips`: tip radii in the order of the mesh (pinion, gear).
+    `tips`: tip radii in the order of the mesh (pinion, gear). Both sides of asymmetric teeth pass each other: the reserve
+    is that of the side with less.
     """
+    if mesh.pinion.asymmetric:
+        sides = [reserves(side, tips) for side in mesh.sides]
+        return Reserves(
+            min(side.involute for side in sides),
+            min(side.trochoid for side in sides),
+            min(side.trimming for side in sides),
+            any(side.all_round for side in sides),
+        )
     pinion, ring, (tip, ring_tip) = mesh.pinion, mesh.gear, tips
     if pinion.internal:
         pinion, ring, (tip, ring_tip) = ring, pinion, (ring_tip, tip)

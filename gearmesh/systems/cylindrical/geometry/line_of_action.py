@@ -17,8 +17,9 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from gearmesh.systems.common.bounds import at_least, at_most
-from gearmesh.systems.cylindrical.cutting.shaped import cut_of
+from gearmesh.systems.cylindrical.cutting.shaped import cuts_of
 from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair, Toothing, distance_of
+from gearmesh.teeth.region import Side
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.geometry.proportions import GearProportions
@@ -29,28 +30,32 @@ ROUNDING_MODULES = 1e-9
 Flank = tuple[float, float]
 
 
-def form_roll_length(gear: GearProportions) -> float:
-    """Return the roll length at which the tool's straight flank or involute ends on the member.
+def form_roll_length(gear: GearProportions, side: Side | None = None) -> float:
+    """Return the roll length at which the tool's straight flank or involute ends on a side of the member.
 
-    The roll length is negative if the tool undercuts the flank.
+    The roll length is negative if the tool undercuts the flank. `side`: right or left flanks; None for the drive side.
     """
+    side = side or gear.own.drive
     if not gear.spec.hobbed:
-        return cut_of(gear).form_roll_length
-    own = gear.own
+        return cuts_of(gear)[side].form_roll_length
+    own = gear.own.side(side)
     return float(own.rack_form_roll_length(own.radius - gear.root, gear.spec.tool_tip_radius * own.module))
 
 
-def undercut_reserve(gear: GearProportions) -> float:
+def undercut_reserve(gear: GearProportions, side: Side | None = None) -> float:
     """Return the roll length by which the flank stays clear of undercut, negative where it is undercut.
 
     - External member: from the base circle to the point that the end of the tool's flank generates.
     - Internal member: from the last point that the cutter's involute generates to the tip.
     - Formed member: from the base circle.
+
+    `side`: right or left flanks; None for the drive side.
     """
+    side = side or gear.own.drive
     if not gear.own.internal:
-        return form_roll_length(gear)
-    made = cut_of(gear)
-    return float(gear.own.roll_length(made.tip) - made.generator)
+        return form_roll_length(gear, side)
+    made = cuts_of(gear)[side]
+    return float(made.own.roll_length(made.tip) - made.generator)
 
 
 @dataclass(frozen=True)
@@ -67,13 +72,17 @@ class SetBackFillet:
     remedy: str
 
 
-def set_back_fillet(gear: GearProportions) -> SetBackFillet | None:
-    """Return the undercut by the hob, or the relief by its protuberance; None for internal or shaped members."""
-    lost = -undercut_reserve(gear)
+def set_back_fillet(gear: GearProportions, side: Side | None = None) -> SetBackFillet | None:
+    """Return the undercut by the hob, or the relief by its protuberance; None for internal or shaped members.
+
+    `side`: right or left flanks; None for the drive side.
+    """
+    side = side or gear.own.drive
+    lost = -undercut_reserve(gear, side)
     if not gear.spec.hobbed or gear.own.internal:
         return None
     if lost > ROUNDING_MODULES * gear.own.module:
-        shift = gear.own.shift + lost * math.sin(gear.own.alpha_t) / gear.own.module
+        shift = gear.own.shift + lost * math.sin(gear.own.side(side).alpha_t) / gear.own.module
         return SetBackFillet("undercut: the flank", f"profile_shift of at least {at_least(shift)} avoids undercut")
     hob = gear.spec.hob
     if hob is not None and hob.relief > ROUNDING_MODULES * gear.own.module:
@@ -85,10 +94,15 @@ def set_back_fillet(gear: GearProportions) -> SetBackFillet | None:
 
 @dataclass(frozen=True)
 class LineOfAction:
-    """Line of action of a mesh and the usable flanks of pinion and gear, as roll lengths at root and tip."""
+    """Line of action of a mesh and the usable flanks of pinion and gear, as roll lengths at root and tip.
+
+    The mesh is that of one side of asymmetric teeth. Members are given by number: 0 the pinion, 1 the gear.
+    """
 
     mesh: InvolutePair
     flanks: tuple[Flank, Flank]
+    #: words for the side of asymmetric teeth, after the name of a member; empty for symmetric teeth
+    where: str = ""
 
     @property
     def _sense(self) -> int:
@@ -115,29 +129,32 @@ class LineOfAction:
         points = self.points
         return self._sense * (points["E"] - points["A"]) / self.mesh.pinion.base_pitch
 
-    def active(self, member: Toothing) -> Flank:
+    @property
+    def members(self) -> tuple[Toothing, Toothing]:
+        """Teeth of pinion and gear."""
+        return self.mesh.pinion, self.mesh.gear
+
+    def active(self, number: int) -> Flank:
         """Return the roll lengths of a member at which its active flank begins and ends, at root and tip."""
         points = self.points
         a, e = points["A"], points["E"]
-        if member is self.mesh.pinion:
+        if number == 0:
             return a, e
         return self.mesh.mating_roll_length(e, self.mesh.pinion), self.mesh.mating_roll_length(a, self.mesh.pinion)
 
-    def interference_reserve(self, member: Toothing) -> float:
+    def interference_reserve(self, number: int) -> float:
         """Return the roll length from the start of a member's usable flank to the mating gear's tip.
 
         The reserve is negative if the tip reaches into the fillet.
         """
-        own, mating = self.flanks if member is self.mesh.pinion else self.flanks[::-1]
-        other = self.mesh.gear if member is self.mesh.pinion else self.mesh.pinion
-        return member.sense * (self.mesh.mating_roll_length(mating[1], other) - own[0])
+        own, mating = self.flanks[number], self.flanks[1 - number]
+        other = self.members[1 - number]
+        return self.members[number].sense * (self.mesh.mating_roll_length(mating[1], other) - own[0])
 
-    def clearing_tip(self, member: Toothing, name: str) -> str:
+    def clearing_tip(self, number: int, name: str) -> str:
         """Return, as text, the tip of the mating gear, called `name`, that clears a member's fillet."""
-        own, mating = (
-            (self.flanks[0], self.mesh.gear) if member is self.mesh.pinion else (self.flanks[1], self.mesh.pinion)
-        )
-        diameter = 2.0 * math.hypot(mating.base_radius, self.mesh.mating_roll_length(own[0], member))
+        own, mating = self.flanks[number], self.members[1 - number]
+        diameter = 2.0 * math.hypot(mating.base_radius, self.mesh.mating_roll_length(own[0], self.members[number]))
         bound = f"at least {at_least(diameter)}" if mating.internal else f"at most {at_most(diameter)}"
         return f"{name}.tip_diameter {bound} mm"
 
@@ -147,26 +164,26 @@ class LineOfAction:
         `names`: names of pinion and gear. If a fillet is set back, contact is lost there and nothing interferes.
         """
         warnings = []
-        both = ((self.mesh.pinion, *names), (self.mesh.gear, *names[::-1]))
+        both = ((0, *names), (1, *names[::-1]))
         for (member, name, other), behind in zip(both, set_back, strict=True):
             reserve = self.interference_reserve(member)
             if self._clears(member):
                 continue
             if behind is not None:
                 warnings.append(
-                    f"{name}: {behind.cause} begins {-reserve:.4g} mm of roll length beyond where the {other}'s tip would "
-                    f"meet it, and contact is lost there; {name}.{behind.remedy}"
+                    f"{name}{self.where}: {behind.cause} begins {-reserve:.4g} mm of roll length beyond where the "
+                    f"{other}'s tip would meet it, and contact is lost there; {name}.{behind.remedy}"
                 )
             else:
                 warnings.append(
-                    f"{name}: interference: the {other}'s tip reaches {-reserve:.4g} mm of roll length into the fillet; it "
-                    f"clears the fillet with {self.clearing_tip(member, other)}"
+                    f"{name}{self.where}: interference: the {other}'s tip reaches {-reserve:.4g} mm of roll length into the "
+                    f"fillet; it clears the fillet with {self.clearing_tip(member, other)}"
                 )
         return tuple(warnings)
 
-    def _clears(self, member: Toothing) -> bool:
+    def _clears(self, number: int) -> bool:
         """True if the mating gear's tip stays on a member's usable flank, up to rounding."""
-        return self.interference_reserve(member) >= -ROUNDING_MODULES * member.module
+        return self.interference_reserve(number) >= -ROUNDING_MODULES * self.members[number].module
 
     def fillet_reserves(self, set_back: Sequence[SetBackFillet | None]) -> list[float | None]:
         """Return the interference reserves of pinion and gear; rounding counts as 0.
@@ -174,10 +191,10 @@ class LineOfAction:
         None for a member whose fillet is set back and reached by the mating tip.
         """
         left: list[float | None] = []
-        for member, behind in zip((self.mesh.pinion, self.mesh.gear), set_back, strict=True):
-            reserve = self.interference_reserve(member)
-            lost = behind is not None and not self._clears(member)
-            left.append(None if lost else max(reserve, 0.0) if self._clears(member) else reserve)
+        for number, behind in zip((0, 1), set_back, strict=True):
+            reserve = self.interference_reserve(number)
+            lost = behind is not None and not self._clears(number)
+            left.append(None if lost else max(reserve, 0.0) if self._clears(number) else reserve)
         return left
 
 

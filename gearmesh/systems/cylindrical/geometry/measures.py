@@ -7,16 +7,24 @@ All of them are dimensions of the exact surfaces in closed form, in the unit of 
 - Ball: touches both flanks of a space.
 - Constant chord: joins the feet of the normals from the middle of the tooth at the reference cylinder.
 - Chord at the reference cylinder: the shortest distance between the two flank lines there.
+
+Asymmetric teeth have neither span nor constant chord: no parallel planes touch involutes of two base circles. A ball
+touches both flanks of their spaces at different radii, and its centre is not in the middle of the space.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from typing import TypeAlias
 
 import numpy as np
 
 from gearmesh.kernel.numeric.roots import bracketed_root
-from gearmesh.systems.cylindrical.geometry.geometry import Toothing, angle_of, involute
+from gearmesh.systems.cylindrical.geometry.geometry import Toothing, common_angle, involute, mean_of
+
+#: radii of the ends of a usable flank
+Flank: TypeAlias = "tuple[float, float]"
 
 #: diameters of balls and pins [DIN 3977 table 1], and larger diameters that are available
 STANDARD_DIAMETERS_MM = (
@@ -27,6 +35,8 @@ STANDARD_DIAMETERS_MM = (
     *(16.0, 18.0, 20.0, 22.0, 25.0, 28.0, 30.0, 35.0, 40.0, 45.0, 50.0),
     *(55.0, 60.0, 70.0, 80.0, 90.0, 100.0),
 )
+#: reason why asymmetric teeth have no span
+NO_ASYMMETRIC_SPAN = "no parallel planes touch the flanks of asymmetric teeth, which are involutes of two base circles"
 #: relative difference of diameters that is rounding
 DIAMETER_ROUNDING = 1e-9
 #: halvings of an interval until its length is rounding
@@ -62,9 +72,10 @@ def has_span(teeth: Toothing) -> bool:
     """True if anvils can touch the flanks: external teeth, or spur internal teeth.
 
     Flat anvils touch convex flanks, and rounded anvils touch the hollow flanks of a spur internal gear. Hollow flanks
-    of a helical gear would be touched at points that are also apart along the axis.
+    of a helical gear would be touched at points that are also apart along the axis. No parallel planes touch the flanks of
+    asymmetric teeth.
     """
-    return not (teeth.internal and teeth.beta != 0.0)
+    return not (teeth.asymmetric or (teeth.internal and teeth.beta != 0.0))
 
 
 def anvil_radius(teeth: Toothing, count: int) -> float:
@@ -77,7 +88,7 @@ def anvil_radius(teeth: Toothing, count: int) -> float:
     return min(abs(teeth.roll_length(radius)), 0.5 * best_ball(teeth, radius))
 
 
-def span_teeth(teeth: Toothing, flank: tuple[float, float], face: float) -> int | None:
+def span_teeth(teeth: Toothing, flank: Flank, face: float) -> int | None:
     """Return the number of teeth, or spaces, whose span is touched nearest to the V cylinder; None without one.
 
     `flank`: radii of the flank's ends; `face`: face width.
@@ -88,7 +99,7 @@ def span_teeth(teeth: Toothing, flank: tuple[float, float], face: float) -> int 
     )
 
 
-def span_numbers(teeth: Toothing, flank: tuple[float, float], face: float) -> list[int]:
+def span_numbers(teeth: Toothing, flank: Flank, face: float) -> list[int]:
     """Return the numbers of teeth, or spaces, whose span anvils can touch on the flank and within the face.
 
     `flank`: radii of the flank's ends; `face`: face width.
@@ -116,30 +127,52 @@ def ball_radius(teeth: Toothing, diameter: float) -> float:
     """Return the radius d_K / 2 of the centre of a ball or pin that touches both flanks of a space.
 
     inv(alpha_Kt) = sense (D_M / (2 r_b cos(beta_b)) - eta_b), where eta_b is half of the space's angle at the base
-    circle. NaN if the centre lies below that circle.
+    circle. The centre is at the same radius for both sides of asymmetric teeth, whose means fulfil the equation. NaN if
+    the centre lies below the base circle of a side.
     """
-    offset = 0.5 * diameter / (teeth.base_radius * math.cos(teeth.beta_b))
-    return teeth.base_radius / math.cos(angle_of(teeth.sense * (offset - _base_space(teeth))))
+    largest = max(side.base_radius for side in teeth.sides)
+    wanted = mean_of([_ball_involute(side, diameter) for side in teeth.sides])
+    return largest / math.cos(common_angle(wanted, [side.base_radius / largest for side in teeth.sides]))
+
+
+def _ball_involute(side: Toothing, diameter: float) -> float:
+    """Return inv(alpha_Kt) of the centre of a ball in the middle of a space, which touches the flank of a side."""
+    offset = 0.5 * diameter / (side.base_radius * math.cos(side.beta_b))
+    return side.sense * (offset - _base_space(side))
 
 
 def ball_contact_radius(teeth: Toothing, diameter: float) -> float:
-    """Return the radius at which a ball or pin touches the flanks."""
-    length = teeth.roll_length(ball_radius(teeth, diameter))
-    return math.hypot(teeth.base_radius, length - teeth.sense * 0.5 * diameter * math.cos(teeth.beta_b))
+    """Return the radius at which a ball or pin touches the flanks; the drive side of asymmetric teeth."""
+    return ball_contact_radii(teeth, diameter)[0]
 
 
-def best_ball(teeth: Toothing, radius: float) -> float:
+def ball_contact_radii(teeth: Toothing, diameter: float) -> tuple[float, ...]:
+    """Return the radius at which a ball or pin touches the flanks of each side of the teeth."""
+    centre = ball_radius(teeth, diameter)
+    return tuple(
+        math.hypot(
+            side.base_radius,
+            side.roll_length(centre) - side.sense * 0.5 * diameter * math.cos(side.beta_b),
+        )
+        for side in teeth.sides
+    )
+
+
+def best_ball(teeth: Toothing, radius: float, side: int = 0) -> float:
     """Return the diameter of the ball that touches the flanks at a radius; NaN if there is none.
 
-    The diameter is the root of the equation of `ball_radius`.
+    The diameter is the root of the equation of `ball_radius`. `side`: number of the side of asymmetric teeth that the
+    ball touches at the radius.
     """
-    length, largest = teeth.roll_length(radius), 4.0 * math.pi * teeth.transverse_module
+    touched, others = teeth.sides[side], [other for k, other in enumerate(teeth.sides) if k != side]
+    length, largest = touched.roll_length(radius), 4.0 * math.pi * teeth.transverse_module
 
     def miss(diameter: float) -> float:
-        away = teeth.sense * 0.5 * diameter * math.cos(teeth.beta_b)
-        tangent = max(0.0, (length + away) / teeth.base_radius)
-        offset = 0.5 * diameter / (teeth.base_radius * math.cos(teeth.beta_b))
-        return teeth.sense * (offset - _base_space(teeth)) - (tangent - math.atan(tangent))
+        away = teeth.sense * 0.5 * diameter * math.cos(touched.beta_b)
+        tangent = max(0.0, (length + away) / touched.base_radius)
+        centre = touched.base_radius * math.hypot(1.0, tangent)
+        slopes = {touched: tangent, **{other: other.roll_length(centre) / other.base_radius for other in others}}
+        return mean_of([_ball_involute(of, diameter) - (slope - math.atan(slope)) for of, slope in slopes.items()])
 
     roots = bracketed_root(
         lambda x, _: np.array([miss(float(diameter)) for diameter in x]), np.zeros(1), np.array([largest])
@@ -147,64 +180,73 @@ def best_ball(teeth: Toothing, radius: float) -> float:
     return float(roots.values[0])
 
 
-def ball_fits(teeth: Toothing, diameter: float, flank: tuple[float, float], circles: tuple[float, float]) -> bool:
-    """True if a ball touches the flank, stands out of the space and clears its ground.
+def ball_fits(teeth: Toothing, diameter: float, flanks: Sequence[Flank], circles: tuple[float, float]) -> bool:
+    """True if a ball touches the flanks, stands out of the space and clears its ground.
 
-    `flank`: radii of the flank's ends, in any order; `circles`: radii of tip and root.
+    `flanks`: radii of the ends of the flanks of each side of the teeth, in any order; `circles`: radii of tip and root.
     """
-    low, high = sorted(flank)
     centre, half = ball_radius(teeth, diameter), 0.5 * teeth.sense * diameter
     over, under = (centre + half - circles[0]) * teeth.sense, (centre - half - circles[1]) * teeth.sense
-    return low < ball_contact_radius(teeth, diameter) < high and over > 0.0 and under > 0.0
+    touched = zip(flanks, ball_contact_radii(teeth, diameter), strict=True)
+    return all(min(ends) < radius < max(ends) for ends, radius in touched) and over > 0.0 and under > 0.0
 
 
-def ball_range(teeth: Toothing, flank: tuple[float, float], circles: tuple[float, float]) -> tuple[float, float] | None:
+def _touching(teeth: Toothing, flanks: Sequence[Flank]) -> tuple[float, float]:
+    """Return the least and the largest diameter of a ball that touches the flanks of all sides.
+
+    A larger ball touches nearer to the tip.
+    """
+    ends = [sorted(best_ball(teeth, radius, k) for radius in flank) for k, flank in enumerate(flanks)]
+    return max(low for low, _ in ends), min(high for _, high in ends)
+
+
+def ball_range(teeth: Toothing, flanks: Sequence[Flank], circles: tuple[float, float]) -> tuple[float, float] | None:
     """Return the least and the largest diameter of a ball that `ball_fits`; None if no ball does.
 
     A larger ball touches nearer to the tip and stands out farther.
     """
-    ends = sorted(best_ball(teeth, radius) for radius in flank)
+    ends = _touching(teeth, flanks)
     inside = [ends[0] + share * (ends[1] - ends[0]) for share in np.linspace(0.0, 1.0, 65)[1:-1]]
-    fit = [diameter for diameter in inside if ball_fits(teeth, diameter, flank, circles)]
+    fit = [diameter for diameter in inside if ball_fits(teeth, diameter, flanks, circles)]
     if not fit:
         return None
     # bisect between the smallest sample that fits and the end of the range
     least, below = fit[0], ends[0]
     for _ in range(BISECTION_STEPS):
         middle = 0.5 * (least + below)
-        least, below = (middle, below) if ball_fits(teeth, middle, flank, circles) else (least, middle)
+        least, below = (middle, below) if ball_fits(teeth, middle, flanks, circles) else (least, middle)
     return least, ends[1]
 
 
 def ball_diameter(
-    teeth: Toothing, flank: tuple[float, float], circles: tuple[float, float], unit: float = 1.0
+    teeth: Toothing, flanks: Sequence[Flank], circles: tuple[float, float], unit: float = 1.0
 ) -> float | None:
     """Return the proposed diameter of a ball or pin; None if no ball fits.
 
     On external teeth it is the smallest standard diameter [DIN 3977] not below the ball that touches at the V cylinder.
     On internal teeth it is the standard diameter that touches nearest to that cylinder. If no standard diameter fits,
-    it is the ball that touches at the V cylinder.
+    it is the ball that touches at the V cylinder. On asymmetric teeth the drive side is touched there.
 
-    - flank: radii of the flank's ends, in any order.
+    - flanks: radii of the ends of the flanks of each side of the teeth, in any order.
     - circles: radii of tip and root; the ball stands out of the space and clears its ground.
     - unit: the teeth's unit, mm.
     """
-    low, high = sorted(flank)
+    low, high = sorted(flanks[0])
     middle = v_radius(teeth)
     best = best_ball(teeth, min(max(middle, low), high))
     # a larger ball touches nearer to the tip: diameters outside this range do not touch the flank
-    least, most = sorted(best_ball(teeth, radius) for radius in flank)
+    least, most = _touching(teeth, flanks)
     standard = [
         size / unit
         for size in STANDARD_DIAMETERS_MM
-        if not (size / unit < least or size / unit > most) and ball_fits(teeth, size / unit, flank, circles)
+        if not (size / unit < least or size / unit > most) and ball_fits(teeth, size / unit, flanks, circles)
     ]
     larger = [] if teeth.internal else [size for size in standard if size >= best * (1.0 - DIAMETER_ROUNDING)]
     if larger:
         return larger[0]
     if standard:
         return min(standard, key=lambda diameter: abs(ball_contact_radius(teeth, diameter) - middle))
-    return best if ball_fits(teeth, best, flank, circles) else None
+    return best if ball_fits(teeth, best, flanks, circles) else None
 
 
 def over_balls(teeth: Toothing, diameter: float) -> float:
@@ -228,7 +270,7 @@ def over_pins(teeth: Toothing, diameter: float) -> float | None:
 
 def ball_width(teeth: Toothing, diameter: float) -> float:
     """Return the distance along the axis between the points of contact with both flanks: D_M sin(beta_b)."""
-    return diameter * abs(math.sin(teeth.beta_b))
+    return diameter * mean_of([abs(math.sin(side.beta_b)) for side in teeth.sides])
 
 
 def pin_width(teeth: Toothing, diameter: float) -> float:
@@ -263,12 +305,14 @@ def thickness_over_balls(teeth: Toothing, diameter: float, size: float, *, oppos
     """
     odd = teeth.teeth % 2 == 1 and not opposite
     centre = 0.5 * (size - teeth.sense * diameter) / (math.cos(0.5 * math.pi / teeth.teeth) if odd else 1.0)
-    if centre < teeth.base_radius:
+    if centre < max(side.base_radius for side in teeth.sides):
         return math.nan
-    offset = 0.5 * diameter / (teeth.base_radius * math.cos(teeth.beta_b))
-    space = offset - teeth.sense * involute(math.acos(teeth.base_radius / centre))
-    half = math.pi / teeth.teeth - space - teeth.sense * involute(teeth.alpha_t)
-    return 2.0 * half * teeth.radius * math.cos(teeth.beta)
+    halves = []
+    for side in teeth.sides:
+        offset = 0.5 * diameter / (side.base_radius * math.cos(side.beta_b))
+        space = offset - side.sense * involute(math.acos(side.base_radius / centre))
+        halves.append(math.pi / side.teeth - space - side.sense * involute(side.alpha_t))
+    return 2.0 * mean_of(halves) * teeth.radius * math.cos(teeth.beta)
 
 
 # ---------------------------------------------------------------- chords
@@ -277,7 +321,8 @@ def thickness_over_balls(teeth: Toothing, diameter: float, size: float, *, oppos
 def constant_chord(teeth: Toothing, tip: float) -> tuple[float, float]:
     """Return the constant chord s_c and its height h_c under the `tip` radius.
 
-    It joins the points at which a rack's straight flanks touch a tooth in its middle.
+    It joins the points at which a rack's straight flanks touch a tooth in its middle. Asymmetric teeth have none: the two
+    points are at different heights.
     """
     chord = teeth.thickness * math.cos(teeth.alpha) ** 2
     rise = 0.5 * teeth.thickness * math.sin(teeth.alpha) * math.cos(teeth.alpha)

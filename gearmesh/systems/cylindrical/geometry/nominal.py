@@ -14,8 +14,9 @@ from gearmesh.systems.cylindrical.geometry.geometry import (
     InvolutePair,
     Toothing,
     distance_of,
-    involute,
+    shifts_at_angle,
 )
+from gearmesh.teeth.region import Side
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember, ToothingKeys
@@ -51,13 +52,28 @@ def toothing(design: CylindricalDesign, name: str) -> Toothing:
     """Return the nominal teeth of a member; a profile shift that is still to be derived counts as 0."""
     ring = design.pinion.internal or design.gear.internal
     # two external gears have opposite hands; an internal gear has the hand of its mating gear
-    return teeth_of(design, getattr(design, name), -1.0 if name == "gear" and not ring else 1.0)
+    hand = -1.0 if name == "gear" and not ring else 1.0
+    return teeth_of(design, getattr(design, name), hand, drive=driving_side(name, inside=ring))
 
 
-def teeth_of(design: ToothingKeys, spec: CylindricalMember, hand: float = 1.0, allowance: float = 0.0) -> Toothing:
+def driving_side(name: str, *, inside: bool) -> Side:
+    """Return the flanks of a member on the drive side: the pinion's right flanks, or the flanks that touch them.
+
+    `inside`: True if a member of the pair is internal.
+    """
+    return Side.LEFT if name == "gear" and inside else Side.RIGHT
+
+
+def teeth_of(
+    design: ToothingKeys,
+    spec: CylindricalMember,
+    hand: float = 1.0,
+    allowance: float = 0.0,
+    drive: Side = Side.RIGHT,
+) -> Toothing:
     """Return the nominal teeth of the part `spec` of a design, with an `allowance` (mm).
 
-    `hand`: -1 for the hand opposite to the pinion's.
+    `hand`: -1 for the hand opposite to the pinion's. `drive`: flanks of the drive side.
     """
     return Toothing(
         teeth=spec.teeth,
@@ -67,6 +83,8 @@ def teeth_of(design: ToothingKeys, spec: CylindricalMember, hand: float = 1.0, a
         shift=0.0 if math.isnan(spec.profile_shift) else spec.profile_shift,
         internal=spec.internal,
         allowance=allowance,
+        coast_alpha=None if design.coast_angle is None else math.radians(design.coast_angle),
+        drive=Side.RIGHT if design.coast_angle is None else drive,
     )
 
 
@@ -75,7 +93,7 @@ def nominal_mesh(design: CylindricalDesign) -> InvolutePair:
     pinion, gear = (toothing(design, name) for name in MEMBER_NAMES)
     given = design.assembly.center_distance
     mesh = InvolutePair(pinion, gear, distance_of(pinion, gear) if given is None else given)
-    least = mesh.reference_distance * math.cos(pinion.alpha_t)
+    least = mesh.least_distance
     if given is not None and given <= least:
         between = "difference" if pinion.internal or gear.internal else "sum"
         raise DesignError(
@@ -94,11 +112,7 @@ def _no_working_angle(design: CylindricalDesign, mesh: InvolutePair) -> DesignEr
     """Return the refusal of profile shifts without a working pressure angle between 0 and MAX_WORKING_ANGLE."""
     shifts = [("pinion", mesh.pinion.shift), ("gear", mesh.gear.shift)]
     (first, own), (second, other) = shifts if design.sets("pinion.profile_shift") else shifts[::-1]
-    signed = mesh.pinion.signed_teeth + mesh.gear.signed_teeth
-    ends = sorted(
-        signed * (end - involute(mesh.pinion.alpha_t)) / (2.0 * math.tan(mesh.pinion.alpha))
-        for end in (0.0, involute(MAX_WORKING_ANGLE))
-    )
+    ends = sorted(shifts_at_angle(mesh.pinion, mesh.gear, angle) for angle in (0.0, MAX_WORKING_ANGLE))
     return DesignError(
         design.name_in_texts(f"{first}.profile_shift"),
         own,

@@ -15,7 +15,7 @@ from gearmesh.systems.common.defaults import straight_rounding
 from gearmesh.systems.cylindrical.cutting.cutter import cut_addendum, root_radius, sharp_shaper
 from gearmesh.systems.cylindrical.cutting.last_cut import FixedCut, LastCut
 from gearmesh.systems.cylindrical.design import BASIC_RACKS
-from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair, Toothing
+from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair, Toothing, both_flanks
 from gearmesh.systems.cylindrical.geometry.nominal import (
     MEMBER_NAMES,
     ToothedGear,
@@ -24,6 +24,7 @@ from gearmesh.systems.cylindrical.geometry.nominal import (
     with_allowances,
 )
 from gearmesh.systems.cylindrical.geometry.shifts import addendum, shifts, tip_alterations, tip_radius
+from gearmesh.teeth.region import Side
 
 if TYPE_CHECKING:
     from gearmesh.design.core import Design
@@ -191,9 +192,14 @@ def rounding_in_mesh(gear: ToothedGear, mesh: InvolutePair, mating: Toothing, ti
     most = tool_rounding(gear)
     if gear.spec.hobbed:
         return most
-    reached, m = mesh.mating_roll_length(mating.roll_length(tip), mating), gear.own.module
-    cut = FixedCut if gear.spec.formed else LastCut
-    return cut(sharp_shaper(gear), gear.own, root_radius(gear)).largest_rounding(reached, most * m) / m
+    m, of_gear = gear.own.module, mating is mesh.gear
+    cut, sharp, root = FixedCut if gear.spec.formed else LastCut, sharp_shaper(gear), root_radius(gear)
+    largest = []
+    for side, own, shaper in zip(mesh.sides, gear.own.sides, (sharp, sharp.other_flank), strict=False):
+        other = side.gear if of_gear else side.pinion
+        reached = side.mating_roll_length(other.roll_length(tip), other)
+        largest.append(cut(shaper, own, root).largest_rounding(reached, most * m) / m)
+    return min(largest)
 
 
 def tool_rounding(gear: ToothedGear) -> float:
@@ -202,7 +208,8 @@ def tool_rounding(gear: ToothedGear) -> float:
     _, dedendum, standard = BASIC_RACKS[gear.profile]
     if not spec.hobbed:
         return min(standard, TIP_ROUNDING_SHARE * sharp_shaper(gear).largest_tip_radius / own.module)
-    m, alpha = own.module, math.degrees(own.alpha)
+    m = own.module
+    right, left = (math.degrees(own.side(side).alpha) for side in (Side.RIGHT, Side.LEFT))
     if spec.root_diameter is not None:
         depth = own.shift + (own.radius - 0.5 * spec.root_diameter) / m
     else:
@@ -211,5 +218,5 @@ def tool_rounding(gear: ToothedGear) -> float:
     given = 0.0 if spec.allowance_by == "feed" else own.allowance
     if spec.hob is not None:
         # the flanks of the hob's tip project beyond the finished flanks
-        given -= 2.0 * (spec.hob.protuberance - spec.hob.stock) / math.cos(own.alpha)
-    return straight_rounding(0.5 * math.pi - given / m, depth, (alpha, alpha), standard)
+        given -= both_flanks(own, spec.hob.protuberance - spec.hob.stock)
+    return straight_rounding(0.5 * math.pi - given / m, depth, (right, left), standard)

@@ -108,18 +108,19 @@ def _contour_radius(plane: SlantedLevel, jet: Jet) -> Array:
     return radius
 
 
-def lever(teeth: Toothing, line: LineOfAction, section: CriticalSection) -> float:
+def lever(line: LineOfAction, number: int, section: CriticalSection) -> float:
     """Return the lever h_F (mm) of a force at the outer point of single contact [ISO 6336-3 6.2, B].
 
     The lever is measured from the chord of the critical section. The tooth's virtual spur gear has z_n = z /
     (cos(beta_b)^2 cos(beta)) teeth. The active flank ends at the tip of its own gear or at the mating gear's fillet.
     """
+    teeth = line.members[number]
     beta_b = teeth.beta_b
     # reference, base and tip circle of the virtual spur gear, and its contact ratio
     radius = 0.5 * teeth.module * teeth.teeth / (math.cos(beta_b) ** 2 * math.cos(teeth.beta))
     base = radius * math.cos(teeth.alpha)
     ratio = line.contact_ratio / math.cos(beta_b) ** 2
-    tip = radius - teeth.radius + math.hypot(teeth.base_radius, line.active(teeth)[1])
+    tip = radius - teeth.radius + math.hypot(teeth.base_radius, line.active(number)[1])
     pitch = math.pi * teeth.module * math.cos(teeth.alpha)
     # outer point of single contact: its roll length is contact ratio - 1 base pitches inside the tip
     length = math.sqrt(max(0.0, tip**2 - base**2)) - teeth.sense * max(0.0, ratio - 1.0) * pitch

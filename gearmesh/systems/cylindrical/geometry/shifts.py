@@ -120,8 +120,13 @@ def addendum(design: CylindricalDesign, name: str, mesh: InvolutePair) -> float:
     mating, spec = getattr(mesh, other), getattr(design, other)
     _, dedendum, rounding = BASIC_RACKS[design.profile]
     m = mating.module
-    form_point = mating.rack_form_roll_length((given_or(spec.dedendum, dedendum) - mating.shift) * m, rounding * m)
-    tip = math.hypot(own.base_radius, max(0.0, form_point) + mesh.generator)
+    depth = (given_or(spec.dedendum, dedendum) - mating.shift) * m
+    tips = []
+    for side in mesh.sides:
+        inner, outer = (side.pinion, side.gear) if other == "pinion" else (side.gear, side.pinion)
+        form_point = inner.rack_form_roll_length(depth, rounding * m)
+        tips.append(math.hypot(outer.base_radius, max(0.0, form_point) + side.generator))
+    tip = max(tips)
     return float(min(standard, (own.radius - tip) / m - own.shift - TIP_MARGIN_MODULES))
 
 

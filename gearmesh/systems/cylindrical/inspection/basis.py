@@ -22,6 +22,7 @@ from gearmesh.systems.cylindrical.planetary.design import PLANET_NAME, RING_NAME
 from gearmesh.systems.cylindrical.sheet import SheetGears, SheetPair
 from gearmesh.systems.cylindrical.single.build import proportions as single_proportions
 from gearmesh.systems.system import complete_design
+from gearmesh.teeth.region import Side
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import CylindricalDesign
@@ -47,25 +48,36 @@ def single_inspection(design: SingleGearDesign, train: GearTrain, name: str) -> 
 def inspection_of(gears: SheetGears, number: int) -> InspectionBasis:
     """Return the inspection basis of a gear by its `number` in a sheet."""
     own, width = gears.teeth[number], gears.specs[number].face_width
-    root_form, tip_form = gears.flanks[number]
-    mesh = gears.meshing
-    begins = root_form if mesh is None else math.hypot(own.base_radius, mesh.line.active(own)[0])
-    space = math.pi / own.teeth - own.half_angle(own.radius)
+    angles = [(side.alpha_t, side.sense * (math.pi / side.teeth - side.half_angle(side.radius))) for side in own.sides]
+    # by right and left flanks
+    order = slice(None, None, 1 if own.drive is Side.RIGHT else -1)
+    involutes = [_involute(gears, number, side) for side in range(len(own.sides))][order]
+    right, *left = angles[order]
     return InspectionBasis(
         sizes=tolerance_sizes(own, width),
         asked=gears.design.accuracy_class,
-        involute=InvoluteFlank(
-            base=own.base_radius,
-            control=begins,
-            form=tip_form,
-            tip=gears.geometry.tips[number],
-            helix=own.beta,
-            base_helix=own.beta_b,
-            toe=-0.5 * width,
-            heel=0.5 * width,
-            module=own.module,
-        ),
-        ball=BallInSpace(own.alpha_t, own.sense * space),
+        involute=involutes[0],
+        left_involute=involutes[1] if own.asymmetric else None,
+        ball=BallInSpace(*right, left=left[0] if left else None),
+    )
+
+
+def _involute(gears: SheetGears, number: int, side: int) -> InvoluteFlank:
+    """Return the involute flank of a side, by its number, of a gear."""
+    own, width = gears.teeth[number].sides[side], gears.specs[number].face_width
+    root_form, tip_form = gears.side_flanks[number][side]
+    mesh = gears.meshing
+    begins = root_form if mesh is None else math.hypot(own.base_radius, mesh.lines[side].active(number)[0])
+    return InvoluteFlank(
+        base=own.base_radius,
+        control=begins,
+        form=tip_form,
+        tip=gears.geometry.tips[number],
+        helix=own.beta,
+        base_helix=own.beta_b,
+        toe=-0.5 * width,
+        heel=0.5 * width,
+        module=own.module,
     )
 
 

@@ -87,12 +87,12 @@ def phase_of_ring(inner: LineOfAction, outer: LineOfAction, overlaps: tuple[floa
     alpha_ws + eta_b - tau. Its other flank touches from root to tip, at xi_r = alpha_wr + eta_b + tau.
     """
     planet = inner.mesh.gear
-    _, tip = inner.active(planet)
-    root, _ = outer.active(outer.mesh.pinion)
-    half = planet.half_angle(planet.base_radius)
+    _, tip = inner.active(1)
+    root, _ = outer.active(0)
+    half, other = (teeth.half_angle(teeth.base_radius) for teeth in (planet, outer.mesh.pinion))
     # position at which contact with the sun begins: tau makes xi_s the roll angle of the tip
     tau = math.pi + inner.mesh.working_angle + half - tip / planet.base_radius
-    passed = outer.mesh.working_angle + half + tau - root / planet.base_radius
+    passed = outer.mesh.working_angle + other + tau - root / outer.mesh.pinion.base_radius
     return _part(passed * planet.teeth / (2.0 * math.pi) + share * (overlaps[1] - overlaps[0]))
 
 

@@ -97,12 +97,15 @@ def _sheet_pairs(own: PlanetaryDesign, train: GearTrain) -> tuple[SheetPair, She
 def _set_tables(design: PlanetaryDesign, planet: Member, inner: SheetPair, outer: SheetPair) -> list[SheetTable]:
     """Return the tables of the whole set and of its planets."""
     teeth = design.sun.teeth, design.planet.teeth, design.ring.teeth
-    ratios = inner.contact_ratio, outer.contact_ratio
-    sense = Side(design.contact.flank).sign
+    # the planet drives the ring with its other flanks
+    flank = Side(design.contact.flank)
+    with_sun, with_ring = inner.working_line(flank), outer.working_line(flank.other)
+    ratios = with_sun.contact_ratio + inner.overlap_ratio, with_ring.contact_ratio + outer.overlap_ratio
+    sense = flank.sign
     ahead = phases(teeth[0], design.angles, sense)
     # first halves end together at the gap: either all of both faces touches before this plane, or nothing
     share = float(inner.mesh.pinion.beta * sense > 0.0) if design.double_helical else 0.5
-    ring_phase = phase_of_ring(inner.line, outer.line, (inner.overlap_ratio, outer.overlap_ratio), share)
+    ring_phase = phase_of_ring(with_sun, with_ring, (inner.overlap_ratio, outer.overlap_ratio), share)
     of_ring = [(phase + ring_phase) % 1.0 for phase in ahead]
     tip_gaps = _apart(design, inner.mesh.distance, planet)
     count = len(ahead)

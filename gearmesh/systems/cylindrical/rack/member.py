@@ -31,7 +31,7 @@ from gearmesh.systems.common.micro_geometry import with_modifications
 from gearmesh.systems.common.racks.rack_member import ROOT_PARAMETER, rack_parameters
 from gearmesh.systems.common.racks.rack_tooth import Heights, RackTooth, round_tips
 from gearmesh.systems.common.tooth_edges import edge_refusal, tip_edge, with_end_chamfers
-from gearmesh.systems.cylindrical.geometry.geometry import Toothing
+from gearmesh.systems.cylindrical.geometry.geometry import Toothing, mean_of
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.blank.features import BodyFeatures, HoleRow
@@ -113,6 +113,20 @@ class RackMesh:
         return self.distance + self.pitch_height
 
     @property
+    def sides(self) -> tuple[RackMesh, ...]:
+        """Meshes of the flanks of each side: drive and coast side, or this mesh alone if it is symmetric."""
+        return tuple(self if own is self.pinion else replace(self, pinion=own) for own in self.pinion.sides)
+
+    def working_side(self, flank: Side) -> RackMesh:
+        """Return the mesh of the side that works when the right or the left flanks of the pinion drive."""
+        return self.sides[0 if flank is self.pinion.drive else -1]
+
+    @property
+    def transverse_tangents(self) -> float:
+        """Sum of tan(alpha_t) of both sides: growth of the transverse thickness with the height."""
+        return 2.0 * mean_of([math.tan(side.alpha_t) for side in self.pinion.sides])
+
+    @property
     def working_angle(self) -> float:
         """Transverse working pressure angle: the basic rack's, at any distance."""
         return self.pinion.alpha_t
@@ -125,24 +139,28 @@ class RackMesh:
     @property
     def rack_land(self) -> float:
         """Normal width of the rack's top lands."""
-        return self.rack_thickness - 2.0 * self.rack.addendum * self.pinion.module * math.tan(self.pinion.alpha)
+        return self.rack_thickness - self.rack.addendum * self.pinion.module * self.pinion.both_tangents
 
     @property
     def circumferential_backlash(self) -> float:
         """Transverse backlash j_wt along the rack: part of the pitch that the teeth leave free."""
         own = self.pinion
-        rack = self.rack_thickness / math.cos(own.beta) - 2.0 * self.above * math.tan(own.alpha_t)
+        rack = self.rack_thickness / math.cos(own.beta) - self.above * self.transverse_tangents
         return self.pitch - own.thickness / math.cos(own.beta) - rack
 
     @property
     def normal_backlash(self) -> float:
         """Normal backlash j_bn = j_wt cos(alpha_wt) cos(beta_b)."""
-        return self.circumferential_backlash * math.cos(self.working_angle) * math.cos(self.pinion.beta_b)
+        return self.normal_of(self.circumferential_backlash)
+
+    def normal_of(self, circumferential: float) -> float:
+        """Return the normal backlash for a backlash along the rack."""
+        return circumferential * math.cos(self.working_angle) * math.cos(self.pinion.beta_b)
 
     @property
     def radial_backlash(self) -> float:
         """Radial backlash j_r: change of the distance that eliminates it."""
-        return 0.5 * self.circumferential_backlash / math.tan(self.working_angle)
+        return self.circumferential_backlash / self.transverse_tangents
 
     @property
     def generator(self) -> float:
@@ -196,10 +214,12 @@ def rack_member(name: str, spec: RackProportions, pinion: Toothing, table: RackT
     m, helix = pinion.module, -pinion.beta
     heights = Heights(spec.addendum * m, -spec.dedendum * m)
     # flanks are the lines of the basic rack, set apart by the allowance
-    line = RackLine(pinion.alpha, m, 0.25 * math.pi * m + 0.5 * spec.allowance)
+    on_right, on_left = (
+        RackLine(pinion.side(side).alpha, m, 0.25 * math.pi * m + 0.5 * spec.allowance) for side in Side
+    )
     right, left = (
         _side(rack, helix, side)
-        for rack, side in zip(round_tips(name, spec, m, (line, line), heights), (1, -1), strict=True)
+        for rack, side in zip(round_tips(name, spec, m, (on_right, on_left), heights), (1, -1), strict=True)
     )
     depth, back = (spec.addendum + spec.dedendum) * m, heights.tip - spec.height
     if not spec.height > depth:

@@ -29,6 +29,7 @@ from gearmesh.systems.cylindrical.geometry.proportions import (
 from gearmesh.systems.cylindrical.parts import completed_pair, nest, shared_keys
 from gearmesh.systems.cylindrical.rack.design import PINION_NAME, RACK_NAME
 from gearmesh.systems.cylindrical.rack.member import RackMesh, RackProportions
+from gearmesh.teeth.region import Side
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.rack.design import RackDesign, RackKeys
@@ -100,11 +101,14 @@ def derived_values(design: RackDesign) -> dict[str, float]:
     mesh = replace(mesh, tip=of_pair.tips[0])
     # roundings leave the flanks straight as far as the mating tips reach
     values = {
-        f"{RACK_NAME}.tool_tip_radius": _clear(
-            bar_rounding(made, mesh),
-            mesh.rack.dedendum,
-            -mesh.rack_height(own.roll_length(mesh.tip)) / own.module,
-            own.alpha,
+        f"{RACK_NAME}.tool_tip_radius": min(
+            _clear(
+                bar_rounding(made, mesh),
+                mesh.rack.dedendum,
+                -side.rack_height(side.pinion.roll_length(mesh.tip)) / own.module,
+                side.pinion.alpha,
+            )
+            for side in mesh.sides
         ),
         f"{PINION_NAME}.addendum": pair.pinion.addendum,
         "backlash": mesh.normal_backlash,
@@ -112,11 +116,14 @@ def derived_values(design: RackDesign) -> dict[str, float]:
     if design.pinion.shaped:
         values[f"{PINION_NAME}.tool_tip_radius"] = _shaper_rounding(pair, mesh, rounding)
     elif design.pinion.hob is None:
-        values[f"{PINION_NAME}.tool_tip_radius"] = _clear(
-            pair.pinion.tool_tip_radius,
-            (own.radius - of_pair.roots[0]) / own.module,
-            mesh.rack.addendum - mesh.above / own.module,
-            own.alpha,
+        values[f"{PINION_NAME}.tool_tip_radius"] = min(
+            _clear(
+                pair.pinion.tool_tip_radius,
+                (own.radius - of_pair.roots[0]) / own.module,
+                mesh.rack.addendum - mesh.above / own.module,
+                side.alpha,
+            )
+            for side in own.sides
         )
     else:
         values[f"{PINION_NAME}.tool_tip_radius"] = pair.pinion.tool_tip_radius
@@ -171,8 +178,9 @@ def bar_defaults(design: RackKeys) -> dict[str, float]:
 def bar_rounding(design: RackKeys, mesh: RackMesh) -> float:
     """Return the profile's radius of the rack's root fillets, in modules, limited by the room in its spaces."""
     own = mesh.pinion
-    alpha, width = math.degrees(own.alpha), 0.5 * math.pi - mesh.rack.allowance / own.module
-    return straight_rounding(width, mesh.rack.dedendum, (alpha, alpha), BASIC_RACKS[design.profile][2])
+    width = 0.5 * math.pi - mesh.rack.allowance / own.module
+    right, left = (math.degrees(own.side(side).alpha) for side in Side)
+    return straight_rounding(width, mesh.rack.dedendum, (right, left), BASIC_RACKS[design.profile][2])
 
 
 def _shift(design: RackDesign) -> float:
@@ -230,7 +238,7 @@ def _check(design: RackDesign, mesh: RackMesh) -> None:
 def check_land(mesh: RackMesh) -> None:
     """Refuse a pointed rack."""
     if mesh.rack_land <= 0.0:
-        most = 0.5 * mesh.rack_thickness / math.tan(mesh.pinion.alpha) / mesh.pinion.module
+        most = mesh.rack_thickness / mesh.pinion.both_tangents / mesh.pinion.module
         raise DesignError(
             f"{RACK_NAME}.addendum",
             mesh.rack.addendum,
@@ -269,5 +277,8 @@ def _shaper_rounding(pair: CylindricalDesign, mesh: RackMesh, standard: float) -
     own, of_pair = mesh.pinion, proportions(pair)
     sharp = sharp_shaper(of_pair.gear("pinion"))
     most = min(standard * own.module, TIP_ROUNDING_SHARE * sharp.largest_tip_radius)
-    reached = mesh.roll_length_at((mesh.rack.addendum + FLANK_MARGIN_MODULES) * own.module)
-    return LastCut(sharp, own, of_pair.roots[0]).largest_rounding(reached, most) / own.module
+    largest = []
+    for side, shaper in zip(mesh.sides, (sharp, sharp.other_flank), strict=False):
+        reached = side.roll_length_at((mesh.rack.addendum + FLANK_MARGIN_MODULES) * own.module)
+        largest.append(LastCut(shaper, side.pinion, of_pair.roots[0]).largest_rounding(reached, most) / own.module)
+    return min(largest)

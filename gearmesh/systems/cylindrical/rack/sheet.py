@@ -8,9 +8,8 @@ neglected.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,21 +17,36 @@ import numpy as np
 from gearmesh.design.core import STEEL_DENSITY_KG_PER_M3
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.plain_sheet import plain_sheet
-from gearmesh.systems.common.symbol_table import Missing, Row, column_of, table, tables_by_title, tables_of
+from gearmesh.systems.common.symbol_table import (
+    Missing,
+    Row,
+    columns_of,
+    side_by_side,
+    table,
+    tables_by_title,
+    tables_of,
+)
 from gearmesh.systems.cylindrical.double_helical import half_of
 from gearmesh.systems.cylindrical.geometry.allowances import allowances_of
-from gearmesh.systems.cylindrical.geometry.geometry import Toothing
+from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair, flank_sides, mean_of
 from gearmesh.systems.cylindrical.geometry.line_of_action import LineOfAction, SetBackFillet, set_back_fillet
 from gearmesh.systems.cylindrical.geometry.measures import STANDARD_DIAMETERS_MM
+from gearmesh.systems.cylindrical.geometry.nominal import MEMBER_NAMES
 from gearmesh.systems.cylindrical.geometry.proportions import GearProportions, tool_rounding
 from gearmesh.systems.cylindrical.rack.design import PINION_NAME, RACK_NAME
 from gearmesh.systems.cylindrical.rack.member import RackMesh
 from gearmesh.systems.cylindrical.rack.proportions import RackPairProportions, rack_proportions, with_allowances
-from gearmesh.systems.cylindrical.sheet import SheetPair, half_tables, member_tables
+from gearmesh.systems.cylindrical.sheet import (
+    NORMAL_BACKLASH_ROWS,
+    SIDE_WORDS,
+    SheetPair,
+    half_tables,
+    member_tables,
+)
 from gearmesh.systems.system import Reserve, Sheet, SheetTable, complete_design
 from gearmesh.teeth.blank.moments import M3_PER_MM3
 from gearmesh.teeth.gear_train import GearTrain, Member
-from gearmesh.teeth.region import Region
+from gearmesh.teeth.region import FLANK_REGIONS, Side
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.allowance_keys import ThicknessAllowance
@@ -53,16 +67,16 @@ class RackAction(LineOfAction):
     def pinion_length(self, length: float) -> float:
         return length
 
-    def interference_reserve(self, member: Toothing) -> float:
+    def interference_reserve(self, number: int) -> float:
         own, mating = self.flanks
         # roll lengths fall towards the rack's tip
-        return mating[1] - own[0] if member is self.mesh.pinion else mating[0] - own[1]
+        return mating[1] - own[0] if number == 0 else mating[0] - own[1]
 
-    def clearing_tip(self, member: Toothing, name: str) -> str:
-        if member is self.mesh.pinion:
-            lower = -self.interference_reserve(member) * math.sin(member.alpha_t) / member.module
-            return f"{name}.addendum smaller by at least {at_least(lower)}"
+    def clearing_tip(self, number: int, name: str) -> str:
         pinion = self.mesh.pinion
+        if number == 0:
+            lower = -self.interference_reserve(0) * math.sin(pinion.alpha_t) / pinion.module
+            return f"{name}.addendum smaller by at least {at_least(lower)}"
         return f"{name}.tip_diameter at most {at_most(2.0 * math.hypot(pinion.base_radius, self.flanks[1][0]))} mm"
 
 
@@ -73,26 +87,26 @@ class RackSheetPair(SheetPair):
     rack_mesh: RackMesh
     rack: Member
 
-    @cached_property
-    def line(self) -> LineOfAction:
-        pinion = self.teeth[0]
-        root, tip = (pinion.roll_length(rho) for rho in self.flanks[0])
-        low, high = (self.rack_mesh.roll_length_at(height) for height in rack_flank(self.rack))
-        return RackAction(self.mesh, ((root, tip), (low, high)))
+    def _line(self, number: int, mesh: InvolutePair) -> LineOfAction:
+        root, tip = (mesh.pinion.roll_length(rho) for rho in self.side_flanks[0][number])
+        with_rack, side = self.rack_mesh.sides[number], flank_sides(self.teeth[0])[number]
+        low, high = (with_rack.roll_length_at(height) for height in rack_flank(self.rack, side))
+        return RackAction(mesh, ((root, tip), (low, high)), self._where(number))
 
     def fed_rounding(self, k: int, gear: GearProportions) -> float:
         # the tool's own rounding leaves the flank that the rack's tips need
         return min(gear.spec.tool_tip_radius, tool_rounding(gear))
 
-    @property
-    def set_back_fillets(self) -> list[SetBackFillet | None]:
-        return [set_back_fillet(self.geometry.gears[0]), None]
+    def set_back_fillets(self, number: int) -> list[SetBackFillet | None]:
+        gear = self.geometry.gears[0]
+        return [set_back_fillet(gear, flank_sides(gear.own)[number]), None]
 
 
-def rack_flank(rack: Member) -> tuple[float, float]:
+def rack_flank(rack: Member, side: Side = Side.RIGHT) -> tuple[float, float]:
     """Return the heights (mm) over the reference plane between which a rack has flank."""
     tooth = rack.tooth
-    low, high = tooth.grid(Region.FLANK_RIGHT, np.array([0.0, 1.0]), tooth.sections([0.5])).points[:, 0, 0]
+    heights = tooth.grid(FLANK_REGIONS[side], np.array([0.0, 1.0]), tooth.sections([0.5])).points[:, 0, 0]
+    low, high = heights[:: 1 if side is Side.RIGHT else -1]
     return float(low), float(high)
 
 
@@ -119,11 +133,17 @@ def rack_sheet(design: RackDesign, train: GearTrain) -> Sheet:
     # the table of axes has no meaning for a rack
     derived, plain, _ = plain_sheet(whole, train).tables
     rack, sheet = train.members[RACK_NAME], _sheet_pair(own, geometry, train)
-    members, measures, *others = (_first_column(of_both) for of_both in member_tables(sheet))
+    members, measures, *others = (_of_pinion(of_both, len(sheet.lines)) for of_both in member_tables(sheet))
+    sides = range(len(sheet.lines))
+    columns: tuple[str, ...] = ("",)
+    both: tuple[str, ...] = (PINION_NAME, RACK_NAME)
+    if sheet.asymmetric:
+        columns = tuple(f"{word} side" for word in SIDE_WORDS)
+        both = tuple(f"{name}, {side}" for side in flank_sides(sheet.teeth[0]) for name in (PINION_NAME, RACK_NAME))
     of_mesh = tables_by_title(
         {
-            "Pair": (("",), lambda: _mesh_rows(sheet)),
-            "Contact from A to E": ((PINION_NAME, RACK_NAME), lambda: _contact_rows(sheet)),
+            "Pair": (columns, lambda: side_by_side([_mesh_rows(sheet, number) for number in sides])),
+            "Contact from A to E": (both, lambda: side_by_side([_contact_rows(sheet, number) for number in sides])),
             "Rack": ((RACK_NAME,), lambda: rack_rows(own, geometry.mesh, rack, geometry.root)),
         }
     )
@@ -145,9 +165,10 @@ def rack_sheet(design: RackDesign, train: GearTrain) -> Sheet:
     )
 
 
-def _first_column(of: SheetTable) -> SheetTable:
-    """Return the column of the pinion."""
-    return replace(column_of(of, 0), title=f"Pinion: {of.title}")
+def _of_pinion(of: SheetTable, sides: int) -> SheetTable:
+    """Return the columns of the pinion: one, or one for each side of its teeth."""
+    count = sides if len(of.columns) > len(MEMBER_NAMES) else 1
+    return replace(columns_of(of, range(count)), title=f"Pinion: {of.title}")
 
 
 def _with_clearance(members: SheetTable, clearance: float) -> SheetTable:
@@ -159,10 +180,11 @@ def _with_clearance(members: SheetTable, clearance: float) -> SheetTable:
     return replace(members, rows=tuple(rows))
 
 
-def _mesh_rows(pair: RackSheetPair) -> list[Row]:
-    """Return the rows of the mesh."""
-    mesh, own = pair.rack_mesh, pair.rack_mesh.pinion
-    ratio, overlap = pair.line.contact_ratio, _overlap_ratio(pair)
+def _mesh_rows(pair: RackSheetPair, number: int) -> list[Row]:
+    """Return the rows of the mesh of one side."""
+    mesh = pair.rack_mesh.sides[number]
+    own = mesh.pinion
+    ratio, overlap = pair.lines[number].contact_ratio, _overlap_ratio(pair)
     values = (
         ("m_n", "normal module", "mm", own.module),
         ("m_t", "transverse module", "mm", own.transverse_module),
@@ -214,22 +236,29 @@ def _backlash(design: RackDesign, geometry: RackPairProportions) -> tuple[tuple[
             )
             meshes[column] = with_allowances(geometry.mesh, first, second)
 
+    normal_words = NORMAL_BACKLASH_ROWS if geometry.mesh.pinion.asymmetric else (("j_bn", "normal"),)
+
     def row(symbol: str, words: str, value: Callable[[RackMesh], float]) -> Row:
         return symbol, words, "mm", tuple(value(mesh) for mesh in meshes.values())
 
     return tuple(meshes), [
         row("j_wt", "along the rack", lambda mesh: mesh.circumferential_backlash),
-        row("j_bn", "normal", lambda mesh: mesh.normal_backlash),
+        *(row(*words, _normal_backlash(number)) for number, words in enumerate(normal_words)),
         row("j_r", "radial: change of the mounting distance that eliminates it", lambda mesh: mesh.radial_backlash),
     ]
 
 
-def _contact_rows(pair: RackSheetPair) -> list[Row]:
-    """Return the rows of the points A to E."""
-    mesh = pair.rack_mesh
+def _normal_backlash(side: int) -> Callable[[RackMesh], float]:
+    """Return the normal backlash of a mesh to the flanks of one side."""
+    return lambda mesh: mesh.sides[side].normal_of(mesh.circumferential_backlash)
+
+
+def _contact_rows(pair: RackSheetPair, number: int) -> list[Row]:
+    """Return the rows of the points A to E of one side."""
+    mesh = pair.rack_mesh.sides[number]
     base = mesh.pinion.base_radius
     rows: list[Row] = []
-    for where, length in pair.line.points.items():
+    for where, length in pair.lines[number].points.items():
         rows += [
             (f"d_{where}", f"diameter at {where}", "mm", (2.0 * math.hypot(base, length), None)),
             (f"h_{where}", f"height at {where}", "mm", (None, mesh.rack_height(length))),
@@ -245,8 +274,8 @@ def rack_rows(design: RackKeys, mesh: RackMesh, member: Member, root: float | No
     `root`: root radius of its pinion, for the clearance; None for a rack alone.
     """
     rack, m = mesh.rack, mesh.pinion.module
-    low, high = rack_flank(member)
-    pin = pin_diameter(mesh, (low, high))
+    flanks = [rack_flank(member, side) for side in flank_sides(mesh.pinion)]
+    pin = pin_diameter(mesh, flanks)
     over = NO_PIN if pin is None else over_pin(mesh, pin)
     density = STEEL_DENSITY_KG_PER_M3 if design.material.density is None else design.material.density
     volume = member.plain_volume()
@@ -267,7 +296,14 @@ def rack_rows(design: RackKeys, mesh: RackMesh, member: Member, root: float | No
         ("h_a", "addendum", "mm", rack.addendum * m),
         ("h_f", "dedendum", "mm", rack.dedendum * m),
         ("h", "tooth depth", "mm", (rack.addendum + rack.dedendum) * m),
-        ("h_Ff", "height at which the flank begins, negative below the reference plane", "mm", low),
+        *(
+            (symbol, f"height at which the flank begins, negative below the reference plane{words}", "mm", low)
+            for (symbol, words), (low, _) in zip(
+                (("h_Ff", ", drive side"), ("h_Ff_coast", ", coast side")) if len(flanks) > 1 else (("h_Ff", ""),),
+                flanks,
+                strict=True,
+            )
+        ),
         ("rho_f", "radius of the root fillets, normal", "mm", rack.tool_tip_radius * m),
         *([] if root is None else [_clearance(mesh, root)]),
         ("A_sn", "allowance of the normal thickness, as made", "mm", rack.allowance),
@@ -302,9 +338,13 @@ def _thickness_allowances(given: ThicknessAllowance | None) -> list[tuple[str, s
 
 
 def pin_height(mesh: RackMesh, diameter: float) -> float:
-    """Return the height over the reference plane of the centre of a pin that touches both flanks of a space."""
-    alpha, space = mesh.pinion.alpha, math.pi * mesh.pinion.module - mesh.rack_thickness
-    return 0.5 * (diameter / math.cos(alpha) - space) / math.tan(alpha)
+    """Return the height over the reference plane of the centre of a pin that touches both flanks of a space.
+
+    D_M / cos(alpha_n) = e_n + 2 h tan(alpha_n); asymmetric teeth have the means of both sides.
+    """
+    space = math.pi * mesh.pinion.module - mesh.rack_thickness
+    needed = mean_of([diameter / math.cos(side.alpha) for side in mesh.pinion.sides])
+    return (needed - space) / mesh.pinion.both_tangents
 
 
 def over_pin(mesh: RackMesh, diameter: float) -> float:
@@ -312,20 +352,22 @@ def over_pin(mesh: RackMesh, diameter: float) -> float:
     return mesh.pitch_height + pin_height(mesh, diameter) + 0.5 * diameter
 
 
-def pin_diameter(mesh: RackMesh, flank: tuple[float, float]) -> float | None:
+def pin_diameter(mesh: RackMesh, flanks: Sequence[tuple[float, float]]) -> float | None:
     """Return the standard pin that touches the flanks nearest to the reference plane; None if none fits.
 
-    The pin stands out of the space and clears its ground. `flank`: heights of the flank's ends.
+    The pin stands out of the space and clears its ground. `flanks`: heights of the ends of the flanks of each side; the
+    drive side of asymmetric teeth is touched nearest.
     """
 
-    def touches(diameter: float) -> float:
-        return pin_height(mesh, diameter) - 0.5 * diameter * math.sin(mesh.pinion.alpha)
+    def touches(diameter: float) -> list[float]:
+        return [pin_height(mesh, diameter) - 0.5 * diameter * math.sin(side.alpha) for side in mesh.pinion.sides]
 
     def fits(diameter: float) -> bool:
         middle, half = pin_height(mesh, diameter), 0.5 * diameter
         root = -mesh.rack.dedendum * mesh.pinion.module
-        return flank[0] < touches(diameter) < flank[1] and middle + half > flank[1] and middle - half > root
+        on_flanks = all(low < at < high for at, (low, high) in zip(touches(diameter), flanks, strict=True))
+        return on_flanks and middle + half > flanks[0][1] and middle - half > root
 
     return min(
-        (size for size in STANDARD_DIAMETERS_MM if fits(size)), key=lambda size: abs(touches(size)), default=None
+        (size for size in STANDARD_DIAMETERS_MM if fits(size)), key=lambda size: abs(touches(size)[0]), default=None
     )

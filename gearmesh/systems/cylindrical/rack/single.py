@@ -44,6 +44,7 @@ def proportions(design: SingleRackDesign) -> RackMesh:
         module=design.given_module,
         alpha=math.radians(design.normal_angle),
         beta=hand * math.radians(design.helix_angle),
+        coast_alpha=None if design.coast_angle is None else math.radians(design.coast_angle),
     )
     bar = replace(bar_of(design), allowance=made_allowance(RACK_NAME, design.rack, own))
     return RackMesh(own, bar, math.nan, own.radius)

@@ -17,7 +17,7 @@ from gearmesh.systems.cylindrical.cutting.cutter import cut_addendum, other_cutt
 from gearmesh.systems.cylindrical.design import BASIC_RACKS
 from gearmesh.systems.cylindrical.double_helical import double_helical_member, first_halves
 from gearmesh.systems.cylindrical.geometry.allowances import made_allowance
-from gearmesh.systems.cylindrical.geometry.nominal import ToothedGear, refuse_thin_allowance, teeth_of
+from gearmesh.systems.cylindrical.geometry.nominal import ToothedGear, driving_side, refuse_thin_allowance, teeth_of
 from gearmesh.systems.cylindrical.geometry.proportions import (
     GearProportions,
     gear_proportions,
@@ -37,7 +37,8 @@ def single_gear(design: SingleGearDesign) -> ToothedGear:
     """Return the teeth of the gear, with the allowance as made."""
     table, spec = design.member_name, design.spec
     name = design.name_in_texts(table)
-    own = teeth_of(design, spec, allowance=made_allowance(name, spec, teeth_of(design, spec)))
+    drive = driving_side(table, inside=spec.internal)
+    own = teeth_of(design, spec, allowance=made_allowance(name, spec, teeth_of(design, spec)), drive=drive)
     return ToothedGear(table, name, spec, own, design.profile)
 
 
@@ -83,7 +84,7 @@ def _refuse_thin(gear: GearProportions) -> None:
         f"{gear.name}.profile_shift",
         own.shift,
         reason="leaves no tooth",
-        allowed=f"more than {at_least(-0.25 * math.pi / math.tan(own.alpha))}",
+        allowed=f"more than {at_least(-0.5 * math.pi / own.both_tangents)}",
     )
 
 
