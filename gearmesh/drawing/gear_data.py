@@ -212,7 +212,8 @@ def _cells(
 ) -> Iterator[tuple[str, str, str, Any]]:
     """Yield symbol, words, unit and value of all rows about a member, or about its pairs.
 
-    For a table with other columns the values come from the first of `ranges` that it has, beside each other.
+    Values of both sides of a member, in columns such as "pinion, right", are beside each other. For a table with other
+    columns the values come from the first of `ranges` that it has, beside each other.
     """
     for table in tables:
         head, colon, _ = table.title.partition(": ")
@@ -222,11 +223,26 @@ def _cells(
             (k for k, column_name in enumerate(table.columns) if column_name in (name, _column(name), "")), None
         )
         if column is None:
-            yield from _of_range(table, ranges)
+            beside = [k for k, other in enumerate(table.columns) if other.partition(", ")[0] in (name, _column(name))]
+            if len(beside) > 1 and table.title != TOOLS_TITLE:
+                yield from _of_sides(table, beside)
+            else:
+                yield from _of_range(table, ranges)
             continue
         for symbol, (words, unit, *values) in zip(table.symbols or ("",) * len(table.rows), table.rows, strict=True):
             if values[column] is not None:
                 yield symbol, words, unit, values[column]
+
+
+def _of_sides(table: SheetTable, columns: list[int]) -> Iterator[tuple[str, str, str, Any]]:
+    """Yield rows with the values of both sides of a member in some columns of a table."""
+    sides = " / ".join(table.columns[k].partition(", ")[2] for k in columns)
+    for symbol, (words, unit, *values) in zip(table.symbols, table.rows, strict=True):
+        ends = [values[k] for k in columns]
+        if None in ends:
+            continue
+        joined = " / ".join(number(end, 4) if isinstance(end, float) else str(end) for end in ends)
+        yield symbol, f"{words}, {sides}", unit, joined
 
 
 def _of_range(table: SheetTable, ranges: tuple[tuple[str, ...], ...]) -> Iterator[tuple[str, str, str, Any]]:

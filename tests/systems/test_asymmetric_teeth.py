@@ -270,13 +270,15 @@ def test_sheet_says_both_sides_and_what_asymmetric_teeth_do_not_have() -> None:
     sheet = built(given).sheet()
     tables = sheet.plain_tables
     assert tables["Sides of asymmetric teeth"]["side"][1:] == ["drive", "coast"] * 2
-    assert tables["Pair"]["alpha_n"][1:] == [DRIVE, COAST]
+    assert tables["Pair, both sides"]["alpha_n"][1:] == [DRIVE, COAST]
     # each side has the contact ratio and the sliding of symmetric teeth of its angle at this centre distance
     for number, alpha in enumerate((DRIVE, COAST)):
         plain = {key: value for key, value in given.items() if key != "coast_pressure_angle"}
         distance = {"center_distance": tables["Pair"]["a"][1]}
         alone = built({**plain, "pressure_angle": alpha, "backlash": 0.1, "assembly": distance}).sheet().plain_tables
-        assert tables["Pair"]["alpha_wt"][1 + number] == pytest.approx(alone["Pair"]["alpha_wt"][1], abs=1e-8)
+        assert tables["Pair, both sides"]["alpha_wt"][1 + number] == pytest.approx(
+            alone["Pair"]["alpha_wt"][1], abs=1e-8
+        )
         assert tables["Contact from A to E"]["zeta_E"][1 + 2 * number] == pytest.approx(
             alone["Contact from A to E"]["zeta_E"][1], abs=1e-8
         )

@@ -9,7 +9,7 @@ neglected.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import TYPE_CHECKING
@@ -81,6 +81,8 @@ SIDES_TITLE = "Sides of asymmetric teeth"
 SIDE_WORDS = ("drive", "coast")
 #: symbols and words of the normal backlash of asymmetric teeth
 NORMAL_BACKLASH_ROWS = ("j_bn", "normal, of the drive side"), ("j_bn_coast", "normal, of the coast side")
+#: symbols of rows of a mesh that differ on both sides of asymmetric teeth
+SIDE_SYMBOLS = frozenset(("alpha_n", "alpha_t", "alpha_wt", "beta_b", "p_et", "eps_alpha", "eps_gamma", "s_u"))
 #: shorter run-outs are rounding
 LEAST_RUN_OUT_MM = 1e-9
 #: largest difference of a proportion of a standard basic rack
@@ -156,16 +158,27 @@ def pair_tables(pair: SheetPair, names: tuple[str, str] = MEMBER_NAMES) -> tuple
     """Return the tables of a pair; `names` are the names of its pinion and gear."""
     own, thickness, *others = member_tables(pair, names)
     sides = range(len(pair.lines))
-    columns = tuple(f"{SIDE_WORDS[number]} side" for number in sides) if pair.asymmetric else ("",)
     both = tuple(name for number in sides for name in _side_columns(pair, names)[number :: len(sides)])
-    of_mesh = tables_by_title(
-        {
-            "Pair": (columns, lambda: side_by_side([_mesh_rows(pair, number) for number in sides])),
-            "Contact from A to E": (both, lambda: side_by_side([_contact_rows(pair, number) for number in sides])),
-        }
+    of_pair = side_tables("Pair", [_mesh_rows(pair, number) for number in sides])
+    of_contact = tables_by_title(
+        {"Contact from A to E": (both, lambda: side_by_side([_contact_rows(pair, number) for number in sides]))}
     )
     backlash = tables_of(("Backlash", lambda: table("Backlash", *_backlash(pair))))
-    return (of_mesh[0], *backlash, own, thickness, of_mesh[1], *others)
+    return (*of_pair, *backlash, own, thickness, *of_contact, *others)
+
+
+def side_tables(title: str, rows: Sequence[Sequence[Row]]) -> tuple[SheetTable, ...]:
+    """Return the table of rows of each side of a pair or gear, or both tables of asymmetric teeth.
+
+    The second table has the rows that differ on both sides, with a column for each.
+    """
+    first = rows[0]
+    if len(rows) == 1:
+        return (table(title, ("",), first),)
+    columns = tuple(f"{word} side" for word in SIDE_WORDS)
+    of_sides = [row for row in side_by_side(rows) if row[0] in SIDE_SYMBOLS]
+    whole = [row for row in first if row[0] not in SIDE_SYMBOLS]
+    return table(title, ("",), whole), table(f"{title}, both sides", columns, of_sides)
 
 
 def member_tables(pair: SheetGears, names: tuple[str, ...] = MEMBER_NAMES) -> tuple[SheetTable, ...]:
@@ -572,6 +585,7 @@ def _side_rows(pair: SheetGears) -> list[Row]:
         ("alpha_n", "normal pressure angle", "deg", of_flank(lambda own: _degrees(own.alpha))),
         ("alpha_t", "transverse pressure angle", "deg", of_flank(lambda own: _degrees(own.alpha_t))),
         ("beta_b", "base helix angle", "deg", of_flank(lambda own: _degrees(abs(own.beta_b)))),
+        ("p_et", "transverse base pitch", "mm", of_flank(lambda own: own.base_pitch)),
         ("d_b", "base diameter", "mm", of_flank(lambda own: 2.0 * own.base_radius)),
         (
             "s_n/2",

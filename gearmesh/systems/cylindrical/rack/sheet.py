@@ -38,10 +38,10 @@ from gearmesh.systems.cylindrical.rack.member import RackMesh
 from gearmesh.systems.cylindrical.rack.proportions import RackPairProportions, rack_proportions, with_allowances
 from gearmesh.systems.cylindrical.sheet import (
     NORMAL_BACKLASH_ROWS,
-    SIDE_WORDS,
     SheetPair,
     half_tables,
     member_tables,
+    side_tables,
 )
 from gearmesh.systems.system import Reserve, Sheet, SheetTable, complete_design
 from gearmesh.teeth.blank.moments import M3_PER_MM3
@@ -135,14 +135,11 @@ def rack_sheet(design: RackDesign, train: GearTrain) -> Sheet:
     rack, sheet = train.members[RACK_NAME], _sheet_pair(own, geometry, train)
     members, measures, *others = (_of_pinion(of_both, len(sheet.lines)) for of_both in member_tables(sheet))
     sides = range(len(sheet.lines))
-    columns: tuple[str, ...] = ("",)
     both: tuple[str, ...] = (PINION_NAME, RACK_NAME)
     if sheet.asymmetric:
-        columns = tuple(f"{word} side" for word in SIDE_WORDS)
         both = tuple(f"{name}, {side}" for side in flank_sides(sheet.teeth[0]) for name in (PINION_NAME, RACK_NAME))
     of_mesh = tables_by_title(
         {
-            "Pair": (columns, lambda: side_by_side([_mesh_rows(sheet, number) for number in sides])),
             "Contact from A to E": (both, lambda: side_by_side([_contact_rows(sheet, number) for number in sides])),
             "Rack": ((RACK_NAME,), lambda: rack_rows(own, geometry.mesh, rack, geometry.root)),
         }
@@ -151,13 +148,13 @@ def rack_sheet(design: RackDesign, train: GearTrain) -> Sheet:
         (
             derived,
             *half_tables(whole, (train.members[PINION_NAME], rack)),
-            of_mesh[0],
+            *side_tables("Pair", [_mesh_rows(sheet, number) for number in sides]),
             *tables_of(("Backlash", lambda: table("Backlash", *_backlash(own, geometry)))),
             _with_clearance(members, geometry.mesh.root_clearance),
             measures,
-            of_mesh[1],
+            of_mesh[0],
             *others,
-            of_mesh[2],
+            of_mesh[1],
             plain,
         ),
         {},

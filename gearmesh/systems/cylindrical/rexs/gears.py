@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from gearmesh.errors import DesignError
 from gearmesh.exchange.model import Component
 from gearmesh.exchange.stage import StageReader
 from gearmesh.exchange.stage_writer import StageWriter
@@ -312,6 +313,13 @@ def _start(end: str, length: float, tip: float | None, base: float) -> float | N
 def write_gear(file: StageWriter, gear: Component, of: GearProportions, name: str) -> None:
     """Write a gear of a complete design in mm, including derived figures that other programs need."""
     own, keys = of.own, file.keys
+    if own.coast_alpha is not None:
+        raise DesignError(
+            "coast_pressure_angle",
+            math.degrees(own.coast_alpha),
+            unit="deg",
+            reason="stages of REXS files are written with one pressure angle for both flanks",
+        )
     module, alpha = own.module, keys.get("pressure_angle", math.degrees(own.alpha))
     file.put(gear, "number_of_teeth", own.teeth)
     file.put(gear, "normal_module", module)

@@ -8,7 +8,7 @@ TOOTH_SYMBOLS = ("z", "m_n", "alpha_n", "beta", "hand", "x", "k", "d", "d_b", "d
 #: rows of the thickness and its measures; with allowances both ends are given
 THICKNESS_SYMBOLS = (*("s_n", "A_sne", "A_sni", "k_W", "W_k", "D_M", "M_dK"),)
 #: rows of the basic rack
-BASIC_RACK_SYMBOLS = ("rack", "alpha_P", "h_aP", "h_fP", "rho_fP", "pr_P0", "q")
+BASIC_RACK_SYMBOLS = ("rack", "alpha_P", "alpha_P_coast", "h_aP", "h_fP", "rho_fP", "pr_P0", "q")
 #: rows of a rack
 RACK_SYMBOLS = ("p_n", "p_t", "H_0", "h_a", "h_f", "rho_f", "M_r", "a_0", "a_M")
 #: rows of the pair

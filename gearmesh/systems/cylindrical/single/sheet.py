@@ -6,11 +6,11 @@ import math
 from typing import TYPE_CHECKING
 
 from gearmesh.systems.common.plain_sheet import plain_sheet
-from gearmesh.systems.common.symbol_table import Row, side_by_side, tables_by_title
+from gearmesh.systems.common.symbol_table import Row
 from gearmesh.systems.cylindrical.double_helical import first_halves
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.systems.cylindrical.geometry.proportions import GearsProportions
-from gearmesh.systems.cylindrical.sheet import SIDE_WORDS, SheetGears, half_tables, member_tables
+from gearmesh.systems.cylindrical.sheet import SheetGears, half_tables, member_tables, side_tables
 from gearmesh.systems.cylindrical.single.build import proportions
 from gearmesh.systems.system import Sheet, complete_design
 from gearmesh.teeth.gear_train import GearTrain
@@ -26,9 +26,8 @@ def single_sheet(design: SingleGearDesign, train: GearTrain) -> Sheet:
     gears = SheetGears(first_halves(own), GearsProportions((proportions(own),)), members)
     # the table of axes is left out: there is no pair
     derived, plain, _ = plain_sheet(own, train).tables
-    sides = gears.teeth[0].sides
-    columns = tuple(f"{word} side" for word in SIDE_WORDS) if gears.asymmetric else ("",)
-    rows = tables_by_title({"Gear": (columns, lambda: side_by_side([_toothing_rows(side) for side in sides]))})
+    # rows of both sides of asymmetric teeth are in the table of their sides
+    rows = side_tables("Gear", [_toothing_rows(side) for side in gears.teeth[0].sides])[:1]
     names = tuple(train.members)
     return Sheet((derived, *half_tables(own, members), *rows, *member_tables(gears, names), plain), {})
 
