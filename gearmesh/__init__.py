@@ -17,6 +17,7 @@
     gears.check(), gears.limits(), gears.sheet()                  meshes and contact checked; undercut; derived values
     gears.vh()                                                    of bevel gears: V-H check
     gears.study({"assembly.dx": "-0.1:0.1:5"})                    many assemblies or designs: figures, sensitivities
+    gears.optimize({"pinion.teeth": "18:30"}, "contact_ratio")     values of keys at which figures are best
     gears.largest_errors(["assembly.dx"])                         how large errors may be before a criterion fails
     gears.picture("pattern").save("pattern.png")                  contact on the tooth
     gears.picture("flank").save("flank.svg")                      both sides in the planes of their flanks, with the ease-off

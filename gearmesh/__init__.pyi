@@ -52,6 +52,7 @@ from .explore.explorer import Explorer as Explorer
 from .figures import Summary as Summary
 from .kernel.motion.rigid import Rigid as Rigid
 from .loaded.mounts import FlexibleMount as FlexibleMount
+from .optimize.optimum import Optimum as Optimum
 from .reports.report import ReportPage as ReportPage
 from .reports.run import Report as Report
 from .study.largest_errors import LargestErrors as LargestErrors

@@ -107,7 +107,7 @@ FILE_FORMATS = (
     FileFormat(
         (TOML_SUFFIX,),
         "design: the keys of a gear system",
-        ("new", "pin", "size", "gear", "settings", "correct", "convert"),
+        ("new", "pin", "size", "gear", "settings", "correct", "convert", "optimize"),
         ("all",),
     ),
     FileFormat((JSON_SUFFIX,), "design, keys as in TOML", (), ("all",)),
@@ -116,11 +116,11 @@ FILE_FORMATS = (
         "figures of an answer, with units in their keys",
         (
             *("tca", "load", "check", "fe", "limits", "topography", "grid", "evaluate", "composite", "correct"),
-            *("toolpath", "settings", "vh", "study", "describe", "prove", "run", "solid"),
+            *("toolpath", "settings", "vh", "study", "describe", "prove", "run", "solid", "optimize"),
         ),
     ),
     FileFormat((CSV_SUFFIX,), "one row for each position of the mesh", ("tca", "load", "composite")),
-    FileFormat((CSV_SUFFIX,), "one row for each assembly or design", ("study",)),
+    FileFormat((CSV_SUFFIX,), "one row for each assembly or design", ("study", "optimize")),
     FileFormat((CSV_SUFFIX,), "amounts of modifications over a flank, mm", ("topography", "correct"), ("all",)),
     FileFormat(POINT_SUFFIXES, "nominal points and unit normals of flanks, mm", ("grid",), ("evaluate", "correct")),
     FileFormat((CSV_SUFFIX,), "positions and axes of a cutter, mm", ("toolpath",)),

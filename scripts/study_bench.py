@@ -96,12 +96,15 @@ def overhead() -> float:
     """Seconds that Dask takes for a task: TASKS of them without work, on two workers."""
     from distributed import LocalCluster
 
-    from gearmesh.study.runners import Scheduler, on_dask
+    from gearmesh.study.runners import Scheduler, runner
 
-    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
-        list(on_dask(nothing, [(k, []) for k in range(20)], Scheduler(cluster.scheduler_address)))
+    with (
+        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
+        runner(1, Scheduler(cluster.scheduler_address)) as run,
+    ):
+        list(run(nothing, [(k, []) for k in range(20)]))
         started = time.perf_counter()
-        list(on_dask(nothing, [(k, []) for k in range(TASKS)], Scheduler(cluster.scheduler_address)))
+        list(run(nothing, [(k, []) for k in range(TASKS)]))
         return (time.perf_counter() - started) / TASKS
 
 

@@ -63,15 +63,16 @@ MAY_IMPORT: dict[str, str] = {
     "loaded": "kernel teeth contact mesh fe",
     "answers": "kernel tools teeth contact metrology design files exchange systems mesh toolpath check io cad fe loaded",
     "study": "kernel teeth contact metrology design files io systems loaded answers",
+    "optimize": "kernel teeth design files io systems answers study",
     "view": "kernel tools teeth contact mesh check fe loaded io answers",  # and of solvers their results alone
     "drawing": "kernel teeth design systems cad answers view",  # of answers the sheet, of view the writer of figures
-    "reports": "kernel teeth design files systems mesh io answers view drawing study",
+    "reports": "kernel teeth design files systems mesh io answers view drawing study optimize",
     # of trains the stages, and all answers about them
     "trains": "kernel teeth contact design files exchange systems mesh io cad answers view reports",
     # the local page
     "explore": "design systems samples mesh teeth answers view reports",
     # only app and gearmesh import api
-    "api": "teeth design systems cad answers view drawing study reports explore trains",
+    "api": "teeth design systems cad answers view drawing study optimize reports explore trains",
     "app": "api answers view explore trains samples systems design files exchange io cad fe contact study",  # nobody imports app
 }
 #: the only packages of others that may be loaded by importing, and those that may be loaded inside functions too

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from gearmesh.answers.sheet import Compensation, DesignSheet
     from gearmesh.drawing.drawing import WorkshopDrawing
     from gearmesh.explore.explorer import Explorer
+    from gearmesh.optimize.optimum import Optimum
     from gearmesh.reports.report import ReportPage
     from gearmesh.reports.run import Report
     from gearmesh.study.largest_errors import LargestErrors
@@ -721,12 +722,12 @@ class Gears(ModelledGears):
 
         return picture(self, view, member, phi1, size, pair, dpi, note, look)
 
-    def save_pictures(self, of: LoadedContact | Study, folder: str | PathLike[str]) -> tuple[Path, ...]:
-        """Save all pictures of contact under load, or of a study, as PNG files; pictures of teeth need OpenGL.
+    def save_pictures(self, of: LoadedContact | Study | Optimum, folder: str | PathLike[str]) -> tuple[Path, ...]:
+        """Save all pictures of contact under load, of a study or of an optimum as PNG files; pictures of teeth need OpenGL.
 
         Parameters
         ----------
-        of : LoadedContact or Study
+        of : LoadedContact, Study or Optimum
             Answer to draw.
         folder : str or os.PathLike
             Existing folder.
@@ -950,6 +951,116 @@ class Gears(ModelledGears):
 
         torques = None if torque is None else number_list("torque", torque, "Nm").tolist()
         return largest_errors(self.design, keys, criteria, torque=torques, pair=pair, progress=progress)
+
+    def optimize(
+        self,
+        vary: Mapping[str, str | Sequence[float | int | str | bool]],
+        minimize: str | Sequence[str] = (),
+        *,
+        maximize: str | Sequence[str] = (),
+        subject: Sequence[str] = (),
+        robust: Mapping[str, str] | str | PathLike[str] | None = None,
+        robust_rows: int = 12,
+        robust_by: str = "mean+3sigma",
+        method: str | None = None,
+        budget: int | str | None = None,
+        seed: int = 0,
+        folder: str | PathLike[str] | None = None,
+        workers: int | None = None,
+        scheduler: str | None = None,
+        tls: Mapping[str, str | PathLike[str]] | None = None,
+        pair: int | str = 0,
+        source: str | None = None,
+        progress: Progress = silent,
+    ) -> Optimum:
+        """Find the values of keys at which figures are best, within limits and over errors of assembly and flanks.
+
+        Parameters
+        ----------
+        vary : mapping of str to str or list
+            Dotted keys with a range "low:high", or with a list or a text "a,b,c" of values.
+        minimize, maximize : str or sequence of str
+            Figures that `study` records, with torques under load: "te_peak_to_peak@50,100:mean" is the mean over both torques,
+            and ":max" (of `maximize` ":min") the worst, which is the default. Two or three figures make a front.
+        subject : sequence of str
+            Limits of figures, as "contact_ratio>1.2" or "max_pressure@100<1500".
+        robust : mapping of str to str, or str or os.PathLike, optional
+            Errors of every design: distributions as `study` takes them, also "class:6", or lists "a,b,c", of which all
+            combinations count. The error of a varied key is added to its value.
+        robust_rows : int
+            Number of rows drawn from distributions, the same for all designs.
+        robust_by : str
+            "worst", or "mean+3sigma" with any number of standard deviations: what counts of a figure over the errors.
+        method : str, optional
+            "cobyqa", for ranges of real numbers, or "evolution", for whole numbers and lists, too.
+        budget : int or str, optional
+            Number of designs, or a time, as "10min"; by default 100 designs.
+        seed : int
+            Seed of samples, errors and evolution.
+        folder : str or os.PathLike, optional
+            Folder for evaluated designs; after a stop, the same call continues, and other objectives use them again.
+        workers : int, optional
+            Number of processes on this machine; by default one for each core. A calling script must be importable, with
+            `if __name__ == "__main__"`.
+        scheduler : str, optional
+            Address of a Dask scheduler, whose workers compute the designs.
+        tls : mapping of str to str or os.PathLike, optional
+            Files "ca_file", "client_cert" and "client_key" for a scheduler at "tls://..."; by default from the configuration of
+            Dask.
+        pair : int or str
+            Number of the mesh, or its members as "sun-planet_1".
+        source : str, optional
+            Text of the design's file, whose comments the file of the best design keeps.
+        progress : callable, optional
+            Function of the progress (0 to 1) and the best value so far.
+
+        Returns
+        -------
+        Optimum
+            Best design, front, sensitivities, and all designs.
+
+        Raises
+        ------
+        DesignError
+            For keys that cannot be varied, and for unknown figures.
+        NoSolutionError
+            If the design itself, or every design of the first sample, has no contact.
+        OutputError
+            For a folder with another optimisation.
+
+        Examples
+        --------
+        >>> vary = {"pinion.modifications.profile_crowning": "1um:20um"}
+        >>> optimum = gears.optimize(vary, "mesh_te_estimate", budget=6, workers=1)
+        >>> list(optimum.values)
+        ['pinion.modifications.profile_crowning']
+        """
+        from gearmesh.optimize.optimize import optimize, task_of
+        from gearmesh.study.runners import Scheduler
+        from gearmesh.study.study import refuse_workers
+
+        # refuse wrong arguments before anything is built
+        if tls is not None and scheduler is None:
+            raise ArgumentError("tls", reason="needs a scheduler")
+        cluster = None if scheduler is None else Scheduler(scheduler, tls)
+        refuse_workers(workers)
+        self.names.pair_number(pair)
+        least, most = ([each] if isinstance(each, str) else list(each) for each in (minimize, maximize))
+        task = task_of(
+            self.design,
+            vary,
+            least,
+            most,
+            subject,
+            robust,
+            robust_rows,
+            robust_by,
+            method,
+            budget,
+            seed,
+            pair,
+        )
+        return optimize(task, folder, workers, cluster, source, progress)
 
     def report(
         self,

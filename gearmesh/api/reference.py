@@ -8,6 +8,7 @@ import re
 from dataclasses import dataclass
 
 import gearmesh.answers
+import gearmesh.optimize
 import gearmesh.study
 import gearmesh.systems
 import gearmesh.trains
@@ -15,7 +16,7 @@ from gearmesh.answers.tables import Listing
 from gearmesh.figures import MEMBER_PLACE, Figure, Figures
 
 #: packages whose modules declare figures
-FIGURE_PACKAGES = (gearmesh.answers, gearmesh.systems, gearmesh.study, gearmesh.trains)
+FIGURE_PACKAGES = (gearmesh.answers, gearmesh.systems, gearmesh.study, gearmesh.optimize, gearmesh.trains)
 #: suffix of a column that names one of three coordinates
 COORDINATE_SUFFIX = re.compile(r"_[xyz](?=_mm$|$)")
 #: columns of the reference

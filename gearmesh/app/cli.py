@@ -52,6 +52,7 @@ COMMAND_FOLDERS = {
     "gear": "designs",
     "size": "designs",
     "study": "contact",
+    "optimize": "contact",
     "describe": "designs",
     "new": "designs",
     "explore": "designs",
@@ -65,6 +66,8 @@ COMMAND_FOLDERS = {
 
 #: words that are tried for commands, with the command that is meant
 OTHER_NAMES = {
+    "optimise": "optimize",
+    "optimum": "optimize",
     "sheet": "describe",
     "info": "describe",
     "kinds": "describe",

@@ -121,6 +121,56 @@ SheetSpeed = Annotated[
 ]
 
 
+Workers = Annotated[int | None, option("--workers N", "Processes. [default: the cores, 1 for small studies]")]
+SchedulerAddress = Annotated[
+    str | None,
+    option(
+        "--scheduler ADDRESS",
+        "A Dask scheduler, as tcp://host:8786, or tls://host:8786 with the three files below or those of Dask's own "
+        "configuration.",
+    ),
+]
+TlsCaFile = Annotated[Path | None, option("--tls-ca-file FILE", "Certificate of the authority, PEM.")]
+TlsClientCert = Annotated[Path | None, option("--tls-client-cert FILE", "Certificate of this client, PEM.")]
+TlsClientKey = Annotated[Path | None, option("--tls-client-key FILE", "Its private key, PEM.")]
+
+
+def tls_files(ca_file: Path | None, client_cert: Path | None, client_key: Path | None) -> dict[str, Path] | None:
+    """Return the files for TLS, None without any. Raises ArgumentError if some are given, FileError for a missing file."""
+    from gearmesh.files.reading import refuse_missing
+
+    files = {"ca_file": ca_file, "client_cert": client_cert, "client_key": client_key}
+    given = {name: file for name, file in files.items() if file is not None}
+    for name in files if given else ():
+        if name not in given:
+            raise ArgumentError(f"tls_{name}", reason="missing; TLS needs all three files")
+    for file in given.values():
+        refuse_missing(file)
+    return given or None
+
+
+def unique_keys(option: str, texts: list[str] | None) -> dict[str, str]:
+    """Return the texts behind "KEY=", by keys. Raises ArgumentError for a key that is given twice."""
+    from gearmesh.study.plan import key_and_value
+
+    values: dict[str, str] = {}
+    for text in texts or ():
+        key, rest = key_and_value(option, text)
+        if key in values:
+            raise ArgumentError(option, entry=key, reason="is given twice")
+        values[key] = rest
+    return values
+
+
+def tolerances(option: str, texts: list[str] | None) -> dict[str, str] | str | None:
+    """Return distributions by keys, or the name of a file of them; None without any."""
+    if not texts:
+        return None
+    if len(texts) == 1 and "=" not in texts[0]:
+        return texts[0]
+    return unique_keys(option, [text.replace(":", "=", 1) if text.startswith("class:") else text for text in texts])
+
+
 def sector_option(about: str) -> Any:
     """Return the option --sector of a command."""
     return option("--sector K", about)
@@ -232,10 +282,12 @@ def refuse_arguments(design: Design, ask: Callable[[Gears], object]) -> None:
 
 
 def design_text(path: Path, overrides: list[str] | None) -> str:
-    """Return the text of the design file of the command line, or TOML with the overridden keys."""
-    from gearmesh.design.files import override, read, text_of, toml
+    """Return the text of the design file of the command line, with its comments and the overridden keys."""
+    from gearmesh.design.dotted import leaves
+    from gearmesh.design.files import override, read, text_of
+    from gearmesh.design.rewriting import rewritten
 
-    return toml(override(read(path), overrides)) if overrides else text_of(path)
+    return rewritten(text_of(path), dict(leaves(override(read(path), overrides)))) if overrides else text_of(path)
 
 
 def chosen_pair(gears: Gears, names: str | None) -> str:

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 #: function of the progress of long work (0 to 1) and the name of its stage
 Progress = Callable[[float, str], None]
 
+#: share of the work between two lines of progress in a pipe
+REPORTED_SHARE = 0.1
 #: largest width or height of a picture, pixels
 _LARGEST_PICTURE = 16384
 #: time over which the speed of work is averaged: all of it
@@ -154,6 +156,20 @@ def working(what: str, *, at_once: bool = False) -> Iterator[Progress]:
 
         with listening(on_its_way):
             yield own
+
+
+def at_times(progress: Progress) -> Progress:
+    """Return a progress that reports always on a terminal, and after each REPORTED_SHARE in a pipe."""
+    if sys.stderr.isatty():
+        return progress
+    told = [0.0]
+
+    def tell(fraction: float, doing: str) -> None:
+        if fraction >= told[0] + REPORTED_SHARE or fraction == 1.0:
+            told[0] = fraction
+            progress(fraction, f"{doing}, {100.0 * fraction:.0f} %")
+
+    return tell
 
 
 def show(listings: Iterable[Listing]) -> None:

@@ -20,6 +20,17 @@ def with_keys(tables: Mapping[str, Any], values: Iterable[tuple[str, Any]]) -> d
     return nested
 
 
+def nested(keys: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the tables of dotted keys; a table without a key has the value {}."""
+    return with_keys({}, sorted(keys.items(), key=lambda each: each[1] != {}))
+
+
+def tables_of(dotted: str) -> list[str]:
+    """Return the dotted names of the tables in which a key stands, the outermost first."""
+    names = dotted.split(".")[:-1]
+    return [".".join(names[: k + 1]) for k in range(len(names))]
+
+
 def leaves(tables: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
     """Yield the dotted keys of nested tables with their values; a table without a key has the value {}."""
     for name, value in tables.items():

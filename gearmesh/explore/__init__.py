@@ -2,5 +2,5 @@
 
 - `server` answers the browser, and nobody else; `workers` keeps the process for heavy work.
 - `worker` is that process; `workshop` builds, solves and packs what a page shows.
-- `state` is what a page has set; `keys`, `ranges`, `refusals`, `rewriting` and `saving` are its parts of the page.
+- `state` is what a page has set; `keys`, `ranges`, `refusals` and `saving` are its parts of the page.
 """

@@ -14,11 +14,11 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
 from gearmesh.design.core import Design
-from gearmesh.design.dotted import leaves
+from gearmesh.design.dotted import leaves, nested
 from gearmesh.design.files import override, read, text_of, toml, with_version
+from gearmesh.design.rewriting import rewritten
 from gearmesh.errors import ArgumentError, OutputError
-from gearmesh.explore.rewriting import rewritten
-from gearmesh.explore.state import KIND_PREFIX, OPENED_NAME, Origin, nested
+from gearmesh.explore.state import KIND_PREFIX, OPENED_NAME, Origin
 from gearmesh.explore.workers import Worker
 from gearmesh.formats import JSON_SUFFIX
 from gearmesh.systems.designs import parse_as_stated

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gearmesh.answers.bodies.questions import ModelledGears
+from gearmesh.design.rewriting import rewritten
 from gearmesh.errors import ArgumentError
-from gearmesh.explore.rewriting import rewritten
 from gearmesh.explore.state import Origin
 from gearmesh.formats import DXF_SUFFIX, HTML_SUFFIX, STEP_SUFFIX, STL_SUFFIX, THREEMF_SUFFIX, TOML_SUFFIX
 

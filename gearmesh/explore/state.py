@@ -13,7 +13,7 @@ from typing import Any
 
 from gearmesh import samples
 from gearmesh.design.core import Design
-from gearmesh.design.dotted import leaves, with_keys
+from gearmesh.design.dotted import leaves, nested, tables_of
 from gearmesh.design.files import anchor
 from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.systems.designs import new, parse_as_stated
@@ -90,17 +90,6 @@ class Origin:
 def design_class_of(keys: Mapping[str, Any]) -> type[Design]:
     """Return the class of the designs with these dotted keys. Raises DesignError for an unknown kind."""
     return system(keys.get("kind")).of_keys(nested(keys)).design
-
-
-def nested(keys: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the tables of dotted keys; a table without a key has the value {}."""
-    return with_keys({}, sorted(keys.items(), key=lambda each: each[1] != {}))
-
-
-def tables_of(dotted: str) -> list[str]:
-    """Return the dotted names of the tables in which a key stands, the outermost first."""
-    names = dotted.split(".")[:-1]
-    return [".".join(names[: k + 1]) for k in range(len(names))]
 
 
 def is_file(design: type[Design], dotted: str) -> bool:

@@ -8,6 +8,8 @@ from gearmesh.answers.bodies.finite_elements import FiniteElementSolution
 from gearmesh.answers.bodies.toolpath import ToolPathAnswer
 from gearmesh.answers.load.loaded import LoadedContact
 from gearmesh.errors import ArgumentError
+from gearmesh.optimize.optimum import Optimum
+from gearmesh.reports.optimum_pictures import optimum_pictures
 from gearmesh.reports.study_pictures import study_pictures
 from gearmesh.study.study import Study
 from gearmesh.view import pictures
@@ -43,8 +45,10 @@ def picture_of_answer(
     return solution_picture(answer)
 
 
-def save_pictures(answer: LoadedContact | Study, folder: Path) -> tuple[Path, ...]:
+def save_pictures(answer: LoadedContact | Study | Optimum, folder: Path) -> tuple[Path, ...]:
     """Write the pictures of an answer and return their files, as `Gears.save_pictures` describes them."""
     if isinstance(answer, Study):
         return tuple(study_pictures(answer, folder))
+    if isinstance(answer, Optimum):
+        return tuple(optimum_pictures(answer, folder))
     return LoadedPictures(answer).save(folder)

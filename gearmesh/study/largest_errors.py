@@ -149,7 +149,7 @@ def largest_errors(
 
 def _reach(design: Design, key: str, reach: str | float) -> float:
     """Return the distance that is searched from the key's own value. Raises ArgumentError if it is not above 0."""
-    distance = KeyReader(design).number(key, reach)
+    distance = KeyReader(design, "find_limits").number(key, reach)
     if not distance > 0.0:
         raise ArgumentError("find_limits", reach, entry=key, must_be="above 0, the distance to search")
     return distance

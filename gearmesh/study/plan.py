@@ -159,6 +159,8 @@ class KeyReader:
     """Reader of values of the keys of a design; lengths may have units."""
 
     design: Design
+    #: option or argument that gives the keys
+    option: str = "vary"
 
     def number(self, key: str, value: Any) -> float:
         """Return a number in the key's unit. Raises DesignError naming key, value and what is allowed."""
@@ -200,10 +202,10 @@ class KeyReader:
         count = (parse_whole_number(rest[1]) or 0) if len(rest) == 2 else 0
         if count < 2:
             raise ArgumentError(
-                "vary", text, entry=key, must_be="LOW:HIGH:COUNT with 2 values at least, or a list A,B,C"
+                self.option, text, entry=key, must_be="LOW:HIGH:COUNT with 2 values at least, or a list A,B,C"
             )
         first, last = self.ends(key, low, rest[0])
-        _refuse_size("vary", count)
+        _refuse_size(self.option, count)
         steps = np.linspace(first, last, count)
         return [self._whole_number(key, float(f"{value:.{RANGE_DIGITS}g}") + 0.0) for value in steps.tolist()]
 
@@ -212,9 +214,11 @@ class KeyReader:
         low, _, high = text.partition(":")
         ends = self.ends(key, low, high.partition(":")[0])
         if not ends[0] < ends[1]:
-            raise ArgumentError("vary", text, entry=key, must_be="LOW:HIGH, with HIGH above LOW, to be sampled")
+            raise ArgumentError(self.option, text, entry=key, must_be="LOW:HIGH, with HIGH above LOW, to be sampled")
         if self._unit(key) == "count":
-            raise ArgumentError("vary", text, entry=key, reason="whole numbers can be varied in a grid, not sampled")
+            raise ArgumentError(
+                self.option, text, entry=key, reason="whole numbers can be varied in a grid, not sampled"
+            )
         return Spread("uniform", ends)
 
     def _whole_number(self, key: str, value: float) -> float | int:
@@ -232,7 +236,7 @@ class KeyReader:
             close = nearest(key, known_keys)
             hint = f"did you mean {close}?" if close else f"gearmesh describe {self.design.kind} lists them"
             raise ArgumentError(
-                "vary",
+                self.option,
                 entry=shown_key([key]),
                 reason=f"{self.design.kind} has no key of this name that can be varied; {hint}",
             )

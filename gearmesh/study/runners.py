@@ -32,27 +32,49 @@ ADDRESS_PATTERN = re.compile(r"(?:[a-z]+://)?(?:\[[0-9a-fA-F:.%]+\]|[^\s:/\[\]]+
 SCHEDULER_TIMEOUT_S = 10
 
 
+#: function that yields the numbers and results of chunks in the order in which they finish
+Run = Callable[[Work[ItemT], Iterable[Chunk]], Iterator[tuple[int, ItemT]]]
+
+
+@contextmanager
+def runner(workers: int, scheduler: Scheduler | None = None) -> Iterator[Run[Any]]:
+    """Yield the function that computes chunks: in this process, on `workers` processes, or on a Dask cluster.
+
+    It may be called several times; processes and connection stay until the context ends.
+    """
+    if scheduler is not None:
+        with _cluster(scheduler) as run:
+            yield run
+    elif workers > 1:
+        with _processes(workers) as run:
+            yield run
+    else:
+        yield in_process
+
+
 def in_process(work: Work[ItemT], chunks: Iterable[Chunk]) -> Iterator[tuple[int, ItemT]]:
     """Yield the results of chunks, one after the other, in this process."""
     for number, rows in chunks:
         yield number, work(rows)
 
 
-def on_processes(work: Work[ItemT], chunks: Iterable[Chunk], workers: int) -> Iterator[tuple[int, ItemT]]:
-    """Yield the results of chunks from `workers` processes of this machine, in the order in which they finish.
+@contextmanager
+def _processes(workers: int) -> Iterator[Run[Any]]:
+    """Yield the function that computes chunks on `workers` processes of this machine.
 
-    The processes end with this process, however it ends. They end at once if the caller stops to read results. Raises
+    The processes end with this process, however it ends. They end at once if the context ends by an error. Raises
     OutputError if a process dies; its chunks are then not done.
     """
     from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
     from concurrent.futures.process import BrokenProcessPool
     from multiprocessing import active_children, get_context
 
-    waiting: dict[Future[ItemT], int] = {}
-    left = iter(chunks)
     spawned, earlier_processes = get_context("spawn"), active_children()
     with _one_thread_each(), ProcessPoolExecutor(workers, mp_context=spawned, initializer=_end_with_parent) as pool:
-        try:
+
+        def run(work: Work[Any], chunks: Iterable[Chunk]) -> Iterator[tuple[int, Any]]:
+            waiting: dict[Future[Any], int] = {}
+            left = iter(chunks)
             while True:
                 with _deaf_to_stops():
                     for number, rows in _some(left, workers * WAITING_CHUNKS_PER_WORKER - len(waiting)):
@@ -62,6 +84,9 @@ def on_processes(work: Work[ItemT], chunks: Iterable[Chunk], workers: int) -> It
                 done = wait(waiting, return_when=FIRST_COMPLETED).done
                 for future in done:
                     yield waiting.pop(future), future.result()
+
+        try:
+            yield run
         except BrokenProcessPool:
             raise OutputError(
                 reason="a worker process died (out of memory?); run the same command again to continue"
@@ -151,8 +176,9 @@ class Scheduler:
         return distributed.Security(require_encryption=True, **files)
 
 
-def on_dask(work: Work[ItemT], chunks: Iterable[Chunk], scheduler: Scheduler) -> Iterator[tuple[int, ItemT]]:
-    """Yield the results of chunks from a Dask scheduler, in the order in which they finish.
+@contextmanager
+def _cluster(scheduler: Scheduler) -> Iterator[Run[Any]]:
+    """Yield the function that computes chunks on a Dask cluster.
 
     Chunks of a worker that dies go to another worker. Raises OutputError if Dask is not installed, no scheduler
     answers, or a chunk has killed several workers.
@@ -165,8 +191,9 @@ def on_dask(work: Work[ItemT], chunks: Iterable[Chunk], scheduler: Scheduler) ->
         raise OutputArgumentError(
             "scheduler", address, reason=f"no Dask scheduler answers there ({_words(error)})"
         ) from None
-    left = iter(chunks)
-    with client:
+
+    def run(work: Work[Any], chunks: Iterable[Chunk]) -> Iterator[tuple[int, Any]]:
+        left = iter(chunks)
         numbers: dict[Any, int] = {}
         finished = distributed.as_completed(loop=client.loop)
 
@@ -194,6 +221,9 @@ def on_dask(work: Work[ItemT], chunks: Iterable[Chunk], scheduler: Scheduler) ->
                 ) from None
             yield numbers.pop(future.key), result
             more()
+
+    with client:
+        yield run
 
 
 def _apply(work: Work[ItemT], rows: list[Any]) -> ItemT:

@@ -346,7 +346,7 @@ def plan_of(
         plan = grid(lists)
     else:
         spreads = {key: _range(read, key, values) for key, values in vary.items()}
-        for key, spread in _tolerances(read, tolerance, pair).items():
+        for key, spread in tolerance_spreads(read, tolerance, pair).items():
             if key in spreads:
                 raise ArgumentError("tolerance", entry=key, reason="vary gives it already")
             spreads[key] = spread
@@ -361,6 +361,22 @@ def _range(read: KeyReader, key: str, values: str | Sequence[Value]) -> Spread:
     if not isinstance(values, str) or ":" not in values:
         raise ArgumentError("vary", entry=key, must_be="LOW:HIGH, to be sampled")
     return read.range(key, values)
+
+
+def tolerance_spreads(
+    read: KeyReader,
+    tolerance: Mapping[str, str] | str | PathLike[str] | None,
+    pair: int | str,
+    option: str = "tolerance",
+) -> dict[str, Spread]:
+    """Return the distributions of keys, of a file of them, or of a tolerance class; `option` is what gives them.
+
+    Raises ArgumentError or DesignError naming key, value and what is allowed.
+    """
+    try:
+        return _tolerances(replace(read, option=option), tolerance, pair)
+    except ArgumentError as failure:
+        raise (failure.rename(option) if failure.key == "tolerance" else failure) from failure
 
 
 def _tolerances(
@@ -506,17 +522,13 @@ def _work(
         for number in left:
             yield number, plan.rows(number * size, (number + 1) * size)
 
-    if scheduler is not None:
-        results = runners.on_dask(work, chunks(), scheduler)
-    else:
-        worth = MIN_PARALLEL_LOADED_CHUNKS if LOAD_GROUP in work.groups else MIN_PARALLEL_CHUNKS
-        many = workers if workers is not None else (os.cpu_count() or 1) if len(left) >= worth else 1
-        many = min(many, len(left))
-        results = runners.on_processes(work, chunks(), many) if many > 1 else runners.in_process(work, chunks())
-    for done, (number, rows) in enumerate(results, start=1):
-        store.add(number, rows)
-        if progress is not None:
-            progress((count - len(left) + done) / count, f"study: {len(plan)} rows")
+    worth = MIN_PARALLEL_LOADED_CHUNKS if LOAD_GROUP in work.groups else MIN_PARALLEL_CHUNKS
+    many = workers if workers is not None else (os.cpu_count() or 1) if len(left) >= worth else 1
+    with runners.runner(min(many, len(left)), scheduler) as run:
+        for done, (number, rows) in enumerate(run(work, chunks()), start=1):
+            store.add(number, rows)
+            if progress is not None:
+                progress((count - len(left) + done) / count, f"study: {len(plan)} rows")
     if len(store.chunks) < count:
         raise OutputError(reason="some rows were not computed; run the same command again to continue")
 

@@ -57,6 +57,7 @@ NEEDED: dict[str, tuple[Any, ...]] = {
     "loaded_contact": (10.0, [0.0]),
     "measuring_grid": ("pinion",),
     "member": ("pinion",),
+    "optimize": ({"pinion.modifications.profile_crowning": "1um:9um"}, "mesh_te_estimate"),
     "part": ("pinion",),
     "place": ({},),
     "places_at": (0.0,),
@@ -110,6 +111,8 @@ def call(gears: gm.Gears, verb: str, parameter: str, wrong: Any) -> Any:
     given = inspect.signature(function).bind_partial(*needed)
     if verb == "gear":
         given.arguments["module"] = 1
+    if verb == "optimize":
+        given.arguments.update(budget=6, workers=1)
     given.arguments[parameter] = wrong
     return function(*given.args, **given.kwargs)
 

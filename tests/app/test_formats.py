@@ -44,7 +44,7 @@ WRONG_SUFFIXES = (
     ("render", ["render", SPUR, "--animate", "a.xyz"]),
 )
 #: contents that no suffix of an own option leads to: texts of --json, --csv and --names, and what `run` puts into its folder
-NOT_BY_SUFFIX = {"tca", "load", "study", "run", "check", "describe", "limits", "vh", "prove", "all"}
+NOT_BY_SUFFIX = {"tca", "load", "study", "run", "check", "describe", "limits", "vh", "prove", "all", "optimize"}
 
 
 def refused(arguments: Sequence[str], capsys: pytest.CaptureFixture[str]) -> set[str]:

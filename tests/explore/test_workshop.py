@@ -13,10 +13,10 @@ from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh.design.dotted import leaves
+from gearmesh.design.rewriting import rewritten
 from gearmesh.explore.explorer import origin_of, origin_of_file
 from gearmesh.explore.keys import plain_values
 from gearmesh.explore.ranges import key_range
-from gearmesh.explore.rewriting import rewritten
 from gearmesh.explore.state import Origin, refuse_keys
 from gearmesh.explore.workshop import Job, Stale, Workshop
 from gearmesh.systems.system import complete_design

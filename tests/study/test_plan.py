@@ -11,6 +11,7 @@ import pytest
 from oracles.places import SAMPLES
 from scipy import stats
 
+import gearmesh as gm
 from gearmesh.errors import DesignError
 from gearmesh.study.plan import KeyReader, grid, key_and_value, sample_plan
 from gearmesh.study.spreads import Spread, read_spreads, spread_of
@@ -135,3 +136,15 @@ def test_samples_are_drawn_without_all_of_scipy_stats() -> None:
     )
     told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert told.stdout.strip() == "False"
+
+
+def test_unknown_keys_are_refused_under_what_gave_them() -> None:
+    gears = gm.Gears(gm.load(SAMPLES / "spur.toml", complete=False))
+    for of, ask in {
+        "vary": lambda: gears.study({"pinion.tooth": "1:2:2"}),
+        "tolerance": lambda: gears.study(sample=4, tolerance={"pinion.tooth": "normal:0:1"}),
+        "find_limits": lambda: gears.largest_errors({"pinion.tooth": 1.0}),
+    }.items():
+        with pytest.raises(gm.DesignError, match="did you mean pinion.teeth") as failure:
+            ask()
+        assert failure.value.key == of

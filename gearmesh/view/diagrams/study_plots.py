@@ -112,6 +112,9 @@ class SwingBars:
     keys: Sequence[tuple[str, float, float]]
     #: meaning and unit of the figure
     label: str = ""
+    #: ends of the range of each key, and the place of the middle, in words
+    ends: tuple[str, str] = ("key at its 5th percentile", "at its 95th")
+    place: str = "in the middle"
 
 
 @dataclass(frozen=True)
@@ -159,9 +162,8 @@ def plot_tornado(
 
 
 def _draw_swings(axes: Any, bars: SwingBars) -> None:
-    labels = ("key at its 5th percentile", "at its 95th")
     for label, colour, ends in zip(
-        labels, (CURVE_COLOURS[0], CURVE_COLOURS[3]), zip(*(e[1:] for e in bars.keys), strict=True), strict=True
+        bars.ends, (CURVE_COLOURS[0], CURVE_COLOURS[3]), zip(*(e[1:] for e in bars.keys), strict=True), strict=True
     ):
         at = np.array(ends) - bars.middle
         axes.barh(range(len(bars.keys)), at, left=bars.middle, color=colour, height=0.65, label=label)
@@ -178,7 +180,7 @@ def _draw_swings(axes: Any, bars: SwingBars) -> None:
     axes.axvline(bars.middle, color=INK_COLOUR, lw=0.8)
     axes.margins(x=0.12)
     axes.set_xlabel(
-        f"{label_lines(bars.label or bars.name, TITLE_LINE_LETTERS)}; {bars.middle:.3g} in the middle", fontsize=9
+        f"{label_lines(bars.label or bars.name, TITLE_LINE_LETTERS)}; {bars.middle:.3g} {bars.place}", fontsize=9
     )
 
 

@@ -2,13 +2,30 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from gearmesh.app.options import DesignFile, Json, Pair, Set, chosen_pair, load_gears, option, torques_in_nm
+from gearmesh.app.options import (
+    DesignFile,
+    Json,
+    Pair,
+    SchedulerAddress,
+    Set,
+    TlsCaFile,
+    TlsClientCert,
+    TlsClientKey,
+    Workers,
+    chosen_pair,
+    load_gears,
+    option,
+    tls_files,
+    tolerances,
+    torques_in_nm,
+    unique_keys,
+)
 from gearmesh.app.terminal import (
     Progress,
+    at_times,
     output_folder,
     refuse_folder,
     refuse_unwritable,
@@ -18,7 +35,6 @@ from gearmesh.app.terminal import (
     write_text,
 )
 from gearmesh.errors import ArgumentError
-from gearmesh.files.reading import refuse_missing
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -26,9 +42,6 @@ if TYPE_CHECKING:
     from gearmesh import Gears
     from gearmesh.study.largest_errors import LargestErrors
     from gearmesh.study.study import Study
-
-#: share of the work between two lines of progress in a pipe
-REPORTED_SHARE = 0.1
 
 
 def study(
@@ -84,22 +97,11 @@ def study(
     output: Annotated[
         Path | None, option("-o --output DIR", "Folder of results; finished rows are kept and not computed again.")
     ] = None,
-    workers: Annotated[
-        int | None, option("--workers N", "Processes. [default: the cores, 1 for small studies]")
-    ] = None,
-    scheduler: Annotated[
-        str | None,
-        option(
-            "--scheduler ADDRESS",
-            "A Dask scheduler, as tcp://host:8786, or tls://host:8786 with the three files below or those of Dask's own "
-            "configuration.",
-        ),
-    ] = None,
-    tls_ca_file: Annotated[Path | None, option("--tls-ca-file FILE", "Certificate of the authority, PEM.")] = None,
-    tls_client_cert: Annotated[
-        Path | None, option("--tls-client-cert FILE", "Certificate of this client, PEM.")
-    ] = None,
-    tls_client_key: Annotated[Path | None, option("--tls-client-key FILE", "Its private key, PEM.")] = None,
+    workers: Workers = None,
+    scheduler: SchedulerAddress = None,
+    tls_ca_file: TlsCaFile = None,
+    tls_client_cert: TlsClientCert = None,
+    tls_client_key: TlsClientKey = None,
     parquet: Annotated[
         bool | None, option("--parquet/--no-parquet", "Write Parquet. [default: where pyarrow is installed]")
     ] = None,
@@ -137,13 +139,7 @@ def study(
         if json_file != "-":
             show(largest.listings)
         return
-    files = {"ca_file": tls_ca_file, "client_cert": tls_client_cert, "client_key": tls_client_key}
-    tls = {name: file for name, file in files.items() if file is not None} or None
-    for name in files if tls else ():
-        if files[name] is None:
-            raise ArgumentError(f"tls_{name}", reason="missing; TLS needs all three files")
-    for file in (tls or {}).values():
-        refuse_missing(file)
+    tls = tls_files(tls_ca_file, tls_client_cert, tls_client_key)
     if parquet:
         from gearmesh.study.table import require_pyarrow
 
@@ -151,8 +147,8 @@ def study(
 
     def ask(gears: Gears, progress: Callable[[float, str], None] | None = None) -> Study:
         return gears.study(
-            _unique("--vary", vary),
-            tolerance=_tolerance(tolerance),
+            unique_keys("--vary", vary),
+            tolerance=tolerances("--tolerance", tolerance),
             sample=sample,
             method=method,
             seed=seed,
@@ -170,7 +166,7 @@ def study(
     refuse_folder(output)
     gears = load_gears(design_file, settings, ask)
     with working("study") as progress:
-        answer = ask(gears, _at_times(progress))
+        answer = ask(gears, at_times(progress))
         if output is not None:
             progress(1.0, "study: files and figures")
             _save(gears, answer, output, _has_pyarrow() if parquet is None else parquet, pictures)
@@ -197,40 +193,6 @@ def _show(answer: Study, json_file: str | None) -> None:
     count = answer.columns["status"].count("ok")
     if count < len(answer.plan):
         warn([f"{len(answer.plan) - count} of {len(answer.plan)} rows have no figures: see the column reason"])
-
-
-def _unique(option: str, texts: list[str] | None) -> dict[str, str]:
-    from gearmesh.study.plan import key_and_value
-
-    values: dict[str, str] = {}
-    for text in texts or ():
-        key, rest = key_and_value(option, text)
-        if key in values:
-            raise ArgumentError(option, entry=key, reason="is given twice")
-        values[key] = rest
-    return values
-
-
-def _tolerance(texts: list[str] | None) -> dict[str, str] | str | None:
-    if not texts:
-        return None
-    if len(texts) == 1 and "=" not in texts[0]:
-        return texts[0]
-    return _unique("--tolerance", [text.replace(":", "=", 1) if text.startswith("class:") else text for text in texts])
-
-
-def _at_times(progress: Progress) -> Callable[[float, str], None]:
-    """Return a progress that reports always on a terminal, and after each REPORTED_SHARE in a pipe."""
-    if sys.stderr.isatty():
-        return progress
-    told = [0.0]
-
-    def tell(fraction: float, doing: str) -> None:
-        if fraction >= told[0] + REPORTED_SHARE or fraction == 1.0:
-            told[0] = fraction
-            progress(fraction, f"{doing}, {100.0 * fraction:.0f} %")
-
-    return tell
 
 
 def _has_pyarrow() -> bool:

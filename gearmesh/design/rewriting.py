@@ -8,9 +8,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from gearmesh.design.dotted import leaves
+from gearmesh.design.dotted import leaves, nested, tables_of
 from gearmesh.design.files import toml
-from gearmesh.explore.state import nested, tables_of
 
 #: head of a table
 _TABLE_PATTERN = re.compile(r"\s*\[\s*([A-Za-z0-9_.\s-]+?)\s*\]\s*(#.*)?$")
