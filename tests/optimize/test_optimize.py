@@ -108,6 +108,7 @@ def test_limits_are_kept_and_failures_are_data(gears: gm.Gears, monkeypatch: pyt
         optimum(gears, {CROWNING: "-10um:-2um", SLOPE: "-10um:-2um"}, budget=20)
 
 
+@pytest.mark.quick
 def test_fronts_are_those_of_the_closed_form(gears: gm.Gears, monkeypatch: pytest.MonkeyPatch) -> None:
     """Distances from two points: the front is the segment between them; from three points the triangle."""
 
@@ -168,6 +169,7 @@ def test_whole_numbers_and_lists_are_evolved(gears: gm.Gears, monkeypatch: pytes
     assert 1e3 * found.values[RELIEF] == pytest.approx(7.0, abs=1.0)
 
 
+@pytest.mark.quick
 def test_searches_side_by_side_ask_in_rounds() -> None:
     """The order of the questions does not depend on the threads; an error in one of them ends all."""
     rounds: list[list[int]] = []
