@@ -39,6 +39,8 @@ KEY_ENDINGS = {
     "mm/rad": "_mm_per_rad",
     "m/s": "_m_per_s",
     "MPa m/s": "_mpa_m_per_s",
+    "W": "_w",
+    "K": "_kelvin",
     "%": "_percent",
     "modules": "_modules",
     "s": "",

@@ -44,7 +44,7 @@ class ContactRows:
     length: Array
     #: load per length (N,), N/mm
     line_load: Array
-    #: largest pressure (N,), MPa, of the cells of the row
+    #: largest pressure (N,), MPa, of the cells of the row; NaN where an edge touches, where it is singular
     pressure: Array
     #: True (N,) where a pressed cell is next to an edge of a flank
     on_edge: NDArray[np.bool_]
@@ -86,7 +86,7 @@ def contact_rows(gears: GearPair, load: PairLoad) -> ContactRows:
         own_points,
         grid.dx[pair_index],
         rows_load[pair_index, row_index],
-        load.pressure.max(axis=2)[pair_index, row_index],
+        np.where(tangent, load.pressure.max(axis=2)[pair_index, row_index], np.nan),
         pressed_edge[pair_index, row_index],
         np.stack([_principal(jet) for jet in own_jets]),
         FlankMotion.joined(motions),

@@ -78,6 +78,9 @@ WRONG: dict[str, dict[str, Any]] = {
         "--dynamics": ("out.txt", "cannot write out.txt"),
         "--tribology": ("out.txt", "cannot write out.txt"),
         "--speed": ("1500", "--speed = 1500: must be left out without --tribology"),
+        "--friction": ("2", "--friction = 2: must be a coefficient", "--tribology", "out.csv"),
+        "--viscosity": ("-1", "--viscosity = -1", "--tribology", "out.csv"),
+        "--pressure-viscosity": ("20", "--pressure-viscosity = 20: a film needs", "--tribology", "out.csv"),
         "--pair": ("gear", "--pair = gear"),
     },
     "solid": {

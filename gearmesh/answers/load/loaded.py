@@ -26,7 +26,6 @@ from gearmesh.answers.load.figures import (
 from gearmesh.answers.load.members import held_by_rim, materials_of, mounts_of
 from gearmesh.answers.result import Result, RunTime, columns, header
 from gearmesh.answers.tables import Listing, csv_text, round_to
-from gearmesh.arguments import refuse_speed
 from gearmesh.contact.engagement.cycle import Cycle
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, Status
@@ -259,13 +258,26 @@ class LoadedContact(Result):
         shares: Array = np.interp(rotation, pair_rotation[order], share.ravel()[order], 0.0, 0.0)
         return shares
 
-    def tribology(self, speed: float | None = None) -> Tribology:
-        """Load, curvature, sliding and rolling along every loaded contact.
+    def tribology(
+        self,
+        speed: float | None = None,
+        *,
+        friction: float | None = None,
+        viscosity: float | None = None,
+        pressure_viscosity: float | None = None,
+    ) -> Tribology:
+        """Load, curvature, sliding and rolling along every loaded contact; efficiency, flash temperature and film.
 
         Parameters
         ----------
         speed : float, optional
             Rpm of the pinion: adds velocities in m/s, and pressure times velocity.
+        friction : float, optional
+            Coefficient of friction: adds the efficiency, with a speed friction power and flash temperature of steel.
+        viscosity : float, optional
+            Dynamic viscosity, mPa s, of the oil at the bulk temperature of the teeth: adds the film thickness.
+        pressure_viscosity : float, optional
+            Its pressure-viscosity coefficient, 1/GPa.
 
         Returns
         -------
@@ -275,18 +287,18 @@ class LoadedContact(Result):
         Raises
         ------
         ArgumentError
-            For a speed that is not above 0.
+            For values that cannot be, and for an oil without a speed.
 
         Examples
         --------
-        >>> tribology = gears.loaded_contact(20.0, [0.0]).tribology(1500)
-        >>> tribology.rows[0].at_speed.sliding > 0.0
+        >>> tribology = gears.loaded_contact(20.0, [0.0]).tribology(1500, friction=0.05)
+        >>> 98.0 < tribology.totals[0].efficiency < 100.0
         True
         """
-        from gearmesh.answers.load.tribology import Tribology
+        from gearmesh.answers.load.tribology import RunningConditions, Tribology
 
-        refuse_speed(speed)
-        return Tribology(self.design, self.pair, self.mesh, self.warnings, speed)
+        running = RunningConditions(speed, friction, viscosity, pressure_viscosity)
+        return Tribology(self.design, self.pair, self.mesh, self.warnings, running)
 
     @cached_property
     def totals(self) -> list[LoadedTotals]:

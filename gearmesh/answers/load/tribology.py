@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -11,15 +12,40 @@ from typing import Any
 import numpy as np
 
 from gearmesh.answers.contact.figures import MotionFigures, SpeedFigures
+from gearmesh.answers.load.members import materials_of
 from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, csv_text, round_to
+from gearmesh.arguments import refuse_speed
+from gearmesh.contact.hertz import contact_modulus
 from gearmesh.design.core import Design
+from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, Summary, figure
 from gearmesh.formats import CSV_SUFFIX, JSON_SUFFIX
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.loaded.lubrication import (
+    LEAST_PECLET,
+    STEEL_THERMAL_CONTACT,
+    film_thickness,
+    flash_temperature,
+    half_width,
+    peclet_number,
+)
 from gearmesh.loaded.rows import ContactRows, contact_rows
 from gearmesh.loaded.sharing import LoadedMesh
 from gearmesh.teeth.gear_train import GearPair
+
+#: headings of the table of extremes, by fields of `TribologyTotals`
+TOTAL_HEADINGS = {
+    "torque": "Nm",
+    "max_sliding": "sliding mm/rad",
+    "max_line_load": "load N/mm",
+    "max_sliding_at_speed": "sliding m/s",
+    "max_pressure_velocity": "p v MPa m/s",
+    "efficiency": "efficiency %",
+    "friction_power": "friction W",
+    "max_flash_temperature": "flash K",
+    "min_film_thickness": "film um",
+}
 
 
 @dataclass(frozen=True)
@@ -46,8 +72,14 @@ class RowFigures(Figures):
     pressure: float = figure("largest contact pressure across the row", "MPa", "p")
     on_edge: bool = figure("whether there is edge contact, where the pressure grows with every refinement of the cells")
     curvature: float = figure("relative curvature across the contact", "1/mm", "1/rho")
+    half_width: float = figure("half width of the contact by Hertz, from load per length and curvature", "mm", "b_H")
     motion: MotionFigures = figure("sliding and rolling, per rad of the pinion")
     at_speed: SpeedFigures | None = figure("velocities at the speed of the pinion", optional=True)
+    friction_power: float | None = figure("friction power of the row", "W", optional=True)
+    flash_temperature: float | None = figure(
+        "flash temperature by Blok: largest rise over the bulk temperature", "K", "Theta_fl", optional=True
+    )
+    film_thickness: float | None = figure("least film thickness by Dowson and Higginson", "um", "h", optional=True)
 
 
 @dataclass(frozen=True)
@@ -63,6 +95,51 @@ class TribologyTotals(Figures):
     max_pressure_velocity: float | None = figure(
         "largest pressure times sliding velocity, away from edges", "MPa m/s", "p v", optional=True
     )
+    efficiency: float | None = figure(
+        "efficiency of the mesh with sliding friction alone, mean over the positions", "%", "eta", optional=True
+    )
+    friction_power: float | None = figure("friction power, mean over the positions", "W", "P_VZ", optional=True)
+    max_flash_temperature: float | None = figure(
+        "largest flash temperature by Blok, away from edges", "K", "Theta_fl", optional=True
+    )
+    min_film_thickness: float | None = figure(
+        "least film thickness by Dowson and Higginson, away from edges", "um", "h_min", optional=True
+    )
+
+
+@dataclass(frozen=True)
+class RunningConditions:
+    """Speed, friction and oil under which gears run; None where they are not given.
+
+    Raises ArgumentError for values that cannot be.
+    """
+
+    #: speed of the pinion, rpm
+    speed: float | None = None
+    #: coefficient of friction
+    friction: float | None = None
+    #: dynamic viscosity of the oil at the bulk temperature of the teeth, mPa s
+    viscosity: float | None = None
+    #: pressure-viscosity coefficient of the oil there, 1/GPa
+    pressure_viscosity: float | None = None
+
+    def __post_init__(self) -> None:
+        refuse_speed(self.speed)
+        if self.friction is not None and not 0.0 < self.friction < 1.0:
+            raise ArgumentError("friction", self.friction, must_be="a coefficient above 0 and below 1")
+        oil = {"viscosity": ("mPa s", self.viscosity), "pressure_viscosity": ("1/GPa", self.pressure_viscosity)}
+        for name, (unit, value) in oil.items():
+            if value is not None and not 0.0 < value < math.inf:
+                raise ArgumentError(name, value, unit=unit, must_be="a finite number above 0")
+        given = [name for name, (_, value) in oil.items() if value is not None]
+        if len(given) == 1 or (given and self.speed is None):
+            value = oil[given[0]][1]
+            raise ArgumentError(given[0], value, reason="a film needs speed, viscosity and pressure_viscosity")
+
+    @property
+    def per_rad(self) -> float | None:
+        """Velocity, m/s, of 1 mm per rad of the pinion; None without a speed."""
+        return None if self.speed is None else 1e-3 * math.tau * self.speed / 60.0
 
 
 @dataclass(frozen=True, repr=False)
@@ -77,8 +154,8 @@ class Tribology(Result):
     mesh: LoadedMesh
     #: warnings, one line each
     warnings: tuple[str, ...] = ()
-    #: speed of the pinion, rpm; None if not given
-    speed: float | None = None
+    #: speed, friction and oil
+    running: RunningConditions = RunningConditions()
 
     @property
     def suffixes(self) -> tuple[str, ...]:
@@ -90,9 +167,11 @@ class Tribology(Result):
         return f"{len(self.rows)} rows of loaded contacts, torques: {len(self.mesh.torque)}"
 
     @cached_property
-    def _contacts(self) -> list[ContactRows]:
-        """Rows under each torque."""
-        return [contact_rows(self.pair, load) for load in self.mesh.loads]
+    def _contacts(self) -> list[_Heated]:
+        """Rows under each torque, with friction and film."""
+        materials = materials_of(self.design, self.pair)
+        modulus = contact_modulus(*materials)
+        return [_Heated(contact_rows(self.pair, load), self.running, modulus) for load in self.mesh.loads]
 
     @cached_property
     def rows(self) -> list[RowFigures]:
@@ -100,68 +179,82 @@ class Tribology(Result):
         torques = 1e-3 * self.mesh.torque
         return [
             row
-            for torque, contact in zip(torques.tolist(), self._contacts, strict=True)
-            for row in self._rows_of(torque, contact)
+            for torque, heated in zip(torques.tolist(), self._contacts, strict=True)
+            for row in self._rows_of(torque, heated)
         ]
 
-    def _rows_of(self, torque: float, contact: ContactRows) -> list[RowFigures]:
+    def _rows_of(self, torque: float, heated: _Heated) -> list[RowFigures]:
         """Return the figures of the rows under a torque, Nm."""
-        names = list(self.pair.members)
-        phi1 = np.degrees(self.mesh.phi1[contact.position]).round(12)
+        names, contact, speed = list(self.pair.members), heated.rows, self.running.speed
+        phi1 = np.degrees(self.mesh.phi1[contact.position]).round(12).tolist()
         motions = MotionFigures.of(contact.motion, names)
-        places, curvatures = contact.own_point.tolist(), contact.curvatures.tolist()
-        whole = [column.tolist() for column in (contact.number, contact.half, contact.on_edge)]
-        measured = [
-            column.tolist()
-            for column in (contact.point, contact.length, contact.line_load, contact.pressure, contact.motion.curvature)
-        ]
+        places, curvatures, points = contact.own_point.tolist(), contact.curvatures.tolist(), contact.point.tolist()
+        known = (heated.friction_power, heated.flash_temperature, heated.film_thickness)
         return [
             RowFigures(
                 torque,
-                angle,
-                number,
-                self.pair.pinion.halves[half].number,
-                point,
+                phi1[n],
+                int(contact.number[n]),
+                self.pair.pinion.halves[int(contact.half[n])].number,
+                points[n],
                 {name: RowMember(places[k][n], *curvatures[k][n]) for k, name in enumerate(names)},
-                length,
-                line_load,
-                pressure,
-                on_edge,
-                curvature,
+                float(contact.length[n]),
+                float(contact.line_load[n]),
+                float(contact.pressure[n]),
+                bool(contact.on_edge[n]),
+                float(contact.motion.curvature[n]),
+                float(heated.half_width[n]),
                 motion,
-                None if self.speed is None else SpeedFigures.of(motion, self.speed, pressure),
+                None if speed is None else SpeedFigures.of(motion, speed, float(contact.pressure[n])),
+                *(None if values is None else float(values[n]) for values in known),
             )
-            for n, (motion, angle, number, half, on_edge, point, length, line_load, pressure, curvature) in enumerate(
-                zip(motions, phi1.tolist(), *whole, *measured, strict=True)
-            )
+            for n, motion in enumerate(motions)
         ]
 
     @cached_property
     def totals(self) -> list[TribologyTotals]:
         """Extremes over all rows, one per torque."""
         return [
-            self._total(float(torque), contact)
-            for torque, contact in zip(1e-3 * self.mesh.torque, self._contacts, strict=True)
+            self._total(float(torque), heated)
+            for torque, heated in zip(1e-3 * self.mesh.torque, self._contacts, strict=True)
         ]
 
-    def _total(self, torque: float, contact: ContactRows) -> TribologyTotals:
+    def _total(self, torque: float, heated: _Heated) -> TribologyTotals:
         """Return the extremes under a torque, Nm."""
+        contact, per_rad = heated.rows, self.running.per_rad
         sliding, inner = contact.motion.sliding_speed, ~contact.on_edge
-        per_rad = None if self.speed is None else 1e-3 * 2.0 * np.pi * self.speed / 60.0
-        largest = float(sliding.max())
+        flash, film = heated.flash_temperature, heated.film_thickness
+        # friction work per rad of the pinion, N mm/rad, mean over the positions
+        work = None if heated.friction_work is None else float(heated.friction_work.sum()) / len(self.mesh.phi1)
         return TribologyTotals(
             torque,
-            largest,
+            float(sliding.max()),
             _largest(contact.line_load[inner]),
-            None if per_rad is None else per_rad * largest,
+            None if per_rad is None else per_rad * float(sliding.max()),
             None if per_rad is None else per_rad * _largest((contact.pressure * sliding)[inner]),
+            None if work is None else 100.0 * (1.0 - 1e-3 * work / torque),
+            None if work is None or per_rad is None else per_rad * work,
+            None if flash is None else _largest(flash[inner]),
+            None if film is None else -_largest(-film[inner]),
         )
 
     @property
     def listings(self) -> list[Listing]:
-        heads = ["Nm", "sliding mm/rad", "load N/mm", "sliding m/s", "p v MPa m/s"]
+        keys = dict.fromkeys(key for total in self.totals for key in total.row)
+        names = {TribologyTotals.key_of(name): head for name, head in TOTAL_HEADINGS.items()}
         rows = [[round_to(value, 3) for value in total.row.values()] for total in self.totals]
-        return [Listing("Largest along all loaded contacts, away from edges", heads[: len(rows[0])], rows)]
+        return [Listing("Extremes along all loaded contacts, away from edges", [names[key] for key in keys], rows)]
+
+    @property
+    def notes(self) -> list[str]:
+        """Warnings about the figures of this answer, one line each."""
+        slow = [heated.peclet for heated in self._contacts if heated.peclet is not None]
+        if not slow or min(slow) >= LEAST_PECLET:
+            return []
+        return [
+            f"flash temperature: heat flows along the surface at this speed (Peclet number {min(slow):.2g}, below "
+            f"{LEAST_PECLET:g}): Blok's temperature is too high"
+        ]
 
     def to_dict(self) -> dict[str, list[Any]]:
         return columns([row.flat for row in self.rows])
@@ -190,8 +283,11 @@ class Tribology(Result):
     def sections(self) -> Mapping[str, Content]:
         return {
             **header(self.design),
-            "warnings": self.warnings,
-            "pinion_speed_rpm": self.speed,
+            "warnings": (*self.warnings, *self.notes),
+            "pinion_speed_rpm": self.running.speed,
+            "friction": self.running.friction,
+            "viscosity_mpa_s": self.running.viscosity,
+            "pressure_viscosity_per_gpa": self.running.pressure_viscosity,
             **Summary(TribologyFigures(self.totals, self.rows)),
         }
 
@@ -204,6 +300,53 @@ class TribologyFigures(Figures):
     rows: list[RowFigures] = figure("rows of loaded contacts, one per place along each")
 
 
+class _Heated:
+    """Rows of loaded contacts with friction and film; None where it is not asked for."""
+
+    def __init__(self, rows: ContactRows, running: RunningConditions, modulus: float) -> None:
+        motion, per_rad, friction = rows.motion, running.per_rad, running.friction
+        self.rows = rows
+        #: half widths (N,), mm
+        self.half_width = half_width(rows.line_load, motion.curvature, modulus)
+        #: friction work (N,), N mm per rad of the pinion, of every row
+        self.friction_work: Array | None = None
+        #: friction power (N,), W, and flash temperature (N,), K
+        self.friction_power: Array | None = None
+        self.flash_temperature: Array | None = None
+        #: film thickness (N,), um
+        self.film_thickness: Array | None = None
+        #: Peclet number of the slower surface where the flash temperature is largest
+        self.peclet: float | None = None
+        if friction is not None:
+            self.friction_work = friction * rows.line_load * rows.length * motion.sliding_speed
+        if per_rad is None:
+            return
+        rolling = per_rad * motion.rolling
+        if friction is not None and self.friction_work is not None:
+            self.friction_power = per_rad * self.friction_work
+            self.flash_temperature = flash_temperature(
+                friction,
+                rows.line_load,
+                self.half_width,
+                per_rad * motion.sliding_speed,
+                rolling,
+                (STEEL_THERMAL_CONTACT, STEEL_THERMAL_CONTACT),
+            )
+            if np.isfinite(self.flash_temperature).any():
+                hottest = int(np.nanargmax(self.flash_temperature))
+                slower = float(np.abs(rolling[hottest]).min())
+                self.peclet = peclet_number(slower, float(self.half_width[hottest]))
+        if running.viscosity is not None and running.pressure_viscosity is not None:
+            self.film_thickness = film_thickness(
+                rows.line_load,
+                motion.curvature,
+                per_rad * motion.entrainment,
+                modulus,
+                running.viscosity,
+                running.pressure_viscosity,
+            )
+
+
 def _largest(values: Array) -> float:
-    """Return the largest value; NaN if there is none."""
-    return float(values.max()) if values.size else np.nan
+    """Return the largest value that is known; NaN if there is none."""
+    return float(np.nanmax(values)) if np.isfinite(values).any() else np.nan

@@ -27,7 +27,6 @@ from gearmesh.app.options import (
     torques_in_nm,
 )
 from gearmesh.app.terminal import output_folder, refuse_folder, refuse_unwritable, show, warn, working, write_text
-from gearmesh.arguments import refuse_speed
 from gearmesh.errors import ArgumentError, NoSolutionError
 from gearmesh.formats import CSV_SUFFIX, JSON_SUFFIX, refuse_suffix
 
@@ -57,6 +56,19 @@ def load(
         ),
     ] = None,
     speed: Speed = None,
+    friction: Annotated[
+        float | None,
+        option(
+            "--friction MU", "Coefficient of friction: efficiency; with --speed friction power and flash temperature."
+        ),
+    ] = None,
+    viscosity: Annotated[
+        float | None,
+        option("--viscosity MPAS", "Dynamic viscosity of the oil at the temperature of the teeth: film thickness."),
+    ] = None,
+    pressure_viscosity: Annotated[
+        float | None, option("--pressure-viscosity N", "Pressure-viscosity coefficient of the oil, 1/GPa.")
+    ] = None,
     pair: Pair = None,
     timing: Timing = True,
     settings: Set = None,
@@ -67,9 +79,19 @@ def load(
     for table in (dynamics, tribology):
         if table is not None:
             refuse_suffix(Path(table), JSON_SUFFIX, CSV_SUFFIX)
-    if tribology is None and speed is not None:
-        raise ArgumentError("speed", speed, must_be="left out without --tribology, which has the velocities")
-    refuse_speed(speed)
+    running = {
+        "speed": speed,
+        "friction": friction,
+        "viscosity": viscosity,
+        "pressure_viscosity": pressure_viscosity,
+    }
+    for name, value in running.items():
+        if tribology is None and value is not None:
+            raise ArgumentError(name, value, must_be="left out without --tribology, which it is for")
+    if tribology is not None:
+        from gearmesh.answers.load.tribology import RunningConditions
+
+        RunningConditions(**running)
     for file in (json_file, csv_file, dynamics, tribology):
         refuse_unwritable(file)
     refuse_folder(output)
@@ -88,6 +110,7 @@ def load(
     write_text(json_file, lambda: answer.json(timing=timing))
     write_text(csv_file, answer.csv)
     more: list[Listing] = []
+    notes: list[str] = []
     if dynamics is not None:
         with working("tables for dynamics") as progress:
             tables = gears.dynamics(
@@ -97,9 +120,10 @@ def load(
         more += tables.listings
     if tribology is not None:
         with working("rows of the contacts"):
-            rows = answer.tribology(speed)
+            rows = answer.tribology(**running)
         rows.save(tribology, timing=timing)
         more += rows.listings
+        notes = rows.notes
     if output is not None:
         with output_folder(output):
             answer.save(output / "loaded.json", timing=timing)
@@ -108,6 +132,6 @@ def load(
                 gears.save_pictures(answer, output)
     if "-" not in (json_file, csv_file):
         show([*answer.listings, *more])
-    warn(answer.warnings, other_meshes(gears, mesh), answer.complaints)
+    warn(answer.warnings, notes, other_meshes(gears, mesh), answer.complaints)
     if answer.complaints:
         raise typer.Exit(NoSolutionError.exit_status)

@@ -1,0 +1,94 @@
+"""Friction, flash temperature and film along loaded contacts: closed forms, the heat equation, and units of the standard."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from oracles.loaded import loaded_contact
+from scipy.integrate import quad
+
+from gearmesh.contact.hertz import STEEL, contact_modulus
+from gearmesh.errors import ArgumentError
+from gearmesh.loaded.lubrication import flash_temperature
+
+FRICTION, SPEED, VISCOSITY, EXPONENT = 0.06, 3000.0, 15.0, 18.0
+
+
+def test_efficiency_is_that_of_shares_and_distances_from_the_pitch_point() -> None:
+    """Loss mu F s (1 + N1/N2) of every tooth pair at a distance s from the pitch point, from load shares and rotations alone."""
+    loaded = loaded_contact("spur", (200.0,), 9)
+    (total,) = loaded.tribology(SPEED, friction=FRICTION).totals
+    base, angle = 30.0 * np.cos(np.radians(20.0)), np.radians(20.0)
+    # the flank of tooth 0 is on the line of action at s = r_b (phi1 - phi1 of the pitch point)
+    at = np.array([row.phi1 for row in loaded.tooth_pair])
+    share = np.array([row.load_share for row in loaded.tooth_pair])
+    s = base * np.radians(at + 5.095132301)
+    # contact stays on the line of action between the tips
+    ends = [np.sqrt(tip**2 - (r * np.cos(angle)) ** 2) - r * np.sin(angle) for tip, r in ((33.9, 30.0), (62.1, 60.0))]
+    loss = FRICTION / base * (share * 1.5 * np.abs(np.clip(s, -ends[1], ends[0]))).sum() / 9
+    assert total.efficiency is not None
+    assert 100.0 - total.efficiency == pytest.approx(100.0 * loss, rel=0.01)
+    assert total.friction_power == pytest.approx(
+        200.0 * SPEED * np.pi / 30.0 * (1.0 - 0.01 * total.efficiency), rel=1e-9
+    )
+
+
+def test_flash_temperature_is_that_of_moving_half_spaces() -> None:
+    """The heat equation of a half-space under a semi-elliptic band of heat, integrated; both surfaces share the heat."""
+    width, load, sliding = 0.2, 150.0, 3.0
+    rolling, thermal = np.array([7.0, 4.0]), (13800.0, 9000.0)
+    heat = 1e3 * FRICTION * load * sliding / (2e-3 * width)
+
+    def rise(x: float) -> float:
+        """Rise over mean heat, by sqrt(b / u) / B, at x half widths from the middle."""
+        first = np.sqrt(max(0.0, x - 1.0))
+        return quad(lambda t: 8.0 / np.pi * np.sqrt(max(0.0, 1.0 - (x - t * t) ** 2)), first, np.sqrt(x + 1.0))[
+            0
+        ] / np.sqrt(np.pi)
+
+    largest = max(rise(x) for x in np.linspace(0.5, 0.8, 31)) * np.sqrt(1e-3 * width / rolling) / thermal
+    # equal temperatures: shares of the heat in the inverse ratio of these
+    wanted = heat / (1.0 / largest).sum()
+    found = flash_temperature(
+        FRICTION, np.array([load]), np.array([width]), np.array([sliding]), rolling[None], thermal
+    )
+    assert found[0] == pytest.approx(wanted, rel=2e-3)
+
+
+def test_rows_have_the_film_of_the_standard_and_the_pressure_of_hertz() -> None:
+    """ISO/TS 6336-22 states the film by pressure, sum velocity and radius in mm: 1600 rho G^0.6 U^0.7 W^-0.13."""
+    tribology = loaded_contact("spur", (200.0,), 9).tribology(
+        SPEED, friction=FRICTION, viscosity=VISCOSITY, pressure_viscosity=EXPONENT
+    )
+    reduced = 2.0 * contact_modulus(STEEL, STEEL)
+    rows = [row for row in tribology.rows if not row.on_edge]
+    for row in rows[::40]:
+        assert row.at_speed is not None
+        assert row.flash_temperature is not None
+        radius, sum_velocity = 1.0 / row.curvature, sum(row.at_speed.rolling.values())
+        hertz = np.sqrt(row.line_load * reduced / (2.0 * np.pi * radius))
+        assert row.half_width == pytest.approx(2.0 * row.line_load / (np.pi * hertz), rel=1e-9)
+        assert row.pressure == pytest.approx(hertz, rel=0.03)
+        material, speed = 1e6 * 1e-9 * EXPONENT * reduced, 1e-3 * VISCOSITY * sum_velocity / (2000.0 * reduced * radius)
+        film = 1600.0 * radius * material**0.6 * speed**0.7 * (2.0 * np.pi * hertz**2 / reduced**2) ** -0.13
+        assert row.film_thickness == pytest.approx(film, rel=1e-9)
+        assert row.friction_power == pytest.approx(
+            FRICTION * row.line_load * row.length * row.at_speed.sliding, rel=1e-9
+        )
+    (total,) = tribology.totals
+    assert total.min_film_thickness == min(row.film_thickness or np.inf for row in rows)
+    assert total.max_flash_temperature == max(row.flash_temperature or 0.0 for row in rows)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"friction": 1.0}, "friction = 1"),
+        ({"speed": 10.0, "viscosity": 0.0, "pressure_viscosity": 1.0}, "viscosity = 0"),
+        ({"speed": 10.0, "viscosity": 5.0}, "viscosity = 5: a film needs"),
+        ({"viscosity": 5.0, "pressure_viscosity": 20.0}, "viscosity = 5: a film needs speed"),
+    ],
+)
+def test_conditions_that_cannot_be_are_refused(given: dict[str, float], message: str) -> None:
+    with pytest.raises(ArgumentError, match=message):
+        loaded_contact("spur", (200.0,), 9).tribology(**given)
