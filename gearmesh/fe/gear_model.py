@@ -22,6 +22,7 @@ from gearmesh.mesh.hexahedra.cyclic import pair_cuts
 from gearmesh.mesh.hexahedra.hexahedra import Cells, CoarsestLines, Focus, HexGrid, focused_grid, hex_mesh, plain_grid
 from gearmesh.mesh.hexahedra.hexes import HexMesh, join
 from gearmesh.mesh.hexahedra.layers import layers
+from gearmesh.mesh.hexahedra.pierced_body import Cuts
 from gearmesh.mesh.hexahedra.turned_body import CORE_SET, SHAFT_END_SET, whole_mesh
 from gearmesh.progress import in_turn, part
 from gearmesh.teeth.gear_train import GearPair, Member
@@ -195,7 +196,11 @@ def held_mesh(member: Member, request: MeshRequest, grid: HexGrid) -> HexMesh:
         if body is None or tooth.screw is not None:
             why = f"hexahedra of the {member.name} end with its rim, as of all racks, threads and double helical gears"
             raise DesignError("fe.body", "whole", reason=why, allowed='"rim"')
-        mesh = whole_mesh(tooth, body, teeth, grid, request.rim, request.size, second_order=request.second_order)
+        # a part of the gear has no whole keyway or hole
+        cuts = Cuts(member.bore_form, member.openings) if count == all_teeth and request.sector is None else None
+        mesh = whole_mesh(
+            tooth, body, teeth, grid, request.rim, request.size, second_order=request.second_order, cuts=cuts
+        )
     else:
         mesh = hex_mesh(tooth, teeth, grid, request.rim, second_order=request.second_order)
     held_set = next(name for name in HELD_SETS if name in mesh.node_sets)
@@ -205,8 +210,8 @@ def held_mesh(member: Member, request: MeshRequest, grid: HexGrid) -> HexMesh:
         held_nodes = np.setdiff1d(mesh.node_sets[held_set], mesh.node_sets["cut_left"])
         return replace(mesh, node_sets=mesh.node_sets | {"held": held_nodes})
     # an arc of threads is cut at its ends too
-    cuts = CUT_REGIONS if tooth.screw is None else (*CUT_REGIONS, "toe", "heel")
-    held = [mesh.node_sets[key] for key in (held_set, *cuts) if key in mesh.node_sets]
+    cut_faces = CUT_REGIONS if tooth.screw is None else (*CUT_REGIONS, "toe", "heel")
+    held = [mesh.node_sets[key] for key in (held_set, *cut_faces) if key in mesh.node_sets]
     return replace(mesh, node_sets=mesh.node_sets | {"held": np.unique(np.concatenate(held))})
 
 

@@ -16,13 +16,14 @@ import gearmesh as gm
 from gearmesh.answers.bodies.finite_element_model import omissions
 from gearmesh.errors import DesignError
 from gearmesh.fe import ccx
+from gearmesh.fe.gear_model import MeshRequest, held_mesh
 from gearmesh.fe.model import NodeForces
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.mesh.hexahedra.hex_quality import scaled_jacobian, volumes
+from gearmesh.mesh.hexahedra.hex_quality import CORNER_PLACES, MIDDLE_PLACES, scaled_jacobian, volumes
 from gearmesh.mesh.hexahedra.hexahedra import Cells, plain_grid
 from gearmesh.mesh.hexahedra.hexes import HEX_FACES, HexMesh
 from gearmesh.mesh.hexahedra.turned_body import core_radius, whole_mesh
-from gearmesh.teeth.blank.moments import member_moments
+from gearmesh.teeth.blank.moments import Moments, member_moments
 from gearmesh.teeth.gear_train import Member
 
 needs_ccx = pytest.mark.skipif(shutil.which("ccx") is None, reason="apt-get install calculix-ccx")
@@ -67,17 +68,140 @@ def test_a_whole_body_conforms_and_every_outer_face_is_in_one_set(name: str, ord
     member = wheels().members[name]
     mesh = mesh_of(member, order)
     assert scaled_jacobian(mesh.nodes, mesh.elements).min() > 0.5
+    assert_conforms(mesh)
+    bore = mesh.nodes[mesh.node_sets["bore" if name == "gear" else "core"]]
+    inner = 7.0 if name == "gear" else core_radius(member.tooth, member.body)
+    # with end faces of what is bored the bore is a cylinder
+    np.testing.assert_allclose(np.hypot(*bore.T[:2]), inner, rtol=0, atol=1e-9)
+    assert {"web", "hub", "counterbore"} <= set(mesh.face_sets) if name == "gear" else "shaft_end" in mesh.face_sets
+
+
+def assert_conforms(mesh: HexMesh) -> None:
+    """No face is shared by more than two elements; every face of one element alone is in one face set."""
     faces = np.sort(mesh.elements[:, :8][:, np.array(HEX_FACES)], axis=-1).reshape(-1, 4)
     _, first, count = np.unique(faces, axis=0, return_index=True, return_counts=True)
     assert count.max() == 2
     named = [tuple(face) for own in mesh.face_sets.values() for face in own.tolist()]
     assert len(named) == len(set(named))
     assert set(named) == {(int(i) // 6, int(i) % 6) for i in first[count == 1]}
-    bore = mesh.nodes[mesh.node_sets["bore" if name == "gear" else "core"]]
-    inner = 7.0 if name == "gear" else core_radius(member.tooth, member.body)
-    # with end faces of what is bored the bore is a cylinder
-    np.testing.assert_allclose(np.hypot(*bore.T[:2]), inner, rtol=0, atol=1e-9)
-    assert {"web", "hub", "counterbore"} <= set(mesh.face_sets) if name == "gear" else "shaft_end" in mesh.face_sets
+
+
+#: everything that is cut along the axis: through a web, to a depth, in a bore
+CUT: dict[str, Any] = {
+    "teeth": 30,
+    "face_width": 12,
+    "bore": 12,
+    "keyway": {},
+    "web": {"thickness": 4},
+    "holes": {"count": 3},
+    "hub": {"diameter": 24, "length": 4},
+    "bolts": {"count": 2, "diameter": 2, "circle": 20, "depth": 5, "start_angle": 90},
+}
+
+
+def cut_gear(**keys: Any) -> Member:
+    """The gear of `CUT`, or a disc with other keys."""
+    own = {"teeth": 24, "face_width": 12, "bore": 20, **keys} if keys else CUT
+    return built({"kind": "cylindrical", "module": 2, "helix_angle": 15, "gear": own}).members["gear"]
+
+
+def cut_mesh(member: Member, order: int, request: MeshRequest | None = None) -> HexMesh:
+    wanted = request or MeshRequest(teeth=None, cells=COARSE, whole=True, second_order=order == 2)
+    return held_mesh(member, wanted, plain_grid(COARSE))
+
+
+@pytest.mark.parametrize("order", [1, pytest.param(2, marks=pytest.mark.sweep)])
+def test_cut_bodies_conform_and_weigh_what_the_solid_weighs(order: int) -> None:
+    """The moments of the solid are closed forms along outlines, those of the elements sums over tetrahedra or Gauss points."""
+    member = cut_gear()
+    mesh = cut_mesh(member, order)
+    assert scaled_jacobian(mesh.nodes, mesh.elements).min() > 0.2
+    assert_conforms(mesh)
+    exact, found = member_moments(member), element_moments(mesh)
+    size = {1: 2e-3, 2: 2e-5}[order]
+    assert found.volume == pytest.approx(exact.volume, rel=size)
+    assert found.about_axis(7850.0) == pytest.approx(exact.about_axis(7850.0), rel=size)
+    # keyway and hub move the centre of gravity by 0.1 and 0.4 mm
+    np.testing.assert_allclose(found.centre, exact.centre, rtol=0, atol=20.0 * size)
+    assert exact.centre[0] < -0.02
+    # walls are prisms: each node of a hole is at its radius, at every height
+    holes = mesh.nodes[mesh.node_sets["hole"]]
+    assert member.holes is not None
+    away = np.linalg.norm(holes[:, None, :2] - member.holes.centres, axis=-1).min(axis=1)
+    np.testing.assert_allclose(away[np.abs(holes[:, 2]) < 3.9], 0.5 * member.holes.diameter, rtol=0, atol=1e-7)
+    floor = mesh.nodes[mesh.node_sets["bolt"]][:, 2]
+    assert (floor.min(), floor.max()) == pytest.approx((5.0, 10.0), abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("keys", "region"),
+    [
+        ({"hex_bore": {"across_flats": 19}}, "bore_flat"),
+        pytest.param({"d_bore": {"height": 18}}, "bore_flat", marks=pytest.mark.sweep),
+        pytest.param(
+            {"keyway": {}, "heel_bore": {"diameters": [30], "lengths": [4]}}, "keyway", marks=pytest.mark.sweep
+        ),
+    ],
+)
+def test_bores_of_any_form_are_cut(keys: dict[str, Any], region: str) -> None:
+    member = cut_gear(**keys)
+    mesh = cut_mesh(member, 2)
+    assert_conforms(mesh)
+    assert element_moments(mesh).volume == pytest.approx(member_moments(member).volume, rel=1e-5)
+    walls = mesh.nodes[mesh.node_sets[region]]
+    assert member.bore_form is not None
+    assert np.hypot(*walls.T[:2]).max() == pytest.approx(member.bore_form.reach(10.0), abs=1e-9)
+
+
+@pytest.mark.sweep
+def test_steep_rims_of_bevel_gears_have_keyways_and_blind_holes() -> None:
+    bolts = {"count": 4, "diameter": 5, "circle": 55, "depth": 6}
+    gears = built(
+        {
+            "kind": "spiral_bevel",
+            "module": 4,
+            "pinion": {"teeth": 14, "bore": 14, "keyway": {}},
+            "gear": {"teeth": 30, "bore": 30, "keyway": {}, "bolts": bolts},
+        }
+    )
+    for member in gears.members.values():
+        mesh = cut_mesh(member, 1)
+        assert_conforms(mesh)
+        assert {"keyway"} <= set(mesh.face_sets)
+        assert element_moments(mesh).volume == pytest.approx(member_moments(member).volume, rel=5e-3)
+    assert "bolt" in mesh.face_sets
+
+
+def element_moments(mesh: HexMesh) -> Moments:
+    """Moments of hexahedra by Gauss points."""
+    along, weights = np.polynomial.legendre.leggauss(3)
+    total = Moments.none()
+    points = mesh.nodes[mesh.elements]
+    for xi, wx in zip(along, weights, strict=True):
+        for eta, wy in zip(along, weights, strict=True):
+            for zeta, wz in zip(along, weights, strict=True):
+                place = np.array([xi, eta, zeta])
+                step = 1e-3
+                shapes = [shape_functions(place + step * way, points.shape[1]) for way in np.eye(3)]
+                behind = [shape_functions(place - step * way, points.shape[1]) for way in np.eye(3)]
+                tangents = [
+                    np.einsum("k,ekj->ej", (a - b) / (2 * step), points) for a, b in zip(shapes, behind, strict=True)
+                ]
+                determinant = np.einsum("ej,ej->e", np.cross(tangents[0], tangents[1]), tangents[2])
+                centre = np.einsum("k,ekj->ej", shape_functions(place, points.shape[1]), points)
+                total += Moments.of(centre, wx * wy * wz * determinant)
+    return total
+
+
+def shape_functions(place: Array, count: int) -> Array:
+    """Shape functions of 8 or 20 nodes (serendipity), from their definition."""
+    corners = 0.125 * np.prod(1.0 + CORNER_PLACES * place, axis=1)
+    if count == 8:
+        return corners
+    sums = CORNER_PLACES @ place - 2.0
+    along = MIDDLE_PLACES == 0.0
+    middles = 0.25 * np.prod(np.where(along, 1.0 - place**2, 1.0 + MIDDLE_PLACES * place), axis=1)
+    return np.concatenate((corners * sums, middles))
 
 
 @pytest.mark.parametrize("name", ["pinion", "gear"])
@@ -158,7 +282,10 @@ def test_members_without_rings_are_refused_and_omitted_parts_reported(tmp_path: 
         }
     )
     elements = gears.finite_elements()
-    left = "the finite-element model has none of: keyway (gear), ends of the face within chamfers or roundings (gear)"
+    left = (
+        "the finite-element model has none of: keyway (gear), ends of the face within chamfers or roundings (gear); "
+        "with all teeth it has those that are cut along the axis"
+    )
     assert elements.warnings[0] == left
     # the deck says so, too
     elements.save(tmp_path / "gear.inp")

@@ -27,6 +27,7 @@ from gearmesh.mesh.hexahedra.hexes import HexMesh
 from gearmesh.mesh.hexahedra.turned_body import core_radius
 from gearmesh.teeth.blank.end_edge import SHARP_ENDS
 from gearmesh.teeth.gear_train import GearTrain, Member
+from gearmesh.teeth.region import CUT_REGIONS
 
 if TYPE_CHECKING:
     import pyvista
@@ -295,8 +296,8 @@ def unloaded_elements_of(
     if sector is not None:
         check_sector(member, sector)
     request = mesh_request_of(design, [member], sector)
-    missing = omissions([member], request.whole)
     model = unloaded_model(member, request, material, design.title)
+    missing = omissions([member], request.whole, model)
     model = replace(model, notes=(*missing, *rims_alone(model, [member], request.whole)))
     measured = mesh_figures(model.mesh)
     model_figures = UnloadedModelFigures(**vars(measured), seconds=time.perf_counter() - started)
@@ -323,14 +324,21 @@ def rims_alone(model: Model, members: Collection[Member], whole: bool) -> list[s
     return [f"of the bodies the model has rims alone, without what is beyond them ({', '.join(names)})"]
 
 
-def omissions(members: Collection[Member], whole: bool) -> list[str]:
-    """Return the notes on parts of the members' bodies that the model lacks, with the `whole` body or only a rim."""
+def omissions(members: Collection[Member], whole: bool, model: Model | None = None) -> list[str]:
+    """Return the notes on parts of the members' bodies that a model lacks, with the `whole` body or only a rim.
+
+    `model`: the model, which has the cuts whose walls are sets of its mesh.
+    """
+    sets = {} if model is None else model.mesh.face_sets
     parts: dict[str, list[str]] = {}
     lines = [at_nominal_places(member) for member in members if member.index.uneven]
-    turned = False
+    turned = partial = False
     for member in members:
         web = ("web",) if member.plain_body.web is not None else ()
-        modelled_features = (*member.features.uncut.names, *web)
+        regions = member.features.cut_regions
+        cut = [name for name, region in regions.items() if f"{member.name}_{region.value}" in sets]
+        partial = partial or bool(len(cut) < len(regions) and f"{member.name}_{CUT_REGIONS[0].value}" in sets)
+        modelled_features = (*member.features.uncut.names, *cut, *web)
         turned = turned or bool(modelled_features and member.turned_body)
         for part in (*member.features.names, *web):
             if not (whole and part in modelled_features):
@@ -346,4 +354,5 @@ def omissions(members: Collection[Member], whole: bool) -> list[str]:
         return lines
     what = ", ".join(f"{part} ({', '.join(names)})" for part, names in parts.items())
     remedy = '; fe.body = "whole" has those that are turned' if turned and not whole else ""
+    remedy = "; with all teeth it has those that are cut along the axis" if partial and whole else remedy
     return [f"the finite-element model has none of: {what}{remedy}", *lines]

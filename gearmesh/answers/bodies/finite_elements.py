@@ -349,7 +349,8 @@ def finite_elements_of(
         placed_pair = place(pair, phi1, request.torque, request.materials)
     with part(0.3, 1.0):
         model = _make(design, pair, request, placed_pair)
-    return replace(model, warnings=(*warnings, *_missing_parts(pair, request), *_warnings(request, [model.measured])))
+    missing = _missing_parts(pair, request, model._model)
+    return replace(model, warnings=(*warnings, *missing, *_warnings(request, [model.measured])))
 
 
 def finite_element_decks_of(
@@ -377,7 +378,7 @@ def finite_element_decks_of(
     request = _request(design, pair, members, rotation, friction)
     places = [place(pair, angle, request.torque, request.materials) for angle in phi1]
     jobs = [f"position_{k:0{len(str(len(places)))}d}" for k in range(1, len(places) + 1)]
-    models = []
+    models, missing = [], list[str]()
     for k, (job, at) in enumerate(zip(jobs, places, strict=True)):
         progress(k / len(jobs), f"{job}.inp")
         made = _make(design, pair, request, at)
@@ -386,6 +387,7 @@ def finite_element_decks_of(
         except OSError as error:
             raise OutputError("cannot make the folder", folder, reason=error.strerror or str(error)) from None
         made.save(folder / f"{job}.inp", program=program)
+        missing = _missing_parts(pair, request, made._model)
         models.append(made.measured)
     script = folder / "run.sh"
     whole_text(script, _script(jobs, program))
@@ -394,9 +396,7 @@ def finite_element_decks_of(
         DeckFigures(f"{job}.inp", float(np.degrees(asked)), not model.coarse, model)
         for job, asked, model in zip(jobs, phi1, models, strict=True)
     ]
-    return FiniteElementDecks(
-        design, folder, rows, (*warnings, *_missing_parts(pair, request), *_warnings(request, models))
-    )
+    return FiniteElementDecks(design, folder, rows, (*warnings, *missing, *_warnings(request, models)))
 
 
 def _script(jobs: Sequence[str], program: str | None) -> str:
@@ -449,7 +449,7 @@ def _make(design: Design, pair: GearPair, request: Request, at: PlacedPair) -> F
         seconds=time.perf_counter() - started,
     )
     members = [pair.members[name] for name in request.members]
-    notes = (*_missing_parts(pair, request), *rims_alone(built.model, members, request.whole))
+    notes = (*_missing_parts(pair, request, built.model), *rims_alone(built.model, members, request.whole))
     built = replace(built, model=replace(built.model, notes=notes))
     return FiniteElements(design, built.model, figures, (), pair, request, built)
 
@@ -498,8 +498,9 @@ def _warnings(request: Request, models: Sequence[ModelFigures]) -> list[str]:
     return [*warnings, *bad_shapes(models)]
 
 
-def _missing_parts(pair: GearPair, request: Request) -> list[str]:
-    return omissions([pair.members[name] for name in request.members], request.whole)
+def _missing_parts(pair: GearPair, request: Request, model: Model) -> list[str]:
+    """Return the notes on parts of the bodies that a model lacks."""
+    return omissions([pair.members[name] for name in request.members], request.whole, model)
 
 
 def _remedy(figures: ModelFigures) -> str:

@@ -58,6 +58,11 @@ class BoundaryEdges:
     #: name of each edge
     names: tuple[str, ...]
 
+    def only(self, which: NDArray[np.bool_]) -> BoundaryEdges:
+        """Return the edges where `which` (E,) is True."""
+        names = tuple(name for name, kept in zip(self.names, which, strict=True) if kept)
+        return BoundaryEdges(self.axis[which], self.first[which], self.above[which], names)
+
 
 @dataclass(frozen=True)
 class MeridianGrid:

@@ -7,7 +7,7 @@ the tooth.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -37,12 +37,15 @@ from gearmesh.mesh.hexahedra.meridian_grid import (
     meridian_grid,
     rim_corners,
 )
+from gearmesh.mesh.hexahedra.pierced_body import Cuts, PiercingError, join_pierced
 from gearmesh.teeth.blank.body import Body, end_names
 from gearmesh.teeth.region import CUT_REGIONS, Region
 from gearmesh.teeth.tooth import Tooth
 
 #: thickest rim that a body joins, as a share of the depth under the roots; below it lines may bend
 RIM_SHARE = 0.8
+#: thickest rim over a cut, as a share of the depth from the roots to the cut; below it elements turn out of the teeth's lead
+CUT_RIM_SHARE = 0.4
 #: radius of the core that is left out of a body without bore, as a share of its smallest radius
 CORE_SHARE = 0.2
 #: default size of the body's elements, in whole depths: half the default rim
@@ -75,17 +78,20 @@ def whole_mesh(
     size: float | None = None,
     *,
     second_order: bool = False,
+    cuts: Cuts | None = None,
 ) -> HexMesh:
-    """Return the hexahedra of teeth and rim, as `hexahedra.hex_mesh` does, and of the turned body under the rim.
+    """Return the hexahedra of teeth and rim, as `hexahedra.hex_mesh` does, and of the body under the rim.
 
     - body: as `Member.body`.
     - size: size, mm, of the body's elements; by default BODY_CELL_WHOLE_DEPTHS whole depths.
+    - cuts: keyway, holes and the like, for a mesh of all teeth; they are left out where the body's lines do not fit them.
 
     There are further sets:
 
     - regions of the body: bore, web, hub, shaft, counterbore, face_toe, face_heel.
     - shaft_end.
     - core: surface of the core that is left out of a body without bore.
+    - walls of the cuts: keyway, bore_flat, hole, bolt, spoke.
     - the element set body.
 
     The set rim exists for internal gears only; it is their outside.
@@ -93,9 +99,32 @@ def whole_mesh(
     Raises TrimError for a tooth that cannot be trimmed, DesignError for a body that cannot be meshed by rings of hexahedra.
     """
     core = CORE_SET if body.solid else Region.BORE.value
+    if cuts:
+        try:
+            return _rings(tooth, _with_floors(body, cuts), teeth, grid, rim, size, second_order, core, cuts)
+        except PiercingError:
+            pass
+    return _rings(tooth, body, teeth, grid, rim, size, second_order, core, None)
+
+
+def _rings(
+    tooth: Tooth,
+    body: Body,
+    teeth: Index,
+    grid: HexGrid,
+    rim: float | None,
+    size: float | None,
+    second_order: bool,
+    core: str,
+    cuts: Cuts | None,
+) -> HexMesh:
+    """Return the mesh of `whole_mesh`, with or without cuts; `core`: name of the inner surface of the body.
+
+    Raises PiercingError if the cuts do not fit the body's lines.
+    """
     tooth = replace(tooth, blank=replace(tooth.blank, body=_with_core(tooth, body)))
     grid = on_breaks(tooth, grid)
-    rim = _thickness(tooth, grid, rim)
+    rim = _thickness(tooth, grid, rim, cuts)
     cells = BODY_CELL_WHOLE_DEPTHS * whole_depth(tooth, grid.t) if size is None else size
     for axis in _axes(tooth, grid, rim):
         try:
@@ -105,10 +134,13 @@ def whole_mesh(
             laid = meridian_grid(_outline(tooth, stations, core), stations, axis, cells, step)
         except OutlineError:
             continue
-        mesh = _join(toothed_rim(tooth, teeth, body_grid, rim, second_order=second_order), laid)
+        toothed = toothed_rim(tooth, teeth, body_grid, rim, second_order=second_order)
+        mesh = _with_cuts(toothed, laid, cuts, cells) if cuts else _join(toothed, laid).mesh
         under = mesh.element_sets[BODY_SET]
         if scaled_jacobian(mesh.nodes, mesh.elements[under]).min() > 0.0:
             return mesh
+    if cuts is not None:
+        raise PiercingError
     raise DesignError("fe.body", "whole", reason="the body has no rings of hexahedra", allowed='"rim"')
 
 
@@ -118,10 +150,25 @@ def _with_core(tooth: Tooth, body: Body) -> Body:
     return Body(tuple((max(rho, radius), z) for rho, z in body.profile), body.bands)
 
 
-def _thickness(tooth: Tooth, grid: HexGrid, rim: float | None) -> float:
-    """Return the thickness, mm, of the rim: that of `hex_mesh`, or less if the body is thinner anywhere."""
+def _with_floors(body: Body, cuts: Cuts) -> Body:
+    """Return the body with points of its bore, or of the outside of a ring, at the bottoms of holes."""
+    band = body.bands.index(Region.RIM if body.around else Region.BORE)
+    (radius, first), (_, last) = body.profile[band : band + 2]
+    inside = [z for z in cuts.floors if min(first, last) < z < max(first, last)]
+    points = [(radius, z) for z in (inside if last > first else inside[::-1])]
+    bands = (*body.bands[: band + 1], *(body.bands[band],) * len(points), *body.bands[band + 1 :])
+    return Body((*body.profile[: band + 1], *points, *body.profile[band + 1 :]), bands)
+
+
+def _thickness(tooth: Tooth, grid: HexGrid, rim: float | None, cuts: Cuts | None) -> float:
+    """Return the thickness, mm, of the rim: that of `hex_mesh`, or less if the body is thinner anywhere, or cut."""
     chart, inner = rim_of(layers(tooth, grid.t), rim)
     room = RIM_SHARE * least_room(tooth, grid.t)
+    if cuts is not None:
+        radii = tooth.joint.radius(tooth.grid(Region.ROOT, np.array([0.5]), tooth.sections(grid.t)).points[0])
+        low, high = cuts.reach(tooth.blank.body.profile[tooth.blank.body.bands.index(Region.BORE)][0])
+        away = low - float(radii.max()) if tooth.blank.body.around else float(radii.min()) - high
+        room = min(room, CUT_RIM_SHARE * away)
     if room <= 0.0:
         raise DesignError("fe.body", "whole", reason="the body reaches up to the roots", allowed='"rim"')
     return min(float((chart.reference - inner).max()), room)
@@ -171,7 +218,50 @@ def _with_corners(tooth: Tooth, grid: HexGrid, rim: float, axis: int) -> HexGrid
     return with_stations(grid, np.array(sorted((*corners, *few))))
 
 
-def _join(rim: ToothedRim, laid: MeridianGrid) -> HexMesh:
+@dataclass(frozen=True)
+class _Joined:
+    """Mesh of rim and body."""
+
+    #: the mesh
+    mesh: HexMesh
+    #: node numbers (A, B, J) by the nodes of the grid and around the axis; -1 for none
+    numbers: Index
+    #: their places (A, B, J, 3), mm
+    places: Array
+
+
+def _with_cuts(rim: ToothedRim, laid: MeridianGrid, cuts: Cuts, size: float) -> HexMesh:
+    """Return one mesh of rim and pierced body; `size`: size, mm, of the body's elements."""
+    return join_pierced(*_down_to_toe(rim, laid), cuts, size, BODY_SET)
+
+
+def _down_to_toe(rim: ToothedRim, laid: MeridianGrid) -> tuple[ToothedRim, MeridianGrid]:
+    """Return the rim and the grid under it, whose lines from the rim go inwards.
+
+    Under a steep rim (axis 0) they go along the axis: the body at larger radii than the rim's smallest station is joined to
+    the rim, and what is left of the grid is inside.
+    """
+    if laid.axis == 1:
+        return rim, laid
+    last = int(laid.on_rim[:, 0].min())
+    outer = np.arange(len(laid.cells)) >= last
+    # cell beside each edge
+    inwards = laid.edges.first[:, 0] - np.where((laid.edges.axis == 0) & ~laid.edges.above, 1, 0)
+    joined = _join(rim, replace(laid, cells=laid.cells & outer[:, None], edges=laid.edges.only(inwards >= last)))
+    lines = np.arange(laid.points.shape[1])
+    inside = replace(
+        laid,
+        points=laid.points[: last + 1],
+        cells=laid.cells[:last],
+        edges=laid.edges.only(inwards < last),
+        axis=1,
+        station=lines,
+        on_rim=np.column_stack((np.full_like(lines, last), lines)),
+    )
+    return replace(rim, mesh=joined.mesh, inner=joined.numbers[last], points=joined.places[last]), inside
+
+
+def _join(rim: ToothedRim, laid: MeridianGrid) -> _Joined:
     """Return one mesh of rim and body, which share the nodes on the rim's inner face."""
     mesh, step, round_ = rim.mesh, rim.step, rim.inner.shape[1]
     angles = np.unwrap(np.arctan2(rim.points[..., 1], rim.points[..., 0]), axis=1)
@@ -193,7 +283,8 @@ def _join(rim: ToothedRim, laid: MeridianGrid) -> HexMesh:
     for name, faces in _faces(laid, cells, first, rim.closed, step).items():
         sets[name] = np.concatenate((sets[name], faces)) if name in sets else faces
     joined = HexMesh(everything[kept], whole, {}, {**mesh.element_sets, BODY_SET: first + np.arange(count)}, sets)
-    return replace(joined, node_sets={name: joined.face_nodes(name) for name in sets})
+    joined = replace(joined, node_sets={name: joined.face_nodes(name) for name in sets})
+    return _Joined(joined, np.where(np.isin(numbers, kept), np.searchsorted(kept, numbers), -1), places)
 
 
 def _elements(laid: MeridianGrid, numbers: Index, closed: bool, step: int) -> tuple[Index, Index]:

@@ -293,16 +293,19 @@ class BodyFeatures:
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the features that are present."""
-        has = {
+        turned = {
             "hub": self.hub or self.toe_hub,
             "shaft": self.toe_shaft or self.heel_shaft,
             "bore steps": self.toe_bore or self.heel_bore,
-            "" if self.bore_form is None else self.bore_form.name: self.bore_form,
-            "holes": self.holes,
-            "bolt holes": self.bolts or self.row,
-            "spokes": self.spokes,
         }
-        return tuple(name for name, feature in has.items() if feature)
+        return (*(name for name, feature in turned.items() if feature), *self.cut_regions)
+
+    @property
+    def cut_regions(self) -> dict[str, Region]:
+        """Region of the walls of each feature that is cut along the axis, by its name."""
+        form = {} if self.bore_form is None else {self.bore_form.name: self.bore_form.region}
+        named = {"holes": self.holes, "bolt holes": self.bolts or self.row, "spokes": self.spokes}
+        return form | {name: pattern.region for name, pattern in named.items() if pattern is not None}
 
     @property
     def rare_regions(self) -> bool:
