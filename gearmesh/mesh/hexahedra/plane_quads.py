@@ -46,7 +46,7 @@ class PlaneMeshError(Exception):
     """The area cannot be meshed with edges on its lines."""
 
 
-class Curve(Protocol):
+class EdgeCurve(Protocol):
     """A curve with points at s from 0 to 1."""
 
     def at(self, s: Array) -> Array:
@@ -70,7 +70,7 @@ class Line:
     """A closed line of curves that edges follow."""
 
     #: curves, each beginning where the one before ends
-    curves: tuple[Curve, ...]
+    curves: tuple[EdgeCurve, ...]
     #: number of edges of triangles on each curve
     edges: tuple[int, ...]
     #: True if edges may not be divided
@@ -214,9 +214,9 @@ class _Refinement:
         self._points = np.concatenate((self._points, points))
         self._free = np.concatenate((self._free, np.zeros(len(new), dtype=bool)))
 
-    def _curve(self, segment: int) -> Curve:
+    def _curve(self, segment: int) -> EdgeCurve:
         _, _, line, curve = self._segments[segment]
-        found: Curve = self._lines[line].curves[curve]
+        found: EdgeCurve = self._lines[line].curves[curve]
         return found
 
     def _lengths(self, places: Array) -> Array:
