@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
@@ -230,9 +229,9 @@ class BladesDrawing:
 
 @dataclass(frozen=True)
 class StraightDrawing(_FixedAxis):
-    """A tool along the face: flanks and tips of spaces, and the tip planes between the spaces.
+    """A tool along the face: flanks and tips of spaces, and the tips between the spaces.
 
-    A rack that rolls on a pitch `radius` (mm) is drawn with a few spaces, a shaper (`radius` None) with one.
+    A rack that rolls on a pitch `radius` (mm) is drawn with a few spaces, another one (`radius` None) with one.
     """
 
     radius: float | None = None
@@ -240,32 +239,57 @@ class StraightDrawing(_FixedAxis):
     as_part: bool = False
 
     def draw(self, sides: list[DrawnSide], at: DrawnPlace) -> Drawn:
-        return tuple(self._sheets(sides, at)), ()
-
-    def _sheets(self, sides: list[DrawnSide], at: DrawnPlace) -> Iterator[ToolSheet]:
         shifts = np.zeros((1, 3))
         if self.radius is not None:
-            shifts = np.arange(-SHOWN_SPACES_PER_SIDE, SHOWN_SPACES_PER_SIDE + 1)[:, None] * [
-                0.0,
-                self.radius * at.pitch,
-                0.0,
-            ]
-        low, high = at.face
-        v = np.linspace(
-            low - SHOWN_BEYOND_FACE * (high - low), high + SHOWN_BEYOND_FACE * (high - low), POINTS_ALONG_RACK
-        )
-        ends = []
-        for side in sides:
-            for region, surface, p in side.parts(side.tip):
-                jet = surface.tool.jet(p[:, None], v)
-                yield from (ToolSheet(region, jet.r + shift, jet.n) for shift in shifts)
-            ends.append((jet.r[-1], jet.n[-1]))
-        if len(ends) == 2:
-            # tip planes of the cutter's teeth, from the end of each space to the beginning of the next space
-            (low_end, normal), (high_end, _) = sorted(ends, key=lambda end: float(end[0][:, 1].mean()))
-            for before, after in pairwise(shifts):
-                points = np.stack((high_end + before, low_end + after))
-                yield ToolSheet("land", points, np.broadcast_to(normal, points.shape))
+            numbers = np.arange(-SHOWN_SPACES_PER_SIDE, SHOWN_SPACES_PER_SIDE + 1)
+            shifts = numbers[:, None] * [0.0, self.radius * at.pitch, 0.0]
+        places = [Rigid(np.eye(3), shift) for shift in shifts]
+        return tuple(_along_face(sides, at, places, places[1:])), ()
+
+
+@dataclass(frozen=True)
+class ShaperDrawing(_FixedAxis):
+    """A shaper with all its teeth: flanks and tips, and the tips and roots between them."""
+
+    #: frame of the shaper, whose z axis is its axis, over the tool's frame
+    axis: Rigid
+    #: number of teeth
+    teeth: int
+    #: False: the shaper is drawn by sheets
+    as_part: bool = False
+
+    def draw(self, sides: list[DrawnSide], at: DrawnPlace) -> Drawn:
+        angles = 2.0 * np.pi * np.arange(self.teeth) / self.teeth
+        turns = [self.axis @ Rigid.about_z(angle) @ self.axis.inverse for angle in angles]
+        sheets = list(_along_face(sides, at, turns, [*turns[1:], turns[0]]))
+        if len(sides) == 2:
+            # roots of the shaper, beyond the tips of the gear
+            first, second = (sheet for sheet in sheets[:: len(turns)] if sheet.region == "flank")
+            for turn in turns:
+                points = turn.point(np.stack((first.points[0], second.points[0])))
+                normals = np.broadcast_to(turn.vector(self.axis.vector(np.array([1.0, 0.0, 0.0]))), points.shape)
+                sheets.append(ToolSheet("root", points, normals))
+        return tuple(sheets), ()
+
+
+def _along_face(
+    sides: list[DrawnSide], at: DrawnPlace, places: list[Rigid], following: list[Rigid]
+) -> Iterator[ToolSheet]:
+    """Yield flanks and tips of equal spaces at `places`, and the tips from the first spaces to the `following` ones."""
+    low, high = at.face
+    v = np.linspace(low - SHOWN_BEYOND_FACE * (high - low), high + SHOWN_BEYOND_FACE * (high - low), POINTS_ALONG_RACK)
+    ends = []
+    for side in sides:
+        for region, surface, p in side.parts(side.tip):
+            jet = surface.tool.jet(p[:, None], v)
+            yield from (ToolSheet(region, place.point(jet.r), place.vector(jet.n)) for place in places)
+        ends.append((jet.r[-1], jet.n[-1]))
+    if len(ends) == 2:
+        # tips of the cutter's teeth, from the end of each space to the beginning of the next space
+        (low_end, normal), (high_end, _) = sorted(ends, key=lambda end: float(end[0][:, 1].mean()))
+        for before, after in zip(places, following, strict=False):
+            points = np.stack((before.point(high_end), after.point(low_end)))
+            yield ToolSheet("land", points, np.broadcast_to(before.vector(normal), points.shape))
 
 
 @dataclass(frozen=True)

@@ -23,10 +23,11 @@ from functools import cached_property
 import numpy as np
 
 from gearmesh.errors import DesignError, VagueError
+from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.tools.description import Dimension, HeightZero, ToolDescription
-from gearmesh.tools.drawing import StraightDrawing
+from gearmesh.tools.drawing import ShaperDrawing
 from gearmesh.tools.rack import Arc
 
 
@@ -162,9 +163,8 @@ class Shaper:
             Dimension("transverse pressure angle", float(np.degrees(self.pressure_angle)), "deg", "alpha_t0"),
         )
         zero = HeightZero.PITCH_PLANE
-        return ToolDescription(
-            "shaper", StraightDrawing(), dimensions, self.involute, self.rounding, self.tip_radius, zero
-        )
+        drawing = ShaperDrawing(Rigid(np.eye(3), np.array([self.pitch_radius, 0.0, 0.0])), self.teeth)
+        return ToolDescription("shaper", drawing, dimensions, self.involute, self.rounding, self.tip_radius, zero)
 
     @cached_property
     def involute(self) -> Involute:

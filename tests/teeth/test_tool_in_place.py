@@ -141,9 +141,15 @@ def test_helical_shaper_stands_in_its_place() -> None:
     assert np.abs(tool.touching.r - flank.r).max() < 1e-11
     assert np.abs(tool.touching.n - flank.n).max() < 1e-11
     sheets = [sheet for sheet in tool.sheets if sheet.region == "flank"]
-    assert len(sheets) == 2
     own = {dimension.symbol: dimension.value for dimension in tool.description.dimensions}
     radius = 0.5 * own["z_0"] * own["m_t0"]
+    # the whole shaper, up to its tip circle on all sides
+    assert len(sheets) == 2 * own["z_0"]
+    reach = np.concatenate([sheet.points.reshape(-1, 3) for sheet in tool.sheets])
+    around = np.hypot(reach[:, 0] - radius, reach[:, 1])
+    assert 2.0 * around.max() == pytest.approx(own["d_a0"], abs=1e-9)
+    assert np.ptp(np.arctan2(reach[:, 1], reach[:, 0] - radius)) > 6.0
+    assert [axis.name for axis in tool.axes] == ["axis of the shaper"]
     twist = np.tan(np.radians(gears.design.helix_angle)) * (1.0 if gears.design.hand == "right" else -1.0) / radius
     for sheet in sheets:
         x, y, z = np.moveaxis(sheet.points[:, [0, -1]], -1, 0)

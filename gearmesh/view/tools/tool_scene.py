@@ -25,6 +25,8 @@ CLOSE_MARGIN = 2.2
 WHOLE_MARGIN = 1.3
 #: factor up to which this picture may be larger than the picture of the tool, so that the whole member is shown
 MAX_WHOLE_GROWTH = 1.4
+#: factor up to which the picture of a tool with its axes may be larger than the picture of the tool
+MAX_TOOL_GROWTH = 2.0
 #: smallest distances of words across and up, as shares of the picture's height; one of them must hold
 MIN_WORD_DISTANCES = (0.35, 0.08)
 #: opacity of a tool's working surfaces
@@ -67,15 +69,16 @@ def tool_scene(
     curves = [Curve(ends, colour=MEMBER_COLOUR if axis is own else MACHINE_COLOUR, width=2.5) for axis, ends in lines]
     outline = [tool.tool_to_own.point(outline) for outline in tool.outlines]
     curves += [Curve(line, "section of the tool at the middle of the flank", OUTLINE_COLOUR, 3.0) for line in outline]
+    tool_points, look = tool.tool_to_own.point(mesh.vertices), _looking(tool, grid)
     if tool.axes:
-        held, margin = np.concatenate((seen, *(ends for _, ends in lines))), TOOL_MARGIN
+        whole = frame(*look, np.concatenate((seen, *(ends for _, ends in lines))), size, TOOL_MARGIN)
+        most = MAX_TOOL_GROWTH
     else:
-        held, margin = tool.tool_to_own.point(mesh.vertices), CLOSE_MARGIN
-    camera = frame(*_looking(tool, grid), held, size, margin)
-    if not tool.axes:
-        whole = frame(*_looking(tool, grid), seen, size, WHOLE_MARGIN)
-        camera = whole if whole.height < MAX_WHOLE_GROWTH * camera.height else camera
+        whole, most = frame(*look, seen, size, WHOLE_MARGIN), MAX_WHOLE_GROWTH
+    close = frame(*look, tool_points, size, CLOSE_MARGIN)
+    camera = whole if whole.height < most * close.height else close
     words = [_axis_name(*line, camera) for line in lines] if tool.axes else []
+    words = [word for word in words if _in_sight(word, camera, size)]
     if any(_too_near(words[-1], word, camera) for word in words[:-1]):
         words[-1] = replace(words[-1], point=words[-1].inside, inside=words[-1].point)
     middle = Dots(tool.touching.r[None], "middle of the flank, being generated", PATH_COLOUR, 9.0)
@@ -88,6 +91,12 @@ def _axis_name(axis: MachineAxis, ends: Array, camera: Camera) -> Word:
     """
     k = int(np.argmax(ends @ camera.axes[2 if axis.direction is Z_AXIS else 1]))
     return Word(axis.name, ends[k], ends[1 - k])
+
+
+def _in_sight(word: Word, camera: Camera, size: tuple[int, int]) -> bool:
+    """True if the point of a word is in a picture of a size."""
+    place = camera.axes[:2] @ (word.point - camera.focus) / camera.height
+    return bool((np.abs(place) < 0.5 * np.array([size[0] / size[1], 1.0])).all())
 
 
 def _too_near(word: Word, other: Word, camera: Camera) -> bool:
