@@ -26,7 +26,7 @@ from gearmesh.systems.common.plain_sheet import (
     plain_sheet,
     tool_table,
 )
-from gearmesh.systems.common.symbol_table import FIRST_VALUE_COLUMN, column_of, tables_of
+from gearmesh.systems.common.symbol_table import FIRST_VALUE_COLUMN, column_of, columns_of, tables_of
 from gearmesh.systems.system import MissingValue, Setting, SheetTable
 
 #: size below which a value without unit is shown as 0
@@ -271,7 +271,7 @@ def member_sheet_of(gears: GearSet, name: str) -> DesignSheet:
 
 
 def _columns_of(gears: GearSet, name: str) -> tuple[SheetTable, ...]:
-    """Return the columns of one member in the whole sheet.
+    """Return the columns of one member in the whole sheet, or those of both sides of its teeth.
 
     There are none for kinds whose members are built alone, because the whole sheet needs the mating gear.
     """
@@ -279,12 +279,14 @@ def _columns_of(gears: GearSet, name: str) -> tuple[SheetTable, ...]:
     if known.members or known.sheet is None:
         return ()
     names = (name, gears.design.table_named(name))
-    return tuple(
-        _own_column(table, column, name)
-        for table in known.sheet(gears.design, gears.train).tables
-        for column in range(len(table.columns))
-        if table.columns[column] in names
-    )
+    found = []
+    for table in known.sheet(gears.design, gears.train).tables:
+        found += [_own_column(table, k, name) for k, column in enumerate(table.columns) if column in names]
+        sides = [
+            k for k, column in enumerate(table.columns) if column.partition(", ")[0] in names and column not in names
+        ]
+        found += [columns_of(table, sides)] if sides else []
+    return tuple(found)
 
 
 def _own_column(table: SheetTable, column: int, name: str) -> SheetTable:

@@ -12,7 +12,7 @@ from oracles.built import built
 import gearmesh as gm
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.teeth.region import FILLET_REGIONS, FLANK_REGIONS, Side
+from gearmesh.teeth.region import FILLET_REGIONS, FLANK_REGIONS, Region, Side
 
 DRIVE, COAST = 25.0, 17.0
 SPUR: dict[str, Any] = {
@@ -150,6 +150,19 @@ def test_equal_sides_are_symmetric_teeth() -> None:
     assert "Sides of asymmetric teeth" not in ours.sheet().plain_tables
 
 
+@pytest.mark.parametrize("kind", ["beveloid", "cylindrical"])
+def test_spaces_of_a_ring_have_room_on_both_sides_together(kind: str) -> None:
+    """One half of such a space is pointed before the root, the other half has the land."""
+    ring = {"teeth": -50, "face_width": 15, "addendum": 0.5, "dedendum": 1.3, "tool_tip_radius": 0.05}
+    pinion = {"teeth": 20, "face_width": 15, "tool_tip_radius": 0.05, "dedendum": 1.1}
+    made = {} if kind == "beveloid" else {"manufacture": "formed"}
+    keys = {"kind": kind, "module": 2, "pressure_angle": 35, "coast_pressure_angle": 15, "backlash": 0.1}
+    tooth = built({**keys, "pinion": pinion, "gear": {**ring, **made}}).members["gear"].tooth
+    root = tooth.grid(Region.ROOT, np.linspace(0.0, 1.0, 5), tooth.sections([0.5])).points[:, 0]
+    assert np.hypot(root[:, 0], root[:, 1]) == pytest.approx([52.6] * 5, abs=1e-9)
+    assert (np.diff(np.arctan2(root[:, 1], root[:, 0])) != 0.0).all()
+
+
 def test_solid_of_an_asymmetric_tooth_is_closed() -> None:
     gears = built(with_helix(10.0, gear=RING))
     for name in ("pinion", "gear"):
@@ -283,6 +296,9 @@ def test_sheet_says_both_sides_and_what_asymmetric_teeth_do_not_have() -> None:
             alone["Contact from A to E"]["zeta_E"][1], abs=1e-8
         )
     assert tables["Measures of the tooth thickness"]["W_k"][1:] == [None, None]
+    # the sheet of one member has its two sides
+    alone = built(given).sheet(member="gear").plain_tables
+    assert alone["Sides of asymmetric teeth"]["d_b"][1:] == tables["Sides of asymmetric teeth"]["d_b"][3:]
     reasons = {missing.symbol: missing.reason for table in sheet.tables for missing in table.missing}
     assert "two base circles" in reasons["W_k"]
     assert "symmetric" in reasons["s_Fn"]
