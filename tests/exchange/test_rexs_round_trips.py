@@ -61,6 +61,10 @@ OTHERS: dict[str, dict[str, Any]] = {
     "ring as pinion": {
         "kind": "cylindrical", "module": 2, "pinion": {"teeth": -70, "face_width": 12}, "gear": {"teeth": 22, "face_width": 14},
     },
+    "asymmetric internal": {
+        "kind": "cylindrical", "module": 2, "pressure_angle": 24, "coast_pressure_angle": 18, "helix_angle": 8,
+        "pinion": {"teeth": 22, "face_width": 14}, "gear": {"teeth": -70, "face_width": 12},
+    },
     "transverse": {
         "kind": "cylindrical", "transverse_module": 3.1, "transverse_pressure_angle": 21, "helix_angle": 30,
         "pinion": {"teeth": 14, "face_width": 50, "profile_shift": 0.3}, "gear": {"teeth": 15, "face_width": 40},
@@ -92,7 +96,7 @@ OTHERS: dict[str, dict[str, Any]] = {
 }  # fmt: skip
 
 HAVING = (
-    "spur", "spur_relieved", "helical", "helical_hub", "internal", "double_helical", "hob_protuberance", "planetary",
+    "spur", "spur_relieved", "helical", "helical_hub", "asymmetric", "internal", "double_helical", "hob_protuberance", "planetary",
     "spiral_bevel_basic", "hypoid", "worm_drive",
 )  # fmt: skip
 SLOW = (
@@ -151,6 +155,20 @@ def there_and_back(gears: gm.Gears, folder: Path, suffix: str = ".rexs") -> gm.G
     reading = gm.load_rexs(file)
     reading.save(folder / "again.toml")
     return gm.build(gm.load(folder / "again.toml"))
+
+
+def test_flanks_of_two_pressure_angles_are_asymmetric_teeth(tmp_path: Path) -> None:
+    """A file without attributes of this program says both angles by its flanks."""
+    gears = gm.build(gm.load(SAMPLES / "asymmetric.toml"))
+    file = tmp_path / "gears.rexs"
+    gears.rexs(tmp_path).save(file)
+    lines = file.read_text(encoding="utf-8").splitlines(keepends=True)
+    file.write_text("".join(line for line in lines if "custom_gearmesh" not in line), encoding="utf-8")
+    gm.load_rexs(file).save(tmp_path / "again.toml")
+    again = gm.load(tmp_path / "again.toml")
+    assert (again.pressure_angle, again.coast_pressure_angle) == (28.0, 20.0)  # type: ignore[attr-defined]
+    own, other = (each.sheet().plain_tables["Sides of asymmetric teeth"] for each in (gears, gm.build(again)))
+    assert other["d_Ff"][1:] == pytest.approx(own["d_Ff"][1:], abs=1e-8)
 
 
 @pytest.mark.parametrize("name", [*HAVING, *(pytest.param(name, marks=pytest.mark.sweep) for name in SLOW)])

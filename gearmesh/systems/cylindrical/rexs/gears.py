@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from gearmesh.errors import DesignError
 from gearmesh.exchange.model import Component
 from gearmesh.exchange.stage import StageReader
 from gearmesh.exchange.stage_writer import StageWriter
 from gearmesh.exchange.versions import SETTINGS_ATTRIBUTES
 from gearmesh.systems.common.standards import din3967, iso286
 from gearmesh.systems.cylindrical.rexs.flank_changes import read_changes, write_changes
+from gearmesh.teeth.region import Side
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.geometry.proportions import GearProportions
@@ -46,35 +46,48 @@ class GearReader:
         self.teeth = file.required_count(gear, "number_of_teeth", f"{name}.teeth")
         self.internal = gear.type == INTERNAL_GEAR or file.is_negative(gear, "number_of_teeth")
         self.flanks = file.flanks(gear)
-        self.alpha, self.transverse = self._pressure_angles()
+        self.alphas, self.transverses = (
+            self._by_side(id) for id in ("normal_pressure_angle", "pressure_angle_in_the_transverse_section")
+        )
         self.beta = self._helix_angle()
         #: -1 for a ring whose profile shift the file counts away from its axis
         self.shift_sense = 1
 
-    def _pressure_angles(self) -> tuple[float | None, float | None]:
-        """Return normal and transverse pressure angle of the flanks, deg."""
-        return tuple(  # type: ignore[return-value]
-            self.flank_figure((id, 1.0)) for id in ("normal_pressure_angle", "pressure_angle_in_the_transverse_section")
-        )
+    def _by_side(self, id: str) -> dict[str, float]:
+        """Return an attribute of the flanks that have it, by "left" and "right"."""
+        values = {side: self.file.number(flank, id) for side, flank in self.flanks.items()}
+        return {side: value for side, value in values.items() if value is not None}
 
     def _helix_angle(self) -> float:
         """Return the helix angle at the reference diameter, deg."""
         beta = self.file.number(self.gear, "helix_angle_reference_diameter", "helix_angle", zero=True)
         base = self.file.number(self.gear, "helix_angle_base_circle", zero=True)
-        if beta is None and base and self.alpha is not None:
-            sine = math.sin(math.radians(base)) / math.cos(math.radians(self.alpha))
+        if beta is None and base and self.alphas:
+            alpha, *others = self.alphas.values()
+            if any(abs(other - alpha) > FIGURE_ROUNDING for other in others):
+                reason = "flanks of different pressure angles have two; helix_angle_reference_diameter is missing"
+                raise self.file.refusal(self.gear, "helix_angle_base_circle", reason, base)
+            sine = math.sin(math.radians(base)) / math.cos(math.radians(alpha))
             if abs(sine) >= 1.0:
-                reason = f"too large for a normal pressure angle of {self.alpha:g} deg"
+                reason = f"too large for a normal pressure angle of {alpha:g} deg"
                 raise self.file.refusal(self.gear, "helix_angle_base_circle", reason, base)
             return math.degrees(math.asin(sine))
         return beta or 0.0
 
-    def pressure_angle(self) -> float | None:
-        """Return the normal pressure angle, deg."""
-        if self.alpha is None and self.transverse is not None:
-            tangent = math.tan(math.radians(self.transverse)) * math.cos(math.radians(self.beta))
-            return math.degrees(math.atan(tangent))
-        return self.alpha
+    def pressure_angles(self, drive: str) -> tuple[float, float] | None:
+        """Return the normal pressure angles of drive and coast side, deg; None if the file has none.
+
+        `drive`: "left" or "right" flanks of the drive side. A flank without an angle has that of the other flank.
+        """
+        angles = dict(self.alphas)
+        for side, transverse in self.transverses.items():
+            tangent = math.tan(math.radians(transverse)) * math.cos(math.radians(self.beta))
+            angles.setdefault(side, math.degrees(math.atan(tangent)))
+        if not angles:
+            return None
+        other = "right" if drive == "left" else "left"
+        one = next(iter(angles.values()))
+        return angles.get(drive, one), angles.get(other, one)
 
     def module(self) -> float:
         """Return the normal module, mm."""
@@ -107,11 +120,12 @@ class GearReader:
                 return known[0][1]
         return None
 
-    def keys(self, module: float, alpha: float, beta: float) -> dict[str, Any]:
+    def keys(self, module: float, angles: tuple[float, float], beta: float) -> dict[str, Any]:
         """Return the keys of the gear in a design with this module (mm) and these normal angles (deg).
 
-        `alpha`, `beta`: normal pressure angle and helix angle.
+        `angles`: normal pressure angles of drive and coast side. `beta`: helix angle.
         """
+        alpha, coast = angles
         file, gear = self.file, self.gear
         keys: dict[str, Any] = {"teeth": self.teeth, "internal": self.internal}
         keys["face_width"] = self._face_width()
@@ -120,11 +134,13 @@ class GearReader:
         if not self.internal:
             keys["bore"] = file.number(gear, "inner_diameter", f"{self.name}.bore")
         keys |= self._tip(module, beta, shift or 0.0)
-        keys |= self._tool(module, alpha, beta)
+        keys |= self._tool(module, angles, beta)
         if not any(keys.get(key) is not None for key in ("dedendum", "shaper.addendum")):
             keys["root_diameter"] = self._root(module, beta, shift or 0.0)
-        keys |= self._thickness(module, alpha, beta, shift)
-        tip, base = keys.get("tip_diameter"), self._base(module, alpha, beta)
+        keys |= self._thickness(module, angles, beta, shift)
+        # a length along the path of contact is no diameter where flanks have two base circles
+        base = self._base(module, alpha, beta) if alpha == coast else math.inf
+        tip = keys.get("tip_diameter")
         keys |= read_changes(file, gear, self.flanks, lambda end, length: _start(end, length, tip, base))
         return {key: value for key, value in keys.items() if value is not None}
 
@@ -188,14 +204,14 @@ class GearReader:
             self.file.used.discard((self.gear.id, "root_diameter"))
         return None
 
-    def _tool(self, module: float, alpha: float, beta: float) -> dict[str, Any]:
+    def _tool(self, module: float, angles: tuple[float, float], beta: float) -> dict[str, Any]:
         """Return the keys of the first step that generates teeth; both flanks have the same step."""
         steps = [step for flank in self.flanks.values() for step in self.file.steps(flank)]
         generating = [step for step in steps if step[0].type in (HOB_TYPE, CUTTER_TYPE)]
         if self.internal:
             generating.sort(key=lambda step: step[0].type != CUTTER_TYPE)
         for tool, _ in generating:
-            if not self._fits(tool, module, alpha):
+            if not self._fits(tool, module, angles):
                 return {}
             if tool.type == CUTTER_TYPE:
                 return self._cutter(tool, module, beta)
@@ -204,12 +220,12 @@ class GearReader:
         self.file.notes.append(f"{self.gear}: {kept}: root and fillet are those of the basic rack, profile A")
         return {}
 
-    def _fits(self, tool: Component, module: float, alpha: float) -> bool:
-        """True if a tool has the gear's module and pressure angle, which a design assumes."""
-        for id, wanted in (("normal_module", module), ("normal_pressure_angle", alpha)):
+    def _fits(self, tool: Component, module: float, angles: tuple[float, float]) -> bool:
+        """True if a tool has the gear's module and a pressure angle of its flanks, which a design assumes."""
+        for id, wanted in (("normal_module", (module,)), ("normal_pressure_angle", angles)):
             own = self.file.number(tool, id)
-            if own is not None and abs(own - wanted) > FIGURE_ROUNDING:
-                reason = f"{id} = {own:g} is not the gear's, {wanted:g}"
+            if own is not None and all(abs(own - value) > FIGURE_ROUNDING for value in wanted):
+                reason = f"{id} = {own:g} is not the gear's, {wanted[0]:g}"
                 self.file.notes.append(
                     f"{self.gear}: {tool.in_full} is not used: {reason}: root and fillet are those of profile A"
                 )
@@ -266,7 +282,9 @@ class GearReader:
             "tool_tip_radius": self._relative(tool, *TIP_RADIUS, module, f"{name}.tool_tip_radius"),
         }
 
-    def _thickness(self, module: float, alpha: float, beta: float, shift: float | None) -> dict[str, Any]:
+    def _thickness(
+        self, module: float, angles: tuple[float, float], beta: float, shift: float | None
+    ) -> dict[str, Any]:
         """Return the keys of the thickness allowance: a series, its ends, or the generated profile shift."""
         number, gear, allowance = self.file.number, self.gear, f"{self.name}.thickness_allowance"
         ends = ("upper", "lower")
@@ -286,7 +304,8 @@ class GearReader:
         for one in [*settings, *self.flanks.values()]:
             generated = number(one, "generated_addendum_modification_coefficient")
             if generated is not None and shift is not None and abs(generated - shift) > FIGURE_ROUNDING:
-                thinner = 2.0 * (generated - shift) * module * math.tan(math.radians(alpha))
+                tangents = sum(math.tan(math.radians(angle)) for angle in angles)
+                thinner = (generated - shift) * module * tangents
                 made = {f"thickness_allowance.{end}": thinner for end in ends}
                 return {**made, "allowance_by": "feed"}
         return {}
@@ -313,20 +332,14 @@ def _start(end: str, length: float, tip: float | None, base: float) -> float | N
 def write_gear(file: StageWriter, gear: Component, of: GearProportions, name: str) -> None:
     """Write a gear of a complete design in mm, including derived figures that other programs need."""
     own, keys = of.own, file.keys
-    if own.coast_alpha is not None:
-        raise DesignError(
-            "coast_pressure_angle",
-            math.degrees(own.coast_alpha),
-            unit="deg",
-            reason="stages of REXS files are written with one pressure angle for both flanks",
-        )
-    module, alpha = own.module, keys.get("pressure_angle", math.degrees(own.alpha))
+    module, angles = own.module, _angles(file, of)
     file.put(gear, "number_of_teeth", own.teeth)
     file.put(gear, "normal_module", module)
     file.put(gear, "helix_angle_reference_diameter", math.copysign(keys["helix_angle"], own.beta))
     file.put(gear, "face_width", file.take(f"{name}.face_width"))
     file.put(gear, "reference_circle_diameter", 2.0 * own.radius)
-    file.put(gear, "base_circle_diameter", 2.0 * own.base_radius)
+    # flanks of asymmetric teeth have two base circles, the format one for both
+    file.put(gear, "base_circle_diameter", None if own.asymmetric else 2.0 * own.base_radius)
     file.put(gear, "tip_diameter", 2.0 * of.tip)
     file.put(gear, "root_diameter", 2.0 * of.root)
     _write_tip_limits(file, gear, 2.0 * of.tip, name)
@@ -337,8 +350,8 @@ def write_gear(file: StageWriter, gear: Component, of: GearProportions, name: st
     _write_thickness(file, gear, of, name)
     flanks = file.flanks(gear, FLANK_TYPE)
     chamfer = file.take(f"{name}.tip_chamfer")
-    for flank in flanks.values():
-        file.put(flank, "normal_pressure_angle", alpha)
+    for side, flank in flanks.items():
+        file.put(flank, "normal_pressure_angle", angles[side])
         file.put(flank, "addendum_modification_coefficient", own.shift)
         file.put(flank, "tooth_tip_chamfer", chamfer)
     file.take(f"{name}.profile_shift")
@@ -346,6 +359,13 @@ def write_gear(file: StageWriter, gear: Component, of: GearProportions, name: st
         _write_tool(file, flanks, of, name)
     write_changes(file, gear, name, flanks)
     file.put_material(gear, name)
+
+
+def _angles(file: StageWriter, of: GearProportions) -> dict[str, float]:
+    """Return the normal pressure angles (deg) of the flanks of a gear, by "left" and "right"."""
+    own, alpha = of.own, file.keys.get("pressure_angle", math.degrees(of.own.alpha))
+    coast = alpha if own.coast_alpha is None else file.keys.get("coast_pressure_angle", math.degrees(own.coast_alpha))
+    return {str(side): alpha if side is own.drive else coast for side in (Side.LEFT, Side.RIGHT)}
 
 
 def _write_tip_limits(file: StageWriter, gear: Component, tip: float, name: str) -> None:
@@ -377,7 +397,7 @@ def _write_thickness(file: StageWriter, gear: Component, of: GearProportions, na
 def _write_tool(file: StageWriter, flanks: dict[str, Component], of: GearProportions, name: str) -> None:
     """Write the tool and the settings of the step that generates the teeth."""
     type, shared = CUTTER_TYPE if of.spec.shaped else HOB_TYPE, None
-    module, alpha = of.own.module, file.keys.get("pressure_angle", math.degrees(of.own.alpha))
+    module, angles = of.own.module, _angles(file, of)
     taken: dict[str, Any] = {}
 
     def once(key: str) -> Any:
@@ -386,14 +406,15 @@ def _write_tool(file: StageWriter, flanks: dict[str, Component], of: GearProport
         return taken[key]
 
     fixed_root = f"{name}.root_diameter" in file.keys
-    for flank in flanks.values():
+    for side, flank in flanks.items():
         tool, settings = file.step(flank, type, SETTINGS_TYPE, shared)
-        shared = tool
+        # the flanks of a tool of asymmetric teeth are two tools of the format
+        shared = None if of.own.asymmetric else tool
         for id in SETTINGS_ATTRIBUTES:
             # an earlier version wrote these attributes to the flank
             flank.attributes.pop(id, None)
         file.put(tool, "normal_module", module)
-        file.put(tool, "normal_pressure_angle", alpha)
+        file.put(tool, "normal_pressure_angle", angles[side])
         rounded = file.put(tool, "tip_radius_factor", once("tool_tip_radius"))
         file.put(tool, "tip_radius", None if rounded else once("tool_tip_radius"))
         if type == CUTTER_TYPE:

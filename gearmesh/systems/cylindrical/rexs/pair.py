@@ -43,7 +43,7 @@ SHIFT_FITS = 0.02
 #: keys of the size of teeth
 SIZE_KEYS = ("module", "diametral_pitch", "transverse_module", "transverse_diametral_pitch")
 #: keys of the pressure angle
-ANGLE_KEYS = ("pressure_angle", "transverse_pressure_angle")
+ANGLE_KEYS = ("pressure_angle", "transverse_pressure_angle", "coast_pressure_angle")
 #: keys that attributes of the file represent
 WRITTEN_KEYS = (*SIZE_KEYS, *ANGLE_KEYS, "kind", "units", "helix_angle", "hand", "backlash", "circumferential_backlash")
 
@@ -58,16 +58,30 @@ def read_toothing(file: StageReader, gears: tuple[GearReader, ...]) -> dict[str,
         sense = 1.0 if gear is first or gear.internal or first.internal else -1.0
         if abs(gear.beta - sense * first.beta) > FIGURE_ROUNDING:
             _refuse_helix(file, gear, sense * first.beta, first)
-    angles = [(gear, angle) for gear in gears if (angle := gear.pressure_angle()) is not None]
-    if not angles:
-        raise file.refusal(first.gear, "normal_pressure_angle", "missing (on the flanks of the gear)")
-    for gear, angle in angles[1:]:
-        if abs(angle - angles[0][1]) > FIGURE_ROUNDING:
-            reason = f"must be {angles[0][1]:g} deg, as the mating gear, {angles[0][0].gear.in_full}, has it"
-            flank = next(iter(gear.flanks.values()), gear.gear)
-            raise file.refusal(flank, "normal_pressure_angle", reason, angle)
+    drive, coast = _pressure_angles(file, gears)
     hand = "left" if first.beta < 0.0 else "right"
-    return {"module": modules[0], "pressure_angle": angles[0][1], "helix_angle": abs(first.beta), "hand": hand}
+    asymmetric = {"coast_pressure_angle": coast} if abs(coast - drive) > FIGURE_ROUNDING else {}
+    return {"module": modules[0], "pressure_angle": drive, **asymmetric, "helix_angle": abs(first.beta), "hand": hand}
+
+
+def _pressure_angles(file: StageReader, gears: tuple[GearReader, ...]) -> tuple[float, float]:
+    """Return the normal pressure angles (deg) of drive and coast side, which all gears of a mesh must have."""
+    first, inside = gears[0], any(gear.internal for gear in gears)
+    known: list[tuple[GearReader, tuple[float, float]]] = []
+    for gear in gears:
+        # right flanks touch right flanks of an external gear, left flanks of an internal one
+        angles = gear.pressure_angles("left" if inside and gear is not first else "right")
+        known += [] if angles is None else [(gear, angles)]
+    if not known:
+        raise file.refusal(first.gear, "normal_pressure_angle", "missing (on the flanks of the gear)")
+    (one, wanted), *others = known
+    for gear, angles in others:
+        for angle, wanted_angle in zip(angles, wanted, strict=True):
+            if abs(angle - wanted_angle) > FIGURE_ROUNDING:
+                reason = f"must be {wanted_angle:g} deg, as the mating gear, {one.gear.in_full}, has it"
+                flank = next(iter(gear.flanks.values()), gear.gear)
+                raise file.refusal(flank, "normal_pressure_angle", reason, angle)
+    return wanted
 
 
 def _refuse_helix(file: StageReader, one: GearReader, wanted: float, first: GearReader) -> None:
@@ -106,7 +120,8 @@ def read_pair(file: StageReader) -> dict[str, Any]:
 
 def member_keys(one: GearReader, common: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
     """Return the dotted keys of a member, except those that keys of this program replace."""
-    made = one.keys(common["module"], common["pressure_angle"], common["helix_angle"])
+    drive = common["pressure_angle"]
+    made = one.keys(common["module"], (drive, common.get("coast_pressure_angle", drive)), common["helix_angle"])
     keys = {f"{one.name}.{key}": value for key, value in made.items()}
     said = {"dedendum": ("root_diameter",), "tip_diameter_tolerance.grade": TIP_LIMITS}
     for key, others in said.items():
@@ -144,14 +159,18 @@ def _sum_of_shifts(gears: tuple[GearReader, GearReader], common: Mapping[str, An
     The ring's shift is positive towards its tip.
     """
     teeth = abs(gears[0].teeth - gears[1].teeth)
-    alpha, beta = (math.radians(common[key]) for key in ("pressure_angle", "helix_angle"))
-    transverse = math.atan(math.tan(alpha) / math.cos(beta))
-    cosine = teeth * common["module"] / math.cos(beta) * math.cos(transverse) / (2.0 * a)
-    if not teeth or cosine >= 1.0:
-        return None
-    working = math.acos(cosine)
-    involutes = math.tan(working) - working - math.tan(transverse) + transverse
-    return -teeth * involutes / (2.0 * math.tan(alpha))
+    drive, beta = common["pressure_angle"], math.radians(common["helix_angle"])
+    involutes, tangents = [], []
+    for angle in (drive, common.get("coast_pressure_angle", drive)):
+        alpha = math.radians(angle)
+        transverse = math.atan(math.tan(alpha) / math.cos(beta))
+        cosine = teeth * common["module"] / math.cos(beta) * math.cos(transverse) / (2.0 * a)
+        if not teeth or cosine >= 1.0:
+            return None
+        working = math.acos(cosine)
+        involutes.append(math.tan(working) - working - math.tan(transverse) + transverse)
+        tangents.append(math.tan(alpha))
+    return -teeth * sum(involutes) / (2.0 * sum(tangents))
 
 
 def read_allowance(file: StageReader, distance: float | None) -> dict[str, Any]:
