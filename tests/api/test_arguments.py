@@ -51,6 +51,7 @@ NEEDED: dict[str, tuple[Any, ...]] = {
     "with_teeth_like": ("pinion", 1),
     "correct": ("pinion",),
     "drawing": ("pinion",),
+    "dynamics": ([10.0],),
     "evaluate": ("pinion",),
     "finite_element_decks": (".", [0.0]),
     "largest_errors": (["assembly.dx"],),
