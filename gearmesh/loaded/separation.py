@@ -128,6 +128,8 @@ class NearPairs:
     kappa: Array
     #: motion of each half to its place: reflections at the pinion's plane of symmetry
     images: tuple[Rigid, ...]
+    #: half heights (M,), mm, of whole flanks that may touch, with their middle in the origin; None if contacts are narrow
+    heights: Array | None = None
     #: the pairs of all positions, and the rows (M,) of these pairs there; None for all
     chosen_from: tuple[NearPairs, NDArray[np.intp]] | None = None
 
@@ -174,6 +176,7 @@ class NearPairs:
             self.axes[rows],
             self.kappa[rows],
             self.images,
+            None if self.heights is None else self.heights[rows],
             (self, rows),
         )
 
@@ -262,7 +265,42 @@ def near_pairs(gears: GearPair, phi1: Array, limit: float) -> NearPairs:
                 np.stack([base.rotation for base in bases])[half], np.stack([base.translation for base in bases])[half]
             ),
         )
-    return NearPairs(pair, phi1, phi2, position, number, half, turns, (pinion, gear), path, axes, kappa, gears.images)
+    near = NearPairs(pair, phi1, phi2, position, number, half, turns, (pinion, gear), path, axes, kappa, gears.images)
+    return _over_whole_flanks(near) if pair.coupled else near
+
+
+def _over_whole_flanks(near: NearPairs) -> NearPairs:
+    """Return tooth pairs of coupled members with the middle of both flanks as origin, and x along the axis.
+
+    Their flanks are nearly congruent, so that neither first touch nor its curvatures tell where they touch under load.
+    """
+    pinion = near.pair.pinion
+    middle = pinion.grid[pinion.grid.shape[0] // 2, pinion.grid.shape[1] // 2]
+    jet = pinion.surface.jet(middle[0], middle[1])
+    motions = [mount.at(turn) for mount, turn in zip(near.mounts, near.turns, strict=True)]
+    origin, normal = motions[0].point(jet.r), motions[0].vector(jet.n)
+    axis = np.broadcast_to(near.mounts[0].axis, normal.shape)
+    along = unit(axis - dot(axis, normal)[:, None] * normal)
+    across = np.cross(normal, along)
+    # the part of the plane that both flanks reach
+    ends = []
+    for flank, motion in zip(near.pair.flanks, motions, strict=True):
+        r = flank.surface.jet(flank.grid[..., 0].ravel(), flank.grid[..., 1].ravel()).r
+        places = np.einsum("mij,kj->mki", motion.rotation, r) + (motion.translation - origin)[:, None]
+        spans = [np.einsum("mki,mi->mk", places, way) for way in (along, across)]
+        ends.append([(span.min(axis=1), span.max(axis=1)) for span in spans])
+    (x_low, x_high), (y_low, y_high) = (
+        (np.maximum(first[0], second[0]), np.minimum(first[1], second[1])) for first, second in zip(*ends, strict=True)
+    )
+    origin = origin + 0.5 * ((x_low + x_high)[:, None] * along + (y_low + y_high)[:, None] * across)
+    kind, edge = np.full(len(origin), "line"), np.full(len(origin), "", dtype=near.path.edge.dtype)
+    return replace(
+        near,
+        path=replace(near.path, point=origin, normal=normal, kind=kind, edge=edge),
+        axes=np.stack((along, across, normal), axis=-1),
+        kappa=np.zeros((len(origin), 2)),
+        heights=0.5 * (y_high - y_low),
+    )
 
 
 def _ahead(gears: GearPair, number: NDArray[np.intp]) -> tuple[Array, Array]:
@@ -427,7 +465,7 @@ def separation(
     high = np.maximum(high, low + MIN_GRID_LENGTH_MM)
     # around a corner, flanks lie beside the ridge, and contacts are about as long as wide
     corner_size = np.cbrt(4.0 * force / (np.pi * np.maximum(near.kappa[:, 1], LEAST_KAPPA) * modulus))
-    corner = high - low < corner_size
+    corner = (high - low < corner_size) & (near.heights is None)
     across = np.where(corner, corner_size, across)
     low, high = (
         np.where(corner, low - CORNER_MARGIN * across, low),
@@ -550,7 +588,9 @@ def _extend(seen: _Seen, y: Array, kappa: Array, edged: NDArray[np.bool_]) -> tu
 
 def _sizes(near: NearPairs, force: Array, modulus: float, length: Array) -> tuple[Array, Array]:
     """Return Hertz semi-axes (M,) along and across, mm, of contacts under forces (M,); a contact is at most twice a
-    `length` (M,) long."""
+    `length` (M,) long. Whole flanks have their own sizes."""
+    if near.heights is not None:
+        return length, near.heights
     # a point contact; a line contact if the ellipse would be longer than the flanks
     kappa_along, kappa_across = near.kappa[:, 0], np.maximum(near.kappa[:, 1], 1e-9)
     ellipse = point_contact(np.maximum(kappa_along, 1e-6 * kappa_across), kappa_across, force, modulus)
@@ -652,6 +692,8 @@ class _Surfaces:
             for motion in self.own_to_fixed
         ]
         self._edge = near.path.kind == "edge"
+        # the middle of whole flanks, or the edge that touches first, is where the grid is
+        self._fixed = self._edge | (near.heights is not None)
 
     @cached_property
     def extent(self) -> tuple[Array, Array]:
@@ -669,7 +711,7 @@ class _Surfaces:
     def ridge(self, x: Array) -> Array:
         """Return y (M, K) of the least gap at x (M, K).
 
-        Where an edge touches first, y is 0; if this edge runs along x, y is on the edge.
+        Where whole flanks or an edge touch first, y is 0; if this edge runs along x, y is on the edge.
         """
         y = np.zeros_like(x)
         kappa = np.maximum(self._near.kappa[:, 1:], LEAST_KAPPA)
@@ -694,7 +736,7 @@ class _Surfaces:
                     kappa * MAX_CURVATURE_RATIO,
                 )
             step = np.clip(-slope / curvature, -max_step, max_step)
-            last_step, last_slope = np.where(np.isfinite(step) & ~self._edge[:, None], step, 0.0), slope
+            last_step, last_slope = np.where(np.isfinite(step) & ~self._fixed[:, None], step, 0.0), slope
             y = y + last_step
             if np.abs(last_step).max(initial=0.0) < RIDGE_TOLERANCE_MM:
                 break

@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.hertz import STEEL, Material, contact_modulus
 from gearmesh.errors import ArgumentError, NoSolutionError, Status
 from gearmesh.kernel.motion.rigid import Rigid
@@ -198,8 +199,10 @@ def reach_of(gears: GearPair) -> int:
     """Return the largest number of teeth between two pairs that are in contact at the same time, at least 3.
 
     It covers the angle of a flank in pitches, and one more pitch for contact along the profile. Threads are not
-    counted: the mating gear limits the part of a thread that is in contact.
+    counted: the mating gear limits the part of a thread that is in contact. Coupled members touch all round.
     """
+    if solver_pair(gears).coupled:
+        return gears.pinion.tooth.teeth // 2
     spans = [0.0]
     for member, side in zip(gears.both, gears.flanks, strict=True):
         if member.one_tooth.screw is not None:
@@ -682,6 +685,10 @@ class _Problem:
         moved, loaded = np.nonzero((near.position[:, None] == near.position) & (near.half[:, None] == near.half))
         teeth = self._teeth(member)
         tooth_step = teeth[moved] - teeth[loaded]
+        if near.pair.coupled:
+            # the shorter way round
+            around = round(2.0 * np.pi / near.pair.pitch)
+            tooth_step = (tooth_step + around // 2) % around - around // 2
         kept = np.abs(tooth_step) <= self.bodies[member].reach
         return moved[kept], loaded[kept], tooth_step[kept]
 

@@ -10,8 +10,12 @@ import pytest
 from scipy.optimize import brentq
 
 import gearmesh as gm
-from gearmesh.errors import DesignError
+from gearmesh.contact.hertz import STEEL
+from gearmesh.errors import DesignError, Status
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.loaded.compliance.compliance import flank_compliance
+from gearmesh.loaded.sharing import loaded_mesh, reach_of
+from gearmesh.mesh.hexahedra.hexahedra import Cells
 from gearmesh.systems.common.standards import iso4156
 from gearmesh.systems.cylindrical.spline.designation import Designation, parse_designation
 from gearmesh.systems.cylindrical.spline.sheet import tooth_gaps
@@ -235,3 +239,38 @@ def test_limits_of_pins_give_the_thickness() -> None:
     assert cell(gears, "M_dR_upper", "shaft") == pytest.approx(48.9, abs=1e-9)
     assert cell(gears, "M_dR", "shaft") == pytest.approx(48.86, abs=1e-9)
     assert cell(gears, "c_v", "as built") > 0.03
+
+
+def shares_of(gears: gm.Gears, torque: float) -> Array:
+    """Return the shares (z,) of the torque (Nm) of all tooth pairs at phi1 = 0, by the polar angle of the shaft's tooth."""
+    pair, few = gears.train.pairs[0], Cells(flank=4, fillet=4, thickness=2, rim=2, face=6)
+    shaft, hub = (
+        flank_compliance(member.tooth, side, STEEL, cells=few, reach=reach_of(pair))
+        for member, side in zip(pair.both, pair.flanks, strict=True)
+    )
+    mesh = loaded_mesh(pair, np.zeros(1), np.array([1e3 * torque]), (shaft, hub), cells=(12, 8))
+    (load,) = mesh.loads
+    assert (mesh.status == Status.CONVERGED).all()
+    assert mesh.gear_torque[0, 0] == pytest.approx(1e3 * torque, rel=1e-4)
+    shares = np.zeros(gears.design.teeth)
+    shares[load.number % len(shares)] = load.moment / (1e3 * torque)
+    return shares
+
+
+#: a small spline for contact under load
+SMALL = {"designation": "ISO 4156 INT/EXT 12z x 2m x 30P", "shaft": {"face_width": 12}, "hub": {"face_width": 12}}
+
+
+def test_torque_is_shared_equally_in_place() -> None:
+    """Conforming flanks of all tooth pairs, all round the bodies: every pair has 1 / z of the torque."""
+    assert shares_of(spline(**SMALL), 100.0) == pytest.approx(np.full(12, 1 / 12), rel=1e-6)
+
+
+def test_torque_of_a_tilted_hub_is_shared_as_its_gaps_say() -> None:
+    """A tilt is the same seen from either end, half a turn apart; pairs with less gap have more load."""
+    gears = spline(**SMALL, assembly={"gamma_h": 0.06})
+    shares, gaps = shares_of(gears, 100.0), tooth_gaps(gears.train.pairs[0], 12.0 * math.cos(math.pi / 6))
+    assert shares.sum() == pytest.approx(1.0, abs=1e-9)
+    assert shares[:6] == pytest.approx(shares[6:], rel=1e-3)
+    assert shares.max() > 1.2 * shares.min()
+    assert np.corrcoef(shares, gaps)[0, 1] < -0.8

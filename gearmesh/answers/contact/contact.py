@@ -646,6 +646,11 @@ def _break_warnings(pair: GearPair, cycle: Cycle | None, keeps_from_crossing: st
 
     `keeps_from_crossing` is the remedy for flanks that cross.
     """
+    if cycle is not None and cycle.curve is not None and cycle.curve.pair.coupled and cycle.contact_ratio < 1.0:
+        return [
+            f"members out of place: the tooth pair that touches first does so inside both flanks over {cycle.contact_ratio:.3g} "
+            "pitches, beyond that on edges; `describe` has the gaps of all tooth pairs"
+        ]
     warnings, (rad, unit) = [], pair.output.reading.error
     total = total_ratio(pair, cycle) if cycle is not None and cycle.contact_ratio < 1.0 else math.inf
     if cycle is not None and total < 1.0:
