@@ -265,8 +265,8 @@ def near_pairs(gears: GearPair, phi1: Array, limit: float) -> NearPairs:
                 np.stack([base.rotation for base in bases])[half], np.stack([base.translation for base in bases])[half]
             ),
         )
-    near = NearPairs(pair, phi1, phi2, position, number, half, turns, (pinion, gear), path, axes, kappa, gears.images)
-    return _over_whole_flanks(near) if pair.coupled else near
+    found = NearPairs(pair, phi1, phi2, position, number, half, turns, (pinion, gear), path, axes, kappa, gears.images)
+    return _over_whole_flanks(found) if pair.coupled else found
 
 
 def _over_whole_flanks(near: NearPairs) -> NearPairs:
