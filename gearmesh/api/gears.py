@@ -1174,13 +1174,23 @@ class Gears(ModelledGears):
 
         return explore(self.design, port, browser=browser)
 
-    def compare(self, other: Gears) -> ReportPage:
+    def compare(
+        self,
+        other: Gears,
+        *,
+        torque: ArrayLike | None = None,
+        errors: Mapping[str, str | Sequence[float | int | str | bool]] | None = None,
+    ) -> ReportPage:
         """Return the page that has these gears beside others: figures with their change, keys that differ, patterns.
 
         Parameters
         ----------
         other : Gears
             The other gears; meshes are compared by their order. Another kind is compared by what both have.
+        torque : array_like, optional
+            Torques, Nm, on the pinion of the first mesh: adds transmission error, pressure and root stress under load.
+        errors : mapping of str to str or list, optional
+            Values of one or two errors of assembly, as for `study`: adds the patterns of the first mesh at each of them.
 
         Returns
         -------
@@ -1197,10 +1207,23 @@ class Gears(ModelledGears):
         >>> gears.compare(gears).save("comparison.html").name
         'comparison.html'
         """
+        from gearmesh.answers.load.loaded import required_torques
         from gearmesh.reports.comparison import comparison_page
 
-        contacts = [{k: gears.contact(pair=k) for k in gears.train.different} for gears in (self, other)]
-        return comparison_page((self, other), (contacts[0], contacts[1]))
+        # refuse wrong arguments before anything is solved
+        torques = None if torque is None else required_torques(number_list("torque", torque, "Nm").tolist())
+        if errors is not None and not 1 <= len(errors) <= 2:
+            raise ArgumentError("errors", entry=", ".join(errors), must_be="values of one or two keys")
+        both = (self, other)
+        studies = None if errors is None else [gears.study(errors, record="path", workers=1) for gears in both]
+        contacts = [{k: gears.contact(pair=k) for k in gears.train.different} for gears in both]
+        loaded = None if torques is None else [gears.loaded_contact(torques) for gears in both]
+        return comparison_page(
+            both,
+            (contacts[0], contacts[1]),
+            None if loaded is None else (loaded[0], loaded[1]),
+            None if studies is None else (studies[0], studies[1]),
+        )
 
     # ---------------------------------------------------------------- the main job
 

@@ -31,6 +31,16 @@ class ErrorRows:
         """Keys that have errors and are not varied."""
         return tuple(key for key in self.plan.keys if key and key not in self.added)
 
+    @property
+    def numbers(self) -> dict[str, list[float]]:
+        """Columns of the errors that are numbers, by key."""
+        columns = {key: column for key, column in self.plan.columns.items() if key}
+        return {
+            key: [float(value) for value in column]
+            for key, column in columns.items()
+            if all(isinstance(value, int | float) for value in column)
+        }
+
     def rows(self, keys: Sequence[str], values: Sequence[Value]) -> list[tuple[Value, ...]]:
         """Return the rows (R, n + m) of a design with values (n,) of its varied keys, and of the m `keys` with errors."""
         rows = []

@@ -27,9 +27,9 @@ class Evaluated:
 
     #: values of the varied keys
     values: tuple[Value, ...]
-    #: values (O,) of the objectives; NaN if the design failed
+    #: values (O,) of the objectives; NaN where unknown
     objectives: Array
-    #: values (C,) of the figures with limits; NaN if the design failed
+    #: values (C,) of the figures with limits; NaN where unknown
     limited: Array
     #: room (C,) up to the limits, relative to them
     room: Array
@@ -119,8 +119,6 @@ class Evaluations:
         if not reason:
             unknown = [name for name, column in columns.items() if not np.isfinite(column).all()]
             reason = f"no {', '.join(unknown)}" if unknown else ""
-        if reason:
-            objectives, limited, room = (np.full(len(each), np.nan) for each in (objectives, limited, room))
         means = tuple(float(column.mean()) if np.isfinite(column).all() else None for column in columns.values())
         return Evaluated(values, objectives, limited, room, means, reason)
 

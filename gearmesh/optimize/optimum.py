@@ -27,7 +27,7 @@ from gearmesh.optimize.error_rows import ErrorRows
 from gearmesh.optimize.evaluations import Evaluated, front_of
 from gearmesh.optimize.objectives import Measure, Target, unit_of
 from gearmesh.optimize.variables import Variable
-from gearmesh.study.rows.work import own_keys
+from gearmesh.study.rows.work import displacing_keys, own_keys
 from gearmesh.systems.designs import parse
 
 #: share of its range within which a variable is at the end of the range
@@ -128,6 +128,22 @@ class Optimum(Result):
     def values(self) -> dict[str, Any]:
         """Values of the varied keys of the best design, in the design's units."""
         return dict(zip(self._keys, self._best.values, strict=True))
+
+    @property
+    def torque(self) -> list[float]:
+        """Torques on the pinion, Nm."""
+        return list(self._target.torque)
+
+    @property
+    def error_box(self) -> dict[str, list[float]]:
+        """Least, middle and largest value of the first two errors that only move members, in the design's units."""
+        moving = displacing_keys(self.design.kind)
+        ends = {
+            key: [min(column), 0.5 * (min(column) + max(column)), max(column)]
+            for key, column in self._errors.numbers.items()
+            if key in moving and min(column) < max(column)
+        }
+        return dict(list(ends.items())[:2])
 
     @property
     def units(self) -> dict[str, str]:

@@ -10,12 +10,15 @@ import numpy as np
 
 from gearmesh.answers.contact.contact import Contact
 from gearmesh.answers.gearset import GearSet
-from gearmesh.answers.tables import Listing
+from gearmesh.answers.load.loaded import LoadedContact
+from gearmesh.answers.tables import Listing, round_to
 from gearmesh.design.core import Design
 from gearmesh.design.dotted import leaves
 from gearmesh.errors import NoSolutionError
 from gearmesh.io.atomic import scratch_folder
 from gearmesh.reports.report import MAP_DPI, ReportPage, tables_html
+from gearmesh.reports.study_pictures import pattern_matrix
+from gearmesh.study.study import Study
 from gearmesh.view import pictures
 from gearmesh.view.diagrams.flank_diagrams import plot_flanks
 from gearmesh.view.diagrams.plots import ErrorCurve, plot_compared_errors
@@ -31,11 +34,17 @@ EQUAL_SHARE = 1e-9
 
 
 def comparison_page(
-    both: tuple[GearSet, GearSet], contacts: tuple[Mapping[int, Contact], Mapping[int, Contact]]
+    both: tuple[GearSet, GearSet],
+    contacts: tuple[Mapping[int, Contact], Mapping[int, Contact]],
+    loaded: tuple[LoadedContact, LoadedContact] | None = None,
+    studies: tuple[Study, Study] | None = None,
 ) -> ReportPage:
     """Return the page of two gear sets with solved contacts, which are given by the numbers of their pairs.
 
     Meshes are compared by their order, and only as many as both have. Raises NoSolutionError if a gear set has none.
+
+    - loaded: contact of the first meshes under the same torques.
+    - studies: grids over the same one or two errors of assembly.
     """
     for gears, solved in zip(both, contacts, strict=True):
         if not solved:
@@ -48,6 +57,10 @@ def comparison_page(
         PageSection("Contact pattern", "".join(map(_patterns, meshes))),
         PageSection("Transmission error", f'<div class="plots">{"".join(map(_errors, meshes))}</div>'),
     ]
+    if loaded is not None:
+        sections.insert(1, PageSection("Under load", tables_html([_loads(loaded, titles)])))
+    if studies is not None:
+        sections.append(PageSection("Patterns at errors of assembly", "".join(map(_matrix, titles, studies))))
     lines = [
         [*gears.warnings, *(line for contact in solved.values() for line in contact.warnings)]
         for gears, solved in zip(both, contacts, strict=True)
@@ -71,6 +84,33 @@ def _figures(mesh: tuple[Contact, Contact], titles: Sequence[str], named: bool) 
     rows = [[label, *_row(*(card.get(label) for card in cards))] for label in labels]
     title = " and ".join(dict.fromkeys(contact.pair.name for contact in mesh)) if named else ""
     return tables_html([Listing(title, ("", *titles, "change from A to B"), rows)])
+
+
+def _loads(loaded: tuple[LoadedContact, LoadedContact], titles: Sequence[str]) -> Listing:
+    """Return the table of figures under load, with their change: one row per figure and torque."""
+    rows = []
+    for first, second in zip(*(each.totals for each in loaded), strict=True):
+        figures = [
+            ("transmission error, peak to peak", "arcsec", first.te_peak_to_peak, second.te_peak_to_peak),
+            ("largest pressure", "MPa", first.max_pressure, second.max_pressure),
+        ]
+        for (name, fillet), (other, other_fillet) in zip(first.fillets.items(), second.fillets.items(), strict=True):
+            what = f"root stress of the {' and '.join(dict.fromkeys((name, other)))}"
+            figures.append((what, "MPa", fillet.root_stress, other_fillet.root_stress))
+        rows += [
+            [f"{what}, {unit}", first.torque, round_to(before, 4), round_to(after, 4), change(before, after, unit)]
+            for what, unit, before, after in figures
+        ]
+    names = list(dict.fromkeys(row[0] for row in rows))
+    return Listing("", ("", "Nm", *titles, "change from A to B"), sorted(rows, key=lambda row: names.index(row[0])))
+
+
+def _matrix(title: str, study: Study) -> str:
+    """Return the patterns of a design over errors of assembly."""
+    with scratch_folder() as folder:
+        file = folder / "patterns.png"
+        pattern_matrix(study, file, title)
+        return drawing(f"{title}: patterns on the pinion over {', '.join(study.plan.keys)}", file.read_bytes())
 
 
 def _row(first: CardFigure | None, second: CardFigure | None) -> Iterator[str]:

@@ -65,7 +65,7 @@ def study_pictures(study: Study, folder: Path) -> list[Path]:
         good = "" if study.good is None else f", yield {100.0 * study.good:.4g} %"
         plot_histograms(file("histograms"), figures, REPORTED_PERCENTILES, f"{name}: {len(study.plan)} rows{good}")
     if 1 <= len(study.plan.shape) <= 2 and max(study.plan.shape) <= MAX_MATRIX_VALUES:
-        _matrix(study, file("patterns"), name)
+        pattern_matrix(study, file("patterns"), name)
     return made
 
 
@@ -121,8 +121,8 @@ def _label(study: Study, key: str) -> str:
     return f"{named} ({'+: ' if moving else ''}{known.about})" if known.about else named
 
 
-def _matrix(study: Study, file: Path, name: str) -> None:
-    """Draw the matrix of patterns: the first key from left to right, the second upwards."""
+def pattern_matrix(study: Study, file: Path, name: str) -> None:
+    """Draw the matrix of patterns of a grid of one or two keys: the first key from left to right, the second upwards."""
     plan = study.plan
     given = plan.rows(0, len(plan))
     planes: dict[int, FlankPlane] = {}

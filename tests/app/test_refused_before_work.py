@@ -61,6 +61,7 @@ WRONG: dict[str, dict[str, Any]] = {
         "-o": ("nowhere/out.html", "cannot write"),
         "--tol": ("x", "--tol = x"),
         "--study": ("nowhere", "--study = nowhere: holds no finished study"),
+        "--errors": ("assembly.dx=0,1", "--errors assembly.dx=0,1: needs OTHER"),
         "--torque": ("0", "--torque = 0"),
     },
     "tca": {

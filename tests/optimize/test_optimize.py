@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 from oracles.command_line import messages, refused, run
-from oracles.constant_stiffness import BEST_RELIEF_UM, peak_to_peak, replace_work
+from oracles.constant_stiffness import BEST_RELIEF_UM, peak_to_peak, replace_work, replace_work_by_exact_flanks
+from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh.errors import NoSolutionError
@@ -60,6 +61,35 @@ def test_long_relief_of_constant_stiffness_is_found(gears: gm.Gears, monkeypatch
     assert {(each.key, each.changed) for each in found.sensitivities} == {(RELIEF, FIGURE)}
     # beyond the optimum the transmission error grows by half the relief, 5 % of 40 um
     assert found.sensitivities[0].high == pytest.approx(found.sensitivities[0].best + 1.0, abs=0.1)
+
+
+@pytest.mark.sweep
+def test_long_reliefs_of_exact_spur_flanks_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Both tips with reliefs over the whole double contact, tooth pairs of constant stiffness: F / c on both, TE 0."""
+    module, teeth = 2.0, (20, 31)
+    cosine, sine = math.cos(math.radians(20.0)), math.sin(math.radians(20.0))
+    # ends of the path of contact, from the pitch point
+    tip = [math.sqrt((0.5 * module * (z + 2.0)) ** 2 - (0.5 * module * z * cosine) ** 2) for z in teeth]
+    beyond = [length - 0.5 * module * z * sine for length, z in zip(tip, teeth, strict=True)]
+    pitch = math.pi * module * cosine
+    double = sum(beyond) - pitch
+    tables = {
+        name: {
+            "teeth": z,
+            "face_width": 6,
+            "modifications": {"tip_relief": {"amount": 0.005, "start_roll_length": length - double}},
+        }
+        for name, z, length in zip(("pinion", "gear"), teeth, tip, strict=True)
+    }
+    positions = {"phi1": {"start": -22.5, "stop": 22.5 - 0.9, "count": 50}}
+    design = gm.parse({"kind": "cylindrical", "module": module, **tables, "contact": positions})
+    replace_work_by_exact_flanks(monkeypatch)
+    keys = [f"{name}.modifications.tip_relief.amount" for name in tables]
+    found = gm.build(design).optimize(dict.fromkeys(keys, "1um:30um"), FIGURE, budget=56, workers=1)
+    assert len(found.to_dict()["evaluation"]) <= 60
+    for key in keys:
+        assert 1e3 * found.values[key] == pytest.approx(BEST_RELIEF_UM, rel=0.02)
+    assert found.summary.best.objectives[FIGURE] < 0.03 * found.summary.before.objectives[FIGURE]
 
 
 def test_optimum_equals_that_of_a_dense_grid(gears: gm.Gears, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -193,7 +223,18 @@ def test_searches_side_by_side_ask_in_rounds() -> None:
         in_lockstep([search(1), broken], lambda asked: [10 * each for each in asked])
 
 
-WORDS = ("--vary", f"{CROWNING}=2um:12um", "--minimize", FIGURE, "--budget", "6", "--workers", "1", "--no-pictures")
+WORDS = (
+    "--vary",
+    f"{CROWNING}=2um:12um",
+    "--minimize",
+    FIGURE,
+    "--budget",
+    "6",
+    "--workers",
+    "1",
+    "--no-pictures",
+    "--no-report",
+)
 
 
 def test_command_goes_on_where_it_was_stopped(tmp_path: Path) -> None:
@@ -221,6 +262,31 @@ def test_command_goes_on_where_it_was_stopped(tmp_path: Path) -> None:
     assert refused(*words, "--set", "pinion.teeth=21") == (
         f"{out}: holds another study (design, plan, record or version differ); name another folder"
     )
+
+
+@pytest.mark.sweep
+def test_bevel_pattern_stays_off_all_edges_in_a_wider_box() -> None:
+    """Exact mesh cycles at the corners of a box of errors: contact of a tooth pair over a pitch, and changes without edges."""
+    keys = ("assembly.dV", "assembly.dA", "assembly.dG")
+
+    def corners(gears: gm.Gears, size: float) -> gm.Study:
+        return gears.study({key: [-size, size] for key in keys}, record="contact_ratio,te_breaks", workers=1)
+
+    gears = gm.build(gm.load(SAMPLES / "spiral_bevel_basic.toml"))
+    # today the contact ratio is above 1 up to 0.115 mm, and tooth pairs change over without edges up to 0.009 mm
+    assert (corners(gears, 0.0125).numbers("te_breaks") > 0).any()
+    assert (corners(gears, 0.12).numbers("contact_ratio") < 1.0).any()
+    found = gears.optimize(
+        {"pinion.concave.semi_major_axis": "2.5:8", "pinion.concave.te_at_change": "5:60"},
+        maximize="contact_ratio_estimate",
+        robust=dict.fromkeys(keys, "-0.18,0.18"),
+        robust_by="worst",
+        budget=20,
+        workers=1,
+    )
+    best = gm.build(found.best_design)
+    assert (corners(best, 1.5 * 0.12).numbers("contact_ratio") > 1.0).all()
+    assert (corners(best, 1.5 * 0.0125).numbers("te_breaks") == 0).all()
 
 
 @pytest.mark.parametrize(

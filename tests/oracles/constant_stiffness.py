@@ -15,8 +15,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from gearmesh.contact.assemblies import assembly_paths
 from gearmesh.figures import Summary
-from gearmesh.study.rows.work import StudyWork
+from gearmesh.study.rows.work import StudyWork, Variant
 
 #: contact ratio, force (N), stiffness of a tooth pair (N/um): the best long relief is 1000 / 80 = 12.5 um
 CONTACT_RATIO, FORCE_N, STIFFNESS = 1.6, 1000.0, 80.0
@@ -64,6 +65,28 @@ class Model(StudyWork):
         return found
 
 
+@dataclass(frozen=True)
+class ExactFlanks(StudyWork):
+    """Work of a study of spur gears with exact flanks, and tooth pairs of constant stiffness.
+
+    The positions of the design must divide a pitch equally.
+    """
+
+    def __call__(self, rows: Sequence[Sequence[Any]]) -> list[list[Any]]:
+        found: list[list[Any]] = []
+        for variant, _, _ in self._variants(rows):
+            assert isinstance(variant, Variant), variant
+            paths = assembly_paths(variant.flanks, variant.bases({"": np.zeros(1)}), variant.phi1)
+            gear = variant.pair.gear.tooth
+            base = 0.5 * variant.design.in_mm().module * gear.teeth * np.cos(np.radians(20.0))
+            # relief of a tooth pair: how far it lags, along the line of action
+            relief = np.where(paths.surface, -1e3 * base * paths.advance, np.nan)[0]
+            steps = round(variant.pair.pitch / float(np.diff(variant.phi1).mean()))
+            columns = len(relief) // steps * steps
+            found.append([float(np.ptp(deflection(relief[:columns].reshape(-1, steps)))), ""])
+        return found
+
+
 def replace_work(monkeypatch: pytest.MonkeyPatch, function: Callable[..., Sequence[float]]) -> list[dict[str, Any]]:
     """Let optimisations evaluate a function of short names of the varied keys; return the calls that it gets."""
     from gearmesh.optimize import optimize
@@ -82,3 +105,15 @@ def replace_work(monkeypatch: pytest.MonkeyPatch, function: Callable[..., Sequen
 
     monkeypatch.setattr(optimize, "work_and_nominal", work)
     return calls
+
+
+def replace_work_by_exact_flanks(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let optimisations evaluate exact flanks with tooth pairs of constant stiffness."""
+    from gearmesh.optimize import optimize
+
+    def work(
+        design: Any, keys: tuple[str, ...], pair: Any, names: tuple[str, ...], torque: Any
+    ) -> tuple[ExactFlanks, Summary]:
+        return ExactFlanks(design.stated(), keys, pair, ("path",), tuple(names), torque=torque or ()), Summary()
+
+    monkeypatch.setattr(optimize, "work_and_nominal", work)

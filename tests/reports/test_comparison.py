@@ -58,6 +58,31 @@ def test_change_has_sign_unit_and_share(amounts: tuple[float, float | None], uni
 def test_what_belongs_to_one_design_is_refused_with_two() -> None:
     both = ("report", SAMPLES / "spur.toml", SAMPLES / "rack.toml")
     assert refused(*both, "--check") == "--check: must be left out where two designs are compared"
+    said = refused("report", SAMPLES / "spur.toml", "--errors", "assembly.dx=0,0.1")
+    assert said.startswith("--errors assembly.dx=0,0.1: needs OTHER, a second design")
     assert "another.toml" in refused("report", SAMPLES / "spur.toml", "another.toml")
     status, _, err = run("report", SAMPLES / "spur.toml", SAMPLES / "spur.toml", "-o", "both.txt")
     assert (status, "its suffix must be .html" in err) == (2, True)
+
+
+@pytest.mark.sweep
+def test_loads_and_errors_of_assembly_stand_beside_each_other() -> None:
+    """A narrow pair and its pinion with crowning, whose figures a study finds likewise at 9 positions."""
+    tables = {"pinion": {"teeth": 20, "face_width": 6}, "gear": {"teeth": 31, "face_width": 6}}
+    first = gm.build(gm.parse({"kind": "cylindrical", "module": 2, **tables}))
+    crowned = {**tables["pinion"], "modifications": {"helix_crowning": 0.01}}
+    second = gm.build(gm.parse({"kind": "cylindrical", "module": 2, **tables, "pinion": crowned}))
+    page = first.compare(second, torque=10, errors={"assembly.gamma_v": [0.0, 0.05]}).html
+    shown = rows(page, "Under load")
+    _, before, after, step = shown["largest pressure, MPa"]
+    found = [gears.loaded_contact(10).totals[0] for gears in (first, second)]
+    assert [float(before), float(after)] == pytest.approx([total.max_pressure for total in found], rel=1e-3)
+    share = 100.0 * (found[1].max_pressure / found[0].max_pressure - 1.0)
+    assert f"(+{share:.3g} %)" in step
+    assert set(shown) == {
+        "transmission error, peak to peak, arcsec",
+        "largest pressure, MPa",
+        "root stress of the pinion, MPa",
+        "root stress of the gear, MPa",
+    }
+    assert page.count("patterns on the pinion over assembly.gamma_v") == 4

@@ -49,7 +49,7 @@ def plot_progress(file: Path | str, objective: ObjectivePlot, feasible: NDArray[
     kept = np.where(feasible, values, np.nan)
     sign = -objective.sense
     running = sign * np.fmin.accumulate(sign * kept)
-    if not feasible.all():
+    if np.isfinite(values[~feasible]).any():
         axes.plot(
             number,
             np.where(feasible, np.nan, values),
@@ -97,7 +97,9 @@ def _draw_front(
 ) -> None:
     x, y = first.values, second.values
     other = feasible & ~front
-    axes.plot(x[~feasible], y[~feasible], ls="", marker="x", ms=4, color=PALE_COLOUR, label="misses a limit")
+    missing = ~feasible & np.isfinite(x) & np.isfinite(y)
+    if missing.any():
+        axes.plot(x[missing], y[missing], ls="", marker="x", ms=4, color=PALE_COLOUR, label="misses a limit")
     axes.plot(x[other], y[other], ls="", marker="o", ms=3.5, color=PALE_COLOUR, label="evaluated design")
     order = np.flatnonzero(front)[np.argsort(x[front], kind="stable")]
     line = "-" if joined else ""

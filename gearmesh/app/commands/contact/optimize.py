@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+import gearmesh as gm
 from gearmesh.app.options import (
     DesignFile,
     Json,
@@ -40,6 +41,10 @@ from gearmesh.progress import Progress, silent
 
 if TYPE_CHECKING:
     from gearmesh import Gears, Optimum
+
+
+#: page of the design and the best one
+COMPARISON_FILE = "comparison.html"
 
 
 def optimize(
@@ -97,6 +102,12 @@ def optimize(
     tls_client_cert: TlsClientCert = None,
     tls_client_key: TlsClientKey = None,
     pictures: Annotated[bool, option("--pictures/--no-pictures", "Draw the figures.")] = True,
+    report: Annotated[
+        bool,
+        option(
+            "--report/--no-report", "Write comparison.html: the design and the best one, under load and over errors."
+        ),
+    ] = True,
     json_file: Json = None,
     pair: Pair = None,
     settings: Set = None,
@@ -138,6 +149,12 @@ def optimize(
             answer.save_all(output)
             if pictures:
                 gears.save_pictures(answer, output)
+        if report:
+            progress(1.0, "optimize: comparison")
+            page = gears.compare(
+                gm.build(answer.best_design), torque=answer.torque or None, errors=answer.error_box or None
+            )
+            page.save(output / COMPARISON_FILE)
     write_text(json_file, answer.json)
     if json_file != "-":
         show(answer.listings)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -18,6 +17,7 @@ from gearmesh.app.options import (
     present,
     stem,
     torques_in_nm,
+    unique_keys,
 )
 from gearmesh.app.terminal import refuse_unwritable, tolerance_in_mm, warn, working
 from gearmesh.errors import ArgumentError, NoSolutionError
@@ -51,23 +51,31 @@ def report(
     torque: Annotated[
         str | None, option("--torque NM[,NM...]", "One torque on the pinion, or several: adds contact under load.")
     ] = None,
+    errors: Annotated[
+        list[str] | None,
+        option("--errors KEY=A,B,C", "With OTHER: patterns of both at errors of assembly, of one key or two."),
+    ] = None,
     settings: Set = None,
 ) -> None:
     """All results of a design as one HTML page that needs no network: a 3-D view of the gears in mesh, figures, plots, the data
     sheet.
 
     --tol is that of the gears in the view, by default 10 um. With OTHER, a second design, the page has both side by side:
-    figures with their change, keys that differ, transmission errors, patterns.
+    figures with their change, keys that differ, transmission errors, patterns; with --torque also those under load.
     """
+    torques = None if torque is None else torques_in_nm(torque)
     if other_file is not None:
-        given = {"tol": tol, "check": check or None, "study": study, "torque": torque}
-        _compare(design_file, other_file, output, settings, [name for name, value in given.items() if value])
+        for name, value in {"tol": tol, "check": check or None, "study": study}.items():
+            if value:
+                raise ArgumentError(name, must_be="left out where two designs are compared")
+        _compare(design_file, other_file, output, settings, torques, unique_keys("--errors", errors) or None)
         return
+    if errors:
+        raise ArgumentError("errors", entry=errors[0], reason="needs OTHER, a second design; --study has those of one")
     target = Path(f"{stem(design_file)}.html") if output is None else output
     refuse_suffix(target, HTML_SUFFIX)
     refuse_unwritable(target)
     tolerance = tolerance_in_mm(tol)
-    torques = None if torque is None else torques_in_nm(torque)
     begin_drawing()
 
     def ask(gears: Gears, source: str | None = None, progress: Progress = silent) -> ReportPage:
@@ -85,17 +93,20 @@ def report(
 
 
 def _compare(
-    design_file: Path, other_file: Path, output: Path | None, settings: list[str] | None, given: Sequence[str]
+    design_file: Path,
+    other_file: Path,
+    output: Path | None,
+    settings: list[str] | None,
+    torques: list[float] | None,
+    errors: dict[str, str] | None,
 ) -> None:
-    """Write the page that compares two designs; options `given` that belong to one design are refused."""
-    for name in given:
-        raise ArgumentError(name, must_be="left out where two designs are compared")
+    """Write the page that compares two designs."""
     target = Path(f"{stem(design_file)}-{stem(other_file)}.html") if output is None else output
     refuse_suffix(target, HTML_SUFFIX)
     refuse_unwritable(target)
     first, second = (load_gears(file, settings, lambda gears: gears.contact()) for file in (design_file, other_file))
     with working("comparison"):
-        page = first.compare(second)
+        page = first.compare(second, torque=torques, errors=errors)
         page.save(target)
     warn(page.warnings)
     if page.stuck:
