@@ -445,6 +445,11 @@ def work_and_nominal(
         design.member_names.pair_number(pair)
     known = recordable(systems.build(design).pair(pair), len(torques))
     _refuse_unknown(tokens, allowed, known)
+    # refused before anything is solved
+    without_load = {*CONTACT_GROUPS, TURNS_GROUP, *(name for name, group in known.items() if group != LOAD_GROUP)}
+    if torques and set(tokens) <= without_load:
+        torque_text = ",".join(f"{torque:g}" for torque in torques)
+        raise ArgumentError("torque", entry=torque_text, reason="needs figures under load; record = load has them")
     whole = StudyWork(own_keys(design), (), pair, CONTACT_GROUPS, torque=torques)
     by_group: dict[str, str] = {}
     nominal_figures = Summary()
@@ -466,9 +471,6 @@ def work_and_nominal(
     if turning & set(tokens):
         nominal_figures = ask(TURNS_GROUP, (CONTACT_GROUPS[0], TURNS_GROUP))
     if torques:
-        if set(tokens) <= {*CONTACT_GROUPS, TURNS_GROUP, *by_group}:
-            torque_text = ",".join(f"{torque:g}" for torque in torques)
-            raise ArgumentError("torque", entry=torque_text, reason="needs figures under load; record = load has them")
         nominal_figures = ask(LOAD_GROUP, (CONTACT_GROUPS[0], LOAD_GROUP))
     _refuse_unknown(tokens, allowed, by_group)
     names = tuple(name for name, group in by_group.items() if {name, group, "all"} & set(tokens))

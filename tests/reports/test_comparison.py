@@ -6,6 +6,7 @@ import re
 from html import unescape
 from pathlib import Path
 
+import numpy as np
 import pytest
 from oracles.command_line import refused, run
 from oracles.places import SAMPLES
@@ -22,7 +23,7 @@ def rows(page: str, heading: str) -> dict[str, list[str]]:
 
 
 def test_two_designs_stand_side_by_side(tmp_path: Path) -> None:
-    """Only the key that differs is listed, though one design leaves it to its default; the change is that of the solver."""
+    """Only the key that differs is listed, though one design leaves it to its default; the change is that of the closed form."""
     first = gm.build(gm.load(SAMPLES / "spur.toml"))
     second = gm.build(gm.load(SAMPLES / "spur.toml", ["name=B&B", "pinion.addendum=0.9"]))
     page = first.compare(second).save(tmp_path / "both.html").read_text(encoding="utf-8")
@@ -30,7 +31,11 @@ def test_two_designs_stand_side_by_side(tmp_path: Path) -> None:
         "name": [first.design.title, "B&B"],
         "pinion.addendum": ["1 (default)", "0.9"],
     }
-    ratios = [gears.contact().summary["contact_ratio"] for gears in (first, second)]
+    # involutes of z 20 and 40, module 3 mm, 20 deg, x = +-0.3, on a centre distance of 90 mm: length of contact over base pitch
+    base = 1.5 * np.cos(np.radians(20.0)) * np.array([20.0, 40.0])
+    tips = [3.0 * np.array([10.0 + 0.3 + addendum, 20.0 - 0.3 + 1.0]) for addendum in (1.0, 0.9)]
+    contact = [np.sqrt(tip**2 - base**2).sum() - 90.0 * np.sin(np.radians(20.0)) for tip in tips]
+    ratios = [length / (3.0 * np.pi * np.cos(np.radians(20.0))) for length in contact]
     shown = rows(page, "Figures")
     assert len(shown) == 8
     assert [float(text) for text in shown["Contact ratio"][:2]] == pytest.approx(ratios, abs=5e-3)

@@ -23,7 +23,7 @@ from gearmesh.loaded.compliance.compliance import FlankCompliance, flank_complia
 from gearmesh.loaded.sharing import loaded_mesh
 from gearmesh.mesh.hexahedra.hexahedra import Cells
 from gearmesh.study.rows.load_figures import POSITIONS_PER_PITCH, load_figures, loaded_contact_ratio
-from gearmesh.study.rows.work import _build
+from gearmesh.study.rows.work import StudyWork, _build
 from gearmesh.teeth.gear_train import GearPair
 
 SMALL = Cells(flank=6, fillet=4, thickness=3, rim=4, face=8)
@@ -152,5 +152,13 @@ def test_the_contact_ratio_under_load_is_how_long_a_pair_carries(first: float, l
         ),
     ],
 )
-def test_torques_and_their_figures_need_each_other(words: list[str], said: str) -> None:
+def test_torques_and_their_figures_need_each_other(
+    words: list[str], said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """They are refused before anything is solved."""
+
+    def solved(*_: object) -> None:
+        raise AssertionError("a row was solved")
+
+    monkeypatch.setattr(StudyWork, "figures", solved)
     assert re.search(said, refused("study", SPUR, *VARY, *words))

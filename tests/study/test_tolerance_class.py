@@ -51,6 +51,9 @@ def test_the_ends_of_what_is_drawn_are_the_tolerances(sample: str, member: str) 
     """Every key alone at the end of its spread: the inspection finds the tolerance, within what sampling misses of a form."""
     gears = built_sample(sample)
     nominal = gears.train.members[member]
+    basis = inspect(gears.design, gears.train, member, MeasuredTeeth())._basis
+    assert basis is not None
+    assert basis.involute is not None
     spreads = {key: own for key, own in class_spreads(gears.design, 0, "6").items() if key.startswith(member)}
     assert len(spreads) == len(MEASURED)
     for key, spread in spreads.items():
@@ -59,9 +62,6 @@ def test_the_ends_of_what_is_drawn_are_the_tolerances(sample: str, member: str) 
         assert spread.parameters[:2] == (0.0, pytest.approx(high / 3.0))
         assert low == -high
         modified = built_sample(sample, f"{key}={high}").train.members[member]
-        basis = inspect(gears.design, gears.train, member, MeasuredTeeth())._basis
-        assert basis is not None
-        assert basis.involute is not None
         removed = RemovedAmounts(nominal, modified, side, basis.involute.base_helix)
         answer = inspect(gears.design, gears.train, member, MeasuredTeeth({side: removed}))
         limit = (basis.sizes.tolerances(6) or {})[f"{MEASURED[name]}T"]
