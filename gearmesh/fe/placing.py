@@ -4,7 +4,7 @@ the flanks."""
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -56,6 +56,8 @@ class PlacedPair:
     arm: float
     #: motion from the fixed frame to the model's frame
     frame: Rigid
+    #: results of `focus_on`, by the member's name and `turned`
+    focuses: dict[tuple[str, bool], Focus] = field(default_factory=dict, compare=False, repr=False)
 
     @property
     def sense(self) -> float:
@@ -144,6 +146,14 @@ def focus_on(pair: GearPair, name: str, at: PlacedPair, cells: int = 1, *, turne
 
     With `turned` it is the ellipse's place on the pinion's flank after the load has rotated the pinion.
     """
+    key = name, turned
+    if key not in at.focuses:
+        at.focuses[key] = _find_focus(pair, name, at, turned)
+    return replace(at.focuses[key], cells=cells)
+
+
+def _find_focus(pair: GearPair, name: str, at: PlacedPair, turned: bool) -> Focus:
+    """Return the focus of `focus_on` with one cell."""
     member_index = pair.index(name)
     member, side = pair.both[member_index], pair.flanks[member_index]
     tooth, fixed_to_own = member.tooth, member.mount.at(at.turns[member_index]).inverse
@@ -151,7 +161,7 @@ def focus_on(pair: GearPair, name: str, at: PlacedPair, cells: int = 1, *, turne
     centre = arc_centre(tooth, side, params)
     s, t = flank_place(tooth, side, params)
     if np.isnan(at.pressure):
-        return Focus(s, t, 0.0, 0.0, 0.0, 0.0, cells)
+        return Focus(s, t, 0.0, 0.0, 0.0, 0.0, 1)
     # differences stay inside the flank, whose grid ends at 0 and 1
     s_mid, t_mid = (float(np.clip(x, 2.0 * SLOPE_STEP, 1.0 - 2.0 * SLOPE_STEP)) for x in (s, t))
     nodes = SLOPE_STEP * np.array([-1.0, 1.0])
@@ -179,7 +189,7 @@ def focus_on(pair: GearPair, name: str, at: PlacedPair, cells: int = 1, *, turne
         half_s=1.0 / float(np.sqrt(ellipse_form[0, 0])),
         half_t=float(np.sqrt(inverse[1, 1])),
         half_depth=2.0 * at.semi_minor / abs(float((right_point - left_point) @ normal)),
-        cells=cells,
+        cells=1,
         bow=_bow(tooth, side, (s_mid, t_mid), slope, normal, centre),
     )
 

@@ -302,6 +302,22 @@ def test_members_without_rings_are_refused_and_omitted_parts_reported(tmp_path: 
         built(rack).finite_elements(members=("rack",))
 
 
+def test_a_plastic_gear_without_density_is_named(tmp_path: Path) -> None:
+    plastic = {"teeth": 20, "face_width": 6, "bore": 12, "material": {"youngs_modulus": 3000}}
+    fe = {"teeth": 1, "flank": 2, "fillet": 3, "thickness": 2, "rim_layers": 1, "face": 2}
+    design = {"kind": "cylindrical", "module": 2, "fe": fe, "gear": plastic}
+    elements = built(design).finite_elements()
+    told = "without material.density the density is 7850 kg/m^3, as of steel (gear); "
+    assert [line for line in elements.warnings if line.startswith(told)]
+    # the head of the deck, in lines of its own width
+    head = elements.save(tmp_path / "gear.inp").read_text(encoding="utf-8").partition("*NODE")[0]
+    assert told in " ".join(line.removeprefix("** ") for line in head.splitlines())
+    assert built({**design, "material": {"density": 1140}}).finite_elements().warnings == ()
+    assert (
+        built({**design, "gear": plastic | {"material": {"youngs_modulus": 210000}}}).finite_elements().warnings == ()
+    )
+
+
 def test_broken_tips_of_threads_are_left_out_and_named() -> None:
     """The wheel's elements have its own."""
     members = built_sample("worm_drive", "worm.tip_rounding=0.3", "wheel.tip_rounding=0.2").members

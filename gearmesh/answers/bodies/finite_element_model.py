@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NoReturn, Self
 
 from gearmesh.answers.bodies.extract import at_nominal_places
 from gearmesh.answers.bodies.model_figures import CyclicFigures, MeshFigures, ModeFigures, UnloadedModelFigures
-from gearmesh.answers.load.members import material_of
+from gearmesh.answers.load.members import assumed_densities, material_of
 from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, figures, round_to
 from gearmesh.deprecated import Deprecated
@@ -297,7 +297,7 @@ def unloaded_elements_of(
         check_sector(member, sector)
     request = mesh_request_of(design, [member], sector)
     model = unloaded_model(member, request, material, design.title)
-    missing = omissions([member], request.whole, model)
+    missing = [*omissions([member], request.whole, model), *assumed_densities(design, [member.name])]
     model = replace(model, notes=(*missing, *rims_alone(model, [member], request.whole)))
     measured = mesh_figures(model.mesh)
     model_figures = UnloadedModelFigures(**vars(measured), seconds=time.perf_counter() - started)

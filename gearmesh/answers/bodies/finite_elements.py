@@ -30,7 +30,7 @@ from gearmesh.answers.bodies.model_figures import (
     SolvedFillets,
     SolvedToothPair,
 )
-from gearmesh.answers.load.members import materials_of
+from gearmesh.answers.load.members import assumed_densities, materials_of
 from gearmesh.answers.result import Result, RunTime, columns, header
 from gearmesh.answers.tables import Listing, cell, figures, round_to
 from gearmesh.design.core import Design
@@ -349,7 +349,7 @@ def finite_elements_of(
         placed_pair = place(pair, phi1, request.torque, request.materials)
     with part(0.3, 1.0):
         model = _make(design, pair, request, placed_pair)
-    missing = _missing_parts(pair, request, model._model)
+    missing = _missing_parts(design, pair, request, model._model)
     return replace(model, warnings=(*warnings, *missing, *_warnings(request, [model.measured])))
 
 
@@ -387,7 +387,7 @@ def finite_element_decks_of(
         except OSError as error:
             raise OutputError("cannot make the folder", folder, reason=error.strerror or str(error)) from None
         made.save(folder / f"{job}.inp", program=program)
-        missing = _missing_parts(pair, request, made._model)
+        missing = _missing_parts(design, pair, request, made._model)
         models.append(made.measured)
     script = folder / "run.sh"
     whole_text(script, _script(jobs, program))
@@ -449,7 +449,7 @@ def _make(design: Design, pair: GearPair, request: Request, at: PlacedPair) -> F
         seconds=time.perf_counter() - started,
     )
     members = [pair.members[name] for name in request.members]
-    notes = (*_missing_parts(pair, request, built.model), *rims_alone(built.model, members, request.whole))
+    notes = (*_missing_parts(design, pair, request, built.model), *rims_alone(built.model, members, request.whole))
     built = replace(built, model=replace(built.model, notes=notes))
     return FiniteElements(design, built.model, figures, (), pair, request, built)
 
@@ -498,9 +498,10 @@ def _warnings(request: Request, models: Sequence[ModelFigures]) -> list[str]:
     return [*warnings, *bad_shapes(models)]
 
 
-def _missing_parts(pair: GearPair, request: Request, model: Model) -> list[str]:
-    """Return the notes on parts of the bodies that a model lacks."""
-    return omissions([pair.members[name] for name in request.members], request.whole, model)
+def _missing_parts(design: Design, pair: GearPair, request: Request, model: Model) -> list[str]:
+    """Return the notes on parts of the bodies that a model lacks, and on densities that the design does not give."""
+    missing = omissions([pair.members[name] for name in request.members], request.whole, model)
+    return [*missing, *assumed_densities(design, request.members)]
 
 
 def _remedy(figures: ModelFigures) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from gearmesh.contact.hertz import Material
@@ -9,6 +11,9 @@ from gearmesh.design.core import STEEL_DENSITY_KG_PER_M3, Design
 from gearmesh.design.keys import RIGID_WORD
 from gearmesh.loaded.mounts import FlexibleMount
 from gearmesh.teeth.gear_train import GearPair
+
+#: range of Young's modulus, MPa, of steel and cast iron, whose densities differ by less than a tenth
+STEEL_MODULI_MPA = (150_000.0, 230_000.0)
 
 
 def materials_of(design: Design, pair: GearPair) -> tuple[Material, Material]:
@@ -21,6 +26,17 @@ def material_of(design: Design, member: str) -> Material:
     """Return the material of a member, by its name."""
     density = design.material.density
     return Material(*design.elastic(member), STEEL_DENSITY_KG_PER_M3 if density is None else density)
+
+
+def assumed_densities(design: Design, members: Iterable[str]) -> list[str]:
+    """Return a note on members that have the density of steel, which the design does not give, but not its modulus."""
+    assumed = [name for name in members if not (STEEL_MODULI_MPA[0] <= design.elastic(name)[0] <= STEEL_MODULI_MPA[1])]
+    if design.material.density is not None or not assumed:
+        return []
+    what = "; give material.density for natural frequencies and inertia"
+    return [
+        f"without material.density the density is {STEEL_DENSITY_KG_PER_M3:g} kg/m^3, as of steel ({', '.join(assumed)}){what}"
+    ]
 
 
 def mounts_of(design: Design, pair: GearPair) -> dict[str, FlexibleMount]:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.kernel.numeric.algebra import Array, cross, dot
 
 #: corners in the cube from -1 to 1, in the order of C3D8
 CORNER_PLACES = np.array(
@@ -60,7 +60,7 @@ def _jacobians(nodes: Array, elements: NDArray[np.int64], places: Array) -> Iter
     points = np.ascontiguousarray(nodes[elements].swapaxes(0, 1)).reshape(elements.shape[1], -1)
     for place in places:
         tangents = (_shape_derivatives(place, elements.shape[1]) @ points).reshape(3, -1, 3)
-        yield dot(np.cross(tangents[0], tangents[1]), tangents[2]), tangents
+        yield dot(cross(tangents[0], tangents[1]), tangents[2]), tangents
 
 
 def _shape_derivatives(place: Array, count: int) -> Array:
