@@ -13,6 +13,8 @@ from gearmesh.teeth.gear_train import GearPair
 
 #: largest distance, in cells, from the end of a grid to an edge that lies at that end
 EDGE_DISTANCE_CELLS = 2.0
+#: least half length along the axis over which the load of a row is spread
+MIN_AXIAL_REACH_MM = 1e-6
 
 
 @dataclass(frozen=True)
@@ -62,3 +64,22 @@ def edge_loads(gears: GearPair, load: PairLoad, positions: int) -> list[EdgeLoad
             by_position = np.bincount(load.position, edge_moment.sum(axis=1), positions).astype(float)
             loads.append(EdgeLoad(name, by_position, float((edge_moment * cell_width).sum() / edge_moment.sum())))
     return sorted(loads, key=lambda edge_load: (-edge_load.moment.max(), edge_load.edge))
+
+
+def load_along_face(load: PairLoad, axis: Array, ends: Array) -> Array:
+    """Return the load (2 or 1, S), N, in slices of the face, summed over tooth pairs and positions, of every half.
+
+    - `axis` (3,): the pinion's axis, fixed frame.
+    - `ends` (S + 1,): ends of the slices, mm along the axis; points of another half are those of its image.
+    """
+    grid = load.separation
+    rows = load.pressure.sum(axis=2) * (grid.dx * grid.dy)[:, None]
+    # every row spreads its load evenly over the part of the axis that it covers
+    middle = grid.middle @ axis
+    along = np.cross(np.broadcast_to(grid.across[:, None], grid.normal.shape), grid.normal) @ axis
+    half = np.maximum(0.5 * grid.dx[:, None] * np.abs(along), MIN_AXIAL_REACH_MM)
+    below = np.clip((ends[:, None, None] - middle + half) / (2.0 * half), 0.0, 1.0)
+    cumulative = np.stack(
+        [(below[:, load.half == k] * rows[load.half == k]).sum(axis=(1, 2)) for k in np.unique(load.half)]
+    )
+    return np.diff(cumulative, axis=1)

@@ -27,7 +27,7 @@ def test_efficiency_is_that_of_shares_and_distances_from_the_pitch_point() -> No
     ends = [np.sqrt(tip**2 - (r * np.cos(angle)) ** 2) - r * np.sin(angle) for tip, r in ((33.9, 30.0), (62.1, 60.0))]
     loss = FRICTION / base * (share * 1.5 * np.abs(np.clip(s, -ends[1], ends[0]))).sum() / 9
     assert total.efficiency is not None
-    assert 100.0 - total.efficiency == pytest.approx(100.0 * loss, rel=0.01)
+    assert total.efficiency == pytest.approx(100.0 / (1.0 + loss), abs=0.01)
     assert total.friction_power == pytest.approx(
         200.0 * SPEED * np.pi / 30.0 * (1.0 - 0.01 * total.efficiency), rel=1e-9
     )

@@ -173,6 +173,11 @@ class LoadedTotals(Figures):
         key="c_prime_n_per_mm_um",
         optional=True,
     )
+    k_h_beta: float | None = figure(
+        "face load factor: largest load per face width, mean over the positions, over its mean along the face",
+        symbol="K_Hbeta",
+        optional=True,
+    )
     fillets: Mapping[str, FilletFigures] = figure("largest stresses in the fillets", parts=FilletFigures)
     on_edge: bool = figure("whether there is edge contact at any position")
     edge_contact: bool = figure("whether the contact pressure is singular at an edge anywhere")

@@ -34,7 +34,7 @@ from gearmesh.formats import CSV_SUFFIX, JSON_SUFFIX
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.loaded.compliance.compliance import FlankCompliance
 from gearmesh.loaded.compliance.twist import twist_compliance
-from gearmesh.loaded.edges import EdgeLoad, edge_loads
+from gearmesh.loaded.edges import EdgeLoad, edge_loads, load_along_face
 from gearmesh.loaded.mounts import FlexibleMount
 from gearmesh.loaded.sharing import LoadedMesh, PairLoad, compliances, loaded_mesh, whole_cycle
 from gearmesh.progress import listening
@@ -46,6 +46,8 @@ if TYPE_CHECKING:
 
 #: positions in a pitch
 POSITIONS_PER_PITCH = 21
+#: slices of the common face in which the load is summed for the face load factor
+FACE_SLICES = 20
 #: warning of gears with pitch deviations
 UNEQUAL_PAIRS_WARNING = (
     "pitch deviations: every tooth pair is loaded differently; figures are for those in contact at these positions, with their "
@@ -165,7 +167,7 @@ class LoadedContact(Result):
 
         None if the axes are not parallel.
         """
-        return _per_width(self.pair, self.mesh.loads[-1])
+        return _per_width(self.pair, self.mesh.loads[-1], self._turns)
 
     def _fillets(
         self, bending: Array, error: Array, largest: Array, at_tangent: Array, contact: Array
@@ -327,6 +329,7 @@ class LoadedContact(Result):
             max_pair_force=float(load.force.max()),
             mean_tangent_stiffness=1e-3 * float(mesh.tangent[torque].mean()) * ARCSEC,
             **self._per_width(torque, load),
+            k_h_beta=self._face_load_factor(load),
             fillets=self._fillets(*(_most(in_fillet[torque]) for in_fillet in self._in_fillets())),
             on_edge=bool((load.on_edge & (load.force > 0.0)).any()),
             edge_contact=bool(load.edge_contact.any()),
@@ -348,6 +351,23 @@ class LoadedContact(Result):
         bent = self.mesh.rotation[torque] - twist * self.mesh.torque[torque]
         values = tangent.mean(), (1.0 / (1.0 / tangent - twist)).mean(), (load.moment / bent[load.position]).max()
         return {name: float(value) / self._width for name, value in zip(names, values, strict=True)}
+
+    @property
+    def _turns(self) -> tuple[float, float]:
+        """Rotations, rad, of both members at the first position, without load."""
+        phi1 = float(self.mesh.phi1[0])
+        return phi1, float(self.mesh.unloaded[0]) + self.pair.ratio * phi1
+
+    def _face_load_factor(self, load: PairLoad) -> float | None:
+        """Return K_Hbeta [ISO 6336-1] of the load of all tooth pairs, as a mean over the positions.
+
+        None unless the axes are parallel, and if the positions are not a whole cycle.
+        """
+        if not _has_parallel_axes(self.pair) or not whole_cycle(self.pair, self.mesh.phi1):
+            return None
+        face = _common_face(self.pair, self._turns)
+        loads = load_along_face(load, self.pair.pinion.mount.axis, np.linspace(*face, FACE_SLICES + 1))
+        return float(loads.max() / loads.mean())
 
     @cached_property
     def lever(self) -> float:
@@ -638,7 +658,7 @@ def _largest(peaks: Array) -> float:
     return float(np.nanmax(peaks)) if np.isfinite(peaks).any() else np.nan
 
 
-def _per_width(pair: GearPair, load: PairLoad) -> float | None:
+def _per_width(pair: GearPair, load: PairLoad, turns: tuple[float, float]) -> float | None:
     """Return the stiffness in N mm/rad of the pinion that equals 1 N/(mm um) per mm of the common face.
 
     The latter is measured along the transverse line of action. None unless the axes are parallel, except for assembly
@@ -646,13 +666,21 @@ def _per_width(pair: GearPair, load: PairLoad) -> float | None:
     """
     if not _has_parallel_axes(pair):
         return None
+    low, high = _common_face(pair, turns)
+    return 1e3 * float(_lever(pair, load) ** 2 * (high - low) * len(pair.halves))
+
+
+def _common_face(pair: GearPair, turns: tuple[float, float]) -> tuple[float, float]:
+    """Return the ends of the common face of the first halves, mm along the pinion's axis, fixed frame.
+
+    `turns`: rotations of both members, rad, at which their teeth 0 face each other.
+    """
     axis = pair.pinion.mount.axis
     ends = [
-        np.sort(member.mount.base.point(member.tooth.flank_grid(side, [0.5], [0.0, 1.0]).points[0]) @ axis)
-        for member, side in zip(pair.both, pair.flanks, strict=True)
+        np.sort(member.mount.at(turn).point(member.tooth.flank_grid(side, [0.5], [0.0, 1.0]).points[0]) @ axis)
+        for member, side, turn in zip(pair.both, pair.flanks, turns, strict=True)
     ]
-    face = min(high for _, high in ends) - max(low for low, _ in ends)
-    return 1e3 * float(_lever(pair, load) ** 2 * face * len(pair.halves))
+    return float(max(low for low, _ in ends)), float(min(high for _, high in ends))
 
 
 def _has_parallel_axes(pair: GearPair) -> bool:

@@ -224,16 +224,19 @@ class Tribology(Result):
         contact, per_rad = heated.rows, self.running.per_rad
         sliding, inner = contact.motion.sliding_speed, ~contact.on_edge
         flash, film = heated.flash_temperature, heated.film_thickness
-        # friction work per rad of the pinion, N mm/rad, mean over the positions
-        work = None if heated.friction_work is None else float(heated.friction_work.sum()) / len(self.mesh.phi1)
+        # friction work over the work of the loads without friction, mean over the positions; under the given torque
+        # friction reduces all loads to 1 / (1 + lost)
+        lost = None
+        if heated.friction_work is not None:
+            lost = 1e-3 * float(heated.friction_work.sum()) / len(self.mesh.phi1) / torque
         return TribologyTotals(
             torque,
             float(sliding.max()),
             _largest(contact.line_load[inner]),
             None if per_rad is None else per_rad * float(sliding.max()),
             None if per_rad is None else per_rad * _largest((contact.pressure * sliding)[inner]),
-            None if work is None else 100.0 * (1.0 - 1e-3 * work / torque),
-            None if work is None or per_rad is None else per_rad * work,
+            None if lost is None else 100.0 / (1.0 + lost),
+            None if lost is None or per_rad is None else 1e3 * per_rad * torque * lost / (1.0 + lost),
             None if flash is None else _largest(flash[inner]),
             None if film is None else -_largest(-film[inner]),
         )

@@ -1,0 +1,39 @@
+"""Face load factor K_Hbeta of loaded contact: load per face width over its mean."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from oracles.loaded import loaded_contact
+
+MISALIGNED = "assembly.gamma_v=0.02"
+
+
+def test_the_face_load_factor_is_largest_over_mean_load_of_slices() -> None:
+    factors = []
+    for keys in ((), (MISALIGNED,)):
+        loaded = loaded_contact("spur", (300.0,), 3, *keys)
+        rows = loaded.tribology().rows
+        z, force, length = np.array(
+            [(row.members["gear"].point[2], row.line_load * row.length, row.length) for row in rows]
+        ).T
+        # the gear is 28 mm wide, the pinion 30: places by the gear's own frame; rows run along the axis
+        ends = np.linspace(-14.0, 14.0, 21)[:, None]
+        slices = np.diff((np.clip((ends - z) / length + 0.5, 0.0, 1.0) * force).sum(axis=1))
+        assert slices.sum() == pytest.approx(force.sum(), rel=1e-3)
+        (total,) = loaded.totals
+        assert total.k_h_beta == pytest.approx(slices.max() / slices.mean(), rel=5e-3)
+        factors.append(total.k_h_beta)
+        lean = slices[0] / slices[-1]
+        assert lean > 1.2 if keys else lean == pytest.approx(1.0, rel=1e-3)
+    # the ends of the narrower gear bear more than its middle, the misaligned end more still
+    assert 1.05 < factors[0] < factors[1] - 0.05
+
+
+def test_parts_of_a_mesh_cycle_have_no_face_load_factor() -> None:
+    loaded = loaded_contact("spur", (300.0,), 3)
+    assert "k_h_beta" in loaded.totals[0].row
+    part = replace(loaded, mesh=replace(loaded.mesh, phi1=0.1 * loaded.mesh.phi1))
+    assert "k_h_beta" not in part.totals[0].row
