@@ -9,6 +9,7 @@ from gearmesh.errors import DesignError
 from gearmesh.metrology.evaluation import evaluate_trace, helix_range, helix_sign, profile_range
 from gearmesh.metrology.pitch import BallInSpace, PitchDeviations
 from gearmesh.metrology.second_order import flank_coordinates, second_order
+from gearmesh.teeth.region import Side
 
 UM = 1e-3
 
@@ -132,3 +133,19 @@ def test_eccentric_gear_has_matching_pitch_deviations_and_runout() -> None:
     assert ball.heights(right, left) == pytest.approx(e * np.cos(angle - 2.0 * half), abs=1e-15)
     assert ball.eccentricity(right, left) == pytest.approx(e, rel=1e-12)
     assert ball.runout(right, left) == pytest.approx(2.0 * e, rel=4e-3)
+
+
+def test_ball_in_an_asymmetric_space_goes_with_an_eccentric_gear() -> None:
+    """Both flanks have their own pressure angle and half of the space; the ball moves as the axis does."""
+    teeth, e, phase = 23, 0.02, 0.3
+    ball = BallInSpace(0.45, 0.05, left=(0.3, 0.07))
+    sides = ball.eccentric(e, phase, teeth)
+    right, left = sides[Side.RIGHT], sides[Side.LEFT]
+    spaces = 2.0 * np.pi * (np.arange(teeth) - 0.5) / teeth
+    heights = ball.heights(right, left)
+    assert heights == pytest.approx(e * np.cos(phase - spaces), abs=1e-15)
+    for known in Side:
+        found = ball.other_side(known, sides[known], heights)
+        assert found.index == pytest.approx(sides[known.other].index, abs=1e-15)
+    both = ball.both_sides(heights)
+    assert both[Side.LEFT].index == pytest.approx(left.index, abs=1e-15)

@@ -63,11 +63,19 @@ def test_both_sides_are_conjugate_without_backlash_at_the_distance_of_both(keys:
     assert tight["backlash_normal_min_mm"] == pytest.approx(0.0, abs=1e-9)
 
 
-@pytest.mark.parametrize("kind", ["beveloid", "cylindrical"])
+@pytest.mark.parametrize("kind", ["beveloid", "cylindrical", "shaped"])
 @pytest.mark.parametrize("beta", [0.0, 15.0])
 @pytest.mark.parametrize("name", ["pinion", "gear"])
 def test_flanks_are_involutes_of_their_base_circles(name: str, beta: float, kind: str) -> None:
     keys = with_helix(beta) if kind == "beveloid" else cylindrical(with_helix(beta))
+    if kind == "shaped":
+        keys = {
+            **keys,
+            **{
+                member: {**keys[member], "shaper": {"teeth": 24}, "tool_tip_radius": 0.3}
+                for member in ("pinion", "gear")
+            },
+        }
     tooth, spec = built(keys).members[name].tooth, keys[name]
     helix = math.radians(beta if name == "pinion" else -beta)
     radius = spec["teeth"] / math.cos(helix)
