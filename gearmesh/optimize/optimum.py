@@ -322,7 +322,9 @@ class Optimum(Result):
         for k, constraint in enumerate(self._target.constraints):
             columns[constraint.text] = [_known(each.limited[k]) for each in designs]
         for k, name in enumerate(self._target.recorded):
-            columns[name] = [each.means[k] for each in designs]
+            # over errors a figure has its mean beside the objective of the same name
+            own = name if len(self._errors.plan) == 1 else f"{name}_mean"
+            columns[own] = [each.means[k] for each in designs]
         columns["feasible"] = [each.feasible for each in designs]
         columns["front"] = [each in self._front for each in designs]
         columns["reason"] = [each.reason for each in designs]

@@ -66,7 +66,8 @@ def plot_progress(file: Path | str, objective: ObjectivePlot, feasible: NDArray[
     axes.set_ylim(*_range(values, objective, objective.before))
     axes.set_xlabel("evaluated designs")
     axes.set_ylabel(label_lines(objective.label, FIGURE_LINE_LETTERS))
-    axes.legend(fontsize=8)
+    # where values are worst there are fewest designs
+    axes.legend(fontsize=8, loc="upper right" if objective.sense < 0 else "lower right")
     save_figure(figure, file)
 
 
@@ -120,7 +121,8 @@ def _draw_front(
     axes.set_ylim(*_range(y, second, second.before, second.best))
     axes.set_xlabel(label_lines(first.label, FIGURE_LINE_LETTERS))
     axes.set_ylabel(label_lines(second.label, FIGURE_LINE_LETTERS))
-    axes.legend(fontsize=8)
+    up, right = ("upper" if second.sense < 0 else "lower"), ("right" if first.sense < 0 else "left")
+    axes.legend(fontsize=8, loc=f"{up} {right}")
 
 
 def _range(values: Array, objective: ObjectivePlot, *more: float) -> tuple[float, float]:
