@@ -207,8 +207,13 @@ def _forms() -> Iterator[tuple[System[Any], StageForm]]:
             yield kind_system, kind_system.rexs
 
 
-def _stage(model: RexsModel, path: Path, wanted: str | None) -> tuple[System[Any], StageReader]:
-    """Return the system of a stage, and its reader."""
+def stages_in(model: RexsModel, path: Path) -> list[Component]:
+    """Return the stages of a model that are no part of another stage. Raises FileError if there is none."""
+    return _stages(model, path)[1]
+
+
+def _stages(model: RexsModel, path: Path) -> tuple[list[Component], list[Component]]:
+    """Return all stages of a model, and those that are no part of another stage."""
     types = tuple(dict.fromkeys(type for _, form in _forms() for type in form.stages))
     stages = [component for component in model.components if component.type in types]
     inside = {
@@ -216,15 +221,20 @@ def _stage(model: RexsModel, path: Path, wanted: str | None) -> tuple[System[Any
         for relation in model.relations
         if relation.type == "assembly" and relation.in_role("assembly") in [component.id for component in stages]
     }
-    offered = [component for component in stages if component.id not in inside]
+    if not stages:
+        raise FileError(path, reason=f"has no stage of these types: {', '.join(types)}")
+    return stages, [component for component in stages if component.id not in inside]
+
+
+def _stage(model: RexsModel, path: Path, wanted: str | None) -> tuple[System[Any], StageReader]:
+    """Return the system of a stage, and its reader."""
+    stages, offered = _stages(model, path)
     listed = ", ".join(
         f'{component.id} ({component.type} "{component.name}")'
         if component.name
         else f"{component.id} ({component.type})"
         for component in offered
     )
-    if not stages:
-        raise FileError(path, reason=f"has no stage of these types: {', '.join(types)}")
     if wanted is None and len(offered) > 1:
         raise ArgumentError("stage", reason=f"the file has {len(offered)} stages; name one", allowed=listed)
     chosen = [component for component in stages if component.id == wanted or (wanted is None and component in offered)]

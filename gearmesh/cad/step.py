@@ -101,6 +101,16 @@ class PartAssembly:
         return tuple(palette[id(occurrence.part)] for occurrence in self.occurrences)
 
 
+def own_copy(part: Part, name: str) -> Part:
+    """Return a copy of a part under another name, which shares no shape with it."""
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_Copy
+    from OCP.TopoDS import TopoDS
+
+    copy = BRepBuilderAPI_Copy(part.solid)
+    faces = tuple(replace(face, shape=TopoDS.Face(copy.ModifiedShape(face.shape))) for face in part.faces)
+    return replace(part, name=name, solid=copy.Shape(), faces=faces)
+
+
 def require_occ() -> None:
     """Raise OutputError with the package to install if OpenCASCADE cannot be loaded."""
     require("OCP.STEPCAFControl", "STEP needs OpenCASCADE", "step")

@@ -157,7 +157,7 @@ def report_page(
     loads = {} if loaded is None else dict(loaded)
     staged = [_stage(gears.train, contact, checks.get(k), loads.get(k)) for k, contact in moving.items()]
     data = stage(gears.train, members, staged, overview.camera)
-    shots = [(caption, _jpeg(image)) for caption, image in images]
+    shots = [(caption, jpeg(image)) for caption, image in images]
     sections = _sections(
         gears,
         contacts,
@@ -264,7 +264,7 @@ def _draw(
     return [(scene.title, render(scene)) for scene in scenes]
 
 
-def _jpeg(image: Image) -> bytes:
+def jpeg(image: Image) -> bytes:
     """Return RGB pixels as a JPEG file; larger pictures are reduced by a whole number."""
     from PIL import Image as pillow
 

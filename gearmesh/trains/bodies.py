@@ -18,7 +18,10 @@ from gearmesh.trains.file import naming_stage
 from gearmesh.trains.layout import Layout, Shaft
 
 if TYPE_CHECKING:
+    from gearmesh.answers.bodies.cad import Cad, CadFigures
     from gearmesh.answers.gearset import GearSet
+    from gearmesh.cad.step import Part
+    from gearmesh.teeth.gear_train import Member
 
 
 @dataclass(frozen=True)
@@ -108,3 +111,64 @@ def _one_body(body: TrainBody, parts: list[Solid], file: str | PathLike[str] | N
         seconds=sum(own.seconds for own in measured),
     )
     return Solid(parts[0].design, placed, figures)
+
+
+def cad_of_train(layout: Layout, tolerance: float, psi: float, warnings: tuple[str, ...]) -> Cad:
+    """Return all bodies as a CAD assembly in contact at a rotation (rad) of the input shaft; `tolerance` in mm.
+
+    Every occurrence is a part of its own, with its own name: readers that share the shapes of copies lose their names.
+    """
+    from gearmesh.answers.bodies.cad import Cad
+    from gearmesh.cad.step import Occurrence, PartAssembly, require_occ
+    from gearmesh.figures import Summary
+
+    require_occ()
+    known: list[tuple[Member, tuple[Part, CadFigures]]] = []
+    occurrences: list[Occurrence] = []
+    measured: dict[str, CadFigures] = {}
+    for body in in_turn(bodies_of(layout, psi)):
+        made = [_cad_member(layout, name, tolerance, known) for name in body.members]
+        whole, measured[body.name] = made[0] if len(made) == 1 else _one_cad_body(body, made)
+        occurrences.append(Occurrence(body.name, whole, body.place))
+    assembly = PartAssembly(layout.file.title, tuple(occurrences))
+    return Cad(layout.file, assembly, measured, {name: Summary() for name in measured}, warnings)
+
+
+def _cad_member(
+    layout: Layout, name: str, tolerance: float, known: list[tuple[Member, tuple[Part, CadFigures]]]
+) -> tuple[Part, CadFigures]:
+    """Return a member as a CAD solid with a shape of its own; members that look alike are made once and copied."""
+    from gearmesh.answers.bodies.cad import cad_solid
+    from gearmesh.cad.step import own_copy
+
+    stage, _, word = name.partition(".")
+    gears = next(step.stage.gears for step in layout.steps if step.stage.name == stage)
+    with naming_stage(stage):
+        member = gears.stocked_part(word).member
+        alike = next((made for other, made in known if member.is_shaped_as(other)), None)
+        if alike is not None:
+            return own_copy(alike[0], name), alike[1]
+        part, figures = cad_solid(member, tolerance)
+    known.append((member, (part, figures)))
+    return replace(part, name=name), figures
+
+
+def _one_cad_body(body: TrainBody, made: list[tuple[Part, CadFigures]]) -> tuple[Part, CadFigures]:
+    """Return the members of a joined shaft as one CAD solid."""
+    from gearmesh.cad.joined_part import joined_part
+    from gearmesh.cad.solid_part import volume
+
+    figures = [own for _, own in made]
+    try:
+        part = joined_part([own.move(to) for (own, _), to in zip(made, body.members.values(), strict=True)], body.name)
+    except DesignError as failure:
+        raise failure.rename(f"shafts.{body.name}.joined") from failure
+    return part, replace(
+        figures[0],
+        faces=len(part.faces),
+        volume=volume(part),
+        # of the members: how much of them is common is not known in closed form
+        volume_error=sum(own.volume * own.volume_error for own in figures) / sum(own.volume for own in figures),
+        max_deviation=max(own.max_deviation for own in figures),
+        seconds=sum(own.seconds for own in figures),
+    )

@@ -17,6 +17,7 @@ from gearmesh.answers.gearset import refuse_rotation
 from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, csv_text, round_to
 from gearmesh.arguments import checks_arguments, checks_methods
+from gearmesh.design.files import override
 from gearmesh.figures import Content, Figures, figure
 from gearmesh.formats import CSV_SUFFIX, JSON_SUFFIX
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
@@ -27,9 +28,15 @@ from gearmesh.trains.stage import CARRIER_NAME, Mesh
 from gearmesh.trains.transmission import ShaftError, mesh_motions, output_error, relative_speed
 
 if TYPE_CHECKING:
+    from gearmesh.answers.bodies.cad import Cad
     from gearmesh.answers.bodies.solid import Solids
     from gearmesh.kernel.motion.rigid import Rigid
+    from gearmesh.reports.report import ReportPage
+    from gearmesh.view.picture import Diagram, Picture
+    from gearmesh.view.scene import Scene
 
+#: width and height of a picture, pixels
+PICTURE_SIZE = (1600, 1200)
 #: coordinates of an axis that differ from 0 by less are 0
 AXIS_ROUNDING = 1e-12
 #: phase (pitches) below which a mesh is at the beginning of a pitch
@@ -171,9 +178,9 @@ class MultistageTrain(Result):
     shaft have their `phase`.
     """
 
-    def __init__(self, file: TrainFile) -> None:
-        """Keep the train as its file states it."""
-        self.file = file
+    def __init__(self, file: TrainFile, notes: tuple[str, ...] = ()) -> None:
+        """Keep the train as its file states it, with notes of its reader."""
+        self.file, self.notes = file, notes
 
     @cached_property
     def layout(self) -> Layout:
@@ -187,8 +194,9 @@ class MultistageTrain(Result):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Warnings about the gears of all stages, one line each."""
-        return tuple(f"{step.stage.name}: {line}" for step in self.layout.steps for line in step.stage.gears.warnings)
+        """Notes on the file, and warnings about the gears of all stages, one line each."""
+        steps = self.layout.steps
+        return (*self.notes, *(f"{step.stage.name}: {line}" for step in steps for line in step.stage.gears.warnings))
 
     # ---------------------------------------------------------------- kinematics
 
@@ -393,6 +401,41 @@ class MultistageTrain(Result):
         within = None if tolerance is None else tolerance_in_mm("tolerance", tolerance)
         return solids_of_train(self.layout, within, file, math.radians(phi), self.warnings)
 
+    def cad(self, tolerance: Length | None = None, *, phi: float = 0.0) -> Cad:
+        """All gears as a CAD assembly, in mesh; the gears of a joined shaft are one solid.
+
+        Parameters
+        ----------
+        tolerance : float or str, optional
+            Largest distance of the faces from the exact surfaces, mm, or with a unit; by default 0.0001 mm.
+        phi : float
+            Rotation of the input shaft about its z axis, deg.
+
+        Returns
+        -------
+        Cad
+            `save("train.step")` writes it; every occurrence is a part with its own name and colour.
+
+        Raises
+        ------
+        OutputError
+            If OpenCASCADE is missing.
+        DesignError
+            For gears of a joined shaft that do not touch.
+
+        Examples
+        --------
+        >>> train = gm.load_train("samples/trains/train_two_stage.toml")
+        >>> train.cad("10um").save("train.step").name
+        'train.step'
+        """
+        from gearmesh.cad.brep import DEFAULT_TOLERANCE_MM
+        from gearmesh.trains.bodies import cad_of_train
+
+        refuse_rotation(phi)
+        within = DEFAULT_TOLERANCE_MM if tolerance is None else tolerance_in_mm("tolerance", tolerance)
+        return cad_of_train(self.layout, within, math.radians(phi), self.warnings)
+
     def transmission_error(self, turns: float | None = None) -> TrainError:
         """Transmission error of the output shaft: the sum of those of the stages, with their phases.
 
@@ -420,17 +463,136 @@ class MultistageTrain(Result):
         """
         return TrainError(self, self.file.output, output_error(self.layout, self.file.output, turns))
 
+    # ---------------------------------------------------------------- pictures and the page
+
+    def picture(self, phi: float = 0.0, *, size: tuple[int, int] = PICTURE_SIZE) -> Picture:
+        """Picture of all gears in mesh.
+
+        Parameters
+        ----------
+        phi : float
+            Rotation of the input shaft about its z axis, deg.
+        size : tuple of int
+            Width and height, pixels.
+
+        Returns
+        -------
+        Picture
+            `save("train.png")` draws it, which needs off-screen OpenGL.
+
+        Examples
+        --------
+        >>> gm.load_train("samples/trains/train_two_stage.toml").picture(30.0)
+        <Picture: Two-stage helical gearbox: gears in mesh, 1600 x 1200>
+        """
+        from gearmesh.view.picture import Picture
+
+        refuse_rotation(phi)
+        return Picture(self.scene(math.radians(phi), size))
+
+    def scene(self, psi: float, size: tuple[int, int]) -> Scene:
+        """Scene of all gears in mesh, seen along the axis of the input.
+
+        Parameters
+        ----------
+        psi : float
+            Rotation of the input shaft about its z axis, rad.
+        size : tuple of int
+            Width and height, pixels.
+
+        Returns
+        -------
+        Scene
+            Bodies with colours, and a camera.
+
+        Examples
+        --------
+        >>> len(gm.load_train("samples/trains/train_two_stage.toml").scene(0.0, (80, 60)).bodies)
+        3
+        """
+        from gearmesh.trains.bodies import solids_of_train
+        from gearmesh.view.pictures import WHOLE_TOLERANCE_MM
+        from gearmesh.view.views import set_scene
+
+        solids = solids_of_train(self.layout, WHOLE_TOLERANCE_MM, None, psi, ())
+        meshes = {name: solid.mesh for name, solid in solids.parts.items()}
+        axis = self.layout.shafts[self.file.input].frame.rotation[:, 2]
+        return set_scene(meshes, axis, f"{self.title}: gears in mesh", size)
+
+    def chart(self, error: TrainError) -> Diagram:
+        """Return the chart of a transmission error: the output and the shares of its stages over turns of the input.
+
+        Parameters
+        ----------
+        error : TrainError
+            Result of `transmission_error`.
+
+        Returns
+        -------
+        Diagram
+            `save("te.svg")` draws it.
+
+        Examples
+        --------
+        >>> train = gm.load_train("samples/trains/train_two_stage.toml")
+        >>> train.chart(train.transmission_error(turns=0.5)).save("te.svg").name
+        'te.svg'
+        """
+        from gearmesh.view.diagrams.train_plot import plot_train_error
+        from gearmesh.view.picture import Diagram
+
+        solved = error.solved
+        parts = {stage: part / ARCSEC for stage, part in solved.parts.items()}
+        slowest = min((mesh.teeth_per_turn for mesh in self.meshes if mesh.stage in parts), default=1.0)
+        turns, te = solved.psi / (2.0 * math.pi), solved.te / ARCSEC
+        title = f"{self.title}: shaft {error.shaft}, {error.figures.te_peak_to_peak:.4g} arcsec peak to peak"
+        return Diagram(title, lambda file: plot_train_error(file, turns, te, parts, title, 1.0 / slowest))
+
+    def page(self, turns: float | None = None) -> ReportPage:
+        """Return the report page: picture, figures, transmission error of the output, data sheets of the stages.
+
+        Parameters
+        ----------
+        turns : float, optional
+            Turns of the input for the transmission error; by default those of one turn of the output.
+
+        Returns
+        -------
+        ReportPage
+            `save("train.html")` writes it.
+
+        Examples
+        --------
+        >>> page = gm.load_train("samples/trains/train_two_stage.toml").page(turns=0.5)
+        >>> page.save("train.html").name
+        'train.html'
+        """
+        from gearmesh.reports.report import PICTURE_SIZE as PAGE_PICTURE_SIZE
+        from gearmesh.trains.page import train_page
+
+        error, values = self.transmission_error(turns), self.figures
+        return train_page(
+            self.title,
+            f"{len(self.file.stages)} stages, ratio {values.ratio_fraction} = {values.ratio:.6g}",
+            [*self.listings, *error.listings],
+            self.chart(error),
+            lambda: self.scene(0.0, PAGE_PICTURE_SIZE),
+            {step.stage.name: step.stage.gears for step in self.layout.steps},
+            self.warnings,
+        )
+
 
 @checks_arguments
 def load_train(source: str | PathLike[str] | Mapping[str, Any], overrides: Sequence[str] = ()) -> MultistageTrain:
-    """Return the train in a TOML or JSON file, or in plain tables: stages, and the shafts on which their members are.
+    """Return the train in a TOML, JSON or REXS file, or in plain tables: stages, and the shafts on which their members are.
 
     Parameters
     ----------
     source : str or os.PathLike or mapping
-        The file, or its tables; names of design files are relative to its folder, or to the working folder.
+        The file, or its tables; names of design files are relative to its folder, or to the working folder. A REXS file is the
+        train of all its stages.
     overrides : sequence of str
-        Keys of a file that are put in before validation, as "stages.second.gear.teeth=41".
+        Keys that are put in before validation, as "stages.second.gear.teeth=41".
 
     Returns
     -------
@@ -448,11 +610,17 @@ def load_train(source: str | PathLike[str] | Mapping[str, Any], overrides: Seque
     >>> train.figures.ratio_fraction
     '106/17'
     """
-    if isinstance(source, Mapping):
-        from gearmesh.design.files import override
+    from gearmesh.exchange.rexs_file import is_rexs
 
-        return MultistageTrain(train_of(override(source, overrides), Path()))
-    return MultistageTrain(read_train(source, overrides))
+    if not isinstance(source, Mapping):
+        if not is_rexs(Path(source)):
+            return MultistageTrain(read_train(source, overrides))
+        from gearmesh.trains.rexs import train_tables
+
+        source, notes = train_tables(Path(source))
+    else:
+        notes = ()
+    return MultistageTrain(train_of(override(source, overrides), Path()), notes)
 
 
 def _words(ratio: Fraction) -> str:

@@ -23,7 +23,9 @@ from gearmesh.trains.layout import Layout, TrainStep
 from gearmesh.trains.stage import CARRIER_NAME
 
 #: positions in a pitch of the fastest mesh
-POSITIONS_PER_PITCH = 12
+POSITIONS_PER_PITCH = 48
+#: least positions in a pitch; over many turns pitches have fewer
+MIN_POSITIONS_PER_PITCH = 8
 #: most positions
 MAX_POSITIONS = 200_000
 
@@ -92,10 +94,10 @@ def output_error(layout: Layout, shaft: str, turns: float | None) -> ShaftError:
     if turns is None:
         turns = float(1 / abs(layout.speeds[shaft]))
     fastest = max((float(motion.teeth) for step in way for motion in mesh_motions(layout, step)), default=1.0)
-    most = MAX_POSITIONS / (POSITIONS_PER_PITCH * fastest)
+    most = MAX_POSITIONS / (MIN_POSITIONS_PER_PITCH * fastest)
     if not 0.0 < turns <= most:
         raise ArgumentError("turns", turns, must_be=f"turns of the input above 0, {most:.6g} at most")
-    count = int(np.ceil(POSITIONS_PER_PITCH * fastest * turns)) + 1
+    count = int(np.ceil(min(POSITIONS_PER_PITCH * fastest * turns, MAX_POSITIONS))) + 1
     psi = np.linspace(0.0, 2.0 * np.pi * turns, count)
     start, parts = layout.turns(np.zeros(1)), {}
     for number, step in enumerate(way):

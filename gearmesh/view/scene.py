@@ -53,6 +53,9 @@ MARKED_PAINT = Paint(STEEL_PAINT.colour, {"flank": MARKING_COLOUR, "fillet": MAR
 BLUE_STEEL_PAINT = Paint("#8ba9c9", {"flank": "#a5c0dc", "fillet": "#98b4d2"})
 #: third member
 BRONZE_PAINT = Paint("#b98d72", {"flank": "#cda68d", "fillet": "#c39a80"})
+#: fourth and fifth member
+SAGE_PAINT = Paint("#93ab8b", {"flank": "#a9c0a1", "fillet": "#9fb696"})
+PLUM_PAINT = Paint("#a391b3", {"flank": "#b8a8c6", "fillet": "#ae9dbd"})
 #: second member
 BRASS_PAINT = Paint("#cdae7a", {"flank": "#dfc595", "fillet": "#d6ba88"})
 #: first member behind a section

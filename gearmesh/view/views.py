@@ -30,6 +30,8 @@ from gearmesh.view.scene import (
     BRASS_PAINT,
     BRONZE_PAINT,
     MARKED_PAINT,
+    PLUM_PAINT,
+    SAGE_PAINT,
     Camera,
     CompoundFilm,
     Curve,
@@ -144,7 +146,7 @@ def set_scene(placed: Mapping[str, TriangleMesh], axis: Array, title: str, size:
     Members whose names differ only by a number have the same colour.
     """
     kinds = list(dict.fromkeys(_kind(name) for name in placed))
-    colours = (BLUE_STEEL_PAINT, BRASS_PAINT, BRONZE_PAINT)
+    colours = (BLUE_STEEL_PAINT, BRASS_PAINT, BRONZE_PAINT, SAGE_PAINT, PLUM_PAINT)
     bodies = tuple(
         SceneBody(mesh, Rigid.identity(), colours[kinds.index(_kind(name)) % len(colours)])
         for name, mesh in placed.items()

@@ -136,6 +136,13 @@ SLOW = (
     *("Gears.loaded_contact", "Correction.topography", "LoadedContact.share_at", "LoadedContact.csv"),
     *("Gears.to_build123d", "Cad.to_build123d", "Solid.to_build123d", "ToolPathAnswer.to_dict", "Gears.save_pictures"),
     *("Gears.check", "Gears.correct", "Gears.largest_errors", "Gears.toolpath", "SolvedGears.check_solved"),
+    *(
+        "MultistageTrain.cad",
+        "MultistageTrain.page",
+        "MultistageTrain.scene",
+        "MultistageTrain.solids",
+        "TrainError.csv",
+    ),
     *("CompositeTest.csv", "Gears.composite", "Gears.composite_chart", "Gears.cad", "Gears.picture"),
     *(
         "Gears.finite_elements",

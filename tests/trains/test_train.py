@@ -453,3 +453,82 @@ def test_the_command_writes_figures_table_and_solids(tmp_path: Path) -> None:
 
 def test_other_commands_name_the_command_of_trains() -> None:
     assert "gearmesh train" in refused("tca", TWO_STAGE)
+
+
+# ---------------------------------------------------------------- CAD, pictures, page
+
+
+@pytest.mark.sweep
+def test_assemblies_have_a_part_with_a_name_for_every_occurrence(planetary: gm.MultistageTrain, tmp_path: Path) -> None:
+    """Planets share a shape, and readers that keep one name per shape would give all of them the last one."""
+    pytest.importorskip("OCP")
+    build123d = pytest.importorskip("build123d")
+    text = {
+        **planetary.file.resolve(),
+        "shafts": {"input": {"members": ["set.sun"]}, "output": {"members": ["set.carrier"]}},
+    }
+    text["stages"] = {"set": {**text["stages"]["set"]}}
+    train = gm.load_train({key: value for key, value in text.items() if key not in ("input", "output")})
+    made = train.cad("0.02mm", phi=20.0)
+    read = build123d.import_step(made.save(tmp_path / "train.step"))
+    assert [part.label for part in read.children] == [
+        "set_sun",
+        "set_ring",
+        "set_planet_1",
+        "set_planet_2",
+        "set_planet_3",
+    ]
+    places = train.places(20.0)
+    for part in read.children:
+        middle = places[part.label.replace("set_", "set.")].translation
+        assert tuple(part.center(build123d.CenterOf.MASS)) == pytest.approx(middle, abs=1e-3)
+        assert part.volume == pytest.approx(made.measured[part.label.replace("set_", "set.")].volume, rel=1e-6)
+
+
+@pytest.mark.sweep
+def test_gears_of_a_joined_shaft_are_one_cad_solid(two_stage: gm.MultistageTrain) -> None:
+    pytest.importorskip("OCP")
+    made = two_stage.cad("0.01mm")
+    (body,) = (part for part in made.parts if part.name == "middle")
+    apart = [
+        gm.build(two_stage.file.stages[stage]).cad(member, "0.01mm")
+        for stage, member in (("first", "gear"), ("second", "pinion"))
+    ]
+    volumes = [next(iter(cad.measured.values())).volume for cad in apart]
+    assert made.measured["middle"].volume == pytest.approx(sum(volumes), rel=1e-9)
+    # the end of the hub is inside the body, and its face is gone
+    faces = sum(len(cad.parts[0].faces) for cad in apart)
+    assert len(body.faces) == faces - 1
+    names = {face.name for face in body.faces}
+    assert {"first.gear flank_left_1", "second.pinion flank_right_17", "first.gear bore"} <= names
+    regions = [str(face.region) for cad in apart for face in cad.parts[0].faces]
+    assert [str(face.region) for face in body.faces].count("hub") == regions.count("hub") - 1
+    assert {face.member for face in made.face_names().faces} == {"first.pinion", "middle", "second.gear"}
+
+
+def test_the_chart_is_drawn(two_stage: gm.MultistageTrain, tmp_path: Path) -> None:
+    error = two_stage.transmission_error(turns=0.5)
+    assert two_stage.chart(error).save(tmp_path / "te.svg").read_bytes().count(b"<path") > 5
+
+
+@pytest.mark.sweep
+def test_the_page_has_figures_and_sheets_of_all_stages(two_stage: gm.MultistageTrain, tmp_path: Path) -> None:
+    page = two_stage.page(turns=0.5)
+    text = page.save(tmp_path / "train.html").read_text()
+    for words in ("106/17", "Stage first", "Stage second", "Transmission error of the shaft output"):
+        assert words in text
+    assert page.title == "Two-stage helical gearbox"
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("-o", "a.xyz"), "its suffix must be"),
+        (("-o", "a.html", "--phi", "3"), "phi = 3: must be left out for .html"),
+        (("--tol", "0.1"), "tol = 0.1: must be left out without --output"),
+        (("--chart", "a.jpg"), "its suffix must be"),
+    ],
+)
+def test_options_that_do_not_apply_are_refused(options: tuple[str, ...], words: str) -> None:
+    assert words in refused("train", TWO_STAGE, *options)

@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 from gearmesh.answers.bodies.extract import WHOLE_MEMBER, Extract, at_nominal_places
 from gearmesh.answers.gearset import GearSet
-from gearmesh.answers.result import Result, columns, header
+from gearmesh.answers.result import Result, StatedDesign, columns, header
 from gearmesh.answers.tables import Listing, figures
 from gearmesh.cad.step import require_occ
-from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, Summary, figure
 from gearmesh.formats import JSON_SUFFIX, STEP_SUFFIXES
@@ -70,8 +69,8 @@ class CadSurfaceFigures(Figures):
 class Cad(Result):
     """CAD solids of one part in its own frame, or of several members in mesh, or open shells of one part."""
 
-    #: the design
-    design: Design
+    #: the design, or the train
+    design: StatedDesign
     #: the part or the assembly
     made: Part | PartAssembly
     #: figures that were measured, by part

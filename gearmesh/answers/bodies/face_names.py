@@ -7,11 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from gearmesh.answers.result import Result, columns, header
+from gearmesh.answers.result import Result, StatedDesign, columns, header
 from gearmesh.answers.tables import Listing, csv_text
 from gearmesh.cad.occ import mapped_shapes
 from gearmesh.cad.step import Part, PartAssembly
-from gearmesh.design.core import Design
 from gearmesh.figures import Content, Figures, figure
 from gearmesh.formats import CSV_SUFFIX, JSON_SUFFIX
 from gearmesh.teeth.region import Region
@@ -37,7 +36,7 @@ class FaceNames(Result):
     `face` is the surface tag in gmsh.
     """
 
-    design: Design
+    design: StatedDesign
     faces: tuple[FaceNameFigures, ...]
 
     @property
@@ -67,7 +66,7 @@ class FaceNames(Result):
         whole_text(target, csv_text([face.row for face in self.faces]))
 
 
-def face_names(design: Design, made: Part | PartAssembly) -> FaceNames:
+def face_names(design: StatedDesign, made: Part | PartAssembly) -> FaceNames:
     """Return the faces of a part, or of all occurrences of an assembly, in the order of the file."""
     occurrences = (
         [(made.name, made)]

@@ -48,8 +48,8 @@ def sector_part(whole: Part, member: Member, teeth: SplineTooth, pitches: int) -
     splitter.SetTools(cuts)
     splitter.Build()
     tools = [NamedFace(cut, region, region) for cut, region in zip((first, last), CUT_REGIONS, strict=True)]
-    for solid in _shapes(splitter.Shape(), "SOLID"):
-        faces = _face_names(splitter, solid, (*whole.faces, *tools))
+    for solid in shapes_in(splitter.Shape(), "SOLID"):
+        faces = faces_after(splitter, solid, (*whole.faces, *tools))
         if any(face.name == f"{Region.LAND}_1" for face in faces) and BRepCheck_Analyzer(solid).IsValid():
             return Part(whole.name, solid, faces, (*whole.regions, *CUT_REGIONS))
     raise DesignError(
@@ -111,13 +111,13 @@ def _angles(cut: CutSurface, low: float, high: float) -> Akima1DInterpolator:
     return Akima1DInterpolator(places, np.concatenate((ends[0], theta, ends[1])))
 
 
-def _face_names(splitter: Any, solid: Any, sources: tuple[NamedFace, ...]) -> tuple[NamedFace, ...]:
-    """Return the faces of a solid made by a splitter, each with the name of the face that it is part of."""
+def faces_after(operation: Any, solid: Any, sources: tuple[NamedFace, ...]) -> tuple[NamedFace, ...]:
+    """Return the faces of a solid made by an operation on others, each with the name of the face that it is part of."""
     from OCP.TopoDS import TopoDS
 
     faces, named = mapped_shapes(solid, "FACE"), []
     for source in sources:
-        pieces = list(splitter.Modified(source.shape)) or [source.shape]
+        pieces = list(operation.Modified(source.shape)) or [source.shape]
         places = [faces.FindIndex(piece) for piece in pieces if faces.Contains(piece)]
         for number, place in enumerate(places, 1):
             name = source.name if number == 1 else f"{source.name}_piece_{number}"
@@ -125,7 +125,7 @@ def _face_names(splitter: Any, solid: Any, sources: tuple[NamedFace, ...]) -> tu
     return tuple(named)
 
 
-def _shapes(shape: Any, kind: str) -> list[Any]:
+def shapes_in(shape: Any, kind: str) -> list[Any]:
     """Return the solids or faces of a shape, each once."""
     parts = mapped_shapes(shape, kind)
     return [parts.FindKey(k) for k in range(1, parts.Extent() + 1)]

@@ -12,6 +12,9 @@ from gearmesh.app.terminal import refuse_unwritable, show, warn, working, write_
 from gearmesh.errors import ArgumentError
 from gearmesh.formats import REXS_SUFFIXES, TOML_SUFFIX, refuse_suffix
 
+#: value of --stage for the train of all stages
+ALL_STAGES = "all"
+
 
 def convert(
     source: Annotated[
@@ -24,7 +27,10 @@ def convert(
         ),
     ],
     output: Annotated[Path, option("-o --output OUT", "Design file (.toml) of a REXS file, or REXS file of a design.")],
-    stage: Annotated[str | None, option("--stage ID", "Which stage of a REXS file, where it has several.")] = None,
+    stage: Annotated[
+        str | None,
+        option("--stage ID|all", "Which stage of a REXS file, where it has several; all: the train of all stages."),
+    ] = None,
     torque: Annotated[
         float | None,
         option(
@@ -51,6 +57,9 @@ def convert(
             raise ArgumentError(
                 "overrides", entry=changes[0], reason="is for designs; change the design that is written"
             )
+        if stage == ALL_STAGES:
+            _write_train(source, output, json_file)
+            return
         with working("reading"):
             reading = gearmesh.load_rexs(source, stage)
         reading.save(output)
@@ -70,3 +79,21 @@ def convert(
     if json_file != "-":
         show(model.listings)
     warn(gears.warnings, model.warnings)
+
+
+def _write_train(source: Path, output: Path, json_file: str | None) -> None:
+    """Write the train of all stages of a REXS file, and print its figures."""
+    import gearmesh
+    from gearmesh.design.files import with_version
+    from gearmesh.io.atomic import whole_text
+    from gearmesh.trains.rexs import train_tables
+
+    with working("reading"):
+        tables, notes = train_tables(source)
+        train = gearmesh.load_train(tables)
+        listings = train.listings
+    whole_text(output, with_version(tables))
+    write_text(json_file, train.json)
+    if json_file != "-":
+        show(listings)
+    warn(notes, train.warnings)
