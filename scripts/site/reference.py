@@ -35,7 +35,7 @@ PYTHON = (
     ("sizing", "Sizing", "Gears for a ratio and a space.", ("size", "size_planetary", "Sizing", "PlanetarySizing")),
     ("results", "What every answer can do", "", ("Result", "Summary")),
     ("contact", "Tooth contact", "", ("Contact", "EaseOffMap", "VHCheck", "Limits", "Check", "RollTest")),
-    ("load", "Contact under load", "", ("LoadedContact", "FlexibleMount")),
+    ("load", "Contact under load", "", ("LoadedContact", "Tribology", "Dynamics", "FlexibleMount")),
     (
         "bodies",
         "Solids, sections, drawings, tool paths",
