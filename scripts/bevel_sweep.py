@@ -1,14 +1,15 @@
 """Bevel pairs from basic data alone: is what the program makes of them a good pair, on both sides?
 
-python scripts/bevel_sweep.py [--count 200] [--hypoids 50] [--hobbed 50] [--seed 0] [--jobs 2] [--no-solids] [--write]
+python scripts/bevel_sweep.py [--count 200] [--hypoids 50] [--hobbed 50]
+    [--hobbed-hypoids 25] [--seed 0] [--jobs 2] [--no-solids] [--write]
 
 Seeded pairs of 8 to 60 teeth, ratio 1 to 6, spiral angle 0 to 45 deg, pressure angle 16 to 25 deg, shaft angle 45 to 135 deg,
 face width 0.2 to 0.35 outer cone distances, module 0.8 to 12, both hands; and seeded hypoid pairs of 8 to 16 teeth, ratio 2.5 to
 5.5, offset 0.05 to 0.25 of the gear's mean diameter, spiral angle 35 to 50 deg; and seeded face-hobbed pairs of 6 to 40 teeth,
-ratio 1 to 6, spiral angle 20 to 42 deg, heads of 5 to 17 blade groups. Of each side: does surface contact last longer than
-a pitch and pass from pair to pair without a break, is the transmission error within 15 % of the lag asked for, is the path in the
-middle of the flank, are roots and tips clear, is nothing undercut. Both solids at 20 um are proved. Prints a line for what fails
-and a table; with --write it is kept in scripts/measured. Exit 1 if a solid is no solid.
+ratio 1 to 6, spiral angle 20 to 42 deg, heads of 5 to 17 blade groups; and the hypoid pairs face-hobbed. Of each side: does
+surface contact last longer than a pitch and pass from pair to pair without a break, is the transmission error within 15 % of the
+lag asked for, is the path in the middle of the flank, are roots and tips clear, is nothing undercut. Both solids at 20 um are
+proved. Prints a line for what fails and a table; with --write it is kept in scripts/measured. Exit 1 if a solid is no solid.
 """
 
 from __future__ import annotations
@@ -105,8 +106,19 @@ def random_hobbed(seed: int) -> dict[str, Any]:
     }
 
 
+def random_hobbed_hypoid(seed: int) -> dict[str, Any]:
+    """Basic data of a face-hobbed hypoid pair as a design file holds them."""
+    groups = int(np.random.default_rng([61, seed]).integers(5, 18))
+    return {**random_hypoid(seed), "process": "face_hobbed", "head": {"blade_groups": groups}}
+
+
 #: basic data of seeded pairs by what they are
-RANDOM_PAIRS = {"spiral_bevel": random_pair, "hypoid": random_hypoid, "face_hobbed": random_hobbed}
+RANDOM_PAIRS = {
+    "spiral_bevel": random_pair,
+    "hypoid": random_hypoid,
+    "face_hobbed": random_hobbed,
+    "hobbed_hypoid": random_hobbed_hypoid,
+}
 
 
 @dataclass
@@ -189,6 +201,8 @@ def summary(found: list[Found]) -> list[tables.Row]:
         ("hypoid, fewer", "hypoid", False),
         (f"face-hobbed, {FEW} and more", "face_hobbed", True),
         ("face-hobbed, fewer", "face_hobbed", False),
+        (f"face-hobbed hypoid, {FEW} and more", "hobbed_hypoid", True),
+        ("face-hobbed hypoid, fewer", "hobbed_hypoid", False),
     ):
         some = [each for each in found if each.kind == kind and (each.pinion >= FEW) == many]
         if not some:
@@ -214,6 +228,7 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=200, help="pairs")
     parser.add_argument("--hypoids", type=int, default=50, help="hypoid pairs")
     parser.add_argument("--hobbed", type=int, default=50, help="face-hobbed pairs")
+    parser.add_argument("--hobbed-hypoids", type=int, default=25, help="face-hobbed hypoid pairs")
     parser.add_argument("--seed", type=int, default=0, help="of the first")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--no-solids", dest="solids", action="store_false", help="contact only")
@@ -223,6 +238,7 @@ def main() -> int:
     tasks = [("spiral_bevel", asked.seed + k, asked.solids) for k in range(asked.count)]
     tasks += [("hypoid", asked.seed + k, asked.solids) for k in range(asked.hypoids)]
     tasks += [("face_hobbed", asked.seed + k, asked.solids) for k in range(asked.hobbed)]
+    tasks += [("hobbed_hypoid", asked.seed + k, asked.solids) for k in range(asked.hobbed_hypoids)]
     with ProcessPoolExecutor(asked.jobs) as pool:
         for each in pool.map(tried, tasks):
             found.append(each)

@@ -223,7 +223,7 @@ def test_samples_load(file: Path) -> None:
     assert parse(design.resolve()) == design
     # the papers' data is stated, not left to defaults
     stated = files.read(file)
-    words = {"basic", "hypoid", "internal", "planetary", "rack", "relieved", "worm", "cycloidal", "spline"}
+    words = {"basic", "hypoid", "internal", "planetary", "rack", "relieved", "worm", "cycloidal", "spline", "palloid"}
     if not words & set(file.stem.split("_")) and file.stem != "straight_bevel":
         assert {"start", "stop", "count"} <= stated["contact"]["phi1"].keys()
     if design.units == "inch":

@@ -60,6 +60,16 @@ def teeth_of(pair: str, eccentricity: float | None = None) -> BevelTeeth:
     return bevel_teeth(straight.in_mm())  # type: ignore[arg-type]
 
 
+def hypoid_design() -> gm.Design:
+    """A pair with offset whose contact is given, so that none is searched for."""
+    return gm.load("samples/hypoid_face_hobbed.toml")
+
+
+@cache
+def hypoid_teeth() -> BevelTeeth:
+    return bevel_teeth(hypoid_design().in_mm())  # type: ignore[arg-type]
+
+
 def sides_of(teeth: BevelTeeth) -> list[tuple[Generated, float]]:
     """Sides of both members, with their mean dedendum (mm)."""
     cut, blank = teeth.cut, teeth.cut.blank
@@ -146,16 +156,18 @@ def machine_points(side: Generated, roll: Array, turn: Array, p: Array) -> Array
     settings, indexing = side.settings, side.indexing
     assert indexing is not None
     centre = settings.radial * np.array([np.cos(settings.cradle_angle), side.hand * np.sin(settings.cradle_angle)])
-    mean, crown_teeth = np.array([side.mean, 0.0]), indexing.teeth / settings.ratio_of_roll
-    # the blade's face contains the point about which cutter and crown gear turn against each other
-    pole = centre * crown_teeth / (crown_teeth + indexing.blade_groups)
-    across = (mean - pole) / np.linalg.norm(mean - pole)
+    machine_centre = np.array([settings.machine_centre_to_back, -side.hand * settings.machining_offset])
+    mean = np.array([side.mean, 0.0]) - machine_centre
+    across = mean - centre
+    across = rotation_about("z", indexing.offset_angle)[:2, :2] @ across / np.linalg.norm(across)
+    mean = centre + (mean - centre) / np.linalg.norm(mean - centre) * indexing.radius
     height, beside = np.moveaxis(side.blade.flank.section(p)[0], -1, 0)
     out = side.blade.side * beside - indexing.radius
     edge = np.column_stack(((mean - centre) + out[:, None] * across, -height))
     on_cradle = (rotation_about("z", turn) @ edge[..., None])[..., 0] + np.append(centre, 0.0)
     rolled = (rotation_about("z", side.hand * roll) @ on_cradle[..., None])[..., 0]
-    on_blank = (rolled - [0.0, 0.0, settings.sliding_base]) @ own_axes(settings.machine_root_angle).T
+    placed = rolled + np.append(machine_centre, -settings.sliding_base)
+    on_blank = placed @ own_axes(settings.machine_root_angle).T
     blank_turn = turn * indexing.blade_groups / indexing.teeth - side.hand * roll / settings.ratio_of_roll
     return (rotation_about("z", blank_turn) @ on_blank[..., None])[..., 0]
 
@@ -173,18 +185,31 @@ def clearances(side: Generated, roll: Array, points: tuple[Array, Array], start:
 
 
 @pytest.mark.parametrize("pair", ["right_angle", "obtuse"])
+def test_faces_of_blades_contain_the_pole(pair: str) -> None:
+    """Pole: the point about which cutter and crown gear turn against each other."""
+    for side, _ in sides_of(teeth_of(pair)):
+        settings, indexing = side.settings, side.indexing
+        assert indexing is not None
+        centre = settings.radial * np.exp(1j * side.hand * settings.cradle_angle)
+        pole = centre / (1.0 + indexing.blade_groups * settings.ratio_of_roll / indexing.teeth)
+        angle = np.angle((side.mean - pole) / (side.mean - centre))
+        assert angle == pytest.approx(indexing.offset_angle, abs=1e-13)
+
+
+@pytest.mark.parametrize("pair", ["right_angle", "obtuse", "hypoid"])
 def test_flanks_are_the_lower_envelope_of_the_moving_blades(pair: str) -> None:
     """No blade comes nearer than the flank, over rotation and roll; one blade touches it."""
-    for side, _ in sides_of(teeth_of(pair)):
+    for side, _ in sides_of(hypoid_teeth() if pair == "hypoid" else teeth_of(pair)):
         made = replace(side, turned=0.0)
+        assert made.indexing is not None
         flank = made.envelope(made.blade.flank)
         p, v = np.meshgrid([made.blade.at_height(x) for x in (2.0, 4.0, 6.5)], [-0.12, 0.0, 0.1], indexing="ij")
         u, v = p.ravel(), v.ravel()
         jet = flank.jet(u, v)
         points = jet.r, jet.n
         # the crown gear turns with cradle and cutter, the cradle alone with the roll
-        crown = made.settings.ratio_of_roll * made.indexing.blade_groups / made.indexing.teeth  # type: ignore[union-attr]
-        roll = flank.parameter(u, v) + side.hand * crown * v
+        crown = made.settings.ratio_of_roll * made.indexing.blade_groups / made.indexing.teeth
+        roll = flank.parameter(u, v) + made.hand * crown * v
         unknowns = np.stack((v, u, np.zeros_like(u)), axis=-1)
         gaps = []
         for sign in (1.0, -1.0):
@@ -195,6 +220,32 @@ def test_flanks_are_the_lower_envelope_of_the_moving_blades(pair: str) -> None:
         gap = np.array(gaps)
         assert np.abs(gap.min(axis=0)).max() < 1e-9
         assert (gap[15] > 1e-3).all()
+
+
+def test_hypoid_pinion_has_the_contact_that_its_design_asks_for() -> None:
+    """Local synthesis is exact: axis of the ellipse, and derivative of the ratio."""
+    teeth = hypoid_teeth()
+    for name in NAMES:
+        gears = gm.build(hypoid_design().with_values({"contact.side": f"pinion_{name}"}))
+        (mesh,) = gears.pairs
+        step = 0.01
+        path = analyse(mesh, step * np.array([-2.0, -1.0, 0.0, 1.0, 2.0]))
+        assert (path.kind == "point").all()
+        asked = teeth.choices[name].asked
+        assert path.semi_major[2] == pytest.approx(asked.semi_major_axis, rel=1e-6)
+        error = path.phi2 - mesh.ratio * path.phi1
+        bend = (16.0 * (error[1] + error[3]) - error[0] - error[4] - 30.0 * error[2]) / (12.0 * step**2)
+        assert bend / mesh.ratio == pytest.approx(asked.ratio_derivative, rel=2e-3)
+
+
+def test_given_machines_of_a_hypoid_pair_make_the_same_flanks() -> None:
+    gears = gm.build(hypoid_design())
+    given = gears.sheet().design
+    one, other = (bevel_teeth(design.in_mm()).cut.pinion for design in (hypoid_design(), given))  # type: ignore[arg-type]
+    for name in NAMES:
+        p = np.array([one[name].blade.at_height(height) for height in (2.0, 5.0)])
+        points = [sides[name].side(0.0).flank.jet(p, np.array([-0.1, 0.1])).r for sides in (one, other)]
+        assert points[1] == pytest.approx(points[0], abs=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -267,6 +318,27 @@ def test_wrong_input_is_refused_by_its_key(values: dict[str, Any], key: str) -> 
         gm.build(design_of("right_angle").with_values(values))
     assert refusal.value.key == key
     assert "\n" not in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    ("values", "key"),
+    [
+        ({"head.eccentricity": 1.0}, "head.eccentricity"),
+        ({"pinion.convex.modified_roll_c2": 0.02}, "pinion.convex.modified_roll_c2"),
+        ({"gear.cutter.radial": 70.0}, "gear.cutter.radial"),
+        ({"head.radius": 20.0}, "head.radius"),
+    ],
+)
+def test_wrong_input_of_hypoid_pairs_is_refused_by_its_key(values: dict[str, Any], key: str) -> None:
+    with pytest.raises(gm.DesignError) as refusal:
+        gm.build(hypoid_design().with_values(values))
+    assert refusal.value.key == key
+
+
+def test_ease_off_of_hypoid_pairs_is_refused() -> None:
+    with pytest.raises(gm.DesignError) as refusal:
+        gm.parse({**BASIC, "kind": "hypoid", "offset": 20, "contact": {"ease_off": {"length_crowning": 0.02}}})
+    assert refusal.value.key == "contact.ease_off"
 
 
 def test_head_is_shown_with_its_blade_groups() -> None:

@@ -109,9 +109,9 @@ def left_to_geometry(design: FaceMilledDesign) -> dict[str, float]:
     They are the radius of the straightest teeth, tilt and swivel for a gear that is not generated, and sliding bases of
     tilted cutters and of pairs with offset.
 
-    Face hobbing leaves none. Raises DesignError and NoSolutionError as `build`.
+    One crown gear leaves none. Raises DesignError and NoSolutionError as `build`.
     """
-    if design.hobbed:
+    if design.one_crown_gear:
         return {}
     radius = _straightest_radius(design)
     design = design.fill(radius) if radius else design
@@ -170,7 +170,8 @@ def _leaning(design: FaceMilledDesign) -> dict[str, float]:
 def _sliding_bases(design: FaceMilledDesign) -> dict[str, float]:
     """Return the sliding bases that are left out, in the design's units, by dotted key."""
     members = design.pinion.concave, design.pinion.convex, design.gear.cutter
-    open_bases = [np.isnan(spec.sliding_base) for spec in members]
+    # the head that cuts the gear has no settings of its own
+    open_bases = [np.isnan(spec.sliding_base) and not (design.hobbed and spec is members[2]) for spec in members]
     if not any(open_bases):
         return {}
     cut = bevel_teeth(design.in_mm()).cut

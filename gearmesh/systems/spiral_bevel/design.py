@@ -9,7 +9,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Mapping
-from typing import Any, ClassVar, Self, TypeGuard
+from typing import Any, ClassVar, Self
 
 from pydantic import model_validator
 
@@ -148,7 +148,7 @@ class HeadTable(Table):
         "cutter radius at the pitch point, mean of outer and inner blades",
         None,
         above=0,
-        default="the usual radius nearest to 0.8 mean cone distance",
+        default="a usual radius by the mean cone distance",
         source="ISO 23509 r_c0",
     )
     eccentricity: float | None = keys.length(
@@ -395,13 +395,9 @@ class HandedDesign(BevelDesign):
 
 
 #: processes: each flank of the pinion by its own machine, or both at once; the gear both at once, generated or not
-PROCESS_NAMES = ("fixed_setting", "completing", "formate_fixed", "formate_completing")
+PROCESS_NAMES = ("fixed_setting", "completing", "formate_fixed", "formate_completing", "face_hobbed")
 #: processes with continuous indexing
 HOBBED_PROCESSES = ("face_hobbed",)
-_PROCESS_TEXT = (
-    "pinion sides cut with a machine setting each (fixed_setting) or both in one cut (completing); formate: "
-    "gear not generated"
-)
 #: processes that cut both flanks of the pinion at once
 COMPLETING_PROCESSES = ("completing", "formate_completing")
 #: processes that do not generate the gear
@@ -423,6 +419,16 @@ ONE_SIDE_KEYS = (
 HOBBED_BLADE_KEYS = tuple(key for key in BLADE_KEYS if key not in ("blade_angle", "blade_height"))
 #: keys of the contact that eccentricity and hollow blades give
 HOBBED_CONTACT_KEYS = ("te_at_change", "ratio_derivative", "semi_major_axis")
+#: keys of the polynomials in the cradle's rotation
+MOTION_KEYS = tuple(f"{name}_motion" for name in ("tilt", "swivel", "radial", "helical", "vertical"))
+#: keys without meaning for a machine that does not roll
+ROLLING_KEYS = (
+    "ratio_of_roll",
+    *(f"modified_roll_c{k}" for k in range(2, MAX_MOTION_ORDER + 1)),
+    *MOTION_KEYS,
+)
+#: keys of a side of the pinion that are unknown to face hobbing with offset
+HOBBED_UNKNOWN_KEYS = (*ROLLING_KEYS[1:], "tilt", "swivel", "ease_off")
 #: parameters of an ease-off that eccentricity and hollow blades of face hobbing give
 HOBBED_EASE_OFF_KEYS = ("profile_crowning", "length_crowning")
 #: largest difference (mm) of lengths that count as equal: 1e5 times the rounding of solved settings of 100 mm
@@ -448,16 +454,8 @@ EASE_OFF_EXCLUDED_KEYS = (
     "mean_offset",
     "mean_shift",
 )
-#: keys of the polynomials in the cradle's rotation
-MOTION_KEYS = tuple(f"{name}_motion" for name in ("tilt", "swivel", "radial", "helical", "vertical"))
 #: keys and tables on which no cone depends
 KEYS_BESIDE_CONES = ("gearmesh.", "assembly.", "contact.", "mesh.", "material.", "fe.")
-#: keys without meaning for a machine that does not roll
-ROLLING_KEYS = (
-    "ratio_of_roll",
-    *(f"modified_roll_c{k}" for k in range(2, MAX_MOTION_ORDER + 1)),
-    *MOTION_KEYS,
-)
 
 
 class FaceMilledDesign(ProportionedDesign, HandedDesign):
@@ -465,7 +463,12 @@ class FaceMilledDesign(ProportionedDesign, HandedDesign):
 
     usual: ClassVar[tuple[str, ...]] = ("spiral_angle", "process")
 
-    process: str = keys.choice(_PROCESS_TEXT, PROCESS_NAMES, "fixed_setting")
+    process: str = keys.choice(
+        "pinion sides cut with a machine setting each (fixed_setting) or both in one cut (completing); formate: "
+        "gear not generated; face_hobbed: continuous indexing",
+        PROCESS_NAMES,
+        "fixed_setting",
+    )
     spiral_angle: float = keys.angle("mean spiral angle", 35.0, low=0, high=50, source="ISO 23509")
     pressure_angle: float = keys.angle("nominal pressure angle: blade angle of the gear", 20.0, low=10, high=30)
     mean_point: str = keys.choice(
@@ -474,6 +477,7 @@ class FaceMilledDesign(ProportionedDesign, HandedDesign):
         "mean_cone_distance",
         source="[AB]",
     )
+    head: HeadTable = HeadTable()
     contact: SpiralBevelContact = SpiralBevelContact()
     pinion: BevelPinion
     gear: BevelGear
@@ -542,7 +546,38 @@ class FaceMilledDesign(ProportionedDesign, HandedDesign):
                 # without the defaults of keys that an ease-off replaces
                 side = tables["pinion"][name]
                 tables["pinion"][name] = {key: side[key] for key in side if key not in EASE_OFF_EXCLUDED_KEYS}
+        if not self.hobbed:
+            del tables["head"]
+            return tables
+        for prefix, (_, known) in self._hobbed_tables.items():
+            *above, name = prefix.split(".")
+            outer = functools.reduce(lambda table, key: table[key], above, tables)
+            # a radius of the cutting edge that is left out follows from the profile crowning
+            outer[name] = {
+                key: value
+                for key, value in outer[name].items()
+                if key in known and (key != "blade_radius" or self.sets(f"{prefix}.{key}"))
+            }
         return tables
+
+    @property
+    def _hobbed_tables(self) -> dict[str, tuple[Table, tuple[str, ...]]]:
+        """Tables of members and cutters, by their keys, and the keys that face hobbing has in them."""
+        side_keys: tuple[str, ...] = (*HOBBED_BLADE_KEYS, *HOBBED_CONTACT_KEYS, "ease_off")
+        if not self.one_crown_gear:
+            # settings by local synthesis, or given
+            side_keys = tuple(key for key in PinionSide.model_fields if key not in HOBBED_UNKNOWN_KEYS)
+        blade = (*HOBBED_BLADE_KEYS, "blade_angle")
+        gear, pinion = self.gear, self.pinion
+        return {
+            "pinion": (pinion, tuple(key for key in BevelPinion.model_fields if key != "root_angle")),
+            "gear": (gear, tuple(key for key in BevelGear.model_fields if key != "root_angle")),
+            "pinion.concave": (pinion.concave, side_keys),
+            "pinion.convex": (pinion.convex, side_keys),
+            "gear.cutter": (gear.cutter, (*blade, "outside", "inside")),
+            "gear.cutter.outside": (gear.cutter.outside, blade),
+            "gear.cutter.inside": (gear.cutter.inside, blade),
+        }
 
     @property
     def completing(self) -> bool:
@@ -555,6 +590,11 @@ class FaceMilledDesign(ProportionedDesign, HandedDesign):
         return self.process in HOBBED_PROCESSES
 
     @property
+    def one_crown_gear(self) -> bool:
+        """True if one crown gear generates both members."""
+        return self.hobbed
+
+    @property
     def indexed(self) -> bool:
         """True if index angles or a given thickness determine the pinion's thickness, not the backlash."""
         angles = [self.pinion.side(name).index_angle for name in ("concave", "convex")]
@@ -564,6 +604,13 @@ class FaceMilledDesign(ProportionedDesign, HandedDesign):
     def formate(self) -> bool:
         """True if the gear is not generated."""
         return self.process in FORMATE_PROCESSES
+
+    @model_validator(mode="before")
+    @classmethod
+    def _depth_of_hobbing(cls, data: Any) -> Any:
+        """Make the depth uniform where face hobbing leaves the taper out."""
+        hobbed = isinstance(data, dict) and str(data.get("process", "")) in HOBBED_PROCESSES
+        return {"taper": "uniform", **data} if hobbed else data
 
     @model_validator(mode="before")
     @classmethod
@@ -673,6 +720,51 @@ class FaceMilledDesign(ProportionedDesign, HandedDesign):
         return self
 
     @model_validator(mode="after")
+    def _continuous(self) -> Self:
+        """Refuse keys of face milling beside face hobbing, and keys of the head beside face milling."""
+        own = f'process = "{self.process}"'
+        if not self.hobbed:
+            for key in HeadTable.model_fields:
+                if getattr(self.head, key) != HeadTable.model_fields[key].default:
+                    why = (
+                        f'is for face hobbing; {own} cuts one space after the other; allowed is process = "face_hobbed"'
+                    )
+                    raise conflict(f"head.{key}", getattr(self.head, key), reason=why)
+            return self
+        for prefix, (table, known) in self._hobbed_tables.items():
+            for key in sorted(table.model_fields_set - {*known}):
+                value = getattr(table, key)
+                unset = value == type(table).model_fields[key].default or (
+                    isinstance(value, float) and math.isnan(value)
+                )
+                # tilt, swivel and sliding base of 0 are derived values
+                if value and not unset:
+                    why = f"{own} derives it from head, blank and contact.ease_off; leave it out"
+                    raise conflict(f"{prefix}.{key}", value, reason=why)
+        for key, allowed in (("taper", "uniform"), ("mean_point", "mean_cone_distance")):
+            if key in self.model_fields_set and getattr(self, key) != allowed:
+                raise conflict(key, getattr(self, key), reason=f'{own}; allowed is "{allowed}"')
+        self._refuse_other_crownings(own)
+        return self
+
+    def _refuse_other_crownings(self, own: str) -> None:
+        """Refuse parameters of an ease-off that face hobbing does not give."""
+        for name in ("concave", "convex"):
+            target = self.ease_off(name)
+            if target is None:
+                continue
+            asked = self.ease_off_key(name)
+            for key in EASE_OFF_KEYS:
+                value = getattr(target, key)
+                if key not in HOBBED_EASE_OFF_KEYS and value:
+                    raise conflict(f"{asked}.{key}", value, reason=f"{own} gives none; allowed is 0")
+                if value < 0.0:
+                    raise conflict(f"{asked}.{key}", value, reason=own, allowed="0 or more")
+            if self.head.eccentricity is not None and target.length_crowning:
+                why = f"cannot be given together with {asked}.length_crowning"
+                raise conflict("head.eccentricity", self.head.eccentricity, reason=why)
+
+    @model_validator(mode="after")
     def _ease_off_alone(self) -> Self:
         """Refuse other keys of the contact, and complete settings, beside an ease-off."""
         for name in ("concave", "convex"):
@@ -762,99 +854,9 @@ class SpiralBevelDesign(FaceMilledDesign):
     example: ClassVar[Mapping[str, Any]] = {"module": 5, "pinion": {"teeth": 13}, "gear": {"teeth": 44}}
     about: ClassVar[str] = OWN_KINDS["spiral_bevel"].about
 
-    process: str = keys.choice(
-        f"{_PROCESS_TEXT}; face_hobbed: both members by one crown gear, with continuous indexing",
-        (*PROCESS_NAMES, *HOBBED_PROCESSES),
-        "fixed_setting",
-    )
-    head: HeadTable = HeadTable()
     mean_cone_distance: float | None = keys.length(
         "cone distance of the mean point", None, above=0, default="outer less half the face width"
     )
-
-    def plain(self) -> dict[str, Any]:
-        tables = super().plain()
-        if not self.hobbed:
-            del tables["head"]
-            return tables
-        for prefix, (_, known) in self._hobbed_tables.items():
-            *above, name = prefix.split(".")
-            outer = functools.reduce(lambda table, key: table[key], above, tables)
-            # a radius of the cutting edge that is left out follows from the profile crowning
-            outer[name] = {
-                key: value
-                for key, value in outer[name].items()
-                if key in known and (key != "blade_radius" or self.sets(f"{prefix}.{key}"))
-            }
-        return tables
-
-    @property
-    def _hobbed_tables(self) -> dict[str, tuple[Table, tuple[str, ...]]]:
-        """Tables of members and cutters, by their keys, and the keys that face hobbing has in them."""
-        side_keys = (*HOBBED_BLADE_KEYS, *HOBBED_CONTACT_KEYS, "ease_off")
-        blade = (*HOBBED_BLADE_KEYS, "blade_angle")
-        gear, pinion = self.gear, self.pinion
-        return {
-            "pinion": (pinion, tuple(key for key in BevelPinion.model_fields if key != "root_angle")),
-            "gear": (gear, tuple(key for key in BevelGear.model_fields if key != "root_angle")),
-            "pinion.concave": (pinion.concave, side_keys),
-            "pinion.convex": (pinion.convex, side_keys),
-            "gear.cutter": (gear.cutter, (*blade, "outside", "inside")),
-            "gear.cutter.outside": (gear.cutter.outside, blade),
-            "gear.cutter.inside": (gear.cutter.inside, blade),
-        }
-
-    @model_validator(mode="before")
-    @classmethod
-    def _depth_of_hobbing(cls, data: Any) -> Any:
-        """Make the depth uniform where face hobbing leaves the taper out."""
-        hobbed = isinstance(data, dict) and str(data.get("process", "")) in HOBBED_PROCESSES
-        return {"taper": "uniform", **data} if hobbed else data
-
-    @model_validator(mode="after")
-    def _continuous(self) -> Self:
-        """Refuse keys of face milling beside face hobbing, and keys of the head beside face milling."""
-        own = f'process = "{self.process}"'
-        if not self.hobbed:
-            for key in HeadTable.model_fields:
-                if getattr(self.head, key) != HeadTable.model_fields[key].default:
-                    why = (
-                        f'is for face hobbing; {own} cuts one space after the other; allowed is process = "face_hobbed"'
-                    )
-                    raise conflict(f"head.{key}", getattr(self.head, key), reason=why)
-            return self
-        for prefix, (table, known) in self._hobbed_tables.items():
-            for key in sorted(table.model_fields_set - {*known}):
-                value = getattr(table, key)
-                unset = value == type(table).model_fields[key].default or (
-                    isinstance(value, float) and math.isnan(value)
-                )
-                # tilt, swivel and sliding base of 0 are derived values
-                if value and not unset:
-                    why = f"{own} derives it from head, blank and contact.ease_off; leave it out"
-                    raise conflict(f"{prefix}.{key}", value, reason=why)
-        for key, allowed in (("taper", "uniform"), ("mean_point", "mean_cone_distance")):
-            if key in self.model_fields_set and getattr(self, key) != allowed:
-                raise conflict(key, getattr(self, key), reason=f'{own}; allowed is "{allowed}"')
-        self._refuse_other_crownings(own)
-        return self
-
-    def _refuse_other_crownings(self, own: str) -> None:
-        """Refuse parameters of an ease-off that face hobbing does not give."""
-        for name in ("concave", "convex"):
-            target = self.ease_off(name)
-            if target is None:
-                continue
-            asked = self.ease_off_key(name)
-            for key in EASE_OFF_KEYS:
-                value = getattr(target, key)
-                if key not in HOBBED_EASE_OFF_KEYS and value:
-                    raise conflict(f"{asked}.{key}", value, reason=f"{own} gives none; allowed is 0")
-                if value < 0.0:
-                    raise conflict(f"{asked}.{key}", value, reason=own, allowed="0 or more")
-            if self.head.eccentricity is not None and target.length_crowning:
-                why = f"cannot be given together with {asked}.length_crowning"
-                raise conflict("head.eccentricity", self.head.eccentricity, reason=why)
 
     @property
     def kind_in_words(self) -> str:
@@ -864,11 +866,6 @@ class SpiralBevelDesign(FaceMilledDesign):
     def apex_base(self) -> float:
         given = self.pinion.root_angle, self.gear.root_angle
         return 0.0 if self.taper == "standard" and given == (None, None) else super().apex_base
-
-
-def is_hobbed(design: FaceMilledDesign) -> TypeGuard[SpiralBevelDesign]:
-    """Return True if the teeth of a design are face-hobbed."""
-    return isinstance(design, SpiralBevelDesign) and design.hobbed
 
 
 class HypoidDesign(FaceMilledDesign):
@@ -895,3 +892,20 @@ class HypoidDesign(FaceMilledDesign):
         high=1,
         source="ISO 23509 f_alim",
     )
+
+    @property
+    def one_crown_gear(self) -> bool:
+        return False
+
+    @model_validator(mode="after")
+    def _no_eccentricity(self) -> Self:
+        """Refuse what crowns the teeth of one crown gear."""
+        if not self.hobbed:
+            return self
+        why = f'process = "{self.process}" with offset; the contact follows from local synthesis; leave it out'
+        if self.head.eccentricity is not None:
+            raise conflict("head.eccentricity", self.head.eccentricity, reason=why)
+        for name in ("concave", "convex"):
+            if self.ease_off(name) is not None:
+                raise conflict(self.ease_off_key(name), None, reason=why)
+        return self

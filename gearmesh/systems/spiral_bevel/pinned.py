@@ -30,7 +30,7 @@ def settings_values(design: FaceMilledDesign, train: GearTrain) -> Values:
     sides = {
         "pinion.concave": made.cut.pinion["concave"],
         "pinion.convex": made.cut.pinion["convex"],
-        "gear.cutter": made.cut.gear["concave"],
+        **({} if design.hobbed else {"gear.cutter": made.cut.gear["concave"]}),
     }
     roots = {key: float(np.degrees(side.settings.machine_root_angle)) for key, side in sides.items()}
     factor_values: Values = {
@@ -38,7 +38,7 @@ def settings_values(design: FaceMilledDesign, train: GearTrain) -> Values:
         "addendum_factor": share,
         "thickness_factor": suggested_thickness_factor(teeth) if thicker is None else thicker,
     }
-    if design.hobbed:
+    if design.one_crown_gear:
         return {**sheet.values, **factor_values}
     values: Values = {
         **sheet.values,

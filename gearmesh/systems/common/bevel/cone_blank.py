@@ -63,6 +63,8 @@ class OffsetData:
     given_face_width: float | None = None
     #: radius of the cutter, mm; None for a nominal cutter
     given_cutter_radius: float | None = None
+    #: number of blade groups of the cutter; 0 in face milling
+    blade_groups: int = 0
 
     @property
     def pair(self) -> OffsetPair:
@@ -84,7 +86,7 @@ class OffsetData:
         radius = self.given_cutter_radius
         if radius is None:
             radius = nominal_radius(CUTTER_RADIUS_SHARE * (outer - 0.5 * width))
-        return replace(rough, face_width=width, cutter=FaceCutter(radius))
+        return replace(rough, face_width=width, cutter=FaceCutter(radius, self.blade_groups))
 
 
 @dataclass(frozen=True)

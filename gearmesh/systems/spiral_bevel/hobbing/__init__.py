@@ -1,1 +1,1 @@
-"""Face-hobbed spiral bevel gears: head, blank and sides by continuous indexing."""
+"""Face-hobbed spiral bevel and hypoid gears: head, blank and sides by continuous indexing."""

@@ -21,7 +21,7 @@ from gearmesh.systems.common.bevel.iso23509.tooth_line import FaceCutter, ToothL
 from gearmesh.systems.common.bounds import at_least, at_most
 
 if TYPE_CHECKING:
-    from gearmesh.systems.spiral_bevel.design import FaceMilledDesign, SpiralBevelDesign
+    from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
 
 #: usual cutter radii of two-part heads, mm
 NOMINAL_HEAD_RADII_MM = (25.0, 30.0, 40.0, 55.0, 75.0, 100.0, 135.0, 170.0, 210.0, 260.0, 350.0, 450.0)
@@ -43,7 +43,7 @@ def refuse_hobbing(design: FaceMilledDesign, reason: str) -> None:
         raise DesignError("process", design.process, shown=f'"{design.process}"', reason=reason, allowed="face milling")
 
 
-def head_radius(design: SpiralBevelDesign, mean_cone_distance: float, module: float) -> float:
+def head_radius(design: FaceMilledDesign, mean_cone_distance: float, module: float) -> float:
     """Return the cutter radius (mm) of a design in mm: given, or the nominal radius nearest to the usual one.
 
     `module`: mean normal module, mm.

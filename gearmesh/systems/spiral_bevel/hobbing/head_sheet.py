@@ -16,7 +16,7 @@ from gearmesh.systems.spiral_bevel.machine.pair import BLADE_SIDES
 from gearmesh.systems.system import SheetTable
 
 if TYPE_CHECKING:
-    from gearmesh.systems.spiral_bevel.design import SpiralBevelDesign
+    from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
     from gearmesh.systems.spiral_bevel.machine.generated import Generated
 
 
@@ -29,38 +29,62 @@ def tooth_line(side: Generated, blank: BevelBlank) -> ToothLine:
 
 
 def head_table(sides: list[Generated], names: tuple[str, ...], blank: BevelBlank, unit: float, noun: str) -> SheetTable:
-    """Return the table of the head, a column per side; lengths over `unit` (mm) in `noun`."""
+    """Return the table of the head, a column per side; lengths over `unit` (mm) in `noun`.
+
+    The tooth line of a pinion with offset is not that of its machine: its rows have no value.
+    """
     lines = [tooth_line(side, blank) for side in sides]
+    alike = [not (blank.offset and name.startswith("pinion")) for name in names]
     toe, heel = blank.gear.extent
+    heads = [(side.settings, side.indexing) for side in sides if side.indexing is not None]
+    crowns = [index.teeth / machine.ratio_of_roll for machine, index in heads]
+    bases = [
+        machine.radial / (1.0 + index.blade_groups / crown)
+        for (machine, index), crown in zip(heads, crowns, strict=True)
+    ]
 
     def row(symbol: str, words: str, kind: str, value: Callable[[ToothLine], Value]) -> Row:
-        return symbol, words, kind, tuple(float(value(line)) for line in lines)
+        return (
+            symbol,
+            words,
+            kind,
+            tuple(float(value(line)) if own else None for line, own in zip(lines, alike, strict=True)),
+        )
 
-    groups, teeth = blank.blade_groups, [side.indexing.teeth for side in sides if side.indexing is not None]
     rows: list[Row] = [
-        ("z_0", "blade groups", "-", tuple(groups for _ in lines)),
-        ("z_p", "teeth of the crown gear", "-", tuple(float(line.crown_teeth) for line in lines)),
-        row("r_c0", "cutter radius at the pitch point", "mm", lambda line: line.cutter.radius),
-        row(
+        ("z_0", "blade groups", "-", tuple(index.blade_groups for _, index in heads)),
+        ("z_p", "teeth of the crown gear", "-", tuple(crowns)),
+        ("r_c0", "cutter radius at the mean point", "mm", tuple(index.radius for _, index in heads)),
+        (
             "nu",
             "lead angle of the cutter: angle between blade and radius",
             "deg",
-            lambda line: np.degrees(line.lead_angle),
+            tuple(abs(float(np.degrees(index.offset_angle))) for _, index in heads),
         ),
-        row("rho_P0", "crown gear to cutter distance", "mm", lambda line: line.centre_distance),
-        row("rho_b", "epicycloid base circle radius", "mm", lambda line: line.base_radius),
-        row("rho_r", "rolling circle radius", "mm", lambda line: line.centre_distance - line.base_radius),
+        ("rho_P0", "crown gear to cutter distance", "mm", tuple(machine.radial for machine, _ in heads)),
+        ("rho_b", "epicycloid base circle radius", "mm", tuple(bases)),
+        (
+            "rho_r",
+            "rolling circle radius",
+            "mm",
+            tuple(machine.radial - base for (machine, _), base in zip(heads, bases, strict=True)),
+        ),
         row("rho_mb", "radius of curvature of the tooth line", "mm", lambda line: 1.0 / line.curvature),
         row("beta_e", "outer spiral angle", "deg", lambda line: np.degrees(line.spiral_angle_at(heel))),
         row("beta_i", "inner spiral angle", "deg", lambda line: np.degrees(line.spiral_angle_at(toe))),
-        ("z_0/z", "turns of the blank per turn of the cutter", "-", tuple(groups / z for z in teeth)),
+        (
+            "z_0/z",
+            "turns of the blank per turn of the cutter",
+            "-",
+            tuple(index.blade_groups / index.teeth for _, index in heads),
+        ),
     ]
     return table("Face hobbing head [ISO 23509]", names, in_unit(rows, unit, noun))
 
 
-def head_values(design: SpiralBevelDesign, blank: BevelBlank, unit: float) -> dict[str, float]:
+def head_values(design: FaceMilledDesign, blank: BevelBlank, unit: float) -> dict[str, float]:
     """Return head and crownings of a design (in mm) by dotted key, lengths over `unit` (mm)."""
-    values = {"head.radius": blank.cutter_radius / unit}
+    values: dict[str, float] = {}
     for name in BLADE_SIDES:
         contact = HobbedContact.of(design, blank, name)
         if design.head.eccentricity is None:

@@ -22,7 +22,7 @@ from gearmesh.teeth.region import Side
 from gearmesh.tools.head_cutter import Blade
 
 if TYPE_CHECKING:
-    from gearmesh.systems.spiral_bevel.design import EaseOffTable, SpiralBevelDesign
+    from gearmesh.systems.spiral_bevel.design import EaseOffTable, FaceMilledDesign
 
 #: depth taper of all face-hobbed teeth
 HOBBED_TAPER = "uniform"
@@ -34,12 +34,12 @@ MIN_CURVATURE_RATIO = 1.3
 BLADE_TABLES = {"concave": "outside", "convex": "inside"}
 
 
-def hobbed_blank(design: SpiralBevelDesign, given: Proportions) -> BevelBlank:
+def hobbed_blank(design: FaceMilledDesign, given: Proportions, mean_cone_distance: float | None) -> BevelBlank:
     """Return the blank of a face-hobbed pair (design in mm), with uniform depth.
 
     Raises DesignError for a blank that cannot exist, and for a head that cannot cut it.
     """
-    data = basic_data(design, design.spiral_angle, design.pressure_angle, design.mean_cone_distance)
+    data = basic_data(design, design.spiral_angle, design.pressure_angle, mean_cone_distance)
     pitch = data.pitch_cones
     radius = head_radius(design, data.mean_cone_distance, data.mean_normal_module)
     cutter = FaceCutter(radius, design.head.blade_groups)
@@ -59,11 +59,14 @@ class HobbedContact:
     profile_crowning: float
 
     @staticmethod
-    def of(design: SpiralBevelDesign, blank: BevelBlank, name: str) -> HobbedContact:
+    def of(design: FaceMilledDesign, blank: BevelBlank, name: str) -> HobbedContact:
         """Return the crowning of the pinion's side `name`, "concave" or "convex", of a design in mm.
 
         Raises DesignError for a length crowning that no eccentricity gives.
         """
+        if not design.one_crown_gear:
+            # local synthesis fits the pinion to a gear of straight blades
+            return HobbedContact(0.0, 0.0, 0.0)
         target: EaseOffTable | None = design.ease_off(name)
         lines = HeadLines.of(blank, blade_angle(design, blank, MATING_SIDES[name]))
         length, profile = (
@@ -83,7 +86,7 @@ class HobbedContact:
         return -float(half**2 / self.profile_crowning) if self.profile_crowning else 0.0
 
 
-def _asked(design: SpiralBevelDesign, blank: BevelBlank, name: str) -> tuple[float, float]:
+def _asked(design: FaceMilledDesign, blank: BevelBlank, name: str) -> tuple[float, float]:
     """Return the crownings (mm) lengthwise and along the profile with the ellipse and transmission error of a design.
 
     On the crown gear, with x along the tooth and y up the blade from the middle of the working depth, the flanks part by
@@ -115,7 +118,7 @@ def _asked(design: SpiralBevelDesign, blank: BevelBlank, name: str) -> tuple[flo
     )
 
 
-def _crown_slopes(design: SpiralBevelDesign, blank: BevelBlank, name: str) -> tuple[float, float, float]:
+def _crown_slopes(design: FaceMilledDesign, blank: BevelBlank, name: str) -> tuple[float, float, float]:
     """Return figures of the crown gear's flank in its middle, with x along the tooth and y up the blade.
 
     They are the gradient (1/mm) of the cradle's rotation by x and by y, and the curvature by x and y over the curvature by
@@ -137,13 +140,14 @@ def _crown_slopes(design: SpiralBevelDesign, blank: BevelBlank, name: str) -> tu
     return float(g_x), float(g_y), float(added[0, 1] / added[0, 0])
 
 
-def blade_angle(design: SpiralBevelDesign, blank: BevelBlank, name: str) -> float:
+def blade_angle(design: FaceMilledDesign, blank: BevelBlank, name: str) -> float:
     """Return the angle (rad) of the blades that cut the gear's side `name`, "concave" or "convex"."""
     given = blade_keys(design.gear.cutter, getattr(design.gear.cutter, BLADE_TABLES[name]))["blade_angle"]
-    return blank.pressure_angle if given is None else float(np.radians(given))
+    inside, outside = blank.blade_angles
+    return (outside if name == "concave" else inside) if given is None else float(np.radians(given))
 
 
-def hobbed_gear(design: SpiralBevelDesign, blank: BevelBlank) -> Sides:
+def hobbed_gear(design: FaceMilledDesign, blank: BevelBlank) -> Sides:
     """Return both sides of the gear; as cut, the middle of the tooth space is over the x axis.
 
     Raises DesignError for blades that cannot exist.
@@ -156,7 +160,7 @@ def hobbed_gear(design: SpiralBevelDesign, blank: BevelBlank) -> Sides:
     return sides
 
 
-def _gear_turned(design: SpiralBevelDesign, blank: BevelBlank, flank: Side) -> float:
+def _gear_turned(design: FaceMilledDesign, blank: BevelBlank, flank: Side) -> float:
     """Return the rotation (rad) of a side of the gear from the pitch point over the x axis to its place beside a space."""
     own = blank.gear
     thickness = own.thickness if design.gear.thickness is None else design.gear.thickness
@@ -164,7 +168,7 @@ def _gear_turned(design: SpiralBevelDesign, blank: BevelBlank, flank: Side) -> f
     return float(-half_space if flank is Side.LEFT else half_space)
 
 
-def hobbed_pinion(design: SpiralBevelDesign, blank: BevelBlank, name: str, gear_turn: float) -> Generated:
+def hobbed_pinion(design: FaceMilledDesign, blank: BevelBlank, name: str, gear_turn: float) -> Generated:
     """Return one side of the pinion, "concave" or "convex", turned into contact with the gear.
 
     `gear_turn`: rotation (rad) of the gear, as cut, to the contact of the mean point.
@@ -176,6 +180,11 @@ def hobbed_pinion(design: SpiralBevelDesign, blank: BevelBlank, name: str, gear_
     # from the position of the crown gear in which both members are cut
     turned = (gear_turn + _gear_turned(design, blank, made.flank)) * blank.gear.teeth / blank.pinion.teeth
     return replace(made, turned=-float(turned))
+
+
+def crown_cut(design: FaceMilledDesign, blank: BevelBlank, name: str) -> Generated:
+    """Return one side of the pinion as straight blades on its own crown gear cut it, without a turn after cutting."""
+    return _side(design, blank, blank.pinion, _blade(design, blank, "pinion", name), HobbedContact(0.0, 0.0, 0.0))
 
 
 @dataclass(frozen=True)
@@ -194,7 +203,7 @@ class _BladeKeys:
     curved: bool
 
 
-def _blade(design: SpiralBevelDesign, blank: BevelBlank, member: str, name: str) -> _BladeKeys:
+def _blade(design: FaceMilledDesign, blank: BevelBlank, member: str, name: str) -> _BladeKeys:
     """Return the keys of the blade that cuts the side `name` of a member."""
     if member == "pinion":
         prefixes, values = [f"pinion.{name}"], blade_keys(design.pinion.side(name))
@@ -209,7 +218,7 @@ def _blade(design: SpiralBevelDesign, blank: BevelBlank, member: str, name: str)
 
 
 def _side(
-    design: SpiralBevelDesign, blank: BevelBlank, own: MemberBlank, blade: _BladeKeys, contact: HobbedContact
+    design: FaceMilledDesign, blank: BevelBlank, own: MemberBlank, blade: _BladeKeys, contact: HobbedContact
 ) -> Generated:
     """Return one side of a member.
 
@@ -221,7 +230,10 @@ def _side(
     nominal, angle = blank.tooth_line, blade.angle
     radius = nominal.cutter.radius + 0.5 * blade.side * contact.eccentricity
     line = ToothLine(
-        FaceCutter(radius, nominal.cutter.blade_groups), own.mean_cone_distance, own.spiral_angle, nominal.crown_teeth
+        FaceCutter(radius, nominal.cutter.blade_groups),
+        own.mean_cone_distance,
+        own.spiral_angle,
+        own.teeth / float(np.sin(own.pitch_angle)),
     )
     given = blade.values["blade_radius"] if blade.curved else None
     curved = contact.blade_radius(blank, angle) if given is None else given
@@ -235,11 +247,18 @@ def _side(
         _machine(line, own),
         made,
         hand,
-        own.mean_cone_distance,
+        own.along_root(own.mean_cone_distance),
         blank.mean_depth - blank.clearance,
         edge_free=values["edge_radius"] is None,
-        indexing=Indexing(line.cutter.blade_groups, own.teeth, radius, hand * float(line.lead_angle)),
+        indexing=indexing(design, blank, own, hand, radius),
     )
+
+
+def indexing(design: FaceMilledDesign, blank: BevelBlank, own: MemberBlank, hand: int, radius: float) -> Indexing:
+    """Return the indexing of a member with a `hand`, by blades at a cutter's `radius` (mm) at the mean point."""
+    groups = design.head.blade_groups
+    lead = np.arcsin(0.5 * groups * blank.mean_normal_module / radius)
+    return Indexing(groups, own.teeth, radius, hand * float(lead))
 
 
 def _machine(line: ToothLine, own: MemberBlank) -> MachineSettings:
@@ -251,5 +270,6 @@ def _machine(line: ToothLine, own: MemberBlank) -> MachineSettings:
         cradle_angle=float(np.arctan2(y, x)),
         ratio_of_roll=float(np.sin(own.pitch_angle)),
         machine_root_angle=own.root_angle,
+        machine_centre_to_back=own.along_root(0.0),
         sliding_base=own.root_base(own.root_angle),
     )

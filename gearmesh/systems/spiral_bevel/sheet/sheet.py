@@ -22,7 +22,7 @@ from gearmesh.systems.common.bevel.iso23509.dimension_table import pair_rows
 from gearmesh.systems.common.bevel.tooth_measures import width_across
 from gearmesh.systems.common.symbol_table import Part, running_rows, table, tables_of
 from gearmesh.systems.spiral_bevel.blank.proportion_choice import FACTOR_KEYS
-from gearmesh.systems.spiral_bevel.design import SYNTHESISED_KEYS, HypoidDesign, SpiralBevelDesign, is_hobbed
+from gearmesh.systems.spiral_bevel.design import SYNTHESISED_KEYS, HypoidDesign, SpiralBevelDesign
 from gearmesh.systems.spiral_bevel.hobbing.head_sheet import head_table, head_values
 from gearmesh.systems.spiral_bevel.machine.cutting import Choices, indexed_backlash
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
@@ -68,7 +68,7 @@ def settings_sheet(design: FaceMilledDesign, train: GearTrain) -> Sheet:
     slots = [slot_widths_of(member.tooth, own_blank) for member, own_blank in zip(members, blank.members, strict=True)]
     cut = CutPair(blank, pinion, gear, members, indexed_backlash(made.cut), design_mm.completing)
     sides = tuple(f"{member} {name}" for member in ("pinion", "gear") for name in BLADE_SIDES)
-    angles = () if design.hobbed else tuple(index.values())
+    angles = () if design.one_crown_gear else tuple(index.values())
     narrowest = float(slots[0].min()), float(slots[1].min())
     tables = tables_of(
         (
@@ -93,12 +93,14 @@ def settings_sheet(design: FaceMilledDesign, train: GearTrain) -> Sheet:
         tables = (*tables, *offset)
     values = (
         head_values(design_mm, blank, unit)
-        if is_hobbed(design_mm)
+        if design.one_crown_gear
         else _machine_values(design, pinion, gear, choices, unit)
     )
     # chosen factors; suggested ones follow from the basic data again
     values |= {key: value for key in FACTOR_KEYS if (value := getattr(made.proportions, key)) is not None}
-    if not design.hobbed:
+    if design.hobbed:
+        values["head.radius"] = blank.cutter_radius / unit
+    else:
         values |= {
             "gear.cutter.tip_radius": blank.cutter_radius / unit,
             "gear.cutter.point_width": point_width(gear) / unit,
@@ -122,7 +124,7 @@ def settings_sheet(design: FaceMilledDesign, train: GearTrain) -> Sheet:
             values[f"{name}.root_angle"] = float(np.degrees(member.root_angle))
         values[f"{name}.face_angle"] = float(np.degrees(member.face_angle))
     forms = {name: choice.form for name, choice in choices.items() if choice.form is not None}
-    if design.hobbed:
+    if design.one_crown_gear:
         return Sheet(tables, values)
     indexed = {f"pinion.{name}.index_angle": angle for name, angle in index.items()}
     # the index of a flank with ease-off is a result; other flanks follow their settings again
@@ -141,7 +143,7 @@ def _machine_values(
         for prefix, side in (
             ("pinion.concave", pinion["concave"]),
             ("pinion.convex", pinion["convex"]),
-            ("gear.cutter", gear["concave"]),
+            *([] if design.hobbed else [("gear.cutter", gear["concave"])]),
         )
         for key in (*SYNTHESISED_KEYS, "blade_height")
         if not (design.formate and prefix == "gear.cutter" and key == "ratio_of_roll")

@@ -63,7 +63,7 @@ MAX_ROLL_COEFFICIENT = 1.0
 
 def contact_said(design: FaceMilledDesign, blank: BevelBlank, name: str) -> ContactChoice:
     """Return the contact of the pinion's side `name` that a design in mm requests, with plain defaults for open keys."""
-    if design.hobbed:
+    if design.one_crown_gear:
         return ContactChoice(contact_asked(design, blank, name))
     target = design.ease_off(name)
     if target is not None:
@@ -83,7 +83,7 @@ def contact_choice(design: FaceMilledDesign, blank: BevelBlank, name: str) -> Co
         return first
     key, named = f"pinion.{name}", ("path_angle", "mean_offset", "mean_shift", "semi_major_axis", "ratio_derivative")
     free = {stem for stem in named if not design.sets(f"{key}.{stem}")}
-    if not any(design.sets(f"{key}.modified_roll_c{k}") for k in range(2, MAX_MOTION_ORDER + 1)):
+    if not design.hobbed and not any(design.sets(f"{key}.modified_roll_c{k}") for k in range(2, MAX_MOTION_ORDER + 1)):
         free.add("roll")
     return _Search(ContactPreviews(design, blank, name), frozenset(free)).best(first)
 
@@ -93,7 +93,7 @@ def chooses(design: FaceMilledDesign, name: str) -> bool:
 
     Nothing is chosen if the side's settings are given, or if the design requests an ease-off or the mean point of [AB].
     """
-    if design.hobbed or design.ease_off(name) is not None:
+    if design.one_crown_gear or design.ease_off(name) is not None:
         return False
     given = all(getattr(design.pinion.side(name), setting) is not None for setting in SYNTHESISED_KEYS)
     return not (given or design.completing or design.mean_point != "mean_cone_distance")

@@ -28,9 +28,10 @@ from gearmesh.systems.spiral_bevel.design import (
     SYNTHESISED_KEYS,
     HypoidDesign,
     SpiralBevelDesign,
-    is_hobbed,
 )
-from gearmesh.systems.spiral_bevel.hobbing.sides import hobbed_blank, hobbed_gear, hobbed_pinion
+from gearmesh.systems.spiral_bevel.hobbing.head import check_head
+from gearmesh.systems.spiral_bevel.hobbing.head_synthesis import hobbed_values
+from gearmesh.systems.spiral_bevel.hobbing.sides import hobbed_blank, hobbed_gear, hobbed_pinion, indexing
 from gearmesh.systems.spiral_bevel.machine.blades import blade_keys, made_blade, or_else, or_none, radians_or
 from gearmesh.systems.spiral_bevel.machine.gear_cradle import machine_axes, root_normal, turned_after_cut
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
@@ -139,9 +140,13 @@ def basic_blank(design: FaceMilledDesign, given: Proportions | None = None) -> B
     """
     given, radius = proportions(design) if given is None else given, design.gear.cutter.tip_radius
     if isinstance(design, HypoidDesign):
-        return cone_blank(ConeData.of_hypoid(offset_data(design)), given, design.gear_backlash)
-    if is_hobbed(design):
-        return hobbed_blank(design, given)
+        cones = ConeData.of_hypoid(offset_data(design))
+        if design.hobbed:
+            pitch = cones.pitch
+            check_head(pitch.tooth_line(cones.cutter), (pitch.inner_cone_distance, pitch.outer_cone_distance))
+        return cone_blank(cones, given, design.gear_backlash)
+    if design.hobbed:
+        return hobbed_blank(design, given, design.mean_cone_distance if isinstance(design, SpiralBevelDesign) else None)
     mean = design.mean_cone_distance if isinstance(design, SpiralBevelDesign) else None
     data = basic_data(design, design.spiral_angle, design.pressure_angle, mean)
     return pair_blank(design, data, given, radius, design.gear_backlash)
@@ -159,7 +164,8 @@ def offset_data(design: HypoidDesign) -> OffsetData:
         taper=design.taper,
         limit_share=design.limit_share,
         given_face_width=design.face_width,
-        given_cutter_radius=design.gear.cutter.tip_radius,
+        given_cutter_radius=design.head.radius if design.hobbed else design.gear.cutter.tip_radius,
+        blade_groups=design.head.blade_groups if design.hobbed else 0,
     )
 
 
@@ -170,7 +176,7 @@ def gear_sides(design: FaceMilledDesign, blank: BevelBlank) -> dict[str, Generat
 
     Raises DesignError for blades that cannot exist.
     """
-    if is_hobbed(design):
+    if design.hobbed:
         return hobbed_gear(design, blank)
     spec, member = design.gear.cutter, blank.gear
     _check_gear_tilt(spec)
@@ -238,7 +244,7 @@ def pinion_side(design: FaceMilledDesign, blank: BevelBlank, name: str, mean: Me
 
     Raises NoSolutionError if the requested contact is impossible, and DesignError for a blade that cannot exist.
     """
-    if is_hobbed(design):
+    if design.one_crown_gear:
         return hobbed_pinion(design, blank, name, mean.gear_turn)
     spec = design.pinion.side(name)
     values = pinion_values(design, blank, name, mean.contact, mean.choice)
@@ -273,6 +279,9 @@ def side_of(
         spec.edge_radius is None,
         turned_after_cut(design, blank),
     )
+    if design.hobbed:
+        radius = blade.radius_at(values["blade_height"])
+        made = replace(made, indexing=indexing(design, blank, member, made.hand, radius))
     if np.isnan(made.settings.sliding_base):
         base = made.base_to(member.root_angle, member.root_base(member.root_angle))
         made = replace(made, settings=replace(made.settings, sliding_base=base))
@@ -349,6 +358,8 @@ def tool_values(
     Raises NoSolutionError, naming the side, if no cutter has them.
     """
     spec, hand, side = design.pinion.side(name), HAND_SIGNS[design.hand], BLADE_SIDES[name]
+    if design.hobbed:
+        return hobbed_values(design, blank, name, mean, operator)
     cradle = machine_axes(machine_root_angle(design, blank, name))[2]
     turned = turned_after_cut(design, blank)
     to_cut = Rigid.about_z(-turned)
