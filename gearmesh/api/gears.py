@@ -980,10 +980,10 @@ class Gears(ModelledGears):
         vary : mapping of str to str or list
             Dotted keys with a range "low:high", or with a list or a text "a,b,c" of values.
         minimize, maximize : str or sequence of str
-            Figures that `study` records, with torques under load: "te_peak_to_peak@50,100:mean" is the mean over both torques,
+            Figures that `study` records, with torques under load: `te_peak_to_peak@50,100:mean` is the mean over both torques,
             and ":max" (of `maximize` ":min") the worst, which is the default. Two or three figures make a front.
         subject : sequence of str
-            Limits of figures, as "contact_ratio>1.2" or "max_pressure@100<1500".
+            Limits of figures, as `contact_ratio>1.2` or `max_pressure@100<1500`.
         robust : mapping of str to str, or str or os.PathLike, optional
             Errors of every design: distributions as `study` takes them, also "class:6", or lists "a,b,c", of which all
             combinations count. The error of a varied key is added to its value.

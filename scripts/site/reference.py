@@ -60,7 +60,8 @@ PYTHON = (
         "",
         ("MeasuringGrids", "FlankTopography", "Inspection", "CompositeTest", "Correction", "Compensation"),
     ),
-    ("studies", "Studies", "", ("Study", "StudySummary", "LargestErrors")),
+    ("studies", "Studies and optimisation", "", ("Study", "StudySummary", "LargestErrors", "Optimum")),
+    ("trains", "Trains of several stages", "", ("load_train", "MultistageTrain", "TrainError")),
     (
         "teeth",
         "Members and pairs",
