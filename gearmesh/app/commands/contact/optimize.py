@@ -63,7 +63,7 @@ def optimize(
         list[str] | None,
         option(
             "--minimize FIGURE[@NM,NM...][:mean|max]",
-            "Figure that study records, under torques if any: te_peak_to_peak@50,100:mean. Two or three make a front.",
+            "Figure that study records; torques follow @, and :mean takes their mean. Two or three make a front.",
         ),
     ] = None,
     maximize: Annotated[
