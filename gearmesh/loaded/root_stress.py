@@ -127,8 +127,10 @@ def root_stress(body: FilletStress, coarser: FilletStress | None, pressed: Press
     by_mesh = _by_mesh(body, pressed)
     if coarser is None:
         return by_mesh
-    error = MESH_ERROR_SHARE * np.abs(by_mesh.nominal - _by_mesh(coarser, pressed).nominal) / by_mesh.nominal
-    return replace(by_mesh, error=error)
+    change, unknown = np.abs(by_mesh.nominal - _by_mesh(coarser, pressed).nominal), np.full(len(pressed.line), np.nan)
+    # a tooth that is only compressed has no bending stress
+    share = np.divide(change, by_mesh.nominal, out=unknown, where=by_mesh.nominal != 0.0)
+    return replace(by_mesh, error=MESH_ERROR_SHARE * share)
 
 
 def _by_mesh(body: FilletStress, pressed: Pressed) -> RootStress:
