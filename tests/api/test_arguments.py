@@ -49,6 +49,7 @@ def small_study() -> gm.Study:
 NEEDED: dict[str, tuple[Any, ...]] = {
     "with_deviations": ("pinion", "left", [[0, 0], [0, 0]]),
     "with_teeth_like": ("pinion", 1),
+    "compare": (lambda: gm.build(gm.parse(SMALL)),),
     "correct": ("pinion",),
     "drawing": ("pinion",),
     "dynamics": ([10.0],),

@@ -133,8 +133,10 @@ class Eroded:
 
 @dataclass(frozen=True)
 class WireDrawing:
-    axis: None = None
     as_part: bool = False
+
+    def axis_at(self, at: DrawnPlace) -> None:
+        return None
 
     def draw(self, sides: list[DrawnSide], at: DrawnPlace) -> tuple[tuple[ToolSheet, ...], tuple[Array, ...]]:
         points = np.broadcast_to(at.point, (2, 2, 3))
