@@ -100,6 +100,10 @@ def test_designations_are_read(text: str, said: Designation) -> None:
     [
         ({"designation": "W 45x2"}, 'designation = "W 45x2": must be as "DIN 5480 W 45x2x21 8f / N 9H"'),
         ({"designation": "ISO 4156 EXT 24z x 2m x 20P"}, "must be one of"),
+        (
+            {"designation": "DIN 5480 W 45x2x99"},
+            'designation = "DIN 5480 W 45x2x99": 99 teeth need a profile shift of -38.8 for this diameter',
+        ),
         ({"module": 3}, 'module = 3 mm: the designation "DIN 5480 W 45x2x21" gives 2'),
         ({"teeth": 20}, "teeth = 20: the designation"),
         ({"backlash": 0.1}, "backlash: the clearance follows from the thickness allowances of shaft and hub"),

@@ -34,6 +34,8 @@ SHAFT_NAME = "shaft"
 HUB_NAME = "hub"
 #: names of the members in order
 MEMBER_NAMES = (SHAFT_NAME, HUB_NAME)
+#: limit of the profile shift, modules
+MAX_SHIFT = 2
 #: difference of a key and the same key by the designation, as a share, that is rounding
 DESIGNATION_ROUNDING = 1e-9
 #: decimals of a profile shift by the reference diameter, and the largest difference of a given one
@@ -193,8 +195,8 @@ class SplineDesign(Design):
     profile_shift: float = keys.coefficient(
         "profile shift of the shaft; the hub has the opposite one",
         DERIVED_VALUE,
-        low=-2,
-        high=2,
+        low=-MAX_SHIFT,
+        high=MAX_SHIFT,
         default="0, or by reference_diameter",
         source="DIN 5480-1",
     )
@@ -238,6 +240,10 @@ class SplineDesign(Design):
     @model_validator(mode="after")
     def _one_shift(self) -> Self:
         own = self._designed_shift
+        if abs(own) > MAX_SHIFT:
+            key = "reference_diameter" if self.designation is None else "designation"
+            reason = f"{self.counted_teeth} teeth need a profile shift of {own:.4g} for this diameter"
+            raise conflict(key, getattr(self, key), reason=reason, allowed=f"shifts from {-MAX_SHIFT} to {MAX_SHIFT}")
         if self.reference_diameter is not None and abs(self.profile_shift - own) > SHIFT_ROUNDING:
             raise conflict("profile_shift", self.profile_shift, reason=f"reference_diameter gives {own:.9g}")
         return self
