@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from gearmesh.errors import DesignError
-from gearmesh.mesh.solid import manifold_of
+from gearmesh.mesh.solid import facets_of, manifold_of
 from gearmesh.mesh.triangles import TriangleMesh
 
 
@@ -31,16 +31,11 @@ def joined_mesh(parts: Sequence[TriangleMesh], name: str) -> tuple[TriangleMesh,
             reason=f"{', '.join(part.name for part in parts)} make {pieces} bodies, not one",
             allowed="members that touch or overlap: longer hubs or shafts, or nearer positions",
         )
-    result = union.to_mesh64()
-    triangles = np.array(result.tri_verts, dtype=np.int64)
-    vertices = np.array(result.vert_properties)[:, :3].copy()
-    sizes = np.diff(np.asarray(result.run_index) // 3)
-    origin = np.repeat(np.asarray(result.run_original_id, dtype=np.int64) - first, sizes)
-    face = np.asarray(result.face_id, dtype=np.int64)
+    vertices, triangles, origin, face = facets_of(union)
     names = tuple(dict.fromkeys(region for part in parts for region in part.region_names))
     regions, normals = np.empty(len(triangles), dtype=np.int32), np.empty((len(triangles), 3))
     for k, part in enumerate(parts):
-        own = origin == k
+        own = origin == first + k
         numbers = np.array([names.index(region) for region in part.region_names], dtype=np.int32)
         regions[own] = numbers[part.regions[face[own]]]
         normals[own] = part.normals[face[own]]

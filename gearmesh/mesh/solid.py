@@ -354,15 +354,27 @@ def manifold_of(
     )
 
 
+def facets_of(
+    body: manifold3d.Manifold,
+) -> tuple[Array, NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+    """Return what a solid of manifold3d consists of.
+
+    They are its vertices (V, 3), mm, its triangles (M, 3), and of each triangle (M,) the id and the face id that
+    `manifold_of` gave it.
+    """
+    made = body.to_mesh64()
+    return (
+        np.array(made.vert_properties)[:, :3].copy(),
+        np.array(made.tri_verts, dtype=np.int64),
+        np.repeat(np.asarray(made.run_original_id, dtype=np.int64), np.diff(np.asarray(made.run_index)) // 3),
+        np.asarray(made.face_id, dtype=np.int64),
+    )
+
+
 def _from_manifold(body: Any, full: TriangleMesh, sources: dict[int, Region], gear_id: int) -> TriangleMesh:
     """Return the mesh of a cut solid; triangles of the gear keep region and normal, cut faces have those of their tool."""
-    result = body.to_mesh64()
-    triangles = np.array(result.tri_verts, dtype=np.int64)
-    vertices = np.array(result.vert_properties)[:, :3].copy()
-    runs = np.asarray(result.run_index) // 3
-    origin = np.repeat(np.asarray(result.run_original_id), np.diff(runs))
+    vertices, triangles, origin, face = facets_of(body)
     from_gear = origin == gear_id
-    face = np.asarray(result.face_id, dtype=np.int64)
     regions = np.empty(len(triangles), dtype=np.int32)
     regions[from_gear] = full.regions[face[from_gear]]
     for source, name in sources.items():

@@ -19,7 +19,7 @@ from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import Level, station_normal
-from gearmesh.mesh.solid import manifold_of
+from gearmesh.mesh.solid import facets_of, manifold_of
 from gearmesh.mesh.triangles import TriangleMesh, closeness, facet_normals, without_doubles
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import CUT_REGIONS, Region
@@ -160,14 +160,12 @@ def sector(whole: TriangleMesh, member: Member, pitches: int) -> TriangleMesh:
     gear_id, right, left, wall = (manifold3d.Manifold.reserve_ids(4) + k for k in range(4))
     gear = manifold_of(whole.vertices, {gear_id: whole.triangles})
     cut, sides = _wedge(CutSurface.of(member).rows(whole), angle)
-    made = (gear ^ manifold_of(cut, dict(zip((right, left, wall), sides, strict=True)))).to_mesh64()
-    vertices = np.array(made.vert_properties)[:, :3]
-    triangles = np.array(made.tri_verts, dtype=np.int64)
-    origin = np.repeat(np.asarray(made.run_original_id), np.diff(np.asarray(made.run_index)) // 3)
+    wedge = manifold_of(cut, dict(zip((right, left, wall), sides, strict=True)))
+    vertices, triangles, origin, face = facets_of(gear ^ wedge)
     on_cut = np.unique(triangles[np.isin(origin, (right, left))])
     vertices = _snap(vertices, on_cut, whole.vertices)
     triangles, kept = without_doubles(vertices, triangles, on_cut)
-    origin, source = origin[kept], np.asarray(made.face_id, dtype=np.int64)[kept]
+    origin, source = origin[kept], face[kept]
     first, surface = triangles[origin == right], origin == gear_id
     partners = _partners(vertices, first, triangles[origin == left], turn)
     if partners is None:

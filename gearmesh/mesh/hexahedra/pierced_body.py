@@ -274,14 +274,11 @@ class _Body:
         middle = 0.5 * (heights[:, 1:] + heights[:, :-1])
         s = np.linspace(0.0, 1.0, OUTLINE_PLACES)[:-1]
         for k, opening in enumerate(self._cuts.openings):
-            inside = contains(self._polygon(k, s), centre)
+            inside = contains(np.concatenate([curve.at(s) for curve in opening.curves]), centre)
             opening_of[inside] = k
             z = middle[inside]
             solid[inside] &= (z < opening.low) | (z > opening.high)
         return solid, opening_of
-
-    def _polygon(self, opening: int, s: Array) -> Array:
-        return np.concatenate([curve.at(s) for curve in self._cuts.openings[opening].curves])
 
     def mesh(self, body_set: str) -> HexMesh:
         """Return the mesh of teeth, rim and body."""
@@ -333,7 +330,7 @@ class _Body:
     def _faces(self, at: Index, opening_of: Index) -> dict[str, Index]:
         """Return the face sets (n, 2) of the body from its elements (Q, L), -1 for none."""
         found: dict[str, list[tuple[int, int]]] = {}
-        plane, bands, layers = self._plane, self._bands, at.shape[1]
+        plane, bands = self._plane, self._bands
         beside = self._neighbours()
         radii = self._radii[:: self._step]
         # upright faces: on a cut, or on a cylinder of the body
@@ -364,7 +361,6 @@ class _Body:
                 if not name or (opening_of[quad] >= 0 and self._is_floor(opening_of[quad], line)):
                     name = self._cuts.openings[opening_of[quad]].region.value
                 found.setdefault(name, []).append((int(here[quad, line]), face))
-        assert layers == self._cells.shape[1]
         return {name: np.array(faces) for name, faces in found.items()}
 
     def _is_floor(self, opening: int, line: int) -> bool:

@@ -131,7 +131,6 @@ class _Refinement:
         # lengths (S,) that segments had before they were divided for angles
         self._spacing = np.linalg.norm(end - start, axis=-1)
         self._free = np.zeros(count, dtype=bool)
-        self._outlines = [np.concatenate([c.at(np.linspace(0, 1, 65)[:-1]) for c in line.curves]) for line in lines[:2]]
         self._rounding = ROUNDING_SHARE * float(np.ptp(self._points, axis=0).max())
 
     def quads(self) -> PlaneQuads:
@@ -166,11 +165,11 @@ class _Refinement:
         a, b, c = np.moveaxis(self._points[triangles], 1, 0)
         area = plane_cross(b - a, c - a)
         triangles[area < 0.0] = triangles[area < 0.0][:, ::-1]
-        inside: Index = triangles[(np.abs(area) > self._rounding**2) & self._inside((a + b + c) / 3.0, triangles)]
+        inside: Index = triangles[(np.abs(area) > self._rounding**2) & self._inside((a + b + c) / 3.0)]
         return inside
 
-    def _inside(self, centres: Array, triangles: Index) -> NDArray[np.bool_]:
-        """Return True for triangles in the area: between the boundaries, whose edges are chords."""
+    def _inside(self, centres: Array) -> NDArray[np.bool_]:
+        """Return True for points (T, 2) in the area: between the boundaries, whose edges are chords."""
         ends = [self._segments[self._segments[:, 2] == k] for k in (0, 1)]
         outlines = [self._points[line[:, 0]] for line in (_in_order(part) for part in ends)]
         return np.asarray(contains(outlines[0], centres) & ~contains(outlines[1], centres))
