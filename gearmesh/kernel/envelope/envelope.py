@@ -101,8 +101,8 @@ class Envelope:
         else:
             phi, iterations, known_f_phi = self._solve(tool)
             state = self.motion.at(phi)
-            velocity = _velocity(state, tool.r)
-            f_phi = dot(tool.n, _velocity_change(state, tool.r)) if known_f_phi is None else known_f_phi
+            velocity = state.velocity(tool.r)
+            f_phi = dot(tool.n, state.velocity_change(tool.r)) if known_f_phi is None else known_f_phi
         spend(phi.size, iterations + 1, LINEAR_MOTION if self.motion.linear else OTHER_MOTION)
         spin = cross(state.omega, tool.n)
         return Generation(
@@ -193,8 +193,8 @@ class Envelope:
         # plain Newton steps of the whole batch: this close to the solution no damping is needed
         for iteration in range(1, MAX_POLISHING_STEPS + 1):
             state = self.motion.at(phi)
-            f = dot(tool.n, _velocity(state, tool.r))
-            step = f / dot(tool.n, _velocity_change(state, tool.r))
+            f = dot(tool.n, state.velocity(tool.r))
+            step = f / dot(tool.n, state.velocity_change(tool.r))
             phi = phi - step
             if not (np.abs(step) > POLISHED_STEP_RAD).any():
                 return phi, iteration
@@ -208,7 +208,7 @@ class Envelope:
     def _closed_form(self, tool: Jet) -> tuple[Array, Array, Array]:
         """Return phi (...,), the velocity (..., 3) and df/dphi (...,), for constant omega and tau linear in phi."""
         start = self._rest
-        velocity, f_phi = _velocity(start, tool.r), dot(tool.n, start.tau_phi)
+        velocity, f_phi = start.velocity(tool.r), dot(tool.n, start.tau_phi)
         phi = -dot(tool.n, velocity) / f_phi
         return phi, velocity + phi[..., None] * start.tau_phi, f_phi
 
@@ -216,7 +216,7 @@ class Envelope:
         r, n = tool.r.reshape(-1, 3), tool.n.reshape(-1, 3)
 
         def meshing(phi: Array, index: NDArray[np.intp]) -> Array:
-            return dot(n[index], _velocity(self.motion.at(phi), r[index]))
+            return dot(n[index], self.motion.at(phi).velocity(r[index]))
 
         low, high = self.phi_range
         roots = bracketed_root(meshing, np.full(len(r), low), np.full(len(r), high), tolerance=BRACKET_WIDTH_RAD)
@@ -227,12 +227,3 @@ class Envelope:
                 " points"
             )
         return roots.values.reshape(tool.r.shape[:-1]), roots.iterations
-
-
-def _velocity(state: MotionState, r: Array) -> Array:
-    return cross(state.omega, r) + state.tau
-
-
-def _velocity_change(state: MotionState, r: Array) -> Array:
-    """Return the derivative (..., 3) by phi of the velocity of tool points r (..., 3)."""
-    return cross(state.omega_phi, r) + state.tau_phi

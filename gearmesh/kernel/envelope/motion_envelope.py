@@ -72,11 +72,11 @@ class MotionEnvelope:
         phi, v = broadcast_pair(u, v)
         on_tool, state = self._solve(phi, v)
         tool = self.tool.jet(on_tool, v)
-        velocity, spin = cross(state.omega, tool.r) + state.tau, cross(state.omega, tool.n)
+        velocity, spin = state.velocity(tool.r), cross(state.omega, tool.n)
         # n . (Omega x r_u) = -(Omega x n) . r_u
         f_u = dot(tool.n_u, velocity) - dot(spin, tool.r_u)
         f_v = dot(tool.n_v, velocity) - dot(spin, tool.r_v)
-        f_phi = dot(tool.n, cross(state.omega_phi, tool.r) + state.tau_phi)
+        f_phi = dot(tool.n, state.velocity_change(tool.r))
         u_phi, u_v = (-f_phi / f_u)[..., None], (-f_v / f_u)[..., None]
         generated = Jet(
             r=tool.r,

@@ -15,7 +15,7 @@ from typing import Protocol
 
 import numpy as np
 
-from gearmesh.kernel.motion.motion import Motion, MotionState
+from gearmesh.kernel.motion.motion import Motion
 from gearmesh.kernel.numeric.algebra import Array, broadcast_pair, cross, dot
 from gearmesh.kernel.surface.surface import Jet
 
@@ -56,7 +56,7 @@ class SweptCurve:
         """Return the jet in the frame to which the motion leads."""
         u, v = broadcast_pair(u, v)
         edge, state = self.curve.at(u), self.motion.at(v)
-        w, w_v = _velocity(state, edge.r), cross(state.omega_phi, edge.r) + state.tau_phi
+        w, w_v = state.velocity(edge.r), state.velocity_change(edge.r)
         normal = self.sense * cross(edge.t, w)
         size = np.sqrt(dot(normal, normal))[..., None]
         n = normal / size
@@ -65,7 +65,3 @@ class SweptCurve:
         normal_v = cross(state.omega, normal) + self.sense * cross(edge.t, w_v)
         n_u, n_v = ((change - n * dot(n, change)[..., None]) / size for change in (normal_u, normal_v))
         return Jet(edge.r, n, edge.r_u, w, n_u, n_v).move(state.tool_to_blank)
-
-
-def _velocity(state: MotionState, r: Array) -> Array:
-    return cross(state.omega, r) + state.tau

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array, cross
 
 
 @dataclass(frozen=True)
@@ -32,6 +32,14 @@ class MotionState:
     omega_phi: Array
     #: derivative of tau with respect to phi
     tau_phi: Array
+
+    def velocity(self, r: Array) -> Array:
+        """Return the velocity (..., 3) of tool points r (..., 3), in the tool frame."""
+        return cross(self.omega, r) + self.tau
+
+    def velocity_change(self, r: Array) -> Array:
+        """Return the derivative (..., 3) by phi of the velocity of tool points r (..., 3)."""
+        return cross(self.omega_phi, r) + self.tau_phi
 
 
 @dataclass(frozen=True)
