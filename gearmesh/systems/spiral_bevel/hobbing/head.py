@@ -8,7 +8,7 @@ ends of the face. Without eccentricity both members are conjugate, and touch alo
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,7 +17,7 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.systems.common.bevel.blank import BevelBlank
-from gearmesh.systems.common.bevel.iso23509.tooth_line import FaceCutter, ToothLine
+from gearmesh.systems.common.bevel.iso23509.tooth_line import ToothLine
 from gearmesh.systems.common.bounds import at_least, at_most
 
 if TYPE_CHECKING:
@@ -133,14 +133,6 @@ class HeadLines:
 
         `more`: excess (N,) of its radius, mm.
         """
-        groups, line = self.line.cutter.blade_groups, self.line
-        lines = [
-            ToothLine(
-                FaceCutter(line.cutter.radius + own, groups),
-                line.mean_cone_distance,
-                line.spiral_angle,
-                line.crown_teeth,
-            )
-            for own in np.atleast_1d(more)
-        ]
+        cutter = self.line.cutter
+        lines = [replace(self.line, cutter=replace(cutter, radius=cutter.radius + own)) for own in np.atleast_1d(more)]
         return np.array([[own.turn_at(distance) for own in lines] for distance in self.extent])

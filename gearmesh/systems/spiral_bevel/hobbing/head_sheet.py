@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,9 +24,7 @@ if TYPE_CHECKING:
 def tooth_line(side: Generated, blank: BevelBlank) -> ToothLine:
     """Return the tooth line that a side's blade cuts on the crown gear."""
     assert side.indexing is not None
-    cutter = FaceCutter(side.indexing.radius, side.indexing.blade_groups)
-    nominal = blank.tooth_line
-    return ToothLine(cutter, nominal.mean_cone_distance, nominal.spiral_angle, nominal.crown_teeth)
+    return replace(blank.tooth_line, cutter=FaceCutter(side.indexing.radius, side.indexing.blade_groups))
 
 
 def head_table(sides: list[Generated], names: tuple[str, ...], blank: BevelBlank, unit: float, noun: str) -> SheetTable:

@@ -106,9 +106,7 @@ class ToothLine:
             sine = mean / cone_distance * np.sin(self.spiral_angle)
             sine = sine + (cone_distance**2 - mean**2) / (2.0 * cone_distance * radius)
             return np.arcsin(np.clip(sine, -1.0, 1.0))
-        turn: Array = np.arccos(
-            np.clip((cone_distance**2 + centre**2 - radius**2) / (2.0 * cone_distance * centre), -1.0, 1.0)
-        )
+        turn = _angle(cone_distance, centre, radius)
         return np.arctan2(cone_distance - self.base_radius * np.cos(turn), self.base_radius * np.sin(turn))
 
     def turn_at(self, cone_distance: Value) -> Value:
