@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from gearmesh.cad.extracts.sector_part import faces_after, shapes_in
-from gearmesh.cad.occ import collection
-from gearmesh.cad.step import Part
+from gearmesh.cad.occ import collection, solids_in
+from gearmesh.cad.step import Part, faces_after
 from gearmesh.errors import DesignError
 
 
@@ -26,7 +25,7 @@ def joined_part(parts: Sequence[Part], name: str) -> Part:
     fuse.SetArguments(lists[0])
     fuse.SetTools(lists[1])
     fuse.Build()
-    solids = shapes_in(fuse.Shape(), "SOLID")
+    solids = solids_in(fuse.Shape())
     if len(solids) != 1 or not BRepCheck_Analyzer(solids[0]).IsValid():
         raise DesignError(
             name,

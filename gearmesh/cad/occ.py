@@ -207,6 +207,12 @@ def mapped_shapes(shape: Any, kind: str) -> Any:
     return parts
 
 
+def solids_in(shape: Any) -> list[Any]:
+    """Return the solids of a shape, each once."""
+    parts = mapped_shapes(shape, "SOLID")
+    return [parts.FindKey(k) for k in range(1, parts.Extent() + 1)]
+
+
 def collection(name: str) -> Any:
     """Return a collection class of OpenCASCADE by its name in OpenCASCADE 8."""
     try:

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from gearmesh import __version__
-from gearmesh.cad.occ import location
+from gearmesh.cad.occ import location, mapped_shapes
 from gearmesh.cad.part21 import basic_alphabet, condense
 from gearmesh.cad.programs.requirements import require
 from gearmesh.errors import OutputError
@@ -109,6 +109,20 @@ def own_copy(part: Part, name: str) -> Part:
     copy = BRepBuilderAPI_Copy(part.solid)
     faces = tuple(replace(face, shape=TopoDS.Face(copy.ModifiedShape(face.shape))) for face in part.faces)
     return replace(part, name=name, solid=copy.Shape(), faces=faces)
+
+
+def faces_after(operation: Any, solid: Any, sources: tuple[NamedFace, ...]) -> tuple[NamedFace, ...]:
+    """Return the faces of a solid made by an operation on others, each with the name of the face that it is part of."""
+    from OCP.TopoDS import TopoDS
+
+    faces, named = mapped_shapes(solid, "FACE"), []
+    for source in sources:
+        pieces = list(operation.Modified(source.shape)) or [source.shape]
+        places = [faces.FindIndex(piece) for piece in pieces if faces.Contains(piece)]
+        for number, place in enumerate(places, 1):
+            name = source.name if number == 1 else f"{source.name}_piece_{number}"
+            named.append(NamedFace(TopoDS.Face(faces.FindKey(place)), name, source.region, tooth=source.tooth))
+    return tuple(named)
 
 
 def require_occ() -> None:

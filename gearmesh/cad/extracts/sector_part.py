@@ -8,9 +8,9 @@ import numpy as np
 
 from gearmesh.cad.brep import SplineTooth
 from gearmesh.cad.nodes import SPLINE_DEGREE
-from gearmesh.cad.occ import PRECISION_MM, collection, mapped_shapes, spline_surface
+from gearmesh.cad.occ import PRECISION_MM, collection, solids_in, spline_surface
 from gearmesh.cad.solid_part import turn_about_z
-from gearmesh.cad.step import NamedFace, Part
+from gearmesh.cad.step import NamedFace, Part, faces_after
 from gearmesh.errors import DesignError
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.mesh.extracts.sector import CutSurface
@@ -48,7 +48,7 @@ def sector_part(whole: Part, member: Member, teeth: SplineTooth, pitches: int) -
     splitter.SetTools(cuts)
     splitter.Build()
     tools = [NamedFace(cut, region, region) for cut, region in zip((first, last), CUT_REGIONS, strict=True)]
-    for solid in shapes_in(splitter.Shape(), "SOLID"):
+    for solid in solids_in(splitter.Shape()):
         faces = faces_after(splitter, solid, (*whole.faces, *tools))
         if any(face.name == f"{Region.LAND}_1" for face in faces) and BRepCheck_Analyzer(solid).IsValid():
             return Part(whole.name, solid, faces, (*whole.regions, *CUT_REGIONS))
@@ -109,23 +109,3 @@ def _angles(cut: CutSurface, low: float, high: float) -> Akima1DInterpolator:
     ]
     places = np.concatenate(([low - 1.0, low], stations, [high, high + 1.0]))
     return Akima1DInterpolator(places, np.concatenate((ends[0], theta, ends[1])))
-
-
-def faces_after(operation: Any, solid: Any, sources: tuple[NamedFace, ...]) -> tuple[NamedFace, ...]:
-    """Return the faces of a solid made by an operation on others, each with the name of the face that it is part of."""
-    from OCP.TopoDS import TopoDS
-
-    faces, named = mapped_shapes(solid, "FACE"), []
-    for source in sources:
-        pieces = list(operation.Modified(source.shape)) or [source.shape]
-        places = [faces.FindIndex(piece) for piece in pieces if faces.Contains(piece)]
-        for number, place in enumerate(places, 1):
-            name = source.name if number == 1 else f"{source.name}_piece_{number}"
-            named.append(NamedFace(TopoDS.Face(faces.FindKey(place)), name, source.region, tooth=source.tooth))
-    return tuple(named)
-
-
-def shapes_in(shape: Any, kind: str) -> list[Any]:
-    """Return the solids or faces of a shape, each once."""
-    parts = mapped_shapes(shape, kind)
-    return [parts.FindKey(k) for k in range(1, parts.Extent() + 1)]
