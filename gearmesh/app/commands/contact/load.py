@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import numpy as np
 import typer
 
 from gearmesh.answers.tables import Listing
@@ -102,6 +101,8 @@ def load(
     )
     mesh = chosen_pair(gears, pair)
     if dynamics is not None and positions is not None:
+        import numpy as np
+
         from gearmesh.answers.load.dynamics import whole_pitches
 
         whole_pitches(gears.pair(mesh), np.radians(positions))
