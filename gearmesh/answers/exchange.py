@@ -12,11 +12,12 @@ from gearmesh import __version__
 from gearmesh.answers.contact.contact import PHI1_RANGE_KEYS
 from gearmesh.answers.load.figures import LoadedPosition
 from gearmesh.answers.load.loaded import LoadedContact
-from gearmesh.answers.pinned import Pinned, leaves_of
+from gearmesh.answers.pinned import Pinned
 from gearmesh.answers.result import Result, header
 from gearmesh.answers.tables import Listing
 from gearmesh.arguments import checks_arguments
 from gearmesh.design.core import Design, RexsSource
+from gearmesh.design.dotted import values_of
 from gearmesh.design.files import anchor, counted_from, every_key, stated_text
 from gearmesh.errors import ArgumentError, DesignError, FileError
 from gearmesh.exchange.model import WRITTEN_VERSION, Component, LoadCase, RexsModel
@@ -320,7 +321,7 @@ def rexs_of(pinned: Pinned, folder: Path, loaded: LoadedContact | None = None) -
     model.version, model.application, model.application_version = WRITTEN_VERSION, "gearmesh", __version__
     model.date = model.date or DEFAULT_DATE
     plain = counted_from(every_key(design, PHI1_RANGE_KEYS), type(design), folder)
-    keys = {key: value for key, value in leaves_of(plain) if not key.startswith("rexs.")}
+    keys = {key: value for key, value in values_of(plain) if not key.startswith("rexs.")}
     writer = StageWriter(model, keys)
     stage = form.write(writer, design, known)
     own_keys = tuple(writer.keys)

@@ -11,6 +11,7 @@ from gearmesh.answers.contact.contact import PHI1_RANGE_KEYS, positions_of
 from gearmesh.answers.result import Result, header
 from gearmesh.answers.tables import Listing, plain
 from gearmesh.design.core import Design
+from gearmesh.design.dotted import values_of
 from gearmesh.design.files import every_key
 from gearmesh.figures import Content
 from gearmesh.formats import JSON_SUFFIX, TOML_SUFFIX
@@ -72,20 +73,12 @@ def pin(stated: Design, design: Design, pairs: tuple[GearPair, ...]) -> Pinned:
     positions = any(map(stated.sets, PHI1_RANGE_KEYS)) or len(pairs) == 1
     if len(pairs) == 1 and (ends := positions_of(stated, pairs[0])) is not None:
         # the whole table is added: a table that is partly given has other defaults than a missing table
-        table = {key: value for key, value in leaves_of(design.plain()) if key.startswith("contact.")}
+        table = {key: value for key, value in values_of(design.plain()) if key.startswith("contact.")}
         design = design.with_values({**table, **dict(zip(PHI1_RANGE_KEYS, ends, strict=True))})
     # parse it as a stated design: a later build could choose a default anew that is only filled in
     design = parse(every_key(design, () if positions else PHI1_RANGE_KEYS))
-    all_keys = dict(leaves_of(design.plain()))
+    all_keys = dict(values_of(design.plain()))
     added = {
         key: value for key, value in all_keys.items() if key not in given and (positions or key not in PHI1_RANGE_KEYS)
     }
     return Pinned(design, added, positions)
-
-
-def leaves_of(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
-    """Return the dotted keys of a table and their values."""
-    leaves: list[tuple[str, Any]] = []
-    for key, value in table.items():
-        leaves += leaves_of(value, f"{prefix}{key}.") if isinstance(value, Mapping) else [(prefix + key, value)]
-    return leaves

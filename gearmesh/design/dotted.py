@@ -40,6 +40,11 @@ def leaves(tables: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, A
             yield prefix + name, value
 
 
+def values_of(tables: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    """Yield the dotted keys of nested tables with their values; tables without a key are left out."""
+    return ((key, value) for key, value in leaves(tables) if not isinstance(value, Mapping))
+
+
 def empty_tables(tables: Mapping[str, Any]) -> dict[str, Any]:
     """Return the tables without a key among nested tables, and those that they stand in."""
     return with_keys({}, ((key, {}) for key, value in leaves(tables) if value == {}))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -12,7 +12,7 @@ from gearmesh.answers.load.loaded import required_torques
 from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing
 from gearmesh.design.core import Design
-from gearmesh.design.dotted import with_keys
+from gearmesh.design.dotted import values_of, with_keys
 from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, Summary, figure
 from gearmesh.kernel.numeric.algebra import Array
@@ -157,7 +157,7 @@ def _reach(design: Design, key: str, reach: str | float) -> float:
 
 def _ends(design: Design, key: str, far: float) -> tuple[float, Array]:
     """Return the design's own value of a key, and the ends (2,) of the search below and above it."""
-    start = dict(_all_keys(design.resolve())).get(key)
+    start = dict(values_of(design.resolve())).get(key)
     if not isinstance(start, float):
         raise ArgumentError("find_limits", entry=key, must_be="a key of real numbers that has a value in the design")
     ends = np.array([start - far, start + far])
@@ -205,15 +205,6 @@ def _of_key(
             fails, failing_figure = failing_criterion.text, known[beyond][work.names.index(failing_criterion.figure)]
         rows.append(LargestFigures(work.keys[0], way, value, fails, failing_figure))
     return rows
-
-
-def _all_keys(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield every key of nested tables, dotted, with its value."""
-    for name, value in table.items():
-        if isinstance(value, Mapping):
-            yield from _all_keys(value, f"{prefix}{name}.")
-        else:
-            yield prefix + name, value
 
 
 def _number(value: Any) -> float:

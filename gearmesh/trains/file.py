@@ -15,6 +15,7 @@ from gearmesh import __version__
 from gearmesh.design import files, keys
 from gearmesh.design.changes import unknown_version
 from gearmesh.design.core import Design
+from gearmesh.design.dotted import values_of
 from gearmesh.design.explain import explain
 from gearmesh.design.keys import MM_PER, Table
 from gearmesh.design.shown import value_text
@@ -133,11 +134,8 @@ def train_of(data: Mapping[str, Any], folder: Path) -> TrainFile:
         hint = "" if kind is None else "; the design of a gear set is a stage of a train, or has other commands, as run"
         raise DesignError("kind", kind, shown=value_text(kind), must_be=f'"{TRAIN_KIND}"{hint}')
     plain = {name: value for name, value in data.items() if name not in NAMED_TABLES}
-    for name in plain:
-        if name not in TrainKeys.model_fields and (close := nearest(name, (*TrainKeys.names(), *NAMED_TABLES))):
-            raise DesignError(name, reason=f"unknown key; did you mean {close}?")
     units = str(plain.get("units", "mm"))
-    own = _table(TrainKeys, plain, "", units)
+    own = _table(TrainKeys, plain, "", units, NAMED_TABLES)
     if own.gearmesh is not None and (why := unknown_version(own.gearmesh, __version__)):
         raise DesignError("gearmesh", own.gearmesh, reason=why)
     stages = {name: _design(name, table, folder) for name, table in _named(data, "stages").items()}
@@ -174,7 +172,7 @@ def _design(name: str, table: Mapping[str, Any], folder: Path) -> Design:
         if not isinstance(file, str) or not file:
             raise DesignError(DESIGN_KEY, file, shown=value_text(file), must_be="the name of a design file")
         path = folder / file
-        changed = tuple(f"{dotted}={_toml_value(value)}" for dotted, value in _dotted(own))
+        changed = tuple(f"{dotted}={_toml_value(value)}" for dotted, value in values_of(own))
         try:
             return designs.load(path, changed)
         except FileError as failure:
@@ -184,15 +182,6 @@ def _design(name: str, table: Mapping[str, Any], folder: Path) -> Design:
 def _anchored(own: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     """Return the keys of a design with names of files relative to the working folder."""
     return files.anchor(own, system(own["kind"]).of_keys(own).design, folder)
-
-
-def _dotted(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield the keys of nested tables with their dotted names."""
-    for name, value in table.items():
-        if isinstance(value, Mapping):
-            yield from _dotted(value, f"{prefix}{name}.")
-        else:
-            yield prefix + name, value
 
 
 def _toml_value(value: Any) -> str:
