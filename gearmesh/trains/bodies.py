@@ -19,7 +19,6 @@ from gearmesh.trains.layout import Layout, Shaft
 
 if TYPE_CHECKING:
     from gearmesh.answers.bodies.cad import Cad, CadFigures
-    from gearmesh.answers.gearset import GearSet
     from gearmesh.cad.step import Part
     from gearmesh.teeth.gear_train import Member
 
@@ -52,7 +51,7 @@ def bodies_of(layout: Layout, psi: float) -> tuple[TrainBody, ...]:
 
 def _in_shaft(layout: Layout, shaft: Shaft) -> dict[str, Rigid]:
     """Return transformations from the own frames of the gears of a shaft to its frame at rotation 0."""
-    stages = {step.stage.name: step.stage for step in layout.steps}
+    stages = layout.stages
     found = {}
     for member in shaft.members:
         train = stages[member.stage].gears.train
@@ -69,15 +68,15 @@ def solids_of_train(
 
     `tolerance`: mm; by default those of the designs. `file`: file for which the meshes are proved.
     """
-    gears: dict[str, GearSet] = {step.stage.name: step.stage.gears for step in layout.steps}
+    stages = layout.stages
     made = {}
     for body in in_turn(bodies_of(layout, psi)):
         parts = []
         for name, to_body in body.members.items():
             stage, _, member = name.partition(".")
             with naming_stage(stage):
-                place = body.place @ to_body
-                part = solid_of(gears[stage], member, gears[stage].within(tolerance), file=file, place=place)
+                gears, place = stages[stage].gears, body.place @ to_body
+                part = solid_of(gears, member, gears.within(tolerance), file=file, place=place)
                 parts.append(_named(part.move(to_body), name))
         made[body.name] = _one_body(body, parts, file) if len(parts) > 1 else parts[0].move(body.place)
     return Solids(layout.file, made, warnings)
@@ -142,7 +141,7 @@ def _cad_member(
     from gearmesh.cad.step import own_copy
 
     stage, _, word = name.partition(".")
-    gears = next(step.stage.gears for step in layout.steps if step.stage.name == stage)
+    gears = layout.stages[stage].gears
     with naming_stage(stage):
         member = gears.stocked_part(word).member
         alike = next((made for other, made in known if member.is_shaped_as(other)), None)

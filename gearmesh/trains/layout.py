@@ -102,25 +102,36 @@ class Layout:
     #: sense, +1 or -1, in which the input turns about its z axis
     sense: int
 
+    @property
+    def stages(self) -> dict[str, Stage]:
+        """Stages by their names, in the order of the motion."""
+        return {step.stage.name: step.stage for step in self.steps}
+
     def turns(self, psi: Array) -> dict[str, Array]:
         """Return rotations (N,), rad, of all shafts in contact at rotations (N,) of the input shaft."""
-        known = {self.file.input: psi}
+        return self.follow(psi)[0]
+
+    def follow(self, psi: Array) -> tuple[dict[str, Array], dict[str, dict[str, Array]]]:
+        """Return rotations (N,), rad, in contact at rotations (N,) of the input shaft.
+
+        They are those of all shafts, and of the ports of every stage about their own axes, by its name.
+        """
+        shafts, ports = {self.file.input: psi}, {}
         for step in self.steps:
             (source, driver), (target, driven) = step.driver, step.driven
-            turned = step.stage.follow(driver.port, driver.theta(known[source]))
-            known[target] = driven.psi(turned[driven.port])
-        return known
+            turned = step.stage.follow(driver.port, driver.theta(shafts[source]))
+            shafts[target], ports[step.stage.name] = driven.psi(turned[driven.port]), turned
+        return shafts, ports
 
     def places(self, psi: float) -> dict[str, Rigid]:
         """Return transformations from the own frames of all members, by "stage.member", to the frame of the train.
 
         The train is in contact at a rotation `psi` (rad) of the input shaft.
         """
-        known = self.turns(np.array([psi]))
+        ports = self.follow(np.array([psi]))[1]
         placed: dict[str, Rigid] = {}
         for step in self.steps:
-            source, driver = step.driver
-            turned = step.stage.follow(driver.port, driver.theta(known[source]))
+            turned = ports[step.stage.name]
             members = step.stage.places({name: float(theta[0]) for name, theta in turned.items()})
             placed.update((f"{step.stage.name}.{name}", step.place @ own) for name, own in members.items())
         return placed

@@ -22,7 +22,7 @@ from gearmesh.figures import Content, Figures, figure
 from gearmesh.formats import CSV_SUFFIX, JSON_SUFFIX
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.lengths import Length, tolerance_in_mm
-from gearmesh.trains.file import TrainFile, naming_stage, read_train, train_of
+from gearmesh.trains.file import TrainFile, read_train, train_of
 from gearmesh.trains.layout import Layout, TrainStep, layout_of, stages_of
 from gearmesh.trains.stage import CARRIER_NAME, Mesh
 from gearmesh.trains.transmission import ShaftError, mesh_motions, output_error, relative_speed
@@ -195,8 +195,8 @@ class MultistageTrain(Result):
     @property
     def warnings(self) -> tuple[str, ...]:
         """Notes on the file, and warnings about the gears of all stages, one line each."""
-        steps = self.layout.steps
-        return (*self.notes, *(f"{step.stage.name}: {line}" for step in steps for line in step.stage.gears.warnings))
+        stages = self.layout.stages
+        return (*self.notes, *(f"{name}: {line}" for name, stage in stages.items() for line in stage.gears.warnings))
 
     # ---------------------------------------------------------------- kinematics
 
@@ -238,14 +238,11 @@ class MultistageTrain(Result):
     @cached_property
     def meshes(self) -> tuple[TrainMeshFigures, ...]:
         """Hunting and phase of every mesh, with the input at 0."""
-        start = self.layout.turns(np.zeros(1))
+        start = self.layout.follow(np.zeros(1))[1]
         found = []
         for step in self.layout.steps:
-            source, driver = step.driver
-            with naming_stage(step.stage.name):
-                turned = step.stage.follow(driver.port, driver.theta(start[source]))
-                relative = turned[step.stage.members[0]] - turned[CARRIER_NAME]
-                phases = self._phases(step, relative)
+            turned = start[step.stage.name]
+            phases = self._phases(step, turned[step.stage.members[0]] - turned[CARRIER_NAME])
             for mesh, motion, phase in zip(step.stage.meshes, mesh_motions(self.layout, step), phases, strict=True):
                 teeth = [member.tooth.teeth for member in mesh.pair.both]
                 common = math.gcd(*teeth)
@@ -269,8 +266,13 @@ class MultistageTrain(Result):
 
     @property
     def headline(self) -> str:
+        return f"{self.title}: {self._summary}"
+
+    @property
+    def _summary(self) -> str:
+        """Number of stages, and ratio."""
         values = self.figures
-        return f"{self.title}: {len(self.file.stages)} stages, ratio {values.ratio_fraction} = {values.ratio:.6g}"
+        return f"{len(self.file.stages)} stages, ratio {values.ratio_fraction} = {values.ratio:.6g}"
 
     @property
     def listings(self) -> list[Listing]:
@@ -570,14 +572,14 @@ class MultistageTrain(Result):
         from gearmesh.reports.report import PICTURE_SIZE as PAGE_PICTURE_SIZE
         from gearmesh.trains.page import train_page
 
-        error, values = self.transmission_error(turns), self.figures
+        error = self.transmission_error(turns)
         return train_page(
             self.title,
-            f"{len(self.file.stages)} stages, ratio {values.ratio_fraction} = {values.ratio:.6g}",
+            self._summary,
             [*self.listings, *error.listings],
             self.chart(error),
             lambda: self.scene(0.0, PAGE_PICTURE_SIZE),
-            {step.stage.name: step.stage.gears for step in self.layout.steps},
+            {name: stage.gears for name, stage in self.layout.stages.items()},
             self.warnings,
         )
 

@@ -99,11 +99,10 @@ def output_error(layout: Layout, shaft: str, turns: float | None) -> ShaftError:
         raise ArgumentError("turns", turns, must_be=f"turns of the input above 0, {most:.6g} at most")
     count = int(np.ceil(min(POSITIONS_PER_PITCH * fastest * turns, MAX_POSITIONS))) + 1
     psi = np.linspace(0.0, 2.0 * np.pi * turns, count)
-    start, parts = layout.turns(np.zeros(1)), {}
+    start, parts = layout.follow(np.zeros(1))[1], {}
     for number, step in enumerate(way):
-        stage, (source, driver) = step.stage, step.driver
-        known = stage.follow(driver.port, driver.theta(start[source]))
-        at_zero = known[stage.members[0]] - known[CARRIER_NAME]
+        stage, driver, turned = step.stage, step.driver[1], start[step.stage.name]
+        at_zero = turned[stage.members[0]] - turned[CARRIER_NAME]
         rate = layout.sense * float(relative_speed(layout, step))
         error = stage.relation(at_zero + rate * psi) - float(stage.slope) * rate * psi - stage.relation(at_zero)
         gain = stage.gain(driver.port, step.driven[1].port) * step.driven[1].sense
