@@ -161,7 +161,11 @@ def load_rexs(file: str | os.PathLike[str], stage: str | None = None) -> RexsRea
     'cylindrical'
     """
     path = Path(file)
-    model = read_rexs(path)
+    return read_stage(read_rexs(path), path, stage)
+
+
+def read_stage(model: RexsModel, path: Path, stage: str | None) -> RexsReading:
+    """Return the design of a stage, by its id, of the model in a file. Raises DesignError as `load_rexs` does."""
     kind_system, reader = _stage(model, path, stage)
     assert kind_system.rexs is not None
     dotted = kind_system.rexs.read(reader)

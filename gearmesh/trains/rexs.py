@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from gearmesh.answers.exchange import load_rexs, stages_in
+from gearmesh.answers.exchange import read_stage, stages_in
 from gearmesh.design.core import Design
 from gearmesh.exchange.model import Component, RexsModel
 from gearmesh.exchange.rexs_file import read_rexs
@@ -71,7 +71,7 @@ def train_tables(path: Path) -> tuple[dict[str, Any], tuple[str, ...]]:
     file = _GearboxFile(path, model, StageReader(str(path), model, found[0]))
     stages: dict[str, Any] = {}
     for component in found:
-        reading = load_rexs(path, component.id)
+        reading = read_stage(model, path, component.id)
         name = f"stage_{component.id}"
         stages[name] = {key: value for key, value in reading.keys.items() if key != "rexs"}
         file.notes += [f"{name}: {line}" for line in reading.warnings]

@@ -222,6 +222,11 @@ class MotionFigures(Figures):
         return not math.isnan(self.sliding)
 
 
+def velocity_per_rad(speed: float) -> float:
+    """Return the velocity, m/s, of 1 mm per rad of the pinion at a speed of the pinion, rpm."""
+    return 1e-3 * math.tau * speed / 60.0
+
+
 @dataclass(frozen=True)
 class SpeedFigures(Figures):
     """Velocities of both flanks at a contact, at a speed of the pinion."""
@@ -236,7 +241,7 @@ class SpeedFigures(Figures):
     @staticmethod
     def of(motion: MotionFigures, speed: float, pressure: float | None) -> SpeedFigures:
         """Return the figures at a speed of the pinion, rpm, under a largest pressure, MPa, if it is known."""
-        per_rad = 1e-3 * math.tau * speed / 60.0
+        per_rad = velocity_per_rad(speed)
         return SpeedFigures(
             per_rad * motion.sliding,
             {member: per_rad * rolling for member, rolling in motion.rolling.items()},

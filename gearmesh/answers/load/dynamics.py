@@ -22,7 +22,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -36,6 +36,8 @@ from gearmesh.figures import Content, Figures, Summary, figure
 from gearmesh.formats import CSV_SUFFIX, JSON_SUFFIX
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.teeth.gear_train import GearPair, GearTrain
+
+NumberT = TypeVar("NumberT", float, Array)
 
 #: harmonics of the mesh frequency; fewer if there are less than twice as many positions in a pitch
 HARMONIC_COUNT = 10
@@ -299,8 +301,8 @@ class _MeshTable:
                 )
         return rows
 
-    def _line(self, stiffness: float) -> float:
-        """Return a stiffness of rotation, N mm/rad, along the line of action, N/m."""
+    def _line(self, stiffness: NumberT) -> NumberT:
+        """Return a stiffness of rotation, N mm/rad, along the line of action, N/m; one, or one per position."""
         return 1e3 * stiffness / self.lever**2
 
     def _stiffness(self, secant: float, tangent: float) -> StiffnessFigures:
@@ -320,7 +322,7 @@ class _MeshTable:
                 TorqueHarmonics(
                     1e-3 * float(torque),
                     TeHarmonics(*self._harmonics(self.line_te[k])),
-                    StiffnessHarmonics(*self._harmonics(np.vectorize(self._line)(self.mesh.tangent[k]))),
+                    StiffnessHarmonics(*self._harmonics(self._line(self.mesh.tangent[k]))),
                 )
                 for k, torque in enumerate(self.mesh.torque)
             ],

@@ -31,7 +31,7 @@ from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, Status
 from gearmesh.figures import Content, Entry, Figure, Summary, flat
 from gearmesh.formats import CSV_SUFFIX, JSON_SUFFIX
-from gearmesh.kernel.numeric.algebra import ARCSEC, Array
+from gearmesh.kernel.numeric.algebra import ARCSEC, Array, largest_known
 from gearmesh.loaded.compliance.compliance import FlankCompliance
 from gearmesh.loaded.compliance.twist import twist_compliance
 from gearmesh.loaded.edges import EdgeLoad, edge_loads, load_along_face
@@ -89,7 +89,7 @@ class LoadedContact(Result):
 
     @property
     def headline(self) -> str:
-        worst = _largest(np.concatenate([load.peak for load in self.mesh.loads]))
+        worst = largest_known(np.concatenate([load.peak for load in self.mesh.loads]))
         if np.isnan(worst):
             pressure = "contact on edges alone"
         else:
@@ -323,7 +323,7 @@ class LoadedContact(Result):
             unloaded_te_peak_to_peak=self.unloaded_peak_to_peak / ARCSEC,
             mean_tooth_pairs=float(pair_counts.mean()),
             tooth_pairs=[int(pair_counts.min()), int(pair_counts.max())],
-            max_pressure=_largest(load.peak),
+            max_pressure=largest_known(load.peak),
             max_pressure_error=100.0 * float(load.error[worst]),
             max_pressure_phi1=float(np.degrees(phi1_of_worst).round(12)),
             max_pair_force=float(load.force.max()),
@@ -651,11 +651,6 @@ _FILLET_COLUMNS = ["Nm", "member", "bending", "error %", "largest", "contact's o
 def _most(values: Array) -> Array:
     """Return the largest (2,) of figures (P, 2); NaN if none is known."""
     return np.asarray(np.fmax.reduce(values, axis=0))
-
-
-def _largest(peaks: Array) -> float:
-    """Return the largest of pressures (M,); NaN if there are none away from edges."""
-    return float(np.nanmax(peaks)) if np.isfinite(peaks).any() else np.nan
 
 
 def _per_width(pair: GearPair, load: PairLoad, turns: tuple[float, float]) -> float | None:

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from gearmesh.answers.contact.figures import MotionFigures, SpeedFigures
+from gearmesh.answers.contact.figures import MotionFigures, SpeedFigures, velocity_per_rad
 from gearmesh.answers.load.members import materials_of
 from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, csv_text, round_to
@@ -21,7 +21,7 @@ from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, Summary, figure
 from gearmesh.formats import CSV_SUFFIX, JSON_SUFFIX
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array, largest_known
 from gearmesh.loaded.lubrication import (
     LEAST_PECLET,
     STEEL_THERMAL_CONTACT,
@@ -139,7 +139,7 @@ class RunningConditions:
     @property
     def per_rad(self) -> float | None:
         """Velocity, m/s, of 1 mm per rad of the pinion; None without a speed."""
-        return None if self.speed is None else 1e-3 * math.tau * self.speed / 60.0
+        return None if self.speed is None else velocity_per_rad(self.speed)
 
 
 @dataclass(frozen=True, repr=False)
@@ -232,13 +232,13 @@ class Tribology(Result):
         return TribologyTotals(
             torque,
             float(sliding.max()),
-            _largest(contact.line_load[inner]),
+            largest_known(contact.line_load[inner]),
             None if per_rad is None else per_rad * float(sliding.max()),
-            None if per_rad is None else per_rad * _largest((contact.pressure * sliding)[inner]),
+            None if per_rad is None else per_rad * largest_known((contact.pressure * sliding)[inner]),
             None if lost is None else 100.0 / (1.0 + lost),
             None if lost is None or per_rad is None else 1e3 * per_rad * torque * lost / (1.0 + lost),
-            None if flash is None else _largest(flash[inner]),
-            None if film is None else -_largest(-film[inner]),
+            None if flash is None else largest_known(flash[inner]),
+            None if film is None else -largest_known(-film[inner]),
         )
 
     @property
@@ -348,8 +348,3 @@ class _Heated:
                 running.viscosity,
                 running.pressure_viscosity,
             )
-
-
-def _largest(values: Array) -> float:
-    """Return the largest value that is known; NaN if there is none."""
-    return float(np.nanmax(values)) if np.isfinite(values).any() else np.nan

@@ -134,3 +134,8 @@ def distinct(numbers: NDArray[np.int64]) -> NDArray[np.int64]:
     ascending = np.sort(numbers, axis=None)
     distinct_numbers: NDArray[np.int64] = ascending[np.append(True, ascending[1:] != ascending[:-1])[: ascending.size]]
     return distinct_numbers
+
+
+def largest_known(values: Array) -> float:
+    """Return the largest value that is known; NaN if there is none."""
+    return float(np.nanmax(values)) if np.isfinite(values).any() else np.nan
