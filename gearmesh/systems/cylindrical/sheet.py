@@ -83,6 +83,8 @@ SIDE_WORDS = ("drive", "coast")
 NORMAL_BACKLASH_ROWS = ("j_bn", "normal, of the drive side"), ("j_bn_coast", "normal, of the coast side")
 #: symbols of rows of a mesh that differ on both sides of asymmetric teeth
 SIDE_SYMBOLS = frozenset(("alpha_n", "alpha_t", "alpha_wt", "beta_b", "p_et", "eps_alpha", "eps_gamma", "s_u"))
+#: symbols of rows of members that asymmetric teeth have in the table of their sides
+FLANK_SYMBOLS = frozenset(("d_b", "d_Ff", "d_Nf", "d_Fa", "d_Na"))
 #: shorter run-outs are rounding
 LEAST_RUN_OUT_MM = 1e-9
 #: largest difference of a proportion of a standard basic rack
@@ -157,14 +159,24 @@ def half_tables(design: HalvesKeys, members: tuple[Member, ...]) -> list[SheetTa
 def pair_tables(pair: SheetPair, names: tuple[str, str] = MEMBER_NAMES) -> tuple[SheetTable, ...]:
     """Return the tables of a pair; `names` are the names of its pinion and gear."""
     own, thickness, *others = member_tables(pair, names)
-    sides = range(len(pair.lines))
-    both = tuple(name for number in sides for name in _side_columns(pair, names)[number :: len(sides)])
-    of_pair = side_tables("Pair", [_mesh_rows(pair, number) for number in sides])
-    of_contact = tables_by_title(
-        {"Contact from A to E": (both, lambda: side_by_side([_contact_rows(pair, number) for number in sides]))}
+    of_mesh = tables_of(
+        ("Pair", lambda: side_tables("Pair", [_mesh_rows(pair, number) for number in pair.side_numbers])),
+        ("Backlash", lambda: table("Backlash", *_backlash(pair))),
     )
-    backlash = tables_of(("Backlash", lambda: table("Backlash", *_backlash(pair))))
-    return (*of_pair, *backlash, own, thickness, *of_contact, *others)
+    of_contact = contact_tables(pair, names, lambda number: _contact_rows(pair, number))
+    return (*of_mesh, own, thickness, *of_contact, *others)
+
+
+def contact_tables(
+    pair: SheetPair, names: tuple[str, str], rows: Callable[[int], Sequence[Row]]
+) -> tuple[SheetTable, ...]:
+    """Return the table of the points A to E, with columns of both members for each side of the teeth.
+
+    `rows`: returns the rows of a side by its number.
+    """
+    numbers = pair.side_numbers
+    columns = tuple(name for number in numbers for name in _side_columns(pair, names)[number :: len(numbers)])
+    return tables_by_title({"Contact from A to E": (columns, lambda: side_by_side([rows(k) for k in numbers]))})
 
 
 def side_tables(title: str, rows: Sequence[Sequence[Row]]) -> tuple[SheetTable, ...]:
@@ -307,6 +319,11 @@ class SheetPair(SheetGears):
         """Lines of action of drive and coast side, or the one of symmetric teeth."""
         return tuple(self._line(number, mesh) for number, mesh in enumerate(self.mesh.sides))
 
+    @property
+    def side_numbers(self) -> range:
+        """Numbers of drive and coast side, or 0 alone for symmetric teeth."""
+        return range(len(self.mesh.sides))
+
     def working_line(self, flank: Side) -> LineOfAction:
         """Return the line of action of the side that works when right or left flanks of the pinion drive."""
         return self.lines[0 if flank is self.teeth[0].drive else -1]
@@ -444,21 +461,24 @@ def _backlash(pair: SheetPair) -> tuple[tuple[str, ...], list[Row]]:
     if pair.ranged or pair.distance_deviations is not None:
         meshes |= {"least": _at_end(pair, "upper"), "largest": _at_end(pair, "lower")}
 
-    normal_words = NORMAL_BACKLASH_ROWS if pair.asymmetric else (("j_bn", "normal"),)
-
     def row(symbol: str, words: str, value: Callable[[InvolutePair], float]) -> Row:
         return symbol, words, "mm", tuple(value(mesh) for mesh in meshes.values())
 
     return tuple(meshes), [
         row("j_wt", "circumferential, at the working pitch circles", lambda mesh: mesh.working_backlash),
-        *(row(*words, _normal_backlash(number)) for number, words in enumerate(normal_words)),
+        *normal_backlash_rows([mesh.normal_backlashes for mesh in meshes.values()]),
         row("j_r", "radial: change of a that eliminates it", _radial_backlash),
     ]
 
 
-def _normal_backlash(side: int) -> Callable[[InvolutePair], float]:
-    """Return the normal backlash of a mesh to the flanks of one side."""
-    return lambda mesh: mesh.sides[side].normal_of(mesh.working_backlash)
+def normal_backlash_rows(backlashes: Sequence[tuple[float, ...]]) -> list[Row]:
+    """Return the rows of the normal backlash of each side of the teeth.
+
+    `backlashes`: values of all sides (mm) for each column.
+    """
+    of_sides = tuple(zip(*backlashes, strict=True))
+    named = NORMAL_BACKLASH_ROWS if len(of_sides) > 1 else (("j_bn", "normal"),)
+    return [(symbol, words, "mm", values) for (symbol, words), values in zip(named, of_sides, strict=True)]
 
 
 def _radial_backlash(mesh: InvolutePair) -> float:
@@ -511,7 +531,7 @@ def _member_rows(pair: SheetGears) -> list[Row]:
     def diameter(symbol: str, words: str, radius: Callable[[int], float]) -> Row:
         return symbol, words, "mm", pair.of_all(lambda k: 2.0 * radius(k))
 
-    return [
+    rows: list[Row] = [
         ("z", "teeth; internal: negative", "-", pair.of_all(lambda k: teeth[k].signed_teeth)),
         ("hand", "hand of the helix", "", pair.of_all(lambda k: hands[1 + int(np.sign(teeth[k].beta))])),
         (*_width(pair), "mm", pair.of_all(lambda k: specs[k].face_width)),
@@ -519,21 +539,15 @@ def _member_rows(pair: SheetGears) -> list[Row]:
         ("x", "profile shift", "m_n", pair.of_all(lambda k: teeth[k].shift)),
         ("k", "tip alteration", "m_n", pair.of_all(lambda k: _alteration(pair, k))),
         diameter("d", "reference diameter", lambda k: teeth[k].radius),
-        *_drive_row(pair, diameter("d_b", "base diameter", lambda k: teeth[k].base_radius)),
+        diameter("d_b", "base diameter", lambda k: teeth[k].base_radius),
         diameter("d_a", "tip diameter", lambda k: geometry.tips[k]),
         *_tip_tolerances(pair),
         diameter("d_f", "root diameter", lambda k: geometry.roots[k]),
         *_meshing_row(pair, "d_w", "working pitch diameter", lambda both, k: 2.0 * both.mesh.working_radius(teeth[k])),
-        *_drive_row(pair, diameter("d_Ff", "root form diameter", lambda k: pair.flanks[k][0])),
-        *_drive_row(
-            pair,
-            *_meshing_row(pair, "d_Nf", "active root diameter", lambda both, k: 2.0 * _active_radius(both, k, 0)),
-        ),
-        *_drive_row(pair, diameter("d_Fa", "tip form diameter", lambda k: pair.flanks[k][1])),
-        *_drive_row(
-            pair,
-            *_meshing_row(pair, "d_Na", "active tip diameter", lambda both, k: 2.0 * _active_radius(both, k, 1)),
-        ),
+        diameter("d_Ff", "root form diameter", lambda k: pair.flanks[k][0]),
+        *_meshing_row(pair, "d_Nf", "active root diameter", lambda both, k: 2.0 * _active_radius(both, k, 0)),
+        diameter("d_Fa", "tip form diameter", lambda k: pair.flanks[k][1]),
+        *_meshing_row(pair, "d_Na", "active tip diameter", lambda both, k: 2.0 * _active_radius(both, k, 1)),
         ("h", "tooth depth", "mm", pair.of_all(lambda k: abs(geometry.tips[k] - geometry.roots[k]))),
         *_meshing_row(
             pair, "c", "clearance between its tip and the mating root", lambda both, k: both.geometry.clearance(k)
@@ -554,11 +568,7 @@ def _member_rows(pair: SheetGears) -> list[Row]:
             pair.of_all(lambda k: measures.thickness_at(teeth[k], geometry.tips[k])),
         ),
     ]
-
-
-def _drive_row(pair: SheetGears, *rows: Row) -> list[Row]:
-    """Return rows of the flanks of symmetric teeth; those of asymmetric teeth are in the table of their sides."""
-    return [] if pair.asymmetric else [*rows]
+    return [row for row in rows if not (pair.asymmetric and row[0] in FLANK_SYMBOLS)]
 
 
 def _side_columns(pair: SheetGears, names: tuple[str, ...]) -> tuple[str, ...]:
@@ -656,7 +666,7 @@ def _rack_angle_rows(pair: SheetGears, of_hobbed: Callable[[Callable[[int], floa
 
     return [
         (f"alpha_P{which}", f"pressure angle of the basic rack{words}", "deg", of_hobbed(angle(number)))
-        for number, (which, words) in enumerate(_side_suffixes(pair))
+        for number, (which, words) in enumerate(side_suffixes(pair.teeth[0]))
     ]
 
 
@@ -737,7 +747,7 @@ def _cut_rows(pair: SheetGears) -> list[Row]:
                     "mm",
                     values_of(cut, _form_diameter(number)),
                 )
-                for number, (which, words) in enumerate(_side_suffixes(pair))
+                for number, (which, words) in enumerate(side_suffixes(pair.teeth[0]))
             ),
         ]
     return rows
@@ -759,9 +769,9 @@ def _fed(pair: SheetGears, k: int, own: Toothing) -> GearProportions | None:
     return replace(fed, spec=spec.model_copy(update={"tool_tip_radius": pair.fed_rounding(k, fed)}))
 
 
-def _side_suffixes(pair: SheetGears) -> tuple[tuple[str, str], ...]:
+def side_suffixes(teeth: Toothing) -> tuple[tuple[str, str], ...]:
     """Return suffixes of symbols and words for rows of each side of the teeth; empty ones for symmetric teeth."""
-    return (("", ", drive side"), ("_coast", ", coast side")) if pair.asymmetric else (("", ""),)
+    return (("", ", drive side"), ("_coast", ", coast side")) if teeth.asymmetric else (("", ""),)
 
 
 def _form_diameter(side: int) -> Callable[[GearProportions], float | Missing]:
@@ -817,7 +827,7 @@ def _measures(pair: SheetGears) -> list[Row]:
         ),
         *(
             row
-            for number, (which, words) in enumerate(_side_suffixes(pair))
+            for number, (which, words) in enumerate(side_suffixes(pair.teeth[0]))
             for row in by(balls, f"d_M{which}", f"diameter of contact{words}", _contact_diameter(number))
         ),
         *_chord_rows(pair),

@@ -278,6 +278,11 @@ class InvolutePair:
         """Normal backlash j_bn = j_wt cos(alpha_wt) cos(beta_b)."""
         return self.normal_of(self.working_backlash)
 
+    @property
+    def normal_backlashes(self) -> tuple[float, ...]:
+        """Normal backlash to the flanks of drive and coast side, or the one of symmetric teeth."""
+        return tuple(side.normal_of(self.working_backlash) for side in self.sides)
+
     def normal_of(self, circumferential: float) -> float:
         """Return the normal backlash for a circumferential backlash at the working pitch circles."""
         return circumferential * math.cos(self.working_angle) * math.cos(self.pinion.beta_b)

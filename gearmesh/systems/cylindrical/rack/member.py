@@ -153,6 +153,11 @@ class RackMesh:
         """Normal backlash j_bn = j_wt cos(alpha_wt) cos(beta_b)."""
         return self.normal_of(self.circumferential_backlash)
 
+    @property
+    def normal_backlashes(self) -> tuple[float, ...]:
+        """Normal backlash to the flanks of drive and coast side, or the one of symmetric teeth."""
+        return tuple(side.normal_of(self.circumferential_backlash) for side in self.sides)
+
     def normal_of(self, circumferential: float) -> float:
         """Return the normal backlash for a backlash along the rack."""
         return circumferential * math.cos(self.working_angle) * math.cos(self.pinion.beta_b)

@@ -21,7 +21,6 @@ from gearmesh.systems.common.symbol_table import (
     Missing,
     Row,
     columns_of,
-    side_by_side,
     table,
     tables_by_title,
     tables_of,
@@ -37,10 +36,12 @@ from gearmesh.systems.cylindrical.rack.design import PINION_NAME, RACK_NAME
 from gearmesh.systems.cylindrical.rack.member import RackMesh
 from gearmesh.systems.cylindrical.rack.proportions import RackPairProportions, rack_proportions, with_allowances
 from gearmesh.systems.cylindrical.sheet import (
-    NORMAL_BACKLASH_ROWS,
     SheetPair,
+    contact_tables,
     half_tables,
     member_tables,
+    normal_backlash_rows,
+    side_suffixes,
     side_tables,
 )
 from gearmesh.systems.system import Reserve, Sheet, SheetTable, complete_design
@@ -133,28 +134,21 @@ def rack_sheet(design: RackDesign, train: GearTrain) -> Sheet:
     # the table of axes has no meaning for a rack
     derived, plain, _ = plain_sheet(whole, train).tables
     rack, sheet = train.members[RACK_NAME], _sheet_pair(own, geometry, train)
-    members, measures, *others = (_of_pinion(of_both, len(sheet.lines)) for of_both in member_tables(sheet))
-    sides = range(len(sheet.lines))
-    both: tuple[str, ...] = (PINION_NAME, RACK_NAME)
-    if sheet.asymmetric:
-        both = tuple(f"{name}, {side}" for side in flank_sides(sheet.teeth[0]) for name in (PINION_NAME, RACK_NAME))
-    of_mesh = tables_by_title(
-        {
-            "Contact from A to E": (both, lambda: side_by_side([_contact_rows(sheet, number) for number in sides])),
-            "Rack": ((RACK_NAME,), lambda: rack_rows(own, geometry.mesh, rack, geometry.root)),
-        }
-    )
+    numbers = sheet.side_numbers
+    members, measures, *others = (_of_pinion(of_both, len(numbers)) for of_both in member_tables(sheet))
     return Sheet(
         (
             derived,
             *half_tables(whole, (train.members[PINION_NAME], rack)),
-            *side_tables("Pair", [_mesh_rows(sheet, number) for number in sides]),
-            *tables_of(("Backlash", lambda: table("Backlash", *_backlash(own, geometry)))),
+            *tables_of(
+                ("Pair", lambda: side_tables("Pair", [_mesh_rows(sheet, number) for number in numbers])),
+                ("Backlash", lambda: table("Backlash", *_backlash(own, geometry))),
+            ),
             _with_clearance(members, geometry.mesh.root_clearance),
             measures,
-            of_mesh[0],
+            *contact_tables(sheet, (PINION_NAME, RACK_NAME), lambda number: _contact_rows(sheet, number)),
             *others,
-            of_mesh[1],
+            *tables_by_title({"Rack": ((RACK_NAME,), lambda: rack_rows(own, geometry.mesh, rack, geometry.root))}),
             plain,
         ),
         {},
@@ -233,21 +227,14 @@ def _backlash(design: RackDesign, geometry: RackPairProportions) -> tuple[tuple[
             )
             meshes[column] = with_allowances(geometry.mesh, first, second)
 
-    normal_words = NORMAL_BACKLASH_ROWS if geometry.mesh.pinion.asymmetric else (("j_bn", "normal"),)
-
     def row(symbol: str, words: str, value: Callable[[RackMesh], float]) -> Row:
         return symbol, words, "mm", tuple(value(mesh) for mesh in meshes.values())
 
     return tuple(meshes), [
         row("j_wt", "along the rack", lambda mesh: mesh.circumferential_backlash),
-        *(row(*words, _normal_backlash(number)) for number, words in enumerate(normal_words)),
+        *normal_backlash_rows([mesh.normal_backlashes for mesh in meshes.values()]),
         row("j_r", "radial: change of the mounting distance that eliminates it", lambda mesh: mesh.radial_backlash),
     ]
-
-
-def _normal_backlash(side: int) -> Callable[[RackMesh], float]:
-    """Return the normal backlash of a mesh to the flanks of one side."""
-    return lambda mesh: mesh.sides[side].normal_of(mesh.circumferential_backlash)
 
 
 def _contact_rows(pair: RackSheetPair, number: int) -> list[Row]:
@@ -294,12 +281,8 @@ def rack_rows(design: RackKeys, mesh: RackMesh, member: Member, root: float | No
         ("h_f", "dedendum", "mm", rack.dedendum * m),
         ("h", "tooth depth", "mm", (rack.addendum + rack.dedendum) * m),
         *(
-            (symbol, f"height at which the flank begins, negative below the reference plane{words}", "mm", low)
-            for (symbol, words), (low, _) in zip(
-                (("h_Ff", ", drive side"), ("h_Ff_coast", ", coast side")) if len(flanks) > 1 else (("h_Ff", ""),),
-                flanks,
-                strict=True,
-            )
+            (f"h_Ff{which}", f"height at which the flank begins, negative below the reference plane{words}", "mm", low)
+            for (which, words), (low, _) in zip(side_suffixes(mesh.pinion), flanks, strict=True)
         ),
         ("rho_f", "radius of the root fillets, normal", "mm", rack.tool_tip_radius * m),
         *([] if root is None else [_clearance(mesh, root)]),

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from gearmesh.systems.common.plain_sheet import plain_sheet
-from gearmesh.systems.common.symbol_table import Row
+from gearmesh.systems.common.symbol_table import Row, tables_of
 from gearmesh.systems.cylindrical.double_helical import first_halves
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.systems.cylindrical.geometry.proportions import GearsProportions
@@ -27,7 +27,7 @@ def single_sheet(design: SingleGearDesign, train: GearTrain) -> Sheet:
     # the table of axes is left out: there is no pair
     derived, plain, _ = plain_sheet(own, train).tables
     # rows of both sides of asymmetric teeth are in the table of their sides
-    rows = side_tables("Gear", [_toothing_rows(side) for side in gears.teeth[0].sides])[:1]
+    rows = tables_of(("Gear", lambda: side_tables("Gear", [_toothing_rows(side) for side in gears.teeth[0].sides])[:1]))
     names = tuple(train.members)
     return Sheet((derived, *half_tables(own, members), *rows, *member_tables(gears, names), plain), {})
 
