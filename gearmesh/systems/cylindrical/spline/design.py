@@ -42,16 +42,14 @@ DESIGNATION_ROUNDING = 1e-9
 SHIFT_DECIMALS, SHIFT_ROUNDING = 12, 1e-9
 #: keys that give the size, from which defaults of the members follow
 SIZE_KEYS = {
-    *(
-        "designation",
-        "profile",
-        "module",
-        "diametral_pitch",
-        "teeth",
-        "reference_diameter",
-        "profile_shift",
-        "pressure_angle",
-    )
+    "designation",
+    "profile",
+    "module",
+    "diametral_pitch",
+    "teeth",
+    "reference_diameter",
+    "profile_shift",
+    "pressure_angle",
 }
 
 _FROM_FIT = "the clearance follows from the thickness allowances of shaft and hub"
@@ -251,9 +249,8 @@ class SplineDesign(Design):
     @model_validator(mode="after")
     def _known_tolerances(self) -> Self:
         for name in MEMBER_NAMES:
-            given = getattr(self, name).tolerance
-            letters = iso4156.HUB_LETTERS if name == HUB_NAME else iso4156.SHAFT_LETTERS
-            if given is not None and self.profile.startswith("ISO 4156") and iso4156.parse(given, letters) is None:
+            given, letters = getattr(self, name).tolerance, _letters(name)
+            if given is not None and self._by_iso4156 and iso4156.parse(given, letters) is None:
                 classes = f"{min(iso4156.CLASS_FACTORS)} to {max(iso4156.CLASS_FACTORS)}"
                 raise conflict(f"{name}.tolerance", given, must_be=f"a class, {classes}, and {' or '.join(letters)}")
         return self
@@ -262,6 +259,11 @@ class SplineDesign(Design):
     def basic_rack(self) -> SplineProfile:
         """Proportions of the profile."""
         return SPLINE_PROFILES[self.profile]
+
+    @property
+    def _by_iso4156(self) -> bool:
+        """True if the profile is of ISO 4156, whose tolerances are known."""
+        return self.profile.startswith("ISO 4156")
 
     @property
     def member_names(self) -> MemberNames:
@@ -328,14 +330,10 @@ class SplineDesign(Design):
         >>> gm.load("samples/spline.toml").member_tolerance("hub") is None
         True
         """
-        letters = iso4156.HUB_LETTERS if name == HUB_NAME else iso4156.SHAFT_LETTERS
-        parsed = iso4156.parse(self.tolerance(name), letters)
+        parsed = iso4156.parse(self.tolerance(name), _letters(name))
         module = self.given_module * self.mm_per_unit
-        if (
-            parsed is None
-            or not self.profile.startswith("ISO 4156")
-            or module * self.counted_teeth > iso4156.LARGEST_DIAMETER_MM
-        ):
+        too_large = module * self.counted_teeth > iso4156.LARGEST_DIAMETER_MM
+        if parsed is None or not self._by_iso4156 or too_large:
             return None
         return iso4156.tolerance(*parsed, module, self.counted_teeth, getattr(self, name).face_width * self.mm_per_unit)
 
@@ -379,6 +377,11 @@ class SplineDesign(Design):
         """Fundamental deviation of the shaft's thickness, in the design's units, positive towards thinner teeth."""
         own = self.member_tolerance(SHAFT_NAME)
         return 0.0 if own is None else max(0.0, -own.effective) / self.mm_per_unit
+
+
+def _letters(name: str) -> tuple[str, ...]:
+    """Return the letters of the tolerances of a member that ISO 4156 has."""
+    return iso4156.HUB_LETTERS if name == HUB_NAME else iso4156.SHAFT_LETTERS
 
 
 def _said(text: str, mm_per_unit: float) -> dict[str, Any]:

@@ -45,16 +45,12 @@ class SplineProfile:
             return addendum
         return 0.5 * teeth - self.form_radius(teeth) - ISO_FORM_CLEARANCE
 
-    def form_radius(self, teeth: int, deviation: float = 0.0) -> float:
-        """Return the largest radius of the shaft's form diameter, modules [ISO 4156]; NaN for other standards.
-
-        `deviation`: fundamental deviation of the thickness, modules, positive towards thinner teeth.
-        """
+    def form_radius(self, teeth: int) -> float:
+        """Return the largest radius of the shaft's form diameter, modules [ISO 4156]; NaN for other standards."""
         if math.isnan(self.form_depth):
             return math.nan
         alpha = math.radians(self.pressure_angle)
-        depth = self.form_depth + 0.5 * deviation / math.tan(alpha)
-        roll = max(0.0, 0.5 * teeth * math.sin(alpha) - depth / math.sin(alpha))
+        roll = max(0.0, 0.5 * teeth * math.sin(alpha) - self.form_depth / math.sin(alpha))
         return math.hypot(0.5 * teeth * math.cos(alpha), roll)
 
 
