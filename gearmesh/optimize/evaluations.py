@@ -17,9 +17,6 @@ from gearmesh.study.rows.work import StudyWork
 from gearmesh.study.runners import Run
 from gearmesh.study.store import Rows, StudyStore
 
-#: constraint room, relative to the limit, above which a design holds
-HELD_ROOM = 0.0
-
 
 @dataclass(frozen=True)
 class Evaluated:
@@ -41,12 +38,15 @@ class Evaluated:
     @property
     def feasible(self) -> bool:
         """True if the design has its figures and keeps all limits."""
-        return not self.reason and bool((self.room > HELD_ROOM).all())
+        return not self.reason and bool((self.room > 0.0).all())
 
     @property
     def violation(self) -> float:
-        """Sum of the relative violations of the limits; infinite for a failed design."""
-        return float("inf") if self.reason else float(np.maximum(-self.room, 0.0).sum())
+        """Sum of the relative violations: 0 only if all limits are kept, infinite for a failed design."""
+        if self.reason or self.feasible:
+            return float("inf") if self.reason else 0.0
+        # a figure on its limit does not keep it
+        return max(float(np.maximum(-self.room, 0.0).sum()), float(np.finfo(float).tiny))
 
 
 @dataclass
@@ -132,21 +132,18 @@ def best_of(designs: Iterable[Evaluated], target: Target) -> Evaluated | None:
     """Return the best of some designs by the first objective; None if all have failed."""
     known = [each for each in designs if not each.reason]
     sense = target.objectives[0].sense
-
-    def rank(each: Evaluated) -> tuple[float, float]:
-        value = -sense * float(each.objectives[0])
-        return (0.0, value) if each.feasible else (max(each.violation, np.finfo(float).tiny), value)
-
-    return min(known, key=rank, default=None)
+    return min(known, key=lambda each: (each.violation, -sense * float(each.objectives[0])), default=None)
 
 
 def front_of(designs: Iterable[Evaluated], target: Target) -> list[Evaluated]:
-    """Return the designs that keep all limits and that no other one dominates, by the first objective."""
+    """Return the designs that keep all limits and that no other one dominates, by the first objective.
+
+    A single objective has no front.
+    """
     good = [each for each in designs if each.feasible]
-    if not good:
+    if not good or len(target.objectives) == 1:
         return []
-    signs = np.array([-each.sense for each in target.objectives], dtype=float)
-    table = np.array([signs * each.objectives for each in good])
+    table = np.array([each.objectives for each in good]) * target.signs
     better = (table[:, None] <= table).all(axis=2) & (table[:, None] < table).any(axis=2)
     # of equal designs the first one stays
     equal = (table[:, None] == table).all(axis=2) & (np.arange(len(good))[:, None] < np.arange(len(good)))

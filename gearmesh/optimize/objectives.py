@@ -145,6 +145,11 @@ class Target:
         return tuple(dict.fromkeys([*own, *limits]))
 
     @property
+    def signs(self) -> Array:
+        """Signs (O,) that make objectives small."""
+        return np.array([-each.sense for each in self.objectives], dtype=float)
+
+    @property
     def texts(self) -> list[str]:
         """Objectives and constraints as they were given."""
         return [*(each.text for each in self.objectives), *(each.text for each in self.constraints)]

@@ -260,13 +260,13 @@ class _Optimisation:
 
     def _chosen(self, designs: Sequence[Evaluated]) -> Evaluated:
         """Return the best design; of a front the one whose largest distance from the best values is smallest."""
-        best = best_of(designs, self.target)
         front = front_of(designs, self.target)
-        if len(self.target.objectives) > 1 and front:
-            table = np.array([each.objectives for each in front]) * [-each.sense for each in self.target.objectives]
+        if front:
+            table = np.array([each.objectives for each in front]) * self.target.signs
             width = np.ptp(table, axis=0)
             distance = ((table - table.min(axis=0)) / np.where(width > 0.0, width, 1.0)).max(axis=1)
             return front[int(distance.argmin())]
+        best = best_of(designs, self.target)
         assert best is not None
         return best
 

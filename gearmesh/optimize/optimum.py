@@ -171,7 +171,7 @@ class Optimum(Result):
 
     @cached_property
     def _front(self) -> list[Evaluated]:
-        return front_of(self._evaluated, self._target) if len(self._target.objectives) > 1 else []
+        return front_of(self._evaluated, self._target)
 
     @cached_property
     def front(self) -> list[Design]:

@@ -184,10 +184,9 @@ class Search:
 
     def _merits(self) -> list[Merit]:
         """Return the merit of the objective, or one for each set of weights of several."""
-        signs = np.array([-each.sense for each in self.target.objectives], dtype=float)
+        signs = self.target.signs
         known = self._known
-        if len(signs) > 1:
-            known = front_of(known, self.target) or known
+        known = front_of(known, self.target) or known
         table = np.array([signs * each.objectives for each in known]).reshape(-1, len(signs))
         ideal = table.min(axis=0) if len(table) else np.zeros(len(signs))
         width = np.ptp(table, axis=0) if len(table) else np.ones(len(signs))
@@ -200,12 +199,9 @@ class Search:
 
     def _starts(self, merit: Merit, count: int) -> list[Array]:
         """Return the best designs, not near each other, from which searches start; the middle if there is none."""
-
-        def rank(design: Evaluated) -> tuple[float, float]:
-            return (0.0 if design.feasible else max(design.violation, np.finfo(float).tiny), merit.of(design))
-
+        known = [each for each in self.designs() if not each.reason]
         starts: list[Array] = []
-        for design in sorted((each for each in self.designs() if not each.reason), key=rank):
+        for design in sorted(known, key=lambda each: (each.violation, merit.of(each))):
             shares = self._shares(design)
             if np.isfinite(shares).all() and all(np.abs(shares - each).max() >= START_DISTANCE for each in starts):
                 starts.append(shares)
