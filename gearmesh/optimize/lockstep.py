@@ -23,8 +23,8 @@ class EndedError(Exception):
     """End of a search: there are no more answers."""
 
 
-def in_lockstep(searches: Sequence[Callable[[Ask], None]], answer: Callable[[list[Any]], list[Any] | None]) -> None:
-    """Run searches until each has ended, or until `answer` returns None for the questions of a round.
+def in_lockstep(searches: Sequence[Callable[[Ask], None]], answer: Callable[[list[Any]], list[Any] | None]) -> bool:
+    """Run searches until each has ended; return False if `answer` returned None for the questions of a round.
 
     The first error of a search ends the others and is raised.
     """
@@ -51,7 +51,7 @@ def in_lockstep(searches: Sequence[Callable[[Ask], None]], answer: Callable[[lis
     threads = [Thread(target=run, args=(number,), daemon=True) for number in range(len(searches))]
     for thread in threads:
         thread.start()
-    running, failure = set(range(len(searches))), None
+    running, failure, answered = set(range(len(searches))), None, True
     waiting: dict[int, Sequence[Any]] = {}
     try:
         while running:
@@ -67,6 +67,7 @@ def in_lockstep(searches: Sequence[Callable[[Ask], None]], answer: Callable[[lis
             order = sorted(waiting)
             answers = answer([question for number in order for question in waiting[number]])
             if answers is None:
+                answered = False
                 break
             for number in order:
                 count = len(waiting.pop(number))
@@ -79,3 +80,4 @@ def in_lockstep(searches: Sequence[Callable[[Ask], None]], answer: Callable[[lis
             thread.join()
     if failure is not None:
         raise failure
+    return answered

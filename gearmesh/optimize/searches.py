@@ -156,16 +156,7 @@ class Search:
 
     def _run(self, searches: Sequence[Callable[[Ask], None]]) -> bool:
         """Run searches side by side; return False when the budget is spent."""
-        spent: list[bool] = []
-
-        def answer(shares: list[Array]) -> list[Evaluated] | None:
-            found = self._answer(shares)
-            if found is None:
-                spent.append(True)
-            return found
-
-        in_lockstep(searches, answer)
-        return not spent
+        return in_lockstep(searches, self._answer)
 
     def _answer(self, shares: Sequence[Array]) -> list[Evaluated] | None:
         return self.evaluate([values_at(self.variables, each) for each in shares])
