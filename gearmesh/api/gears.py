@@ -893,9 +893,7 @@ class Gears(ModelledGears):
         from gearmesh.study.study import check_record, plan_of, refuse_workers, run_study, work_and_nominal
 
         # refuse wrong arguments before anything is built
-        if tls is not None and scheduler is None:
-            raise ArgumentError("tls", reason="needs a scheduler")
-        cluster = None if scheduler is None else Scheduler(scheduler, tls)
+        cluster = Scheduler.at(scheduler, tls)
         refuse_workers(workers)
         for text in limits:
             limit_of(text, None)
@@ -1040,9 +1038,7 @@ class Gears(ModelledGears):
         from gearmesh.study.study import refuse_workers
 
         # refuse wrong arguments before anything is built
-        if tls is not None and scheduler is None:
-            raise ArgumentError("tls", reason="needs a scheduler")
-        cluster = None if scheduler is None else Scheduler(scheduler, tls)
+        cluster = Scheduler.at(scheduler, tls)
         refuse_workers(workers)
         self.names.pair_number(pair)
         least, most = ([each] if isinstance(each, str) else list(each) for each in (minimize, maximize))

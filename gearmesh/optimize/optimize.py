@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import os
 import re
@@ -10,7 +9,6 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from os import PathLike
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -165,7 +163,7 @@ def optimize(
         "rows": MAX_EVALUATIONS * len(task.errors.plan),
     }
     target = replace(target, recorded=work.names)
-    store = StudyStore(None if folder is None else Path(folder), json.loads(json.dumps(spec, default=str)))
+    store = StudyStore(folder, spec)
     many = workers if workers is not None else os.cpu_count() or 1
     with store.open(), runners.runner(many, scheduler) as run:
         return _Optimisation(task, target, work, store, run, progress).optimum(source)

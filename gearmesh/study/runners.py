@@ -168,6 +168,13 @@ class Scheduler:
             if not is_file(file):
                 raise ArgumentError("tls", file, entry=name, reason="there is no such file")
 
+    @staticmethod
+    def at(address: str | None, tls: Mapping[str, str | os.PathLike[str]] | None) -> Scheduler | None:
+        """Return the scheduler at an address; None without one. Raises ArgumentError for files without an address."""
+        if address is None and tls is not None:
+            raise ArgumentError("tls", reason="needs a scheduler")
+        return None if address is None else Scheduler(address, tls)
+
     def security(self, distributed: Any) -> Any:
         """Return the settings for Dask; None if its configuration applies."""
         if self.tls is None:

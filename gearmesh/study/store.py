@@ -39,8 +39,9 @@ class StudyStore:
     The entries "rows", "chunk" (its size) and "record" of the plan determine which chunks are valid.
     """
 
-    def __init__(self, folder: Path | None, plan: Mapping[str, Any]) -> None:
-        self.folder, self.plan = folder, json.dumps(plan, indent=1, sort_keys=True) + "\n"
+    def __init__(self, folder: str | os.PathLike[str] | None, plan: Mapping[str, Any]) -> None:
+        self.folder = None if folder is None else Path(folder)
+        self.plan = json.dumps(plan, indent=1, sort_keys=True, default=str) + "\n"
         self._rows, self._chunk, self._figures = int(plan["rows"]), int(plan["chunk"]), len(plan["record"])
         self.chunks: dict[int, Rows] = {}
         self._file: int | None = None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -312,7 +311,7 @@ def run_study(
         "chunk": work.chunk_rows(len(plan)),
         **({"torque_nm": work.torque} if work.torque else {}),
     }
-    store = StudyStore(None if folder is None else Path(folder), json.loads(json.dumps(spec, default=str)))
+    store = StudyStore(folder, spec)
     with store.open():
         _work(store, plan, work, workers, scheduler, progress)
     return Study(design, plan, _columns(plan, work, store), nominal, parsed_limits, work)
