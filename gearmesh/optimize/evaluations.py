@@ -15,6 +15,7 @@ from gearmesh.optimize.objectives import Measure, Target
 from gearmesh.study.plan import Value
 from gearmesh.study.rows.work import StudyWork
 from gearmesh.study.runners import Run
+from gearmesh.study.statistics import as_number
 from gearmesh.study.store import Rows, StudyStore
 
 
@@ -108,7 +109,7 @@ class Evaluations:
 
     def _evaluated(self, values: tuple[Value, ...], rows: Rows) -> Evaluated:
         names = self.target.recorded
-        table = np.array([[_number(value) for value in row[: len(names)]] for row in rows]).reshape(len(rows), -1)
+        table = np.array([[as_number(value) for value in row[: len(names)]] for row in rows]).reshape(len(rows), -1)
         columns = dict(zip(names, table.T, strict=True))
         objectives = np.array([each.of(columns, self.measure) for each in self.target.objectives])
         limited = np.array([each.of(columns, self.measure) for each in self.target.constraints])
@@ -151,7 +152,3 @@ def front_of(designs: Iterable[Evaluated], target: Target) -> list[Evaluated]:
     order = np.lexsort(table[alone].T[::-1])
     front = [each for each, kept in zip(good, alone.tolist(), strict=True) if kept]
     return [front[k] for k in order.tolist()]
-
-
-def _number(value: Any) -> float:
-    return float(value) if isinstance(value, int | float) else np.nan

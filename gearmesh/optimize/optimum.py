@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import tomllib
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -211,11 +212,7 @@ class Optimum(Result):
     @property
     def failures(self) -> dict[str, int]:
         """Number of designs by their reason for having no figures, most frequent first."""
-        counts: dict[str, int] = {}
-        for each in self._evaluated:
-            if each.reason:
-                counts[each.reason] = counts.get(each.reason, 0) + 1
-        return dict(sorted(counts.items(), key=lambda item: -item[1]))
+        return dict(Counter(each.reason for each in self._evaluated if each.reason).most_common())
 
     @property
     def complaints(self) -> list[str]:

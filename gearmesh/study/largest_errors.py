@@ -19,7 +19,7 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.study.plan import KeyReader
 from gearmesh.study.rows.largest import SEARCH_STEPS, largest
 from gearmesh.study.rows.work import StudyWork, displacing_keys, own_keys
-from gearmesh.study.statistics import Limit, limit_of
+from gearmesh.study.statistics import Limit, as_number, limit_of
 from gearmesh.study.study import work_and_nominal
 from gearmesh.systems.designs import parse
 from gearmesh.systems.system import complete_design
@@ -125,7 +125,7 @@ def largest_errors(
     searched = {key: _ends(complete_design(design), key, distances[key]) for key in distances}
     work, nominal = work_and_nominal(design, (), pair, tuple(dict.fromkeys(limit.figure for limit in limits)), torque)
     for limit in limits:
-        value = _number(nominal[limit.figure])
+        value = as_number(nominal[limit.figure])
         if not limit.holds(np.array([value]))[0]:
             raise ArgumentError(
                 "limit",
@@ -182,13 +182,13 @@ def _of_key(
         """Return the distances (C, N) of all criteria from their limits, relative to those of the design."""
         new = [value for value in dict.fromkeys(values.tolist()) if value not in known]
         for value, row in zip(new, work([(value,) for value in new]), strict=True):
-            known[value] = [_number(value) for value in row[:-1]]
+            known[value] = [as_number(value) for value in row[:-1]]
         after(len(known))
         table = np.array([known[value] for value in values.tolist()])
         return np.stack(
             [
                 limit.room(table[:, work.names.index(limit.figure)])
-                / abs(limit.room(np.array([_number(nominal[limit.figure])]))[0])
+                / abs(limit.room(np.array([as_number(nominal[limit.figure])]))[0])
                 for limit in criteria
             ]
         )
@@ -205,7 +205,3 @@ def _of_key(
             fails, failing_figure = failing_criterion.text, known[beyond][work.names.index(failing_criterion.figure)]
         rows.append(LargestFigures(work.keys[0], way, value, fails, failing_figure))
     return rows
-
-
-def _number(value: Any) -> float:
-    return float(value) if isinstance(value, int | float) else np.nan

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,11 @@ from gearmesh.numerals import parse_number
 REPORTED_PERCENTILES = (1, 5, 50, 95, 99)
 #: smallest R^2 at which slopes rank the keys: the rest of the variance is at most a tenth
 MIN_LINEAR_R2 = 0.9
+
+
+def as_number(value: Any) -> float:
+    """Return a recorded value as a number; NaN if there is none, or a text."""
+    return float(value) if isinstance(value, int | float) else np.nan
 
 
 @dataclass(frozen=True)

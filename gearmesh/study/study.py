@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -37,7 +38,16 @@ from gearmesh.study.rows.work import (
     own_keys,
 )
 from gearmesh.study.spreads import Spread, read_spreads, spread_of
-from gearmesh.study.statistics import MIN_LINEAR_R2, REPORTED_PERCENTILES, Effect, Limit, effects, limit_of, percentiles
+from gearmesh.study.statistics import (
+    MIN_LINEAR_R2,
+    REPORTED_PERCENTILES,
+    Effect,
+    Limit,
+    as_number,
+    effects,
+    limit_of,
+    percentiles,
+)
 from gearmesh.study.store import StudyStore
 from gearmesh.study.summary import StudySummary
 from gearmesh.study.tolerance_class import CLASS_KEY, class_spreads
@@ -127,7 +137,7 @@ class Study(Result):
         """
         if name not in self.columns:
             raise UnknownFigureError.among(name, self.columns)
-        return np.array([v if isinstance(v, int | float) else np.nan for v in self.columns[name]], dtype=float)
+        return np.array([as_number(value) for value in self.columns[name]], dtype=float)
 
     @property
     def plotted_figures(self) -> list[str]:
@@ -190,11 +200,7 @@ class Study(Result):
     @property
     def failures(self) -> dict[str, int]:
         """Number of rows by their reason for having no figures."""
-        counts: dict[str, int] = {}
-        for reason in self.columns["reason"]:
-            if reason:
-                counts[reason] = counts.get(reason, 0) + 1
-        return dict(sorted(counts.items(), key=lambda reason_and_count: -reason_and_count[1]))
+        return dict(Counter(filter(None, self.columns["reason"])).most_common())
 
     @property
     def headline(self) -> str:
