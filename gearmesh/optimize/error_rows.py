@@ -13,9 +13,6 @@ from gearmesh.study.plan import KeyReader, Plan, Value, grid, sample_plan
 from gearmesh.study.spreads import DISTRIBUTION_PARAMETERS
 from gearmesh.study.study import tolerance_spreads
 
-#: rows that are drawn from distributions of errors, by default
-DEFAULT_ERROR_ROWS = 12
-
 
 @dataclass(frozen=True)
 class ErrorRows:

@@ -27,8 +27,6 @@ Key = TypeVar("Key", str, tuple[str, str])
 
 #: prefixes of keys that a name may leave out
 OPTIONAL_PREFIXES = ("mesh_", "loaded_")
-#: standard deviations that are added to the mean of a robust figure, by default
-DEFAULT_SIGMAS = 3.0
 #: text of the measure that takes the worst row
 WORST_TEXT = "worst"
 

@@ -21,7 +21,7 @@ from gearmesh.numerals import parse_number, parse_whole_number
 from gearmesh.optimize.error_rows import ErrorRows, error_rows
 from gearmesh.optimize.evaluations import Evaluated, Evaluations, best_of, front_of
 from gearmesh.optimize.objectives import Measure, OptimumRequest, Target, measure_of, request_of, unit_of
-from gearmesh.optimize.optimum import Optimum
+from gearmesh.optimize.optimum import SENSITIVITY_SHARE, Optimum
 from gearmesh.optimize.searches import Search, method_of
 from gearmesh.optimize.variables import Variable, variables_of
 from gearmesh.progress import Progress
@@ -43,8 +43,6 @@ MAX_EVALUATIONS = 1_000_000
 MIN_EVALUATIONS = 5
 #: seconds of the units of a budget of time
 SECONDS_BY_UNIT = {"s": 1.0, "min": 60.0, "h": 3600.0}
-#: share of the range by which a key leaves the optimum, for its sensitivities
-SENSITIVITY_SHARE = 0.05
 #: times that the optimum may move to a better neighbour
 MAX_MOVES = 3
 #: limit of the objectives of a front

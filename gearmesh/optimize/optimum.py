@@ -31,10 +31,12 @@ from gearmesh.optimize.variables import Variable
 from gearmesh.study.rows.work import displacing_keys, own_keys
 from gearmesh.systems.designs import parse
 
+#: share of the range by which a key leaves the optimum, for its sensitivities
+SENSITIVITY_SHARE = 0.05
 #: share of its range within which a variable is at the end of the range
 END_SHARE = 1e-3
-#: names of the files of an optimisation: best design, stem of table and summary, front
-BEST_FILE, FILE_STEM, FRONT_FILE = "best.toml", "optimum", "front.csv"
+#: names of the files of an optimisation: best design, all designs, summary, front
+BEST_FILE, TABLE_FILE, SUMMARY_FILE, FRONT_FILE = "best.toml", "optimum.csv", "optimum.json", "front.csv"
 #: limit of the designs of a front in the table of the terminal
 MAX_LISTED_DESIGNS = 20
 
@@ -259,7 +261,7 @@ class Optimum(Result):
             objectives={each.text: "minimize" if each.sense < 0 else "maximize" for each in self._target.objectives},
             subject=[each.text for each in self._target.constraints],
             errors={"by": self._measure.text, **self._errors.plan.about} if self._errors.plan.about else None,
-            torque=list(self._target.torque),
+            torque=self.torque,
             method=self.method,
             seed=self.seed,
             evaluations=len(self._evaluated),
@@ -323,7 +325,8 @@ class Optimum(Result):
             own = name if len(self._errors.plan) == 1 else f"{name}_mean"
             columns[own] = [each.means[k] for each in designs]
         columns["feasible"] = [each.feasible for each in designs]
-        columns["front"] = [each in self._front for each in designs]
+        front = {each.values for each in self._front}
+        columns["front"] = [each.values in front for each in designs]
         columns["reason"] = [each.reason for each in designs]
         return columns
 
@@ -338,7 +341,6 @@ class Optimum(Result):
         ----------
         front : bool
             Only the designs of the front, by the first objective.
-
 
         Returns
         -------
@@ -427,10 +429,7 @@ class Optimum(Result):
         """
         from gearmesh.io.atomic import whole_text
 
-        files = [
-            self.save(Path(folder) / name)
-            for name in (BEST_FILE, *(f"{FILE_STEM}{end}" for end in (CSV_SUFFIX, JSON_SUFFIX)))
-        ]
+        files = [self.save(Path(folder) / name) for name in (BEST_FILE, TABLE_FILE, SUMMARY_FILE)]
         if self._front:
             files.append(Path(folder) / FRONT_FILE)
             whole_text(files[-1], self.csv(front=True))

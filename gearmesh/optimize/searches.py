@@ -83,8 +83,9 @@ class Merit:
     signs: Array
     #: weights (O,)
     weights: Array
-    #: best values (O,) known, with signs, and sizes (O,) of the objectives
+    #: best values (O,) known, with signs
     ideal: Array
+    #: sizes (O,) of the objectives, by which distances are divided
     size: Array
 
     def of(self, design: Evaluated) -> float:

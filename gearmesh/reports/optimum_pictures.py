@@ -6,21 +6,24 @@ from pathlib import Path
 
 import numpy as np
 
-from gearmesh.optimize.optimum import Optimum
+from gearmesh.optimize.optimum import SENSITIVITY_SHARE, Optimum
 from gearmesh.view.diagrams.optimum_plots import ObjectivePlot, plot_front, plot_progress
 from gearmesh.view.diagrams.study_plots import SwingBars, plot_tornado
 
+#: step of a key for its sensitivity, in words
+SENSITIVITY_STEP = f"{100.0 * SENSITIVITY_SHARE:g} %"
 #: ends of the bars of sensitivities, in words
-BAR_ENDS = ("key smaller by 5 % of its range", "larger by 5 %")
+BAR_ENDS = (f"key smaller by {SENSITIVITY_STEP} of its range", f"larger by {SENSITIVITY_STEP}")
 
 
 def optimum_pictures(optimum: Optimum, folder: Path) -> list[Path]:
     """Write the pictures of an optimum and return their files."""
     title, columns, summary = optimum.design.title, optimum.to_dict(), optimum.summary
     feasible = np.array(columns["feasible"], dtype=bool)
+    labels = {name: f"{name}, {unit}" if unit else name for name, unit in optimum.units.items()}
     objectives = [
         ObjectivePlot(
-            f"{name}, {unit}" if (unit := optimum.units[name]) else name,
+            labels[name],
             -1 if way == "minimize" else 1,
             np.array(columns[name], dtype=float),
             summary.before.objectives[name],
@@ -47,7 +50,7 @@ def optimum_pictures(optimum: Optimum, folder: Path) -> list[Path]:
                 for each in summary.sensitivities
                 if each.changed == name and each.low is not None and each.high is not None
             ],
-            f"{name}, {unit}" if (unit := optimum.units[name]) else name,
+            labels[name],
             BAR_ENDS,
             "at the optimum",
         )
@@ -56,5 +59,5 @@ def optimum_pictures(optimum: Optimum, folder: Path) -> list[Path]:
     bars = [each for each in bars if each.keys]
     if bars:
         made.append(folder / "sensitivities.png")
-        plot_tornado(made[-1], bars, f"{title}: one key leaves the optimum by 5 % of its range")
+        plot_tornado(made[-1], bars, f"{title}: one key leaves the optimum by {SENSITIVITY_STEP} of its range")
     return made
