@@ -163,11 +163,14 @@ class LoadedContact(Result):
 
     @cached_property
     def _width(self) -> float | None:
-        """Stiffness in N mm/rad of the pinion that equals 1 N/(mm um) at its base circle per mm of face [ISO 6336-1].
+        """Stiffness in N mm/rad of the pinion that equals 1 N/(mm um) at its base circle per mm of common face [ISO 6336-1].
 
-        None if the axes are not parallel.
+        It is measured along the transverse line of action. None unless the axes are parallel, except for assembly errors.
         """
-        return _per_width(self.pair, self.mesh.loads[-1], self._turns)
+        if self._face is None:
+            return None
+        low, high = self._face
+        return 1e3 * float(self.lever**2 * (high - low) * len(self.pair.halves))
 
     def _fillets(
         self, bending: Array, error: Array, largest: Array, at_tangent: Array, contact: Array
@@ -352,21 +355,26 @@ class LoadedContact(Result):
         values = tangent.mean(), (1.0 / (1.0 / tangent - twist)).mean(), (load.moment / bent[load.position]).max()
         return {name: float(value) / self._width for name, value in zip(names, values, strict=True)}
 
-    @property
-    def _turns(self) -> tuple[float, float]:
-        """Rotations, rad, of both members at the first position, without load."""
+    @cached_property
+    def _face(self) -> tuple[float, float] | None:
+        """Ends of the common face of the first halves, mm along the pinion's axis, fixed frame.
+
+        None unless the axes are parallel.
+        """
+        if not _has_parallel_axes(self.pair):
+            return None
+        # rotations without load: the teeth 0 face each other
         phi1 = float(self.mesh.phi1[0])
-        return phi1, float(self.mesh.unloaded[0]) + self.pair.ratio * phi1
+        return _common_face(self.pair, (phi1, float(self.mesh.unloaded[0]) + self.pair.ratio * phi1))
 
     def _face_load_factor(self, load: PairLoad) -> float | None:
         """Return K_Hbeta [ISO 6336-1] of the load of all tooth pairs, as a mean over the positions.
 
         None unless the axes are parallel, and if the positions are not a whole cycle.
         """
-        if not _has_parallel_axes(self.pair) or not whole_cycle(self.pair, self.mesh.phi1):
+        if self._face is None or not whole_cycle(self.pair, self.mesh.phi1):
             return None
-        face = _common_face(self.pair, self._turns)
-        loads = load_along_face(load, self.pair.pinion.mount.axis, np.linspace(*face, FACE_SLICES + 1))
+        loads = load_along_face(load, self.pair.pinion.mount.axis, np.linspace(*self._face, FACE_SLICES + 1))
         return float(loads.max() / loads.mean())
 
     @cached_property
@@ -651,18 +659,6 @@ _FILLET_COLUMNS = ["Nm", "member", "bending", "error %", "largest", "contact's o
 def _most(values: Array) -> Array:
     """Return the largest (2,) of figures (P, 2); NaN if none is known."""
     return np.asarray(np.fmax.reduce(values, axis=0))
-
-
-def _per_width(pair: GearPair, load: PairLoad, turns: tuple[float, float]) -> float | None:
-    """Return the stiffness in N mm/rad of the pinion that equals 1 N/(mm um) per mm of the common face.
-
-    The latter is measured along the transverse line of action. None unless the axes are parallel, except for assembly
-    errors.
-    """
-    if not _has_parallel_axes(pair):
-        return None
-    low, high = _common_face(pair, turns)
-    return 1e3 * float(_lever(pair, load) ** 2 * (high - low) * len(pair.halves))
 
 
 def _common_face(pair: GearPair, turns: tuple[float, float]) -> tuple[float, float]:
