@@ -161,8 +161,8 @@ def _log_q(wanted: Array) -> Array:
 def _integrals(q: Array) -> tuple[Array, Array]:
     """Return D and B (...,) of parameter m = 1 - q by the arithmetic-geometric mean [DLMF 19.8.5-7].
 
-    With c_n the half differences of the mean's sequences, D = K (1/2 + sum of 2^(n-1) c_n^2 / m over n >= 1), whose terms lose
-    no digits at q = 1, and B = K - D.
+    With c_n the half differences of the mean's sequences, D = K (1/2 + sum of 2^(n-1) c_n^2 / m over n >= 1), and B = K - D.
+    The terms lose no digits at q = 1.
     """
     mean, other = np.ones_like(q), np.sqrt(q)
     # c_1^2 / m, from (1 - sqrt(q))^2 = m (1 - sqrt(q)) / (1 + sqrt(q))

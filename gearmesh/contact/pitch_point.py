@@ -1,9 +1,9 @@
 """Rotation of the pinion at which a tooth pair touches at the pitch point: the zero of mesh phases in rotor dynamics.
 
-Gears whose axes are parallel or intersect roll on each other about one line, the instantaneous axis of their relative motion: with
-the relative velocity v(r) = Omega x r + w it is where v = 0. In the pinion's frame this line sweeps a cylinder or a cone, the pitch
-surface. The point of the pinion's flank on it at mid face lies on the line at one rotation, and that of the gear's flank likewise.
-There the tooth pair touches without sliding. Skew axes have no such line.
+Gears whose axes are parallel or intersect roll on each other about one line, the instantaneous axis of their relative motion. There
+the relative velocity v(r) = Omega x r + w is 0. In the pinion's frame this line sweeps a cylinder or a cone, the pitch
+surface. The point of the pinion's flank on it at mid face lies on the line at one rotation, and so does the point of the gear's
+flank. There the tooth pair touches without sliding. Skew axes have no such line.
 """
 
 from __future__ import annotations

@@ -1,13 +1,18 @@
 """Friction heat, flash temperature and lubricant film of a contact across which both surfaces roll and slide.
 
-All functions are for a line of contact under the load per length w, with the relative curvature 1/rho across it, E* (1/E* = (1 -
-nu1^2)/E1 + (1 - nu2^2)/E2), rolling velocities u1, u2 of the surfaces through the contact and the sliding velocity v_g.
+All functions are for a line of contact:
+
+- w: load per length.
+- 1/rho: relative curvature across the contact.
+- E*: 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2.
+- u1, u2: rolling velocities of the surfaces through the contact.
+- v_g: sliding velocity.
 
 Sources:
 
 - Half width: Hertz, b = sqrt(4 w rho / (pi E*)).
-- Flash temperature: H. Blok, 1937 and 1963, two half-spaces that share the heat of a semi-elliptic band so that both are
-  equally hot: 1.11 mu w v_g / (sqrt(2 b) (B1 sqrt(u1) + B2 sqrt(u2))), B = sqrt(lambda rho c). ISO/TS 6336-20 is based on it.
+- Flash temperature: H. Blok, 1937 and 1963. Two half-spaces share the heat of a semi-elliptic band so that both are equally hot:
+  1.11 mu w v_g / (sqrt(2 b) (B1 sqrt(u1) + B2 sqrt(u2))), B = sqrt(lambda rho c). ISO/TS 6336-20 is based on it.
   It holds if heat has no time to flow along the surface: Peclet number u b rho c / (4 lambda) above 5.
 - Film: D. Dowson and G. R. Higginson, Elasto-Hydrodynamic Lubrication, 1966: h = 1.6 rho G^0.6 U^0.7 W^-0.13 with E' = 2 E*,
   G = alpha E', U = eta (u1 + u2) / (2 E' rho), W = w / (E' rho). ISO/TS 6336-22 has this film, and a factor for the heat of

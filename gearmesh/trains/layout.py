@@ -2,7 +2,7 @@
 
 The frame of the train is that of the first stage that the input drives. The member through which a shaft is reached gives the shaft
 its frame: z is the member's axis. At a rotation psi of its shaft a member has the rotation theta = sense (psi + phase - turn) about
-its own axis; sense is -1 for a reversed member, whose z axis is against that of the shaft.
+its own axis. The sense is -1 for a reversed member, whose z axis is against the z axis of the shaft.
 """
 
 from __future__ import annotations

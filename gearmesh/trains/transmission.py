@@ -1,13 +1,15 @@
 """Transmission error of the output of a train: the sum of the errors of its stages, each divided by the ratio behind it.
 
-With psi the rotation of the input, n_i the nominal turns of the driver of stage i per turn of the input, and u_i its rotation
-in the frame of the carrier,
+With psi the rotation of the input, and u_i the rotation of the member A of stage i in the frame of its carrier,
 
     TE_out(psi) = sum over i of  G_i [E_i(u_i(0) + du_i/dpsi psi) - E_i(u_i(0))]
 
-E_i(u) = f_i(u) - slope_i u is the error of the exact relation of the stage, G_i the rotation of the output per E_i. u_i(0) is
-that of the whole train in contact, so that the phases of the meshes are right. The errors of earlier stages shift u_i by a few
-arc seconds; this is of second order, and neglected.
+- E_i(u) = f_i(u) - slope_i u: error of the exact relation of the stage.
+- G_i: rotation of the output per E_i.
+- du_i/dpsi: nominal speed.
+
+u_i(0) belongs to the whole train in contact, so that the phases of the meshes are right. The errors of earlier stages shift u_i
+by a few arc seconds; this is of second order, and neglected.
 """
 
 from __future__ import annotations

@@ -4,16 +4,16 @@ Conventions:
 
 - phi1 is the rotation of the pinion, on equal steps over one pitch or several; all repeats with the pitch.
 - The line of action has one lever l on the pinion: on parallel axes the base radius (transverse line of action), otherwise the mean
-  lever of the normal force. With phi2 (rotation of the gear), N1/N2 and the sense of the drive, its static transmission error is
-  x = drive (phi1 N1/N2 - phi2) l N2/N1: how far the pinion is ahead of the gear along the line of action, >= 0 under load.
+  lever of the normal force. Its static transmission error is x = drive (phi1 N1/N2 - phi2) l N2/N1, with phi2 the rotation of the
+  gear and drive +1 or -1. The pinion is ahead of the gear by x along the line of action; x >= 0 under load.
 - A stiffness k along the line of action is that of rotation over l^2. Secant: torque over the rotation by the deflection. Tangent:
-  change of torque over change of rotation. In a model with masses the force is F = k_secant (x - x_0), with x_0 of no load; about
-  a steady state F = T/l + k_tangent (x - x_T).
+  change of torque over change of rotation. In a model with masses the force is F = k_secant (x - x_0), with x_0 the error without
+  load. About a steady state it is F = T/l + k_tangent (x - x_T), with x_T the error under T.
 - Stiffness of the teeth is without the twist of both bodies [ISO 6336-1]. The other stiffness has teeth, bodies and elastic mounts.
 - A harmonic k of a curve f: f = mean + sum of A_k cos(2 pi k (phi1 - phi_0)/pitch + psi_k). Phases psi_k count from phi_0 = contact
   of tooth pair 0 at the pitch point, as R. G. Parker and J. Lin (2004) do, and from phi_0 = its first contact without load.
-- The phase gamma of a mesh in a gear set is the share of the mesh period, from 0 to 1, by which its contact at the pitch point
-  comes after that of the first mesh while phi1 grows: alike meshes have f_n(t) = f_1(t - gamma_n T).
+- The phase gamma of a mesh in a gear set is a share of the mesh period T, from 0 to 1. By this share its contact at the pitch point
+  comes after that of the first mesh while phi1 grows. Alike meshes have f_n(t) = f_1(t - gamma_n T).
 """
 
 from __future__ import annotations

@@ -476,8 +476,8 @@ def _lever(pair: GearPair, engagement: Engagement) -> tuple[float, float]:
     """Return the distance (mm) of the normal of contact from the gear's axis, and the radius (mm) of the gear's pitch circle.
 
     The contact is the contact inside the flanks nearest to phi1 = 0, or on edges or fillets if no other exists. Where the axes are
-    not parallel, the speed (mm/rad) of the point of contact stands for the radius, and for coupled members the radius of the middle
-    of the gear's flank.
+    not parallel, the speed (mm/rad) of the point of contact stands for the radius. For coupled members it is the radius of the
+    middle of the gear's flank.
     """
     contacts = engagement.flanks if engagement.flanks.touching.any() else engagement.contacts
     inside = contacts.touching & (contacts.edges[:, 0] < 0)
