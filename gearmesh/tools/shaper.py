@@ -126,7 +126,7 @@ class Shaper:
 
     @property
     def base_radius(self) -> float:
-        return float(self.pitch_radius * np.cos(self.pressure_angle))
+        return self._base_radius(self._flank)
 
     @property
     def other_flank(self) -> Shaper:
@@ -140,8 +140,7 @@ class Shaper:
     @property
     def largest_base_radius(self) -> float:
         """Base radius of the flank with the larger one, mm."""
-        angles = [self.pressure_angle, *([] if self.opposite is None else [self.opposite.pressure_angle])]
-        return max(float(self.pitch_radius * np.cos(angle)) for angle in angles)
+        return max(self._base_radius(flank) for flank in self._flanks)
 
     @property
     def top_radius(self) -> float:
@@ -211,6 +210,15 @@ class Shaper:
     def _flank(self) -> ShaperFlank:
         return ShaperFlank(self.pressure_angle, self.thicker)
 
+    @property
+    def _flanks(self) -> tuple[ShaperFlank, ShaperFlank]:
+        """Both flanks of the tooth."""
+        return self._flank, self.opposite or self._flank
+
+    def _base_radius(self, flank: ShaperFlank) -> float:
+        """Return the base radius of a flank, mm."""
+        return float(self.pitch_radius * np.cos(flank.pressure_angle))
+
     def _theta_0(self, flank: ShaperFlank) -> float:
         """Return half of the space's width on the base circle of a flank, rad."""
         tangent = np.tan(flank.pressure_angle)
@@ -226,11 +234,10 @@ class Shaper:
 
     def _half_space(self, radius: float) -> float:
         """Return half of the polar angle (rad) of a space between roundings of `radius` mm at the top cylinder."""
-        flanks = (self._flank, self.opposite or self._flank)
-        return 0.5 * sum(self._flank_top_angle(flank, radius) for flank in flanks)
+        return 0.5 * sum(self._flank_top_angle(flank, radius) for flank in self._flanks)
 
     def _flank_top_angle(self, flank: ShaperFlank, radius: float) -> float:
         """Return the polar angle (rad) at which a rounding of `radius` mm on a flank touches the top cylinder."""
-        base = float(self.pitch_radius * np.cos(flank.pressure_angle))
+        base = self._base_radius(flank)
         roll = float(np.sqrt(((self.top_radius - radius) / base) ** 2 - 1.0))
         return float(self._theta_0(flank) + roll + radius / base - np.arctan(roll))

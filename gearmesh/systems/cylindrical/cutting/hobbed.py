@@ -346,26 +346,20 @@ class _Hobbing:
 
         Of several crossings it is the crossing next to the tip of `above`.
         """
-        (p, v, curve_above), (q, w, curve_below) = self._section_curve(above), self._section_curve(below)
+        (p, v, curve_above), (q, w, curve_below) = _section_curve(above, self.own), _section_curve(below, self.own)
         crossing = first_crossing(curve_above, curve_below)
         if crossing is None:
             return None
         # start at the crossing of the polylines; Newton's method finds the crossing of the curves
         number = np.arange(CURVE_SAMPLES)
         start = np.array([[np.interp(crossing[k], number, x) for k, x in ((0, p), (0, v), (1, q), (1, w))]])
-        solution = intersection((self._surface(above), self._surface(below)), start, np.zeros(1), PlaneLevel(0.0))
+        solution = intersection(
+            (_surface(above, self.own), _surface(below, self.own)), start, np.zeros(1), PlaneLevel(0.0)
+        )
         if not solution.converged[0]:
             return None
         return float(solution.values[0, 0]), float(solution.values[0, 2])
 
     def length(self, part: ToothCut) -> float:
         """Return the length (mm) of the curve that a part generates."""
-        return float(np.hypot(*np.diff(self._section_curve(part)[2], axis=0).T).sum())
-
-    def _section_curve(self, part: ToothCut) -> tuple[Array, Array, Array]:
-        """Return both parameters (N,) and the points (N, 2), from its tip, of a part's transverse curve."""
-        return _section_curve(part, self.own)
-
-    def _surface(self, part: ToothCut) -> Envelope:
-        """Return the surface that a part generates."""
-        return _surface(part, self.own)
+        return float(np.hypot(*np.diff(_section_curve(part, self.own)[2], axis=0).T).sum())

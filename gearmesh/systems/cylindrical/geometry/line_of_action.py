@@ -42,16 +42,13 @@ def form_roll_length(gear: GearProportions, side: Side | None = None) -> float:
     return float(own.rack_form_roll_length(own.radius - gear.root, gear.spec.tool_tip_radius * own.module))
 
 
-def undercut_reserve(gear: GearProportions, side: Side | None = None) -> float:
-    """Return the roll length by which the flank stays clear of undercut, negative where it is undercut.
+def undercut_reserve(gear: GearProportions, side: Side) -> float:
+    """Return the roll length by which the right or left flanks stay clear of undercut, negative where they are undercut.
 
     - External member: from the base circle to the point that the end of the tool's flank generates.
     - Internal member: from the last point that the cutter's involute generates to the tip.
     - Formed member: from the base circle.
-
-    `side`: right or left flanks; None for the drive side.
     """
-    side = side or gear.own.drive
     if not gear.own.internal:
         return form_roll_length(gear, side)
     made = cuts_of(gear)[side]
@@ -72,12 +69,8 @@ class SetBackFillet:
     remedy: str
 
 
-def set_back_fillet(gear: GearProportions, side: Side | None = None) -> SetBackFillet | None:
-    """Return the undercut by the hob, or the relief by its protuberance; None for internal or shaped members.
-
-    `side`: right or left flanks; None for the drive side.
-    """
-    side = side or gear.own.drive
+def set_back_fillet(gear: GearProportions, side: Side) -> SetBackFillet | None:
+    """Return the undercut by the hob on a side, or the relief by its protuberance; None for internal or shaped members."""
     lost = -undercut_reserve(gear, side)
     if not gear.spec.hobbed or gear.own.internal:
         return None

@@ -130,7 +130,7 @@ def ball_radius(teeth: Toothing, diameter: float) -> float:
     circle. The centre is at the same radius for both sides of asymmetric teeth, whose means fulfil the equation. NaN if
     the centre lies below the base circle of a side.
     """
-    largest = max(side.base_radius for side in teeth.sides)
+    largest = teeth.largest_base_radius
     wanted = mean_of([_ball_involute(side, diameter) for side in teeth.sides])
     return largest / math.cos(common_angle(wanted, [side.base_radius / largest for side in teeth.sides]))
 
@@ -305,7 +305,7 @@ def thickness_over_balls(teeth: Toothing, diameter: float, size: float, *, oppos
     """
     odd = teeth.teeth % 2 == 1 and not opposite
     centre = 0.5 * (size - teeth.sense * diameter) / (math.cos(0.5 * math.pi / teeth.teeth) if odd else 1.0)
-    if centre < max(side.base_radius for side in teeth.sides):
+    if centre < teeth.largest_base_radius:
         return math.nan
     halves = []
     for side in teeth.sides:

@@ -101,8 +101,8 @@ def meshes(design: PlanetaryDesign) -> Meshes:
 
 def _check_ring(design: PlanetaryDesign, mesh: InvolutePair) -> None:
     """Refuse a ring so large that its planets cannot reach it at the centre distance of sun and planet."""
-    steepest = max(math.cos(side.alpha_t) for side in mesh.gear.sides)
-    of_teeth = 2.0 * mesh.distance / (mesh.gear.transverse_module * steepest)
+    largest_cosine = max(math.cos(side.alpha_t) for side in mesh.gear.sides)
+    of_teeth = 2.0 * mesh.distance / (mesh.gear.transverse_module * largest_cosine)
     most = math.ceil(design.planet.teeth + of_teeth) - 1
     if design.ring.teeth > most:
         raise DesignError(
