@@ -899,7 +899,7 @@ class HypoidDesign(FaceMilledDesign):
 
     @model_validator(mode="after")
     def _no_eccentricity(self) -> Self:
-        """Refuse what crowns the teeth of one crown gear."""
+        """Refuse keys that crown the teeth of one crown gear: a hypoid pair has two."""
         if not self.hobbed:
             return self
         why = f'process = "{self.process}" with offset; the contact follows from local synthesis; leave it out'

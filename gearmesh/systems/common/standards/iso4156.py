@@ -6,7 +6,7 @@ width E, in um of mm:
     T + lambda = a i(D) + 4 a i(E),   a = 10, 16, 25, 40,   i(x) = 0.45 x^(1/3) + 0.001 x  (D > 500: 0.004 D + 2.1)
     lambda = 0.6 sqrt(F_p^2 + F_alpha^2 + F_beta^2)
 
-lambda is the effective variation: deviations of pitch, profile and helix make a shaft as wide, and a hub as narrow.
+lambda is the effective variation: deviations of pitch, profile and helix let a shaft act thicker, and a hub narrower, by it.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ SHAFT_LETTERS, HUB_LETTERS = (*FUNDAMENTAL_DEVIATIONS_UM, *WIDER_LETTERS), ("H",
 
 @dataclass(frozen=True)
 class SplineTolerance:
-    """Limits of a tooth thickness or space width, mm, as deviations from the basic one; `wide` is away from the material."""
+    """Limits of a tooth thickness or space width, mm, as deviations from the basic one."""
 
     #: deviation of the effective thickness or width at its maximum material
     effective: float
@@ -70,7 +70,7 @@ def parse(text: str, letters: tuple[str, ...]) -> tuple[int, str] | None:
 def tolerance(number: int, letter: str, module: float, teeth: int, length: float) -> SplineTolerance:
     """Return the tolerance of class `number` and deviation `letter`; module and length of the spline in mm.
 
-    The deviation of a shaft is that of its thickness, the deviation of a hub, which has the letter H, is 0. The pitch diameter
+    The deviation of a shaft is the deviation of its thickness. A hub has the letter H and the deviation 0. The pitch diameter
     is at most LARGEST_DIAMETER_MM.
     """
     diameter, width, factor = module * teeth, 0.5 * math.pi * module, CLASS_FACTORS[number]

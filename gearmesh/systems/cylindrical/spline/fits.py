@@ -1,7 +1,7 @@
 """Limits of tooth thickness and space width of a spline, actual and effective, and the clearance between them [ISO 4156-1].
 
-The effective variation lambda makes a shaft as thick, and a hub as narrow, as deviations of pitch, profile and helix let it
-act: S_v = s + lambda, E_v = e - lambda.
+Deviations of pitch, profile and helix let a shaft act thicker, and a hub narrower, by the effective variation lambda:
+S_v = s + lambda, E_v = e - lambda.
 """
 
 from __future__ import annotations

@@ -89,11 +89,11 @@ class HobbedContact:
 def _asked(design: FaceMilledDesign, blank: BevelBlank, name: str) -> tuple[float, float]:
     """Return the crownings (mm) lengthwise and along the profile with the ellipse and transmission error of a design.
 
-    On the crown gear, with x along the tooth and y up the blade from the middle of the working depth, the flanks part by
+    On the crown gear x is along the tooth, and y up the blade from the middle of the working depth. The flanks part by
     (k_x x^2 + 2 c k_x x y + k_y y^2) / 2; the eccentricity gives the first two terms, hollow blades the last one. They
     touch where the gap is least on the line that generates at the roll phi, g_x x + g_y y = phi. With T = k_x (g_y^2 - 2 c
-    g_x g_y) + k_y g_x^2, the gap there is phi^2 (k_x k_y - c^2 k_x^2) / (2 T), and T / (g_x^2 + g_y^2) is the difference of
-    curvatures along the line.
+    g_x g_y) + k_y g_x^2, the gap there is phi^2 (k_x k_y - c^2 k_x^2) / (2 T). The difference of curvatures along the line
+    is T / (g_x^2 + g_y^2).
     """
     spec, angle = design.pinion.side(name), blade_angle(design, blank, MATING_SIDES[name])
     ratio, teeth = blank.pinion.teeth / blank.gear.teeth, float(blank.tooth_line.crown_teeth)
