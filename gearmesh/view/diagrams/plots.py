@@ -363,6 +363,12 @@ def plot_curves(
     save_figure(figure, file)
 
 
+def widen_errors(axes: Any, low: float, high: float) -> None:
+    """Give an axis of errors from `low` to `high` at least MIN_TE_RANGE: rounding must not look like a signal."""
+    if high - low < MIN_TE_RANGE:
+        axes.set_ylim(0.5 * (low + high - MIN_TE_RANGE), 0.5 * (low + high + MIN_TE_RANGE))
+
+
 def sheet(needed: tuple[float, float], size: tuple[int, int] | None, dpi: float) -> tuple[tuple[float, float], float]:
     """Return a figure's inches and its pixels per inch: the `needed` inches, or a `size` in pixels.
 

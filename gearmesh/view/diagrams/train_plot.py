@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-import numpy as np
-
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.view.diagrams.plots import MIN_TE_RANGE, new_figure, save_figure, sheet
+from gearmesh.view.diagrams.plots import new_figure, save_figure, sheet, widen_errors
 from gearmesh.view.palette import CURVE_COLOURS, GRID_LINE_COLOUR, INK_COLOUR
 
 #: width of the sum and of the shares, points
@@ -26,7 +24,6 @@ def plot_train_error(
     inches, dots = sheet((10.5, 4.6), None, dpi)
     figure = new_figure(inches, dots)
     whole, near = figure.subplots(1, 2, width_ratios=(1.6, 1.0), sharey=True)
-    low, high = (float(end(values)) for end, values in ((np.min, errors), (np.max, errors)))
     for axes, last in ((whole, float(turns[-1])), (near, min(3.0 * pitch, float(turns[-1])))):
         shown = turns <= last
         for k, (stage, part) in enumerate(parts.items()):
@@ -37,9 +34,7 @@ def plot_train_error(
         axes.set(xlabel="turns of the input", xlim=(0.0, last))
         axes.grid(True, color=GRID_LINE_COLOUR, lw=0.8)
         axes.set_axisbelow(True)
-    # rounding must not look like a signal
-    if high - low < MIN_TE_RANGE:
-        whole.set_ylim(0.5 * (low + high - MIN_TE_RANGE), 0.5 * (low + high + MIN_TE_RANGE))
+    widen_errors(whole, float(errors.min()), float(errors.max()))
     whole.set_ylabel("transmission error of the output (arcsec)")
     whole.set_title("all turns", color=INK_COLOUR, fontsize=10)
     near.set_title("three pitches of the slowest mesh", color=INK_COLOUR, fontsize=10)

@@ -8,7 +8,7 @@ import numpy as np
 
 from gearmesh.contact.engagement.turns import FullTurns
 from gearmesh.kernel.numeric.algebra import ARCSEC
-from gearmesh.view.diagrams.plots import MIN_TE_RANGE, new_figure, save_figure, sheet
+from gearmesh.view.diagrams.plots import MIN_TE_RANGE, new_figure, save_figure, sheet, widen_errors
 from gearmesh.view.palette import CURVE_COLOURS, FAINT_COLOUR, GRID_LINE_COLOUR, INK_COLOUR
 
 #: height of the bars' plot relative to its tallest bar: room for the legend
@@ -34,10 +34,7 @@ def plot_turns(
     axes.plot(turns.phi1 / (2.0 * np.pi), turns.te / rad, color=CURVE_COLOURS[0], lw=0.9)
     axes.set(xlabel="turns of the pinion, until the same teeth mesh again", ylabel=f"transmission error ({name})")
     axes.margins(x=0.01)
-    # rounding must not look like a signal
-    low, high = (float(end) / rad for end in (np.nanmin(turns.te), np.nanmax(turns.te)))
-    if high - low < MIN_TE_RANGE:
-        axes.set_ylim(0.5 * (low + high - MIN_TE_RANGE), 0.5 * (low + high + MIN_TE_RANGE))
+    widen_errors(axes, float(np.nanmin(turns.te)) / rad, float(np.nanmax(turns.te)) / rad)
     place, names = np.arange(len(turns.waves)), [_name(wave.member, wave.per_turn) for wave in turns.waves]
     bars.bar(
         place, [wave.amplitude / rad for wave in turns.waves], color=CURVE_COLOURS[0], width=0.7, label="exact contact"
