@@ -8,7 +8,7 @@ its own axis. The sense is -1 for a reversed member, whose z axis is against the
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import numpy as np
@@ -30,19 +30,25 @@ HALF_TURN = Rigid(np.diag([1.0, -1.0, -1.0]), np.zeros(3))
 class Seated:
     """A member on its shaft."""
 
-    #: name of the stage
-    stage: str
-    #: name of the port
-    port: str
     #: keys of the file
     seat: Seat
     #: rotation (rad) about the shaft of the port's frame
-    turn: float
+    turn: float = 0.0
 
     @property
     def name(self) -> str:
         """Stage and member, as in the file."""
-        return f"{self.stage}.{self.port}"
+        return self.seat.member
+
+    @property
+    def stage(self) -> str:
+        """Name of the stage."""
+        return self.name.partition(".")[0]
+
+    @property
+    def port(self) -> str:
+        """Name of the port."""
+        return self.name.partition(".")[2]
 
     @property
     def sense(self) -> int:
@@ -101,6 +107,8 @@ class Layout:
     shafts: Mapping[str, Shaft]
     #: sense, +1 or -1, in which the input turns about its z axis
     sense: int
+    #: turns of all shafts per turn of the input, each right-handed about its own z axis
+    speeds: Mapping[str, Fraction]
 
     @property
     def stages(self) -> dict[str, Stage]:
@@ -136,16 +144,6 @@ class Layout:
             placed.update((f"{step.stage.name}.{name}", step.place @ own) for name, own in members.items())
         return placed
 
-    @property
-    def speeds(self) -> dict[str, Fraction]:
-        """Turns of all shafts per turn of the input, each right-handed about its own z axis."""
-        known = {self.file.input: Fraction(1)}
-        for step in self.steps:
-            (source, driver), (target, driven) = step.driver, step.driven
-            turned = step.stage.speeds(driver.port)[driven.port]
-            known[target] = known[source] * driver.sense * turned * driven.sense
-        return known
-
 
 def layout_of(file: TrainFile, stages: Mapping[str, Stage]) -> Layout:
     """Return the layout of a train.
@@ -157,9 +155,7 @@ def layout_of(file: TrainFile, stages: Mapping[str, Stage]) -> Layout:
     frames: dict[str, Shaft] = {}
     steps: list[TrainStep] = []
     # the stage of the first member of the input is the frame of the train
-    seat = file.shafts[start].seats[0]
-    stage_name, _, port = seat.member.partition(".")
-    frames[start] = _shaft(file.shafts[start], stages, Seated(stage_name, port, seat, 0.0), Rigid.identity())
+    frames[start] = _shaft(file.shafts[start], stages, Seated(file.shafts[start].seats[0]), Rigid.identity())
     waiting, sense, speeds = [start], 0, {start: Fraction(1)}
     while waiting:
         source = waiting.pop(0)
@@ -173,7 +169,7 @@ def layout_of(file: TrainFile, stages: Mapping[str, Stage]) -> Layout:
             own = next(seat for seat in file.shafts[target].seats if seat.member == f"{stage.name}.{other}")
             if target in frames:
                 raise _loop(stage, other, target, place, frames[target])
-            frames[target] = _shaft(file.shafts[target], stages, Seated(stage.name, other, own, 0.0), place)
+            frames[target] = _shaft(file.shafts[target], stages, Seated(own), place)
             driven = next(member for member in frames[target].members if member.name == own.member)
             # the input turns as the flanks of its first stage ask for
             if not sense:
@@ -189,7 +185,7 @@ def layout_of(file: TrainFile, stages: Mapping[str, Stage]) -> Layout:
             raise DesignError(f"shafts.{name}", reason=f"no stage connects it to the shaft {start}, which drives")
     shafts = {name: frames[name] for name in file.shafts}
     _check_coaxial(file, shafts)
-    return Layout(file, tuple(steps), shafts, sense)
+    return Layout(file, tuple(steps), shafts, sense, speeds)
 
 
 def _owners(file: TrainFile, stages: Mapping[str, Stage]) -> dict[str, str]:
@@ -230,13 +226,12 @@ def _shaft(table: ShaftTable, stages: Mapping[str, Stage], reached: Seated, plac
     away = reached.sense * _direction(own_port) + np.pi if own_port.leads_away else 0.0
     members = []
     for seat in table.seats:
-        stage, _, port = seat.member.partition(".")
         if seat.member == reached.name:
             members.append(reached)
             continue
-        bare = Seated(stage, port, seat, 0.0)
-        turn = away + np.radians(seat.turn) - bare.sense * _direction(stages[stage].ports[port])
-        members.append(Seated(stage, port, seat, float(turn)))
+        bare = Seated(seat)
+        turn = away + np.radians(seat.turn) - bare.sense * _direction(stages[bare.stage].ports[bare.port])
+        members.append(replace(bare, turn=float(turn)))
     return Shaft(table.name, frame, tuple(members), table.keys.joined)
 
 
