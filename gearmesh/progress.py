@@ -23,6 +23,11 @@ def silent(fraction: float, doing: str) -> None:
     """Ignore progress."""
 
 
+def stage_of(progress: Progress, number: int, count: int) -> Progress:
+    """Return the progress of one of `count` equal stages of some work, counted from 0."""
+    return lambda fraction, doing: progress((number + fraction) / count, doing)
+
+
 _listener: ContextVar[Callable[[float], None] | None] = ContextVar("listener", default=None)
 
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from gearmesh.answers.gearset import GearSet, number_list, position_list
 from gearmesh.arguments import checks_methods, refuse_speed
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.progress import Progress, silent
+from gearmesh.progress import Progress, silent, stage_of
 from gearmesh.systems import system as systems
 from gearmesh.teeth.gear_train import GearPair
 
@@ -227,15 +227,12 @@ class SolvedGears(GearSet):
         ratios = transmitted_torques(self.pairs)
         solved: dict[int, LoadedContact] = {}
         for done, number in enumerate(numbers):
-
-            def report(share: float, doing: str, done: int = done) -> None:
-                progress((done + share) / len(numbers), doing)
-
             if loaded is not None and loaded.pair.name == self.pairs[number].name:
                 solved[number] = loaded
             else:
                 ratio = 1.0 if pair is not None else ratios[number]
-                solved[number] = self.loaded_contact(ratio * torques, phi1, pair=number, progress=report)
+                of_mesh = stage_of(progress, done, len(numbers))
+                solved[number] = self.loaded_contact(ratio * torques, phi1, pair=number, progress=of_mesh)
         warnings = dict.fromkeys(line for answer in solved.values() for line in answer.warnings)
         return Dynamics(self.design, self.train, solved, tuple(warnings))
 
@@ -311,12 +308,8 @@ def loaded_meshes(
     by_pair: dict[int, LoadedContact] = {}
     different = gears.train.different
     for done, k in enumerate(different):
-        pair, ratio = gears.pairs[k], torque_ratios[k]
-
-        def report(share: float, doing: str, done: int = done) -> None:
-            progress((done + share) / len(different), doing)
-
-        under_load = gears.loaded_contact(ratio * torques, pair=k, progress=report, contact=contacts[k])
+        pair, ratio, of_mesh = gears.pairs[k], torque_ratios[k], stage_of(progress, done, len(different))
+        under_load = gears.loaded_contact(ratio * torques, pair=k, progress=of_mesh, contact=contacts[k])
         if len(different) > 1:
             under_load = replace(
                 under_load, warnings=(*gears.warnings, *_of_mesh(pair, under_load.warnings, gears.warnings))
