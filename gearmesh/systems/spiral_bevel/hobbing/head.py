@@ -17,6 +17,7 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.systems.common.bevel.blank import BevelBlank
+from gearmesh.systems.common.bevel.cone_blank import ConeData
 from gearmesh.systems.common.bevel.iso23509.tooth_line import ToothLine
 from gearmesh.systems.common.bounds import at_least, at_most
 
@@ -58,12 +59,9 @@ def head_radius(design: FaceMilledDesign, mean_cone_distance: float, module: flo
     return nearest if abs(nearest / wanted - 1.0) <= MAX_RADIUS_DEVIATION else float(wanted)
 
 
-def check_head(line: ToothLine, extent: tuple[float, float]) -> None:
-    """Raise DesignError for a head that cannot cut teeth between two cone distances (mm).
-
-    - `line`: tooth line of the head
-    - `extent`: cone distances of toe and heel, mm
-    """
+def check_head(cones: ConeData) -> None:
+    """Raise DesignError for a head that cannot cut the teeth of a pair from toe to heel."""
+    pitch, line = cones.pitch, cones.pitch.tooth_line(cones.cutter)
     radius, groups = line.cutter.radius, line.cutter.blade_groups
     least = groups * line.mean_cone_distance * np.cos(line.spiral_angle) / line.crown_teeth / np.sin(MAX_LEAD_ANGLE)
     if not radius >= least:
@@ -74,9 +72,9 @@ def check_head(line: ToothLine, extent: tuple[float, float]) -> None:
             reason=f"the lead angle of {groups} blade groups would be more than {np.degrees(MAX_LEAD_ANGLE):.3g} deg",
             allowed=f"{at_least(float(least))} mm or more, or a smaller head.blade_groups",
         )
-    if all(line.reaches(distance) for distance in extent):
+    toe, heel = pitch.inner_cone_distance, pitch.outer_cone_distance
+    if line.reaches(toe) and line.reaches(heel):
         return
-    toe, heel = extent
     raise DesignError(
         "head.radius",
         radius,

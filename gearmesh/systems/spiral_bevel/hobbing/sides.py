@@ -1,4 +1,4 @@
-"""Blank, machines and blades of a face-hobbed pair that one crown gear generates [ISO 23509 method 0, uniform depth]."""
+"""Pitch cones, machines and blades of a face-hobbed pair that one crown gear generates [ISO 23509 method 0, uniform depth]."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ import numpy as np
 
 from gearmesh.kernel.numeric.algebra import ARCSEC
 from gearmesh.kernel.surface.curvature import shape_operator
-from gearmesh.systems.common.bevel.blank import BevelBlank, MemberBlank, Proportions, basic_data
-from gearmesh.systems.common.bevel.cone_blank import ConeData, cone_blank
+from gearmesh.systems.common.bevel.blank import BevelBlank, MemberBlank, basic_data
+from gearmesh.systems.common.bevel.cone_blank import ConeData
 from gearmesh.systems.common.bevel.iso23509.tooth_line import FaceCutter, ToothLine
-from gearmesh.systems.spiral_bevel.hobbing.head import HeadLines, check_head, head_radius
+from gearmesh.systems.spiral_bevel.hobbing.head import HeadLines, head_radius
 from gearmesh.systems.spiral_bevel.machine.blades import blade_keys, made_blade
 from gearmesh.systems.spiral_bevel.machine.generated import Generated, Indexing
 from gearmesh.systems.spiral_bevel.machine.machine import MachineSettings
@@ -34,17 +34,15 @@ MIN_CURVATURE_RATIO = 1.3
 BLADE_TABLES = {"concave": "outside", "convex": "inside"}
 
 
-def hobbed_blank(design: FaceMilledDesign, given: Proportions, mean_cone_distance: float | None) -> BevelBlank:
-    """Return the blank of a face-hobbed pair (design in mm), with uniform depth.
+def hobbed_cones(design: FaceMilledDesign, mean_cone_distance: float | None) -> ConeData:
+    """Return pitch cones and head of a face-hobbed pair without offset (design in mm), with uniform depth.
 
-    Raises DesignError for a blank that cannot exist, and for a head that cannot cut it.
+    Raises DesignError for cones that cannot exist.
     """
     data = basic_data(design, design.spiral_angle, design.pressure_angle, mean_cone_distance)
     pitch = data.pitch_cones
     radius = head_radius(design, data.mean_cone_distance, data.mean_normal_module)
-    cutter = FaceCutter(radius, design.head.blade_groups)
-    check_head(pitch.tooth_line(cutter), (pitch.inner_cone_distance, pitch.outer_cone_distance))
-    return cone_blank(ConeData(pitch, cutter, data.pressure_angle, HOBBED_TAPER), given, design.gear_backlash)
+    return ConeData(pitch, FaceCutter(radius, design.head.blade_groups), data.pressure_angle, HOBBED_TAPER)
 
 
 @dataclass(frozen=True)

@@ -31,7 +31,7 @@ from gearmesh.systems.spiral_bevel.design import (
 )
 from gearmesh.systems.spiral_bevel.hobbing.head import check_head
 from gearmesh.systems.spiral_bevel.hobbing.head_synthesis import hobbed_values
-from gearmesh.systems.spiral_bevel.hobbing.sides import hobbed_blank, hobbed_gear, hobbed_pinion, indexing
+from gearmesh.systems.spiral_bevel.hobbing.sides import hobbed_cones, hobbed_gear, hobbed_pinion, indexing
 from gearmesh.systems.spiral_bevel.machine.blades import blade_keys, made_blade, or_else, or_none, radians_or
 from gearmesh.systems.spiral_bevel.machine.gear_cradle import machine_axes, root_normal, turned_after_cut
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
@@ -136,20 +136,20 @@ class MeanPoint:
 def basic_blank(design: FaceMilledDesign, given: Proportions | None = None) -> BevelBlank:
     """Return the blank of a design in mm, with `given` proportions or those of the design.
 
-    Raises DesignError for a blank that cannot exist.
+    Raises DesignError for a blank that cannot exist, and for a head that cannot cut it.
     """
-    given, radius = proportions(design) if given is None else given, design.gear.cutter.tip_radius
+    given = proportions(design) if given is None else given
+    mean = design.mean_cone_distance if isinstance(design, SpiralBevelDesign) else None
     if isinstance(design, HypoidDesign):
         cones = ConeData.of_hypoid(offset_data(design))
-        if design.hobbed:
-            pitch = cones.pitch
-            check_head(pitch.tooth_line(cones.cutter), (pitch.inner_cone_distance, pitch.outer_cone_distance))
-        return cone_blank(cones, given, design.gear_backlash)
+    elif design.hobbed:
+        cones = hobbed_cones(design, mean)
+    else:
+        data = basic_data(design, design.spiral_angle, design.pressure_angle, mean)
+        return pair_blank(design, data, given, design.gear.cutter.tip_radius, design.gear_backlash)
     if design.hobbed:
-        return hobbed_blank(design, given, design.mean_cone_distance if isinstance(design, SpiralBevelDesign) else None)
-    mean = design.mean_cone_distance if isinstance(design, SpiralBevelDesign) else None
-    data = basic_data(design, design.spiral_angle, design.pressure_angle, mean)
-    return pair_blank(design, data, given, radius, design.gear_backlash)
+        check_head(cones)
+    return cone_blank(cones, given, design.gear_backlash)
 
 
 def offset_data(design: HypoidDesign) -> OffsetData:
