@@ -54,6 +54,14 @@ BASE: dict[str, list[str]] = {
 NOWHERE = ("nowhere/out", "cannot write nowhere/out")
 #: a folder inside a file
 IN_FILE = ("pitch.csv/out", "cannot make the folder pitch.csv/out: Not a directory")
+#: wrong processes and clusters, of all commands that compute many designs
+WRONG_CLUSTER: dict[str, Any] = {
+    "--workers": ("0", "--workers = 0"),
+    "--scheduler": ("host", "--scheduler = host: must be an address with a port"),
+    "--tls-ca-file": ("nowhere.pem", "--tls-client-cert: missing"),
+    "--tls-client-cert": ("nowhere.pem", "--tls-ca-file: missing"),
+    "--tls-client-key": ("nowhere.pem", "--tls-ca-file: missing"),
+}
 #: wrong values of options, and what the refusal begins with; of one option several, each with what else is given
 WRONG: dict[str, dict[str, Any]] = {
     "run": {"-o": IN_FILE, "--tol": ("0", "--tol = 0"), "--torque": ("-1", "--torque = -1")},
@@ -197,11 +205,7 @@ WRONG: dict[str, dict[str, Any]] = {
         "--limit": ("x", "--limit"),
         "--find-limits": ("assembly.dx=-1", "--find-limits"),
         "-o": IN_FILE,
-        "--workers": ("0", "--workers = 0"),
-        "--scheduler": ("host", "--scheduler = host: must be an address with a port"),
-        "--tls-ca-file": ("nowhere.pem", "--tls-client-cert: missing"),
-        "--tls-client-cert": ("nowhere.pem", "--tls-ca-file: missing"),
-        "--tls-client-key": ("nowhere.pem", "--tls-ca-file: missing"),
+        **WRONG_CLUSTER,
         "--pair": ("a-b", "--pair = a-b"),
     },
     "optimize": {
@@ -216,11 +220,7 @@ WRONG: dict[str, dict[str, Any]] = {
         "--budget": ("x", "--budget = x"),
         "--seed": ("-1", "--seed = -1"),
         "-o": IN_FILE,
-        "--workers": ("0", "--workers = 0"),
-        "--scheduler": ("host", "--scheduler = host: must be an address with a port"),
-        "--tls-ca-file": ("nowhere.pem", "--tls-client-cert: missing"),
-        "--tls-client-cert": ("nowhere.pem", "--tls-ca-file: missing"),
-        "--tls-client-key": ("nowhere.pem", "--tls-ca-file: missing"),
+        **WRONG_CLUSTER,
         "--pair": ("a-b", "--pair = a-b"),
     },
     "explore": {"--port": ("80", "--port = 80")},
