@@ -15,13 +15,10 @@ from typing import TYPE_CHECKING
 from gearmesh import lengths
 from gearmesh.answers.tables import Listing, align
 from gearmesh.errors import ArgumentError, NoSolutionError, OutputError, Status
-from gearmesh.progress import listening
+from gearmesh.progress import Progress, listening
 
 if TYPE_CHECKING:
     from gearmesh.contact.path import ContactPath
-
-#: function of the progress of long work (0 to 1) and the name of its stage
-Progress = Callable[[float, str], None]
 
 #: share of the work between two lines of progress in a pipe
 REPORTED_SHARE = 0.1
@@ -132,12 +129,13 @@ def working(what: str, *, at_once: bool = False) -> Iterator[Progress]:
             yield line
         return
     from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+    from rich.progress import BarColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+    from rich.progress import Progress as ProgressBar
 
     words = TextColumn("{task.description}", markup=False)
     columns = (words, BarColumn(), TimeElapsedColumn(), TextColumn("remaining"), TimeRemainingColumn())
     # average the speed from the beginning, because there are few stages
-    with Progress(
+    with ProgressBar(
         *columns, console=Console(stderr=True), transient=True, speed_estimate_period=_AVERAGING_SECONDS
     ) as bar:
         task = bar.add_task(what, total=None)

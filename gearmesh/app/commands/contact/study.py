@@ -24,7 +24,6 @@ from gearmesh.app.options import (
     unique_keys,
 )
 from gearmesh.app.terminal import (
-    Progress,
     at_times,
     output_folder,
     refuse_folder,
@@ -35,10 +34,9 @@ from gearmesh.app.terminal import (
     write_text,
 )
 from gearmesh.errors import ArgumentError
+from gearmesh.progress import Progress
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from gearmesh import Gears
     from gearmesh.study.largest_errors import LargestErrors
     from gearmesh.study.study import Study
@@ -145,7 +143,7 @@ def study(
 
         require_pyarrow()
 
-    def ask(gears: Gears, progress: Callable[[float, str], None] | None = None) -> Study:
+    def ask(gears: Gears, progress: Progress | None = None) -> Study:
         return gears.study(
             unique_keys("--vary", vary),
             tolerance=tolerances("--tolerance", tolerance),

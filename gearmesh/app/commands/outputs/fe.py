@@ -21,7 +21,6 @@ from gearmesh.app.options import (
     sector_option,
 )
 from gearmesh.app.terminal import (
-    Progress,
     output_folder,
     refuse_folder,
     refuse_unwritable,
@@ -33,7 +32,7 @@ from gearmesh.app.terminal import (
 from gearmesh.errors import ArgumentError, OutputError
 from gearmesh.formats import JSON_SUFFIX, PNG_SUFFIX, VTU_SUFFIX, refuse_suffix
 from gearmesh.numerals import parse_whole_number
-from gearmesh.progress import part
+from gearmesh.progress import Progress, part
 
 if TYPE_CHECKING:
     from gearmesh.answers.bodies.finite_element_model import UnloadedFiniteElements
