@@ -127,7 +127,8 @@ class Layout:
         shafts, ports = {self.file.input: psi}, {}
         for step in self.steps:
             (source, driver), (target, driven) = step.driver, step.driven
-            turned = step.stage.follow(driver.port, driver.theta(shafts[source]))
+            with naming_stage(step.stage.name):
+                turned = step.stage.follow(driver.port, driver.theta(shafts[source]))
             shafts[target], ports[step.stage.name] = driven.psi(turned[driven.port]), turned
         return shafts, ports
 

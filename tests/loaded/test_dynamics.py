@@ -137,5 +137,5 @@ def test_positions_must_cover_whole_pitches() -> None:
     pair = loaded_contact("spur", TORQUES, 8).pair
     assert whole_pitches(pair, np.radians(np.linspace(0.0, 36.0, 25))) == (list(range(24)), 2)
     for wrong in ([0.0, 1.0, 2.0], [0.0], [0.0, 3.0, 9.0, 12.0, 18.0], [18.0, 9.0, 0.0]):
-        with pytest.raises(ArgumentError, match=r"phi1 = .* one pitch of the pinion \(18 deg\)"):
+        with pytest.raises(ArgumentError, match=r"phi1 = .* deg, \d positions: .* one pitch of the pinion \(18 deg\)"):
             whole_pitches(pair, np.radians(wrong))

@@ -412,6 +412,12 @@ REFUSED = [
         "bolts.depth = 900 mm: the holes do not end in the body",
     ),
     ("spur", "gear", ["spokes={count=4,width=9}", "bolts={count=5,diameter=6,circle=80}"], "meet those of bolts"),
+    (
+        "spur",
+        "gear",
+        ["bore=20", "keyway={}", "bolts={count=1,diameter=3,circle=28}"],
+        "28 mm: leaves no wall to the keyway; allowed is at least 29.5638 mm, or another start_angle",
+    ),
     ("spur", "gear", ["heel_shaft={diameters=[20,30],lengths=[5]}"], "must be 2 lengths, one for each of diameters"),
     ("internal", "gear", ["toe_bore={diameters=[153],lengths=[5]}"], "leaves a rim of 1.13 mm, 0.57 modules"),
     ("internal", "gear", ["heel_shaft={diameters=[20],lengths=[5]}"], "an internal gear has none"),
@@ -443,6 +449,19 @@ def test_what_does_not_fit_is_refused_with_the_figure(sample: str, name: str, ke
     with pytest.raises(DesignError) as refusal:
         member(sample, name, *keys)
     assert line in str(refusal.value)
+
+
+def test_end_chamfers_of_double_helical_racks_keep_off_the_holes() -> None:
+    """The bound is that of the same rack in one piece."""
+    stub = ["addendum=0.3", "dedendum=0.4", "bolts={count=6,diameter=5,height=19.2}"]
+    lines = []
+    for arrangement in ("single", "double_helical"):
+        keys = [f"rack.{key}" for key in (*stub, "end_chamfer=1")]
+        with pytest.raises(DesignError) as refusal:
+            gm.build(gm.load(SAMPLES / "rack.toml", [f"arrangement={arrangement}", "helix_angle=30", *keys]))
+        lines.append(str(refusal.value))
+    assert lines[1] == "rack.end_chamfer = 1 mm: reaches the holes in the end face; allowed is at most 0.899999 mm"
+    assert lines[0].rpartition(";")[2] == lines[1].rpartition(";")[2]
 
 
 #: sample, member, other keys, a key with the place of its value, one that is refused, and the word before the bound

@@ -133,33 +133,38 @@ def test_carrier_and_pinion_of_a_train_turn_as_one(planetary: gm.MultistageTrain
     assert [shaft.torque * shaft.speed for shaft in planetary.shafts] == pytest.approx([1.0] * 3, rel=1e-14)
 
 
-def test_phases_of_planets_are_those_of_the_set() -> None:
+def set_of_phases(planets: int) -> dict[str, Any]:
+    """A set in which planets mesh at different phases with the 19 teeth of the sun."""
+    tables = {"design": str(SAMPLES / "planetary.toml"), "planets": planets, "sun": {"teeth": 19}, "planet": {"teeth": 26},
+              "ring": {"teeth": -71}}  # fmt: skip
+    shafts = {"input": {"members": ["set.sun"]}, "output": {"members": ["set.carrier"]}}
+    return {"kind": "train", "stages": {"set": tables}, "shafts": shafts}
+
+
+@pytest.mark.parametrize("reverse", [False, True])
+def test_phases_of_planets_are_those_of_the_set(reverse: bool) -> None:
     """19 teeth of the sun in thirds of a turn: three phases, in both senses."""
-    text = {"kind": "train", "stages": {"set": {"design": str(SAMPLES / "planetary.toml"), "sun": {"teeth": 19},
-            "planet": {"teeth": 26}, "ring": {"teeth": -71}}},
-            "shafts": {"input": {"members": ["set.sun"]}, "output": {"members": ["set.carrier"]}}}  # fmt: skip
-    for reverse in (False, True):
-        train = gm.load_train({**text, "reverse": reverse})
-        flank = gm.load(SAMPLES / "planetary.toml").contact.flank
-        sense = (1 if flank == "right" else -1) * (-1 if reverse else 1)
-        wanted = np.array(phases(19, [0.0, 120.0, 240.0], sense))
-        own = np.array([mesh.phase for mesh in train.meshes])
-        for first in (0, 3):
-            apart = own[first : first + 3] - own[first] - wanted
-            assert apart - np.round(apart) == pytest.approx(np.zeros(3), abs=1e-6), (reverse, first)
-    # every planet knows its own mesh: without the curve of the first one, the relation is the same
-    stage = Stage.of("set", gm.build(train.file.stages["set"]))
-    theta = np.linspace(0.0, 1.0, 5)
-    shared = [path.output(theta)[-1] for path in stage.paths]
-    for path, known in zip(stage.paths, shared, strict=True):
-        turned = theta
-        for mesh in path.meshes:
-            phi1 = mesh.phi1(turned)
-            phi2, mount = leading_turns(mesh.pair, phi1, 2)[1], mesh.pair.gear.mount
-            turned = mesh.ahead[1] + mount.sign * (phi2 - mount.zero)
-        pitch = 2.0 * np.pi / 71
-        apart = turned - known
-        assert apart - np.round(apart / pitch) * pitch == pytest.approx(np.zeros(5), abs=1e-9)
+    train = gm.load_train({**set_of_phases(3), "reverse": reverse})
+    flank = gm.load(SAMPLES / "planetary.toml").contact.flank
+    sense = (1 if flank == "right" else -1) * (-1 if reverse else 1)
+    wanted = np.array(phases(19, [0.0, 120.0, 240.0], sense))
+    own = np.array([mesh.phase for mesh in train.meshes])
+    for first in (0, 3):
+        apart = own[first : first + 3] - own[first] - wanted
+        assert apart - np.round(apart) == pytest.approx(np.zeros(3), abs=1e-6), first
+
+
+def test_planets_move_as_their_own_meshes_say() -> None:
+    """Without the curve of the first planet, the relation of the second one is the same."""
+    stage = Stage.of("set", gm.build(gm.load_train(set_of_phases(2)).file.stages["set"]))
+    theta, path = np.linspace(0.0, 1.0, 5), stage.paths[1]
+    known, turned = path.output(theta)[-1], theta
+    for mesh in path.meshes:
+        phi1 = mesh.phi1(turned)
+        phi2, mount = leading_turns(mesh.pair, phi1, 2)[1], mesh.pair.gear.mount
+        turned = mesh.ahead[1] + mount.sign * (phi2 - mount.zero)
+    pitch, apart = 2.0 * np.pi / 71, turned - known
+    assert apart - np.round(apart / pitch) * pitch == pytest.approx(np.zeros(5), abs=1e-9)
 
 
 # ---------------------------------------------------------------- positions
@@ -422,6 +427,16 @@ def loop(center_distance: float) -> dict[str, Any]:
 def test_loops_are_refused(distance: float, words: str) -> None:
     with pytest.raises(gm.DesignError, match=words):
         _ = gm.load_train(loop(distance)).headline
+
+
+@pytest.mark.quick
+def test_lost_contact_names_the_stage() -> None:
+    tables = loop(60.0)
+    apart = {**tables["stages"]["a"], "assembly": {"dx": 8.0}}
+    shafts = {"input": {"members": ["a.pinion"]}, "output": {"members": ["a.gear"]}}
+    train = gm.load_train({**tables, "stages": {"a": apart}, "shafts": shafts})
+    with pytest.raises(gm.NoSolutionError, match=r"^stages\.a\.pinion-gear: the teeth lose contact"):
+        train.places(5.0)
 
 
 @pytest.mark.quick

@@ -378,8 +378,8 @@ def whole_pitches(pair: GearPair, phi1: Array) -> tuple[list[int], int]:
             return list(range(kept)), round(pitches)
     raise ArgumentError(
         "phi1",
-        f"{np.degrees(phi1[0]):g} to {np.degrees(phi1[-1]):g}, {count} positions",
-        unit="deg",
+        f"{np.degrees(phi1[0]):g} to {np.degrees(phi1[-1]):g} deg",
+        shown=f"{np.degrees(phi1[0]):g} to {np.degrees(phi1[-1]):g} deg, {count} positions",
         must_be=f"left out, or on equal steps over one pitch of the {pair.pinion.name} ({np.degrees(pitch):.10g} deg) or several: "
         "tables for dynamics repeat with the pitch",
     )

@@ -170,12 +170,46 @@ def _prove_ends(member: Member, blank: Blank, outline: Callable[[int, EndChamfer
         above = across.value(edge) - float(across.value(np.array([rho, 0.0, z])))
         if (above * np.sign(above[0]) <= 0.0).any():
             raise TrimError("end", 0.0, "the end chamfer reaches the body's profile")
-        radius = member.tooth.joint.radius(edge)
-        for opening in member.openings:
-            low, high = opening.reach
-            beside = radius.min() > high or radius.max() < low
-            if z in (opening.low, opening.high) and z != opening.floor and not beside:
-                raise TrimError("end", 0.0, "the end chamfer reaches a hole")
+        if _reaches_hole(member, end, edge):
+            raise TrimError("end", 0.0, "the end chamfer reaches a hole")
+
+
+def _reaches_hole(member: Member, end: int, edge: Array) -> bool:
+    """True if the outline (N, 3) of a broken end, 0 or 1 of the tooth, reaches a hole in an outer face of the member."""
+    rho, z = member.tooth.blank.body.profile[-end]
+    faces = [
+        float(half.points(np.array([rho, 0.0, z]))[2])
+        for number, half in enumerate(member.halves)
+        if (number, end) in member.rows.outer
+    ]
+    radius = member.tooth.joint.radius(edge)
+    return any(
+        radius.min() <= opening.reach[1] and radius.max() >= opening.reach[0]
+        for opening in member.openings
+        for face in faces
+        if face in (opening.low, opening.high) and face != opening.floor
+    )
+
+
+def check_beside_holes(member: Member, spec: BrokenEdges) -> None:
+    """Refuse broken ends that reach holes of a double helical member, whose halves get their ends before the holes.
+
+    `spec`: part of the design, in mm. Raises DesignError naming the key, its value and the largest value that fits.
+    """
+    tooth, keys = member.tooth, dict(zip((TOE_END, HEEL_END), _end_keys(spec), strict=True))
+    for end, name in enumerate(end_names(tooth.blank.axial)):
+        key, chamfer = keys[name], tooth.blank.ends[end]
+        if chamfer is None or not _reaches_hole(member, end, _outline_of(tooth, end)):
+            continue
+        outlines, width = tooth.sharp_ends.sharp_outlines[end], chamfer.width
+        limit = largest(lambda share, of=outlines, w=width: not _reaches_hole(member, end, of.inside(share * w)))
+        raise DesignError(
+            f"{member.name}.{key}",
+            getattr(spec, key),
+            unit="mm",
+            reason="reaches the holes in the end face",
+            allowed=f"at most {at_most(limit * getattr(spec, key))} mm",
+        )
 
 
 def _outline_of(tooth: Tooth, end: int) -> Array:

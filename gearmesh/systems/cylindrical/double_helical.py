@@ -14,6 +14,7 @@ from gearmesh.errors import DesignError
 from gearmesh.systems.common.bodies.body import disc_body
 from gearmesh.systems.common.bodies.features import UnderTeeth, body_features, ring_features
 from gearmesh.systems.common.bounds import at_least, at_most
+from gearmesh.systems.common.tooth_edges import check_beside_holes
 from gearmesh.systems.cylindrical.geometry.proportions import GearProportions
 from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.blank.halves import DoubleHelical, DoubleHelicalBar
@@ -97,14 +98,20 @@ def double_helical_member(design: HalvesKeys, half: Member, gear: GearProportion
         under = UnderTeeth(
             name, half.tooth, body, root if groove is None else groove, rim, gear.own.module, rows.halves
         )
-        return replace(half, features=ring_features(spec, under), rows=rows)
+        return _with_features(replace(half, features=ring_features(spec, under), rows=rows), spec)
     body = disc_body(name, spec, own.bore_radius, root, tip - root).shift(plane)
     floor = own.bore_radius if body.web is None else body.web.outer
     groove = _groove(design, gear, floor)
     rows = DoubleHelical(plane, near, True, groove, body)
     smallest = root if groove is None else groove
     under = UnderTeeth(name, half.tooth, body, smallest, root, gear.own.module, rows.halves)
-    return replace(half, features=body_features(spec, under), rows=rows)
+    return _with_features(replace(half, features=body_features(spec, under), rows=rows), spec)
+
+
+def _with_features(member: Member, spec: CylindricalMember) -> Member:
+    """Return a member whose ends were broken before it got its holes. Raises DesignError for ends that reach them."""
+    check_beside_holes(member, spec)
+    return member
 
 
 def double_helical_bar(design: RackKeys, half: Member) -> Member:

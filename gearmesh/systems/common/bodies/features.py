@@ -18,7 +18,7 @@ from gearmesh.design.core import MemberTable
 from gearmesh.design.keys import Table
 from gearmesh.errors import DesignError, VagueError
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.kernel.numeric.polylines import contains
+from gearmesh.kernel.numeric.polylines import contains, depth_inside
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.systems.common.bodies.body import LEAST_RIM, LEAST_WALL, RIM_DEPTHS
 from gearmesh.systems.common.bounds import at_least, at_most
@@ -482,6 +482,7 @@ def _with_openings(
         ends = _within_body(_levels(key, value, pattern, body, under, rim), under)
         if ends is not None and rim == under.least_rim:
             under.check_rim(key, value, pattern.reach, ends, partial(_up_to, key, pattern, under))
+        _check_beside_bore(under, features, key, value, pattern)
     for (key, _, one), (other_key, value, other) in combinations(made, 2):
         if _overlap(one, other):
             raise DesignError(
@@ -492,6 +493,29 @@ def _with_openings(
                 allowed="another circle, size or start_angle",
             )
     return features
+
+
+def _check_beside_bore(under: UnderTeeth, features: BodyFeatures, key: str, value: float, pattern: Pattern) -> None:
+    """Refuse openings that cut into a keyway or a hexagon of the bore, or leave less than a wall to it."""
+    form, radius, wall = features.bore_form, under.body.bore_radius, under.wall
+    if form is None or pattern.reach[0] >= form.reach(radius) + wall:
+        return
+    bore = _points(form.in_bore(radius))
+    left = min(float(-depth_inside(bore, _points(outline)).max()) for outline in pattern.outlines)
+    if left >= wall * (1.0 - FACE_MARGIN):
+        return
+    least = 2.0 * (form.reach(radius) + wall)
+    if key.endswith("circle"):
+        least += pattern.reach[1] - pattern.reach[0]
+    elif key.endswith("diameter"):
+        least = 0.0
+    raise DesignError(
+        f"{under.name}.{key}",
+        value,
+        unit="" if key.endswith("count") else "mm",
+        reason=f"leaves {f'a wall of {left:.3g} mm' if left > 0.0 else 'no wall'} to the {form.name}",
+        allowed=f"at least {at_least(least)} mm, or another start_angle" if least else "another circle or start_angle",
+    )
 
 
 def _within_body(ends: tuple[float, float], under: UnderTeeth) -> tuple[float, float] | None:

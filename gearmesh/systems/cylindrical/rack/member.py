@@ -30,7 +30,7 @@ from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.micro_geometry import with_modifications
 from gearmesh.systems.common.racks.rack_member import ROOT_PARAMETER, rack_parameters
 from gearmesh.systems.common.racks.rack_tooth import Heights, RackTooth, round_tips
-from gearmesh.systems.common.tooth_edges import edge_refusal, tip_edge, with_end_chamfers
+from gearmesh.systems.common.tooth_edges import check_beside_holes, edge_refusal, tip_edge, with_end_chamfers
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing, mean_of
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.body import Body
@@ -269,8 +269,11 @@ def with_bolts(rack: Member, table: RackTable) -> Member:
     if table.bolts is None:
         return rack
     bolted = replace(rack, features=BodyFeatures(row=_bolt_row(rack, table.bolts)))
-    # the chamfers are cut once more: they are checked beside the holes
-    return bolted if bolted.halves[1:] else with_end_chamfers(bolted, table)
+    # chamfers are cut once more, beside the holes; halves keep theirs, which differ at both ends
+    if bolted.halves[1:]:
+        check_beside_holes(bolted, table)
+        return bolted
+    return with_end_chamfers(bolted, table)
 
 
 def _bolt_row(member: Member, bolts: BoltRow) -> HoleRow:
