@@ -191,6 +191,11 @@ def _reaches_hole(member: Member, end: int, edge: Array) -> bool:
     )
 
 
+def _share_keeps_off(member: Member, end: int, width: float, share: float) -> bool:
+    """True if a share of the width (mm) of a broken end does not reach a hole."""
+    return not _reaches_hole(member, end, member.tooth.sharp_ends.sharp_outlines[end].inside(share * width))
+
+
 def check_beside_holes(member: Member, spec: BrokenEdges) -> None:
     """Refuse broken ends that reach holes of a double helical member, whose halves get their ends before the holes.
 
@@ -201,8 +206,7 @@ def check_beside_holes(member: Member, spec: BrokenEdges) -> None:
         key, chamfer = keys[name], tooth.blank.ends[end]
         if chamfer is None or not _reaches_hole(member, end, _outline_of(tooth, end)):
             continue
-        outlines, width = tooth.sharp_ends.sharp_outlines[end], chamfer.width
-        limit = largest(lambda share, of=outlines, w=width: not _reaches_hole(member, end, of.inside(share * w)))
+        limit = largest(partial(_share_keeps_off, member, end, chamfer.width))
         raise DesignError(
             f"{member.name}.{key}",
             getattr(spec, key),
