@@ -14,6 +14,8 @@ from gearmesh.design.keys import Table, conflict
 
 #: shapes of a relief at its start
 RELIEF_SHAPES = ("linear", "parabolic", "circular")
+#: tools whose radial feed crowns flanks, and a crowning without twist
+CROWNING_TOOLS = ("none", "worm", "disk")
 #: largest amount
 MAX_AMOUNT_MM = 5.0
 #: source of the definitions
@@ -115,6 +117,15 @@ class Modifications(Table):
     helix_crowning: float = keys.length(
         "removed at toe and heel, by a parabola", 0.0, low=-MAX_AMOUNT_MM, high=MAX_AMOUNT_MM, source=STANDARD_NAME
     )
+    crowning_tool: str = keys.choice(
+        "tool whose radial feed makes the helix crowning and so twists the flanks: a worm (hob or threaded wheel) or a disk; "
+        "none: no twist",
+        CROWNING_TOOLS,
+        "none",
+    )
+    crowning_disk_diameter: float | None = keys.length(
+        "diameter of the disk where it meets the reference circle", None, above=0, default="needed by the disk"
+    )
     helix_slope: float = keys.length(
         "removed at the heel; negative: at the toe", 0.0, low=-MAX_AMOUNT_MM, high=MAX_AMOUNT_MM, source=STANDARD_NAME
     )
@@ -125,6 +136,16 @@ class Modifications(Table):
     topography: str | None = keys.file(
         "CSV file of amounts over roll length or diameter and face position", None, default="none"
     )
+
+    @model_validator(mode="after")
+    def _disk_given(self) -> Self:
+        """Refuse a disk without its diameter, and a diameter without its disk."""
+        disk, diameter = self.crowning_tool == "disk", self.crowning_disk_diameter
+        if disk and diameter is None:
+            raise conflict("crowning_disk_diameter", None, reason='missing; crowning_tool = "disk" needs it')
+        if diameter is not None and not disk:
+            raise conflict("crowning_disk_diameter", diameter, reason='needs crowning_tool = "disk"')
+        return self
 
 
 class Modified(Table):

@@ -61,7 +61,10 @@ def build(design: BeveloidDesign) -> GearTrain:
         else:
             racks = _rack(name, spec, design, roll)
             made = member(name, spec, racks, roll, rack_parameters(f"l_{letter}", f"u_{letter}", along), tip_key)
-        made = with_modifications(with_tip_surface(made, spec), spec, internal=spec.internal)
+        reference_radius = None if cone else roll.radius
+        made = with_modifications(
+            with_tip_surface(made, spec), spec, internal=spec.internal, reference_radius=reference_radius
+        )
         members.append(with_end_chamfers(made, spec))
         rolls.append(roll)
     flank = Side(design.contact.flank)

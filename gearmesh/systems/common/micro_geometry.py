@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +25,7 @@ from gearmesh.teeth.micro_geometry.modification import (
     Topography,
 )
 from gearmesh.teeth.micro_geometry.modified import TrueFlank, TrueInvolute, modified_side, true_flank
+from gearmesh.teeth.micro_geometry.radial_feed import DiskSetting, disk_crowning, worm_crowning
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.source_parameters import NamedParameters
 from gearmesh.teeth.tooth import Tooth
@@ -36,11 +38,14 @@ PROOF_SAMPLES = 33
 Asked = tuple[str, float | str, FlankField]
 
 
-def with_modifications(member: Member, spec: Modified, *, internal: bool = False) -> Member:
+def with_modifications(
+    member: Member, spec: Modified, *, internal: bool = False, reference_radius: float | None = None
+) -> Member:
     """Return the member with the flanks that its part `spec` of a design (in mm) asks for.
 
-    A member without modifications is returned unchanged. Raises DesignError naming key, value and what is allowed, and
-    for flanks that are no screw involutes.
+    `reference_radius`: radius (mm) of the circle on which the tool that crowns the flanks works; None for a member that
+    no radial feed crowns. A member without modifications is returned unchanged. Raises DesignError naming key, value
+    and what is allowed, and for flanks that are no screw involutes.
     """
     tooth, own = member.tooth, f"{member.name}.modifications"
     tables = {
@@ -50,7 +55,9 @@ def with_modifications(member: Member, spec: Modified, *, internal: bool = False
     if not any(table is not None for side_tables in tables.values() for table in side_tables.values()):
         return member
     flanks = {side: true_flank(tooth, side, internal=internal) for side in tables}
-    right, left = (_side(tooth, side, side_tables, flanks[side]) for side, side_tables in tables.items())
+    right, left = (
+        _side(tooth, side, side_tables, flanks[side], reference_radius) for side, side_tables in tables.items()
+    )
     return replace(
         member,
         tooth=replace(tooth, right=right, left=left),
@@ -77,23 +84,29 @@ def with_true_involutes(member: Member, *, internal: bool = False) -> Member:
     )
 
 
-def _side(tooth: Tooth, which: Side, tables: dict[str, Modifications | None], true: TrueFlank) -> ToothSide:
+def _side(
+    tooth: Tooth, which: Side, tables: dict[str, Modifications | None], true: TrueFlank, reference_radius: float | None
+) -> ToothSide:
     """Return one side of the tooth with the modifications that its tables ask for."""
-    asked = [entry for name, table in tables.items() if table is not None for entry in _fields(name, table, true)]
+    given = [(name, table) for name, table in tables.items() if table is not None]
+    asked = [entry for name, table in given for entry in _fields(name, table, tooth, true, reference_radius)]
     for key, value, field in asked:
         _prove(key, value, field, true.extent)
     made = Modification(tuple(field for _, _, field in asked), true.extent) if asked else None
     return modified_side(tooth, which, true, made)
 
 
-def _fields(name: str, table: Modifications, true: TrueFlank) -> Iterator[Asked]:
+def _fields(
+    name: str, table: Modifications, tooth: Tooth, true: TrueFlank, reference_radius: float | None
+) -> Iterator[Asked]:
     """Yield the modifications that a table, called `name`, asks for."""
     e = true.extent
+    helix_crowning = _crowning_by_tool(name, table, tooth, true, reference_radius)
     for key, make in (
         ("profile_crowning", fields.profile_crowning),
         ("profile_slope", fields.profile_slope),
         ("profile_twist", fields.profile_twist),
-        ("helix_crowning", fields.helix_crowning),
+        ("helix_crowning", helix_crowning),
         ("helix_slope", fields.helix_slope),
     ):
         amount = getattr(table, key)
@@ -117,6 +130,34 @@ def _fields(name: str, table: Modifications, true: TrueFlank) -> Iterator[Asked]
     if table.topography is not None:
         key = f"{name}.topography"
         yield key, f'"{table.topography}"', _topography(key, read_topography(Path(table.topography)), true)
+
+
+def _crowning_by_tool(
+    name: str, table: Modifications, tooth: Tooth, true: TrueFlank, reference_radius: float | None
+) -> Callable[[float, Extent], FlankField]:
+    """Return the function that makes the helix crowning of a table, called `name`, as its tool makes it."""
+    tool = table.crowning_tool
+    if tool == "none":
+        return fields.helix_crowning
+    if reference_radius is None or not isinstance(true, TrueInvolute):
+        raise DesignError(
+            f"{name}.crowning_tool",
+            tool,
+            reason="racks and conical gears are not crowned by a radial feed here",
+            allowed='"none"',
+        )
+    if tool == "worm":
+        if true.involute.internal:
+            raise DesignError(
+                f"{name}.crowning_tool",
+                tool,
+                reason="no hob or threaded wheel fits into a ring",
+                allowed='"disk" or "none"',
+            )
+        return partial(worm_crowning, involute=true.involute, reference_radius=reference_radius)
+    assert table.crowning_disk_diameter is not None
+    setting = DiskSetting(tooth.teeth, reference_radius, 0.5 * table.crowning_disk_diameter)
+    return partial(disk_crowning, key=f"{name}.crowning_disk_diameter", involute=true.involute, setting=setting)
 
 
 def _profile_relief(key: str, table: ProfileRelief, true: TrueFlank, end: ProfileEnd) -> Asked:

@@ -116,14 +116,16 @@ def _toothed_member(gear: GearProportions) -> Member:
         )
     if not spec.hobbed:
         made = shaped_member(name, spec, cuts_of(gear), tip_key, f"theta_{letter}", f"u_{letter}")
-        made = with_modifications(with_tip_surface(made, spec, tip), spec, internal=own.internal)
+        made = with_modifications(
+            with_tip_surface(made, spec, tip), spec, internal=own.internal, reference_radius=own.radius
+        )
         own_flanks = made.tooth.unmodified_tooth is made.tooth
         return with_true_involutes(made, internal=own.internal) if own_flanks else made
     racks = hobbed_racks(name, spec, own, Heights(tip - own.radius, root - own.radius))
     parameters = rack_parameters(f"l_{letter}", f"u_{letter}")
     way_out = run_outs(gear, racks)
     made = member(name, spec, racks, Roll(own.radius, own.beta, 0.0), parameters, tip_key, way_out=way_out)
-    return with_modifications(with_tip_surface(made, spec, tip), spec)
+    return with_modifications(with_tip_surface(made, spec, tip), spec, reference_radius=own.radius)
 
 
 def _mounts(design: CylindricalDesign, geometry: PairProportions) -> tuple[Mount, Mount]:

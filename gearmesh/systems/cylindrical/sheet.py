@@ -62,7 +62,11 @@ from gearmesh.systems.cylindrical.measured import flanks_of
 from gearmesh.systems.system import Reserve, Sheet, SheetTable, complete_design
 from gearmesh.teeth.blank.moments import member_moments
 from gearmesh.teeth.gear_train import GearTrain, Member
+from gearmesh.teeth.micro_geometry.modification import Modification
+from gearmesh.teeth.micro_geometry.radial_feed import FedCrowning, twist_of
+from gearmesh.teeth.micro_geometry.screw_involute import ScrewInvolute
 from gearmesh.teeth.region import Side
+from gearmesh.teeth.tooth import Tooth
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import (
@@ -567,8 +571,42 @@ def _member_rows(pair: SheetGears) -> list[Row]:
             "mm",
             pair.of_all(lambda k: measures.thickness_at(teeth[k], geometry.tips[k])),
         ),
+        *_crowning_feed_rows(pair),
     ]
     return [row for row in rows if not (pair.asymmetric and row[0] in FLANK_SYMBOLS)]
+
+
+def _crowning_feed_rows(pair: SheetGears) -> list[Row]:
+    """Return the rows of flanks that a radial feed crowns: feed and twist; empty if there is no such flank."""
+    flanks = [[_crowned_flank(member.tooth, side) for side in (Side.RIGHT, Side.LEFT)] for member in pair.members]
+    if not any(feed for of_member in flanks for feed, _ in of_member):
+        return []
+    words = "twist of the {} flank: amount removed from root to tip, at the heel less at the toe"
+    return [
+        (
+            "f_r",
+            "radial feed of the tool at toe and heel, for the crowning",
+            "mm",
+            pair.of_all(lambda k: max(feed for feed, _ in flanks[k]) or None),
+        ),
+        *(
+            (f"S_{side.value}", words.format(side.value), "mm", tuple(of_member[n][1] for of_member in flanks))
+            for n, side in enumerate((Side.RIGHT, Side.LEFT))
+        ),
+    ]
+
+
+def _crowned_flank(tooth: Tooth, side: Side) -> tuple[float, float | None]:
+    """Return the radial feed at the ends of a flank that crowns it, mm, and the twist of all its modifications, mm.
+
+    The feed is 0 and the twist None without such a crowning.
+    """
+    flank = tooth.side(side).flank
+    made = flank.amount if isinstance(flank, ScrewInvolute) else None
+    if not isinstance(made, Modification):
+        return 0.0, None
+    feeds = [each.feed for each in made.fields if isinstance(each, FedCrowning)]
+    return sum(feeds), twist_of(made, made.extent) if feeds else None
 
 
 def _side_columns(pair: SheetGears, names: tuple[str, ...]) -> tuple[str, ...]:

@@ -382,7 +382,7 @@ def _pinion(design: FaceGearDesign, place: float) -> Member:
 
     racks = round_tips("pinion", spec, m, (flank, flank), heights)
     spur = member("pinion", spec, racks, roll, NamedParameters(declared, values), "addendum")
-    return with_end_chamfers(with_modifications(with_tip_surface(spur, spec), spec), spec)
+    return with_end_chamfers(with_modifications(with_tip_surface(spur, spec), spec, reference_radius=roll.radius), spec)
 
 
 # ---------------------------------------------------------------- assembly

@@ -83,7 +83,7 @@ def build(design: ParabolicHelicalDesign) -> GearTrain:
     }
     made = {name: with_tip_surface(made[name], spec) for name, spec in _specs(design).items()}
     if isinstance(design.gear, Modified):
-        made["gear"] = with_modifications(made["gear"], design.gear)
+        made["gear"] = with_modifications(made["gear"], design.gear, reference_radius=rolls["gear"].radius)
     specs = _specs(design)
     pinion, gear = (
         replace(with_end_chamfers(member, specs[name]), mount=mounts[name]) for name, member in made.items()
