@@ -150,7 +150,8 @@ def report_page(
     members = [_staged_member(member, tolerance, solids.get(name)) for name, member in gears.members.items()]
     meshes = {member.member.name: member.whole for member in members}
     overview = _overview(gears, moving, meshes)
-    skipped = opengl.missing_opengl_message()
+    # pictures that are given need no OpenGL
+    skipped = None if images else opengl.missing_opengl_message()
     if images is None:
         images = [] if skipped else _draw(gears, moving, members, overview)
     checks = {} if check is None or not contacts else dict(zip(contacts, (check, *check.others), strict=True))

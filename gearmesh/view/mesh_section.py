@@ -147,6 +147,12 @@ class MeshSection:
         back = self.camera.axes[2]
         return np.asarray(point - dot(point - self.camera.focus, back)[..., None] * back)
 
+    def _sees(self, points: Array) -> bool:
+        """True if one of the points (K, 3) is within the picture."""
+        wide = self.size[0] / self.size[1]
+        aside = np.abs((points - self.camera.focus) @ self.camera.axes[:2].T) / (0.5 * self.camera.height)
+        return bool((aside < (wide, 1.0)).all(axis=1).any())
+
     @cached_property
     def _lines(self) -> tuple[Curve, ...]:
         """Pitch circles of a pair on parallel axes, and its line of action if all normals of contact lie on one line."""
@@ -160,8 +166,10 @@ class MeshSection:
         for mount in self.rolling.pair.mounts:
             centre = self._in_section(mount.origin)
             radius = float(np.linalg.norm(pitch_point - centre))
-            circles += [centre + radius * (np.cos(turn) * right + np.sin(turn) * up) + front, np.full((1, 3), np.nan)]
-        curves = [Curve(np.concatenate(circles), "pitch circles", INK_COLOUR, 1.5)]
+            circle = centre + radius * (np.cos(turn) * right + np.sin(turn) * up)
+            if self._sees(circle):
+                circles += [circle + front, np.full((1, 3), np.nan)]
+        curves = [Curve(np.concatenate(circles), "pitch circles", INK_COLOUR, 1.5)] if circles else []
         path = self.rolling.path
         inside = np.isin(path.kind, ("point", "line"))
         normals = path.normal[inside] - dot(path.normal[inside], back)[:, None] * back

@@ -176,8 +176,10 @@ MIN_UPRIGHT_COSINE = 0.9
 
 #: smallest height of a picture in which a long flank is cut off, in heights of the flank
 MIN_CUT_HEIGHT = 2.6
-#: largest height of a picture in which a long flank is cut off, in heights of the flank
-MAX_CUT_HEIGHT = 12.0
+#: largest height of a picture that holds all contact, in heights of the flank
+MAX_HELD_HEIGHT = 10.2
+#: height of a picture that does not hold all contact, in heights of the flank: teeth are seen, and some ellipses
+CROWDED_HEIGHT = 6.0
 #: size of a picture relative to its content
 FLANK_MARGIN = 1.14
 #: factor by which a picture may grow so that a flank need not be cut off
@@ -190,6 +192,10 @@ END_WORD_DROP = 0.1
 MAX_SEEN_LENGTH_HEIGHTS = 3.0
 #: largest angle by which a long flank is turned away
 MAX_TURN_RAD = np.radians(55.0)
+#: length of the mean normal of a flank below which its profile is so curved that it is shown from an end
+MIN_FLAT_NORMAL = 0.98
+#: smallest angle by which a flank with such a profile is turned away
+CURVED_TURN_RAD = np.radians(38.0)
 #: angle by which the viewer looks from above
 LOOK_DOWN_RAD = np.radians(20.0)
 #: half the width of a word, as a share of the picture's height
@@ -241,7 +247,8 @@ def flank_camera(view: ToothView, contact: MemberContact) -> Camera:
 
     It looks along the mean outward normal, a little from above. A long flank is turned away, so that it appears
     shorter. The neighbouring tooth that would hide the flank is cut away. A flank much longer than high is cut off
-    beyond all contact. Raises NoSolutionError if no position has contact.
+    beyond all contact, or within it where the flank would be a thin strip. Raises NoSolutionError if no position has
+    contact.
     """
     if not np.isfinite(contact.normal).any():
         raise NoSolutionError(
@@ -277,9 +284,9 @@ def _whole_tooth(
     height = np.ptp(grid @ rise)
     # the front plane cuts the next tooth away
     front = _front(view, camera.focus, normal) + FRONT_CLEARANCE * height
-    # height in the proportions of the picture
-    touched = FLANK_MARGIN * np.ptp(contact.places @ right) * view.size[1] / view.size[0]
-    most = float(np.clip(touched, MIN_CUT_HEIGHT * height, MAX_CUT_HEIGHT * height))
+    # height in the proportions of the picture; ellipses may be longer than the flank
+    touched = min(FLANK_MARGIN * np.ptp(contact.places @ right) * view.size[1] / view.size[0], camera.height)
+    most = float(max(touched if touched < MAX_HELD_HEIGHT * height else CROWDED_HEIGHT * height, MIN_CUT_HEIGHT * height))
     return replace(camera, front=front, front_normal=normal, measured=along), most
 
 
@@ -317,12 +324,21 @@ def _looking(
     length, height = (float(np.ptp(grid @ way)) for way in (along, rise))
     length = length if part is None else min(part, length)
     turn = float(np.arccos(np.clip(MAX_SEEN_LENGTH_HEIGHTS * height / max(length, height), np.cos(MAX_TURN_RAD), 1.0)))
+    if _profile_flatness(grid) < MIN_FLAT_NORMAL:
+        turn = max(turn, CURVED_TURN_RAD)
     # towards the end that is in sight anyway: its face shows how deep the teeth are
     sense = np.sign(normal[2] * along[2]) or 1.0
     aside = np.cos(turn) * normal + sense * np.sin(turn) * along
     back = unit(np.cos(LOOK_DOWN_RAD) * aside + np.sin(LOOK_DOWN_RAD) * rise)
     level_up = cross(back, unit(ends - dot(ends, back) * back))
     return back, level_up * np.sign(level_up @ rise), ends
+
+
+def _profile_flatness(grid: Array) -> float:
+    """Length of the mean unit normal along the profile in the middle of a flank's points (I, J, 3); 1 if it is straight."""
+    middle = grid.shape[1] // 2
+    normals = unit(cross(np.gradient(grid, axis=0)[:, middle], np.gradient(grid, axis=1)[:, middle]))
+    return float(np.linalg.norm(normals.mean(axis=0)))
 
 
 def flank_pixel(grid: Array, size: tuple[int, int]) -> float:

@@ -199,6 +199,15 @@ def test_command_ends_as_the_check_on_its_page(tmp_path: Path, monkeypatch: pyte
         assert ("te_difference_arcsec = 2: allowed is 1" in target.read_text(encoding="utf-8")) is not ok
 
 
+def test_page_with_given_pictures_asks_for_no_opengl(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A page without pictures says why it has none."""
+    monkeypatch.setattr("gearmesh.view.opengl.missing_opengl_message", lambda: "no OpenGL today")
+    gears, grey = gm.gear(17, module=2.0, face=5.0), np.full((60, 80, 3), 128, dtype=np.uint8)
+    given, bare = (report_page(gears, {}, 0.1, images=images) for images in ([("gear", grey)], []))
+    assert (given.skipped, bare.skipped) == (None, "no OpenGL today")
+    assert "no OpenGL today" not in given.html
+
+
 @pytest.mark.quick
 def test_vendored_script_is_what_its_builder_makes() -> None:
     script = (FOLDER / "three.min.js").read_text(encoding="ascii")

@@ -156,6 +156,10 @@ def test_the_picture_shows_the_lines_and_refuses_what_does_not_roll() -> None:
         assert (np.nanmean(on_tooth.points, axis=0) - np.nanmean(on_tool.points, axis=0)) @ axes[1] > 0.0
         ends = (points[np.isfinite(points[:, 0])] @ axes[0] for points in (on_tool.points, on_tooth.points))
         assert np.prod([end[-1] - end[0] for end in ends]) > 0.0
+    # a spline's, which are six times as long, are turned away until they take as much of the height
+    spline = gm.build(gm.load(SAMPLES / "spline.toml")).picture("contact_lines", "shaft", size=(800, 600))._scene
+    shown = [body.own_to_scene.point(body.mesh.vertices) for body in spline.bodies]
+    assert np.ptp(spline.camera.pixels(np.concatenate(shown), (800, 600))[:, 1]) > 0.38 * 600
     formate = gm.build(gm.load(SAMPLES / "spiral_bevel_formate.toml"))
     with pytest.raises(DesignError, match="view = contact_lines: this flank is cut without generating roll"):
         formate.picture("contact_lines", "gear")

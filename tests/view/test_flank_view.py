@@ -50,7 +50,7 @@ def test_the_flank_fills_the_picture(sample: str) -> None:
 
 
 @pytest.mark.sweep_cases("internal")
-@pytest.mark.parametrize("sample", ["circular_arc", "internal"])
+@pytest.mark.parametrize("sample", ["beveloid_crossed", "internal"])
 def test_all_that_touches_is_seen_and_no_word_lies_on_it(sample: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """The path goes from the first touch to the last, whatever positions are asked for, on the flank; of lines there is none."""
     monkeypatch.setattr(pictures, "FINE_TOLERANCE_PIXELS", 5.0)
@@ -72,6 +72,27 @@ def test_all_that_touches_is_seen_and_no_word_lies_on_it(sample: str, monkeypatc
         edge, inside = (scene.camera.pixels(point, size)[:2] for point in (word.point, word.inside))
         place = edge + 0.028 * size[1] * (edge - inside) / np.hypot(*(edge - inside))
         assert np.linalg.norm(seen - place, axis=1).min() > 10.0, word.text
+
+
+@pytest.mark.parametrize(
+    ("sample", "member", "least"),
+    [("circular_arc", "gear", (0.13, 0.0)), ("cycloidal", "disc", (0.6, 0.1)), ("spline", "hub", (0.09, 0.0))],
+)
+def test_long_flank_is_no_strip_and_curved_profile_is_seen(
+    sample: str, member: str, least: tuple[float, float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Share of the picture that the flank is high, and share of its width over which the profile of an end goes."""
+    monkeypatch.setattr(pictures, "FINE_TOLERANCE_PIXELS", 5.0)
+    monkeypatch.setattr(pictures, "COARSE_TOLERANCE_PIXELS", 5.0)
+    gears, size = gm.build(gm.load(SAMPLES / f"{sample}.toml")), (800, 600)
+    camera = gears.picture("contact", member, size=size)._scene.camera
+    side = gears.pairs[0].flanks[list(gears.pairs[0].members).index(member)]
+    s = np.linspace(0.0, 1.0, 17)
+    seen = camera.pixels(gears.members[member].tooth.flank_grid(side, s, s).points, size)[..., :2]
+    assert (seen[0, 8, 1] - seen[-1, 8, 1]) / size[1] > least[0]
+    assert np.ptp(seen[:, 0, 0]) / size[0] > least[1]
+    # the ends of a spline's flank, which is pressed all over, stay in the picture
+    assert (sample == "circular_arc") == ((seen[8, :, 0] < 0.0) | (seen[8, :, 0] > size[0])).any()
 
 
 @pytest.mark.sweep

@@ -74,6 +74,14 @@ def test_section_has_pitch_circles_line_of_action_and_tooth_numbers() -> None:
     assert steps == pytest.approx([np.pi] * len(steps), rel=0.06)
 
 
+def test_legend_leaves_out_pitch_circles_beyond_the_picture() -> None:
+    """The pitch circles of a cycloidal drive, 19 and 20 eccentricities, are far inside of its pins."""
+    gears = gm.build(gm.load(SAMPLES / "cycloidal.toml"))
+    pair = gears.pairs[0]
+    rolling = rolling_contact(pair, gears.contact([0.0], cycle=False).path, np.zeros(1))
+    assert mesh_section(rolling, dict.fromkeys(pair.members, None), (640, 480)).scenes()[0].curves == ()
+
+
 def test_section_of_a_worm_drive_is_axial_section_and_middle_section() -> None:
     """Through the worm's axis, across the wheel's; lines of contact have their dots where they cross it."""
     gears = gm.build(gm.load(SAMPLES / "worm_drive.toml"))

@@ -24,12 +24,14 @@ from gearmesh.tools.drawing import ToolSheet
 from gearmesh.view.palette import CURVE_COLOURS, INK_COLOUR
 from gearmesh.view.scene import STEEL_PAINT, TOOL_PAINT, Curve, Scene, SceneBody, Word
 from gearmesh.view.tools.tool_scene import sheet_mesh
-from gearmesh.view.views import frame
+from gearmesh.view.views import MAX_TURN_RAD, frame
 
 #: size of the picture relative to its content
 CONTACT_MARGIN = 1.22
 #: distance between tool and tooth, in heights of the generating surface
 GAP_HEIGHTS = 0.45
+#: smallest share of the picture's height that tool and tooth take; longer ones are turned away from the viewer
+MIN_FILLED_HEIGHT = 0.45
 #: distance from the middle of a line of contact up to which a thread is shown, relative to the size of the tooth
 VISIBLE_THREAD_SHARE = 0.5
 #: height of lines above the generating surface, relative to its size
@@ -53,12 +55,24 @@ def tool_contact_scene(
         curves.append(Curve(line.points - lift * line.normals, _caption(tool, line), colour, 4.0))
         curves.append(Curve(placed.point(points + lift * normals), colour=colour, width=4.0))
     shown = placed.point(tooth.vertices)
-    camera = frame(seen[2], seen[1], np.concatenate((_near(tool).reshape(-1, 3), shown)), size, CONTACT_MARGIN)
+    both = np.concatenate((_near(tool).reshape(-1, 3), shown))
+    camera = replace(frame(_turned(seen, both, size), seen[1], both, size, CONTACT_MARGIN), measured=seen[0])
     grid = placed.point(tool.flank.points)
     i, j = (n // 2 for n in grid.shape[:2])
     words = tuple(Word(word, grid[i, k], grid[i, j]) for word, k in zip(tool.ends, (0, -1), strict=True))
     bodies = (SceneBody(mesh, Rigid.identity(), TOOL_PAINT), SceneBody(tooth, placed, STEEL_PAINT))
     return Scene(bodies, camera, tuple(curves), words=words, title=title, size=size)
+
+
+def _turned(seen: Array, points: Array, size: tuple[int, int]) -> Array:
+    """Direction (3,) to the viewer of points (K, 3) along the rows of `seen` (3, 3), right, up and back.
+
+    It is turned about the direction upwards, as far as flanks are at most, until the points take `MIN_FILLED_HEIGHT`.
+    """
+    length, height = np.ptp(points @ seen[:2].T, axis=0)
+    filled = CONTACT_MARGIN * MIN_FILLED_HEIGHT * length * size[1] / size[0]
+    turn = np.arccos(np.clip(height / max(filled, height), np.cos(MAX_TURN_RAD), 1.0))
+    return np.asarray(np.cos(turn) * seen[2] + np.sin(turn) * seen[0])
 
 
 def _part_in_sight(tool: ToolContact) -> ToolContact:
