@@ -17,10 +17,10 @@ import types
 import typing
 from collections import abc
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from gearmesh.errors import ArgumentError
+from gearmesh.records import dataclass
 
 FunctionT = TypeVar("FunctionT", bound=Callable[..., Any])
 ClassT = TypeVar("ClassT", bound=type)

@@ -12,11 +12,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import MISSING, dataclass, field, fields, replace
+from dataclasses import MISSING, field, fields, replace
 from functools import cache
 from typing import Any, TypeAlias
 
 from gearmesh.errors import UnknownFigureError
+from gearmesh.records import dataclass
 
 #: ending of keys by unit
 KEY_ENDINGS = {

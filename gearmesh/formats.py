@@ -6,10 +6,10 @@ To add a format, add its suffix and its row, and write its module.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
 from gearmesh.errors import OutputError
+from gearmesh.records import dataclass
 
 # ---------------------------------------------------------------- suffixes
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from gearmesh.errors import ArgumentError, DesignError
+from gearmesh.records import dataclass
 
 
 @dataclass(frozen=True)

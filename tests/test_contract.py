@@ -30,6 +30,7 @@ SHARED = {
     "numerals",
     "pickling",
     "progress",
+    "records",
 }
 MAY_IMPORT: dict[str, str] = {
     "deprecated": "",
@@ -44,6 +45,7 @@ MAY_IMPORT: dict[str, str] = {
     "figures": "",
     "formats": "",
     "progress": "",
+    "records": "",
     "kernel": "",
     "files": "",
     "exchange": "files",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -24,6 +24,7 @@ from gearmesh.figures import Content, Figures, Summary, at_resolution, figure
 from gearmesh.kernel.motion.joint import Joint
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array, dot, spread
 from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.records import dataclass
 from gearmesh.systems.system import Reserve
 from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.region import FLANK_REGIONS

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +27,7 @@ from gearmesh.exchange.stage_writer import StageWriter
 from gearmesh.figures import Content, Figures, figure
 from gearmesh.formats import JSON_SUFFIX, REXS_SUFFIXES, TOML_SUFFIX
 from gearmesh.numerals import parse_whole_number
+from gearmesh.records import dataclass
 from gearmesh.systems.designs import parse_as_stated
 from gearmesh.systems.system import System, complete_design, loaded_kinds, system, system_of
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
@@ -17,6 +17,7 @@ from gearmesh.errors import DesignError
 from gearmesh.figures import Content, Entry, Figures, Summary, figure
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import station_normal
+from gearmesh.records import dataclass
 from gearmesh.systems.system import build_without_one
 from gearmesh.teeth.gear_train import GearTrain, Member
 from gearmesh.teeth.limits import MemberLimits, SideLimits, member_limits

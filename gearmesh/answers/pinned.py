@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +14,7 @@ from gearmesh.design.dotted import values_of
 from gearmesh.design.files import every_key
 from gearmesh.figures import Content
 from gearmesh.formats import JSON_SUFFIX, TOML_SUFFIX
+from gearmesh.records import dataclass
 from gearmesh.systems.designs import parse
 from gearmesh.teeth.gear_train import GearPair
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from typing import Any
 
 from gearmesh import __version__
@@ -15,6 +15,7 @@ from gearmesh.arguments import checks_arguments
 from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, figure
 from gearmesh.lengths import Length, in_mm
+from gearmesh.records import dataclass
 from gearmesh.systems.cylindrical.planetary.motion import DRIVING_MEMBER
 from gearmesh.systems.cylindrical.planetary.sizing import SetCandidate, SetSearch, WantedSet, search_sets
 

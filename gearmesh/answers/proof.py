@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,6 +20,7 @@ from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, GearmeshError, KindError
 from gearmesh.figures import Content, Figures, figure
 from gearmesh.kernel.motion.rigid import MAX_ROTATION_ERROR, Rigid, rotation_error
+from gearmesh.records import dataclass
 from gearmesh.systems import system as systems
 from gearmesh.systems.system import System
 from gearmesh.teeth.proof import prove_surfaces, prove_tooth

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 from typing import Any, Protocol
@@ -14,6 +13,7 @@ from gearmesh.answers.tables import Listing, align, as_html, json_text, plain
 from gearmesh.figures import Content, Figures, Summary, as_rows, figure
 from gearmesh.formats import JSON_SUFFIX, refuse_suffix
 from gearmesh.pickling import Picklable
+from gearmesh.records import dataclass
 
 
 class Result(Picklable, ABC):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.figures import ZERO_SIZES, Content, Figures, at_resolution, figure
 from gearmesh.formats import JSON_SUFFIX, TOML_SUFFIX
+from gearmesh.records import dataclass
 from gearmesh.systems import system as systems
 from gearmesh.systems.common.plain_sheet import (
     MASS_TITLE,

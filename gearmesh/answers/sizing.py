@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from abc import abstractmethod
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +18,7 @@ from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, figure
 from gearmesh.formats import JSON_SUFFIX, TOML_SUFFIX
 from gearmesh.lengths import Length, in_mm
+from gearmesh.records import dataclass
 from gearmesh.systems.cylindrical.sizing import Candidate, Wanted, candidates
 from gearmesh.systems.designs import parse
 

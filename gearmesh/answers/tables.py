@@ -7,12 +7,13 @@ import json
 import math
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from gearmesh.design.shown import html_table
 from gearmesh.figures import Figures, Summary, at_resolution, shown_values
 from gearmesh.files import csv_table
+from gearmesh.records import dataclass
 
 #: characters in a line
 LINE_WIDTH = 80

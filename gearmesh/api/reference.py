@@ -5,7 +5,6 @@ from __future__ import annotations
 import importlib
 import pkgutil
 import re
-from dataclasses import dataclass
 
 import gearmesh.answers
 import gearmesh.optimize
@@ -14,6 +13,7 @@ import gearmesh.systems
 import gearmesh.trains
 from gearmesh.answers.tables import Listing
 from gearmesh.figures import MEMBER_PLACE, Figure, Figures
+from gearmesh.records import dataclass
 
 #: packages whose modules declare figures
 FIGURE_PACKAGES = (gearmesh.answers, gearmesh.systems, gearmesh.study, gearmesh.optimize, gearmesh.trains)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -23,6 +23,7 @@ from gearmesh.formats import (
     refuse_suffix,
 )
 from gearmesh.lengths import in_mm
+from gearmesh.records import dataclass
 
 if TYPE_CHECKING:
     from gearmesh import Gears

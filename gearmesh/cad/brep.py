@@ -11,7 +11,7 @@ sixth power of the spacing.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -24,6 +24,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
 from gearmesh.kernel.numeric.splines import control_net, knots_of, tensor_product
 from gearmesh.kernel.surface.levels import ConeLevel
+from gearmesh.records import dataclass
 from gearmesh.teeth.blank.halves import HalfGear
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Region

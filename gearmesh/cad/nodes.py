@@ -8,13 +8,14 @@ with exact curves place the nodes again, by the errors that they measure between
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.grid import on_grid, significant
 from gearmesh.kernel.numeric.splines import SplineCurve, rising_through
+from gearmesh.records import dataclass
 
 #: degree of the splines in STEP files; a spline takes at least one node more than its degree
 SPLINE_DEGREE = 5

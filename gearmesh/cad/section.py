@@ -8,7 +8,6 @@ are (x, y), mm, in the member's frame; contours go counterclockwise, with materi
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -23,6 +22,7 @@ from gearmesh.kernel.numeric.splines import SplineCurve
 from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve, PlaneLine, lines_through
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.progress import tell
+from gearmesh.records import dataclass
 from gearmesh.teeth.end_strip import EndStrip, StripPiece
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import FILLET_REGIONS, Region

@@ -7,7 +7,7 @@ holds formats of meshes.
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from datetime import UTC, datetime
 from io import BytesIO
 from pathlib import Path
@@ -21,6 +21,7 @@ from gearmesh.errors import OutputError
 from gearmesh.io.atomic import PathLike, whole_file
 from gearmesh.io.palette import region_colours
 from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.records import dataclass
 
 #: setting of the writer: AP242
 _SCHEMA_SETTINGS = {"write.step.schema": "AP242DIS"}

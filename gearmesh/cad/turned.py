@@ -8,7 +8,6 @@ the polar angle from the seam, v the length along the generatrix.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -31,6 +30,7 @@ from gearmesh.io.digits import parameters_on_grid, points_on_grid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.splines import SplineCurve
 from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve
+from gearmesh.records import dataclass
 from gearmesh.teeth.blank.bores import ClosedLine
 
 #: distance of a trace from its curve down to which it is refined

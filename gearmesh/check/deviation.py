@@ -12,7 +12,6 @@ bounds, and only where the bound is above the largest distance found until then.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -22,6 +21,7 @@ from gearmesh.kernel.numeric.algebra import Array, cross, distinct, dot
 from gearmesh.kernel.surface.nearest import nearest, tangential
 from gearmesh.mesh.patch import PatchMesh, trim
 from gearmesh.mesh.tessellate import ToothMesh
+from gearmesh.records import dataclass
 from gearmesh.teeth.region import Region
 
 #: barycentric coordinates of the samples of a facet: 10 inside, and the middles of the edges

@@ -13,7 +13,7 @@ theta between the vertices would be wrong by the size of the facets' deviation, 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Protocol, Self, TypeAlias
 
@@ -25,6 +25,7 @@ from gearmesh.kernel.motion.joint import Joint
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross, distinct, dot, plane_cross, polar_angle, unit
 from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.records import dataclass
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree

@@ -19,7 +19,6 @@ gears are jammed. Their phi2 differs from the contact solver's curve, which incl
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
 
@@ -32,6 +31,7 @@ from gearmesh.check.touch import first_touch
 from gearmesh.check.windings import MIN_WOUND_TURNS, WoundTouch, in_mesh, middle, turns, windings
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import FILLET_REGIONS, FLANK_REGIONS, TIP_EDGES, Region, Side

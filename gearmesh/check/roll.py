@@ -13,7 +13,7 @@ and no tangency conditions.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,6 +26,7 @@ from gearmesh.kernel.motion.joint import REVOLUTE_JOINT, Joint
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, dot, unit
 from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.records import dataclass
 from gearmesh.teeth.mount import Mount
 
 #: default gap that bounds the patch

@@ -17,13 +17,14 @@ A flank of several patches has the rims of all patches: a corner of the profile 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.check.heightfield import Field, Hits, Ways
 from gearmesh.kernel.numeric.algebra import Array, plane_cross
+from gearmesh.records import dataclass
 
 #: precision of the gear's turn, at the contact: 3e-8 mm at a radius of 90 mm are 7e-5 arc seconds
 TOUCH_TOLERANCE_MM = 3e-8

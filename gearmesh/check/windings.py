@@ -12,7 +12,6 @@ expected rotation.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Generic, Protocol, Self, TypeVar
 
 import numpy as np
@@ -20,6 +19,7 @@ import numpy as np
 from gearmesh.check.touch import FirstTouch
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 from gearmesh.teeth.tooth import Tooth
 
 #: turns from which on a flank is rolled in pieces

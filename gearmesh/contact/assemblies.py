@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -17,6 +17,7 @@ from gearmesh.contact.tca import contact_jets
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.surface.curvature import contact_ellipse, relative_curvature, tangent_basis
+from gearmesh.records import dataclass
 from gearmesh.teeth.mount import Mount
 
 #: positions solved at once: fewer spend more of their time between calls, more do not stay in the cache

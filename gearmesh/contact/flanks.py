@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -29,6 +27,7 @@ from gearmesh.kernel.surface.levels import ConeLevel, Level, Shifted
 from gearmesh.kernel.surface.nearest import tangential
 from gearmesh.kernel.surface.stations import along
 from gearmesh.kernel.surface.surface import Jet, Surface
+from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.region import FILLET_REGIONS, FLANK_REGIONS, Side
 from gearmesh.teeth.section import Link, breaks

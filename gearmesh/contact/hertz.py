@@ -20,13 +20,12 @@ Source: [J85] K. L. Johnson, Contact Mechanics, 1985, chapters 3 to 5.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike
 
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
+from gearmesh.records import dataclass
 
 #: steps of the arithmetic-geometric mean, which doubles its digits in each: enough for q of 1e-300
 MEAN_STEPS = 14

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -13,6 +13,7 @@ from gearmesh.contact.conditions.meshing import Bound, Flank
 from gearmesh.kernel.numeric.algebra import Array, polar_angle
 from gearmesh.kernel.surface.levels import Level, Shifted
 from gearmesh.kernel.surface.surface import Surface
+from gearmesh.records import dataclass
 
 #: members of a pair, in the order of all arrays
 MEMBER_NAMES = ("pinion", "gear")

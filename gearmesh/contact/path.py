@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from gearmesh.contact.pair import PART_PAIRS
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 
 
 @dataclass(frozen=True)

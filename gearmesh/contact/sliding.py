@@ -22,7 +22,7 @@ Source: K. L. Johnson, Contact Mechanics, 1985, section 8.1, for the velocities 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +33,7 @@ from gearmesh.contact.path import ContactPath
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
 from gearmesh.kernel.surface.curvature import in_plane, principal, relative_curvature, shape_operator, tangent_basis
 from gearmesh.kernel.surface.surface import Jet
+from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.mount import Mount
 

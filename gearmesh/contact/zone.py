@@ -12,8 +12,6 @@ The generated flank ends where it becomes singular, on the limiting line of its 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,6 +19,7 @@ from gearmesh.kernel.numeric.algebra import Array, components, cross, dot
 from gearmesh.kernel.numeric.polylines import depth_inside, share_inside
 from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.kernel.surface.surface import Jet
+from gearmesh.records import dataclass
 from gearmesh.teeth.flank_frame import FlankFrame
 from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.limits import ways_to_limiting_line

@@ -6,7 +6,8 @@ Whoever changes a default raises the version and adds an entry here and to gearm
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+
+from gearmesh.records import dataclass
 
 #: a version as a file states it
 _VERSION_PATTERN = re.compile(r"\d+\.\d+(\.\d+)?", re.ASCII)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, ClassVar, Self
 
 from pydantic import PrivateAttr, ValidationError, model_validator
@@ -23,6 +23,7 @@ from gearmesh.design.measured import PairMeasured
 from gearmesh.design.shown import html_table, value_text
 from gearmesh.errors import DesignError
 from gearmesh.member_names import MemberNames
+from gearmesh.records import dataclass
 
 #: default thickness of the marking compound [LT02 5]
 DEFAULT_DELTA_MM = 0.00635

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import numbers
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 from typing import Any, ClassVar, Literal, Self, get_args
 
@@ -20,6 +20,7 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 from gearmesh import lengths
 from gearmesh.design.shown import value_text
 from gearmesh.errors import DesignError
+from gearmesh.records import dataclass
 
 #: mm in each unit of lengths that a file may have
 MM_PER = {unit: float(lengths.MM_PER_UNIT[unit]) for unit in ("mm", "inch")}

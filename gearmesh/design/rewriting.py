@@ -5,11 +5,11 @@ from __future__ import annotations
 import re
 import tomllib
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from gearmesh.design.dotted import leaves, nested, tables_of
 from gearmesh.design.files import toml
+from gearmesh.records import dataclass
 
 #: head of a table
 _TABLE_PATTERN = re.compile(r"\s*\[\s*([A-Za-z0-9_.\s-]+?)\s*\]\s*(#.*)?$")

@@ -9,7 +9,6 @@ z is counted along the gear's axis from the middle of the face; amounts are posi
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from pathlib import Path
 
 from gearmesh.design.keys import LARGEST_LENGTH_MM
@@ -18,6 +17,7 @@ from gearmesh.design.shown import value_text
 from gearmesh.errors import FileError
 from gearmesh.files.csv_table import cell_number, csv_rows, csv_text
 from gearmesh.files.reading import BYTES_PER_MIB, file_text
+from gearmesh.records import dataclass
 
 #: columns of the position on the profile, by roll length or by diameter
 PROFILE_COLUMNS = ("roll_length_mm", "diameter_mm")

@@ -7,13 +7,14 @@ reference lines. A text that would lie on another text is moved, or its dimensio
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from enum import Enum
 from functools import cache
 
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 
 #: height of capitals
 LETTER_HEIGHT_MM = 2.5

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from gearmesh.drawing.canvas import ARROW_SIZE_MM, LETTER_HEIGHT_MM, Canvas, Lettering, Pen, text_width
+from gearmesh.records import dataclass
 
 #: from the outline to the first dimension line
 FIRST_DISTANCE_MM = 9.0

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
 from gearmesh.answers.gearset import GearSet
@@ -11,6 +10,7 @@ from gearmesh.drawing.page import Page, compose, paint
 from gearmesh.drawing.paper import scale_name
 from gearmesh.drawing.views import views_of
 from gearmesh.formats import DRAWING_SUFFIXES
+from gearmesh.records import dataclass
 from gearmesh.view.diagrams.plots import save_figure
 from gearmesh.view.picture import SavedPicture
 

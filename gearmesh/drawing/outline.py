@@ -4,11 +4,10 @@ mm.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 from gearmesh.teeth.blank.halves import HalfGear
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Region

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from gearmesh.drawing.canvas import CAPITALS_SHARE, POINTS_PER_MM, Canvas, Lettering, Pen, text_width
@@ -17,6 +17,7 @@ from gearmesh.drawing.paper import (
     scale_name,
 )
 from gearmesh.drawing.views import Views
+from gearmesh.records import dataclass
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

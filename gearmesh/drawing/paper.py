@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from gearmesh.records import dataclass
 
 #: border on the left, where sheets are bound
 BINDING_BORDER_MM = 20.0

@@ -8,7 +8,6 @@ left. The x axis is up in both views: the first tooth lies there, and the keyway
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from typing import Protocol
@@ -21,6 +20,7 @@ from gearmesh.drawing.facts import Facts, diameter, number
 from gearmesh.drawing.outline import Outline, bar_faces, end_of_teeth, outline_of, tip_edges
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.plane.curves import PlaneArc
+from gearmesh.records import dataclass
 from gearmesh.teeth.blank.features import Drilling, HoleRow, Spokes
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Region

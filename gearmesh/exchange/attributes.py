@@ -6,7 +6,8 @@ Versions 1.0 to 1.6 have the same units (the degree is "°" up to 1.3) and choic
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+
+from gearmesh.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
+
+from gearmesh.records import dataclass
 
 #: text of a value as a file has it, rows of them, or rows of rows
 Text = str | list[str] | list[list[str]]

@@ -6,7 +6,7 @@ import base64
 import math
 import struct
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Any
 
 from gearmesh.errors import DesignError, FileError
@@ -15,6 +15,7 @@ from gearmesh.exchange.model import OWN_PREFIX, Attribute, Component, RexsModel
 from gearmesh.exchange.units import factor, units_in_words
 from gearmesh.files.reading import json_value
 from gearmesh.numerals import parse_number
+from gearmesh.records import dataclass
 
 #: ids of attributes with a position in space
 POSITION_ATTRIBUTES = ("reference_component_for_position", "support_vector", "u_axis_vector", "w_axis_vector")

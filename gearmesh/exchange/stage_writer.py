@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 from gearmesh.exchange.attributes import ATTRIBUTE_FORMS
 from gearmesh.exchange.model import OWN_PREFIX, Attribute, Component, ComponentReference, Relation, RexsModel
 from gearmesh.exchange.stage import DENSITY_ATTRIBUTE, KG_PER_M3, MATERIAL_ATTRIBUTES
 from gearmesh.exchange.versions import free_id
+from gearmesh.records import dataclass
 
 
 @dataclass

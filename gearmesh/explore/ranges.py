@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 
 from gearmesh.design.core import Design
 from gearmesh.design.keys import Key
 from gearmesh.errors import DesignError, NoSolutionError
+from gearmesh.records import dataclass
 from gearmesh.systems.system import try_build
 
 #: limit of steps away from the present value, each twice as long as the one before

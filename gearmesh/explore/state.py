@@ -7,7 +7,6 @@ import math
 import re
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +15,7 @@ from gearmesh.design.core import Design
 from gearmesh.design.dotted import leaves, nested, tables_of
 from gearmesh.design.files import anchor
 from gearmesh.errors import ArgumentError, DesignError
+from gearmesh.records import dataclass
 from gearmesh.systems.designs import new, parse_as_stated
 from gearmesh.systems.system import system
 

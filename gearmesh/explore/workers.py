@@ -8,11 +8,12 @@ import json
 import os
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 from gearmesh.explore.frames import FRAME_LENGTH, frame, refused
 from gearmesh.explore.state import Origin
+from gearmesh.records import dataclass
 
 #: time without any answer after which a job counts as hung, s; reports of progress are answers
 HANG_S = 60.0

@@ -15,7 +15,7 @@ import json
 from collections import OrderedDict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Generic, TypeVar
 
 import numpy as np
@@ -36,6 +36,7 @@ from gearmesh.formats import HTML_SUFFIX, TOML_SUFFIX
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.pickling import fingerprint
 from gearmesh.progress import ending_when, listening
+from gearmesh.records import dataclass
 from gearmesh.systems.displaced import displaced_bases, displaced_pair
 from gearmesh.systems.system import build, complete_design, system_of
 from gearmesh.teeth.gear_train import GearTrain, Member

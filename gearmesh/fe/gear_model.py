@@ -8,7 +8,7 @@ about z.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from gearmesh.mesh.hexahedra.layers import layers
 from gearmesh.mesh.hexahedra.pierced_body import Cuts
 from gearmesh.mesh.hexahedra.turned_body import CORE_SET, SHAFT_END_SET, whole_mesh
 from gearmesh.progress import in_turn, part
+from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.region import CUT_REGIONS, Side
 from gearmesh.teeth.tooth import Tooth

@@ -5,7 +5,6 @@ Units are mm, N, MPa, rad. Writers of decks and solvers start from a `Model`; th
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from textwrap import wrap
 
 import numpy as np
@@ -14,6 +13,7 @@ from numpy.typing import NDArray
 from gearmesh.contact.hertz import Material
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.hexahedra.hexes import HexMesh
+from gearmesh.records import dataclass
 
 #: characters in a line of notes
 NOTE_WIDTH = 76

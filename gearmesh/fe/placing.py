@@ -4,7 +4,7 @@ the flanks."""
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross
 from gearmesh.mesh.hexahedra.hexahedra import Focus, HexGrid
 from gearmesh.mesh.hexahedra.layers import HALF_ARC, layers, running_angle
+from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth

@@ -7,13 +7,13 @@ the model.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 import numpy as np
 
 from gearmesh.fe.model import Model
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.hexahedra.hexes import HexMesh
+from gearmesh.records import dataclass
 
 
 @dataclass(frozen=True)

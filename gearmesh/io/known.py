@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from gearmesh.formats import (
     GLB_SUFFIX,
     OBJ_SUFFIX,
@@ -15,6 +13,7 @@ from gearmesh.formats import (
     VTU_SUFFIX,
     mesh_contents,
 )
+from gearmesh.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,6 @@ import os
 import struct
 import zipfile
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from xml.etree.ElementTree import ParseError
@@ -22,6 +21,7 @@ from gearmesh.io.atomic import PathLike
 from gearmesh.io.known import KNOWN_FORMATS, formats
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.triangles import Facets, TriangleMesh
+from gearmesh.records import dataclass
 
 Scene = Mapping[str, Facets]
 Writer = Callable[[Scene, Path], None]

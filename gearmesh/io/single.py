@@ -18,7 +18,7 @@ be joined.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -28,6 +28,7 @@ from gearmesh.io.digits import VERTEX_STEPS_PER_MM, vertices_on_grid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.grid import ROUND_UP_FRACTION
 from gearmesh.mesh.triangles import Facets, TriangleMesh
+from gearmesh.records import dataclass
 
 Indices = NDArray[np.int64]
 Point = tuple[float, float, float]

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.sharing import PairLoad, inside
+from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import GearPair
 
 #: largest distance, in cells, from the end of a grid to an edge that lies at that end

@@ -22,7 +22,7 @@ Each round reduces the error by H over the sum of H and the stiffness of the tee
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Self
 
 import numpy as np
@@ -32,6 +32,7 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross
 from gearmesh.lengths import Length, in_mm
+from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.mount import Mount
 

@@ -17,12 +17,11 @@ therefore continuous in the position of the gears. The error is estimated with c
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 
 #: share by which the pressure must rise above a minimum, on the way from an edge, to count beyond the minimum
 MIN_PRESSURE_RISE = 0.02

@@ -23,7 +23,7 @@ place are in the field too.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +31,7 @@ from numpy.typing import NDArray
 from gearmesh.fe.results import principal_stresses
 from gearmesh.kernel.numeric.algebra import Array, unit
 from gearmesh.loaded.compliance.compliance import FilletStress
+from gearmesh.records import dataclass
 
 #: share of the stress at a place above which the contact's own tension puts the place in the contact's own field
 OWN_FIELD_SHARE = 0.1

@@ -6,8 +6,6 @@ stands at the point of least gap, where both surfaces are solved for and their c
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,6 +18,7 @@ from gearmesh.kernel.surface.curvature import principal, shape_operator, tangent
 from gearmesh.kernel.surface.nearest import nearest
 from gearmesh.kernel.surface.surface import Jet
 from gearmesh.loaded.sharing import PairLoad, inside
+from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import GearPair
 
 #: largest slope across a row of the gap at its least; a larger slope belongs to contact on an edge

@@ -11,7 +11,6 @@ teeth and neighbours are never split.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -23,6 +22,7 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import Level, station_normal
 from gearmesh.mesh.ring import TeethRing
 from gearmesh.mesh.strip_triangulation import MIN_GAIN_MM, Miss, StripTriangulation
+from gearmesh.records import dataclass
 from gearmesh.teeth.blank.body import Body, end_regions
 from gearmesh.teeth.blank.halves import HalfEnd
 from gearmesh.teeth.region import BODY_REGIONS, FEATURE_REGIONS, GAP_REGIONS, RARE_REGIONS

@@ -13,12 +13,12 @@ follow at once from the pairs with the sum before. The antidiagonals of many tab
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 
 Index = NDArray[np.int64]
 

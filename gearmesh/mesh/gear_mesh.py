@@ -7,7 +7,7 @@ proofs need each piece once. `whole` makes the arrays of the whole gear.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -20,6 +20,7 @@ from gearmesh.mesh.body import BodyMesh
 from gearmesh.mesh.labelled import labelled_mesh
 from gearmesh.mesh.ring import TeethRing
 from gearmesh.mesh.triangles import ROWS_PER_PIECE, TriangleMesh, enclosed_volume, pieces
+from gearmesh.records import dataclass
 from gearmesh.teeth.region import Region
 
 Index = NDArray[np.int64]

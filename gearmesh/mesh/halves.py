@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.mesh.tessellate import Welded
+from gearmesh.records import dataclass
 from gearmesh.teeth.blank.halves import HalfEnd, HalfGear
 
 Index = NDArray[np.int64]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.surface.stations import along
+from gearmesh.records import dataclass
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.section import Grid, Sections, parameter
 from gearmesh.teeth.tooth import Tooth

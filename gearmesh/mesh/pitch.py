@@ -15,13 +15,12 @@ Three pitches closed to a ring have the same edges (c, d, t - s), mod 3. manifol
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array, distinct
 from gearmesh.mesh.gear_mesh import GearMesh
+from gearmesh.records import dataclass
 
 Index = NDArray[np.int64]
 

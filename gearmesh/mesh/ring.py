@@ -7,7 +7,6 @@ lines of all kinds have nodes at the same stations.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -17,6 +16,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.halves import WeldedHalves
 from gearmesh.mesh.tessellate import ToothMesh
+from gearmesh.records import dataclass
 from gearmesh.teeth.blank.halves import HalfGear
 
 Index = NDArray[np.int64]

@@ -15,7 +15,6 @@ and the chamfers along toe and heel, go on beyond the last pitch.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -27,6 +26,7 @@ from gearmesh.mesh.ends.end_mesh import EndMesh
 from gearmesh.mesh.halves import WeldedHalves
 from gearmesh.mesh.tessellate import ToothMesh
 from gearmesh.mesh.triangles import with_area
+from gearmesh.records import dataclass
 from gearmesh.teeth.blank.halves import HalfEnd, Rows, row_stations
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Region

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,6 +25,7 @@ from gearmesh.mesh.ring import TeethRing
 from gearmesh.mesh.row import row_mesh
 from gearmesh.mesh.tessellate import ToothMesh, tessellate_alike
 from gearmesh.mesh.triangles import Facets, TriangleMesh, facet_normals, join, with_area
+from gearmesh.records import dataclass
 from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.blank.bores import BoreForm, ClosedLine
 from gearmesh.teeth.gear_train import Member

@@ -20,13 +20,14 @@ edge, so every merge is valid.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.cheapest_ways import NodePairs, cheapest, together
+from gearmesh.records import dataclass
 
 Index = NDArray[np.int64]
 #: function that returns the distances (M,), mm, of the middles of edges (M, 2) from the surface

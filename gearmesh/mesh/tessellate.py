@@ -11,7 +11,7 @@ measured between the vertices, and the mesh is refined where the prediction was 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -26,6 +26,7 @@ from gearmesh.mesh.links.link_mesh import LinkLines, LinkMesh, mesh_link, thin_l
 from gearmesh.mesh.links.plan import LinkPlan, link_plans
 from gearmesh.mesh.links.seams import thin_seams
 from gearmesh.mesh.patch import PatchMesh
+from gearmesh.records import dataclass
 from gearmesh.teeth.blank.body import end_edges
 from gearmesh.teeth.end_strip import EndStrip
 from gearmesh.teeth.region import FILLET_REGIONS, FLANK_REGIONS, Region

@@ -11,11 +11,10 @@ hides the deviations are not changed (truncated decomposition).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 
 #: singular value over the largest one, below which it is rounding
 MIN_SINGULAR_RATIO = 1e-7

@@ -21,13 +21,14 @@ of 1995 read it at the ends of L (`TraceRange.over`). Values are evaluated witho
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gearmesh.errors import ArgumentError
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 
 #: evaluated share of the roll length from control to tip form diameter
 PROFILE_SHARE = 0.95

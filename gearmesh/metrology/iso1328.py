@@ -10,10 +10,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import ClassVar
 
 from gearmesh.metrology.tolerances import ToleranceSizes
+from gearmesh.records import dataclass
 
 #: names of the tolerances by symbol, in the order of the standard
 TOLERANCE_NAMES = {

@@ -8,10 +8,10 @@ compared with the published scope of the standard; the standard itself was not a
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import ClassVar
 
 from gearmesh.metrology.tolerances import ToleranceSizes
+from gearmesh.records import dataclass
 
 #: names of the tolerances by symbol
 TOLERANCE_NAMES = {"f_ptT": "single pitch", "F_pT": "total cumulative pitch", "F_rT": "runout"}

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from typing import Protocol
 
@@ -26,6 +26,7 @@ from gearmesh.kernel.numeric.grid_spline import GridSpline
 from gearmesh.metrology.evaluation import TraceRange, helix_range, profile_range
 from gearmesh.metrology.pitch import BallInSpace, PitchDeviations
 from gearmesh.metrology.tolerances import ToleranceSizes
+from gearmesh.records import dataclass
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 

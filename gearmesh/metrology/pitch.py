@@ -9,13 +9,14 @@ the index deviation of the tooth before.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 from gearmesh.teeth.micro_geometry.index_angles import IndexAngles
 from gearmesh.teeth.region import Side
 

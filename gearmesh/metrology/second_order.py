@@ -10,14 +10,13 @@ along the normal, positive outside of the nominal material. Every figure is the 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike
 
 from gearmesh.errors import ArgumentError
 from gearmesh.kernel.motion.joint import Joint
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 
 #: number of coefficients
 TERM_COUNT = 6

@@ -11,8 +11,9 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import ClassVar
+
+from gearmesh.records import dataclass
 
 #: um, below which tolerances are rounded to 0.1 um
 MAX_TENTH_UM = 5.0

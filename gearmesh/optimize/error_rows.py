@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from os import PathLike
 
 from gearmesh.errors import ArgumentError
 from gearmesh.optimize.variables import Variable
+from gearmesh.records import dataclass
 from gearmesh.study.plan import KeyReader, Plan, Value, grid, sample_plan
 from gearmesh.study.spreads import DISTRIBUTION_PARAMETERS
 from gearmesh.study.study import tolerance_spreads

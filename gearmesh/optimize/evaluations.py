@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from typing import Any
 
@@ -12,6 +12,7 @@ import numpy as np
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.optimize.error_rows import ErrorRows
 from gearmesh.optimize.objectives import Measure, Target
+from gearmesh.records import dataclass
 from gearmesh.study.plan import Value
 from gearmesh.study.rows.work import StudyWork
 from gearmesh.study.runners import Run

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
@@ -17,6 +16,7 @@ from gearmesh.errors import ArgumentError, nearest
 from gearmesh.figures import KEY_ENDINGS
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.numerals import parse_number, parse_numbers
+from gearmesh.records import dataclass
 from gearmesh.study.rows.names import recordable
 from gearmesh.study.rows.work import LOAD_GROUP
 from gearmesh.study.statistics import Limit

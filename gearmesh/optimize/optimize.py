@@ -7,7 +7,7 @@ import os
 import re
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from os import PathLike
 from typing import TYPE_CHECKING
 
@@ -25,6 +25,7 @@ from gearmesh.optimize.optimum import SENSITIVITY_SHARE, Optimum
 from gearmesh.optimize.searches import Search, method_of
 from gearmesh.optimize.variables import Variable, variables_of
 from gearmesh.progress import Progress
+from gearmesh.records import dataclass
 from gearmesh.study import runners
 from gearmesh.study.plan import KeyReader, Value
 from gearmesh.study.rows.work import StudyWork

@@ -6,7 +6,6 @@ import json
 import tomllib
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
@@ -28,6 +27,7 @@ from gearmesh.optimize.error_rows import ErrorRows
 from gearmesh.optimize.evaluations import Evaluated, front_of
 from gearmesh.optimize.objectives import Measure, Target, unit_of
 from gearmesh.optimize.variables import Variable
+from gearmesh.records import dataclass
 from gearmesh.study.rows.work import displacing_keys, own_keys
 from gearmesh.systems.designs import parse
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -19,6 +18,7 @@ from gearmesh.optimize.evaluations import Evaluated, best_of, front_of
 from gearmesh.optimize.lockstep import Ask, in_lockstep
 from gearmesh.optimize.objectives import Target
 from gearmesh.optimize.variables import Variable, values_at
+from gearmesh.records import dataclass
 from gearmesh.study.plan import Value, sample_plan
 from gearmesh.study.spreads import Spread
 

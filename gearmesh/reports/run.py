@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
 from hashlib import file_digest
 from pathlib import Path
@@ -31,6 +31,7 @@ from gearmesh.formats import STL_SUFFIX, VTM_SUFFIX
 from gearmesh.io.atomic import files_together, whole_text
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.progress import Progress
+from gearmesh.records import dataclass
 from gearmesh.reports.report import (
     PagePlots,
     flanks_caption,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,7 @@ from gearmesh.design.dotted import values_of, with_keys
 from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, Summary, figure
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 from gearmesh.study.plan import KeyReader
 from gearmesh.study.rows.largest import SEARCH_STEPS, largest
 from gearmesh.study.rows.work import StudyWork, displacing_keys, own_keys

@@ -11,7 +11,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,7 @@ from gearmesh.errors import ArgumentError, DesignError, nearest
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.lengths import LENGTH_EXAMPLES, length
 from gearmesh.numerals import parse_number, parse_whole_number
+from gearmesh.records import dataclass
 from gearmesh.study.spreads import WHOLE_NUMBERS, Spread
 
 #: methods of sampling

@@ -9,11 +9,11 @@ import os
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from gearmesh.errors import ArgumentError, OutputArgumentError, OutputError
 from gearmesh.files.reading import is_file
+from gearmesh.records import dataclass
 
 ItemT = TypeVar("ItemT")
 Work = Callable[[list[Any]], ItemT]

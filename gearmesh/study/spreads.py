@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,6 +14,7 @@ from gearmesh.design.shown import shown_key, value_text
 from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.files.reading import BYTES_PER_MIB, read_toml
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 
 #: limit of the size of a file of tolerances, bytes
 MAX_FILE_BYTES = BYTES_PER_MIB

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from gearmesh import figures
 from gearmesh.errors import ArgumentError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.numerals import parse_number
+from gearmesh.records import dataclass
 
 #: percentiles of each figure that the summary reports
 REPORTED_PERCENTILES = (1, 5, 50, 95, 99)

@@ -6,7 +6,7 @@ import math
 import os
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
@@ -24,6 +24,7 @@ from gearmesh.errors import ArgumentError, NoSolutionError, OutputError, Unknown
 from gearmesh.figures import Content, Summary
 from gearmesh.formats import CSV_SUFFIX, JSON_SUFFIX, PARQUET_SUFFIX
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 from gearmesh.study.plan import KeyReader, Plan, Value, grid, sample_plan
 from gearmesh.study.rows.names import recordable
 from gearmesh.study.rows.path_figures import PathFigures, PathShift

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from gearmesh.answers.tables import Listing, round_to
 from gearmesh.figures import Figures, Summary, at_resolution, figure
+from gearmesh.records import dataclass
 from gearmesh.study.statistics import REPORTED_PERCENTILES, Effect
 from gearmesh.study.variance import VarianceShare
 

@@ -14,12 +14,12 @@ Saltelli et al., Comput. Phys. Comm. 181 (2010) 259.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from gearmesh import figures
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 from gearmesh.study.plan import Plan
 
 #: sum of the first-order shares below which most of the variance is due to interactions

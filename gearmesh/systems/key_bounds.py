@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from gearmesh.kernel.numeric.excess import Division, Refused
+from gearmesh.records import dataclass
 
 #: width of an interval, over the value, above which its bound is stated as approximate
 ROUGH_WIDTH = 5e-3

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar, cast
 
@@ -13,6 +13,7 @@ from gearmesh.arguments import checks_arguments
 from gearmesh.design.unusual import unusual_settings
 from gearmesh.errors import ArgumentError, DesignError, FileError, KindError, NoSolutionError
 from gearmesh.figures import Summary
+from gearmesh.records import dataclass
 from gearmesh.systems.kinds import OWN_KINDS, kind_of_words
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, Generic, NamedTuple, TypeVar
 
 from gearmesh.design.core import Design
@@ -12,6 +12,7 @@ from gearmesh.design.dotted import with_keys
 from gearmesh.errors import GearmeshError
 from gearmesh.kernel.numeric.effort import Effort, EffortSpentError, limit_effort
 from gearmesh.kernel.numeric.excess import Refused
+from gearmesh.records import dataclass
 
 DesignT = TypeVar("DesignT", bound=Design)
 

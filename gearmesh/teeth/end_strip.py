@@ -25,7 +25,7 @@ in the tooth's own frame; the development is in `teeth.blank.development`.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -35,6 +35,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, broadcast_pair, components
 from gearmesh.kernel.numeric.polylines import first_crossing
 from gearmesh.kernel.surface.stations import TrimError
+from gearmesh.records import dataclass
 from gearmesh.teeth.blank.development import Development
 from gearmesh.teeth.blank.end_edge import EndChamfer
 from gearmesh.teeth.region import TIP_EDGES, Region

@@ -13,13 +13,14 @@ Both count from the middle of the flank towards heel and tip, or as in drawings 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.surface.levels import Level, station_normal
+from gearmesh.records import dataclass
 from gearmesh.teeth.blank.body import end_names
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import HEEL_END, TOE_END, Side

@@ -17,7 +17,6 @@ those of the tool's profile, over the pitch plane if there is one; sections are 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +31,7 @@ from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.kernel.surface.levels import LandLevel, Level, station_normal
 from gearmesh.kernel.surface.stations import TrimError, along
 from gearmesh.kernel.surface.surface import GeneratedSurface, Jet, Surface
+from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.section import Sections

@@ -11,8 +11,6 @@ of normals are in rad then, and those of points are divided by the way of the po
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from gearmesh.errors import GearmeshError, KindError
@@ -20,6 +18,7 @@ from gearmesh.kernel.motion.rigid import MAX_ROTATION_ERROR, Rigid, rotation_err
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
 from gearmesh.kernel.surface.stations import follow
 from gearmesh.kernel.surface.surface import GeneratedSurface, Jet, Surface
+from gearmesh.records import dataclass
 from gearmesh.teeth.region import FILLET_REGIONS, FLANK_REGIONS, TIP_EDGES, Region, Side
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide

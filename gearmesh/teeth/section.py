@@ -12,7 +12,6 @@ constant s.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -22,6 +21,7 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import ConeLevel, LandSurface, Level
 from gearmesh.kernel.surface.stations import along
 from gearmesh.kernel.surface.surface import Jet, Surface
+from gearmesh.records import dataclass
 from gearmesh.teeth.blank.tip_edge import EdgePoints, TipEdge
 from gearmesh.teeth.region import Region, Side
 

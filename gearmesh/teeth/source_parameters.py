@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 
 #: endings of names that state the unit
 UNIT_ENDINGS = {"mm": "_mm", "deg": "_deg"}

@@ -16,9 +16,10 @@ tip surface points away from both.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import fields
 
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.section import Sections, TurnedLink
 from gearmesh.teeth.tooth import Tooth

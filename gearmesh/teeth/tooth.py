@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -27,6 +27,7 @@ from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.kernel.surface.stations import TrimError, along, follow
 from gearmesh.kernel.surface.surface import Jet, Surface
+from gearmesh.records import dataclass
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.development import Development
 from gearmesh.teeth.blank.end_edge import SHARP_ENDS

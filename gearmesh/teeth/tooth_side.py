@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.surface import GeneratedSurface, Surface
+from gearmesh.records import dataclass
 from gearmesh.tools.description import ToolDescription
 
 

@@ -9,7 +9,7 @@ the sound branch.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,7 @@ from gearmesh.kernel.numeric.algebra import Array, dot, polar_angle
 from gearmesh.kernel.surface.levels import Level
 from gearmesh.kernel.surface.stations import Followed, TrimError, along, follow
 from gearmesh.kernel.surface.surface import Jet, Surface
+from gearmesh.records import dataclass
 from gearmesh.teeth.tooth_side import ToothSide
 
 #: largest residual of a trimming solve, mm

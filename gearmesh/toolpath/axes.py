@@ -16,12 +16,11 @@ resulting axes at the points of all passes.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.records import dataclass
 from gearmesh.toolpath.ball import BallCutter
 from gearmesh.toolpath.passes import Passes
 from gearmesh.toolpath.space import CutSpace

@@ -19,7 +19,6 @@ radius.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +28,7 @@ from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.surface.curvature import principal, shape_operator, tangent_basis
 from gearmesh.kernel.surface.surface import Jet
 from gearmesh.lengths import in_mm
+from gearmesh.records import dataclass
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.section import Sections
 from gearmesh.toolpath.corners import InnerCorner, largest_between

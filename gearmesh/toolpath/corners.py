@@ -14,13 +14,14 @@ walls the ball then goes up to the edge.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array, dot, unit
+from gearmesh.records import dataclass
 from gearmesh.teeth.section import Sections
 from gearmesh.toolpath.space import CutSpace
 

@@ -12,13 +12,14 @@ Between two points the tip moves along a straight line while the axis turns even
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, unit
+from gearmesh.records import dataclass
 from gearmesh.toolpath.axes import Axes
 from gearmesh.toolpath.ball import BallCutter
 from gearmesh.toolpath.passes import Passes

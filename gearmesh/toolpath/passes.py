@@ -17,7 +17,7 @@ never gouges.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,7 @@ from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 from gearmesh.kernel.surface.curvature import shape_operator
 from gearmesh.kernel.surface.surface import Jet
+from gearmesh.records import dataclass
 from gearmesh.teeth.section import Sections
 from gearmesh.toolpath.ball import BallCutter
 from gearmesh.toolpath.corners import InnerCorner, WallParts, wall_parts

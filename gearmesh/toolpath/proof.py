@@ -18,7 +18,7 @@ For each point all paths whose middle is near enough are evaluated; paths farthe
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import chain, pairwise
 from typing import Any
 
@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, dot, unit
+from gearmesh.records import dataclass
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.section import Sections
 from gearmesh.toolpath.ball import BallCutter, ToolCylinder

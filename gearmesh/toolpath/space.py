@@ -10,7 +10,6 @@ s in [0, 1] runs along each wall in this direction, and t from toe to heel, as o
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -19,6 +18,7 @@ from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 from gearmesh.kernel.surface.surface import Jet
+from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import FILLET_REGIONS, FLANK_REGIONS, Region, Side
 from gearmesh.teeth.section import Link, Sections

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from gearmesh.errors import ArgumentError, NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.progress import tell
+from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import Member
 from gearmesh.toolpath.axes import Axes, choose_axes
 from gearmesh.toolpath.ball import BallCutter, LargestBall, largest_ball, refuse_too_large

@@ -16,7 +16,6 @@ great circle (octoid) or a spherical involute. A ball that rolls along flank and
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
 
@@ -24,6 +23,7 @@ import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array, broadcast_pair, components, dot
 from gearmesh.kernel.surface.surface import Jet, Surface
+from gearmesh.records import dataclass
 
 #: largest number of Newton steps to the line in which a ball touches flank and tip cone
 MAX_FORM_STEPS = 30

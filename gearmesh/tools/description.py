@@ -5,13 +5,13 @@ The teeth know a tool by its description alone. A new kind of tool needs a descr
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.surface import Surface
+from gearmesh.records import dataclass
 from gearmesh.tools.drawing import Drawing
 from gearmesh.tools.profile import Profile
 

@@ -13,11 +13,11 @@ radius. A disc without dish angle has its edges in a plane.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
+from gearmesh.records import dataclass
 from gearmesh.tools.description import Dimension
 from gearmesh.tools.head_cutter import INSIDE_BLADE, Revolved
 from gearmesh.tools.profile import Profile

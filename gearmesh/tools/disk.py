@@ -19,7 +19,7 @@ only on the point of the tooth that is touched.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -33,6 +33,7 @@ from gearmesh.kernel.motion.rolling import RackRoll
 from gearmesh.kernel.numeric.algebra import Array, plane_cross, polar_angle
 from gearmesh.kernel.surface.levels import ConeLevel
 from gearmesh.kernel.surface.surface import Jet, PlacedSurface
+from gearmesh.records import dataclass
 from gearmesh.tools.description import Dimension, ToolDescription
 from gearmesh.tools.drawing import TurnedDrawing
 from gearmesh.tools.rack import RackSurface

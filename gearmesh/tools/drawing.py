@@ -7,7 +7,7 @@ drawn as this mesh.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Protocol
 
 import numpy as np
@@ -17,6 +17,7 @@ from gearmesh.kernel.motion.motion import Motion
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Z_AXIS, Array, components, unit
 from gearmesh.kernel.surface.surface import GeneratedSurface, Jet
+from gearmesh.records import dataclass
 
 #: points across a tool's flank
 POINTS_ACROSS_FLANK = 25

@@ -22,7 +22,7 @@ part of the blade next to its tip. It protrudes from the rest of the blade and r
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -30,6 +30,7 @@ import numpy as np
 from gearmesh.kernel.envelope.swept_curve import Edge
 from gearmesh.kernel.numeric.algebra import Array, about_axis, broadcast_pair, components
 from gearmesh.kernel.surface.surface import Jet
+from gearmesh.records import dataclass
 from gearmesh.tools.description import Dimension, HeightZero, ToolDescription
 from gearmesh.tools.drawing import TurnedDrawing
 from gearmesh.tools.profile import Profile

@@ -17,13 +17,13 @@ lead angle.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array, broadcast_pair, components
 from gearmesh.kernel.surface.surface import Jet
+from gearmesh.records import dataclass
 from gearmesh.tools.description import Dimension, HeightZero, RolledRack, ToolDescription
 from gearmesh.tools.drawing import StraightDrawing
 from gearmesh.tools.profile import Profile

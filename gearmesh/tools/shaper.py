@@ -17,7 +17,7 @@ The surface is the cylinder over this section, `RackSurface(profile, helix=0, co
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -26,6 +26,7 @@ from gearmesh.errors import DesignError, VagueError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import last_true
+from gearmesh.records import dataclass
 from gearmesh.tools.description import Dimension, HeightZero, ToolDescription
 from gearmesh.tools.drawing import ShaperDrawing
 from gearmesh.tools.rack import Arc

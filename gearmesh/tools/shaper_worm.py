@@ -29,7 +29,7 @@ at small kappa. They limit the turns of the thread.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -40,6 +40,7 @@ from gearmesh.kernel.motion.chain import Chain, Step
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import bracketed_root
+from gearmesh.records import dataclass
 from gearmesh.tools.description import Dimension, ToolDescription
 from gearmesh.tools.drawing import PartDrawing
 from gearmesh.tools.profile import Profile

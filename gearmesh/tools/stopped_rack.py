@@ -16,12 +16,11 @@ While the tool is fed it leaves the straight part, at its stop the curved part. 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array, broadcast_pair
 from gearmesh.kernel.surface.surface import Jet
+from gearmesh.records import dataclass
 from gearmesh.tools.rack import RackSurface
 
 

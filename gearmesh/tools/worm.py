@@ -17,7 +17,7 @@ space: x points from the gear to the worm, z along the gear's axis, and the teet
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -30,6 +30,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.motion.rolling import RackRoll
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.surface import PlacedSurface
+from gearmesh.records import dataclass
 from gearmesh.tools.description import Dimension, ToolDescription
 from gearmesh.tools.drawing import PartDrawing
 from gearmesh.tools.rack import RackSurface

@@ -12,12 +12,11 @@ n = (sin, -cos) out of the thread, and -y along the section's second axis.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from gearmesh.kernel.envelope.helicoid import Generatrix, swept
 from gearmesh.kernel.numeric.algebra import Z_AXIS, Array, about_axis, components, dot
+from gearmesh.records import dataclass
 from gearmesh.tools.profile import Profile
 
 

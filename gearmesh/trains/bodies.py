@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from os import PathLike
 from typing import TYPE_CHECKING
 
@@ -14,6 +14,7 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.mesh.joined import joined_mesh
 from gearmesh.progress import in_turn
+from gearmesh.records import dataclass
 from gearmesh.trains.file import naming_stage
 from gearmesh.trains.layout import Layout, Shaft
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, TypeVar
 
@@ -20,6 +19,7 @@ from gearmesh.design.explain import explain
 from gearmesh.design.keys import MM_PER, Table
 from gearmesh.design.shown import value_text
 from gearmesh.errors import DesignError, FileError, GearmeshError, nearest
+from gearmesh.records import dataclass
 from gearmesh.systems import designs
 from gearmesh.systems.system import complete_design, system
 

@@ -8,7 +8,7 @@ its own axis. The sense is -1 for a reversed member, whose z axis is against the
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -17,6 +17,7 @@ from gearmesh.design.shown import value_text
 from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import MAX_SINE_OF_PARALLEL, Rigid
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 from gearmesh.trains.file import Seat, ShaftTable, TrainFile, naming_stage
 from gearmesh.trains.stage import Port, Stage
 

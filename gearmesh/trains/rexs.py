@@ -7,7 +7,7 @@ else from their coordinates on the shaft, else gears stand side by side.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import field
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -20,6 +20,7 @@ from gearmesh.exchange.model import Component, RexsModel
 from gearmesh.exchange.rexs_file import read_rexs
 from gearmesh.exchange.stage import StageReader
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 from gearmesh.trains.file import TRAIN_KIND
 from gearmesh.trains.stage import CARRIER_NAME
 

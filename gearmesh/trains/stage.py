@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
 
@@ -28,6 +28,7 @@ from gearmesh.contact.flanks import solver_pair
 from gearmesh.errors import DesignError, NoSolutionError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import GearPair, Member
 
 #: name of the frame in which the axes of planets rest

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from os import PathLike
@@ -22,6 +21,7 @@ from gearmesh.figures import Content, Figures, figure
 from gearmesh.formats import CSV_SUFFIX, JSON_SUFFIX
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.lengths import Length, tolerance_in_mm
+from gearmesh.records import dataclass
 from gearmesh.trains.file import TrainFile, read_train, train_of
 from gearmesh.trains.layout import Layout, TrainStep, layout_of, stages_of
 from gearmesh.trains.stage import CARRIER_NAME, Mesh

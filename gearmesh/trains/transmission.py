@@ -14,13 +14,13 @@ by a few arc seconds; this is of second order, and neglected.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
 
 from gearmesh.errors import ArgumentError
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 from gearmesh.trains.layout import Layout, TrainStep
 from gearmesh.trains.stage import CARRIER_NAME
 

@@ -12,7 +12,6 @@ facets of the mesh, too little to be seen as a gap:
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -20,6 +19,7 @@ from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, every_nth, unit
 from gearmesh.kernel.numeric.roots import bracketed_root
+from gearmesh.records import dataclass
 from gearmesh.view.palette import EDGE_COLOUR, LINE_COLOUR, PATH_COLOUR
 from gearmesh.view.scene import Curve, Dots, MemberContact, Project, ToothView
 

@@ -15,12 +15,12 @@ import sys
 import time
 from array import array
 from contextlib import suppress
-from dataclasses import dataclass
 from functools import lru_cache
 from threading import Lock, Timer
 from typing import IO, Any, cast
 
 from gearmesh.errors import OutputError
+from gearmesh.records import dataclass
 from gearmesh.view.offscreen import drawing_process
 from gearmesh.view.offscreen.drawing_process import PLAIN_PRIMITIVE, Order, Primitive, receive, send
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -12,6 +11,7 @@ from typing import Any
 from gearmesh.errors import OutputError
 from gearmesh.formats import DIAGRAM_SUFFIXES, GIF_SUFFIX, MP4_SUFFIX, PNG_SUFFIX, refuse_suffix
 from gearmesh.io.atomic import scratch_folder
+from gearmesh.records import dataclass
 from gearmesh.view.scene import Scene
 
 #: smallest side of a picture

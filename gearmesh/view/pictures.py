@@ -6,7 +6,7 @@ A flank picture meshes the tooth in contact finely and the rest coarsely. The re
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,6 +20,7 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.solid import gear_solid, teeth_mesh
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.records import dataclass
 from gearmesh.teeth.blank.body import end_names
 from gearmesh.teeth.blank.features import BodyFeatures
 from gearmesh.teeth.gear_train import GearPair, Member

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +11,7 @@ from gearmesh.contact.flanks import contact_flank
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.surface.nearest import nearest
 from gearmesh.kernel.surface.surface import Surface
+from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Side
 

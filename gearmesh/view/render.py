@@ -5,7 +5,6 @@ The lettering (title, legend, colour bar, scale, axes) is two-dimensional and ne
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +13,7 @@ from gearmesh.errors import OutputError
 from gearmesh.formats import PNG_COMPRESSION_LEVEL, PNG_SUFFIX
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.progress import tell
+from gearmesh.records import dataclass
 from gearmesh.view.lettering import MAX_TITLE_WIDTH_SHARE, break_lines
 from gearmesh.view.offscreen.finish import finish
 from gearmesh.view.offscreen.letters import Image, LetteredImage, PixelBox, ticks

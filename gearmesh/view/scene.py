@@ -7,7 +7,7 @@ mm, angles in rad, colours "#rrggbb". NaN points interrupt curves, areas and map
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import field, fields, replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -17,6 +17,7 @@ from gearmesh.contact.path import ContactPath
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.records import dataclass
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import HEEL_END, TOE_END
 from gearmesh.view.palette import COLOUR_MAP, COMPOUND_COLOUR, MARKING_COLOUR, OUTLINE_COLOUR, PATH_COLOUR

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from gearmesh.errors import ArgumentError
 from gearmesh.figures import Figures, figure
 from gearmesh.lengths import Length, in_mm
 from gearmesh.mesh.triangles import Facets, TriangleMesh
+from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.micro_geometry.index_angles import NO_INDEX_ANGLES
 from gearmesh.teeth.region import Region, Side

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,7 @@ from gearmesh.cad.occ import mapped_shapes
 from gearmesh.cad.step import Part, PartAssembly
 from gearmesh.figures import Content, Figures, figure
 from gearmesh.formats import CSV_SUFFIX, JSON_SUFFIX
+from gearmesh.records import dataclass
 from gearmesh.teeth.region import Region
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn, Self
@@ -25,6 +25,7 @@ from gearmesh.mesh.hexahedra.hex_quality import scaled_jacobian, volumes
 from gearmesh.mesh.hexahedra.hexahedra import Cells
 from gearmesh.mesh.hexahedra.hexes import HexMesh
 from gearmesh.mesh.hexahedra.turned_body import core_radius
+from gearmesh.records import dataclass
 from gearmesh.teeth.blank.end_edge import SHARP_ENDS
 from gearmesh.teeth.gear_train import GearTrain, Member
 from gearmesh.teeth.region import CUT_REGIONS

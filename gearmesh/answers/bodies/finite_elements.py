@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -52,6 +52,7 @@ from gearmesh.formats import JSON_SUFFIX, VTU_SUFFIX
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.progress import part
+from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import GearPair
 
 #: programs for which decks are written

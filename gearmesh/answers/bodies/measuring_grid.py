@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -20,6 +19,7 @@ from gearmesh.formats import JSON_SUFFIX, POINT_SUFFIXES
 from gearmesh.metrology.flanks.measuring_grid import MeasuringGrid, refuse_shape, thickness_angle
 from gearmesh.metrology.flanks.point_file import point_text
 from gearmesh.progress import tell
+from gearmesh.records import dataclass
 from gearmesh.teeth.blank.body import end_names
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Side

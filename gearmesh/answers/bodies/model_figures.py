@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from gearmesh.fe.gear_model import resolving
 from gearmesh.fe.model import CyclicSymmetry
 from gearmesh.figures import Figures, figure
 from gearmesh.mesh.hexahedra.hexahedra import ENOUGH_LAYERS_SHARE
 from gearmesh.mesh.hexahedra.hexes import HexMesh
+from gearmesh.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,6 +20,7 @@ from gearmesh.formats import (
     JSON_SUFFIX,
     SECTION_SUFFIXES,
 )
+from gearmesh.records import dataclass
 
 if TYPE_CHECKING:
     from gearmesh.cad.contours.curves import Contour

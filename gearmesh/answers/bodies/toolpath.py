@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +18,7 @@ from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, Summary, figure
 from gearmesh.formats import CLS_SUFFIX, CSV_SUFFIX, JSON_SUFFIX, TOOL_PATH_SUFFIXES, VTP_SUFFIX
 from gearmesh.lengths import Length, in_mm
+from gearmesh.records import dataclass
 from gearmesh.toolpath.ball import BallCutter
 from gearmesh.toolpath.motion import ONE_WAY_ORDER, ZIGZAG_ORDER, ToolMotion
 from gearmesh.toolpath.toolpath import PathOrder, ToolPath, budget_of, tool_path

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +17,7 @@ from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, Summary, figure
 from gearmesh.formats import CSV_SUFFIX, JSON_SUFFIX
 from gearmesh.progress import tell
+from gearmesh.records import dataclass
 from gearmesh.teeth.micro_geometry.modification import Modification
 from gearmesh.teeth.micro_geometry.plane_flank import PlaneFlank
 from gearmesh.teeth.micro_geometry.screw_involute import ScrewInvolute

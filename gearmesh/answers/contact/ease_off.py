@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +17,7 @@ from gearmesh.design.core import Design
 from gearmesh.errors import NoSolutionError
 from gearmesh.figures import Content, Figures, figure
 from gearmesh.formats import JSON_SUFFIX, VTU_SUFFIX
+from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import GearPair
 
 

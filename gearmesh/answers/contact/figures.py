@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from gearmesh.contact.path import ContactPath
 from gearmesh.contact.sliding import FlankMotion
 from gearmesh.figures import Entry, Figures, Summary, figure
 from gearmesh.kernel.numeric.algebra import ARCSEC
+from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import GearPair
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,6 +16,7 @@ from gearmesh.contact.flanks import solver_pair
 from gearmesh.figures import Figures, figure
 from gearmesh.kernel.motion.rigid import MAX_SINE_OF_PARALLEL
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import GearPair
 
 #: words for driving and coast flanks

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from gearmesh.contact.pattern import ellipse_ends, line_ends
 from gearmesh.figures import Figures, figure
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import station_normal
+from gearmesh.records import dataclass
 from gearmesh.teeth.flank_frame import FlankFrame
 from gearmesh.teeth.gear_train import GearPair
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -14,6 +12,7 @@ from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
 from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import GearPair
 
 #: number of neighbouring tooth pairs on each side that may be in contact

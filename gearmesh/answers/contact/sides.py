@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -16,6 +16,7 @@ from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import GearPair
 
 #: positions of a whole engagement

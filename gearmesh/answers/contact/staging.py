@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,6 +16,7 @@ from gearmesh.contact.pair import Pair
 from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.section import Grid

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,6 +10,7 @@ from gearmesh.answers.tables import Listing, round_to
 from gearmesh.contact.engagement.turns import FullTurns
 from gearmesh.figures import Figures, figure
 from gearmesh.kernel.numeric.algebra import ARCSEC
+from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import GearPair
 
 

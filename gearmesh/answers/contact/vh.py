@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 from gearmesh.answers.gearset import GearSet
@@ -12,6 +12,7 @@ from gearmesh.answers.tables import Listing, round_to
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.figures import Content, Figures, figure
+from gearmesh.records import dataclass
 from gearmesh.systems import system as systems
 from gearmesh.systems.system import PatternShift
 

@@ -6,7 +6,6 @@ A contact line passes over the zone of the flank; there is no contact beyond a l
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,6 +15,7 @@ from gearmesh.figures import Figures, figure
 from gearmesh.kernel.motion.rigid import MAX_SINE_OF_PARALLEL
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 from gearmesh.kernel.surface.levels import station_normal
+from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import GearPair
 
 #: largest distance of crossed axes that count as intersecting, relative to the distance of the contact from them

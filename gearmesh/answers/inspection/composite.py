@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -28,6 +28,7 @@ from gearmesh.kernel.numeric.algebra import ARCSEC
 from gearmesh.metrology.measured_teeth import MeasuredTeeth, pitch_radius
 from gearmesh.metrology.pitch import index_angles
 from gearmesh.progress import part
+from gearmesh.records import dataclass
 from gearmesh.systems.system import system_of
 from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
 

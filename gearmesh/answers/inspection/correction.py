@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -38,6 +38,7 @@ from gearmesh.metrology.flanks.projection import FlankProjection
 from gearmesh.metrology.flanks.smoothing import smooth_deviations
 from gearmesh.metrology.second_order import flank_coordinates, second_order
 from gearmesh.progress import part, tell
+from gearmesh.records import dataclass
 from gearmesh.systems import system as systems
 from gearmesh.teeth.gear_train import GearTrain
 from gearmesh.teeth.micro_geometry.deviations import DeviationGrid, deviating_tooth, lowest_share

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from gearmesh.metrology.evaluation import EvaluatedTrace
 from gearmesh.metrology.pitch import PitchDeviations
 from gearmesh.metrology.second_order import SecondOrder
 from gearmesh.metrology.tolerances import FigureClass
+from gearmesh.records import dataclass
 
 #: micrometres per millimetre
 UM_PER_MM = 1e3

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -12,6 +11,7 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.metrology.evaluation import EvaluatedTrace, evaluate_trace, helix_sign, in_transverse_plane
 from gearmesh.metrology.measured_teeth import FlankDeviations, InvoluteFlank
 from gearmesh.metrology.second_order import SecondOrder, flank_coordinates, second_order, spiral_angle_error
+from gearmesh.records import dataclass
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -26,6 +25,7 @@ from gearmesh.figures import Content, Summary, flat
 from gearmesh.metrology.measured_teeth import FlankDeviations, InspectionBasis, InvoluteFlank, MeasuredTeeth
 from gearmesh.metrology.pitch import BallInSpace
 from gearmesh.metrology.tolerances import GearClass, class_of
+from gearmesh.records import dataclass
 from gearmesh.systems.system import system_of
 from gearmesh.teeth.gear_train import GearTrain, Member
 from gearmesh.teeth.region import Side

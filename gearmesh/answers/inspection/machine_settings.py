@@ -7,7 +7,6 @@ slopes, crownings and twist.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,6 +17,7 @@ from gearmesh.kernel.motion.joint import Joint
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.metrology.flanks.projection import FlankProjection
 from gearmesh.progress import in_turn
+from gearmesh.records import dataclass
 from gearmesh.systems import system as systems
 from gearmesh.teeth.micro_geometry.deviations import DeviationGrid
 from gearmesh.teeth.region import Side

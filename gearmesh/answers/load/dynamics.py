@@ -19,7 +19,6 @@ Conventions:
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar
@@ -35,6 +34,7 @@ from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, Summary, figure
 from gearmesh.formats import CSV_SUFFIX, JSON_SUFFIX
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
+from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import GearPair, GearTrain
 
 NumberT = TypeVar("NumberT", float, Array)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -38,6 +37,7 @@ from gearmesh.loaded.edges import EdgeLoad, edge_loads, load_along_face
 from gearmesh.loaded.mounts import FlexibleMount
 from gearmesh.loaded.sharing import LoadedMesh, PairLoad, compliances, loaded_mesh, whole_cycle
 from gearmesh.progress import listening
+from gearmesh.records import dataclass
 from gearmesh.teeth.blank.features import BodyFeatures
 from gearmesh.teeth.gear_train import GearPair
 

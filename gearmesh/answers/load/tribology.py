@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -32,6 +31,7 @@ from gearmesh.loaded.lubrication import (
 )
 from gearmesh.loaded.rows import ContactRows, contact_rows
 from gearmesh.loaded.sharing import LoadedMesh
+from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import GearPair
 
 #: headings of the table of extremes, by fields of `TribologyTotals`

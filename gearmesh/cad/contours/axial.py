@@ -13,7 +13,7 @@ lands and roots follow their profiles.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -28,6 +28,7 @@ from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.kernel.plane.curves import PlaneCurve, PlaneLine
 from gearmesh.kernel.surface.levels import LandLevel
 from gearmesh.progress import tell
+from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.section import Sections, TurnedLink

@@ -5,13 +5,13 @@ Points are (x, y), mm; contours go counterclockwise, with material inside or out
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.plane.curves import PlaneCurve, rotation
+from gearmesh.records import dataclass
 
 #: degree of the splines, which DXF readers and SVG support
 CUBIC_DEGREE = 3

@@ -16,7 +16,6 @@ The remaining path has the distance everywhere. Stock stays in corners that are 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
@@ -25,6 +24,7 @@ from gearmesh.cad.contours.curves import Contour, PlaneSpline
 from gearmesh.cad.contours.redrawn import Curves, Smooth, redraw
 from gearmesh.kernel.numeric.algebra import Array, plane_cross
 from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve, PlaneLine
+from gearmesh.records import dataclass
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree

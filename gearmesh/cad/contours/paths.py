@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from gearmesh.cad.contours.redrawn import Curves, redraw
 from gearmesh.cad.section import MemberSection
 from gearmesh.errors import ArgumentError
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 
 #: tolerance of a section whose normals are used, as a share of the tolerance of the drawn contours
 BASE_TOLERANCE_SHARE = 0.25

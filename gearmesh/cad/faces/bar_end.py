@@ -5,7 +5,6 @@ The chamfers continue along the half roots to the ends of the bar.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -16,6 +15,7 @@ from gearmesh.cad.faces.strip_faces import strip_row
 from gearmesh.cad.occ import edge, spline_curve, straight_edge, translation, vertex
 from gearmesh.cad.step import NamedFace
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 from gearmesh.teeth.blank.body import end_edges
 from gearmesh.teeth.region import Region
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from gearmesh.cad.occ import PRECISION_MM, face, point, spline_surface, straight2d, wire
 from gearmesh.kernel.numeric.algebra import Array, cross
+from gearmesh.records import dataclass
 
 #: distance within which control points lie on a plane
 PLANE_TOLERANCE_MM = 1e-9

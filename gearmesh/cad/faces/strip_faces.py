@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,6 +14,7 @@ from gearmesh.cad.step import NamedFace
 from gearmesh.cad.turned import Loop, Trace
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import station_normal
+from gearmesh.records import dataclass
 from gearmesh.teeth.blank.body import end_edges
 
 

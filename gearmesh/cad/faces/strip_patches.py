@@ -14,7 +14,7 @@ between them.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.splines import SplineCurve, control_net, tensor_product
 from gearmesh.kernel.surface.levels import station_normal
+from gearmesh.records import dataclass
 from gearmesh.teeth.end_strip import EndStrip, StripPiece
 
 #: places of a span at which a patch is measured

@@ -7,7 +7,7 @@ back to the line.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,7 @@ from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.surface.curvature import contact_ellipse, relative_curvature, tangent_basis
 from gearmesh.kernel.surface.nearest import tangential
+from gearmesh.records import dataclass
 
 #: steps each way over a length of a flank
 STEPS_PER_LENGTH = 24

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import fields
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.pair import IS_TIP_CORNER, NUMBERED_EDGES, Pair
+from gearmesh.records import dataclass
 
 #: mark of an edge that is solved for from its crossing with edge k: ALONG_EDGE - k
 ALONG_EDGE = -2

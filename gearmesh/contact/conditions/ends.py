@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -12,6 +12,7 @@ from gearmesh.kernel.motion.joint import Joint
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.numeric.splines import spline_through, splines_through
 from gearmesh.kernel.surface.levels import CurveLevel, Level, ScrewLevel, Shifted
+from gearmesh.records import dataclass
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.section import Grid
 from gearmesh.teeth.tooth import Tooth

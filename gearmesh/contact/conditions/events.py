@@ -6,7 +6,7 @@ Each event is a root in phi1. Newton's method solves for phi1 and the contact to
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from gearmesh.contact.conditions.meshing import Conditions
 from gearmesh.contact.pair import Pair
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.records import dataclass
 
 #: steps of a bracketed root at most
 MAX_STEPS = 60

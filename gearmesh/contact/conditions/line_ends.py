@@ -9,7 +9,7 @@ between two edges, or at a corner of a tip line, ends where both margins are 0: 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,7 @@ from gearmesh.contact.pair import Pair, edge_number
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, plane_cross, turn, unit
 from gearmesh.kernel.surface.surface import Jet
+from gearmesh.records import dataclass
 
 #: stations of the gear's face at which a line is sampled
 FACE_STATIONS = 33

@@ -7,7 +7,7 @@ Lines that bend too much for this are followed step by step (`bent_lines.py`).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -19,6 +19,7 @@ from gearmesh.contact.conditions.refinement import EDGE_SLACK, NULL_SPACE_SHARE,
 from gearmesh.contact.pair import Pair
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.records import dataclass
 
 #: points of a line, with its ends
 LINE_POINTS = 13

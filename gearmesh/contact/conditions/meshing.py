@@ -14,7 +14,7 @@ Conditions on normals and tangents are multiplied by a length, so that all resid
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
 
 import numpy as np
@@ -24,6 +24,7 @@ from gearmesh.contact.first_touch.heights import FlankHeights, heights
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, polar_angle, unit
 from gearmesh.kernel.surface.levels import Level
 from gearmesh.kernel.surface.surface import Jet, Surface
+from gearmesh.records import dataclass
 from gearmesh.teeth.blank.body import end_names
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import HEEL_END, TOE_END

@@ -7,7 +7,7 @@ crossing with the edge on which the place lies.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from functools import partial
 
 import numpy as np
@@ -20,6 +20,7 @@ from gearmesh.errors import Status
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, turn, unit
 from gearmesh.kernel.surface.curvature import contact_ellipse, relative_curvature, tangent_basis
+from gearmesh.records import dataclass
 
 #: a point this far (mm) outside a trimmed flank still counts as on its edge
 EDGE_SLACK = 1e-7

@@ -6,7 +6,6 @@ another, and at which an arc is level, are roots.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
@@ -20,6 +19,7 @@ from gearmesh.contact.engagement.surface_contact import SurfaceContact, surface_
 from gearmesh.contact.engagement.transmission_advance import TransmissionAdvance
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import bracketed_root
+from gearmesh.records import dataclass
 
 #: harmonics of the mesh frequency that are given
 HARMONIC_COUNT = 5

@@ -8,7 +8,7 @@ contact and extremes of an arc are roots.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from gearmesh.contact.engagement.displaced import displaced_pair
 from gearmesh.contact.engagement.engagement import Engagement, whole_engagement
 from gearmesh.contact.pair import Pair
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 
 #: positions in a pitch at which the cycle is given
 POSITIONS_PER_PITCH = 24

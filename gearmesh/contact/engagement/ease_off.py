@@ -8,8 +8,6 @@ conjugate flank [Kolivand & Kahraman, Mech. Mach. Theory 44 (2009)].
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,6 +15,7 @@ from gearmesh.contact.engagement.engagement import Engagement
 from gearmesh.contact.first_touch.field import advances
 from gearmesh.contact.pair import Pair
 from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.records import dataclass
 
 #: positions in a pitch at which the advances of all points are computed
 POSITIONS_PER_PITCH = 48

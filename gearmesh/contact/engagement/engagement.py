@@ -7,7 +7,6 @@ contact of pair 0 at phi1 - k pitches.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -27,6 +26,7 @@ from gearmesh.contact.first_touch.first_touch import first_touch, touches
 from gearmesh.contact.first_touch.search import UNSEEN_LEAD_RAD
 from gearmesh.contact.pair import EDGE_CORNER, NUMBERED_EDGES, Pair
 from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.records import dataclass
 
 #: nodes in a pitch
 NODES_PER_PITCH = 12

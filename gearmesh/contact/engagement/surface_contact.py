@@ -6,7 +6,7 @@ edges. The overlap is the rotation between the ends of the line at both ends of 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,7 @@ from gearmesh.contact.pair import Pair, along_face, within
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.numeric.roots import bracketed_root, last_true
+from gearmesh.records import dataclass
 
 #: rounds of division that find a change of the kind of contact for which no equation exists
 DIVISION_ROUNDS = 11

@@ -12,8 +12,6 @@ flanks at the opposite rotation. The surfaces decide whether a pair has this sym
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -22,6 +20,7 @@ from gearmesh.contact.engagement.curve import MeshArc, MeshCurve
 from gearmesh.contact.pair import Pair
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 
 #: diagonals of the maps that exchange the flanks of a tooth centred on +x: half turn about x, mirror y = 0
 FLANK_EXCHANGES = (np.array([1.0, -1.0, -1.0]), np.array([1.0, -1.0, 1.0]))

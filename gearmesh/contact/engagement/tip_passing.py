@@ -15,7 +15,7 @@ never leaves the tip surface counts half a turn away from the mesh.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,7 @@ from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.kernel.numeric.splines import Polynomials, spline_through
 from gearmesh.kernel.surface.levels import station_normal
+from gearmesh.records import dataclass
 
 #: places on the circle of a tip point at which the point is compared with the gear's tip surface
 PLACES_PER_TURN = 48

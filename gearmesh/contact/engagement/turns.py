@@ -11,7 +11,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -27,6 +27,7 @@ from gearmesh.contact.pair import EDGE_CORNER, Pair
 from gearmesh.contact.tca import contact_path
 from gearmesh.errors import DesignError, NoSolutionError
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array, dot
+from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.mount import Mount
 

@@ -12,7 +12,7 @@ place. The greatest sampled advance is therefore a lower bound of the greatest a
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from itertools import product
 from typing import TYPE_CHECKING
@@ -33,6 +33,7 @@ from gearmesh.contact.pair import (
 )
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.surface import Jet
+from gearmesh.records import dataclass
 
 if TYPE_CHECKING:
     from gearmesh.contact.pair import Pair

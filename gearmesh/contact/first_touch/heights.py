@@ -10,8 +10,6 @@ point of a mating gear at every position. The table decides where contact is sea
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,6 +19,7 @@ from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import Level, station_normal
 from gearmesh.kernel.surface.surface import Surface
+from gearmesh.records import dataclass
 
 #: rows of the lattice from form point to tip
 LATTICE_ROWS = 33

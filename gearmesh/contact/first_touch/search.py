@@ -5,8 +5,6 @@ The search assumes no tangency: a point of the pinion meets the gear's flank whe
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,6 +14,7 @@ from gearmesh.contact.pair import EDGE_CORNER, Pair
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.surface.surface import Jet
+from gearmesh.records import dataclass
 from gearmesh.teeth.mount import Mount
 
 #: advance of a sample over the solved contact above which the search starts (0.01 arcsec)

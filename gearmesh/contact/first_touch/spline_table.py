@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -10,6 +9,7 @@ from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.splines import table_filter, table_weights
+from gearmesh.records import dataclass
 
 #: extrapolated steps of a table beyond its rim
 STEPS_BEYOND_RIM = 6

@@ -8,13 +8,13 @@ searched on lattices that become finer.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
 
 from gearmesh.contact.first_touch.spline_table import SplineTable
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.region import TIP_EDGES, Region
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +36,7 @@ from gearmesh.contact.pair import FILLET_PART, HAS_FILLET, PART_PAIRS, Pair
 from gearmesh.kernel.motion.rigid import MAX_SINE_OF_PARALLEL
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.numeric.roots import bracketed_root, last_true
+from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.region import Side
 

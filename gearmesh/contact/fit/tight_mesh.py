@@ -7,7 +7,7 @@ order in the deviations are neglected; the play of teeth without deviations is e
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from gearmesh.errors import DesignError, NoSolutionError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.progress import in_turn, listening, part, tell
+from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.micro_geometry.index_angles import NO_INDEX_ANGLES
 

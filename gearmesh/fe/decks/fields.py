@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +13,7 @@ from gearmesh.io.atomic import whole_file
 from gearmesh.io.texts import lines
 from gearmesh.kernel.numeric.algebra import Array, unit
 from gearmesh.mesh.hexahedra.hexes import HexMesh
+from gearmesh.records import dataclass
 
 #: t/mm^3 in a kg/m^3
 T_PER_MM3_OF_KG_PER_M3 = 1e-12

@@ -8,7 +8,7 @@ bending of teeth are linear theory. Tests behind the choice of elements, contact
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +21,7 @@ from gearmesh.formats import INP_SUFFIX
 from gearmesh.io.atomic import whole_file
 from gearmesh.io.texts import lines
 from gearmesh.mesh.hexahedra.hexes import HexMesh
+from gearmesh.records import dataclass
 
 #: stick slope over contact stiffness in CalculiX: traction over slip below Coulomb's limit
 STICK_RATIO = 0.1

@@ -8,7 +8,6 @@ groups of points.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +19,7 @@ from gearmesh.formats import MSH_SUFFIX
 from gearmesh.io.atomic import whole_file
 from gearmesh.io.texts import lines
 from gearmesh.mesh.hexahedra.hexes import HEX_EDGES, HEX_FACES, HexMesh
+from gearmesh.records import dataclass
 
 #: Gmsh's numbers of the element types, by number of nodes
 _TYPE_NUMBERS = {1: 15, 4: 3, 8: 5, 20: 17}

@@ -7,12 +7,12 @@ To add a format, write a module with a writer, `register` it there, and name the
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 
 from gearmesh.errors import OutputError
 from gearmesh.fe.model import Model
 from gearmesh.io.atomic import PathLike
+from gearmesh.records import dataclass
 
 Writer = Callable[[Model, Path], None]
 

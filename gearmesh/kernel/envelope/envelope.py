@@ -12,7 +12,6 @@ An envelope is again a `Surface`, so envelopes nest: an envelope can be the tool
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -25,6 +24,7 @@ from gearmesh.kernel.numeric.algebra import Array, broadcast_pair, cross, dot
 from gearmesh.kernel.numeric.effort import LINEAR_MOTION, OTHER_MOTION, spend
 from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.kernel.surface.surface import Jet, Surface
+from gearmesh.records import dataclass
 
 #: largest |n . w| (mm/rad) that counts as solved: the rounding for tools of some meters
 MESHING_TOLERANCE = 1e-10

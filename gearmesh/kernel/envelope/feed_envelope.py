@@ -19,7 +19,7 @@ The result is again a `Surface` with an exact jet, so envelopes nest: rack -> wo
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
@@ -32,6 +32,7 @@ from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, broadcast_pair, cross, dot, plane_cross
 from gearmesh.kernel.numeric.effort import FED_MOTION, spend
 from gearmesh.kernel.surface.surface import Jet, Surface
+from gearmesh.records import dataclass
 
 #: number of the roll among the motion's parameters
 ROLL_PARAMETER = 0

@@ -8,13 +8,13 @@ With the screw parameter P (mm/rad), a curve c(p) and the surface's unit normals
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Z_AXIS, Array, about_axis, about_z, broadcast_pair, cross, dot
 from gearmesh.kernel.surface.surface import Jet
+from gearmesh.records import dataclass
 
 #: factors of x, y and z in a reflection
 Signs = tuple[float, float, float]

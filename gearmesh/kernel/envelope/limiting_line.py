@@ -12,7 +12,6 @@ turns back on the tool (f_phi = 0). Such poles are detected and left out.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,6 +22,7 @@ from gearmesh.kernel.numeric.roots import bracketed_root, last_true
 from gearmesh.kernel.surface.levels import Level
 from gearmesh.kernel.surface.stations import follow
 from gearmesh.kernel.surface.surface import GeneratedSurface, Jet, Surface, area_normal
+from gearmesh.records import dataclass
 
 #: points at which a line is scanned for changes of sign
 SAMPLES_PER_LINE = 65

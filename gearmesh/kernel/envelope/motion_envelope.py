@@ -12,8 +12,6 @@ The surface is regular wherever f_u and R_phi are not 0, and R_phi = 0 on the li
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -24,6 +22,7 @@ from gearmesh.kernel.numeric.algebra import Array, broadcast_pair, cross, dot
 from gearmesh.kernel.numeric.effort import OTHER_MOTION, spend
 from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.kernel.surface.surface import Jet, Surface
+from gearmesh.records import dataclass
 
 #: values of u at which the equation of meshing is sampled, rad
 SAMPLED_ANGLES = np.array([0.0, 2.0, 4.0]) * np.pi / 3.0

@@ -10,7 +10,6 @@ The tangent is a function of its own, so that the normal exists at a corner of t
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -18,6 +17,7 @@ import numpy as np
 from gearmesh.kernel.motion.motion import Motion
 from gearmesh.kernel.numeric.algebra import Array, broadcast_pair, cross, dot
 from gearmesh.kernel.surface.surface import Jet
+from gearmesh.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -11,6 +11,7 @@ from gearmesh.kernel.motion.motion import MachineAxis, MotionState, SeveralState
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.motion.two_turns import TwoTurns
 from gearmesh.kernel.numeric.algebra import Z_AXIS, Array, cross, rotation_about, turn
+from gearmesh.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,6 @@ given in the tool frame. These vectors turn against the tool, x_psi = -tool_turn
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -23,6 +22,7 @@ from numpy.polynomial import Polynomial
 from gearmesh.kernel.motion.motion import MachineAxis, SeveralStates
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Z_AXIS, Array, about_z, broadcast_pair, cross, rotation_about
+from gearmesh.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,6 @@ axis goes to x = -inf.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
 import numpy as np
@@ -22,6 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array, components, cross, plane_cross, polar_angle
+from gearmesh.records import dataclass
 
 #: an angle (rad), torque or radius, or an array of them
 Quantity = TypeVar("Quantity", float, Array)

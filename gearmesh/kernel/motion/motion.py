@@ -7,11 +7,11 @@ meshing [CR3553 1.5.2].
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Protocol
 
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross
+from gearmesh.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -6,12 +6,11 @@ blank frame. Lengths are in mm, angles in rad. Rotations are (..., 3, 3), transl
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike
 
 from gearmesh.kernel.numeric.algebra import Array, rotation_about, turn
+from gearmesh.records import dataclass
 
 #: largest sine of the angle between axes that count as parallel
 MAX_SINE_OF_PARALLEL = 1e-9

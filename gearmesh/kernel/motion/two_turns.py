@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -10,6 +9,7 @@ import numpy as np
 from gearmesh.kernel.motion.motion import MotionState
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Z_AXIS, Array, components, cross
+from gearmesh.records import dataclass
 
 #: parts of a rotation about z: the constant part, the factor of the cosine, the factor of the sine
 ROTATION_PARTS = np.array(

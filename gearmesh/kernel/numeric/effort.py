@@ -8,10 +8,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import dataclass
 from typing import NamedTuple
 
 from gearmesh.progress import go_on
+from gearmesh.records import dataclass
 
 
 class Cost(NamedTuple):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from math import factorial
 from typing import NamedTuple
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.splines import CUBIC_DEGREE, basis, interpolate, knots_of
+from gearmesh.records import dataclass
 
 
 class PlaneJet(NamedTuple):

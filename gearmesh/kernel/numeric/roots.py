@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any, TypeVar
 
 import numpy as np
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 from gearmesh.errors import Solution, Status
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.effort import ROOT_STEP, spend
+from gearmesh.records import dataclass
 
 #: values (M,) at x (M,) for the batch members `index` (M,)
 Function = Callable[[Array, NDArray[np.intp]], Array]

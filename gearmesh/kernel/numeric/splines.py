@@ -8,13 +8,13 @@ B-splines of knots t by the recursion of Cox and de Boor [C. de Boor, A Practica
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cache, cached_property
 from math import factorial
 
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 
 #: degree of splines with continuous curvature
 CUBIC_DEGREE = 3

@@ -6,13 +6,13 @@ Points are (x, y), mm.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 
 
 class PlaneCurve(Protocol):

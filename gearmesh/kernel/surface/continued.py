@@ -13,13 +13,14 @@ has, are differences of fourth order of the values at four places beside v.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import fields
 
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array, broadcast_pair, cross, dot, unit
 from gearmesh.kernel.numeric.splines import Polynomials
 from gearmesh.kernel.surface.surface import Jet, Surface
+from gearmesh.records import dataclass
 
 #: places beside v, in steps, and the factors of the values there for the first and the second derivative
 NEIGHBOUR_STEPS = (-2.0, -1.0, 1.0, 2.0)

@@ -13,13 +13,12 @@ where a parametrisation degenerates (r_u x r_v = 0) and where a generated surfac
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 from gearmesh.kernel.surface.surface import Jet
+from gearmesh.records import dataclass
 
 #: a direction across e1 has the angle pi/2, not -pi/2, even if rounding moves it this far beyond pi/2
 ANGLE_SEAM_RAD = 1e-9

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from gearmesh.kernel.motion.joint import Prismatic
 from gearmesh.kernel.numeric.algebra import Array, broadcast_pair
 from gearmesh.kernel.surface.levels import Level
 from gearmesh.kernel.surface.surface import Jet
+from gearmesh.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
 
@@ -12,6 +11,7 @@ from gearmesh.kernel.motion.joint import REVOLUTE_JOINT, Joint
 from gearmesh.kernel.numeric.algebra import Array, broadcast_pair, components, dot
 from gearmesh.kernel.numeric.splines import Polynomials
 from gearmesh.kernel.surface.surface import Jet, Surface
+from gearmesh.records import dataclass
 
 #: sines and cosines below this are those of a right angle, up to rounding
 MAX_ROUNDED_ZERO = 4e-16

@@ -14,7 +14,6 @@ The level g = w - f(a) is positive outside; its zero is a surface with the param
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from typing import Protocol
@@ -25,6 +24,7 @@ from numpy.polynomial import Chebyshev
 from gearmesh.kernel.numeric.algebra import Array, broadcast_pair, components
 from gearmesh.kernel.surface.levels import ConeLevel, Level, PlaneLevel, perpendicular, station_normal
 from gearmesh.kernel.surface.surface import Jet
+from gearmesh.records import dataclass
 
 #: degrees of a fitted series, tried in this order
 SERIES_DEGREES = (10, 20, 40)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.errors import Solution, Status
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.surface.surface import Jet, Surface
+from gearmesh.records import dataclass
 
 #: limit of the steps; 3 or 4 suffice from a start next to the solution
 MAX_GAUSS_NEWTON_STEPS = 12

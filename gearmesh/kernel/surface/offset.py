@@ -24,13 +24,13 @@ centres of curvature turns inside out.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.surface.surface import Jet, Surface
+from gearmesh.records import dataclass
 
 #: limit of the steps to the amount; 3 suffice for amounts of micro-geometry
 MAX_NEWTON_STEPS = 12

@@ -7,12 +7,13 @@ tool is withdrawn.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import fields
 
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Z_AXIS, Array, dot
 from gearmesh.kernel.surface.surface import Jet, Surface
+from gearmesh.records import dataclass
 
 #: displacement (...,), mm, at z (...,), mm, and its first two derivatives with respect to z
 Slide = Callable[[Array], tuple[Array, Array, Array]]

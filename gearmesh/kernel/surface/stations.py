@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from gearmesh.errors import NoSolutionError, Solution, Status
@@ -11,6 +9,7 @@ from gearmesh.kernel.numeric.algebra import Array, broadcast_pair, dot
 from gearmesh.kernel.numeric.effort import ROOT_STEP, spend
 from gearmesh.kernel.surface.levels import Level
 from gearmesh.kernel.surface.surface import Jet, Surface
+from gearmesh.records import dataclass
 
 #: rows of a grid whose solution provides start values for the other rows
 START_ROWS = 7

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -12,6 +11,7 @@ from numpy.polynomial import Chebyshev
 from gearmesh.kernel.numeric.algebra import Z_AXIS, Array, broadcast_pair, cross, dot, polar_angle
 from gearmesh.kernel.surface.levels import Level, station_normal
 from gearmesh.kernel.surface.surface import Jet
+from gearmesh.records import dataclass
 
 #: degree of the polynomials of both curves
 CURVE_DEGREE = 24

@@ -6,7 +6,7 @@ normal points out of the material of the body that the surface bounds.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from typing import Protocol
 
 import numpy as np
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from gearmesh.kernel.motion.motion import MachineAxis
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross
+from gearmesh.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,6 @@ The normal is r_u x r_v of this surface, and its partials follow from the second
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -17,6 +16,7 @@ from numpy.polynomial import chebyshev
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
 from gearmesh.kernel.numeric.splines import Polynomials, splines_through
 from gearmesh.kernel.surface.surface import Jet
+from gearmesh.records import dataclass
 
 #: degree of the series in u: an arc of 90 deg is within 1e-13 of its radius
 SERIES_DEGREE = 11

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Z_AXIS, Array, about_axis, dot, rotation_about, turn
 from gearmesh.kernel.surface.surface import Jet, Surface
+from gearmesh.records import dataclass
 
 #: angle (...,), rad, at z (...,), mm, and its first two derivatives with respect to z
 Twist = Callable[[Array], tuple[Array, Array, Array]]

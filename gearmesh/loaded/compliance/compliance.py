@@ -33,7 +33,7 @@ like it.
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
 from threading import Lock
@@ -57,6 +57,7 @@ from gearmesh.mesh.hexahedra.hexahedra import Cells, hex_mesh, on_breaks, on_sta
 from gearmesh.mesh.hexahedra.hexes import HexMesh
 from gearmesh.mesh.hexahedra.layers import layers, running_angle
 from gearmesh.progress import go_on
+from gearmesh.records import dataclass
 from gearmesh.teeth.blank.body import Disc
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth

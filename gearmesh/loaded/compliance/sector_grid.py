@@ -11,12 +11,13 @@ follow, from plane strain compared with quadrilaterals of second order (see note
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from gearmesh.mesh.hexahedra.hexahedra import Cells, HexGrid, plain_grid
 from gearmesh.mesh.hexahedra.layers import layers
+from gearmesh.records import dataclass
 from gearmesh.teeth.region import FILLET_REGIONS, Side
 from gearmesh.teeth.tooth import Tooth
 

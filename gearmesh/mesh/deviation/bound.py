@@ -9,7 +9,7 @@ point is left out, because both surfaces are closed.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -26,6 +26,7 @@ from gearmesh.mesh.patch import PatchMesh
 from gearmesh.mesh.solid import chords, gear_facets
 from gearmesh.mesh.tessellate import ToothMesh
 from gearmesh.mesh.triangles import Facets
+from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import BODY_REGIONS, FEATURE_REGIONS, GAP_REGIONS, RARE_REGIONS, Region
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
 from gearmesh.kernel.surface.surface import Jet
 from gearmesh.mesh.patch import trim
+from gearmesh.records import dataclass
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.tooth import Tooth
 

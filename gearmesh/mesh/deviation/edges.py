@@ -14,7 +14,7 @@ chord is from the seam along the surfaces. If they meet at an acute angle, it is
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,7 @@ from gearmesh.kernel.surface.surface import Surface
 from gearmesh.mesh.deviation.facets import MAX_ROUNDS, LineHeights, Range, chord_range, limit, over_chord, second_forms
 from gearmesh.mesh.deviation.feet import Feet
 from gearmesh.mesh.deviation.revolution import drop
+from gearmesh.records import dataclass
 
 Index = NDArray[np.int64]
 

@@ -32,7 +32,7 @@ MAX_ROUNDS subdivisions the remaining bound is used as it stands.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +40,7 @@ from numpy.typing import NDArray
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.surface import Surface
 from gearmesh.mesh.deviation.feet import MATRIX_PAIRS, ROUNDING_MM, Feet
+from gearmesh.records import dataclass
 
 Index = NDArray[np.int64]
 #: least and greatest values

@@ -12,13 +12,13 @@ The last node of each row is the first node of the next tooth.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
+from gearmesh.records import dataclass
 from gearmesh.teeth.end_strip import EndStrip, StripPiece
 from gearmesh.teeth.region import Region
 

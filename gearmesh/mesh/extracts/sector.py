@@ -10,7 +10,7 @@ whole gear have its volume to rounding.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,7 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import Level, station_normal
 from gearmesh.mesh.solid import facets_of, manifold_of
 from gearmesh.mesh.triangles import TriangleMesh, closeness, facet_normals, without_doubles
+from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import CUT_REGIONS, Region
 from gearmesh.teeth.section import Sections

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import last_true
+from gearmesh.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ cell size with its mid-side nodes kept: the mid-side nodes of flanks lie on the 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,7 @@ from gearmesh.mesh.hexahedra.grading import Spacing, uniform
 from gearmesh.mesh.hexahedra.hexes import HEX_EDGES, HexMesh
 from gearmesh.mesh.hexahedra.layers import Base, Chart, Layers, layers
 from gearmesh.mesh.hexahedra.section_lattice import HalfLattice, Lines, tooth_lattice
+from gearmesh.records import dataclass
 from gearmesh.teeth.blank.body import end_names
 from gearmesh.teeth.region import FLANK_REGIONS, Side
 from gearmesh.teeth.section import breaks

@@ -13,7 +13,6 @@ axis. The next tooth is then the next thread along the axis. The thread may go o
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
 
@@ -24,6 +23,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, components
 from gearmesh.kernel.surface.levels import Level, station_normal
 from gearmesh.kernel.surface.stations import along
+from gearmesh.records import dataclass
 from gearmesh.teeth.region import FILLET_REGIONS, FLANK_REGIONS, Region, Side
 from gearmesh.teeth.section import GeneratedLink, Grid, Sections, parameter
 from gearmesh.teeth.tooth import Tooth

@@ -14,7 +14,6 @@ Sides that are only nearly along or square to the axis (cones of shafts, rims of
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -22,6 +21,7 @@ from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.polylines import contains
+from gearmesh.records import dataclass
 
 #: longest edge that counts as 0, as a share of the outline's size
 NO_LENGTH_SHARE = 1e-7

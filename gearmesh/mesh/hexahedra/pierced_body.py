@@ -12,7 +12,7 @@ steps, and the nodes on the rim's inner face. They are repeated along the axis a
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,7 @@ from gearmesh.mesh.hexahedra.hexahedra import ToothedRim
 from gearmesh.mesh.hexahedra.hexes import HEX_EDGES, HexMesh
 from gearmesh.mesh.hexahedra.meridian_grid import MeridianGrid
 from gearmesh.mesh.hexahedra.plane_quads import Line, NodeLine, PlaneMeshError, PlaneQuads, plane_quads
+from gearmesh.records import dataclass
 from gearmesh.teeth.blank.bores import BoreForm, ClosedLine
 from gearmesh.teeth.blank.features import Opening
 

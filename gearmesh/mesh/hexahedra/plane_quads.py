@@ -7,7 +7,6 @@ into three quadrilaterals each. Edges follow the lines: their nodes are on the e
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array, plane_cross
 from gearmesh.kernel.numeric.polylines import contains
+from gearmesh.records import dataclass
 
 #: largest circumradius of a triangle over the wanted length of its edges there; 0.577 if equilateral
 MAX_RADIUS_SHARE = 0.7

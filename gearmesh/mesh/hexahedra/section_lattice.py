@@ -19,13 +19,12 @@ axis are straight lines. Sections of constant station are planes, cones or cylin
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.mesh.hexahedra.layers import Chart, Layers
+from gearmesh.records import dataclass
 from gearmesh.teeth.region import FILLET_REGIONS, FLANK_REGIONS, TIP_EDGES, Region, Side
 
 #: height of M over the root land, as a share of the height of the form point

@@ -7,7 +7,7 @@ the tooth.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -38,6 +38,7 @@ from gearmesh.mesh.hexahedra.meridian_grid import (
     rim_corners,
 )
 from gearmesh.mesh.hexahedra.pierced_body import Cuts, PiercingError, join_pierced
+from gearmesh.records import dataclass
 from gearmesh.teeth.blank.body import Body, end_names
 from gearmesh.teeth.region import CUT_REGIONS, Region
 from gearmesh.teeth.tooth import Tooth

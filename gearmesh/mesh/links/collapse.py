@@ -6,12 +6,11 @@ collapses, with one common node in place of both ends. The result is a triangula
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 
 Index = NDArray[np.int64]
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.numeric.grid import significant
+from gearmesh.records import dataclass
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.section import Grid, Link, Sections, parameter
 from gearmesh.teeth.tooth import Tooth

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -19,6 +18,7 @@ from gearmesh.mesh.links.plan import LinkPlan
 from gearmesh.mesh.links.thinning import thin
 from gearmesh.mesh.patch import LinkNodes, PatchMesh
 from gearmesh.mesh.strip_triangulation import StripTriangulation
+from gearmesh.records import dataclass
 from gearmesh.teeth.region import Region, Side
 from gearmesh.teeth.section import Ends, GeneratedLink, Sections, breaks
 from gearmesh.teeth.tooth import Tooth

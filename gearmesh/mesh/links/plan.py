@@ -20,7 +20,7 @@ whose sections go around the axis as its helices do, the diagonals cross the thr
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -28,6 +28,7 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.splines import CUBIC_DEGREE, spline_through
 from gearmesh.mesh.links.forms import Forms
 from gearmesh.mesh.links.lines import CELL_ROUNDING_SHARE
+from gearmesh.records import dataclass
 
 #: factors by which nodes on lines are tried closer than the lines need
 CLOSER_FACTORS = np.geomspace(1.0, 8.0, 10)

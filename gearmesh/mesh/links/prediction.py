@@ -7,7 +7,6 @@ sides (see `measure`).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,6 +14,7 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.links.collapse import FLAT_AREA, Index, area
 from gearmesh.mesh.links.lines import between
 from gearmesh.mesh.links.measure import peaks
+from gearmesh.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ the distances of the triangles at a node: all triangles come closer, the worst o
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from gearmesh.kernel.numeric.algebra import Array, distinct
 from gearmesh.mesh.links.collapse import Collapses, Incidence, Index, Rings, following, independent, within_link
 from gearmesh.mesh.links.prediction import Prediction
+from gearmesh.records import dataclass
 
 #: offsets that are tried around a node, in units of its reach; the first one is 0
 TRIED_OFFSETS = np.array([[0.0, 0.0]] + [[x, y] for x in (-1.0, 0.0, 1.0) for y in (-1.0, 0.0, 1.0) if x or y])

@@ -16,7 +16,7 @@ sections.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,7 @@ from gearmesh.mesh.links.prediction import Prediction
 from gearmesh.mesh.links.relaxation import Patience
 from gearmesh.mesh.links.thinning import FIXED_NODE, HEEL_NODE, INNER_NODE, SEAM_NODE, TOE_NODE, Net
 from gearmesh.mesh.patch import LinkNodes, PatchMesh, distance, trim
+from gearmesh.records import dataclass
 from gearmesh.teeth.section import breaks
 from gearmesh.teeth.tooth import Tooth
 

@@ -18,7 +18,7 @@ tolerance.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,7 @@ from gearmesh.mesh.links.measure import CHORD_SHARES, deviations_of, off_chords
 from gearmesh.mesh.links.prediction import Prediction
 from gearmesh.mesh.links.relaxation import Patches, Patience, around, fourth, on_seams, relax_patches, turns
 from gearmesh.mesh.patch import LinkNodes, PatchMesh
+from gearmesh.records import dataclass
 
 #: rounds of collapsing and turning; 6 to 20 are usual
 MAX_ROUNDS = 40

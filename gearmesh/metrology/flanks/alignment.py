@@ -10,7 +10,6 @@ keeps the measured thickness.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,6 +17,7 @@ from gearmesh.errors import ArgumentError
 from gearmesh.kernel.motion.joint import Joint
 from gearmesh.kernel.numeric.algebra import Array, components
 from gearmesh.metrology.flanks.projection import FlankProjection, FootPoints
+from gearmesh.records import dataclass
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 

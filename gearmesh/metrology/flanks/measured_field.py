@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.metrology.flanks.measured_flank import MeasuredFlank
+from gearmesh.records import dataclass
 from gearmesh.teeth.micro_geometry.deviations import deviating_tooth
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +22,7 @@ from gearmesh.metrology.flanks.point_file import (
 )
 from gearmesh.metrology.flanks.projection import FlankProjection, FootPoints
 from gearmesh.metrology.flanks.smoothing import SmoothDeviations, smooth_deviations
+from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.micro_geometry.deviations import DeviationGrid, deviating_tooth, lowest_share
 from gearmesh.teeth.region import Side

@@ -7,13 +7,13 @@ at mid face.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from gearmesh.errors import ArgumentError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.surface import Surface
+from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.micro_geometry.deviations import EDGE_MARGIN
 from gearmesh.teeth.micro_geometry.modified import MAX_FORM_ERROR

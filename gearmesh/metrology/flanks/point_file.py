@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -28,6 +27,7 @@ from gearmesh.formats import CSV_SUFFIX
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.metrology.flanks.measuring_grid import MeasuringGrid
 from gearmesh.numerals import parse_number, parse_numbers
+from gearmesh.records import dataclass
 from gearmesh.teeth.region import Side
 
 #: largest file, bytes: about 10^6 points

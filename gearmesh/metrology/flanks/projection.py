@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.surface.nearest import nearest
 from gearmesh.kernel.surface.surface import Jet
+from gearmesh.records import dataclass
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 

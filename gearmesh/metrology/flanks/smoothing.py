@@ -13,12 +13,11 @@ H is the matrix that maps measured to fitted values. Noise is smoothed, and devi
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 
 #: largest numbers of pieces of the spline across and along a flank
 MAX_PIECES = (8, 14)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 
 #: equal steps of the search for the first value that fails
 SEARCH_STEPS = 16

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from gearmesh.errors import Status
 from gearmesh.figures import Figures, Summary, figure
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.loaded.sharing import PairLoad
+from gearmesh.records import dataclass
 
 #: positions of a mesh cycle in one pitch
 POSITIONS_PER_PITCH = 9

@@ -9,8 +9,6 @@ mesh cycle has the exact values, with each change of pairs solved as a root.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,6 +16,7 @@ from gearmesh.contact.assemblies import AssemblyPaths
 from gearmesh.contact.pattern import ellipse_ends
 from gearmesh.figures import Figures, figure
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
+from gearmesh.records import dataclass
 from gearmesh.teeth.flank_frame import FlankFrame
 
 #: phases of a pitch at which the advance of the gears is computed

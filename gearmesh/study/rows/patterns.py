@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,6 +10,7 @@ import numpy as np
 from gearmesh.contact.assemblies import AssemblyPaths
 from gearmesh.contact.tca import contact_path
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 from gearmesh.study.rows.path_figures import PHASES_PER_PITCH, gears_advance
 from gearmesh.study.rows.work import NO_CONTACT, StudyWork
 from gearmesh.teeth.flank_frame import FlankFrame

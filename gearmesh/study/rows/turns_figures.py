@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from gearmesh.design.core import Design
 from gearmesh.figures import Figures, Summary, figure
 from gearmesh.metrology.measured_teeth import pitch_radius
 from gearmesh.metrology.pitch import PitchDeviations
+from gearmesh.records import dataclass
 from gearmesh.systems import system as systems
 from gearmesh.teeth.gear_train import GearPair, GearTrain
 

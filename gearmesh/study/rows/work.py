@@ -20,7 +20,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -45,6 +45,7 @@ from gearmesh.figures import Figures, Summary, figure
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.compliance.compliance import FlankCompliance
+from gearmesh.records import dataclass
 from gearmesh.study.rows.load_figures import POSITIONS_PER_PITCH, load_figures
 from gearmesh.study.rows.path_figures import PathShift, path_figures
 from gearmesh.study.rows.turns_figures import turns_figures

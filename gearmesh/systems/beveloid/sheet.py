@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,6 +17,7 @@ from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import bracketed_root
+from gearmesh.records import dataclass
 from gearmesh.systems.common.plain_sheet import plain_sheet
 from gearmesh.systems.common.symbol_table import Missing, Row, Values, table
 from gearmesh.systems.system import Sheet, SheetTable, complete_design

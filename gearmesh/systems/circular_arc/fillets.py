@@ -12,13 +12,12 @@ overlap.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import last_true
+from gearmesh.records import dataclass
 
 #: radii that are tried, in modules
 TRIED_RADII = np.linspace(0.0, 2.0, 401)

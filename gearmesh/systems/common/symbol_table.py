@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import TypeAlias, TypeVar
 
 from gearmesh.errors import GearmeshError
+from gearmesh.records import dataclass
 from gearmesh.systems.system import MissingValue, SheetTable
 
 ValueT = TypeVar("ValueT")

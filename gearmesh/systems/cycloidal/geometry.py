@@ -15,12 +15,12 @@ where lobes are convex, is
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from gearmesh.errors import VagueError
+from gearmesh.records import dataclass
 from gearmesh.systems.cylindrical.geometry.geometry import flank_sides
 from gearmesh.systems.cylindrical.geometry.interference import reserves
 from gearmesh.systems.cylindrical.geometry.line_of_action import LineOfAction, form_roll_length, undercut_reserve

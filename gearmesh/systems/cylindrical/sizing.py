@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ import numpy as np
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.progress import in_turn
+from gearmesh.records import dataclass
 from gearmesh.systems.cylindrical.design import CylindricalDesign
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing, sum_of_shifts
 from gearmesh.systems.cylindrical.geometry.proportions import proportions

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -21,6 +20,7 @@ from numpy.typing import NDArray
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import last_true
+from gearmesh.records import dataclass
 from gearmesh.systems.cylindrical.design import CylindricalDesign
 from gearmesh.systems.cylindrical.geometry.interference import reserves
 from gearmesh.systems.cylindrical.geometry.line_of_action import LineOfAction, form_roll_length

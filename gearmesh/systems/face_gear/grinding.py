@@ -7,7 +7,7 @@ determine how long the worm must be, and how far they are from the thread's sing
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -16,6 +16,7 @@ from gearmesh.kernel.envelope.feed_envelope import FeedEnvelope
 from gearmesh.kernel.motion.feed_motion import FeedMotion
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, rotation_about
+from gearmesh.records import dataclass
 from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.face_gear.limits import ShapedGear
 from gearmesh.teeth.region import Side

@@ -19,7 +19,7 @@ the gear with -E.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -27,6 +27,7 @@ from gearmesh.errors import VagueError
 from gearmesh.kernel.numeric.algebra import Array, polar_angle
 from gearmesh.kernel.numeric.effort import ROOT_STEP, spend
 from gearmesh.kernel.numeric.roots import bracketed_root
+from gearmesh.records import dataclass
 from gearmesh.tools.shaper import Shaper
 
 #: number of sections of the shaper that are searched

@@ -11,13 +11,13 @@ y - x n_y / n_x. Hence
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.common.defaults import ROOM_SHARE, straight_rounding, unusual_defaults
 from gearmesh.systems.face_gear.limits import ShapedGear

@@ -19,7 +19,7 @@ touches at y, where
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -35,6 +35,7 @@ from gearmesh.kernel.surface.mapped import MappedSurface, Mapping
 from gearmesh.kernel.surface.meridian import Meridian
 from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.kernel.surface.surface import Jet, PlacedSurface, Surface
+from gearmesh.records import dataclass
 from gearmesh.systems.common.bodies.body import bore_radius
 from gearmesh.systems.common.bounds import at_most
 from gearmesh.systems.face_gear.build import build, cut_gear, grinding_of, middle, shaped_gear

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +31,7 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.kernel.surface.levels import ConeLevel, PlaneLevel
 from gearmesh.kernel.surface.stations import TrimError
+from gearmesh.records import dataclass
 from gearmesh.systems.common.bodies.body import bore_radius
 from gearmesh.systems.common.racks.rack_member import ROOT_PARAMETER, rack_parameters
 from gearmesh.systems.common.racks.rack_tooth import RackTooth

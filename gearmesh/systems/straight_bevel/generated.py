@@ -5,7 +5,7 @@ The pitch cone of the blank rolls on the pitch plane of the crown gear. Their ax
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from gearmesh.kernel.motion.rolling import CradleRoll
 from gearmesh.kernel.numeric.algebra import rotation_about
 from gearmesh.kernel.surface.levels import ConeLevel
 from gearmesh.kernel.surface.surface import PlacedSurface
+from gearmesh.records import dataclass
 from gearmesh.systems.common.bevel.machine_frame import own_axes
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth_side import Bottom, ToothSide

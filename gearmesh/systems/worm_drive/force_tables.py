@@ -7,12 +7,12 @@ perpendicular. With x2 = 0 this is the pitch point. Friction is along the slidin
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Z_AXIS, Array, cross, dot, unit
+from gearmesh.records import dataclass
 from gearmesh.systems.common.symbol_table import Row, running_rows, table
 from gearmesh.systems.system import SheetTable, complete_design
 from gearmesh.systems.worm_drive.build import worm_thread

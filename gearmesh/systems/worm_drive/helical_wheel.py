@@ -8,10 +8,10 @@ without bound.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from gearmesh.errors import DesignError, VagueError
+from gearmesh.records import dataclass
 from gearmesh.systems.common.backlash import thin
 from gearmesh.systems.common.racks.rack_member import Roll, member, rack_parameters
 from gearmesh.systems.common.racks.rack_tooth import Heights, RackTooth, round_tips

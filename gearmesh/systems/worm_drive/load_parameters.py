@@ -17,7 +17,6 @@ line over the wheel.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -26,6 +25,7 @@ from numpy.typing import NDArray
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
 from gearmesh.kernel.numeric.polylines import share_inside
 from gearmesh.kernel.numeric.roots import bracketed_root
+from gearmesh.records import dataclass
 from gearmesh.systems.common.symbol_table import Row
 from gearmesh.systems.worm_drive.build import wheel_hob
 from gearmesh.systems.worm_drive.contact.conjugate import ContactField

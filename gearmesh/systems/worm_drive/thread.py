@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -17,6 +17,7 @@ from gearmesh.kernel.envelope.helicoid import GeneratingCurve, Helicoid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.kernel.surface.meridian import Values
+from gearmesh.records import dataclass
 from gearmesh.systems.common.standards.iso10828 import ThreadForm
 from gearmesh.tools.profile import Profile
 from gearmesh.tools.rack import Arc, RackLine

@@ -12,7 +12,6 @@ sin(theta)), and its threads point towards -x.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -30,6 +29,7 @@ from gearmesh.kernel.surface.mapped import Mapping
 from gearmesh.kernel.surface.meridian import CircularMeridian, CylinderMeridian, Joined, Meridian, Straight
 from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.kernel.surface.surface import Jet, PlacedSurface, Surface
+from gearmesh.records import dataclass
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.worm_drive.thread import LAND_PARAMETER, Rounding, WormThread
 from gearmesh.teeth.region import Side

@@ -9,7 +9,6 @@ surface at D / 2 is the helicoid that the curve c + n D / 2 sweeps.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,6 +18,7 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.envelope.helicoid import half_plane
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import bracketed_root
+from gearmesh.records import dataclass
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.symbol_table import Missing, Row
 from gearmesh.systems.worm_drive.build import worm_thread

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from gearmesh.errors import KindError
 from gearmesh.kernel.surface.levels import LandLevel, Level
+from gearmesh.records import dataclass
 from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.blank.end_edge import SHARP_ENDS, EndChamfers
 from gearmesh.teeth.region import HEEL_END, TOE_END

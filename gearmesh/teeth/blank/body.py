@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
 from gearmesh.kernel.surface.levels import Level, station_normal
+from gearmesh.records import dataclass
 from gearmesh.teeth.region import END_EDGES, END_FACES, HEEL_END, TOE_END, Region
 
 

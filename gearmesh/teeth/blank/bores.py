@@ -5,13 +5,13 @@ The outline is a closed line of arcs about the axis and of straight lines. Lengt
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve, PlaneLine, lines_through
+from gearmesh.records import dataclass
 from gearmesh.teeth.region import Region
 
 #: a closed line of curves, counterclockwise

@@ -13,7 +13,6 @@ cylinder of a face gear. Angles theta (rad) count from an angle `about` of each 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -21,6 +20,7 @@ import numpy as np
 from gearmesh.kernel.motion.joint import REVOLUTE_JOINT, Joint
 from gearmesh.kernel.numeric.algebra import Array, components, dot
 from gearmesh.kernel.surface.levels import Level, station_normal
+from gearmesh.records import dataclass
 
 
 @dataclass(frozen=True)

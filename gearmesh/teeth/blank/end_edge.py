@@ -5,7 +5,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+
+from gearmesh.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -6,13 +6,14 @@ A cut is a prism along the axis, with an outline of lines and arcs. Angles are i
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve, PlaneLine
+from gearmesh.records import dataclass
 from gearmesh.teeth.blank.body import Body, TurnedStep
 from gearmesh.teeth.blank.bores import BoreForm, ClosedLine, Slot
 from gearmesh.teeth.region import Region

@@ -9,7 +9,6 @@ are integrated along their outlines. All integrals are closed forms or Gauss rul
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -17,6 +16,7 @@ import numpy as np
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.plane.curves import PlaneCurve
+from gearmesh.records import dataclass
 from gearmesh.teeth.blank.halves import AxialGap
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.tooth import Tooth

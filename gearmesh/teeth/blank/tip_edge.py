@@ -16,8 +16,6 @@ trace with the spiral angle beta the chamfer's leg on the land is size cos(beta)
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -27,6 +25,7 @@ from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.kernel.surface.levels import Level
 from gearmesh.kernel.surface.stations import TrimError, along
 from gearmesh.kernel.surface.surface import Surface
+from gearmesh.records import dataclass
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.development import Development
 

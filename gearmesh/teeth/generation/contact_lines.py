@@ -9,7 +9,6 @@ at one position of the feed. A disk does not roll; it touches along the whole li
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,6 +16,7 @@ from gearmesh.errors import ArgumentError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.stations import along
 from gearmesh.kernel.surface.surface import GeneratedSurface, Jet
+from gearmesh.records import dataclass
 from gearmesh.teeth.blank.body import end_names
 from gearmesh.teeth.generation.tool_in_place import generation
 from gearmesh.teeth.region import Side

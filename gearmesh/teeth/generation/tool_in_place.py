@@ -7,7 +7,6 @@ same tool also cuts the other side of a tooth or of a space if that side's tool 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,6 +15,7 @@ from gearmesh.kernel.motion.motion import MachineAxis
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Z_AXIS, Array
 from gearmesh.kernel.surface.surface import GeneratedSurface, Jet
+from gearmesh.records import dataclass
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide

@@ -25,7 +25,7 @@ intersection with the flank.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -37,6 +37,7 @@ from gearmesh.kernel.surface.levels import Level
 from gearmesh.kernel.surface.offset import Offset
 from gearmesh.kernel.surface.stations import TrimError, along
 from gearmesh.kernel.surface.surface import area_normal
+from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.micro_geometry.flank_field import Band, BandSpline, Fade, LevelField
 from gearmesh.teeth.micro_geometry.modification import MAX_AMOUNT_SLOPE

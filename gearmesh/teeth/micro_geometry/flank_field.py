@@ -7,7 +7,6 @@ racks alike.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import reduce
 from typing import Protocol, TypeAlias
 
@@ -19,6 +18,7 @@ from gearmesh.kernel.numeric.grid_spline import GridSpline, PlaneJet, polynomial
 from gearmesh.kernel.numeric.splines import CUBIC_DEGREE, spline_through
 from gearmesh.kernel.surface.levels import Level
 from gearmesh.kernel.surface.offset import FieldJet
+from gearmesh.records import dataclass
 
 #: degree of the curves between which a field fades
 FADE_CURVE_DEGREE = 6

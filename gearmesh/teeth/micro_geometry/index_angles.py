@@ -5,12 +5,12 @@ place.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 from gearmesh.teeth.region import Side
 
 

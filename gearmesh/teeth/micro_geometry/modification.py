@@ -19,7 +19,6 @@ the true one does.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal, Protocol
 
@@ -27,6 +26,7 @@ import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array, broadcast_pair
 from gearmesh.kernel.numeric.grid_spline import GridSpline
+from gearmesh.records import dataclass
 from gearmesh.teeth.micro_geometry.screw_involute import Amount, AmountJet
 
 Shape = Literal["linear", "parabolic", "circular"]

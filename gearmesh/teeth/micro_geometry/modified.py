@@ -9,7 +9,7 @@ the surfaces meet.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from typing import ClassVar, Protocol
 
 import numpy as np
@@ -20,6 +20,7 @@ from gearmesh.kernel.surface.sheared import Sheared
 from gearmesh.kernel.surface.stations import along
 from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.kernel.surface.twisted import Twisted
+from gearmesh.records import dataclass
 from gearmesh.teeth.micro_geometry.modification import Extent, Kinks, Modification, Topography
 from gearmesh.teeth.micro_geometry.plane_flank import PlaneFlank
 from gearmesh.teeth.micro_geometry.screw_involute import Amount, ScrewInvolute

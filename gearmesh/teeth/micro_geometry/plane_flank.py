@@ -16,12 +16,13 @@ point along the bar into the material, at constant height. On an involute a poin
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array, broadcast_pair, dot
 from gearmesh.kernel.surface.surface import Jet
+from gearmesh.records import dataclass
 from gearmesh.teeth.micro_geometry.screw_involute import NO_AMOUNT, Amount
 
 

@@ -22,13 +22,14 @@ This holds wherever the amount does not change along the profile at the base cir
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array, broadcast_pair, dot
 from gearmesh.kernel.surface.surface import Jet
+from gearmesh.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ beside its contact. If it is still too long, its heights are magnified, and the 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array, every_nth
+from gearmesh.records import dataclass
 from gearmesh.teeth.flank_frame import FlankFrame
 from gearmesh.view.diagrams.flank_plane import FlankPlane
 from gearmesh.view.diagrams.plots import lay_out, new_figure, save_figure, sheet

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.splines import CUBIC_DEGREE, SplineCurve
 from gearmesh.kernel.surface.levels import station_normal
+from gearmesh.records import dataclass
 from gearmesh.teeth.flank_frame import FlankFrame
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Side

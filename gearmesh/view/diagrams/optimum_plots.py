@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 from gearmesh.view.diagrams.plots import SCREEN_DPI, new_figure, save_figure
 from gearmesh.view.diagrams.study_plots import FIGURE_LINE_LETTERS, PALE_COLOUR, TITLE_LINE_LETTERS, label_lines
 from gearmesh.view.palette import CURVE_COLOURS, INK_COLOUR

@@ -9,7 +9,6 @@ from __future__ import annotations
 import hashlib
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +20,7 @@ from gearmesh.contact.path import ContactPath
 from gearmesh.figures import at_resolution
 from gearmesh.formats import PDF_SUFFIX, PNG_SUFFIX, SVG_SUFFIX, refuse_suffix
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
+from gearmesh.records import dataclass
 from gearmesh.view.lettering import fit_title
 from gearmesh.view.palette import (
     CURVE_COLOURS,

@@ -6,7 +6,6 @@ All take plain arrays and write one file each, as the plots of `plots.py` do.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from textwrap import fill
 from typing import Any
@@ -14,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 from gearmesh.view.diagrams.plots import SCREEN_DPI, new_figure, save_figure
 from gearmesh.view.palette import CURVE_COLOURS, INK_COLOUR
 

@@ -8,7 +8,6 @@ gears turn.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +15,7 @@ import numpy as np
 
 from gearmesh.answers.contact.zone import ZoneOfContact
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 from gearmesh.teeth.flank_frame import FlankFrame
 from gearmesh.view.diagrams.flank_diagrams import (
     ABOVE_PANEL_INCHES,

@@ -10,7 +10,6 @@ Positions are discrete, contact is not: cells and pressures are interpolated lin
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +17,7 @@ from numpy.typing import NDArray
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, dot, unit
 from gearmesh.loaded.sharing import LoadedMesh, inside
+from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import GearPair
 
 #: largest distance of phases that are joined

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.sharing import LoadedMesh, whole_cycle
+from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import GearPair
 from gearmesh.view.diagrams.flank_diagrams import draw_outline, flank_window, is_long, name_edges
 from gearmesh.view.diagrams.flank_plane import FlankPlane

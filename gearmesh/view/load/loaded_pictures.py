@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property, partial
 from pathlib import Path
 
@@ -12,6 +12,7 @@ import numpy as np
 from gearmesh.answers.load.loaded import LoadedContact
 from gearmesh.errors import ArgumentError
 from gearmesh.loaded.sharing import whole_cycle
+from gearmesh.records import dataclass
 from gearmesh.view import opengl
 from gearmesh.view.load import loaded_diagrams as diagrams
 from gearmesh.view.load.loaded_diagrams import LoadedPattern, newton_metres

@@ -5,7 +5,6 @@ Loading Matplotlib would take longer than drawing a tooth. The font comes from M
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 from importlib.util import find_spec
 from math import ceil, floor
@@ -16,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 from gearmesh.view.palette import INK_COLOUR
 
 Image = NDArray[np.uint8]

@@ -7,7 +7,7 @@ surface would hide parts of them.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, cast
 
 import numpy as np
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.records import dataclass
 from gearmesh.view.offscreen.drawing_process import PLAIN_PRIMITIVE, Order, Primitive
 from gearmesh.view.offscreen.front_plane import cut_front, section_lines
 from gearmesh.view.palette import INK_COLOUR, MARKING_COLOUR, REGION_EDGE, RUBBED_COLOUR, rgb

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,6 +10,7 @@ from gearmesh.answers.contact.contact import Contact
 from gearmesh.answers.contact.figures import SlideSummary
 from gearmesh.answers.load.loaded import LoadedContact
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 
 #: transmission error below which the card says so instead of a number: the last digit of tables, arcsec or um
 MIN_SHOWN_ERROR = 1e-3

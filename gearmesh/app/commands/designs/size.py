@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -13,6 +12,7 @@ from gearmesh.errors import ArgumentError, OutputError
 from gearmesh.formats import TOML_SUFFIX, refuse_suffix
 from gearmesh.lengths import in_mm
 from gearmesh.numerals import parse_number, with_point
+from gearmesh.records import dataclass
 
 
 def size(

@@ -8,7 +8,7 @@ Lengths in mm, angles in rad; "mean" is at the mean cone distance, "outer" at th
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,6 +16,7 @@ import numpy as np
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import ConeLevel
+from gearmesh.records import dataclass
 from gearmesh.systems.common.bevel.iso23509.blank_cones import BlankCones, blank_cones
 from gearmesh.systems.common.bevel.iso23509.dimensions import ToothDepth
 from gearmesh.systems.common.bevel.iso23509.methods import without_offset

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from gearmesh.errors import DesignError, VagueError
+from gearmesh.records import dataclass
 from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.common.bevel.blank import (
     CUTTER_RADIUS_SHARE,

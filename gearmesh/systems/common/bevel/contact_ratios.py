@@ -11,10 +11,9 @@ a localised contact covers.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from gearmesh.records import dataclass
 from gearmesh.systems.common.bevel.blank import BevelBlank
 
 

@@ -14,12 +14,12 @@ The exact normal is the normal of the flanks at the nominal contact of phi1 = 0.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Z_AXIS, Array
+from gearmesh.records import dataclass
 from gearmesh.systems.common.bevel.blank import MemberBlank
 from gearmesh.systems.common.symbol_table import Row
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,6 +12,7 @@ import numpy as np
 from gearmesh.errors import VagueError
 from gearmesh.kernel.surface.levels import ConeLevel
 from gearmesh.kernel.surface.stations import TrimError
+from gearmesh.records import dataclass
 from gearmesh.systems.common.bevel.blank import BevelBlank, MemberBlank
 from gearmesh.systems.common.bevel.root import CutSide, bottom, root_cone
 from gearmesh.systems.common.bodies.body import bore_radius, recessed_body

@@ -6,7 +6,6 @@ cone through the apex whose generatrices the stations count along.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -16,6 +15,7 @@ from gearmesh.kernel.numeric.algebra import unit as unit_vector
 from gearmesh.kernel.surface.levels import ConeLevel, Level, SlantedLevel, station_normal
 from gearmesh.kernel.surface.stations import along
 from gearmesh.kernel.surface.surface import Jet, Surface
+from gearmesh.records import dataclass
 from gearmesh.systems.common.pattern.targets import on_flank
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property, partial
 from itertools import combinations, pairwise
 from typing import TYPE_CHECKING
@@ -20,6 +20,7 @@ from gearmesh.errors import DesignError, VagueError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.polylines import contains, depth_inside
 from gearmesh.kernel.surface.levels import station_normal
+from gearmesh.records import dataclass
 from gearmesh.systems.common.bodies.body import LEAST_RIM, LEAST_WALL, RIM_DEPTHS
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.standards.din6885 import MAX_BORE_MM, MIN_BORE_MM, keyway_in_hub

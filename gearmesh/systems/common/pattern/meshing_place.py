@@ -14,7 +14,6 @@ gives five conditions for five unknowns. This case is for gears of uniform trans
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +21,7 @@ from numpy.typing import NDArray
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 from gearmesh.kernel.surface.surface import Jet
+from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import GearPair
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,6 +9,7 @@ from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.surface.levels import Level
 from gearmesh.kernel.surface.surface import Jet, Surface
+from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Side
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,6 +24,7 @@ from gearmesh.kernel.surface.levels import ConeLevel, LandLevel, PlaneLevel
 from gearmesh.kernel.surface.meridian import Meridian
 from gearmesh.kernel.surface.stations import TrimError, along
 from gearmesh.kernel.surface.surface import GeneratedSurface, Surface
+from gearmesh.records import dataclass
 from gearmesh.systems.common.bodies.body import bore_radius, disc_body
 from gearmesh.systems.common.bodies.features import UnderTeeth, body_features
 from gearmesh.systems.common.bounds import at_most

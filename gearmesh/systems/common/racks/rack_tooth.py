@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -13,6 +12,7 @@ from gearmesh.errors import DesignError, VagueError
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import last_true
+from gearmesh.records import dataclass
 from gearmesh.tools.profile import Profile
 from gearmesh.tools.rack import Arc, Parabola, ProfilePieces, RackLine
 

@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -22,6 +21,7 @@ from gearmesh.kernel.envelope.envelope import Envelope
 from gearmesh.kernel.motion.rolling import RackRoll
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.meridian import CylinderMeridian, Meridian, Values
+from gearmesh.records import dataclass
 from gearmesh.teeth.tooth_side import ToothSide
 from gearmesh.tools.rack import RackSurface
 from gearmesh.tools.stopped_rack import StoppedRack

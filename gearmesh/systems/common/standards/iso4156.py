@@ -14,8 +14,8 @@ from __future__ import annotations
 import math
 import re
 from bisect import bisect_left
-from dataclasses import dataclass
 
+from gearmesh.records import dataclass
 from gearmesh.systems.common.standards.iso286 import MM_PER_UM, SIZE_LIMITS_MM
 
 #: tolerance classes, and the factor of the tolerance unit of the pitch diameter

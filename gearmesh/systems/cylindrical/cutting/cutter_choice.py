@@ -10,9 +10,10 @@ from __future__ import annotations
 import math
 from bisect import bisect_left
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from gearmesh.errors import DesignError
+from gearmesh.records import dataclass
 from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.cylindrical.design import FORMED_MANUFACTURE
 from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair, Toothing, distance_of

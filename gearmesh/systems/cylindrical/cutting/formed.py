@@ -17,7 +17,7 @@ tips.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -26,6 +26,7 @@ from gearmesh.design.keys import given_or
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.kernel.surface.surface import PlacedSurface
+from gearmesh.records import dataclass
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.racks.ring_member import formed_surface
 from gearmesh.systems.cylindrical.cutting.last_cut import FixedCut

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -30,6 +30,7 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.polylines import first_crossing
 from gearmesh.kernel.surface.levels import PlaneLevel
 from gearmesh.kernel.surface.stations import along
+from gearmesh.records import dataclass
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.racks.rack_member import ROOT_PARAMETER
 from gearmesh.systems.common.racks.rack_tooth import Heights, RackTipCorner, RackTooth, round_tips

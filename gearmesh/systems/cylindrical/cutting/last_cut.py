@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from gearmesh.kernel.surface.surface import Surface
+from gearmesh.records import dataclass
 from gearmesh.systems.common.defaults import deepest
 from gearmesh.systems.common.racks.ring_member import tool_surface
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,6 +19,7 @@ from gearmesh.kernel.envelope.envelope import Envelope
 from gearmesh.kernel.motion.chain import Chain, Step
 from gearmesh.kernel.surface.levels import ConeLevel, PlaneLevel
 from gearmesh.kernel.surface.twisted import Twisted
+from gearmesh.records import dataclass
 from gearmesh.systems.common.bodies.body import bore_radius, disc_body
 from gearmesh.systems.common.bodies.features import UnderTeeth, body_features, ring_features
 from gearmesh.systems.common.bounds import at_least, at_most

@@ -7,8 +7,9 @@ the pitch point.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
+
+from gearmesh.records import dataclass
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair

@@ -14,12 +14,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import bracketed_root
+from gearmesh.records import dataclass
 from gearmesh.teeth.region import Side
 
 #: largest working pressure angle (rad) that is searched

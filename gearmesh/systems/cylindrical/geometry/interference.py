@@ -15,11 +15,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from gearmesh.kernel.numeric.roots import last_true
+from gearmesh.records import dataclass
 from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair, Toothing, involute
 

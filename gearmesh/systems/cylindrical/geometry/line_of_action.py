@@ -13,9 +13,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from gearmesh.records import dataclass
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.cylindrical.cutting.shaped import cuts_of
 from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair, Toothing, distance_of

@@ -6,11 +6,11 @@ Everything is in the design's own unit of length, so that it can be reported und
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from gearmesh.design.keys import given_or
 from gearmesh.errors import VagueError
+from gearmesh.records import dataclass
 from gearmesh.systems.common.defaults import straight_rounding
 from gearmesh.systems.cylindrical.cutting.cutter import cut_addendum, root_radius, sharp_shaper
 from gearmesh.systems.cylindrical.cutting.last_cut import FixedCut, LastCut

@@ -17,7 +17,6 @@ where the line of the force crosses x.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +27,7 @@ from gearmesh.kernel.surface.curvature import shape_operator, tangent_basis
 from gearmesh.kernel.surface.levels import SlantedLevel
 from gearmesh.kernel.surface.stations import along
 from gearmesh.kernel.surface.surface import Jet
+from gearmesh.records import dataclass
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing, involute
 from gearmesh.systems.cylindrical.geometry.line_of_action import LineOfAction
 from gearmesh.teeth.tooth import Tooth

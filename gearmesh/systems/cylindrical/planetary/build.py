@@ -9,13 +9,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.records import dataclass
 from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.cylindrical.build import warnings_of, whole_member
 from gearmesh.systems.cylindrical.design import CylindricalDesign

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING
+
+from gearmesh.records import dataclass
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.geometry.line_of_action import LineOfAction

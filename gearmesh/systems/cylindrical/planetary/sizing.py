@@ -13,11 +13,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any
 
 from gearmesh.errors import DesignError
 from gearmesh.progress import in_turn
+from gearmesh.records import dataclass
 from gearmesh.systems.cylindrical.cutting.cutter import trimming_warnings
 from gearmesh.systems.cylindrical.design import BASIC_RACKS, DEFAULT_RIM_MODULES
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing, sum_of_shifts

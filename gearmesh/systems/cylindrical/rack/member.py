@@ -14,7 +14,7 @@ towards -y of the fixed frame.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,6 +25,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.surface.flat import FlatLevel
 from gearmesh.kernel.surface.levels import PlaneLevel
 from gearmesh.kernel.surface.stations import TrimError
+from gearmesh.records import dataclass
 from gearmesh.systems.common.bodies.body import LEAST_RIM
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.micro_geometry import with_modifications

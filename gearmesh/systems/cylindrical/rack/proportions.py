@@ -7,11 +7,12 @@ pinion of a cylindrical pair whose other gear has no influence.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from gearmesh.design.keys import given_or
 from gearmesh.errors import DesignError
+from gearmesh.records import dataclass
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.defaults import straight_rounding
 from gearmesh.systems.cylindrical.cutting.cutter import sharp_shaper

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from gearmesh.exchange.model import Component
 from gearmesh.exchange.stage import StageReader
 from gearmesh.exchange.stage_writer import StageWriter
+from gearmesh.records import dataclass
 
 #: tables of a design, and the flanks to which they apply
 FLANKS_BY_TABLE = {

@@ -7,7 +7,6 @@ alike.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from gearmesh.errors import DesignError, FileError
@@ -15,6 +14,7 @@ from gearmesh.exchange.model import Component
 from gearmesh.exchange.stage import POSITION_ATTRIBUTES, StageReader
 from gearmesh.exchange.stage_form import StageForm
 from gearmesh.exchange.stage_writer import StageWriter
+from gearmesh.records import dataclass
 from gearmesh.systems.cylindrical.geometry.proportions import proportions
 from gearmesh.systems.cylindrical.planetary.build import meshes
 from gearmesh.systems.cylindrical.planetary.design import PLANET_NAME, RING_NAME, SUN_NAME

@@ -8,8 +8,8 @@ ANSI B92.1 24T 12/24P 30 flat 5
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 
+from gearmesh.records import dataclass
 from gearmesh.systems.cylindrical.spline.profiles import REFERENCE_MODULES, SPLINE_PROFILES
 
 #: forms of designations, for refusals

@@ -7,9 +7,9 @@ S_v = s + lambda, E_v = e - lambda.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from gearmesh.records import dataclass
 from gearmesh.systems.cylindrical.geometry.allowances import allowances_of
 from gearmesh.systems.cylindrical.spline.build import effective_variation
 from gearmesh.systems.cylindrical.spline.design import HUB_NAME, MEMBER_NAMES

@@ -7,7 +7,8 @@ d = m z the tips are d + 2 m (x + h) of the shaft and d + 2 m (x - h) of the hub
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+
+from gearmesh.records import dataclass
 
 #: profile of a design that names none
 DEFAULT_PROFILE = "DIN 5480"

@@ -10,11 +10,12 @@ teeth themselves decides.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gearmesh.records import dataclass
 from gearmesh.systems.common.bevel.iso23509.tooth_factors import suggested_addendum_factor, suggested_depth_factor
 from gearmesh.systems.common.bevel.pair_blank import proportions
 from gearmesh.systems.spiral_bevel.design import BLADE_KEYS, Machine

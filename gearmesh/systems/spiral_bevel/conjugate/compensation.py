@@ -7,7 +7,7 @@ exact contact.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,6 +17,7 @@ from gearmesh.contact.pair import Pair
 from gearmesh.contact.tca import contact_path
 from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
+from gearmesh.records import dataclass
 from gearmesh.systems.common.restoring import restoring
 from gearmesh.systems.spiral_bevel.conjugate.build import build, conjugate_blank, conjugate_geometry
 from gearmesh.systems.spiral_bevel.errors.kinematic_errors import compensation

@@ -17,7 +17,6 @@ h1 and h2 are the addenda of pinion and gear at A. The face of width b is betwee
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -30,6 +29,7 @@ from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.stations import follow
 from gearmesh.kernel.surface.surface import Jet, Surface
+from gearmesh.records import dataclass
 from gearmesh.systems.common.bevel.blank import BevelBlank, MemberBlank
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
 from gearmesh.systems.spiral_bevel.machine.pair import HAND_SIGNS, MATING_SIDES, nominal_base

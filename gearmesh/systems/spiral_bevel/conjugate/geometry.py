@@ -14,13 +14,13 @@ gear's axis on the gear's side, y as in the pinion's frame. The formulas are for
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -29,7 +29,7 @@ adds a scalar product [CR3553 3.4, 3.5].
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
@@ -38,6 +38,7 @@ from numpy.typing import ArrayLike
 from gearmesh.contact.flanks import analyse
 from gearmesh.design.runout import runout
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
+from gearmesh.records import dataclass
 from gearmesh.systems.spiral_bevel.machine.pair import without_errors
 from gearmesh.systems.system import FirstOrder
 from gearmesh.teeth.gear_train import GearTrain

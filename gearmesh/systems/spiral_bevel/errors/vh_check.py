@@ -16,7 +16,7 @@ before it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
@@ -33,6 +33,7 @@ from gearmesh.kernel.numeric.algebra import Array, polar_angle
 from gearmesh.kernel.surface.levels import perpendicular
 from gearmesh.kernel.surface.surface import Jet
 from gearmesh.progress import in_turn, tell
+from gearmesh.records import dataclass
 from gearmesh.systems.common.bevel.displacements import displaced_bases
 from gearmesh.systems.common.pattern.meshing_place import MeshingPlace, Moves
 from gearmesh.systems.common.pattern.targets import gear_targets, on_flank

@@ -8,7 +8,7 @@ ends of the face. Without eccentricity both members are conjugate, and touch alo
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,6 +16,7 @@ import numpy as np
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import bracketed_root
+from gearmesh.records import dataclass
 from gearmesh.systems.common.bevel.blank import BevelBlank
 from gearmesh.systems.common.bevel.cone_blank import ConeData
 from gearmesh.systems.common.bevel.iso23509.tooth_line import ToothLine

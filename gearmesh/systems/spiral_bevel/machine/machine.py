@@ -20,14 +20,13 @@ modified roll, helical, vertical and radial motion, and motions of tilt and swiv
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.motion.rolling import CradleRoll, Vector
 from gearmesh.kernel.numeric.algebra import Array, rotation_about
 from gearmesh.kernel.surface.levels import ConeLevel
+from gearmesh.records import dataclass
 from gearmesh.systems.common.bevel.machine_frame import own_axes
 
 

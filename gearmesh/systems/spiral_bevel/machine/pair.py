@@ -9,13 +9,14 @@ rotation.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import rotation_about
+from gearmesh.records import dataclass
 from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.common.bevel.blank import BevelBlank
 from gearmesh.systems.common.bevel.member import CutMember, Remedies, bevel_member

@@ -7,11 +7,11 @@ roots: see `tooth_measures`. Lengths are in the design's units.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
+from gearmesh.records import dataclass
 from gearmesh.systems.common.bevel.blank import BevelBlank, MemberBlank
 from gearmesh.systems.common.bevel.sheet_rows import (
     CUT_TEETH_TITLE,

@@ -18,13 +18,14 @@ middle. The choice uses `ContactPreviews`, the paths of contact of possible requ
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.progress import tell
+from gearmesh.records import dataclass
 from gearmesh.systems.spiral_bevel.design import MAX_MOTION_ORDER, SYNTHESISED_KEYS
 from gearmesh.systems.spiral_bevel.machine.pair import BLADE_SIDES
 from gearmesh.systems.spiral_bevel.synthesis.contact_preview import ContactPreview, ContactPreviews

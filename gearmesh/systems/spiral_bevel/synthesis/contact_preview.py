@@ -6,7 +6,6 @@ both directions.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
@@ -20,6 +19,7 @@ from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array, polar_angle
 from gearmesh.kernel.surface.stations import along, follow
 from gearmesh.kernel.surface.surface import Jet, Surface
+from gearmesh.records import dataclass
 from gearmesh.systems.common.bevel.blank import BevelBlank, MemberBlank
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
 from gearmesh.systems.spiral_bevel.machine.pair import BLADE_SIDES, HAND_SIGNS, MATING_SIDES, nominal_base

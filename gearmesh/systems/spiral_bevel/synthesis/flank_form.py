@@ -21,7 +21,7 @@ generates it. The derivatives of the ease-off therefore need no solving.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -34,6 +34,7 @@ from gearmesh.kernel.envelope.envelope import Envelope
 from gearmesh.kernel.numeric.algebra import Z_AXIS, Array, cross, dot, unit
 from gearmesh.kernel.surface.stations import follow
 from gearmesh.kernel.surface.surface import Jet, Surface
+from gearmesh.records import dataclass
 from gearmesh.systems.common.bevel.blank import BevelBlank
 from gearmesh.systems.spiral_bevel.conjugate.flank import ActiveFlank, ConjugateFlank
 from gearmesh.systems.spiral_bevel.design import EASE_OFF_KEYS, SYNTHESISED_KEYS, PinionSide

@@ -5,13 +5,14 @@ This is the only place of this choice: blank, contact, settings and members of a
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from gearmesh.design.keys import DERIVED_VALUE
 from gearmesh.errors import DesignError, NoSolutionError, VagueError
 from gearmesh.progress import in_turn
+from gearmesh.records import dataclass
 from gearmesh.systems.common.bevel.pair_blank import proportions
 from gearmesh.systems.spiral_bevel.blank.proportion_choice import (
     FACTOR_KEYS,

@@ -13,11 +13,11 @@ b is perpendicular to the contact line, in the tangent plane. The curvature of t
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Z_AXIS, Array, cross, dot
+from gearmesh.records import dataclass
 from gearmesh.systems.worm_drive.thread import WormThread
 
 

@@ -10,7 +10,7 @@ As for bevel gears, the first touch of the displaced members over both whole fla
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,6 +24,7 @@ from gearmesh.errors import DesignError, NoSolutionError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.records import dataclass
 from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.common.pattern.meshing_place import MeshingPlace, Moves
 from gearmesh.systems.common.pattern.targets import HalfwayLevel, gear_targets

@@ -8,11 +8,10 @@ correspond in the same way. Lengths in mm, angles in rad; tuples are (pinion, wh
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from gearmesh.errors import DesignError
+from gearmesh.records import dataclass
 from gearmesh.systems.common.bevel.iso23509.pitch_cones import PitchCones
 
 #: residual (rad) of the pinion's cone angle at which the iteration ends

@@ -12,11 +12,11 @@ by some micrometres. Both are given as in the standard.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from gearmesh.errors import DesignError
+from gearmesh.records import dataclass
 from gearmesh.systems.common.bevel.iso23509.blank_cones import BlankCones, blank_cones
 from gearmesh.systems.common.bevel.iso23509.pitch_cones import PitchCones
 from gearmesh.systems.common.bevel.iso23509.taper_names import CUTTER_TAPERS

@@ -24,7 +24,7 @@ in mm, angles in rad.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 from typing import TypeAlias
 
@@ -33,6 +33,7 @@ import numpy as np
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import bracketed_root
+from gearmesh.records import dataclass
 from gearmesh.systems.common.bevel.iso23509.pitch_cones import (
     PitchCones,
     TangentCones,

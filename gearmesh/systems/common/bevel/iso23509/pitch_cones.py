@@ -22,11 +22,10 @@ The methods of ISO 23509 differ in the given size and spiral angle, and in the o
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 from gearmesh.systems.common.bevel.iso23509.tooth_line import FaceCutter, ToothLine
 
 

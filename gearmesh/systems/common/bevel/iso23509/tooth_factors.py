@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from gearmesh.errors import DesignError
+from gearmesh.records import dataclass
 from gearmesh.systems.common.bevel.iso23509.pitch_cones import PitchCones
 
 #: depth factor k_d by number of pinion teeth below 12 (spiral bevel, AGMA 2005); 2 for 12 and more

@@ -12,13 +12,13 @@ The pitch plane, with the crown gear's centre O, the mean point P and the cutter
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
 
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.records import dataclass
 from gearmesh.systems.common.bounds import at_least
 
 #: one value, or a batch of values (...)
