@@ -55,6 +55,21 @@ class Pressures:
     #: steps that the slowest problem took
     steps: int
 
+    @staticmethod
+    def empty(problems: int, cells: int) -> Pressures:
+        """Return room for the solutions of problems with a number of cells each."""
+        return Pressures(
+            np.zeros((problems, cells)), np.zeros(problems), np.zeros(problems), np.zeros(problems, dtype=np.int64), 0
+        )
+
+    def replaced(self, which: NDArray[np.intp], part: Pressures) -> Pressures:
+        """Return the solution with that of the problems `which` (B,) replaced by `part`."""
+        pressure, rotation = self.pressure.copy(), self.rotation.copy()
+        residual, status = self.residual.copy(), self.status.copy()
+        pressure[which], rotation[which] = part.pressure, part.rotation
+        residual[which], status[which] = part.residual, part.status
+        return Pressures(pressure, rotation, residual, status, max(self.steps, part.steps))
+
 
 def pressures(
     moved: Displacements,
@@ -158,14 +173,19 @@ def pressures(
 
 
 def tangent_stiffness(
-    moved: Displacements, lever: Array, area: Array, touching: NDArray[np.bool_], start: Array
+    moved: Displacements,
+    lever: Array,
+    area: Array,
+    touching: NDArray[np.bool_],
+    start: Array,
+    precondition: Displacements | None = None,
 ) -> tuple[Array, NDArray[np.int64]]:
     """Compute the tangent stiffness (B,), torque over rotation in N mm/rad, of solved problems, and their status (B,).
 
     `touching` (B, N) is the set of touching cells, which is held fixed. The rate of pressure q solves C q = lever on
     them, and the stiffness is the sum of q a lever. It is the stationary value of a quadratic form, so that about 25
-    steps of conjugate gradients suffice. `start` (B, N): an estimate of q, MPa/rad, up to a factor. Status codes are
-    those of `errors.Status`.
+    steps of conjugate gradients suffice, 10 with the estimate `precondition` of `pressures`. `start` (B, N): an estimate
+    of q, MPa/rad, up to a factor. Status codes are those of `errors.Status`.
     """
     weight = np.where(touching, area, 0.0)
     every = np.arange(len(lever))
@@ -174,22 +194,25 @@ def tangent_stiffness(
     # scale the estimate to its best multiple
     q = q * ((weight * lever * q).sum(axis=1) / (weight * response * q).sum(axis=1))[:, None]
     residual = np.where(touching, lever - moved(q, every), 0.0)
-    residual_size = (weight * residual**2).sum(axis=1)
+    estimated = precondition or (lambda displacement, which: displacement)
     largest_size = TANGENT_TOLERANCE**2 * (weight * lever**2).sum(axis=1)
-    direction, status = residual.copy(), np.full(len(q), int(Status.MAX_ITERATIONS))
+    descent = touching * estimated(residual, every)
+    descent_size = (weight * residual * descent).sum(axis=1)
+    direction, status = descent, np.full(len(q), int(Status.MAX_ITERATIONS))
     active, steps = every, 0
     # conjugate gradients on the touching cells
     while active.size and steps < MAX_STEPS:
         steps += 1
         d = direction[active]
         response = moved(d, active)
-        step = residual_size[active] / np.maximum((weight[active] * response * d).sum(axis=1), SMALLEST_FLOAT)
+        step = descent_size[active] / np.maximum((weight[active] * response * d).sum(axis=1), SMALLEST_FLOAT)
         q[active] += step[:, None] * d
         residual[active] -= step[:, None] * np.where(touching[active], response, 0.0)
-        new = (weight[active] * residual[active] ** 2).sum(axis=1)
-        direction[active] = residual[active] + (new / np.maximum(residual_size[active], SMALLEST_FLOAT))[:, None] * d
-        residual_size[active] = new
-        converged = new <= largest_size[active]
+        descent = touching[active] * estimated(residual[active], active)
+        new = (weight[active] * residual[active] * descent).sum(axis=1)
+        conjugate_share = new / np.maximum(descent_size[active], SMALLEST_FLOAT)
+        direction[active], descent_size[active] = descent + conjugate_share[:, None] * d, new
+        converged = (weight[active] * residual[active] ** 2).sum(axis=1) <= largest_size[active]
         status[active[converged]] = Status.CONVERGED
         active = active[~converged]
     # stationary value of the quadratic form: its error is the square of the error of q

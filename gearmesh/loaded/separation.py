@@ -428,6 +428,26 @@ class Separation:
     #: distances (2, M), mm, inward from the least and the largest x to the end of the ridge on the flanks; negative if
     #: the ridge continues beyond the grid
     ridge_ends: Array
+    #: gaps (M, X, GAP_NODES), mm, along the normal, at the nodes of polynomials across
+    gap_nodes: Array
+    #: distances (M, X, GAP_NODES), mm, outside the flanks there
+    margin_nodes: Array
+    #: width (M,) of the grids over that of the nodes
+    narrow: Array
+
+    def copy(self) -> Separation:
+        """Return grids whose arrays `put` changes without an effect on these."""
+        arrays = {f.name: getattr(self, f.name).copy() for f in fields(self) if f.name != "own_to_fixed"}
+        return replace(self, **arrays)
+
+    def narrowed(self, rows: NDArray[np.intp], share: Array) -> None:
+        """Make the grids of some pairs, `rows` (N,), narrower, to a `share` (N,) of their width: their gaps are those of
+        the same polynomials across."""
+        self.dy[rows] *= share
+        self.narrow[rows] *= share
+        self.gap[rows], self.on[rows] = _on_cells(
+            self.gap_nodes[rows], self.margin_nodes[rows], self.narrow[rows], self.gap.shape[2]
+        )
 
     def put(self, rows: NDArray[np.intp], other: Separation) -> None:
         """Replace the grids of some pairs, `rows`, by those of another separation, of these pairs alone."""
@@ -482,23 +502,16 @@ def separation(
     # exact gaps at Chebyshev nodes across the ridge, gap along the common normal at the ridge
     x = low[:, None] + dx[:, None] * (np.arange(cells[0]) + 0.5)
     ridge, bent, _ = surfaces.ridge_and_edge(x)
-    nodes = np.cos(np.pi * np.arange(GAP_NODES) / (GAP_NODES - 1))
+    nodes = _chebyshev_nodes()
     x_nodes = np.repeat(x[:, :, None], GAP_NODES, axis=2)
     seen = surfaces.at(x_nodes, ridge[:, :, None] + half[:, None, None] * nodes)
     middle = surfaces.at(x, ridge)
     normal = _common(near, middle, bent)
     normal_slant = dot(normal, near.axes[:, None, :, 2])
-    eta = (np.arange(cells[1]) + 0.5) * 2.0 / cells[1] - 1.0
-    # polynomial from the nodes to the cells for the gap; linear interpolation for the distance outside the flanks
-    from_nodes = np.polynomial.chebyshev.chebvander(eta, GAP_NODES - 1) @ np.linalg.inv(
-        np.polynomial.chebyshev.chebvander(nodes, GAP_NODES - 1)
-    )
     edged = (near.path.kind == "edge")[:, None] | bent
     exact, margin = _extend(seen, half[:, None, None] * nodes, near.kappa[:, 1], edged)
-    gap = (exact @ from_nodes.T) * normal_slant[:, :, None]
-    node_order = np.argsort(nodes)
-    interpolation = np.stack([np.interp(eta, nodes[node_order], row[node_order]) for row in np.eye(GAP_NODES)], axis=-1)
-    on = (margin @ interpolation.T <= 0.0) & np.isfinite(gap)
+    gap_nodes = exact * normal_slant[:, :, None]
+    gap, on = _on_cells(gap_nodes, margin, np.ones(len(gap_nodes)), cells[1])
     levers = np.stack([near.levers(member, middle.points[0], normal) for member in (0, 1)])
     places = np.stack(
         [
@@ -511,7 +524,7 @@ def separation(
     return Separation(
         dx,
         dy,
-        np.where(on, gap, 0.0),
+        gap,
         on,
         middle.points[0],
         normal,
@@ -525,7 +538,30 @@ def separation(
         ends,
         bent | surfaces.along_edge[:, None],
         np.stack((near.range[0] - low, high - near.range[1])),
+        gap_nodes,
+        margin,
+        np.ones(len(gap_nodes)),
     )
+
+
+def _chebyshev_nodes() -> Array:
+    """Return the places (GAP_NODES,) across grids, as shares of their half width, with exact gaps, in falling order."""
+    return np.cos(np.pi * np.arange(GAP_NODES) / (GAP_NODES - 1))
+
+
+def _on_cells(gap_nodes: Array, margin_nodes: Array, narrow: Array, count: int) -> tuple[Array, NDArray[np.bool_]]:
+    """Return gaps (M, X, Y), mm, of Y = `count` cells across, and True for cells on the flanks; gaps are 0 elsewhere.
+
+    Cells lie within a share `narrow` (M,) of the nodes. Gaps are polynomials, margins straight lines between nodes.
+    """
+    nodes = _chebyshev_nodes()
+    eta = narrow[:, None] * ((np.arange(count) + 0.5) * 2.0 / count - 1.0)
+    chebyshev, degree = np.polynomial.chebyshev.chebvander, GAP_NODES - 1
+    polynomials = chebyshev(eta, degree) @ np.linalg.inv(chebyshev(nodes, degree))
+    lines = np.stack([np.interp(eta, nodes[::-1], row[::-1]) for row in np.eye(GAP_NODES)], axis=-1)
+    gap = gap_nodes @ polynomials.swapaxes(1, 2)
+    on = (margin_nodes @ lines.swapaxes(1, 2) <= 0.0) & np.isfinite(gap)
+    return np.where(on, gap, 0.0), on
 
 
 def _common(near: NearPairs, seen: _Seen, bent: NDArray[np.bool_]) -> Array:

@@ -26,7 +26,7 @@ from gearmesh.contact.hertz import STEEL, Material, contact_modulus
 from gearmesh.errors import ArgumentError, NoSolutionError, Status
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.loaded.complementarity import PRESSURE_TOLERANCE, Displacements, pressures, tangent_stiffness
+from gearmesh.loaded.complementarity import PRESSURE_TOLERANCE, Displacements, Pressures, pressures, tangent_stiffness
 from gearmesh.loaded.compliance.compliance import COARSER_CELLS, FlankCompliance, flank_compliance, rim_depth
 from gearmesh.loaded.compliance.contact_compliance import ContactCompliance, half_space_pressures
 from gearmesh.loaded.compliance.half_space import rectangle_influence
@@ -67,6 +67,18 @@ WIDENING_FACTOR = 1.6
 COARSE_WIDENING_FACTOR = 1.25
 #: least share of a grid's length that the contact may fill
 MIN_LENGTH_SHARE = 0.25
+#: length of a contact, over that for which its grid was made, below which the grid is cut to the contact
+SHRUNK_SHARE = 0.7
+#: room at both ends of a grid that is cut so, over the length of the contact
+SHRUNK_ROOM_SHARE = 0.2
+#: way of an end that the contact then reaches, over the length of the grid
+MOVED_END_SHARE = 0.25
+#: share of the largest force at a position below which a contact keeps such a grid: its error hardly counts
+LIGHT_LOAD_SHARE = 0.05
+#: exponent of the torque in the length of an ellipse
+LENGTH_EXPONENT = 1.0 / 3.0
+#: exponent of the torque in the width of a contact: 1/2 for lines, 1/3 for ellipses
+WIDTH_EXPONENT = 0.4
 #: least numbers of cells along and across with which grids are fitted before the cells are halved
 MIN_FITTED_CELLS = (16, 10)
 #: tolerance of the pressures (`complementarity`) while grids are fitted
@@ -262,19 +274,22 @@ def loaded_mesh(
         np.empty(shape, dtype=np.int64),
         *np.empty((4, *shape, 2)),
     )
-    largest_place, displacement, loads = np.empty((*shape, 2, 3)), np.zeros((*shape, 2, 6)), []
+    largest_place, displacement = np.empty((*shape, 2, 3)), np.zeros((*shape, 2, 6))
+    loads: dict[int, PairLoad] = {}
     unloaded, ratio = near.phi2 - near.pair.ratio * phi1, abs(near.pair.ratio)
-    for k, applied_torque in enumerate(in_turn(torque)):
-        mounts_converged = True
+    # the largest torque first: the grids of smaller ones follow from its grids
+    rigid: _Problem | None = None
+    for k in in_turn(np.argsort(-torque, kind="stable")):
+        applied_torque, mounts_converged = torque[k], True
         # one problem per torque; members on elastic mounts are displaced until they have converged
         if supports is not None:
             problem, mounts_converged = _solve_on_mounts(gears, near, float(applied_torque), model, supports, limit)
             displacement[k] = problem.displacement()
+        elif rigid is None:
+            problem = rigid = _fit_grids(near, float(applied_torque), model, grids=largest_grids)
         else:
-            grids = largest_grids
-            if applied_torque != torque.max():
-                grids = model.fine(_fit_grids(near, float(applied_torque), model, coarse=True).grids)
-            problem = _fit_grids(near, float(applied_torque), model, grids=grids)
+            problem = rigid
+            problem.press(float(applied_torque))
         tell(0.6)
         solution, moved = problem.solution, problem.near
         # displaced gears begin to touch at another rotation, which counts as part of the rotation under load
@@ -285,12 +300,12 @@ def loaded_mesh(
         status[k, moved.position[(problem.fill() > FILL_RANGE[1]) | problem.reaches_ends().any(axis=0)]] = (
             Status.MAX_ITERATIONS
         )
-        loads.append(problem.loads())
+        loads[k] = problem.loads()
         gear_torque[k] = problem.gear_torque()
         tangent[k], tangent_status = problem.tangent_stiffness()
         status[k] = np.where(tangent_status == Status.CONVERGED, status[k], tangent_status)
         # root stress at each position, from the tooth pair with the largest stress
-        roots, members = loads[-1].roots, np.arange(2)
+        roots, members = loads[k].roots, np.arange(2)
         worst_bending, worst_largest, worst_contact = (
             (roots.worst(values, moved.position, len(phi1)), members)
             for values in (roots.nominal, roots.largest, roots.contact)
@@ -311,7 +326,7 @@ def loaded_mesh(
         rotation,
         tangent,
         gear_torque,
-        tuple(loads),
+        tuple(loads[k] for k in range(len(torque))),
         largest_stress,
         largest_place,
         at_tangent,
@@ -372,7 +387,9 @@ class _Model:
 class _Grids:
     """Sizes of the grids of tooth pairs (M,), and the pressures from which they are solved."""
 
-    #: widths (M,) of the grids over the estimate from the torque
+    #: torque, N mm, from which lengths and widths are estimated
+    torque: float
+    #: widths (M,) of the grids over the estimate
     widen: Array
     #: start and end (2, M) of the grids as shares of the estimated length
     part: Array
@@ -380,13 +397,14 @@ class _Grids:
     pressure: Array | None = None
 
     @staticmethod
-    def estimated(count: int) -> _Grids:
-        """Return grids as long and as wide as estimated."""
-        return _Grids(np.ones(count), np.repeat([[0.0], [1.0]], count, axis=1))
+    def estimated(count: int, torque: float) -> _Grids:
+        """Return grids as long and as wide as estimated from a torque, N mm."""
+        return _Grids(torque, np.ones(count), np.repeat([[0.0], [1.0]], count, axis=1))
 
     def some(self, rows: NDArray[np.intp]) -> _Grids:
         """Return the grids of some pairs."""
-        return _Grids(self.widen[rows], self.part[:, rows], None if self.pressure is None else self.pressure[rows])
+        pressure = None if self.pressure is None else self.pressure[rows]
+        return _Grids(self.torque, self.widen[rows], self.part[:, rows], pressure)
 
     def with_halved_cells(self) -> _Grids:
         """Return the grids with their pressures on cells half as long and half as wide."""
@@ -403,7 +421,7 @@ class _Grids:
         row_of = {key: row for row, key in enumerate(keys)}
         known = np.array([key in row_of for key in new_keys])
         rows = np.array([row_of[key] for key in new_keys if key in row_of], dtype=np.intp)
-        grids = _Grids.estimated(len(new_keys))
+        grids = _Grids.estimated(len(new_keys), self.torque)
         grids.widen[known], grids.part[:, known] = self.widen[rows], self.part[:, rows]
         if self.pressure is None:
             return grids
@@ -427,14 +445,10 @@ def _fit_grids(
     again. With `coarse` cells ends stay where they are: whether a contact reaches an open end is seen by the cells
     themselves.
     """
-    begin = _Grids.estimated(len(near.position)) if grids is None else grids
+    begin = _Grids.estimated(len(near.position), torque) if grids is None else grids
     tolerance, level = (FIT_TOLERANCE, model.coarse) if coarse else (PRESSURE_TOLERANCE, model)
     problem = _Problem(near, torque, level, begin, supports, tolerance=tolerance)
-    for _ in range(MAX_GRID_ROUNDS - 1):
-        wrong, better = problem.better_grids(COARSE_WIDENING_FACTOR if coarse else WIDENING_FACTOR, ends=not coarse)
-        if not wrong.any():
-            break
-        problem.solve_again(wrong, better)
+    problem.fit(COARSE_WIDENING_FACTOR if coarse else WIDENING_FACTOR, ends=not coarse)
     return problem
 
 
@@ -514,10 +528,14 @@ class _Problem:
         self.slot, self.most = slots or _slots_of(near)
         # gaps on grids whose size is estimated from the whole torque on each pair alone
         self.lever = near.levers(0, near.path.point, near.axes[:, :, 2])
-        self.grid = separation(near, torque / self.lever, contact_modulus(*materials), cells, grids.widen, grids.part)
+        self.estimate, modulus = grids.torque, contact_modulus(*materials)
+        self.grid = separation(near, grids.torque / self.lever, modulus, cells, grids.widen, grids.part)
         self.widen = grids.widen.copy()
+        # part of each grid's length that the contact filled under the torque for which it was made; 0 before it is known
+        self.filled = np.zeros(len(self.widen))
         grid = self.grid
-        self.contact = self._local_compliance(grid.dx, grid.dy, cells)
+        dx, dy, ends = self._cells_and_ends()
+        self.contact = ContactCompliance.of(dx, dy, cells, materials, ends)
         self.area = self._slots(grid.dx * grid.dy)
         # motions from the teeth that touch to the tooth of which the compliance is known
         self.to_body = [
@@ -540,8 +558,6 @@ class _Problem:
         lever = np.broadcast_to(self._slots(grid.levers[0])[..., None], slot_shape)
         area = np.broadcast_to(self.area[..., None, None], slot_shape)
 
-        displacements_under = _displacements(self.contact, smooth, self.area, cells)
-
         # initial pressure: semi-ellipses across the contact
         eta = (np.arange(cells[1]) + 0.5) * 2.0 / cells[1] - 1.0
         # only the pair that touches first is pressed initially; others follow as soon as they overlap
@@ -561,27 +577,101 @@ class _Problem:
                 "pressures are not known",
                 remedy="tca shows the contact and any interference",
             )
-        self.moved, self.levers, self.areas = displacements_under, lever.reshape(flat_shape), area.reshape(flat_shape)
+        self.levers, self.areas = lever.reshape(flat_shape), area.reshape(flat_shape).copy()
         self.smooth, self.gap, self.on = smooth, gap, on
-        self.solution = pressures(
-            displacements_under,
-            gap.reshape(flat_shape),
-            self.levers,
-            self.areas,
-            on.reshape(flat_shape),
-            np.full(count, torque),
-            start.reshape(flat_shape),
-            self._ease(grid.dx, grid.dy, slot_shape),
-            half_space_pressures(self._slots(grid.dx, 1.0), self._slots(grid.dy, 1.0), cells),
-            tolerance,
+        # what elastic mounts add to the gaps
+        self.added = gap - self._slots(grid.gap)
+        self.solution = Pressures.empty(*self.levers.shape)
+        self.pressure, self.line = np.empty_like(grid.gap), np.empty_like(grid.middle[..., 0])
+        self._solve(np.arange(count), start.reshape(flat_shape))
+
+    def _solve(self, which: NDArray[np.intp], start: Array) -> None:
+        """Solve the positions `which` (B,) from pressures `start` (B, K X Y)."""
+        grid, flat = self.grid, (len(which), -1)
+        solution = pressures(
+            self._moved(which),
+            self.gap[which].reshape(flat),
+            self.levers[which],
+            self.areas[which],
+            self.on[which].reshape(flat),
+            np.full(len(which), self.torque),
+            start,
+            self._ease(grid.dx, grid.dy, self.gap.shape)[which],
+            self._estimate(which),
+            self.tolerance,
         )
-        self.pressure = self.solution.pressure.reshape(slot_shape)[near.position, self.slot]
+        self.solution = self.solution.replaced(which, solution)
+        self.pressure = self.solution.pressure.reshape(self.gap.shape)[self.near.position, self.slot]
         self.line = self.pressure.sum(axis=2) * (grid.dx * grid.dy)[:, None]
+
+    def _moved(self, which: NDArray[np.intp]) -> Displacements:
+        """Return the function that maps pressures on all cells of positions `which` to displacements, mm."""
+        whole = _displacements(self.contact, self.smooth, self.area, self.model.cells)
+        return lambda p, rows: whole(p, which[rows])
+
+    def _estimate(self, which: NDArray[np.intp]) -> Displacements:
+        """Return the function that estimates pressures under displacements at positions `which`, up to a factor."""
+        sizes = self._slots(self.grid.dx, 1.0)[which], self._slots(self.grid.dy, 1.0)[which]
+        return half_space_pressures(*sizes, self.model.cells)
 
     @property
     def grids(self) -> _Grids:
         """Sizes and pressures of the grids."""
-        return _Grids(self.widen, self.grid.part, self.pressure)
+        return _Grids(self.estimate, self.widen, self.grid.part, self.pressure)
+
+    def press(self, torque: float) -> None:
+        """Solve again under another torque, N mm, from the grids and the pressures of the last one.
+
+        Results of the last torque keep their arrays.
+        """
+        ratio = min(torque / self.torque, 1.0)
+        share = np.full(len(self.widen), ratio**WIDTH_EXPONENT)
+        (start, length), loaded = self.used_part(), self._counting()
+        self.torque, self.grid = torque, self.grid.copy()
+        self.filled = np.where(self.filled > 0.0, self.filled, length)
+        # contacts that end within their grids get shorter, ellipses by the cube root of the torque
+        shorter = np.where((start > 0.0) & (start + length < 1.0), ratio**LENGTH_EXPONENT, 1.0) * length
+        shrunk = loaded & (shorter < SHRUNK_SHARE * self.filled)
+        apart = np.bincount(self.near.position, shrunk, len(self.near.phi1)) > 0
+        if not apart.all():
+            self._narrow(np.flatnonzero(~apart), share, self.solution.pressure.copy())
+        if apart.any():
+            ends = np.where(
+                shrunk, self._cut(start + 0.5 * (length - shorter), shorter, SHRUNK_ROOM_SHARE), self.grid.part
+            )
+            self.solve_again(apart, _Grids(self.estimate, share * self.widen, ends, self.pressure))
+        self.fit(WIDENING_FACTOR, ends=True)
+
+    def _counting(self) -> NDArray[np.bool_]:
+        """Return True (M,) for pairs whose force is more than a small part of the largest at their position."""
+        force, largest = self.line.sum(axis=1), np.zeros(len(self.near.phi1))
+        np.maximum.at(largest, self.near.position, force)
+        return np.asarray(force > LIGHT_LOAD_SHARE * largest[self.near.position])
+
+    def _cut(self, start: Array, length: Array, room: Array | float) -> Array:
+        """Return the ends (2, M) of grids that are cut to contacts from `start` (M,) and of a `length` (M,), as shares of
+        the grids; `room` at both ends is a share of the length."""
+        at_end = np.maximum(room * length, 2.0 / self.model.cells[0])
+        ends: Array = np.clip([start - at_end, start + length + at_end], 0.0, 1.0)
+        part = self.grid.part
+        cut: Array = part[0] + (part[1] - part[0]) * ends
+        return cut
+
+    def fit(self, widening: float, *, ends: bool) -> None:
+        """Solve positions again until all grids fit; arguments are those of `better_grids`."""
+        for _ in range(MAX_GRID_ROUNDS - 1):
+            wrong, better = self.better_grids(widening, ends=ends)
+            if not wrong.any():
+                break
+            # grids that become narrower alone need no surfaces
+            longer = (better.part != self.grid.part).any(axis=0) | (better.widen > self.widen)
+            elsewhere = wrong & (np.bincount(self.near.position, longer, len(wrong)) > 0)
+            if elsewhere.any():
+                self.solve_again(elsewhere, better)
+            narrower = np.flatnonzero(wrong & ~elsewhere)
+            if narrower.size:
+                share = np.where(np.isin(self.near.position, narrower), better.widen / self.widen, 1.0)
+                self._narrow(narrower, share, self._at_places(share))
 
     def better_grids(self, widening: float, *, ends: bool) -> tuple[NDArray[np.bool_], _Grids]:
         """Return the positions (P,) with a grid that does not fit the contact, and grids that fit better.
@@ -592,6 +682,9 @@ class _Problem:
         # grids to change: too narrow or too wide, much longer than the contact, or ended by an open end
         misfit = (filled_width > FILL_RANGE[1]) | ((filled_width > 0.0) & (filled_width < FILL_RANGE[0]))
         short = (used_share > 0.0) & (used_share < MIN_LENGTH_SHARE) & ~open_end.any(axis=0)
+        # or much shorter than under the torque for which the grid was made, with a load that counts
+        shrunk = (used_share < SHRUNK_SHARE * self.filled) & self._counting()
+        shrunk &= (used_share > 0.0) & ~short & ~open_end.any(axis=0)
         # too wide: fill three quarters of the width
         widen = np.where(
             filled_width > FILL_RANGE[1],
@@ -599,19 +692,19 @@ class _Problem:
             np.where(misfit, self.widen * filled_width / 0.75, self.widen),
         )
         # much longer than the contact: cut to the contact and some room at both ends
-        end_room = np.maximum(0.5 * used_share, 2.0 / self.model.cells[0])
-        new_ends: Array = np.clip([used_from - end_room, used_from + used_share + end_room], 0.0, 1.0)
-        # the width grows with the square root of the load per length
-        widen = np.where(short & (filled_width > FILL_RANGE[0]), widen / np.sqrt(new_ends[1] - new_ends[0]), widen)
+        cut = self._cut(used_from, used_share, np.where(short, 0.5, SHRUNK_ROOM_SHARE))
         part = self.grid.part
         part_length = part[1] - part[0]
-        # an open end that the contact reaches moves out by the length of the grid
-        part = np.where(short, part[0] + part_length * new_ends, part) + open_end * part_length * np.array(
-            [[-1.0], [1.0]]
-        )
+        # the width grows with the square root of the load per length
+        shortened = np.sqrt((cut[1] - cut[0]) / part_length)
+        widen = np.where(short & (filled_width > FILL_RANGE[0]), widen / shortened, widen)
+        # an open end that the contact reaches moves out by the length of the grid, or by less if it was where a larger
+        # torque had it
+        way = np.where(self.filled > 0.0, MOVED_END_SHARE, 1.0) * part_length
+        part = np.where(short | shrunk, cut, part) + open_end * way * np.array([[-1.0], [1.0]])
         wrong = np.zeros(len(self.near.phi1), dtype=bool)
-        wrong[self.near.position[misfit | short | open_end.any(axis=0)]] = True
-        return wrong, _Grids(widen, part, self.pressure)
+        wrong[self.near.position[misfit | short | shrunk | open_end.any(axis=0)]] = True
+        return wrong, _Grids(self.estimate, widen, part, self.pressure)
 
     def solve_again(self, positions: NDArray[np.bool_], grids: _Grids) -> None:
         """Solve some of the positions (P,) again on other grids, and replace what was found there."""
@@ -626,11 +719,34 @@ class _Problem:
             (self.slot[rows], self.most),
             self.tolerance,
         )
+        moved_ends = (part.grid.part != self.grid.part[:, rows]).any(axis=0)
+        self.filled[rows] = np.where(moved_ends, part.used_part()[1], self.filled[rows])
         self.grid.put(rows, part.grid)
         for whole, replaced in zip(self._of_pairs(), part._of_pairs(), strict=True):
             whole[rows] = replaced
         for whole, replaced in zip(self._of_positions(), part._of_positions(), strict=True):
             whole[positions] = replaced
+
+    def _narrow(self, which: NDArray[np.intp], share: Array, start: Array) -> None:
+        """Solve positions `which` (B,) again on grids that have a `share` (M,) of their width, from pressures `start`
+        (P, K X Y)."""
+        rows = np.flatnonzero(np.isin(self.near.position, which))
+        grid, cells = self.grid, self.model.cells
+        grid.narrowed(rows, share[rows])
+        self.widen[rows] *= share[rows]
+        self.contact.replace(which, *(values[..., which, :] for values in self._cells_and_ends()))
+        self.area = self._slots(grid.dx * grid.dy)
+        self.areas[which] = np.repeat(self.area[which], cells[0] * cells[1], axis=1)
+        self.on, self.gap = self._slots(grid.on), self._slots(grid.gap) + self.added
+        self._solve(which, np.where(self.on.reshape(start.shape), start, 0.0)[which])
+
+    def _at_places(self, share: Array) -> Array:
+        """Return the pressures (P, K X Y) at the places of the cells of grids with a `share` (M,) of their width."""
+        count = self.model.cells[1]
+        eta = (np.arange(count) + 0.5) * 2.0 / count - 1.0
+        old = np.clip(np.floor(0.5 * count * (share[:, None] * eta + 1.0)), 0, count - 1).astype(np.intp)
+        values = self._slots(np.take_along_axis(self.pressure, old[:, None, :], axis=2))
+        return values.reshape(len(values), -1)
 
     def _of_pairs(self) -> list[NDArray[Any]]:
         """Return all arrays by pair (M, ...), apart from those of `grid`."""
@@ -646,7 +762,9 @@ class _Problem:
         """Return all arrays by position (P, ...)."""
         solved = self.solution
         return [
-            *(self.contact.waves, self.area, self.levers, self.areas, self.smooth, self.gap, self.on),
+            *(self.contact.dx, self.contact.dy, self.contact.known, self.contact.waves),
+            np.moveaxis(self.contact.ends, 2, 0),
+            *(self.area, self.levers, self.areas, self.smooth, self.gap, self.on, self.added),
             *(solved.pressure, solved.rotation, solved.residual, solved.status),
         ]
 
@@ -657,10 +775,10 @@ class _Problem:
         slots[self.near.position, self.slot] = values
         return slots
 
-    def _local_compliance(self, dx: Array, dy: Array, cells: tuple[int, int]) -> ContactCompliance:
-        """Return the local contact compliance on grids of `cells` with sizes dx by dy (M,), mm."""
+    def _cells_and_ends(self) -> tuple[Array, Array, Array]:
+        """Return lengths and widths (P, K) of cells, and distances (2, 2, P, K) of end faces, mm, in slots."""
         ends = np.stack([[self._slots(distances, np.inf) for distances in of_body] for of_body in self.grid.ends])
-        return ContactCompliance.of(self._slots(dx, 1.0), self._slots(dy, 1.0), cells, self.materials, ends)
+        return self._slots(self.grid.dx, 1.0), self._slots(self.grid.dy, 1.0), ends
 
     def _ease(self, dx: Array, dy: Array, shape: tuple[int, ...]) -> Array:
         """Return deflections (P, K X Y) of cells dx by dy (M,), mm, under unit pressure on each cell alone, up to a
@@ -719,7 +837,8 @@ class _Problem:
     def tangent_stiffness(self) -> tuple[Array, NDArray[np.int64]]:
         """Return the tangent stiffness (P,), N mm/rad, and its status (P,)."""
         p = self.solution.pressure
-        return tangent_stiffness(self.moved, self.levers, self.areas, p > 0.0, p)
+        every = np.arange(len(p))
+        return tangent_stiffness(self._moved(every), self.levers, self.areas, p > 0.0, p, self._estimate(every))
 
     def reaches_ends(self) -> NDArray[np.bool_]:
         """Return True (2, M) where a contact reaches the first or the last end of its grid and the flanks continue
@@ -804,9 +923,11 @@ class _Problem:
         row_count = slots * cells[0]
         smooth = self.smooth.reshape(count, row_count, 2, row_count, 2).mean(axis=(2, 4))
         dx, dy, area = 2.0 * self.grid.dx, 2.0 * self.grid.dy, 4.0 * self.area
+        slot_dx, slot_dy, ends = self._cells_and_ends()
+        local = ContactCompliance.of(2.0 * slot_dx, 2.0 * slot_dy, cells, self.materials, ends)
         flat_shape = (count, -1)
         solution = pressures(
-            _displacements(self._local_compliance(dx, dy, cells), smooth, area, cells),
+            _displacements(local, smooth, area, cells),
             mean(self.gap).reshape(flat_shape),
             mean(self.levers.reshape(fine_shape)).reshape(flat_shape),
             np.broadcast_to(area[..., None, None], slot_shape).reshape(flat_shape),

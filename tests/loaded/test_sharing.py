@@ -86,6 +86,18 @@ def test_positions_are_solved_as_if_alone() -> None:
             np.testing.assert_allclose(values, expected, rtol=1e-3, atol=1e-4 * np.nanmax(expected), err_msg=name)
 
 
+def test_smaller_torques_on_the_grids_of_larger_ones() -> None:
+    """A small torque after a large one, whose contacts are twice as long, against the small torque alone; in any order."""
+    phases = [0.1, 0.67, 0.71]
+    both, alone = under([20.0, 150.0], phases, "spiral_bevel_basic"), under([20.0], phases, "spiral_bevel_basic")
+    np.testing.assert_allclose(both.rotation[0], alone.rotation[0], rtol=4e-4)
+    np.testing.assert_allclose(both.bending[0], alone.bending[0], rtol=3e-3)
+    peaks = [np.nanmax(found.loads[0].peak) for found in (both, alone)]
+    np.testing.assert_allclose(peaks[0], peaks[1], rtol=2e-3)
+    turned = under([150.0, 20.0], phases, "spiral_bevel_basic")
+    np.testing.assert_array_equal(turned.rotation[::-1], both.rotation)
+
+
 @pytest.mark.sweep_cases("spur")
 @pytest.mark.parametrize("sample", ["spur", "helical"])
 def test_torques_and_hertz_on_lines(sample: str) -> None:

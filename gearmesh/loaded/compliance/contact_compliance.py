@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from gearmesh.contact.hertz import Material, contact_modulus
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.compliance.half_space import rectangle_influence
-from gearmesh.loaded.compliance.quarter_space import RELEASE_POWERS, release
+from gearmesh.loaded.compliance.quarter_space import release
 
 #: wave number of even pressure over that of half a wave along a grid
 EVEN_WAVE_SHARE = 0.5
@@ -29,50 +29,37 @@ EVEN_WAVE_SHARE = 0.5
 
 @dataclass(frozen=True)
 class ContactCompliance:
-    """Influence coefficients of B positions with K grids of X by Y cells."""
+    """Influence coefficients of B positions with K grids of X by Y cells, computed when a grid is first pressed."""
 
-    #: length of a row of cells after zero padding, for the Fourier transform
-    padded: int
+    #: lengths and widths (B, K), mm, of the cells
+    dx: Array
+    dy: Array
+    #: numbers of cells along and across
+    cells: tuple[int, int]
+    #: materials of both bodies
+    materials: tuple[Material, Material]
+    #: distances (2, 2, B, K), mm, of either body's free end face (first index) from the least and the largest x of the
+    #: grids (second index); inf without an end face
+    ends: Array
+    #: grids (B, K) whose coefficients are known
+    known: NDArray[np.bool_]
     #: displacements (B, K, F, X, X), mm, of both bodies in rows X (first index) under 1 MPa on rows X (second), for
     #: each of F waves across
     waves: Array
 
     @staticmethod
     def of(
-        dx: Array, dy: Array, shape: tuple[int, int], materials: tuple[Material, Material], ends: Array | None = None
+        dx: Array, dy: Array, cells: tuple[int, int], materials: tuple[Material, Material], ends: Array | None = None
     ) -> ContactCompliance:
-        """Return the compliance for cells dx by dy (...,), mm, on two bodies.
+        """Return the compliance for cells dx by dy (B, K), mm, on two bodies; `ends` as in the fields, None for no end
+        faces at all."""
+        distances = np.full((2, 2, *dx.shape), np.inf) if ends is None else ends
+        waves = np.empty((*dx.shape, padded_row(cells[1]) // 2 + 1, cells[0], cells[0]))
+        return ContactCompliance(dx, dy, cells, materials, distances, np.zeros(dx.shape, dtype=bool), waves)
 
-        `ends` (2, 2, ...), mm: distance of either body's free end face (first index) from the least and the largest x
-        of the grid (second index). It is inf without an end face; None stands for no end faces at all.
-        """
-        from scipy.fft import next_fast_len
-
-        x, y = shape
-        padded = next_fast_len(2 * y, real=True)
-        place = np.arange(y)
-        # cosines: the transform of an even row of influence coefficients
-        waves = (
-            np.cos(2.0 * np.pi / padded * np.outer(place, np.arange(padded // 2 + 1)))
-            * np.where(place, 2.0, 1.0)[:, None]
-        )
-        width, height = dx[..., None, None], dy[..., None, None]
-        # half-spaces: coefficients depend on the distance of rows only
-        table = rectangle_influence(np.arange(x)[:, None] * width, place * height, width, height)
-        spectrum = np.moveaxis(table / contact_modulus(*materials) @ waves, -1, -2)
-        row = np.arange(x)
-        waves_of_rows = spectrum[..., np.abs(row[:, None] - row)]
-        for material, of_body in zip(materials, () if ends is None else ends, strict=ends is not None):
-            for grid_end, distance in enumerate(of_body):
-                # end faces: one at the largest x is computed as its mirror image
-                near = np.flatnonzero(np.isfinite(distance).ravel())
-                if near.size:
-                    near_dx, near_dy, end_distance = (np.ravel(lengths)[near] for lengths in (dx, dy, distance))
-                    added = _end(near_dx, near_dy, end_distance, shape, material, waves)
-                    waves_of_rows.reshape(-1, *waves_of_rows.shape[-3:])[near] += (
-                        added[..., ::-1, ::-1] if grid_end else added
-                    )
-        return ContactCompliance(padded, waves_of_rows)
+    def replace(self, which: NDArray[np.intp], dx: Array, dy: Array, ends: Array) -> None:
+        """Replace the sizes of cells (N, K) and the ends (2, 2, N, K) of positions `which` (N,)."""
+        self.dx[which], self.dy[which], self.ends[:, :, which], self.known[which] = dx, dy, ends, False
 
     def under(self, pressure: Array, which: NDArray[np.intp]) -> Array:
         """Return displacements (B, K, X, Y), mm, under pressures (B, K, X, Y), MPa, on the grids of positions `which`
@@ -81,15 +68,55 @@ class ContactCompliance:
 
         # most grids near the contact carry no pressure and are skipped
         row, column = np.nonzero(pressure.any(axis=(2, 3)))
-        waves = np.ascontiguousarray(np.moveaxis(rfft(pressure[row, column], self.padded), -1, -2))
+        position, padded = which[row], padded_row(self.cells[1])
+        unknown = ~self.known[position, column]
+        if unknown.any():
+            self._know(position[unknown], column[unknown])
+        waves = np.ascontiguousarray(np.moveaxis(rfft(pressure[row, column], padded), -1, -2))
         parts = waves.view(float).reshape(*waves.shape, 2)
         responses = np.empty_like(parts)
-        for wave, out, k, grid in zip(parts, responses, which[row], column, strict=True):
+        for wave, out, k, grid in zip(parts, responses, position, column, strict=True):
             np.matmul(self.waves[k, grid], wave, out=out)
         displacements = np.zeros_like(pressure)
         response_waves = np.moveaxis(responses.view(complex)[..., 0], -1, -2)
-        displacements[row, column] = irfft(response_waves, self.padded)[..., : pressure.shape[-1]]
+        displacements[row, column] = irfft(response_waves, padded)[..., : pressure.shape[-1]]
         return displacements
+
+    def _know(self, position: NDArray[np.intp], column: NDArray[np.intp]) -> None:
+        """Compute the coefficients of the grids `column` (N,) at positions (N,)."""
+        x, y = self.cells
+        place, padded = np.arange(y), padded_row(y)
+        # cosines: the transform of an even row of influence coefficients
+        cosines = (
+            np.cos(2.0 * np.pi / padded * np.outer(place, np.arange(padded // 2 + 1)))
+            * np.where(place, 2.0, 1.0)[:, None]
+        )
+        dx, dy = self.dx[position, column], self.dy[position, column]
+        width, height = dx[:, None, None], dy[:, None, None]
+        # half-spaces: coefficients depend on the distance of rows only
+        table = rectangle_influence(np.arange(x)[:, None] * width, place * height, width, height)
+        spectrum = np.moveaxis(table / contact_modulus(*self.materials) @ cosines, -1, -2)
+        row = np.arange(x)
+        apart = np.abs(row[:, None] - row)
+        for grid, k, at in zip(position, column, spectrum, strict=True):
+            self.waves[grid, k] = at[:, apart]
+        for material, of_body in zip(self.materials, self.ends[:, :, position, column], strict=True):
+            for grid_end, distance in enumerate(of_body):
+                # end faces: one at the largest x is computed as its mirror image
+                near = np.flatnonzero(np.isfinite(distance))
+                if near.size:
+                    spectra = _end(dx[near], dy[near], distance[near], self.cells, material, cosines)
+                    for n, m_squared, coefficients in zip(near, *spectra, strict=True):
+                        waves = self.waves[position[n], column[n]]
+                        _add_end(waves[:, ::-1, ::-1] if grid_end else waves, m_squared, coefficients)
+        self.known[position, column] = True
+
+
+def padded_row(count: int) -> int:
+    """Return the length of a row of cells after zero padding, for the Fourier transform."""
+    from scipy.fft import next_fast_len
+
+    return int(next_fast_len(2 * count, real=True))
 
 
 def half_space_pressures(dx: Array, dy: Array, cells: tuple[int, int]) -> Callable[[Array, NDArray[np.intp]], Array]:
@@ -119,9 +146,14 @@ def half_space_pressures(dx: Array, dy: Array, cells: tuple[int, int]) -> Callab
     return pressed
 
 
-def _end(dx: Array, dy: Array, distance: Array, shape: tuple[int, int], material: Material, waves: Array) -> Array:
-    """Return waves (N, F, X, X) that a free end face at `distance` (N,), mm, below a grid's least x adds to a
-    half-space."""
+def _end(
+    dx: Array, dy: Array, distance: Array, shape: tuple[int, int], material: Material, cosines: Array
+) -> tuple[Array, Array]:
+    """Return what a free end face at `distance` (N,), mm, below a grid's least x adds to a half-space.
+
+    It is a polynomial in m^2 (N, X, X), the square of the difference over the sum of the distances of two rows from the
+    end face. Its coefficients (N, RELEASE_POWERS, F, 2 X - 1) are waves for each sum of the numbers of both rows.
+    """
     x, y = shape
     row = np.arange(x)
     width, height, end_distance = (lengths[:, None, None] for lengths in (dx, dy, distance))
@@ -131,11 +163,18 @@ def _end(dx: Array, dy: Array, distance: Array, shape: tuple[int, int], material
     image = rectangle_influence(distance_sum, across, width, height) / material.plane_modulus
     coefficients = release(np.arctan2(across, distance_sum), material.poisson_ratio)
     coefficients[0] += 1.0
-    # m: difference over sum of the distances of two rows from the end face
+    m = (row[:, None] - row) * dx[:, None, None] / distance_sum[:, row[:, None] + row, 0]
+    spectra = np.moveaxis((coefficients * image) @ cosines, -1, -2)
+    return m**2, np.moveaxis(spectra, 0, 1)
+
+
+def _add_end(waves: Array, m_squared: Array, coefficients: Array) -> None:
+    """Add an end face, as `_end` returns it for one grid, to the waves (F, X, X) of the grid."""
+    row = np.arange(waves.shape[-1])
     row_sum = row[:, None] + row
-    m = (row[:, None] - row) * dx[:, None, None] / distance_sum[:, row_sum, 0]
-    added = np.zeros((len(dx), waves.shape[1], x, x))
-    for power in range(RELEASE_POWERS):
-        spectrum = np.moveaxis((coefficients[power] * image) @ waves, -1, -2)
-        added += spectrum[..., row_sum] * (m ** (2 * power))[:, None]
-    return added
+    # Horner's rule
+    added = coefficients[-1][:, row_sum]
+    for of_power in coefficients[-2::-1]:
+        added *= m_squared
+        added += of_power[:, row_sum]
+    waves += added
