@@ -112,7 +112,35 @@ def cylindrical(dice: Dice, m: float) -> Keys:
         "pinion": first,
         "gear": second,
         "contact": {"flank": dice.one_of("right", "left")},
+        **coast_side(dice),
+        **rows(dice, helix, small, large),
+        **crowned(dice, m, small),
     }
+
+
+def coast_side(dice: Dice) -> Keys:
+    """Asymmetric teeth, of a fifth of the designs."""
+    return {"coast_pressure_angle": dice.between((18.0, 28.0), (12.0, 35.0))} if dice.chance(0.2) else {}
+
+
+def rows(dice: Dice, helix: float, *members: Keys) -> Keys:
+    """Double helical teeth, of a fifth of the designs with oblique teeth: a face as wide as both halves and the gap."""
+    if not helix or not dice.chance(0.2):
+        return {}
+    width = min(member["face_width"] for member in members)
+    for member in members:
+        member["face_width"] = float(f"{2.2 * width:.4g}")
+    return {"arrangement": "double_helical", "gap": float(f"{0.2 * width:.4g}")}
+
+
+def crowned(dice: Dice, m: float, member: Keys) -> Keys:
+    """A crowning of a member by the radial feed of a tool, of a fifth of the designs; no keys of the pair."""
+    if not dice.chance(0.2) or member["teeth"] < 0:
+        return {}
+    tool: Keys = dice.one_of({"crowning_tool": "worm"}, {"crowning_tool": "disk", "crowning_disk_diameter": 60.0 * m})
+    amount = float(f"{1e-3 * m * dice.between((1.0, 4.0), (0.1, 10.0)):.3g}")
+    member["modifications"] = {"helix_crowning": amount, **tool}
+    return {}
 
 
 def planetary(dice: Dice, m: float) -> Keys:
@@ -132,6 +160,7 @@ def planetary(dice: Dice, m: float) -> Keys:
         "planet": {"teeth": planet, "face_width": width},
         "ring": {"teeth": dice.one_of(-1, 1) * ring, "face_width": width},
         "contact": {"flank": dice.one_of("right", "left")},
+        **coast_side(dice),
     }
 
 
@@ -178,22 +207,31 @@ def rack(dice: Dice, m: float) -> Keys:
         "pinion": pinion,
         "rack": bar,
         "contact": {"flank": dice.one_of("right", "left")},
+        **coast_side(dice),
+        **rows(dice, helix, pinion, bar),
     }
 
 
 def beveloid(dice: Dice, m: float) -> Keys:
-    form = dice.one_of("spur", "helical", "helical", "tapered", "intersected", "crossed")
+    form = dice.one_of("spur", "helical", "helical", "tapered", "intersected", "crossed", "ring")
     one, two = teeth(dice, (14, 40), (5, 70), 4.0, 12.0)
     helix = cone = 0.0
-    if form in ("helical", "crossed"):
+    if form == "ring":
+        two = max(two, round(one * dice.between((1.8, 4.0), (1.3, 8.0))), one + dice.count((16, 30), (10, 40)))
+    if form in ("helical", "crossed", "ring"):
         helix = dice.one_of(-1, 1) * dice.between((5.0, 30.0), (1.0, 50.0))
     if form in ("tapered", "intersected", "crossed"):
         cone = dice.between((3.0, 25.0), (1.0, 45.0))
     width = dice.between((4.0, 12.0), (1.0, 40.0)) if cone == 0.0 else dice.between((2.0, 3.5), (1.0, 8.0))
     width = float(f"{width * m:.4g}")
     other = -helix if form in ("spur", "helical") else helix
+    if form == "ring":
+        other -= dice.one_of(0.0, dice.between((2.0, 15.0), (0.5, 30.0))) * math.copysign(1.0, helix)
     pinion: Keys = {"teeth": one, "face_width": width}
-    gear: Keys = {"teeth": two, "face_width": float(f"{width * dice.between((0.9, 1.0), (0.3, 1.5)):.4g}")}
+    gear: Keys = {
+        "teeth": -two if form == "ring" else two,
+        "face_width": float(f"{width * dice.between((0.9, 1.0), (0.3, 1.5)):.4g}"),
+    }
     assembly: Keys = dice.errors(
         dx=(0.01 * m, 0.2 * m), dy=(0.01 * m, 0.2 * m), dz=(0.1 * m, m), gamma_h=(0.05, 1.0), gamma_v=(0.05, 1.0)
     )
@@ -214,7 +252,11 @@ def beveloid(dice: Dice, m: float) -> Keys:
             member["addendum"], member["dedendum"] = dice.between((0, 0), (0.5, 1.4)), dice.between((0, 0), (0.7, 1.6))
     if dice.chance(0.15) and not cone:
         pinion[dice.one_of("tip_chamfer", "tip_rounding")] = float(f"{dice.between((0.03, 0.1), (0.01, 0.3)) * m:.3g}")
+    if form == "ring":
+        # full teeth of rings touch at the ends of their faces on crossed axes
+        pinion["modifications"] = {"helix_crowning": float(f"{m * dice.between((0.002, 0.006), (0.001, 0.02)):.3g}")}
     return {
+        **coast_side(dice),
         "pressure_angle": dice.one_of(20.0, dice.between((15.0, 25.0), (8.0, 35.0))),
         "backlash": float(f"{dice.one_of(0.0, dice.between((0.0, 0.05), (0.0, 0.3)) * m):.3g}"),
         "pinion": pinion,
@@ -311,6 +353,21 @@ def spiral_bevel(dice: Dice, m: float) -> Keys:
         "assembly": bevel_errors(dice, m),
         "contact": {"side": dice.one_of("pinion_concave", "pinion_convex")},
         **more,
+        **hobbed(dice, m, (one, two), angle),
+    }
+
+
+def hobbed(dice: Dice, m: float, teeth: tuple[int, int], angle: float) -> Keys:
+    """A head for face hobbing, of a quarter of the designs: about as large as the mean cone distance."""
+    if not dice.chance(0.25):
+        return {}
+    one, two = teeth
+    delta = math.atan2(math.sin(math.radians(angle)), two / one + math.cos(math.radians(angle)))
+    mean = 0.43 * m * one / math.sin(delta)
+    groups = dice.one_of(5, 7, 11, 13, 17)
+    return {
+        "process": "face_hobbed",
+        "head": {"blade_groups": groups, "radius": float(f"{mean * dice.between((0.8, 1.3), (0.5, 2.5)):.4g}")},
     }
 
 
@@ -352,6 +409,7 @@ def hypoid(dice: Dice, m: float) -> Keys:
         "gear": {"teeth": two},
         "assembly": bevel_errors(dice, m),
         "contact": {"side": dice.one_of("pinion_concave", "pinion_convex")},
+        **({"taper": None, **head} if (head := hobbed(dice, m, (one, two), angle)) else {}),
     }
 
 
