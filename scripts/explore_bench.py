@@ -12,6 +12,7 @@ import statistics
 import sys
 import tempfile
 import time
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -65,7 +66,8 @@ def main() -> None:
         browser.set_script_timeout(PATIENCE_S)
         for name in names:
             begun = time.perf_counter()
-            with Explorer(origin_of_file(ROOT / "samples" / f"{name}.toml"), browser=False) as page:
+            path = ROOT / "samples" / f"{name}.toml"
+            with Explorer(partial(origin_of_file, path), browser=False) as page:
                 browser.get(page.url)
                 while not browser.execute_script("return window.gearmeshExplore?.state.scene?.triangles"):
                     time.sleep(0.01)

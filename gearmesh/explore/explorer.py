@@ -5,10 +5,12 @@ from __future__ import annotations
 import asyncio
 import concurrent.futures
 import importlib.util
+import json
 import socket
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Future
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
@@ -19,7 +21,7 @@ from gearmesh.design.files import override, read, text_of, toml, with_version
 from gearmesh.design.rewriting import rewritten
 from gearmesh.errors import ArgumentError, OutputError
 from gearmesh.explore.state import KIND_PREFIX, OPENED_NAME, Origin
-from gearmesh.explore.workers import Worker
+from gearmesh.explore.workers import NO_PAGE, Listener, Worker
 from gearmesh.formats import JSON_SUFFIX
 from gearmesh.systems.designs import parse_as_stated
 from gearmesh.systems.system import try_build
@@ -40,7 +42,7 @@ EXTRA_NAME = "explore"
 class Explorer:
     """A page on this machine on which turning a number turns the gear, served until it is closed.
 
-    Use it as a context manager, or close it.
+    Use it as a context manager, or close it. Raises DesignError or NoSolutionError if the gears cannot be built.
     """
 
     def __init__(
@@ -57,6 +59,9 @@ class Explorer:
         self._begun = asyncio.run_coroutine_threadsafe(self._worker.start(), self._loop)
         try:
             origin = opened() if callable(opened) else opened
+            self._begun.result(START_S)
+            known = None if origin is None else Future[bool]()
+            asyncio.run_coroutine_threadsafe(_opened(self._worker, origin, known), self._loop)
             import uvicorn
 
             from gearmesh.explore.server import MAX_FRAME_BYTES, Gate, application
@@ -71,13 +76,15 @@ class Explorer:
                 server_header=False,
                 proxy_headers=False,
                 ws_per_message_deflate=False,
-                lifespan="on",
+                lifespan="off",
                 timeout_graceful_shutdown=1,
             )
-            self._begun.result(START_S)
             self._server = uvicorn.Server(config)
             self._served = asyncio.run_coroutine_threadsafe(self._server.serve([self._socket]), self._loop)
             _wait_for(self._server, self._served)
+            if origin is not None and known is not None and not known.result():
+                # the process has refused the design: the error itself is raised here
+                try_build(parse_as_stated(nested(origin.keys)))
         except BaseException:
             self._end()
             raise
@@ -158,6 +165,24 @@ class Explorer:
         return f"<Explorer: http://{LOOPBACK_ADDRESS}:{self.port}>"
 
 
+async def _opened(worker: Worker, origin: Origin | None, known: Future[bool] | None) -> None:
+    """Open a design in the process for heavy work, which begins at once with what the first page will ask.
+
+    `known` gets True when the gears are built, False where the process gives none.
+    """
+    worker.open(origin)
+    if origin is None or known is None:
+        return
+
+    def hear(content: bytes) -> None:
+        kind = json.loads(content)["type"]
+        if kind != "progress" and not known.done():
+            known.set_result(kind == "design")
+
+    first = {"do": "show", **origin.state, "last": None, "have": [], "rows": None}
+    worker.ask(first, Listener(NO_PAGE, None, hear))
+
+
 async def _ended(worker: Worker) -> None:
     """End the process for heavy work, and every other task of the loop."""
     await worker.close()
@@ -179,25 +204,19 @@ def origin_of(design: Design) -> Origin:
 
 
 def origin_of_file(path: Path, overrides: Sequence[str] = ()) -> Origin:
-    """Return the origin of a design file with overridden keys. Raises DesignError as `gearmesh.load` does."""
+    """Return the origin of a design file with overridden keys. Raises DesignError for a file that cannot be read."""
     data = override(read(path), overrides)
     text = toml(data) if path.suffix.lower() == JSON_SUFFIX else rewritten(text_of(path), dict(leaves(data)))
-    return _whole(Origin.of_text(OPENED_NAME, text, data, path.parent))
+    return Origin.of_text(OPENED_NAME, text, data, path.parent)
 
 
 def origin_of_kind(kind: str, overrides: Sequence[str] = ()) -> Origin:
-    """Return the origin of a new design of a kind with overridden keys. Raises DesignError as `gearmesh.load` does."""
+    """Return the origin of a new design of a kind with overridden keys. Raises DesignError for an unknown kind."""
     new = Origin.find(KIND_PREFIX + kind)
     if not overrides:
         return new
     data = override(nested(new.keys), overrides)
-    return _whole(Origin.of_text(OPENED_NAME, rewritten(new.text, dict(leaves(data))), data, Path()))
-
-
-def _whole(origin: Origin) -> Origin:
-    """Return an origin. Raises DesignError or NoSolutionError if its gears cannot be built."""
-    try_build(parse_as_stated(nested(origin.keys)))
-    return origin
+    return Origin.of_text(OPENED_NAME, rewritten(new.text, dict(leaves(data))), data, Path())
 
 
 def refuse_port(port: int) -> None:

@@ -12,17 +12,15 @@ import asyncio
 import hmac
 import json
 import secrets
-from collections.abc import AsyncIterator, Awaitable, Callable, MutableMapping
-from contextlib import asynccontextmanager
+from collections.abc import Awaitable, Callable, MutableMapping
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 from gearmesh.explore.state import Origin
-from gearmesh.explore.workers import NO_PAGE, Listener, Worker
-from gearmesh.view.report.page import page_file
+from gearmesh.explore.workers import Listener, Worker
+from gearmesh.view.report.page_file import page_file
 
 if TYPE_CHECKING:
-    from starlette.applications import Starlette
     from starlette.requests import Request
     from starlette.responses import Response
     from starlette.websockets import WebSocket
@@ -106,9 +104,6 @@ class Guard:
 
     async def __call__(self, scope: Scope, receive: Any, send: Any) -> None:
         """Pass a request on, or refuse it."""
-        if scope["type"] == "lifespan":
-            await self._app(scope, receive, send)
-            return
         told = self._refused(scope)
         if told and scope["type"] == "websocket":
             await receive()
@@ -291,7 +286,7 @@ def _text(kind: str, **fields: Any) -> bytes:
 
 
 def application(opened: Origin | None, gate: Gate, port: int, worker: Worker) -> tuple[Application, Pages]:
-    """Return the application of the page on a port, and its pages, whose questions a started `worker` answers."""
+    """Return the application of the page on a port, and its pages, whose questions a `worker` answers."""
     from starlette.applications import Starlette
     from starlette.responses import PlainTextResponse, Response
     from starlette.routing import Route, WebSocketRoute
@@ -324,18 +319,9 @@ def application(opened: Origin | None, gate: Gate, port: int, worker: Worker) ->
             else Response(found.read_bytes(), media_type="image/jpeg")
         )
 
-    @asynccontextmanager
-    async def working(app: Starlette) -> AsyncIterator[None]:
-        worker.open(opened)
-        # what the first page will ask is worked on before it asks
-        if opened is not None:
-            first = {"do": "show", **opened.state, "last": None, "have": [], "rows": None}
-            worker.ask(first, Listener(NO_PAGE, None, lambda content: None))
-        yield
-
     routes = [
         *(Route(path, file, methods=["GET"]) for path in (*OWN_FILES, *REPORT_FILES)),
         Route(PICTURES_PATH + "{name}", picture, methods=["GET"]),
         WebSocketRoute("/socket", pages.serve),
     ]
-    return Guard(Starlette(routes=routes, lifespan=working), port), pages
+    return Guard(Starlette(routes=routes), port), pages

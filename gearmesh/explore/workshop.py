@@ -21,8 +21,6 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 
 from gearmesh.answers.bodies.questions import ModelledGears
-from gearmesh.answers.contact.contact import Contact
-from gearmesh.answers.contact.staging import first_contact, solved_contact, staged_contact
 from gearmesh.design.core import Design
 from gearmesh.design.keys import MM_PER
 from gearmesh.errors import ArgumentError, GearmeshError
@@ -40,18 +38,15 @@ from gearmesh.records import dataclass
 from gearmesh.systems.displaced import displaced_bases, displaced_pair
 from gearmesh.systems.system import build, complete_design, system_of
 from gearmesh.teeth.gear_train import GearTrain, Member
-from gearmesh.view.pictures import members_picture
-from gearmesh.view.report.stage import (
+from gearmesh.view.report.staged_member import (
     MEMBER_PAINTS,
     StagedMember,
-    StagedPair,
     camera_data,
     fitted,
     member_data,
-    pair_data,
     shape_data,
 )
-from gearmesh.view.views import pair_scene
+from gearmesh.view.views import pair_scene, set_scene
 
 #: tolerances of the meshes that are shown one after the other, over the module
 TOLERANCE_MODULES = (0.02, 0.002)
@@ -70,6 +65,9 @@ MAIN_FIGURES = (
     "tip_clearance",
     "interference",
 )
+
+#: messages of a state that are kept; curves come again with their scene
+KEPT_MESSAGES = ("design", "figures", "scene")
 
 Kept = TypeVar("Kept")
 
@@ -287,7 +285,8 @@ class Workshop:
             design = self._stated(request)
             known = []
             for message in self._steps(design, job, is_bare=len(have) == 1):
-                known.append(message)
+                if message["type"] in KEPT_MESSAGES and not message.get("later"):
+                    known.append(message)
                 job.answer(_sent(message, have))
                 # a page keeps the meshes of the scene that it shows, and no others
                 have = [shape["key"] for shape in message["shapes"]] if message["type"] == "scene" else have
@@ -342,29 +341,43 @@ class Workshop:
             shapes = self._shapes(gears, built.marks, coarse, fine, job, 0.1)
             still = self._still(gears, built.marks, shapes)
             yield {"type": "scene", **still, "pairs": [], "waiting": bool(different)}
-        contacts: dict[int, Contact] = {}
+        # the solver is loaded when the first gears are on the screen
+        from gearmesh.explore.pairs import few_solved, solve_contact, solve_mesh, staged
+
+        meshes, contacts = {}, {}
         for number, k in enumerate(different):
             share = 0.2 + 0.4 * number / len(different)
-            job.begin(f"contact of {train.pairs[k].name}", share, share + 0.4 / len(different))
-            contacts[k] = gears.contact(pair=k)
+            job.begin(f"mesh of {train.pairs[k].name}", share, share + 0.3 / len(different))
+            meshes[k] = solve_mesh(train.pairs[k])
+            yield {
+                "type": "figures",
+                "later": True,
+                "meshes": [
+                    _mesh_figures(train.pairs[m].name, mesh.summary(train.pairs[m])) for m, mesh in meshes.items()
+                ],
+                "warnings": [],
+            }
+            job.begin(f"contact of {train.pairs[k].name}", share + 0.3 / len(different), share + 0.4 / len(different))
+            contacts[k] = solve_contact(gears, k, meshes[k])
         self.ends.put(positions, {k: (contact.path.phi1[0], contact.path.phi1[-1]) for k, contact in contacts.items()})
         lines = [*gears.warnings, *(line for contact in contacts.values() for line in contact.warnings)]
         yield {
             "type": "figures",
-            "meshes": [{"name": each.pair.name, "figures": list(_figures(each.summary))} for each in contacts.values()],
+            "later": False,
+            "meshes": [_mesh_figures(each.pair.name, each.summary) for each in contacts.values()],
             "warnings": list(dict.fromkeys(lines)),
         }
         moving = {k: contact for k, contact in contacts.items() if contact.path.touching.any() and not contact.stuck}
         if first is None:
-            # the pattern at the positions of the figures, on coarse gears
-            soon = [solved_contact(train, contact) for contact in moving.values()]
-            if None not in soon:
+            # the pattern at the positions of the figures: curves at once, then on coarse gears
+            pairs = few_solved(train, moving.values(), names)
+            if pairs is not None:
+                members = [member_data(member, 0, 0.0) for member in gears.members.values()]
+                yield {"type": "curves", "pairs": pairs, "members": members}
                 shapes = self._shapes(gears, built.marks, coarse, fine, job, 0.6)
-                pairs = [pair_data(train, StagedPair(each, {}), names) | {"later": True} for each in soon if each]
                 yield {"type": "scene", **self._still(gears, built.marks, shapes), "pairs": pairs}
         job.begin("contact pattern", 0.7, 0.85)
-        staged = [StagedPair(staged_contact(train, contact), {}) for contact in moving.values()]
-        pairs = [pair_data(train, each, names) for each in staged]
+        pairs = staged(train, moving.values(), names)
         shapes = self._shapes(gears, built.marks, fine, fine, job, 0.85)
         yield {"type": "scene", **self._still(gears, built.marks, shapes), "pairs": pairs}
 
@@ -417,12 +430,9 @@ class Workshop:
         shapes = [shape for name in names if (shape := self._known_shape(marks[name], tolerance)) is not None]
         if len(shapes) != len(names) or not ends:
             return None
-        try:
-            found = [first_contact(gears.train, gears.train.pairs[k], own) for k, own in ends.items()]
-        except GearmeshError:
-            # the whole contact says why
-            return None
-        pairs = [pair_data(gears.train, StagedPair(each, {}), names) | {"later": True} for each in found if each]
+        from gearmesh.explore.pairs import few_positions
+
+        pairs = few_positions(gears.train, ends, names)
         return {"type": "scene", **self._still(gears, marks, shapes), "pairs": pairs} if pairs else None
 
     def _known_shape(self, mark: str, tolerance: float) -> Shape | None:
@@ -452,7 +462,7 @@ class Workshop:
         else:
             axis = next(iter(members.values())).mount.axis if not pairs else pairs[0].pinion.mount.axis
             placed = {name: meshes[name].move(member.mount.at(0.0)) for name, member in members.items()}
-            seen = members_picture(placed, axis)
+            seen = set_scene(placed, axis)
         points = np.concatenate([body.own_to_scene.point(body.mesh.vertices) for body in seen.bodies])
         return self.cameras.put(mark, camera_data(fitted(seen.camera, points)))
 
@@ -501,6 +511,11 @@ def _scene(members: Mapping[str, Member], shapes: Sequence[Shape]) -> dict[str, 
             for member, shape in zip(members.values(), shapes, strict=True)
         ],
     }
+
+
+def _mesh_figures(name: str, summary: Summary) -> dict[str, Any]:
+    """Return the figures of a mesh with its name."""
+    return {"name": name, "figures": list(_figures(summary))}
 
 
 def _figures(summary: Summary) -> Iterator[dict[str, Any]]:

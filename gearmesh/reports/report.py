@@ -45,7 +45,8 @@ from gearmesh.view.report import page as pages
 from gearmesh.view.report.bars import pattern_bars
 from gearmesh.view.report.card import Card, mesh_card
 from gearmesh.view.report.page import PageSection, drawing, listing, picture, three_version
-from gearmesh.view.report.stage import StagedMember, StagedPair, stage
+from gearmesh.view.report.stage import StagedPair, stage
+from gearmesh.view.report.staged_member import StagedMember
 from gearmesh.view.scene import Scene
 
 #: largest distance, mm, of the shown meshes from the exact surfaces

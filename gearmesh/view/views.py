@@ -140,7 +140,9 @@ def pair_scene(
     return Scene(bodies, pair_camera(pair, first, second, size, close_up), title=title, size=size)
 
 
-def set_scene(placed: Mapping[str, TriangleMesh], axis: Array, title: str, size: tuple[int, int]) -> Scene:
+def set_scene(
+    placed: Mapping[str, TriangleMesh], axis: Array, title: str = "", size: tuple[int, int] = (1600, 1200)
+) -> Scene:
     """Scene of meshes in the fixed frame, seen along their common axis.
 
     Members whose names differ only by a number have the same colour.

@@ -23,7 +23,7 @@ from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.reports.report import PagePlots, draw_plots, report_page, study_section
 from gearmesh.view.report import card
 from gearmesh.view.report.page import script_json
-from gearmesh.view.report.stage import StagedMember
+from gearmesh.view.report.staged_member import StagedMember
 
 HOSTILE = "</script><script>alert(1)</script> <!-- {{STAGE}} & \"quoted\" 'name'"
 FOLDER = PACKAGE / "view" / "report"

@@ -53,6 +53,7 @@ from gearmesh.contact.engagement.turns import FullTurns
 from gearmesh.contact.first_touch.crossing import crossing_over_a_pitch
 from gearmesh.contact.fit.fit import Fit
 from gearmesh.contact.flanks import PathHertz, hertz_path, path_curvatures, refuse_torque, solver_pair
+from gearmesh.contact.pair import Pair
 from gearmesh.contact.path import ContactPath
 from gearmesh.contact.sliding import path_motion
 from gearmesh.contact.tca import contact_path, jammed_path
@@ -491,6 +492,33 @@ def refuse_torques(torque: float | None, *, load_sharing: bool) -> None:
         refuse_torque(torque)
 
 
+@dataclass(frozen=True)
+class MeshSolution:
+    """Solved mesh of a pair, on which its contact is built."""
+
+    #: mounted flanks of the pair
+    flanks: Pair
+    #: whole engagement of a tooth pair; None where the teeth never meet
+    followed: Engagement | None
+    #: fit of the gears; None where nothing touches
+    fit: Fit | None
+    #: mesh cycle; None where nothing touches
+    cycle: Cycle | None
+
+    @staticmethod
+    def of(pair: GearPair) -> MeshSolution:
+        """Solve the mesh of a pair."""
+        flanks = solver_pair(pair)
+        followed = whole_engagement(flanks, pair.pitch)
+        tell(0.3)
+        return MeshSolution(flanks, followed, *((None, None) if followed is None else fitted_cycle(pair, followed)))
+
+    def summary(self, pair: GearPair) -> Summary:
+        """Return the figures of a pair that its mesh determines; the path of contact adds others."""
+        cycle = None if self.cycle is None else CycleSummary.of(self.cycle)
+        return Summary(cycle, None if self.fit is None else FitSummary.of(pair, self.fit))
+
+
 def contact_of(
     design: Design,
     pair: GearPair,
@@ -503,20 +531,24 @@ def contact_of(
     first_order: FirstOrder | None = None,
     turns: bool = False,
     speed: float | None = None,
+    mesh: MeshSolution | None = None,
 ) -> Contact:
     """Return the contact of a pair at phi1 (P,), rad, and the whole mesh cycle.
 
     The default positions are those of the design; if it sets none, they extend from the first to the last contact of a
     tooth pair. A `torque` (Nm) on the pinion adds the Hertz contact, with the whole load on one tooth pair or with its
     `shares`. `turns` adds the pair over whole turns, until it repeats. A `speed` (rpm) of the pinion adds velocities.
+    A `mesh` of the pair that is solved already saves its solution.
     Raises ArgumentError for a torque that is not above 0, and for sharing without a torque.
     """
-    flanks = solver_pair(pair)
     # positions: those asked for, those of the design, or the engagement of a tooth pair
     following = phi1 is None and by_engagement(design, pair)
-    followed = whole_engagement(flanks, pair.pitch) if cycle or following else None
-    tell(0.3)
-    fits, whole = fitted_cycle(pair, followed) if cycle and followed is not None else (None, None)
+    if cycle:
+        mesh = mesh or MeshSolution.of(pair)
+        flanks, followed, fits, whole = mesh.flanks, mesh.followed, mesh.fit, mesh.cycle
+    else:
+        flanks, fits, whole = solver_pair(pair), None, None
+        followed = whole_engagement(flanks, pair.pitch) if following else None
     tell(0.7)
     # first and last contact of the pair as the cycle knows them; its phi1 is not the phi1 of a source's tables
     known = None if whole is None or pair.eccentric or pair.generation is not None else whole.engagement

@@ -74,7 +74,7 @@ class StagedContact:
 def staged_contact(train: GearTrain, contact: Contact) -> StagedContact:
     """Return a solved contact at the positions of the slider; positions without contact are left out."""
     pair, known = contact.pair, contact.path.phi1[contact.path.touching]
-    flanks = solver_pair(pair)
+    flanks = solver_pair(pair) if contact.engagement is None else contact.engagement.pair
     phi1 = np.linspace(known.min(), known.max(), SLIDER_POSITIONS if np.ptp(known) else 1)
     path = contact_path(flanks, phi1, pair.generation, engagement=contact.engagement)
     if not path.touching.all():

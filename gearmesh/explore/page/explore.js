@@ -62,6 +62,7 @@
     opened(message) { replace({ from: message.from, keys: message.keys }, null); },
     design: takeDesign,
     figures: takeFigures,
+    curves: takeCurves,
     scene: takeScene,
     range: takeRange,
     file(message) { save(message.name, bytes(message.content)); },
@@ -82,7 +83,7 @@
   };
 
   let heard = () => {};
-  const OF_SHOW = ["design", "figures", "scene"];
+  const OF_SHOW = ["design", "figures", "curves", "scene"];
 
   function take(message) {
     if (OF_SHOW.includes(message.type) && message.id !== latest) return;
@@ -120,6 +121,7 @@
     rowsOf = null;
     chosen = null;
     anew = true;
+    figures = [];
     unpin();
     commit(given, last);
   }
@@ -405,10 +407,17 @@
   }
   const unitOf = (unit) => UNITS[unit] ?? unit;
 
+  // figures that come later keep their earlier values until then, greyed
   function takeFigures(message) {
+    element("pin").disabled = message.later;
+    if (message.later) {
+      element("results").classList.remove("old");
+      figures = withEarlier(message.meshes);
+      drawFigures();
+      return;
+    }
     grey(false);
     figures = message.meshes;
-    element("pin").disabled = false;
     drawFigures();
     const box = create("div");
     if (message.warnings.length) {
@@ -424,6 +433,16 @@
     drawCompare();
   }
 
+  function withEarlier(meshes) {
+    const earlier = figures.map((mesh) => ({ ...mesh, figures: mesh.figures.map((figure) => ({ ...figure, old: true })) }));
+    const named = new Map([...earlier, ...meshes].map((mesh) => [mesh.name, mesh]));
+    return [...named.keys()].map((name) => {
+      const before = earlier.find((mesh) => mesh.name === name)?.figures ?? [], now = meshes.find((mesh) => mesh.name === name)?.figures ?? [];
+      const known = new Map([...before, ...now].map((figure) => [figure.key, figure]));
+      return { name, figures: [...known.values()] };
+    });
+  }
+
   const capital = (text) => `${text[0].toUpperCase()}${text.slice(1)}`;
 
   function nameOf(figure) {
@@ -434,7 +453,7 @@
 
   function figureOf(mesh, figure) {
     const item = create("div"), term = create("dt"), said = create("dd");
-    item.className = "figure";
+    item.className = figure.old ? "figure old" : "figure";
     item.dataset.figure = figure.key;
     term.textContent = nameOf(figure);
     term.title = figure.about;
@@ -537,6 +556,13 @@
     const pair = shown?.pairs.find((each) => each.name === name) ?? shown?.pairs[0];
     curves.show(pair, shown?.members ?? [], pinned?.pairs?.find((each) => each.name === pair?.name));
     curves.follow(share);
+  }
+
+  // curves do not wait for the meshes of the view
+  function takeCurves(message) {
+    shown = { ...shown, ...message };
+    drawn = null;
+    drawCurves(scene?.state.pair ?? message.pairs[0]?.name);
   }
 
   function takeScene(message) {

@@ -11,10 +11,10 @@ import json
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from importlib.resources import files
 from typing import Any
 
 from gearmesh.view.report.card import Card, MeshCard
+from gearmesh.view.report.page_file import page_file
 
 
 @dataclass(frozen=True)
@@ -147,8 +147,3 @@ def _card(card: Card) -> str:
         heading = f"<h3>Warning{'s' * bool(count)}{count}</h3>"
         parts.append(f'<div id="warnings" class="warnings" tabindex="0">{heading}<ul>{items}</ul></div>')
     return f'<section id="card" aria-label="At a glance">{"".join(parts)}</section>'
-
-
-def page_file(name: str) -> str:
-    """Return a text of this folder: scripts, styles and parts of pages."""
-    return (files(__package__) / name).read_text(encoding="utf-8")

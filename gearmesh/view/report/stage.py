@@ -1,30 +1,30 @@
 """Data of the three-dimensional view of the report page: members, their motions, and the contact of their pairs.
 
-A member has one tooth, drawn as often as there are teeth, and the body under them. In JSON arrays are base64 text of
-float32 (see `packing`), NaN for missing values. Lengths are in mm, angles in rad, amounts in um.
+`staged_member` has the members. In JSON arrays are base64 text of float32 (see `packing`), NaN for missing values.
+Lengths are in mm, angles in rad, amounts in um.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from gearmesh.answers.contact.figures import shown_contact
 from gearmesh.answers.contact.staging import StagedContact, shown_flank
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import Array, cross, unit
-from gearmesh.mesh.solid import gear_solid
-from gearmesh.mesh.tessellate import ToothMesh, tessellate
-from gearmesh.mesh.triangles import TriangleMesh
-from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
-from gearmesh.view.load.footprints import Footprints
-from gearmesh.view.load.loaded_diagrams import MIN_DRAWN_SHARE, PRESSURE_LABEL, LoadedPattern, cycle_curves
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.teeth.gear_train import GearPair, GearTrain
 from gearmesh.view.on_tooth import closest_gap, lift_grid, union_level
-from gearmesh.view.report.packing import pack, packed_mesh
-from gearmesh.view.scene import BLUE_STEEL_PAINT, BRASS_PAINT, BRONZE_PAINT, Camera, MemberContact, contact_on, jumps
+from gearmesh.view.report.packing import pack
+from gearmesh.view.report.staged_member import StagedMember, camera_data, member_data, shape_data
+from gearmesh.view.scene import Camera, MemberContact, contact_on, jumps
+
+if TYPE_CHECKING:
+    from gearmesh.view.load.footprints import Footprints
+    from gearmesh.view.load.loaded_diagrams import LoadedPattern
 
 #: smallest end of a scale: ten times the accuracy of the amounts
 MIN_SCALE_UM = 1.0
@@ -36,12 +36,6 @@ POINTS_PER_BAND = 25
 GAP_SCALE_THICKNESSES = 10.0
 #: height above a flank at which points and colours are drawn, relative to its size
 LIFT_SHARE = 1e-3
-#: angle of view, upright, and ratio of width to height for which the view places its camera
-VIEW_ANGLE_DEG, VIEW_ASPECT = 20.0, 4.0 / 3.0
-#: height of the camera of all gears over the gears; the view takes 0.9 of it
-VIEW_MARGIN = 1.08 / 0.9
-#: colours of members, by their shape
-MEMBER_PAINTS = (BLUE_STEEL_PAINT, BRASS_PAINT, BRONZE_PAINT)
 
 
 @dataclass(frozen=True)
@@ -61,44 +55,6 @@ class StagedPair:
         return self.contact.pair
 
 
-@dataclass(frozen=True)
-class StagedMember:
-    """A member for the view."""
-
-    #: the member
-    member: Member
-    #: mesh of the whole member, own frame
-    whole: TriangleMesh
-    #: mesh of its first tooth
-    tooth: TriangleMesh
-    #: mesh of everything that is not repeated with the teeth
-    rest: TriangleMesh
-
-    @property
-    def reach(self) -> float:
-        """Largest distance (mm) of the mesh from the origin of its own frame."""
-        return float(np.linalg.norm(self.whole.vertices, axis=1).max())
-
-    @staticmethod
-    def of(member: Member, tolerance: float, *, lean: bool = True) -> StagedMember:
-        """Mesh a member within `tolerance`, mm; `lean` as for `tessellate`."""
-        tooth = tessellate(member.tooth, tolerance, lean=lean)
-        return StagedMember.of_mesh(member, gear_solid(member, tolerance, tooth), tooth)
-
-    @staticmethod
-    def of_mesh(member: Member, whole: TriangleMesh, tooth: ToothMesh) -> StagedMember:
-        """Return the member from its mesh `whole` and the mesh of the `tooth` that is repeated in it."""
-        plain = whole
-        if member.features.is_cut:
-            plain = gear_solid(replace(member, features=member.features.uncut), tooth.tolerance, tooth)
-        regions = member.repeated_regions
-        repeated = np.isin(plain.regions, [plain.region_names.index(name) for name in regions])
-        first = np.flatnonzero(repeated)[: int(repeated.sum()) // member.tooth.teeth]
-        return StagedMember(
-            member, whole, _part(plain, first), whole.only(*(set(whole.region_names) - set(map(str, regions))))
-        )
-
-
 def stage(
     train: GearTrain, members: Sequence[StagedMember], pairs: Sequence[StagedPair], camera: Camera
 ) -> dict[str, Any]:
@@ -116,59 +72,6 @@ def stage(
         "shapes": shapes,
         "members": shown,
         "pairs": [pair_data(train, staged, names) for staged in pairs],
-    }
-
-
-def camera_data(camera: Camera) -> dict[str, Any]:
-    """Return the data of the camera with which the view begins."""
-    return {
-        "back": (camera.position - camera.focus).tolist(),
-        "focus": camera.focus.tolist(),
-        "up": np.asarray(camera.up).tolist(),
-        "height": camera.height,
-    }
-
-
-def fitted(camera: Camera, points: Array) -> Camera:
-    """Return a camera with the height at which the view shows all points (N, 3), fixed frame."""
-    back = unit(camera.position - camera.focus)
-    aside = unit(cross(np.asarray(camera.up, dtype=float), back))
-    away = points - camera.focus
-    x, y, z = (away @ axis for axis in (aside, cross(back, aside), back))
-    slope = np.tan(np.radians(VIEW_ANGLE_DEG) / 2.0)
-    distance = (z + np.maximum(np.abs(y), np.abs(x) / VIEW_ASPECT) / slope).max()
-    return replace(camera, height=VIEW_MARGIN * 2.0 * float(slope * distance))
-
-
-def shape_data(staged: StagedMember) -> dict[str, Any]:
-    """Return the data of the shape of a member: its tooth, and everything that is not repeated."""
-    return {"tooth": packed_mesh(staged.tooth), "rest": packed_mesh(staged.rest)}
-
-
-def _part(mesh: TriangleMesh, chosen: Any) -> TriangleMesh:
-    return replace(mesh, triangles=mesh.triangles[chosen], regions=mesh.regions[chosen], normals=mesh.normals[chosen])
-
-
-def member_data(member: Member, shape: int, reach: float) -> dict[str, Any]:
-    """Return the data of a member: its mounting and teeth, the number of its shape, and its `reach` (mm) from its origin."""
-    joint, mount = member.tooth.joint, member.mount
-    places = joint.places(member.tooth.teeth)
-    paint = MEMBER_PAINTS[shape % len(MEMBER_PAINTS)]
-    return {
-        "name": member.name,
-        "shape": shape,
-        "teeth": member.tooth.teeth,
-        "reach": reach,
-        "pitch": member.tooth.pitch_angle,
-        # relative to the tooth that is drawn
-        "places": (places - places[0]).tolist(),
-        "colours": [paint.of("flank"), paint.of("fillet"), paint.of("body")],
-        "rotation": mount.base.rotation.tolist(),
-        "translation": mount.base.translation.tolist(),
-        "sign": mount.sign,
-        "zero": mount.zero,
-        "travel": mount.joint.travel,
-        "eccentricity": list(mount.eccentricity),
     }
 
 
@@ -200,6 +103,8 @@ def pair_data(train: GearTrain, staged: StagedPair, names: list[str]) -> dict[st
 
 def _load_data(pattern: LoadedPattern, rad: float) -> dict[str, Any]:
     """Return figures over a pitch and bands of pressure by phases, for every torque, fixed frame; see `bands`."""
+    from gearmesh.view.load.loaded_diagrams import cycle_curves
+
     mesh, loads = pattern.mesh, []
     curves = cycle_curves(pattern.gears, mesh.phi1)
     for k, halves in enumerate(pattern.prints):
@@ -302,6 +207,8 @@ def _bands(prints: Footprints, image: Rigid) -> dict[str, Any]:
 
 def _pressures(pattern: LoadedPattern, name: str, points: Array) -> dict[str, Any]:
     """Return the largest pressure at points (I, J, 3) of a flank, for every torque."""
+    from gearmesh.view.load.loaded_diagrams import MIN_DRAWN_SHARE, PRESSURE_LABEL
+
     by_torque = []
     for panel, *_ in pattern.panels[name]:
         values = panel.at(panel.plane.frame.places(points))
