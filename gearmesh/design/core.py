@@ -217,6 +217,7 @@ class MemberMaterial(Table):
     poisson_ratio: float | None = keys.number(
         "Poisson's ratio", None, low=0, high=0.499, default="material.poisson_ratio"
     )
+    density: float | None = keys.density("density", None, above=0, high=50000, default="material.density")
 
 
 class MemberMount(Table):
@@ -771,6 +772,48 @@ class Design(Table):
         given = own.youngs_modulus, own.poisson_ratio
         modulus, ratio = (general if own is None else own for own, general in zip(given, of_all, strict=True))
         return modulus, ratio
+
+    def given_density(self, member: str) -> float | None:
+        """Return the density of a member, kg/m^3: its own, or that of the table material; None if neither is given.
+
+        Parameters
+        ----------
+        member : str
+            Its name in the gear set.
+
+        Returns
+        -------
+        float or None
+            kg/m^3 in a design in mm; without it the density is that of steel.
+
+        Examples
+        --------
+        >>> print(design.given_density("pinion"))
+        None
+        """
+        own = getattr(self._member(member), "material", None)
+        return self.material.density if own is None or own.density is None else own.density
+
+    def density(self, member: str) -> float:
+        """Return the density of a member, kg/m^3; of steel if none is given.
+
+        Parameters
+        ----------
+        member : str
+            Its name in the gear set.
+
+        Returns
+        -------
+        float
+            kg/m^3.
+
+        Examples
+        --------
+        >>> design.density("pinion")
+        7850.0
+        """
+        given = self.given_density(member)
+        return STEEL_DENSITY_KG_PER_M3 if given is None else given
 
     def mount(self, member: str) -> MemberMount:
         """Return the support of a member.

@@ -12,7 +12,7 @@ from gearmesh import __version__
 from gearmesh.answers.gearset import GearSet
 from gearmesh.answers.sheet import sheet_of
 from gearmesh.cad.brep import exact_volume
-from gearmesh.design.core import STEEL_DENSITY_KG_PER_M3, Design
+from gearmesh.design.core import Design
 from gearmesh.design.keys import Key, Table
 from gearmesh.drawing.facts import DataRow, Facts, number
 from gearmesh.systems import system as systems
@@ -90,8 +90,7 @@ def facts_of(gears: GearSet, member: Member) -> Facts:
     ends = tuple(_value(tables, symbol, member.name) for symbol in reference or ())
     deviations = tuple(_value(tables, symbol, member.name) for symbol in TIP_DEVIATIONS)
     in_mm = design.in_mm()
-    given = in_mm.material.density
-    density = STEEL_DENSITY_KG_PER_M3 if given is None else given
+    density = in_mm.density(member.name)
     modulus, _ = in_mm.elastic(member.name)
     own = [*rows[:own_rows], *_end_chamfers(member), *_stock(gears.stock(member.name))]
     return Facts(

@@ -206,16 +206,11 @@ class StageReader:
                 for key, id in MATERIAL_ATTRIBUTES.items():
                     if value := self.number(one, id, f"{name}.material.{key}"):
                         keys[f"{name}.material.{key}"] = value
-                if density := self.number(one, DENSITY_ATTRIBUTE, "material.density"):
-                    densities[str(one)] = density
+                if density := self.number(one, DENSITY_ATTRIBUTE, f"{name}.material.density"):
+                    densities[f"{name}.material.density"] = KG_PER_M3 * density
         if len(set(densities.values())) == 1:
-            keys["material.density"] = KG_PER_M3 * next(iter(densities.values()))
-        elif densities:
-            self.notes.append(f"densities of {', '.join(densities)} are not used: they differ, and a design has one")
-            for one in self.model.components:
-                if str(one) in densities:
-                    self.used.discard((one.id, DENSITY_ATTRIBUTE))
-        return keys
+            return keys | {"material.density": next(iter(densities.values()))}
+        return keys | densities
 
     def own_keys(self, component: Component) -> dict[str, Any]:
         """Return the keys of a design that this program wrote into a component."""

@@ -113,8 +113,10 @@ class StageWriter:
             member_key = f"{name}.material.{key}"
             if self.put(material, id, self.keys.get(member_key, self.keys.get(f"material.{key}"))):
                 self.keys.pop(member_key, None)
-        density = self.keys.get("material.density")
-        self.put(material, DENSITY_ATTRIBUTE, None if density is None else density / KG_PER_M3)
+        own_density = f"{name}.material.density"
+        density = self.keys.get(own_density, self.keys.get("material.density"))
+        if self.put(material, DENSITY_ATTRIBUTE, None if density is None else density / KG_PER_M3):
+            self.keys.pop(own_density, None)
 
     def refer(self, origin: Component, type: str, name: str = "") -> Component:
         """Return the component of a type to which a component refers; add it if missing."""

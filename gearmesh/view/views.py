@@ -288,7 +288,9 @@ def _whole_tooth(
     front = _front(view, camera.focus, normal) + FRONT_CLEARANCE * height
     # height in the proportions of the picture; ellipses may be longer than the flank
     touched = min(FLANK_MARGIN * np.ptp(contact.places @ right) * view.size[1] / view.size[0], camera.height)
-    most = float(max(touched if touched < MAX_HELD_HEIGHT * height else CROWDED_HEIGHT * height, MIN_CUT_HEIGHT * height))
+    most = float(
+        max(touched if touched < MAX_HELD_HEIGHT * height else CROWDED_HEIGHT * height, MIN_CUT_HEIGHT * height)
+    )
     return replace(camera, front=front, front_normal=normal, measured=along), most
 
 

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from oracles.loaded import few_elements
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh.answers.load.members import assumed_densities
 from gearmesh.contact.hertz import Material, contact_modulus
 from gearmesh.errors import DesignError
 
@@ -41,3 +44,24 @@ def test_planets_and_racks_have_theirs() -> None:
     assert gm.load(SAMPLES / "rack.toml", ["rack.material.youngs_modulus=7e4"]).elastic("rack") == (7e4, 0.3)
     with pytest.raises(DesignError, match=r"gear\.material\.poisson_ratio = 0\.7: .*from 0 to 0\.499"):
         gm.load(SAMPLES / "spur.toml", ["gear.material.poisson_ratio=0.7"])
+
+
+def test_densities_of_members_are_in_sheet_deck_and_rexs_file(tmp_path: Path) -> None:
+    """A wheel of aluminium on a pinion of steel: masses as their densities; what is not given is that of all, or of steel."""
+    keys = ["gear.material.density=2700", "gear.material.youngs_modulus=7e4"]
+    steel, own = (gm.build(gm.load(SAMPLES / "spur.toml", given)) for given in ([], keys))
+    assert [own.design.density(name) for name in own.names.members] == [7850.0, 2700.0]
+    masses = [
+        [sheet.plain_tables[table.title]["m"][1:] for table in sheet.tables if {"m", "rho"} <= {*table.symbols}]
+        for sheet in (steel.sheet(), own.sheet())
+    ]
+    assert len(masses[0]) > 0
+    for before, after in zip(*masses, strict=True):
+        assert after == pytest.approx([before[0], before[1] * 2700.0 / 7850.0], rel=1e-8)
+    # the gear's density is given, so that no note tells that of steel
+    assert own.finite_elements()._model.materials["gear"] == Material(7e4, 0.3, 2700.0)
+    assert not assumed_densities(own.design, own.names.members)
+    assert assumed_densities(gm.load(SAMPLES / "spur.toml", keys[1:]), ["pinion", "gear"])
+    own.rexs().save(tmp_path / "pair.rexs")
+    read = gm.load_rexs(tmp_path / "pair.rexs").design
+    assert (read.density("pinion"), read.given_density("gear")) == (7850.0, 2700.0)

@@ -24,16 +24,20 @@ def materials_of(design: Design, pair: GearPair) -> tuple[Material, Material]:
 
 def material_of(design: Design, member: str) -> Material:
     """Return the material of a member, by its name."""
-    density = design.material.density
-    return Material(*design.elastic(member), STEEL_DENSITY_KG_PER_M3 if density is None else density)
+    return Material(*design.elastic(member), design.density(member))
 
 
 def assumed_densities(design: Design, members: Iterable[str]) -> list[str]:
     """Return a note on members that have the density of steel, which the design does not give, but not its modulus."""
-    assumed = [name for name in members if not (STEEL_MODULI_MPA[0] <= design.elastic(name)[0] <= STEEL_MODULI_MPA[1])]
-    if design.material.density is not None or not assumed:
+    assumed = [
+        name
+        for name in members
+        if design.given_density(name) is None
+        and not (STEEL_MODULI_MPA[0] <= design.elastic(name)[0] <= STEEL_MODULI_MPA[1])
+    ]
+    if not assumed:
         return []
-    what = "; give material.density for natural frequencies and inertia"
+    what = f"; give material.density, or {design.table_named(assumed[0])}.material.density, for natural frequencies and inertia"
     return [
         f"without material.density the density is {STEEL_DENSITY_KG_PER_M3:g} kg/m^3, as of steel ({', '.join(assumed)}){what}"
     ]

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from gearmesh.design.core import STEEL_DENSITY_KG_PER_M3, Design
+from gearmesh.design.core import Design
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.systems.common.symbol_table import Row, table, tables_of
 from gearmesh.systems.system import Sheet, SheetTable
@@ -55,19 +55,22 @@ def member_table(member: Member) -> SheetTable:
 
 def mass_table(design: Design, members: Mapping[str, Member]) -> SheetTable:
     """Return the table of mass, centre of gravity and inertia of members, in their own frames."""
-    given = design.material.density
-    density = STEEL_DENSITY_KG_PER_M3 if given is None else given
+    given = all(design.given_density(name) is not None for name in members)
+    densities = [design.density(name) for name in members]
     moments = [member_moments(member) for member in members.values()]
-    rigid = [np.concatenate((own.centre, np.diag(own.about_centre(density)))).tolist() for own in moments]
+    rigid = [
+        np.concatenate((own.centre, np.diag(own.about_centre(density)))).tolist()
+        for own, density in zip(moments, densities, strict=True)
+    ]
     turning = [
         None if member.body.bore_diameter is None else own.about_axis(density)
-        for own, member in zip(moments, members.values(), strict=True)
+        for own, density, member in zip(moments, densities, members.values(), strict=True)
     ]
     columns = list(zip(*rigid, strict=True))
     rows: list[Row] = [
-        ("rho", "density" if given is not None else "density, by default", "kg/m^3", tuple(density for _ in moments)),
+        ("rho", "density" if given else "density, by default", "kg/m^3", tuple(densities)),
         ("V", "volume of the whole", "mm^3", tuple(own.volume for own in moments)),
-        ("m", "mass", "kg", tuple(own.mass(density) for own in moments)),
+        ("m", "mass", "kg", tuple(own.mass(density) for own, density in zip(moments, densities, strict=True))),
         *((f"{axis}_S", f"centre of gravity, {axis}", "mm", columns[k]) for k, axis in enumerate("xyz")),
         ("J", "moment of inertia about the axis", "kg mm^2", tuple(turning)),
         *(

@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gearmesh.design.core import STEEL_DENSITY_KG_PER_M3
 from gearmesh.metrology.iso1328 import TOLERANCE_NAMES
 from gearmesh.systems.common.plain_sheet import plain_sheet
 from gearmesh.systems.common.standards.iso286 import Deviations
@@ -1099,13 +1098,17 @@ def _internal_reserves(pair: SheetPair) -> list[Row]:
 
 def _bodies(pair: SheetGears) -> list[Row]:
     """Return the rows of density, volume, mass and inertia."""
-    density = STEEL_DENSITY_KG_PER_M3 if pair.design.material.density is None else pair.design.material.density
+    densities = tuple(pair.design.density(member.name) for member in pair.members)
     bulks = [attempt(partial(member_moments, member)) for member in pair.members]
+    heavy = [
+        bulk if bulk is None or isinstance(bulk, Missing) else (bulk, density)
+        for bulk, density in zip(bulks, densities, strict=True)
+    ]
     return [
-        ("rho", "density", "kg/m^3", pair.of_all(lambda _: density)),
+        ("rho", "density", "kg/m^3", densities),
         ("V", "volume", "mm^3", values_of(bulks, lambda bulk: bulk.volume)),
-        ("m", "mass", "kg", values_of(bulks, lambda bulk: bulk.mass(density))),
-        ("J", "moment of inertia about the axis", "kg mm^2", values_of(bulks, lambda bulk: bulk.about_axis(density))),
+        ("m", "mass", "kg", values_of(heavy, lambda own: own[0].mass(own[1]))),
+        ("J", "moment of inertia about the axis", "kg mm^2", values_of(heavy, lambda own: own[0].about_axis(own[1]))),
     ]
 
 

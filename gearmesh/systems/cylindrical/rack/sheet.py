@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gearmesh.design.core import STEEL_DENSITY_KG_PER_M3
 from gearmesh.records import dataclass
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.plain_sheet import plain_sheet
@@ -262,7 +261,7 @@ def rack_rows(design: RackKeys, mesh: RackMesh, member: Member, root: float | No
     flanks = [rack_flank(member, side) for side in flank_sides(mesh.pinion)]
     pin = pin_diameter(mesh, flanks)
     over = NO_PIN if pin is None else over_pin(mesh, pin)
-    density = STEEL_DENSITY_KG_PER_M3 if design.material.density is None else design.material.density
+    density = design.density(member.name)
     volume = member.plain_volume()
     helix = mesh.pinion.beta
     values: tuple[tuple[str, str, str, float | int | str | Missing | None], ...] = (
