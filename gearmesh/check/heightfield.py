@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 
 #: closes the cracks between neighbouring triangles; rounding is about 1e-12 for the thinnest facets
 BARYCENTRIC_SLACK = 1e-9
+#: margin of the half planes that hold a triangle, as a share of the size of the triangle
+SIDE_MARGIN_SHARE = 1e-6
 #: residual of the flat coordinates at which Newton's method on a grid ends
 GRID_RESIDUAL_MM = 1e-11
 #: Newton steps on a grid; nearly tangent lines, at a root or a rounded tip, gain a factor of 4 per step
@@ -75,6 +77,9 @@ class HeightChart(Protocol):
 
     def lowest(self, corners: Array) -> Array:
         """Return lower bounds (T, 2) of the flat coordinates over triangles (T, 3, 3); upper bounds are corners."""
+
+    def bulge(self, corners: Array) -> Array:
+        """Return how far (T,) the first flat coordinate on triangles (T, 3, 3) may be below its interpolation between corners."""
 
 
 @dataclass(frozen=True)
@@ -120,6 +125,12 @@ class Arcs:
         along = np.clip(-(x * dx + y * dy) / square, 0.0, 1.0)
         x, y = x + along * dx, y + along * dy
         return np.stack((_least(np.sqrt(x * x + y * y)), _least(corners[..., 2])), axis=-1)
+
+    def bulge(self, corners: Array) -> Array:
+        # second derivatives of rho are at most 1 / rho, and a triangle is in a circle of radius L / sqrt(3)
+        edge = (corners - np.roll(corners, -1, axis=1))[..., :2]
+        with np.errstate(divide="ignore"):
+            return _greatest((edge * edge).sum(axis=-1)) / (6.0 * self.lowest(corners)[:, 0])
 
     def slope(self, r: Array, normal: Array) -> Array:
         """Return derivatives of the height by (rho, z), (..., 2) in rad/mm, of surfaces with `normal` at r (..., 3)."""
@@ -167,6 +178,9 @@ class Slides:
         corner: Array = corners[..., ::2].min(axis=1)
         return corner
 
+    def bulge(self, corners: Array) -> Array:
+        return np.zeros(len(corners))
+
     def slope(self, r: Array, normal: Array) -> Array:
         """Return derivatives of the height by (x, z), (..., 2) in rad/mm, of surfaces with `normal` at r (..., 3)."""
         return -normal[..., ::2] / (self.radius * self.sense * normal[..., 1])[..., None]
@@ -212,6 +226,9 @@ class Rays:
     def lowest(self, corners: Array) -> Array:
         corner: Array = corners[..., :2].min(axis=1)
         return corner
+
+    def bulge(self, corners: Array) -> Array:
+        return np.zeros(len(corners))
 
 
 @dataclass(frozen=True)
@@ -392,11 +409,24 @@ class MeshField:
         return self.chart.lowest(triangles), np.stack((_greatest(x), _greatest(y)), axis=-1)
 
     @cached_property
-    def _reach(self) -> tuple[Array, Array]:
-        """The bounds with a margin for rounding, (2, T)."""
+    def _sides(self) -> Array:
+        """Half planes over the flat coordinates that hold a triangle: per side, factors (3, 3, T) of x, y and 1, >= 0 inside.
+
+        Sides of a triangle may bend over the flat coordinates: half planes have a margin for this, and for rounding.
+        """
         low, high = self._bounds
-        margin = 1e-9 * (high.max(axis=0) - low.min(axis=0))
-        return np.ascontiguousarray((low - margin).T), np.ascontiguousarray((high + margin).T)
+        flat = self.chart.split(self.corners)[0]
+        start, edge = flat, np.roll(flat, -1, axis=1) - flat
+        length = np.hypot(edge[..., 0], edge[..., 1])
+        factors = np.stack((-edge[..., 1], edge[..., 0])) / np.where(length > 0.0, length, 1.0)
+        third = np.roll(flat, -2, axis=1) - start
+        factors *= np.where(factors[0] * third[..., 0] + factors[1] * third[..., 1] < 0.0, -1.0, 1.0)
+        rounding = SIDE_MARGIN_SHARE * (high - low).sum(axis=-1) + 1e-9 * (high.max(axis=0) - low.min(axis=0)).sum()
+        margin = np.abs(factors[0]) * self.chart.bulge(self.corners)[:, None] + rounding[:, None]
+        # a triangle at the axis may bulge without limit
+        margin = np.where(np.isfinite(margin), margin, np.inf)
+        within = margin - factors[0] * start[..., 0] - factors[1] * start[..., 1]
+        return np.ascontiguousarray(np.concatenate((factors, within[None])).transpose(2, 0, 1))
 
     @cached_property
     def _planes(self) -> Columns:
@@ -443,10 +473,10 @@ class MeshField:
 
     def at(self, flat: Array) -> Hits:
         query, triangle = self._bins.pairs(flat)
-        # compare column by column, which is faster than along the short last axis
-        for place, low, high in zip(flat.T, *self._reach, strict=True):
-            along = place[query]
-            near = (along >= low[triangle]) & (along <= high[triangle])
+        # side by side, which is faster than along a short last axis
+        x, y = np.ascontiguousarray(flat.T)
+        for by_x, by_y, within in self._sides:
+            near = by_x[triangle] * x[query] + by_y[triangle] * y[query] + within[triangle] >= 0.0
             query, triangle = query[near], triangle[near]
 
         # queries whose line may meet a triangle, with what belongs to the triangle alone looked up

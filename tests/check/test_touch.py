@@ -11,7 +11,16 @@ from oracles.examples import some
 from oracles.places import SAMPLES
 from scipy.interpolate import CubicSpline
 
-from gearmesh.check.heightfield import Arcs, GridFlank, HeightFlank, MeshFlank, PatchedFlank, first_highest
+from gearmesh.check.heightfield import (
+    Arcs,
+    GridFlank,
+    HeightFlank,
+    MeshFlank,
+    PatchedFlank,
+    Rays,
+    Slides,
+    first_highest,
+)
 from gearmesh.check.members import flank_patches, roll_flanks
 from gearmesh.check.touch import FirstTouch, first_touch
 from gearmesh.contact.flanks import analyse
@@ -304,3 +313,22 @@ def test_first_of_the_highest_hits_counts() -> None:
     order = np.lexsort((-height, owner))
     wanted = order[np.diff(owner[order], prepend=-1) > 0]
     np.testing.assert_array_equal(first_highest(owner, height), wanted)
+
+
+@pytest.mark.parametrize("chart", [Arcs(1.0, 0.0), Slides(-1.0, 20.0), Rays()], ids=["arcs", "slides", "rays"])
+def test_half_planes_lose_no_line(chart):
+    """Lines through points of triangles hit the same with the half planes of the sides and without them.
+
+    Some triangles are as long as they are far from the axis, so that sides bend; some are thin.
+    """
+    rng = np.random.default_rng(5)
+    corners = rng.normal(scale=6.0, size=(60, 3, 3)) + np.array([10.0, 0.0, 0.0])
+    corners[::3, 2] = corners[::3, 0] + 1e-3 * (corners[::3, 2] - corners[::3, 0])
+    shares, hits = rng.dirichlet(np.full(3, 0.3), size=40), 0
+    for triangle in corners:
+        flat, _ = chart.split(shares @ triangle)
+        field, without = (MeshFlank(triangle[None]).over(chart, Rigid.identity(), 1.0) for _ in range(2))
+        vars(without)["_sides"] = np.broadcast_to(np.array([0.0, 0.0, 1.0])[:, None], (3, 3, 1))
+        np.testing.assert_array_equal(field.at(flat).height, without.at(flat).height)
+        hits += np.isfinite(field.at(flat).height).sum()
+    assert hits > 1500
