@@ -127,7 +127,7 @@ def test_pinned_samples_build_the_same_gears_and_hold_every_default(path: Path, 
     left = set(absent(type(design), given))
     if design.kind == "spiral_bevel" and "formate" in getattr(design, "process", ""):
         left.discard("gear.cutter.ratio_of_roll")
-    if getattr(design, "process", "") == "face_hobbed":
+    if getattr(design, "hobbed", False):
         # head, blank and ease-off give machines, thicknesses and blades; their roundings are kept
         left -= {key for key in left if HOBBED_RESULT.match(key) and not key.endswith("edge_radius")}
     else:

@@ -16,6 +16,10 @@ from gearmesh.systems.common.bevel.machine_frame import own_axes
 from gearmesh.systems.spiral_bevel.hobbing.head_sheet import tooth_line
 from gearmesh.systems.spiral_bevel.hobbing.sides import HobbedContact
 from gearmesh.systems.spiral_bevel.machine.generated import Generated, Indexing
+from gearmesh.systems.spiral_bevel.machine.pair import MATING_SIDES, nominal_base
+from gearmesh.systems.spiral_bevel.synthesis.contact_choice import contact_said
+from gearmesh.systems.spiral_bevel.synthesis.local_synthesis import conjugate_operator
+from gearmesh.systems.spiral_bevel.synthesis.settings import gear_sides, mean_point, tool_values
 from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import BevelTeeth, bevel_teeth
 from gearmesh.teeth.generation.tool_in_place import tool_in_place
 from gearmesh.teeth.region import Side
@@ -60,14 +64,30 @@ def teeth_of(pair: str, eccentricity: float | None = None) -> BevelTeeth:
     return bevel_teeth(straight.in_mm())  # type: ignore[arg-type]
 
 
-def hypoid_design() -> gm.Design:
-    """A pair with offset whose contact is given, so that none is searched for."""
-    return gm.load("samples/hypoid_face_hobbed.toml")
+#: pairs whose pinion local synthesis makes, with a given contact, so that none is searched for
+SYNTHESISED = ("hypoid", "hypoid_formate", "bevel_formate")
+
+
+def synthesised_design(pair: str) -> gm.Design:
+    if pair == "bevel_formate":
+        contact = {"path_angle": 60, "semi_major_axis": 7, "mean_offset": 0, "mean_shift": 0}
+        concave, convex = {"ratio_derivative": -0.004}, {"ratio_derivative": 0.004, "path_angle": 105}
+        pinion = {"teeth": 14, "concave": {**contact, **concave}, "convex": {**contact, **convex}}
+        own = {
+            "process": "face_hobbed_formate",
+            "hand": "right",
+            "shaft_angle": 80,
+            "depth_factor": 1.85,
+            "pinion": pinion,
+        }
+        return gm.parse({**BASIC, **own})
+    design = gm.load("samples/hypoid_face_hobbed.toml")
+    return design if pair == "hypoid_formate" else design.with_values({"process": "face_hobbed"})
 
 
 @cache
-def hypoid_teeth() -> BevelTeeth:
-    return bevel_teeth(hypoid_design().in_mm())  # type: ignore[arg-type]
+def synthesised_teeth(pair: str) -> BevelTeeth:
+    return bevel_teeth(synthesised_design(pair).in_mm())  # type: ignore[arg-type]
 
 
 def sides_of(teeth: BevelTeeth) -> list[tuple[Generated, float]]:
@@ -155,20 +175,25 @@ def machine_points(side: Generated, roll: Array, turn: Array, p: Array) -> Array
     """
     settings, indexing = side.settings, side.indexing
     assert indexing is not None
-    centre = settings.radial * np.array([np.cos(settings.cradle_angle), side.hand * np.sin(settings.cradle_angle)])
-    machine_centre = np.array([settings.machine_centre_to_back, -side.hand * settings.machining_offset])
-    mean = np.array([side.mean, 0.0]) - machine_centre
-    across = mean - centre
-    across = rotation_about("z", indexing.offset_angle)[:2, :2] @ across / np.linalg.norm(across)
-    mean = centre + (mean - centre) / np.linalg.norm(mean - centre) * indexing.radius
+    angle = settings.cradle_angle
+    centre = settings.radial * np.array([np.cos(angle), side.hand * np.sin(angle), 0.0])
+    # a tilted axis leans by the swivel, from growing cradle angle
+    lean = side.hand * (angle + 0.5 * np.pi + settings.swivel)
+    axes = rotation_about("z", lean) @ rotation_about("y", settings.tilt) if settings.tilt else np.eye(3)
+    machine_centre = np.array([settings.machine_centre_to_back, -side.hand * settings.machining_offset, 0.0])
+    towards = (np.array([side.mean, 0.0, 0.0]) - machine_centre - centre) @ axes
+    radial = np.append(towards[:2] / np.linalg.norm(towards[:2]), 0.0)
+    across = rotation_about("z", indexing.offset_angle) @ radial
     height, beside = np.moveaxis(side.blade.flank.section(p)[0], -1, 0)
     out = side.blade.side * beside - indexing.radius
-    edge = np.column_stack(((mean - centre) + out[:, None] * across, -height))
-    on_cradle = (rotation_about("z", turn) @ edge[..., None])[..., 0] + np.append(centre, 0.0)
+    edge = indexing.radius * radial + out[:, None] * across + np.multiply.outer(-height, [0.0, 0.0, 1.0])
+    on_cradle = (axes @ rotation_about("z", turn) @ edge[..., None])[..., 0] + centre
     rolled = (rotation_about("z", side.hand * roll) @ on_cradle[..., None])[..., 0]
-    placed = rolled + np.append(machine_centre, -settings.sliding_base)
+    placed = rolled + machine_centre - np.array([0.0, 0.0, settings.sliding_base])
     on_blank = placed @ own_axes(settings.machine_root_angle).T
-    blank_turn = turn * indexing.blade_groups / indexing.teeth - side.hand * roll / settings.ratio_of_roll
+    blank_turn = turn * indexing.blade_groups / indexing.teeth
+    if not settings.formate:
+        blank_turn = blank_turn - side.hand * roll / settings.ratio_of_roll
     return (rotation_about("z", blank_turn) @ on_blank[..., None])[..., 0]
 
 
@@ -196,12 +221,14 @@ def test_faces_of_blades_contain_the_pole(pair: str) -> None:
         assert angle == pytest.approx(indexing.offset_angle, abs=1e-13)
 
 
-@pytest.mark.parametrize("pair", ["right_angle", "obtuse", "hypoid"])
+@pytest.mark.parametrize("pair", ["right_angle", "obtuse", *SYNTHESISED])
 def test_flanks_are_the_lower_envelope_of_the_moving_blades(pair: str) -> None:
     """No blade comes nearer than the flank, over rotation and roll; one blade touches it."""
-    for side, _ in sides_of(hypoid_teeth() if pair == "hypoid" else teeth_of(pair)):
+    for side, _ in sides_of(synthesised_teeth(pair) if pair in SYNTHESISED else teeth_of(pair)):
         made = replace(side, turned=0.0)
         assert made.indexing is not None
+        if made.settings.formate:
+            continue
         flank = made.envelope(made.blade.flank)
         p, v = np.meshgrid([made.blade.at_height(x) for x in (2.0, 4.0, 6.5)], [-0.12, 0.0, 0.1], indexing="ij")
         u, v = p.ravel(), v.ravel()
@@ -222,15 +249,56 @@ def test_flanks_are_the_lower_envelope_of_the_moving_blades(pair: str) -> None:
         assert (gap[15] > 1e-3).all()
 
 
-def test_hypoid_pinion_has_the_contact_that_its_design_asks_for() -> None:
-    """Local synthesis is exact: axis of the ellipse, and derivative of the ratio."""
-    teeth = hypoid_teeth()
+@pytest.mark.parametrize("pair", ["hypoid_formate", "bevel_formate"])
+def test_flanks_that_are_not_generated_are_the_traces_of_the_blades(pair: str) -> None:
+    """Points, and normals across edge and motion, of blades that rotate while the blank indexes; the cradle stands."""
+    for side in synthesised_teeth(pair).cut.gear.values():
+        assert side.settings.formate
+        made, step = replace(side, turned=0.0), 1e-5
+        p, v = np.meshgrid([made.blade.at_height(x) for x in (2.0, 4.0, 6.5)], [-0.12, 0.0, 0.1], indexing="ij")
+        u, v = p.ravel(), v.ravel()
+        jet, still = made.cut(made.blade.flank, 0.0).jet(u, v), np.zeros_like(v)
+        assert machine_points(made, still, v, u) == pytest.approx(jet.r, abs=1e-10)
+        for du, dv in ((step, 0.0), (0.0, step)):
+            change = machine_points(made, still, v + dv, u + du) - machine_points(made, still, v - dv, u - du)
+            assert np.abs((change / (2.0 * step) * jet.n).sum(axis=-1)).max() < 1e-7
+
+
+def test_conjugate_pinion_of_a_gear_that_is_not_generated_is_cut_by_its_cutter_in_the_cradle() -> None:
+    """Without offset both root lines are parallel: local synthesis finds the gear's own head in the gear's place."""
+    design, blank = synthesised_design("bevel_formate"), synthesised_teeth("bevel_formate").cut.blank
+    leant = gm.build(design).design.pinion
+    # sliding bases follow from the machines that are sought here, not from those of the design
+    leaning = ("tilt", "swivel", "machine_root_angle")
+    lean = {f"pinion.{name}.{key}": getattr(leant.side(name), key) for name in NAMES for key in leaning}
+    design_mm: Any = design.with_values(lean).in_mm()
+    values: dict[str, Any] = dict(lean)
     for name in NAMES:
-        gears = gm.build(hypoid_design().with_values({"contact.side": f"pinion_{name}"}))
+        gear, plain = gear_sides(design_mm, blank)[MATING_SIDES[name]], contact_said(design_mm, blank, name)
+        contact = mean_point(design_mm, blank, gear, nominal_base(blank, 1), plain).contact
+        found = tool_values(design_mm, blank, name, (contact.point, contact.normal), conjugate_operator(contact))
+        assert found["ratio_of_roll"] == pytest.approx(14 / 39, rel=1e-9)
+        assert found["machining_offset"] == pytest.approx(0.0, abs=1e-6)
+        assert np.radians(found["blade_angle"]) == pytest.approx(gear.blade.blade_angle, abs=1e-9)
+        values |= {f"pinion.{name}.{key}": value for key, value in found.items()}
+    for name in NAMES:
+        (mesh,) = gm.build(design.with_values({**values, "contact.side": f"pinion_{name}"})).pairs
+        path = analyse(mesh, np.linspace(-0.12, 0.12, 7))
+        assert (path.kind == "line").all()
+        assert np.abs(path.phi2 - mesh.ratio * path.phi1 - path.phi2[3]).max() < 1e-9
+
+
+@pytest.mark.parametrize("pair", SYNTHESISED)
+def test_synthesised_pinion_has_the_contact_that_its_design_asks_for(pair: str) -> None:
+    """Local synthesis is exact: axis of the ellipse, and derivative of the ratio."""
+    teeth = synthesised_teeth(pair)
+    for name in NAMES:
+        gears = gm.build(synthesised_design(pair).with_values({"contact.side": f"pinion_{name}"}))
         (mesh,) = gears.pairs
         step = 0.01
         path = analyse(mesh, step * np.array([-2.0, -1.0, 0.0, 1.0, 2.0]))
         assert (path.kind == "point").all()
+        assert np.abs(path.phi2[2]) < 1e-10
         asked = teeth.choices[name].asked
         assert path.semi_major[2] == pytest.approx(asked.semi_major_axis, rel=1e-6)
         error = path.phi2 - mesh.ratio * path.phi1
@@ -238,10 +306,11 @@ def test_hypoid_pinion_has_the_contact_that_its_design_asks_for() -> None:
         assert bend / mesh.ratio == pytest.approx(asked.ratio_derivative, rel=2e-3)
 
 
-def test_given_machines_of_a_hypoid_pair_make_the_same_flanks() -> None:
-    gears = gm.build(hypoid_design())
-    given = gears.sheet().design
-    one, other = (bevel_teeth(design.in_mm()).cut.pinion for design in (hypoid_design(), given))  # type: ignore[arg-type]
+@pytest.mark.parametrize("pair", SYNTHESISED[:2])
+def test_given_machines_make_the_same_flanks(pair: str) -> None:
+    design = synthesised_design(pair)
+    given = gm.build(design).sheet().design
+    one, other = (bevel_teeth(each.in_mm()).cut.pinion for each in (design, given))  # type: ignore[arg-type]
     for name in NAMES:
         p = np.array([one[name].blade.at_height(height) for height in (2.0, 5.0)])
         points = [sides[name].side(0.0).flank.jet(p, np.array([-0.1, 0.1])).r for sides in (one, other)]
@@ -325,13 +394,14 @@ def test_wrong_input_is_refused_by_its_key(values: dict[str, Any], key: str) -> 
     [
         ({"head.eccentricity": 1.0}, "head.eccentricity"),
         ({"pinion.convex.modified_roll_c2": 0.02}, "pinion.convex.modified_roll_c2"),
+        ({"process": "face_hobbed_formate", "head.eccentricity": 1.0}, "head.eccentricity"),
         ({"gear.cutter.radial": 70.0}, "gear.cutter.radial"),
         ({"head.radius": 20.0}, "head.radius"),
     ],
 )
 def test_wrong_input_of_hypoid_pairs_is_refused_by_its_key(values: dict[str, Any], key: str) -> None:
     with pytest.raises(gm.DesignError) as refusal:
-        gm.build(hypoid_design().with_values(values))
+        gm.build(synthesised_design("hypoid").with_values(values))
     assert refusal.value.key == key
 
 

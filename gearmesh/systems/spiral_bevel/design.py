@@ -395,13 +395,16 @@ class HandedDesign(BevelDesign):
 
 
 #: processes: each flank of the pinion by its own machine, or both at once; the gear both at once, generated or not
-PROCESS_NAMES = ("fixed_setting", "completing", "formate_fixed", "formate_completing", "face_hobbed")
+PROCESS_NAMES = (
+    *("fixed_setting", "completing", "formate_fixed", "formate_completing"),
+    *("face_hobbed", "face_hobbed_formate"),
+)
 #: processes with continuous indexing
-HOBBED_PROCESSES = ("face_hobbed",)
+HOBBED_PROCESSES = ("face_hobbed", "face_hobbed_formate")
 #: processes that cut both flanks of the pinion at once
 COMPLETING_PROCESSES = ("completing", "formate_completing")
 #: processes that do not generate the gear
-FORMATE_PROCESSES = ("formate_fixed", "formate_completing")
+FORMATE_PROCESSES = ("formate_fixed", "formate_completing", "face_hobbed_formate")
 #: keys of a blade, not of the machine
 BLADE_KEYS = tuple(BladeTable.model_fields)
 #: keys in which sides that are cut at once may differ: those of the blade, and those that request a contact
@@ -427,8 +430,8 @@ ROLLING_KEYS = (
     *(f"modified_roll_c{k}" for k in range(2, MAX_MOTION_ORDER + 1)),
     *MOTION_KEYS,
 )
-#: keys of a side of the pinion that are unknown to face hobbing with offset
-HOBBED_UNKNOWN_KEYS = (*ROLLING_KEYS[1:], "tilt", "swivel", "ease_off")
+#: keys of a side of the pinion that are unknown to face hobbing by a machine for each side
+HOBBED_UNKNOWN_KEYS = (*ROLLING_KEYS[1:], "ease_off")
 #: parameters of an ease-off that eccentricity and hollow blades of face hobbing give
 HOBBED_EASE_OFF_KEYS = ("profile_crowning", "length_crowning")
 #: largest difference (mm) of lengths that count as equal: 1e5 times the rounding of solved settings of 100 mm
@@ -454,6 +457,8 @@ EASE_OFF_EXCLUDED_KEYS = (
     "mean_offset",
     "mean_shift",
 )
+#: ends of the keys of derived settings that belong to the cones
+KEYS_OF_CONES = (".sliding_base", ".tilt", ".swivel", ".machine_root_angle")
 #: keys and tables on which no cone depends
 KEYS_BESIDE_CONES = ("gearmesh.", "assembly.", "contact.", "mesh.", "material.", "fe.")
 
@@ -465,7 +470,7 @@ class FaceMilledDesign(ProportionedDesign, HandedDesign):
 
     process: str = keys.choice(
         "pinion sides cut with a machine setting each (fixed_setting) or both in one cut (completing); formate: "
-        "gear not generated; face_hobbed: continuous indexing",
+        "gear not generated; face_hobbed: continuous indexing; face_hobbed_formate: gear not generated",
         PROCESS_NAMES,
         "fixed_setting",
     )
@@ -592,7 +597,7 @@ class FaceMilledDesign(ProportionedDesign, HandedDesign):
     @property
     def one_crown_gear(self) -> bool:
         """True if one crown gear generates both members."""
-        return self.hobbed
+        return self.hobbed and not self.formate
 
     @property
     def indexed(self) -> bool:
@@ -744,7 +749,22 @@ class FaceMilledDesign(ProportionedDesign, HandedDesign):
         for key, allowed in (("taper", "uniform"), ("mean_point", "mean_cone_distance")):
             if key in self.model_fields_set and getattr(self, key) != allowed:
                 raise conflict(key, getattr(self, key), reason=f'{own}; allowed is "{allowed}"')
-        self._refuse_other_crownings(own)
+        if self.one_crown_gear:
+            self._refuse_other_crownings(own)
+        return self
+
+    @model_validator(mode="after")
+    def _no_eccentricity(self) -> Self:
+        """Refuse keys that crown the teeth of one crown gear where each member has its own."""
+        if not self.hobbed or self.one_crown_gear:
+            return self
+        two = "" if self.formate else " with offset"
+        why = f'process = "{self.process}"{two}; the contact follows from local synthesis; leave it out'
+        if self.head.eccentricity is not None:
+            raise conflict("head.eccentricity", self.head.eccentricity, reason=why)
+        for name in ("concave", "convex"):
+            if self.ease_off(name) is not None:
+                raise conflict(self.ease_off_key(name), None, reason=why)
         return self
 
     def _refuse_other_crownings(self, own: str) -> None:
@@ -791,13 +811,14 @@ class FaceMilledDesign(ProportionedDesign, HandedDesign):
     def stays(self, dotted: str, values: Mapping[str, Any]) -> bool:
         if dotted == "backlash":
             return not BACKLASH_KEYS & values.keys()
-        # a sliding base belongs to the cones; machine settings given together, as on a sheet, belong to the old one
+        # a sliding base and a lean belong to the cones; machine settings given together, as on a sheet, belong to the
+        # old ones
         whole = any(key.endswith(".radial") for key in values)
         if dotted == "gear.cutter.tip_radius":
             return all(f"{key}.".startswith(KEYS_BESIDE_CONES) for key in values)
         return (
             whole
-            or not dotted.endswith(".sliding_base")
+            or not dotted.endswith(KEYS_OF_CONES)
             or all(f"{key}.".startswith(KEYS_BESIDE_CONES) for key in values)
         )
 
@@ -896,16 +917,3 @@ class HypoidDesign(FaceMilledDesign):
     @property
     def one_crown_gear(self) -> bool:
         return False
-
-    @model_validator(mode="after")
-    def _no_eccentricity(self) -> Self:
-        """Refuse keys that crown the teeth of one crown gear: a hypoid pair has two."""
-        if not self.hobbed:
-            return self
-        why = f'process = "{self.process}" with offset; the contact follows from local synthesis; leave it out'
-        if self.head.eccentricity is not None:
-            raise conflict("head.eccentricity", self.head.eccentricity, reason=why)
-        for name in ("concave", "convex"):
-            if self.ease_off(name) is not None:
-                raise conflict(self.ease_off_key(name), None, reason=why)
-        return self

@@ -27,16 +27,22 @@ def tooth_line(side: Generated, blank: BevelBlank) -> ToothLine:
     return replace(blank.tooth_line, cutter=FaceCutter(side.indexing.radius, side.indexing.blade_groups))
 
 
-def head_table(sides: list[Generated], names: tuple[str, ...], blank: BevelBlank, unit: float, noun: str) -> SheetTable:
+def head_table(
+    sides: list[Generated], names: tuple[str, ...], blank: BevelBlank, unit: float, noun: str, *, one_crown_gear: bool
+) -> SheetTable:
     """Return the table of the head, a column per side; lengths over `unit` (mm) in `noun`.
 
-    The tooth line of a pinion with offset is not that of its machine: its rows have no value.
+    The tooth line of a pinion with a crown gear of its own is not that of its machine: its rows have no value.
     """
     lines = [tooth_line(side, blank) for side in sides]
-    alike = [not (blank.offset and name.startswith("pinion")) for name in names]
+    alike = [one_crown_gear or not name.startswith("pinion") for name in names]
     toe, heel = blank.gear.extent
     heads = [(side.settings, side.indexing) for side in sides if side.indexing is not None]
-    crowns = [index.teeth / machine.ratio_of_roll for machine, index in heads]
+    # a gear that is not generated has the crown gear of its blank
+    crowns = [
+        float(line.crown_teeth) if machine.formate else index.teeth / machine.ratio_of_roll
+        for line, (machine, index) in zip(lines, heads, strict=True)
+    ]
     bases = [
         machine.radial / (1.0 + index.blade_groups / crown)
         for (machine, index), crown in zip(heads, crowns, strict=True)

@@ -1,191 +1,204 @@
-"""Machine of a face-hobbed side of the pinion with a given point, normal and shape operator, by Newton steps.
+"""Local synthesis of a face-hobbed pinion: the head and machine whose flank has a given point, normal and shape operator.
 
-The surface that an indexing blade sweeps has no closed form of its curvatures. Point, normal and operator of the flank
-at the mean point are eight conditions. The unknowns are radial setting, cradle angle, ratio of roll, machining offset,
-machine centre to back, blade angle, cutter radius at the mean point, and rotation of the cutter there. The machine plane
-is that of the root, which gives the height of the mean point over the blade's tip. The steps start from the machine that
-generates the pinion by its own crown gear.
+All vectors are in the pinion's frame, as in `synthesis.local_synthesis`. The blank turns with unit rate about z, the
+cradle with the ratio of roll m about c. Per unit of the cutter's rotation about its axis a, the blank turns by z_0/z_1
+for the index. At the mean point P the cradle moves with y = m c x (P - M), and the cutter's rotation alone with
+g = a x (P - C). The edge sweeps the crown gear's surface with the velocity w = g + y z_0/z_1.
+
+1. The flank is an envelope: n . y = n . (z x P). It is swept: n . w = 0. Both give all of y and g but one component
+   each; with m these are three unknowns.
+
+2. |g| is the cutter's radius r. The blade's face is turned from the radius by nu, r sin(nu) = z_0 m_n / 2. The edge in
+   the face is at right angles to n, which gives the blade angle.
+
+3. Edge tangent t and velocity w give the second fundamental form of the swept surface (n . r_uu, n . (omega x t),
+   n . dw/dtheta). Its envelope in the roll has the shape operator K1 of `generated_operator`. The three components of
+   K1 are the equations for the unknowns, solved by Newton steps.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gearmesh.errors import NoSolutionError
-from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.kernel.surface.curvature import shape_operator
-from gearmesh.kernel.surface.surface import Jet
-from gearmesh.systems.common.bevel.blank import BevelBlank
-from gearmesh.systems.spiral_bevel.hobbing.sides import crown_cut, indexing
-from gearmesh.tools.head_cutter import Blade
+from gearmesh.kernel.numeric import newton
+from gearmesh.kernel.numeric.algebra import Z_AXIS, Array, cross, dot, unit
+from gearmesh.systems.spiral_bevel.synthesis.local_synthesis import (
+    BladeAtMean,
+    MachinePlanes,
+    ToolSettings,
+    generated_operator,
+    placed_tool,
+)
 
-if TYPE_CHECKING:
-    from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
-    from gearmesh.systems.spiral_bevel.machine.generated import Generated
-
-#: largest residual (dimensionless: lengths over the mean cone distance) that counts as solved
-SYNTHESIS_TOLERANCE = 1e-11
-#: largest number of steps
-MAX_SYNTHESIS_STEPS = 60
-#: step of differences
+#: largest residual of the operator (dimensionless: times the cone distance) that counts as solved
+OPERATOR_TOLERANCE = 1e-12
+#: step of differences of the dimensionless unknowns
 DIFFERENCE_STEP = 1e-7
-#: least share of a step
-MIN_STEP_SHARE = 1e-3
-#: largest ratio of residuals at which the derivatives of an earlier step are kept
-MAX_KEPT_RATIO = 0.5
-
-
-def hobbed_values(
-    design: FaceMilledDesign, blank: BevelBlank, name: str, mean: tuple[Array, Array], operator: Array
-) -> dict[str, float]:
-    """Return the settings by key (mm, deg) of one side of the pinion.
-
-    `mean`: point (3,) and normal (3,), `operator`: shape operator (3, 3), in the pinion's frame, as cut.
-
-    Raises NoSolutionError, naming the side, if no machine has them.
-    """
-    return _HeadFit(design, blank, name, mean, operator).values()
 
 
 @dataclass(frozen=True)
-class _HeadFit:
-    """Newton steps to one side of the pinion."""
+class IndexingHead:
+    """Head that cuts one side of a pinion, and the machine from which the Newton steps start."""
 
-    #: design in mm
-    design: FaceMilledDesign
-    #: blank of the pair
-    blank: BevelBlank
-    #: "concave" or "convex"
-    name: str
-    #: point (3,), mm, and normal (3,)
-    mean: tuple[Array, Array]
-    #: shape operator (3, 3), 1/mm
+    #: turns of the blank per turn of the cutter, for the index
+    per_turn: float
+    #: r sin(nu), mm: constant along a blade; > 0 for right-hand members
+    lead: float
+    #: cutter radius at the mean point from which the steps start, mm
+    radius: float
+    #: point (3,) of the cradle axis from which the steps start, mm
+    centre: Array
+    #: ratio of roll from which the steps start
+    ratio: float
+
+
+def head_settings(
+    operator: Array,
+    mean: tuple[Array, Array],
+    planes: MachinePlanes,
+    side: int,
+    blade_curvature: float,
+    head: IndexingHead,
+) -> ToolSettings:
+    """Return the settings of the head whose flank has a given point, normal and shape operator.
+
+    - `operator`: shape operator (3, 3) of the pinion, 1/mm
+    - `mean`: mean point (3,) and normal (3,)
+    - `planes`: axes of cradle and cutter, and the plane in which the blade ends
+    - `side`: +1 for outside, -1 for inside blades
+    - `blade_curvature`: 1/R of the blade, 1/mm; 0 straight, > 0 convex
+
+    Raises NoSolutionError if the steps do not converge.
+    """
+    fit = _IndexingFit(mean[0], mean[1], planes, side, blade_curvature, head)
+    with np.errstate(all="ignore"):
+        solution = newton.solve(fit.residual_of(operator), fit.start[None], tolerance=OPERATOR_TOLERANCE)
+    if not solution.converged[0]:
+        raise NoSolutionError(
+            reason="no face-hobbing machine gives this contact", remedy="change spiral_angle, offset or head.radius"
+        )
+    made = fit.cut(solution.values)
+    velocity, ratio = made.cradle_velocity[0], float(made.ratio[0])
+    blade = BladeAtMean(float(made.angle[0]), float(made.radius[0]), made.radial[0], made.down[0])
+    return placed_tool(mean[0], planes, blade, ratio, -np.cross(planes.cradle, velocity) / ratio)
+
+
+@dataclass(frozen=True)
+class _HeadCut:
+    """What N machines cut at the mean point."""
+
+    #: ratios of roll (N,)
+    ratio: Array
+    #: velocity (N, 3) with the cradle, per unit rotation of the blank, mm
+    cradle_velocity: Array
+    #: cutter radii (N,), mm
+    radius: Array
+    #: unit vectors (N, 3) from the cutter's axis to the mean point
+    radial: Array
+    #: blade angles (N,), rad
+    angle: Array
+    #: directions (N, 3) down the edge to its tip, per unit of height
+    down: Array
+    #: shape operators (N, 2, 2) of the flank in the basis of `_IndexingFit`, 1/mm
     operator: Array
 
-    def values(self) -> dict[str, float]:
-        """Return the settings by key. Raises NoSolutionError if the steps do not converge."""
-        with np.errstate(all="ignore"):
-            x = self._solved()
-        side = self._side(x)
-        machine, blade = side.settings, side.blade
-        return {
-            "radial": machine.radial,
-            "cradle_angle": float(np.degrees(machine.cradle_angle)),
-            "ratio_of_roll": machine.ratio_of_roll,
-            "machining_offset": machine.machining_offset,
-            "machine_centre_to_back": machine.machine_centre_to_back,
-            "sliding_base": machine.sliding_base,
-            "blade_angle": float(np.degrees(blade.blade_angle)),
-            "tip_radius": blade.tip_radius,
-            "blade_height": self._height,
-        }
 
-    def _solved(self) -> Array:
-        x, slopes = self._start, None
-        rest = self._residual(x)
-        for _ in range(MAX_SYNTHESIS_STEPS):
-            size = float(np.linalg.norm(rest))
-            if size < SYNTHESIS_TOLERANCE:
-                return x
-            fresh = slopes is None
-            if slopes is None:
-                steps = DIFFERENCE_STEP * np.eye(x.size)
-                columns = [(self._residual(x + step) - rest) / step.sum() for step in steps]
-                slopes = np.stack(columns, axis=1)
-            if not np.isfinite(slopes).all():
-                break
-            step = -np.linalg.solve(slopes, rest)
-            share, ahead = 1.0, self._residual(x + step)
-            while fresh and share > MIN_STEP_SHARE and not np.linalg.norm(ahead) < size:
-                share *= 0.5
-                ahead = self._residual(x + share * step)
-            if not np.linalg.norm(ahead) < size:
-                if fresh:
-                    break
-                slopes = None
-                continue
-            # Broyden's update of the derivatives, unless the step was poor
-            moved = share * step
-            poor = np.linalg.norm(ahead) > MAX_KEPT_RATIO * size
-            slopes = None if poor else slopes + np.outer(ahead - rest - slopes @ moved, moved) / (moved @ moved)
-            x, rest = x + moved, ahead
-        raise NoSolutionError(
-            f"pinion.{self.name}",
-            reason="no face-hobbing machine gives this contact",
-            remedy="change spiral_angle, offset or head.radius",
-        )
+@dataclass(frozen=True)
+class _IndexingFit:
+    """Newton steps to one side of a pinion.
 
-    @cached_property
-    def _nominal(self) -> Generated:
-        """Side that the pinion's own crown gear generates."""
-        return crown_cut(self.design, self.blank, self.name)
+    The unknowns (3,) are the free components of both velocities, over the cone distance, and the ratio of roll.
+    """
 
-    @cached_property
-    def _height(self) -> float:
-        """Height (mm) of the mean point over the tip plane."""
-        return float(self._nominal.above_plane(self.mean[0][None])[0])
+    #: mean point (3,), mm
+    point: Array
+    #: normal (3,) out of the pinion
+    normal: Array
+    #: axes of cradle and cutter
+    planes: MachinePlanes
+    #: +1 for outside, -1 for inside blades
+    side: int
+    #: 1/R of the blade, 1/mm
+    blade_curvature: float
+    #: the head
+    head: IndexingHead
 
     @cached_property
     def _size(self) -> float:
-        return self.blank.pinion.mean_cone_distance
+        """Cone distance (mm) that makes lengths dimensionless."""
+        return float(np.linalg.norm(self.point))
 
     @cached_property
-    def _start(self) -> Array:
-        machine, blade = self._nominal.settings, self._nominal.blade
-        return np.array(
-            [
-                machine.radial / self._size,
-                machine.cradle_angle,
-                machine.ratio_of_roll,
-                machine.machining_offset / self._size,
-                machine.machine_centre_to_back / self._size,
-                blade.blade_angle,
-                self.blank.cutter_radius / self._size,
-                0.0,
-            ]
-        )
-
-    def _side(self, x: Array) -> Generated:
-        """Return the side of the unknowns (8,)."""
-        radial, cradle_angle, ratio, offset, centre, angle, radius, _ = (float(value) for value in x)
-        nominal, size = self._nominal, self._size
-        machine = replace(
-            nominal.settings,
-            radial=radial * size,
-            cradle_angle=cradle_angle,
-            ratio_of_roll=ratio,
-            machining_offset=offset * size,
-            machine_centre_to_back=centre * size,
-        )
-        curved = self.design.pinion.side(self.name).blade_radius
-        blade = Blade.through(nominal.blade.side, radius * size, self._height, angle, 0.0, curved)
-        index = indexing(self.design, self.blank, self.blank.pinion, nominal.hand, radius * size)
-        return replace(nominal, settings=machine, blade=blade, indexing=index)
-
-    def _residual(self, x: Array) -> Array:
-        """Return the residuals (8,) of point, normal and operator."""
-        side, point, size = self._side(x), self.mean[0], self._size
-        at = np.array([side.blade.at_height(self._height)]), x[7:]
-        batch = side.envelope(side.blade.flank).jet(*at)
-        jet = Jet(*(values[0] for values in (batch.r, batch.n, batch.r_u, batch.r_v, batch.n_u, batch.n_v)))
-        e1, e2 = self._tangents
-        along = e1 - jet.n * (jet.n @ e1)
-        along /= np.sqrt(along @ along)
-        k = shape_operator(jet, along, np.cross(jet.n, along)) - np.array(
-            [[e1 @ self.operator @ e1, e1 @ self.operator @ e2], [e2 @ self.operator @ e1, e2 @ self.operator @ e2]]
-        )
-        return np.array(
-            [*(jet.r - point) / size, jet.n @ e1, jet.n @ e2, k[0, 0] * size, k[0, 1] * size, k[1, 1] * size]
-        )
+    def _basis(self) -> Array:
+        """Orthonormal tangents (2, 3) at the mean point."""
+        along = unit(np.cross(self.normal, Z_AXIS))
+        return np.stack((along, np.cross(self.normal, along)))
 
     @cached_property
-    def _tangents(self) -> tuple[Array, Array]:
-        """Orthonormal tangents (3,) at the mean point."""
-        normal = self.mean[1]
-        e1 = np.cross(normal, [0.0, 0.0, 1.0])
-        e1 /= np.sqrt(e1 @ e1)
-        return e1, np.cross(normal, e1)
+    def _known(self) -> tuple[Array, Array, Array, Array]:
+        """Known parts (3,) of the velocities with cradle and cutter, mm, and unit vectors (3,) of their free parts."""
+        n, across = self.normal, float(self.normal @ np.cross(Z_AXIS, self.point))
+        parts = []
+        for axis, size in ((self.planes.cradle, across), (self.planes.tool, -self.head.per_turn * across)):
+            in_plane = n - (n @ axis) * axis
+            parts.append((size / (n @ in_plane) * in_plane, unit(np.cross(axis, n))))
+        (cradle, cradle_free), (cutter, cutter_free) = parts
+        return cradle, cutter, cradle_free, cutter_free
+
+    @property
+    def start(self) -> Array:
+        """Unknowns (3,) of the head's start."""
+        _, cutter, cradle_free, _ = self._known
+        moved = self.head.ratio * np.cross(self.planes.cradle, self.point - self.head.centre)
+        # the mean point is on the side of the cutter's axis on which the blade cuts
+        turned = -self.side * np.sqrt(self.head.radius**2 - cutter @ cutter)
+        return np.array([moved @ cradle_free / self._size, turned / self._size, self.head.ratio])
+
+    def residual_of(self, operator: Array) -> newton.Residual:
+        """Return residuals (M, 3) of the operator (3, 3), and their derivatives (M, 3, 3) by differences."""
+        wanted = self._basis @ operator @ self._basis.T
+
+        def residual(x: Array, _: NDArray[np.intp]) -> tuple[Array, Array]:
+            shifted = x + DIFFERENCE_STEP * np.concatenate((np.zeros((1, 3)), np.eye(3)))[:, None]
+            apart = self._size * (self.cut(shifted.reshape(-1, 3)).operator - wanted)
+            f = np.stack((apart[:, 0, 0], apart[:, 0, 1], apart[:, 1, 1]), axis=-1).reshape(shifted.shape)
+            return f[0], np.moveaxis(f[1:] - f[0], 0, -1) / DIFFERENCE_STEP
+
+        return residual
+
+    def cut(self, x: Array) -> _HeadCut:
+        """Return what the machines of unknowns (N, 3) cut at the mean point."""
+        n, cradle, tool, side = self.normal, self.planes.cradle, self.planes.tool, self.side
+        known_cradle, known_cutter, cradle_free, cutter_free = self._known
+        by_cradle = known_cradle + self._size * x[:, :1] * cradle_free
+        by_cutter = known_cutter + self._size * x[:, 1:2] * cutter_free
+        radius = np.sqrt(dot(by_cutter, by_cutter))
+        around = by_cutter / radius[:, None]
+        radial = cross(around, tool)
+        # face and edge of the blade
+        sine = self.head.lead / radius
+        face = np.sqrt(1.0 - sine**2)[:, None] * radial + sine[:, None] * around
+        angle = np.arctan2(-(n @ tool), -side * (face @ n))
+        c, s = np.cos(angle)[:, None], np.sin(angle)[:, None]
+        edge, bent = side * s * face - c * tool, -s * tool - side * c * face
+        # swept surface: the crown gear carries the cutter
+        ratio, rate = x[:, 2], x[:, 2:] * self.head.per_turn
+        swept = by_cutter + self.head.per_turn * by_cradle
+        spin, arm = tool + rate * cradle, radius[:, None] * radial
+        by_arm = cross(rate * cradle, arm) + by_cutter
+        change = cross(rate * cradle, swept) + cross(cross(rate * cradle, tool), arm) + cross(tool, by_arm)
+        form = np.empty((len(x), 2, 2))
+        form[:, 0, 0] = self.blade_curvature * (bent @ n)
+        form[:, 0, 1] = form[:, 1, 0] = cross(spin, edge) @ n
+        form[:, 1, 1] = change @ n
+        tangents = np.linalg.inv(np.stack((edge, swept), axis=1) @ self._basis.T)
+        cutter_operator = tangents @ form @ np.swapaxes(tangents, -1, -2)
+        operator = generated_operator(
+            cutter_operator, (self.point, n, self._basis), (Z_AXIS, x[:, 2:] * cradle), by_cradle
+        )
+        return _HeadCut(ratio, by_cradle, radius, radial, angle, tool - side * np.tan(angle)[:, None] * face, operator)

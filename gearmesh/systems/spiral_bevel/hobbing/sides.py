@@ -7,16 +7,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gearmesh.kernel.numeric.algebra import ARCSEC
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.kernel.surface.curvature import shape_operator
 from gearmesh.systems.common.bevel.blank import BevelBlank, MemberBlank, basic_data
 from gearmesh.systems.common.bevel.cone_blank import ConeData
 from gearmesh.systems.common.bevel.iso23509.tooth_line import FaceCutter, ToothLine
 from gearmesh.systems.spiral_bevel.hobbing.head import HeadLines, head_radius
+from gearmesh.systems.spiral_bevel.hobbing.head_synthesis import IndexingHead
 from gearmesh.systems.spiral_bevel.machine.blades import blade_keys, made_blade
+from gearmesh.systems.spiral_bevel.machine.gear_cradle import turned_after_cut
 from gearmesh.systems.spiral_bevel.machine.generated import Generated, Indexing
 from gearmesh.systems.spiral_bevel.machine.machine import MachineSettings
-from gearmesh.systems.spiral_bevel.machine.pair import BLADE_SIDES, HAND_SIGNS, MATING_SIDES, Sides
+from gearmesh.systems.spiral_bevel.machine.pair import BLADE_SIDES, HAND_SIGNS, MATING_SIDES, Sides, nominal_base
 from gearmesh.systems.spiral_bevel.synthesis.default_ellipse import default_semi_major_axis
 from gearmesh.teeth.region import Side
 from gearmesh.tools.head_cutter import Blade
@@ -180,9 +183,22 @@ def hobbed_pinion(design: FaceMilledDesign, blank: BevelBlank, name: str, gear_t
     return replace(made, turned=-float(turned))
 
 
-def crown_cut(design: FaceMilledDesign, blank: BevelBlank, name: str) -> Generated:
-    """Return one side of the pinion as straight blades on its own crown gear cut it, without a turn after cutting."""
-    return _side(design, blank, blank.pinion, _blade(design, blank, "pinion", name), HobbedContact(0.0, 0.0, 0.0))
+def indexing_head(design: FaceMilledDesign, blank: BevelBlank, cradle: Array) -> IndexingHead:
+    """Return the head of the pinion's machines, and the machine from which local synthesis starts.
+
+    It is the pinion's own crown gear, or the gear itself where it is not generated, about the `cradle` axis (3,).
+    """
+    own, hand = blank.pinion, HAND_SIGNS[design.hand]
+    lead = hand * 0.5 * design.head.blade_groups * blank.mean_normal_module
+    if design.formate:
+        base = Rigid.about_z(-turned_after_cut(design, blank)) @ nominal_base(blank, hand)
+        centre, ratio = base.translation, own.teeth / blank.gear.teeth
+    else:
+        # the cradle rolls on the pitch cone without sliding across the pitch line
+        c, s = np.cos(own.pitch_angle), np.sin(own.pitch_angle)
+        centre = np.array([0.0, 0.0, -own.pitch_apex])
+        ratio = float(s / np.linalg.norm(np.cross(cradle, [s, 0.0, c])))
+    return IndexingHead(design.head.blade_groups / own.teeth, lead, blank.cutter_radius, centre, ratio)
 
 
 @dataclass(frozen=True)
@@ -241,8 +257,11 @@ def _side(
     tip_radius = Blade.through(blade.side, float(beside), middle, angle, 0.0, curved).tip_radius
     edge, values = (blade.side, tip_radius, angle), {**blade.values, "blade_radius": curved, "blade_height": None}
     made = made_blade(blade.prefix, edge, values, middle, blank)
+    machine = _machine(line, own)
+    if design.formate and own is blank.gear:
+        machine = replace(machine, ratio_of_roll=0.0, formate=True)
     return Generated(
-        _machine(line, own),
+        machine,
         made,
         hand,
         own.along_root(own.mean_cone_distance),

@@ -64,7 +64,10 @@ def upright_cutter(
     lean_azimuth = float(np.arctan2(axis @ across, axis @ root))
     # azimuth of the gear's cutter about the cradle axis, which is the gear's axis
     gear_to_machine = Rigid.about_z(-turned) @ nominal_base(blank, hand)
-    from_axis = gear_to_machine.point(gear.settings.standing(gear.hand, 0.0).translation) - gear_to_machine.translation
+    # with the axis of the gear's head, the tip plane of the pinion's head is at the other end of the blades
+    centre = np.array([0.0, 0.0, -blank.mean_depth if design.hobbed else 0.0])
+    standing = gear_to_machine @ gear.settings.standing(gear.hand, 0.0)
+    from_axis = standing.point(centre) - gear_to_machine.translation
     cutter_azimuth = float(np.arctan2(from_axis @ across, from_axis @ root))
     swivel = hand * (lean_azimuth - cutter_azimuth) - 0.5 * np.pi
     return tilt, float((swivel + np.pi) % (2.0 * np.pi) - np.pi)

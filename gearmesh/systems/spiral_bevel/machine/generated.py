@@ -14,7 +14,7 @@ from gearmesh.kernel.envelope.swept_curve import SweptCurve
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.motion.rolling import CradleRoll
 from gearmesh.kernel.numeric import newton
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array, polar_angle
 from gearmesh.kernel.surface.levels import ConeLevel
 from gearmesh.kernel.surface.stations import along
 from gearmesh.kernel.surface.surface import GeneratedSurface, PlacedSurface
@@ -31,6 +31,10 @@ from gearmesh.tools.rack import RackLine
 TIP_PLANE = RackLine(0.5 * np.pi, 0.0, 0.0)
 #: rotation (rad) between places that count as the same
 SAME_PLACE_RAD = 1e-9
+#: largest number of steps to the cradle angle of an indexing cutter; each gains a digit
+MAX_INDEX_STEPS = 40
+#: change (rad) of this cradle angle at which the steps end
+INDEX_TOLERANCE_RAD = 1e-15
 #: cradle rotation (rad) that counts as 0, before the last Newton step
 CRADLE_ZERO_TOLERANCE = 1e-12
 
@@ -169,8 +173,11 @@ class Generated:
     def cut(self, profile: Profile, place: float) -> GeneratedSurface:
         """Return the surface that a profile of the blade leaves on the member.
 
-        The surface is the profile's envelope, or the profile's surface of revolution on a machine without roll.
+        The surface is the profile's envelope. On a machine without roll it is what the profile sweeps: a surface of
+        revolution, or in face hobbing its trace by rotation and index.
         """
+        if self.settings.formate and self.indexing is not None:
+            return PlacedSurface(self._swept(profile), Rigid.about_z(self.turned + place))
         if self.settings.formate:
             return PlacedSurface(self._revolved(profile), self.settings.standing(self.hand, self.turned + place))
         return self.envelope(profile, place)
@@ -190,7 +197,7 @@ class Generated:
         return Revolved(profile, self.blade.side, self._mean_direction)
 
     def _swept(self, profile: Profile) -> SweptCurve:
-        """Return the crown gear's surface that a profile of the blade sweeps, in the frame of the cradle.
+        """Return the surface that a profile of the blade sweeps in the `index_motion`.
 
         v is the rotation of the cutter from the position in which the blade passes through the mean point.
         """
@@ -215,21 +222,50 @@ class Generated:
 
     @cached_property
     def index_motion(self) -> CradleRoll:
-        """Motion of the cutter in the frame of the crown gear, by the cutter's rotation."""
+        """Motion of the cutter by its rotation, in the frame of the crown gear, or of a blank that is not generated."""
         assert self.indexing is not None
         settings = self.settings
         cutter = Rigid(settings.cutter_axes(self.hand), settings.cutter_centre(self.hand))
+        if settings.formate:
+            rate = self.indexing.blade_groups / self.indexing.teeth
+            place = settings.own_from_machine(self.hand) @ cutter
+            return CradleRoll((0.0, 0.0, 0.0), place, (0.0, rate), swivel=(self._mean_direction,))
         rate = settings.ratio_of_roll * self.indexing.blade_groups / self.indexing.teeth
         return CradleRoll((0.0, 0.0, 0.0), cutter, (0.0, rate), swivel=(self._mean_direction,))
 
     def above_plane(self, r: Array) -> Array:
         """Return the heights (...,), mm, of points r (..., 3) over the machine plane, towards the tip of the tooth.
 
-        The points are in the member's frame.
+        The points are in the member's frame. Heights of a tilted head that indexes are over its tip plane.
         """
+        if self.indexing is not None and self.settings.tilted:
+            return np.asarray(-self.settings.standing(self.hand, self.turned).inverse.point(r)[..., 2])
         own_from_machine = Rigid.about_z(self.turned) @ self.settings.own_from_machine(self.hand)
         height: Array = -own_from_machine.inverse.point(r)[..., 2]
         return height
+
+    def indexed_at(self, point: Array) -> Generated:
+        """Return the side whose blade cuts a point (3,), in the member's frame, that it cuts if the blank does not index.
+
+        While the cutter turns from its zero to the point, the crown gear turns with the index. The cradle angle makes
+        up for that.
+        """
+        indexing, settings, hand = self.indexing, self.settings, self.hand
+        if indexing is None:
+            return self
+        here = settings.own_from_machine(hand).inverse.point(point) - settings.cutter_centre(hand)
+        rate, back = settings.ratio_of_roll * indexing.blade_groups / indexing.teeth, settings.cutter_axes(hand).T
+        direction = float(polar_angle(back @ here))
+        side = self
+        for _ in range(MAX_INDEX_STEPS):
+            # axes of a tilted cutter turn with the cradle
+            turn = _wrapped(direction - side._mean_direction) / (1.0 if settings.tilted else 1.0 + rate)
+            angle = settings.cradle_angle - hand * rate * turn
+            change = angle - side.settings.cradle_angle
+            side = replace(side, settings=replace(settings, cradle_angle=angle))
+            if abs(change) < INDEX_TOLERANCE_RAD:
+                break
+        return side
 
     def base_to(self, root_angle: float, root_base: float) -> float:
         """Return the sliding base (mm) with which the blade ends on the root line at the mean cone distance.
@@ -253,3 +289,8 @@ class Generated:
         if settings.tilted:
             from_centre = from_centre @ settings.cutter_axes(self.hand)
         return float(np.arctan2(from_centre[1], from_centre[0]))
+
+
+def _wrapped(angle: float) -> float:
+    """Return an angle (rad) between -pi and pi."""
+    return float((angle + np.pi) % (2.0 * np.pi) - np.pi)

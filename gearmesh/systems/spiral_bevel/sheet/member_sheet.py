@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearmesh.systems.common.bevel.accuracy import tolerance_table
+from gearmesh.systems.common.symbol_table import tables_of
 from gearmesh.systems.spiral_bevel.build import cut_alone
-from gearmesh.systems.spiral_bevel.hobbing.head_sheet import head_table
 from gearmesh.systems.spiral_bevel.machine.pair import BLADE_SIDES, index_angles
 from gearmesh.systems.spiral_bevel.sheet.dimension_sheet import CutTooth, measured_table, measures_of, point_width
 from gearmesh.systems.spiral_bevel.sheet.sheet import (
     fit_edge_radius,
+    head_part,
     member_rows,
     pair_rows_of,
     setting_tables,
@@ -52,7 +53,7 @@ def member_sheet(design: FaceMilledDesign, name: str) -> tuple[SheetTable, ...]:
     return (
         SheetTable("Blank", (name,), (*rows, *slot_rows([slots], unit, noun))),
         SheetTable("Pair", ("",), pair_rows_of(blank, unit, noun)),
-        *([head_table(list(sides.values()), names, blank, unit, noun)] if design.hobbed else []),
+        *tables_of(*head_part(design, list(sides.values()), names, blank)),
         *setting_tables(
             list(sides.values()),
             names,

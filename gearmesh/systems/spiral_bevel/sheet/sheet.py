@@ -83,7 +83,7 @@ def settings_sheet(design: FaceMilledDesign, train: GearTrain) -> Sheet:
             ),
         ),
         ("Pair", lambda: SheetTable("Pair", ("",), pair_rows_of(blank, unit, design.units))),
-        *_head_part(made_sides, sides, blank, unit, design.units),
+        *head_part(design, made_sides, sides, blank),
         ("Settings", lambda: setting_tables(made_sides, sides, angles, unit, design.units)),
         ("Dimensions", lambda: dimension_tables(cut, design_mm.hand, narrowest, unit, design.units)),
         ("Tolerances", lambda: [tolerance_table(design_mm.accuracy_grade, blank, ("pinion", "gear"))]),
@@ -173,11 +173,14 @@ def _machine_values(
     return values
 
 
-def _head_part(sides: list[Generated], names: tuple[str, ...], blank: BevelBlank, unit: float, noun: str) -> list[Part]:
-    """Return the table of the head if the teeth are face-hobbed."""
-    if not blank.blade_groups:
+def head_part(
+    design: FaceMilledDesign, sides: list[Generated], names: tuple[str, ...], blank: BevelBlank
+) -> list[Part]:
+    """Return the table of the head of a design, in its units, if the teeth are face-hobbed."""
+    if not design.hobbed:
         return []
-    return [("Face hobbing head", lambda: head_table(sides, names, blank, unit, noun))]
+    unit, noun, one = design.mm_per_unit, design.units, design.one_crown_gear
+    return [("Face hobbing head", lambda: head_table(sides, names, blank, unit, noun, one_crown_gear=one))]
 
 
 def setting_tables(

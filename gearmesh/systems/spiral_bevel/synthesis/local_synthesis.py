@@ -27,7 +27,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gearmesh.errors import NoSolutionError
-from gearmesh.kernel.numeric.algebra import Z_AXIS, Array
+from gearmesh.kernel.numeric.algebra import Z_AXIS, Array, cross, dot
 
 
 @dataclass(frozen=True)
@@ -91,6 +91,41 @@ class ToolSettings:
     tip_plane: float
 
 
+@dataclass(frozen=True)
+class MachinePlanes:
+    """Axes of a machine, and the plane in which the blade of its cutter ends."""
+
+    #: cradle axis (3,)
+    cradle: Array
+    #: position of the cutter's centre along the cradle axis from the origin, mm; None by `floor`
+    tip_plane: float | None
+    #: axis (3,) of a tilted cutter; None if it is parallel to the cradle axis
+    leaning: Array | None = None
+    #: normal (3,) and distance (mm) of the plane in which the prolonged blade ends if no tip plane is given
+    floor: tuple[Array, float] | None = None
+    #: rotation (rad) of the cradle from the position in which the floor is there to the mean point
+    rolled: float = 0.0
+
+    @property
+    def tool(self) -> Array:
+        """Axis (3,) of the cutter."""
+        return self.cradle if self.leaning is None else self.leaning
+
+
+@dataclass(frozen=True)
+class BladeAtMean:
+    """Blade of a cutter at the mean point."""
+
+    #: blade angle, rad
+    angle: float
+    #: radius of the cutter, mm
+    radius: float
+    #: unit vector (3,) from the cutter's axis to the mean point
+    radial: Array
+    #: direction (3,) down the edge to its tip, per unit of height
+    down: Array
+
+
 def pinion_operator(gear: MeanContact, asked: ContactAsked) -> Array:
     """Return the shape operator K1 (3, 3) of the pinion that gives the requested contact.
 
@@ -125,6 +160,26 @@ def conjugate_operator(gear: MeanContact) -> Array:
     return conjugate_operator
 
 
+def generated_operator(
+    operator: Array, at: tuple[Array, Array, Array], spins: tuple[Array, Array], tool_velocity: Array
+) -> Array:
+    """Return shape operators (N, 2, 2) of flanks that tools generate: `conjugate_operator` for many tools at one point.
+
+    - `operator`: shape operators (N, 2, 2) of the tools
+    - `at`: point (3,), normal (3,), and the tangents (2, 3) that are the basis of the operators
+    - `spins`: angular velocities of the blank (3,) and of the tools (N, 3)
+    - `tool_velocity`: velocities (N, 3) of the tools at the point
+    """
+    point, n, basis = at
+    spin1, spin2 = spins
+    w12, v12 = spin1 - spin2, cross(spin1, point) - tool_velocity
+    in_plane = v12 @ basis.T
+    turning = cross(w12, n) @ basis.T + (operator @ in_plane[..., None])[..., 0]
+    rest = dot(cross(spin2, n), v12) + cross(w12, tool_velocity) @ n
+    added: Array = turning[:, :, None] * turning[:, None] / (rest - (turning * in_plane).sum(axis=-1))[:, None, None]
+    return operator + added
+
+
 def contact_of(operator: Array, gear: MeanContact, delta: float) -> ContactAsked:
     """Return the contact at the mean point of a pinion with shape operator K1 (3, 3): the inverse of `pinion_operator`.
 
@@ -157,30 +212,20 @@ def _relative_motion(gear: MeanContact) -> tuple[Array, Array, float]:
 
 
 def tool_settings(
-    operator: Array,
-    mean: tuple[Array, Array],
-    cradle: Array,
-    side: int,
-    blade_curvature: float,
-    tip_plane: float | None,
-    leaning: tuple[Array, Array, float] | None = None,
+    operator: Array, mean: tuple[Array, Array], planes: MachinePlanes, side: int, blade_curvature: float
 ) -> ToolSettings:
     """Settings of the tool whose envelope has a given point, normal and shape operator (see the module's text).
 
     - `operator`: shape operator (3, 3) of the pinion, 1/mm
     - `mean`: mean point (3,) and normal (3,)
-    - `cradle`: cradle axis (3,)
+    - `planes`: axes of cradle and cutter, and the plane in which the blade ends
     - `side`: +1 for outside, -1 for inside blades
     - `blade_curvature`: 1/R of the blade, 1/mm; 0 straight, > 0 convex
-    - `tip_plane`: position of the cutter's centre along the cradle axis from the origin, mm, or None
-    - `leaning`: for a tilted cutter its axis (3,), and normal (3,) and distance (mm) of the plane in which its
-      prolonged blade ends if no tip plane is given
 
     Raises NoSolutionError if no cutter of that side gives the contact.
     """
     point, normal = mean
-    axis, floor, over = (None, cradle, 0.0) if leaning is None else leaning
-    tool = cradle if axis is None else axis
+    axis, cradle, tool = planes.leaning, planes.cradle, planes.tool
     # blade angle by the normal; e1 along the rotation of the cutter, e2 along the blade
     sin_blade = -float(normal @ tool)
     cos_blade = float(np.sqrt(1.0 - sin_blade**2))
@@ -231,24 +276,43 @@ def tool_settings(
     # machine centre: the cradle moves the mean point with the sliding velocity plus the pinion's
     sliding = (s1 + s1_m * ratio) * e1 + (s2 + s2_m * ratio) * e2
     arm = -np.cross(cradle, sliding + velocity1) / ratio
+    radial = -side * (normal + sin_blade * tool) / cos_blade
+    down = tool - side * sin_blade / cos_blade * radial
+    return placed_tool(point, planes, BladeAtMean(float(np.arcsin(sin_blade)), float(radius), radial, down), ratio, arm)
+
+
+def placed_tool(point: Array, planes: MachinePlanes, blade: BladeAtMean, ratio: float, arm: Array) -> ToolSettings:
+    """Return the settings of a tool by its blade at the mean point.
+
+    - `point`: mean point (3,)
+    - `ratio`: rotation of the cradle over rotation of the blank
+    - `arm`: mean point (3,) from the machine centre, in the plane of the cradle
+
+    The blade is prolonged from the mean point to the given plane, or to the tip plane.
+    """
+    cradle, tool, radial, tip_plane = planes.cradle, planes.tool, blade.radial, planes.tip_plane
     root = np.array([cradle[2], 0.0, -cradle[0]])
     across = np.cross(cradle, root)
-    radial = -side * (normal + sin_blade * tool) / cos_blade
-    # the blade is prolonged from the mean point to the given plane, or to the tip plane
-    down = tool - side * sin_blade / cos_blade * radial
-    height = float((over - point @ floor) / (down @ floor))
-    if tip_plane is not None:
+    if tip_plane is None:
+        floor, over = (cradle, 0.0) if planes.floor is None else planes.floor
+        if planes.rolled:
+            # the plane turns with the cutter about the cradle axis
+            c, s = np.cos(planes.rolled), np.sin(planes.rolled)
+            turned = c * floor + s * np.cross(cradle, floor) + (1.0 - c) * (cradle @ floor) * cradle
+            over, floor = over + float((turned - floor) @ (point - arm)), turned
+        height = float((over - point @ floor) / (blade.down @ floor))
+    else:
         height = float(tip_plane - point @ cradle)
-        if axis is not None:
-            height = float((height + radius * (radial @ cradle)) / (tool @ cradle))
-    offset = radius * radial if axis is None else radius * radial - height * tool
+        if planes.leaning is not None:
+            height = float((height + blade.radius * (radial @ cradle)) / (tool @ cradle))
+    offset = blade.radius * radial if planes.leaning is None else blade.radius * radial - height * tool
 
     def plane(vector: Array) -> tuple[float, float]:
         return float(vector @ root), float(vector @ across)
 
     return ToolSettings(
-        blade_angle=float(np.arcsin(sin_blade)),
-        radius=float(radius),
+        blade_angle=blade.angle,
+        radius=blade.radius,
         height=height,
         ratio_of_roll=ratio,
         centre=plane(point - arm),

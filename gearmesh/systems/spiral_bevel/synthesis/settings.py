@@ -30,8 +30,14 @@ from gearmesh.systems.spiral_bevel.design import (
     SpiralBevelDesign,
 )
 from gearmesh.systems.spiral_bevel.hobbing.head import check_head
-from gearmesh.systems.spiral_bevel.hobbing.head_synthesis import hobbed_values
-from gearmesh.systems.spiral_bevel.hobbing.sides import hobbed_cones, hobbed_gear, hobbed_pinion, indexing
+from gearmesh.systems.spiral_bevel.hobbing.head_synthesis import head_settings
+from gearmesh.systems.spiral_bevel.hobbing.sides import (
+    hobbed_cones,
+    hobbed_gear,
+    hobbed_pinion,
+    indexing,
+    indexing_head,
+)
 from gearmesh.systems.spiral_bevel.machine.blades import blade_keys, made_blade, or_else, or_none, radians_or
 from gearmesh.systems.spiral_bevel.machine.gear_cradle import machine_axes, root_normal, turned_after_cut
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
@@ -42,6 +48,7 @@ from gearmesh.systems.spiral_bevel.machine.thickness import cut_to
 from gearmesh.systems.spiral_bevel.synthesis.default_ellipse import default_semi_major_axis
 from gearmesh.systems.spiral_bevel.synthesis.local_synthesis import (
     ContactAsked,
+    MachinePlanes,
     MeanContact,
     ToolSettings,
     pinion_operator,
@@ -358,8 +365,6 @@ def tool_values(
     Raises NoSolutionError, naming the side, if no cutter has them.
     """
     spec, hand, side = design.pinion.side(name), HAND_SIGNS[design.hand], BLADE_SIDES[name]
-    if design.hobbed:
-        return hobbed_values(design, blank, name, mean, operator)
     cradle = machine_axes(machine_root_angle(design, blank, name))[2]
     turned = turned_after_cut(design, blank)
     to_cut = Rigid.about_z(-turned)
@@ -369,21 +374,33 @@ def tool_values(
     # local synthesis is in the frame of the pinion as cut
     mean = to_cut.point(mean[0]), to_cut.vector(mean[1])
     operator = to_cut.rotation @ operator @ to_cut.rotation.T
+    head = indexing_head(design, blank, cradle) if design.hobbed else None
+
+    def solve(planes: MachinePlanes) -> ToolSettings:
+        if head is None:
+            return tool_settings(operator, mean, planes, side, curvature)
+        return head_settings(operator, mean, planes, side, curvature, head)
+
+    def leaning(axis: Array) -> ToolSettings:
+        upright = root_normal(blank.pinion, -turned)
+        floor = upright, -blank.pinion.root_base(blank.pinion.root_angle)
+        # the cutter is upright on the root line when the cradle has not rolled
+        rolled = around(cradle, axis) - around(cradle, upright) if design.formate and head is not None else 0.0
+        return solve(MachinePlanes(cradle, base, axis, floor, rolled))
+
     try:
-        # upright cutter first; a tilted one starts from its position on the cradle
-        settings = tool_settings(operator, mean, cradle, side, curvature, plane)
-        if not spec.upright:
-
-            def leaning(axis: Array) -> ToolSettings:
-                floor = root_normal(blank.pinion, -turned)
-                over = -blank.pinion.root_base(blank.pinion.root_angle)
-                return tool_settings(operator, mean, cradle, side, curvature, base, (axis, floor, over))
-
-            settings = _leaning(leaning, settings, cradle, spec, hand)
+        if spec.upright:
+            settings = solve(MachinePlanes(cradle, plane))
+        else:
+            # a tilted cutter starts from the place of an upright one on the cradle
+            upright = (
+                solve(MachinePlanes(cradle, plane)) if head is None else leaning(root_normal(blank.pinion, -turned))
+            )
+            settings = _leaning(leaning, upright, cradle, spec, hand)
     except NoSolutionError as failure:
         raise NoSolutionError(f"pinion.{name}", reason=failure.reason, remedy=failure.remedy) from failure
     blade = Blade.through(side, settings.radius, settings.height, settings.blade_angle, 0.0, spec.blade_radius)
-    return {
+    values = {
         "radial": float(np.hypot(*settings.cutter)),
         "cradle_angle": float(np.degrees(np.arctan2(hand * settings.cutter[1], settings.cutter[0]))),
         "ratio_of_roll": settings.ratio_of_roll,
@@ -394,6 +411,16 @@ def tool_values(
         "tip_radius": blade.tip_radius,
         "blade_height": settings.height,
     }
+    if design.hobbed:
+        made = side_of(design, blank, name, values, ()).indexed_at(mean[0])
+        values["cradle_angle"] = float(np.degrees(made.settings.cradle_angle))
+    return values
+
+
+def around(cradle: Array, vector: Array) -> float:
+    """Return the angle (rad) of a vector (3,) about the cradle axis (3,), from the machine root line."""
+    root = np.array([cradle[2], 0.0, -cradle[0]])
+    return float(np.arctan2(vector @ np.cross(cradle, root), vector @ root))
 
 
 def _leaning(
