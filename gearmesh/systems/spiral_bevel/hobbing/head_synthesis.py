@@ -90,7 +90,7 @@ def head_settings(
 
 @dataclass(frozen=True)
 class _HeadCut:
-    """What N machines cut at the mean point."""
+    """Cut of N machines at the mean point."""
 
     #: ratios of roll (N,)
     ratio: Array
