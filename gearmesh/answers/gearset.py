@@ -403,28 +403,22 @@ class GearSet(Picklable):
         >>> list(gears.places_at(2.0))
         ['pinion', 'gear']
         """
-        from gearmesh.contact.engagement.train_turns import leading_turns
+        from gearmesh.contact.engagement.train_turns import leading_turns, train_turns
 
         refuse_rotation(phi1)
-        start = float(np.radians(phi1))
-        places = {member.name: member.mount.at(start) for member in self.as_built.unpaired}
-        turns: dict[str, float] = {}
+        start = np.radians([phi1])
+        places = {member.name: member.mount.at(float(start[0])) for member in self.as_built.unpaired}
+        if not self.pairs:
+            return places
+        # members that another pair has placed keep their rotations; teeth then touch whole pitches away
+        first = self.pairs[0]
+        turns = train_turns(self.train, first, *leading_turns(first, start))
         for pair in self.pairs:
-            if pair.gear.name in places:
-                continue
-            # a pinion that another pair has placed keeps its rotation; its first tooth touches whole pitches away from
-            # it
-            turn = turns.get(pair.pinion.name, start)
-            rotation, phi2 = (
-                float(leading_turn[0]) for leading_turn in leading_turns(pair, np.array([turn]), 1 if turn else 0)
-            )
-            if np.isnan(phi2):
-                raise NoSolutionError(
-                    reason=f"{pair.pinion.name} and {pair.gear.name} have no contact at phi1 = {phi1:g}, the position of "
-                    "the assembly; write each member on its own"
-                )
-            turns.setdefault(pair.pinion.name, rotation)
-            turns[pair.gear.name] = phi2
             for member in pair.both:
-                places.setdefault(member.name, member.mount.at(turns[member.name]))
+                if np.isnan(turns[member.name][0]):
+                    raise NoSolutionError(
+                        reason=f"{pair.pinion.name} and {pair.gear.name} have no contact at phi1 = {phi1:g}, the position of "
+                        "the assembly; write each member on its own"
+                    )
+                places.setdefault(member.name, member.mount.at(float(turns[member.name][0])))
         return places

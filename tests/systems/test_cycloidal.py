@@ -16,7 +16,7 @@ from gearmesh.kernel.envelope.limiting_line import limiting_line
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.metrology.measured_teeth import pitch_radius
 from gearmesh.systems.cycloidal.build import Drive
-from gearmesh.systems.cycloidal.forces import pin_forces
+from gearmesh.systems.cycloidal.forces import disc_shares, pin_forces
 from gearmesh.systems.cycloidal.geometry import PinCurve
 from gearmesh.systems.cycloidal.sheet import lobe_area
 from gearmesh.teeth.limits import member_limits
@@ -199,6 +199,12 @@ def test_limits_of_lobes_have_no_undercut() -> None:
         (("module=3",), r"^module: follows from eccentricity"),
         (("disc.tip_chamfer=0.2",), r"^disc\.tip_chamfer: the lobes"),
         (("output.circle=85",), r"^output\.circle = 85 mm: .* allowed is from 43\.224 to 73\.776 mm"),
+        (("disc_gap=1",), r"^disc_gap = 1 mm: there is one disc"),
+        (("discs=2",), r"^ring\.face_width = 12 mm: 2 discs are wider; allowed is at least 25\.2 mm"),
+        (
+            ("discs=2", "ring.face_width=28", "assembly.ring_eccentricity=0.01"),
+            r"^assembly\.ring_eccentricity = 0\.01 mm",
+        ),
         (("output.pins=20",), r"^output\.pin_diameter = 8 mm: 20 holes of 11\.02 mm have no room"),
         (
             ("modification.tip_relief=0.1", "modification.tip_relief_start=80"),
@@ -256,3 +262,73 @@ def test_pins_out_of_place_turn_the_ring_as_the_first_pin_says() -> None:
         apart.append(np.abs(ahead - ahead[0] - te).max())
     assert min(apart) < 0.015 * np.ptp(te)
     assert sorted(apart)[1] > 0.1 * np.ptp(te)
+
+
+def several(discs: int, *overrides: str) -> Any:
+    """Discs on eccentrics that are evenly spaced, every pin in contact."""
+    return design(f"discs={discs}", f"ring.face_width={14 * discs}", "disc_gap=1.5", *overrides)
+
+
+@pytest.mark.parametrize(
+    ("discs", "keys"),
+    [
+        (2, ("disc.teeth=19",)),
+        (2, ("disc.teeth=20", "ring.teeth=21", "output.pins=5")),
+        (3, ("disc.teeth=18", "output.pins=5", 'form="pins_in_disc"')),
+    ],
+)
+def test_output_holes_of_all_discs_are_in_line(discs: int, keys: tuple[str, ...]) -> None:
+    """Seen from the output pins, whose axes are an eccentricity from those of the holes, at any rotation."""
+    gears = gm.build(several(discs, "output.pin_diameter=6", *keys))
+    places = gears.places_at(4.0)
+    ring = places["ring"].translation
+    assert ring == pytest.approx([-1.5, 0.0, 0.5 * (discs - 1) * 13.5])
+    found = []
+    for k, arm in enumerate(gears.design.arm_angles):
+        name, holes = f"disc_{k + 1}", gears.members[f"disc_{k + 1}"].holes
+        assert holes is not None
+        axis = places[name].translation
+        assert axis == pytest.approx([1.5 * np.cos(arm) - 1.5, 1.5 * np.sin(arm), 13.5 * k], abs=1e-12)
+        centre = places[name].point(np.append(holes.centres[0], 0.0)) - axis
+        found.append(np.arctan2(centre[1], centre[0]) / (2.0 * np.pi) * holes.count)
+    apart = np.array(found) - found[0]
+    assert apart == pytest.approx(np.round(apart), abs=1e-9)
+
+
+@pytest.mark.sweep
+def test_discs_and_ring_do_not_overlap() -> None:
+    solids = gm.build(several(2, "modification.equidistant=0.03")).solids("10um")
+    bodies = [solids.parts[name].to_manifold() for name in ("disc_1", "disc_2", "ring")]
+    # both discs touch the ring, within both tolerances of the meshes
+    for first, second in ((0, 1), (0, 2), (1, 2)):
+        assert (bodies[first] ^ bodies[second]).volume() < 0.1
+    # the ring turned back by four tolerances of the meshes is free, turned ahead it is not
+    for turn, free in ((-0.08, True), (0.08, False)):
+        axis = [-1.5, 0.0, 0.0]
+        turned = bodies[2].translate([1.5, 0.0, 0.0]).rotate([0.0, 0.0, turn]).translate(axis)
+        assert all(((turned ^ disc).volume() < 1e-3) == free for disc in bodies[:2])
+
+
+def test_discs_share_the_torque_as_their_pins_do() -> None:
+    """Half an odd number of pins apart, the shares differ; they are those of equal rotations."""
+    own = PinCurve(50.0, 1.5, 21, 20)
+    phi = np.linspace(0.0, 0.3, 5)
+    shares = disc_shares(own, (0.0, np.pi), phi)
+    assert shares.sum(axis=-1) == pytest.approx(1.0)
+    assert np.ptp(shares) > 1e-3
+    # under its share of the torque every disc turns alike: force over lever is that of the other disc
+    rate = [
+        share * 50.0 / (np.maximum(own.levers(phi[:, None] - arm + 2.0 * np.pi * np.arange(21) / 21), 0.0) ** 2).sum(-1)
+        for share, arm in zip(shares.T, (0.0, np.pi), strict=True)
+    ]
+    assert rate[0] == pytest.approx(rate[1])
+    assert disc_shares(PinCurve(50.0, 1.5, 20, 19), (0.0, np.pi), phi) == pytest.approx(0.5)
+
+
+def test_a_disc_that_fits_as_its_copy_is_told() -> None:
+    """Half a lobe pitch is no whole number of hole pitches with 20 lobes and 5 holes; with 4 holes it is not either."""
+    for teeth, pins, same in ((19, 6, "yes"), (20, 5, "no"), (10, 4, "yes"), (10, 2, "no")):
+        gears = gm.build(several(2, f"disc.teeth={teeth}", f"ring.teeth={teeth + 1}", f"output.pins={pins}"))
+        sheet = {table.title: table for table in gears.sheet().tables}["Discs"]
+        (row,) = [row for row in sheet.rows if row[0] == "same part as the first disc"]
+        assert row[-1] == same, (teeth, pins)

@@ -201,7 +201,7 @@ class Drive:
 
 
 def build(design: CycloidalDesign) -> GearTrain:
-    """Return the drive of a design (in mm): disc and ring in mesh.
+    """Return the drive of a design (in mm): discs and ring in mesh.
 
     Raises DesignError naming key, value and limit for pins that undercut the lobes, and for bodies without room.
     """
@@ -214,24 +214,63 @@ def build(design: CycloidalDesign) -> GearTrain:
         for name, spec in made.items()
     }
     flank = Side(design.contact.flank)
-    disc, ring = _mounts(design)
-    pair = GearPair(
-        pinion=replace(members[DISC_NAME], mount=disc),
-        gear=replace(members[RING_NAME], mount=ring),
-        flanks=(flank, flank.other),
-        drive=flank.sign,
-        ratio=design.disc.teeth / design.ring.teeth,
-        delta=design.contact.delta,
-    )
-    return GearTrain(design.kind, (pair,))
+    pairs = []
+    for name, arm, along in zip(design.disc_names, design.arm_angles, design.disc_places, strict=True):
+        disc, ring = _mounts(design, arm, along)
+        pairs.append(
+            GearPair(
+                pinion=replace(_turned_holes(members[DISC_NAME], hole_angle(design, arm)), name=name, mount=disc),
+                gear=replace(members[RING_NAME], mount=ring),
+                flanks=(flank, flank.other),
+                drive=flank.sign,
+                ratio=design.disc.teeth / design.ring.teeth,
+                delta=design.contact.delta,
+            )
+        )
+    return GearTrain(design.kind, tuple(pairs), alike=(0,) * len(pairs) if len(pairs) > 1 else ())
 
 
-def _mounts(design: CycloidalDesign) -> tuple[Mount, Mount]:
-    """Return the positions of disc and ring; errors move the disc."""
-    errors = design.assembly
+def hole_angle(design: CycloidalDesign, arm: float) -> float:
+    """Return the polar angle (rad) of a disc's first output hole from its tooth 0; that of the first disc is 0.
+
+    The eccentric of the disc is `arm` (rad) ahead of the first one. Seen from the ring, tooth 0 of the disc is then at
+    i pitches - arm d / z of the disc, d the difference of the tooth numbers, and i the pitches of the ring next to the arm.
+    Holes of all discs are in line.
+    """
+    teeth = design.disc.teeth
+    lobe = (2.0 * np.pi * _ring_pitches(design, arm) - arm * design.difference) / teeth
+    apart = 2.0 * np.pi / (1 if design.output is None else design.output.pins)
+    return float(-lobe - apart * np.round(-lobe / apart))
+
+
+def _ring_pitches(design: CycloidalDesign, arm: float) -> int:
+    """Return the whole pitches of the ring that are next to an angle (rad)."""
+    return round(arm * design.ring.teeth / (2.0 * np.pi))
+
+
+def _turned_holes(disc: Member, angle: float) -> Member:
+    """Return a disc whose output holes begin at a polar angle (rad)."""
+    holes = disc.features.holes
+    if holes is None or angle == 0.0:
+        return disc
+    return replace(disc, features=replace(disc.features, holes=replace(holes, start=angle)))
+
+
+def _mounts(design: CycloidalDesign, arm: float, along: float) -> tuple[Mount, Mount]:
+    """Return the positions of a disc and of the ring; errors move the disc.
+
+    The disc is `along` (mm) from the first one, and its eccentric is `arm` (rad) ahead. The ring is turned by whole pitches
+    towards it. The middle of all discs is the middle of the ring.
+    """
+    errors, axis = design.assembly, np.array([-design.eccentricity, 0.0, 0.0])
+    about_ring = Rigid(np.eye(3), axis)
+    moved = np.array([design.eccentricity + errors.dx, errors.dy, errors.dz])
+    middle = Rigid(np.eye(3), axis + np.array([0.0, 0.0, 0.5 * design.disc_places[-1]]))
+    facing = Rigid.about_z(_ring_pitches(design, arm) * 2.0 * np.pi / design.ring.teeth)
+    lifted = Rigid(np.eye(3), moved + np.array([0.0, 0.0, along]))
     return (
-        Mount(Rigid(np.eye(3), np.array([errors.dx, errors.dy, errors.dz])), sign=-1.0),
-        Mount(Rigid(np.eye(3), np.array([-design.eccentricity, 0.0, 0.0])), sign=-1.0),
+        Mount(about_ring @ Rigid.about_z(arm) @ lifted, sign=-1.0),
+        Mount(middle @ facing, sign=-1.0),
     )
 
 
@@ -255,7 +294,9 @@ def pinned_values(design: CycloidalDesign, train: GearTrain) -> dict[str, float]
         (relief,) = drive.relief.factors
         assert isinstance(relief, TipRelief)
         values["modification.tip_relief_start"] = 2.0 * relief.start
-    holes = train.members[DISC_NAME].holes
+    if design.discs > 1:
+        values["disc_gap"] = design.disc_places[1] - design.disc.face_width
+    holes = train.members[design.disc_names[0]].holes
     if design.output is not None and holes is not None:
         values["output.circle"] = holes.circle
     return values

@@ -18,7 +18,7 @@ from gearmesh.design.keys import DERIVED_VALUE, Table, conflict
 from gearmesh.design.measured import CycloidalMeasured
 from gearmesh.design.runout import eccentricity, phase
 from gearmesh.member_names import MemberNames
-from gearmesh.systems.common.bounds import at_most
+from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.kinds import OWN_KINDS
 
 #: name of the disc's table in a design
@@ -33,6 +33,13 @@ RIM_PINS = 1.0
 GAP_PINS = 0.05
 #: default land of lobes that two branches of the curve cross over, in pin diameters
 LAND_PINS = 0.1
+
+#: default gap between the faces of neighbouring discs, in face widths of a disc
+DISC_GAP_WIDTHS = 0.1
+#: relative rounding of a face width that counts as equal
+FACE_ROUNDING = 1e-9
+#: largest number of discs
+MAX_DISCS = 3
 
 _NO_EDGE = "the lobes of a cycloidal drive pass smoothly from flank to flank, and pins are round"
 _NO_OFFSET = "follows from eccentricity and tooth numbers: twice the eccentricity over their difference"
@@ -150,6 +157,13 @@ class CycloidalDesign(Design):
         above=0,
         default=f"the pins' circle, or what leaves a gap of {GAP_PINS:g} pin diameters to the lobes",
     )
+    discs: int = keys.count("number of discs, on eccentrics evenly spaced around the axis", 1, low=1, high=MAX_DISCS)
+    disc_gap: float | None = keys.length(
+        "gap between the faces of neighbouring discs",
+        None,
+        low=0,
+        default=f"{DISC_GAP_WIDTHS:g} face widths of a disc; there is none with one disc",
+    )
     lobe_diameter: float | None = keys.length(
         "diameter at which the lobes are cut off; without it they are whole, or with a rotation or a difference of two have "
         f"a land of {LAND_PINS:g} pin diameters",
@@ -166,8 +180,24 @@ class CycloidalDesign(Design):
 
     @property
     def member_names(self) -> MemberNames:
-        """Disc and ring, which mesh."""
-        return MemberNames(((DISC_NAME, RING_NAME),))
+        """Discs and ring, which mesh."""
+        return MemberNames(tuple((name, RING_NAME) for name in self.disc_names))
+
+    @property
+    def disc_names(self) -> tuple[str, ...]:
+        """Names of the discs: "disc", or "disc_1", "disc_2" and so on."""
+        return (DISC_NAME,) if self.discs == 1 else tuple(f"{DISC_NAME}_{k + 1}" for k in range(self.discs))
+
+    @property
+    def arm_angles(self) -> tuple[float, ...]:
+        """Angles (rad) of the eccentrics of all discs about the axis of the ring; the first is on x."""
+        return tuple(2.0 * math.pi * k / self.discs for k in range(self.discs))
+
+    @property
+    def disc_places(self) -> tuple[float, ...]:
+        """Distances of the middles of all discs from the first along the axis."""
+        gap = DISC_GAP_WIDTHS * self.disc.face_width if self.disc_gap is None else self.disc_gap
+        return tuple(k * (self.disc.face_width + gap) for k in range(self.discs))
 
     @property
     def counted_teeth(self) -> int:
@@ -211,6 +241,29 @@ class CycloidalDesign(Design):
         if not 1 <= self.difference <= MAX_DIFFERENCE:
             allowed = " or ".join(str(self.disc.teeth + more) for more in range(1, MAX_DIFFERENCE + 1))
             raise conflict("ring.teeth", self.ring.teeth, must_be=f"{allowed}, 1 or 2 more than disc.teeth")
+        return self
+
+    @model_validator(mode="after")
+    def _several_discs(self) -> Self:
+        """Refuse a gap without a second disc, a ring that does not reach all discs, and deviations of a ring of several."""
+        if self.discs == 1:
+            if self.disc_gap is not None:
+                raise conflict("disc_gap", self.disc_gap, reason="there is one disc", allowed="left out, or 2 discs")
+            return self
+        least = self.disc_places[-1] + self.disc.face_width
+        if self.ring.face_width < least * (1.0 - FACE_ROUNDING):
+            raise conflict(
+                "ring.face_width",
+                self.ring.face_width,
+                reason=f"{self.discs} discs are wider",
+                allowed=f"at least {at_least(least)} {self.units}",
+            )
+        if self.assembly.ring_eccentricity:
+            reason = "is followed with one disc alone"
+            raise conflict("assembly.ring_eccentricity", self.assembly.ring_eccentricity, reason=reason, allowed="0")
+        for key, given in self.measured.plain().items() if self.measured else ():
+            if key.startswith(RING_NAME) and given is not None:
+                raise conflict("discs", self.discs, must_be=f"1: measured.{key} is followed with one disc alone")
         return self
 
     @model_validator(mode="after")

@@ -9,7 +9,7 @@ import numpy as np
 
 from gearmesh.systems.common.plain_sheet import plain_sheet
 from gearmesh.systems.common.symbol_table import Row, table, tables_of
-from gearmesh.systems.cycloidal.build import Drive
+from gearmesh.systems.cycloidal.build import Drive, hole_angle
 from gearmesh.systems.cycloidal.design import DISC_NAME, RING_NAME
 from gearmesh.systems.cycloidal.geometry import PinCurve
 from gearmesh.systems.system import DrawnRows, Sheet, SheetTable
@@ -22,6 +22,10 @@ if TYPE_CHECKING:
 MEMBERS_TITLE = "Cycloidal drive"
 #: title of the table of the pair
 CURVE_TITLE = "Curve of the pins"
+#: title of the table of several discs
+DISCS_TITLE = "Discs"
+#: part of a pitch up to which angles of discs that are alike differ
+SAME_ANGLE_PITCHES = 1e-9
 #: title of the table of ratios
 RATIOS_TITLE = "Ratios"
 
@@ -35,6 +39,8 @@ def data_sheet(design: CycloidalDesign, train: GearTrain) -> Sheet:
         (CURVE_TITLE, lambda: _curve(drive)),
         (RATIOS_TITLE, lambda: _ratios(given)),
     )
+    if given.discs > 1:
+        own = (*own, *tables_of((DISCS_TITLE, lambda: _discs(given))))
     derived, *rest = plain.tables
     return Sheet((derived, *own, *rest), plain.values, plain.replaced)
 
@@ -105,6 +111,31 @@ def lobe_area(curve: PinCurve, pin: float) -> float | None:
     area = math.pi * (big**2 + out * curve.pins * curve.eccentricity**2)
     length = 4.0 * (big + small) * float(ellipe(4.0 * big * small / (big + small) ** 2))
     return area - out * pin * length + math.pi * pin**2
+
+
+def _discs(design: CycloidalDesign) -> SheetTable:
+    """Return the table of several discs: eccentrics, places, and holes against lobes."""
+    lobe = 2.0 * math.pi / design.disc.teeth
+    hole = 2.0 * math.pi / (1 if design.output is None else design.output.pins)
+    angles = [hole_angle(design, arm) for arm in design.arm_angles]
+    # a disc is another's copy if its holes are whole pitches of the lobes and of the holes away
+    reached = [angle + k * hole for angle in angles[:1] for k in range(round(2.0 * math.pi / hole))]
+    alike = [any(_whole((angle - other) / lobe) for other in reached) for angle in angles]
+    rows: list[Row] = [
+        ("theta", "angle of the eccentric", "deg", tuple(map(math.degrees, design.arm_angles))),
+        ("z", "middle, from the first disc", "mm", design.disc_places),
+    ]
+    if design.output is not None:
+        rows += [
+            ("", "first hole, from tooth 0", "deg", tuple(map(math.degrees, angles))),
+            ("", "same part as the first disc", "", tuple("yes" if same else "no" for same in alike)),
+        ]
+    return table(DISCS_TITLE, design.disc_names, rows)
+
+
+def _whole(count: float) -> bool:
+    """True for a whole number, but for rounding."""
+    return abs(count - round(count)) < SAME_ANGLE_PITCHES
 
 
 def _ratios(design: CycloidalDesign) -> SheetTable:
