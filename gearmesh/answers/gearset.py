@@ -23,6 +23,9 @@ from gearmesh.pickling import Picklable
 from gearmesh.systems import system as systems
 from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
 
+#: largest distance of the meshes of bodies without teeth from the exact bodies in pictures
+CARRIED_TOLERANCE_MM = 0.01
+
 
 def number_list(argument: str, values: ArrayLike, unit: str) -> Array:
     """Return the values (N,) of an argument that is one number or several.
@@ -183,7 +186,7 @@ class GearSet(Picklable):
         return [name for name in super().__dir__() if not name.startswith("_")]
 
     def place(self, meshes: Mapping[str, TriangleMesh]) -> dict[str, TriangleMesh]:
-        """Meshes of the members in mesh at phi1 = 0 (fixed frame).
+        """Meshes of the members in mesh at phi1 = 0 (fixed frame), and of bodies without teeth that turn with them.
 
         Parameters
         ----------
@@ -200,7 +203,13 @@ class GearSet(Picklable):
         >>> list(gears.place({name: gears.solid(name, 0.05).mesh for name in gears.members}))
         ['pinion', 'gear']
         """
-        return {name: meshes[name].move(place) for name, place in self.places.items()}
+        from gearmesh.mesh.turned_blank import blank_mesh
+
+        places = self.places
+        placed = {name: meshes[name].move(place) for name, place in places.items()}
+        for body in self.train.carried:
+            placed[body.name] = blank_mesh(body.blank, CARRIED_TOLERANCE_MM)[0].move(body.place(places[body.member]))
+        return placed
 
     def within(self, tolerance: Length | None, default: float | None = None) -> float:
         """A tolerance in mm.

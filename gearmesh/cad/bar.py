@@ -192,7 +192,7 @@ def bar_part(member: Member) -> tuple[Part, float]:
             )
         )
     faces += under_teeth(member, tops)
-    return whole_part(member, tuple(faces), (*member.tooth.regions, *member.body_regions)), miss
+    return whole_part(member.name, tuple(faces), (*member.tooth.regions, *member.body_regions)), miss
 
 
 def _in_rows(member: Member, corner: Array) -> Array:
@@ -392,7 +392,7 @@ def spline_bar_part(member: Member, teeth: SplineTooth) -> Part:
     faces += under_teeth(member, tops)
     edges = zip(end_edges(tooth.blank.axial), (0, 1), strict=True)
     chamfers = tuple(region for region, end in edges if teeth.strips[end])
-    return whole_part(member, tuple(faces), (*tooth.regions, *member.body_regions, *chamfers))
+    return whole_part(member.name, tuple(faces), (*tooth.regions, *member.body_regions, *chamfers))
 
 
 @dataclass(frozen=True)

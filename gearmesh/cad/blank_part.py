@@ -61,15 +61,18 @@ def blank_part(member: Member, tolerance: float) -> tuple[Part, float]:
     Raises DesignError for an invalid solid, NoSolutionError if the tolerance is not met, OutputError without OpenCASCADE.
     """
     require_occ()
+    blank, name = blank_of(member), f"{member.name}_blank"
+    if isinstance(blank, BarBlank):
+        return whole_part(name, _plane_faces(blank.faces), (*member.body_regions, Region.LAND)), 0.0
+    return turned_part(replace(blank, name=name), tolerance)
+
+
+def turned_part(blank: TurnedBlank, tolerance: float) -> tuple[Part, float]:
+    """Return a turned body as a CAD solid with its name within a tolerance, mm, and its deviation; raises as `blank_part`."""
     from OCP.BRepPrimAPI import BRepPrimAPI_MakeRevol
     from OCP.Geom import Geom_Plane
     from OCP.gp import gp_Ax1, gp_Ax3, gp_Dir
 
-    blank, deviation = blank_of(member), 0.0
-    if isinstance(blank, BarBlank):
-        return whole_part(
-            replace(member, name=f"{member.name}_blank"), _plane_faces(blank.faces), (*member.body_regions, Region.LAND)
-        ), deviation
     # a face for each edge, in order; none for an edge on the axis
     regions_of_faces = tuple(band.region for band in blank.bands if band.curve.at(np.array([0.5]))[0, 1] > 0.0)
     curves, deviation = _outline(blank, tolerance)
@@ -80,7 +83,7 @@ def blank_part(member: Member, tolerance: float) -> tuple[Part, float]:
     plane = Geom_Plane(gp_Ax3(point(np.zeros(3)), gp_Dir(0.0, 1.0, 0.0), gp_Dir(0.0, 0.0, 1.0)))
     swept = BRepPrimAPI_MakeRevol(_filled(plane, edges), gp_Ax1(point(np.zeros(3)), gp_Dir(0.0, 0.0, 1.0)))
     faces = _named(swept.Shape(), regions_of_faces)
-    return whole_part(replace(member, name=f"{member.name}_blank"), faces, tuple(BLANK_REGIONS)), deviation
+    return whole_part(blank.name, faces, tuple(BLANK_REGIONS)), deviation
 
 
 def _plane_faces(faces: list[tuple[Region, Array]]) -> tuple[NamedFace, ...]:

@@ -44,11 +44,13 @@ def solid_part(member: Member, teeth: SplineTooth) -> Part:
     member.check_alike()
     edges = end_edges(teeth.tooth.blank.axial)
     chamfers = tuple(region for region, strip in zip(edges, teeth.strips, strict=True) if strip)
-    return whole_part(member, tuple(_faces(member, teeth)), (*teeth.tooth.regions, *member.body_regions, *chamfers))
+    return whole_part(
+        member.name, tuple(_faces(member, teeth)), (*teeth.tooth.regions, *member.body_regions, *chamfers)
+    )
 
 
-def whole_part(member: Member, faces: tuple[NamedFace, ...], regions: tuple[str, ...]) -> Part:
-    """Build the part from faces that share all their edges. Raises DesignError for an invalid solid."""
+def whole_part(name: str, faces: tuple[NamedFace, ...], regions: tuple[str, ...]) -> Part:
+    """Build a part with a name from faces that share all their edges. Raises DesignError for an invalid solid."""
     from OCP.BRep import BRep_Builder
     from OCP.BRepCheck import BRepCheck_Analyzer
     from OCP.TopoDS import TopoDS_Shell, TopoDS_Solid
@@ -62,10 +64,10 @@ def whole_part(member: Member, faces: tuple[NamedFace, ...], regions: tuple[str,
     builder.Add(solid, shell)
     if not BRepCheck_Analyzer(solid).IsValid():
         raise DesignError(
-            member.name,
+            name,
             reason="the faces do not make a valid solid; change bore, keyway or hub, or choose a larger tolerance",
         )
-    return Part(member.name, solid, faces, regions)
+    return Part(name, solid, faces, regions)
 
 
 def _faces(member: Member, teeth: SplineTooth) -> list[NamedFace]:

@@ -19,6 +19,7 @@ from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.blank.bores import BoreForm, ClosedLine, Slot, beside_circle
 from gearmesh.teeth.blank.features import BodyFeatures, Boss, Drilling, Opening
 from gearmesh.teeth.blank.halves import SINGLE_ROW, AxialGap, HalfGear, Rows
+from gearmesh.teeth.carried_body import CarriedBody
 from gearmesh.teeth.micro_geometry.index_angles import NO_INDEX_ANGLES, IndexAngles
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import (
@@ -609,6 +610,8 @@ class GearTrain:
     unpaired: tuple[Member, ...] = field(default=())
     #: table of a design that would add the mating gear
     lacking: str = ""
+    #: bodies without teeth that turn with members
+    carried: tuple[CarriedBody, ...] = field(default=())
 
     @property
     def different(self) -> tuple[int, ...]:

@@ -127,6 +127,14 @@ class TurnedBlank:
         return total
 
 
+def cylinder(name: str, radius: float, low: float, high: float) -> TurnedBlank:
+    """Return a cylinder of a radius between two z, mm, as a turned blank."""
+    corners = [np.array(corner) for corner in ((low, 0.0), (high, 0.0), (high, radius), (low, radius))]
+    regions = (Region.BORE, Region.FACE_HEEL, Region.LAND, Region.FACE_TOE)
+    ends = zip(corners, (*corners[1:], corners[0]), strict=True)
+    return TurnedBlank(name, tuple(BlankBand(r, PlaneLine(a, b)) for r, (a, b) in zip(regions, ends, strict=True)), 0)
+
+
 #: half of the step in s with which z of a piece of a tip is differentiated
 HALF_STEP_S = 1e-4
 

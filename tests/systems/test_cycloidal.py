@@ -332,3 +332,40 @@ def test_a_disc_that_fits_as_its_copy_is_told() -> None:
         sheet = {table.title: table for table in gears.sheet().tables}["Discs"]
         (row,) = [row for row in sheet.rows if row[0] == "same part as the first disc"]
         assert row[-1] == same, (teeth, pins)
+
+
+def test_output_pins_stand_in_the_holes_of_both_discs() -> None:
+    """A pin that has half of the clearance on one side reaches every hole from inside, at any rotation."""
+    gears = gm.build(several(2, "output.clearance=0.04", "assembly.dx=0.01"))
+    solids = gears.solids("2um", phi1=7.0)
+    assert [name for name in solids.parts if name.startswith("output")] == [f"output_pin_{k}" for k in range(1, 7)]
+    pin = solids.parts["output_pin_1"]
+    assert pin.figures["watertight"]
+    assert pin.figures["max_deviation_um"] <= 2.0
+    # from a quarter of a face width before the first disc to as much behind the second
+    assert np.ptp(pin.mesh.vertices[:, 2]) == pytest.approx(12.0 + 13.5 + 6.0)
+    middle = pin.mesh.vertices.mean(axis=0)
+    places = gears.places_at(7.0)
+    for name, arm in (("disc_1", 0.0), ("disc_2", np.pi)):
+        holes = gears.members[name].holes
+        assert holes is not None
+        centres = places[name].point(np.column_stack((holes.centres, np.zeros(6))))
+        apart = (centres - middle)[:, :2]
+        nearest = apart[np.linalg.norm(apart, axis=1).argmin()]
+        # with an error of the eccentricity the second disc is ahead of the first one by a few arc seconds
+        assert nearest == pytest.approx(1.51 * np.array([np.cos(arm), np.sin(arm)]), abs=1e-4)
+        assert holes.diameter == pytest.approx(8.0 + 2.0 * 1.5 + 0.04)
+
+
+def test_output_pins_are_parts_of_the_assembly() -> None:
+    cad = gm.build(design()).cad(None, 0.05)
+    assert [name for name in cad.figures if name.startswith("output")] == [f"output_pin_{k}" for k in range(1, 7)]
+    assert cad.figures["output_pin_1"]["volume_mm3"] == pytest.approx(np.pi * 16.0 * 18.0, rel=1e-12)
+
+
+@pytest.mark.quick
+def test_gears_at_rest_touch_with_the_pin_that_touches_first() -> None:
+    """Tooth 0 is not the first to touch with an equidistant; solids that it places overlap by its gap."""
+    gears = gm.build(design("modification.equidistant=0.03"))
+    at_rest, beside = (gears.places_at(phi1)["ring"].rotation for phi1 in (0.0, 1e-6))
+    assert at_rest == pytest.approx(beside, abs=1e-7)

@@ -26,7 +26,8 @@ if TYPE_CHECKING:
     import cadquery
 
     from gearmesh.answers.bodies.face_names import FaceNames
-    from gearmesh.cad.step import Part, PartAssembly
+    from gearmesh.cad.step import Occurrence, Part, PartAssembly
+    from gearmesh.kernel.motion.rigid import Rigid
     from gearmesh.systems.system import ToolPart
 
 
@@ -201,7 +202,7 @@ def cad_solid(
     from gearmesh.cad.brep import exact_volume, spline_tooth
     from gearmesh.cad.extracts.sector_part import sector_part
     from gearmesh.cad.faces.strip_patches import with_strips
-    from gearmesh.cad.solid_part import solid_part, volume
+    from gearmesh.cad.solid_part import solid_part
 
     started = time.perf_counter()
     slides = member.tooth.joint.travel is not None
@@ -214,31 +215,31 @@ def cad_solid(
         part = part if pitches is None else sector_part(part, member, teeth, pitches)
         deviation = teeth.largest_deviation
     tell(0.6)
-    measured, share = volume(part), 1.0 if pitches is None else pitches / member.tooth.teeth
-    return part, CadFigures(
-        faces=len(part.faces),
-        volume=measured,
-        volume_error=measured / (share * exact_volume(member)) - 1.0,
-        max_deviation=1e3 * deviation,
-        tolerance=1e3 * tolerance,
-        seconds=time.perf_counter() - started,
-        offset=offset,
-    )
+    share = 1.0 if pitches is None else pitches / member.tooth.teeth
+    return part, _figures_of(part, share * exact_volume(member), deviation, tolerance, started, offset)
 
 
 def cad_blank(member: Member, tolerance: float, offset: float | None = None) -> tuple[Part, CadFigures]:
     """Return the blank of a member before its teeth are cut, as `cad_solid` returns the whole member."""
     from gearmesh.cad.blank_part import blank_part
-    from gearmesh.cad.solid_part import volume
     from gearmesh.teeth.turned_blank import blank_of
 
     started = time.perf_counter()
     part, deviation = blank_part(member, tolerance)
+    return part, _figures_of(part, blank_of(member).volume(), deviation, tolerance, started, offset)
+
+
+def _figures_of(
+    part: Part, exact: float, deviation: float, tolerance: float, started: float, offset: float | None = None
+) -> CadFigures:
+    """Return the figures of a CAD solid; `exact`: volume, mm3, of the surfaces; lengths in mm, `started` in s."""
+    from gearmesh.cad.solid_part import volume
+
     measured = volume(part)
-    return part, CadFigures(
+    return CadFigures(
         faces=len(part.faces),
         volume=measured,
-        volume_error=measured / blank_of(member).volume() - 1.0,
+        volume_error=measured / exact - 1.0,
         max_deviation=1e3 * deviation,
         tolerance=1e3 * tolerance,
         seconds=time.perf_counter() - started,
@@ -346,13 +347,34 @@ def cad_of(
         made.update((equal_member.name, part) for equal_member in alike)
         measured.update((equal_member.name, figures) for equal_member in alike)
     occurrences = tuple(Occurrence(name, made[name], place) for name, place in places.items())
+    carried, of_carried = _carried_occurrences(gears, places, tolerance)
     return Cad(
         gears.design,
-        made[wanted[0].member.name] if member is not None else PartAssembly(gears.title, occurrences),
-        {part.member.name: measured[part.member.name] for part in wanted},
-        {part.member.name: Summary(part.figures, *extract.sector_figures(part.member)) for part in wanted},
+        made[wanted[0].member.name] if member is not None else PartAssembly(gears.title, (*occurrences, *carried)),
+        {part.member.name: measured[part.member.name] for part in wanted} | of_carried,
+        {part.member.name: Summary(part.figures, *extract.sector_figures(part.member)) for part in wanted}
+        | dict.fromkeys(of_carried, Summary()),
         (*gears.warnings, *(line for part in wanted for line in part.warnings), *warnings),
     )
+
+
+def _carried_occurrences(
+    gears: GearSet, places: Mapping[str, Rigid], tolerance: float
+) -> tuple[list[Occurrence], dict[str, CadFigures]]:
+    """Return the bodies without teeth as parts of an assembly, each with a shape of its own, and their figures.
+
+    None if there are no `places`.
+    """
+    from gearmesh.cad.blank_part import turned_part
+    from gearmesh.cad.step import Occurrence
+
+    occurrences, figures = list[Occurrence](), dict[str, CadFigures]()
+    for body in gears.train.carried if places else ():
+        started = time.perf_counter()
+        part, deviation = turned_part(replace(body.blank, name=body.name), tolerance)
+        figures[body.name] = _figures_of(part, body.blank.volume(), deviation, tolerance, started)
+        occurrences.append(Occurrence(body.name, part, body.place(places[body.member])))
+    return occurrences, figures
 
 
 def _surfaces_of(gears: GearSet, tool_part: ToolPart, tolerance: float, extract: Extract, teeth: int | None) -> Cad:

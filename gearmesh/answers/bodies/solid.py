@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from os import PathLike
@@ -23,6 +23,7 @@ from gearmesh.formats import JSON_SUFFIX
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.mesh.triangles import Facets, TriangleMesh
 from gearmesh.progress import in_turn, tell
+from gearmesh.teeth.carried_body import CarriedBody
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Region
 
@@ -404,8 +405,6 @@ def solid_of(
     With `teeth` these are open surfaces of the first teeth. Proof, deviation and number of triangles apply to the mesh as
     `file` holds it at its `place`, which may be in single precision.
     """
-    from gearmesh.mesh.solid import prove
-
     part, gear_warnings = gears.stocked_part(name), gears.warnings
     if teeth is not None and not 1 <= teeth <= part.member.tooth.teeth:
         raise ArgumentError("teeth", teeth, must_be=f"a whole number from 1 to {part.member.tooth.teeth}")
@@ -413,17 +412,7 @@ def solid_of(
     made, written, bound = mesh_within(part.member, tolerance, teeth, extract, file, place)
     seconds = time.perf_counter() - started
     tell(0.8)
-    proof = None if made.genus is None else prove(written, made.genus)
-    figures = SolidFigures(
-        triangles=written.triangle_count,
-        watertight=proof is not None and proof.ok,
-        volume=None if proof is None else proof.volume,
-        max_deviation=1e3 * bound,
-        sampled_deviation=1e3 * made.bound.sampled,
-        tolerance=1e3 * tolerance,
-        seconds=seconds,
-        offset=extract.offset or None,
-    )
+    figures = _measured(made, written, bound, tolerance, seconds, extract.offset)
     design = gears.design
     coarse = _coarse(tolerance, design.given_module * design.mm_per_unit)
     in_file = None if file is None or place is not None else (Path(file).suffix.lower(), written)
@@ -439,6 +428,42 @@ def solid_of(
         in_file=in_file,
         blank=extract.blank,
     )
+
+
+def _measured(
+    made: ExtractMesh, written: Facets, bound: float, tolerance: float, seconds: float, offset: float = 0.0
+) -> SolidFigures:
+    """Return the figures of a mesh as it is `written`, proved if it is closed; lengths in mm."""
+    from gearmesh.mesh.solid import prove
+
+    proof = None if made.genus is None else prove(written, made.genus)
+    return SolidFigures(
+        triangles=written.triangle_count,
+        watertight=proof is not None and proof.ok,
+        volume=None if proof is None else proof.volume,
+        max_deviation=1e3 * bound,
+        sampled_deviation=1e3 * made.bound.sampled,
+        tolerance=1e3 * tolerance,
+        seconds=seconds,
+        offset=offset or None,
+    )
+
+
+def carried_solid(
+    gears: GearSet, body: CarriedBody, tolerance: float, file: str | PathLike[str] | None, place: Rigid
+) -> Solid:
+    """Return a body without teeth as a mesh in its own frame, proved as `file` holds it at its `place`; mm."""
+    from gearmesh.mesh.turned_blank import blank_mesh
+
+    started = time.perf_counter()
+
+    def make(asked: float) -> ExtractMesh:
+        mesh, bound = blank_mesh(body.blank, asked)
+        return ExtractMesh(replace(mesh, name=body.name), bound, body.blank.genus)
+
+    made, written, bound = _within(make, tolerance, tolerance, file, place)
+    figures = _measured(made, written, bound, tolerance, time.perf_counter() - started)
+    return Solid(gears.design, made.facets, figures)
 
 
 def _coarse(tolerance: float, module: float) -> tuple[str, ...]:
@@ -465,13 +490,24 @@ def mesh_within(
     Arguments are those of `solid_of`. If the bound, or the rounding of the file, exceeds the tolerance, the mesh is
     made again with a smaller tolerance. This stops at once if the rounding alone is too large.
     """
-    from gearmesh import io
-
     # the offset is made and proved only once for all meshes
     member, extract = extract.shift(member), replace(extract, offset=0.0)
     asked = tolerance if file is None else _less_rounding(member, tolerance, file, place)
+    return _within(lambda asked: extract.mesh(member, asked, teeth), tolerance, asked, file, place)
+
+
+def _within(
+    make: Callable[[float], ExtractMesh],
+    tolerance: float,
+    asked: float,
+    file: str | PathLike[str] | None,
+    place: Rigid | None,
+) -> tuple[ExtractMesh, Facets, float]:
+    """Return the mesh that `make` returns for a tolerance, first that `asked` for, as `mesh_within` does; mm."""
+    from gearmesh import io
+
     for less in (*TOLERANCE_FACTORS, 1.0):
-        made = extract.mesh(member, asked, teeth)
+        made = make(asked)
         tell(0.5)
         mesh = made.facets if place is None else made.facets.move(place)
         written = mesh if file is None else io.mesh_in_file(mesh, file)
@@ -507,8 +543,12 @@ def solids_of(
     phi1: float = 0.0,
 ) -> Solids:
     """Return all members in mesh at `phi1` (deg), as `Gears.solids` describes them; `tolerance` in mm."""
+    places = gears.places_at(phi1)
     parts = {
         name: solid_of(gears, name, tolerance, file=file, extract=extract, place=place).move(place)
-        for name, place in in_turn(gears.places_at(phi1).items())
+        for name, place in in_turn(places.items())
     }
+    for body in gears.train.carried:
+        place = body.place(places[body.member])
+        parts[body.name] = carried_solid(gears, body, tolerance, file, place).move(place)
     return Solids(gears.design, parts, gears.warnings)

@@ -42,7 +42,7 @@ def space_part(member: Member, space: SplineTooth) -> Part:
     for end, (loop, region) in enumerate(zip(loops, regions, strict=True)):
         faces.append(NamedFace(_end_face(space, loop, end), region, region))
     name = f"{member.name}_space"
-    return whole_part(replace(member, name=name), tuple(faces), (*space.tooth.regions, *regions))
+    return whole_part(name, tuple(faces), (*space.tooth.regions, *regions))
 
 
 def _end_face(space: SplineTooth, loop: Loop, end: int) -> Any:

@@ -36,6 +36,7 @@ from gearmesh.systems.cycloidal.geometry import PinCurve
 from gearmesh.systems.system import Displacements
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.body import Body
+from gearmesh.teeth.carried_body import CarriedBody
 from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
 from gearmesh.teeth.micro_geometry.flank_field import LevelField
 from gearmesh.teeth.mount import Mount
@@ -43,6 +44,7 @@ from gearmesh.teeth.region import Region, Side
 from gearmesh.teeth.source_parameters import NamedParameters, SourceParameter
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import Bottom, Crest, ToothSide
+from gearmesh.teeth.turned_blank import cylinder
 from gearmesh.tools.description import Dimension, ToolDescription
 from gearmesh.tools.rack import Arc, RackSurface
 
@@ -61,6 +63,8 @@ PIN_LAND_HALF_ANGLE = 0.02
 PIN_FOOT_SHARE = 0.1
 #: least wall beside output holes, in hole diameters
 LEAST_HOLE_WALL = 0.1
+#: length of output pins beyond the discs, in face widths of a disc
+PIN_OVERHANG_WIDTHS = 0.25
 #: largest angle (rad) of the pin's surface beyond its widest place, measured at the support
 MAX_NECK_ANGLE = np.radians(60.0)
 
@@ -227,7 +231,25 @@ def build(design: CycloidalDesign) -> GearTrain:
                 delta=design.contact.delta,
             )
         )
-    return GearTrain(design.kind, tuple(pairs), alike=(0,) * len(pairs) if len(pairs) > 1 else ())
+    alike = (0,) * len(pairs) if len(pairs) > 1 else ()
+    return GearTrain(design.kind, tuple(pairs), alike=alike, carried=_output_pins(design, pairs[0]))
+
+
+def _output_pins(design: CycloidalDesign, pair: GearPair) -> tuple[CarriedBody, ...]:
+    """Return the output pins: cylinders through the holes of all discs, on the axis of the ring, which turn as the discs do."""
+    holes, width = pair.pinion.features.holes, design.disc.face_width
+    if design.output is None or holes is None:
+        return ()
+    beyond = PIN_OVERHANG_WIDTHS * width
+    ends = -0.5 * width - beyond, design.disc_places[-1] + 0.5 * width + beyond
+    shift = pair.gear.mount.base.translation - pair.pinion.mount.base.translation
+    made = []
+    for k, (x, y) in enumerate(holes.centres):
+        name = f"output_pin_{k + 1}"
+        pin = cylinder(name, 0.5 * design.output.pin_diameter, *ends)
+        place = Rigid(np.eye(3), np.array([x, y, 0.0]))
+        made.append(CarriedBody(name, pair.pinion.name, pin, place, np.array([*shift[:2], 0.0])))
+    return tuple(made)
 
 
 def hole_angle(design: CycloidalDesign, arm: float) -> float:
