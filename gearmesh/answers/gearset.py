@@ -204,11 +204,14 @@ class GearSet(Picklable):
         ['pinion', 'gear']
         """
         from gearmesh.mesh.turned_blank import blank_mesh
+        from gearmesh.teeth.turned_blank import cylinder
 
         places = self.places
         placed = {name: meshes[name].move(place) for name, place in places.items()}
         for body in self.train.carried:
-            placed[body.name] = blank_mesh(body.blank, CARRIED_TOLERANCE_MM)[0].move(body.place(places[body.member]))
+            placed[body.name] = blank_mesh(cylinder(body), CARRIED_TOLERANCE_MM)[0].move(
+                body.place(places[body.member])
+            )
         return placed
 
     def within(self, tolerance: Length | None, default: float | None = None) -> float:

@@ -3,27 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gearmesh.kernel.motion.rigid import Rigid
-
-if TYPE_CHECKING:
-    from gearmesh.kernel.numeric.algebra import Array
-    from gearmesh.teeth.turned_blank import TurnedBlank
+from gearmesh.kernel.numeric.algebra import Array
 
 
 @dataclass(frozen=True)
 class CarriedBody:
-    """A turned body that turns as a member does, about an axis parallel to that of the member."""
+    """A cylinder that turns as a member does, about an axis parallel to that of the member."""
 
     #: name in the gear set, as "output_pin_1"
     name: str
     #: name of the member
     member: str
-    #: half section of the body
-    blank: TurnedBlank
+    #: radius, mm
+    radius: float
+    #: z of both ends, mm, in its own frame
+    ends: tuple[float, float]
     #: transform from the body's own frame to that of the member, but for the `shift`
     own: Rigid
     #: displacement (3,), mm, fixed frame, of the axis of rotation from the axis of the member

@@ -25,6 +25,7 @@ from gearmesh.kernel.surface.levels import LandLevel
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.body import end_regions
 from gearmesh.teeth.blank.halves import HalfGear
+from gearmesh.teeth.carried_body import CarriedBody
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.limits import crossing
 from gearmesh.teeth.region import BODY_REGIONS, FEATURE_REGIONS, GAP_REGIONS, RARE_REGIONS, Region
@@ -127,12 +128,15 @@ class TurnedBlank:
         return total
 
 
-def cylinder(name: str, radius: float, low: float, high: float) -> TurnedBlank:
-    """Return a cylinder of a radius between two z, mm, as a turned blank."""
+def cylinder(body: CarriedBody) -> TurnedBlank:
+    """Return a cylinder that members carry as a turned blank."""
+    (low, high), radius = body.ends, body.radius
     corners = [np.array(corner) for corner in ((low, 0.0), (high, 0.0), (high, radius), (low, radius))]
     regions = (Region.BORE, Region.FACE_HEEL, Region.LAND, Region.FACE_TOE)
     ends = zip(corners, (*corners[1:], corners[0]), strict=True)
-    return TurnedBlank(name, tuple(BlankBand(r, PlaneLine(a, b)) for r, (a, b) in zip(regions, ends, strict=True)), 0)
+    return TurnedBlank(
+        body.name, tuple(BlankBand(r, PlaneLine(a, b)) for r, (a, b) in zip(regions, ends, strict=True)), 0
+    )
 
 
 #: half of the step in s with which z of a piece of a tip is differentiated

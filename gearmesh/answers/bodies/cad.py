@@ -367,12 +367,14 @@ def _carried_occurrences(
     """
     from gearmesh.cad.blank_part import turned_part
     from gearmesh.cad.step import Occurrence
+    from gearmesh.teeth.turned_blank import cylinder
 
     occurrences, figures = list[Occurrence](), dict[str, CadFigures]()
     for body in gears.train.carried if places else ():
         started = time.perf_counter()
-        part, deviation = turned_part(replace(body.blank, name=body.name), tolerance)
-        figures[body.name] = _figures_of(part, body.blank.volume(), deviation, tolerance, started)
+        blank = cylinder(body)
+        part, deviation = turned_part(blank, tolerance)
+        figures[body.name] = _figures_of(part, blank.volume(), deviation, tolerance, started)
         occurrences.append(Occurrence(body.name, part, body.place(places[body.member])))
     return occurrences, figures
 

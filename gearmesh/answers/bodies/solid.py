@@ -454,12 +454,13 @@ def carried_solid(
 ) -> Solid:
     """Return a body without teeth as a mesh in its own frame, proved as `file` holds it at its `place`; mm."""
     from gearmesh.mesh.turned_blank import blank_mesh
+    from gearmesh.teeth.turned_blank import cylinder
 
-    started = time.perf_counter()
+    started, blank = time.perf_counter(), cylinder(body)
 
     def make(asked: float) -> ExtractMesh:
-        mesh, bound = blank_mesh(body.blank, asked)
-        return ExtractMesh(replace(mesh, name=body.name), bound, body.blank.genus)
+        mesh, bound = blank_mesh(blank, asked)
+        return ExtractMesh(replace(mesh, name=body.name), bound, blank.genus)
 
     made, written, bound = _within(make, tolerance, tolerance, file, place)
     figures = _measured(made, written, bound, tolerance, time.perf_counter() - started)

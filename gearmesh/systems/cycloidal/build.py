@@ -44,7 +44,6 @@ from gearmesh.teeth.region import Region, Side
 from gearmesh.teeth.source_parameters import NamedParameters, SourceParameter
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import Bottom, Crest, ToothSide
-from gearmesh.teeth.turned_blank import cylinder
 from gearmesh.tools.description import Dimension, ToolDescription
 from gearmesh.tools.rack import Arc, RackSurface
 
@@ -245,10 +244,9 @@ def _output_pins(design: CycloidalDesign, pair: GearPair) -> tuple[CarriedBody, 
     shift = pair.gear.mount.base.translation - pair.pinion.mount.base.translation
     made = []
     for k, (x, y) in enumerate(holes.centres):
-        name = f"output_pin_{k + 1}"
-        pin = cylinder(name, 0.5 * design.output.pin_diameter, *ends)
+        name, radius = f"output_pin_{k + 1}", 0.5 * design.output.pin_diameter
         place = Rigid(np.eye(3), np.array([x, y, 0.0]))
-        made.append(CarriedBody(name, pair.pinion.name, pin, place, np.array([*shift[:2], 0.0])))
+        made.append(CarriedBody(name, pair.pinion.name, radius, ends, place, np.array([*shift[:2], 0.0])))
     return tuple(made)
 
 
