@@ -65,6 +65,11 @@ class ShaftKeys(Table):
     """Keys of a shaft beside its members."""
 
     joined: bool = keys.flag("all gears of the shaft are one body", False)
+    speed: float | None = keys.number(
+        "turns per turn of the input: a second shaft that drives a differential, or 0 for a shaft that is held",
+        None,
+        default="follows from the stages",
+    )
     coaxial: str | None = keys.text("another shaft, on whose axis this shaft has to be", None, default="not asked for")
 
 

@@ -19,7 +19,7 @@ from gearmesh.kernel.motion.rigid import MAX_SINE_OF_PARALLEL, Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.records import dataclass
 from gearmesh.trains.file import Seat, ShaftTable, TrainFile, naming_stage
-from gearmesh.trains.stage import Port, Stage
+from gearmesh.trains.stage import CARRIER_NAME, Port, Stage
 
 #: largest distance, mm, of axes that count as one
 MAX_AXIS_DISTANCE_MM = 1e-6
@@ -86,15 +86,40 @@ class Shaft:
 
 @dataclass(frozen=True)
 class TrainStep:
-    """A stage on the way of the motion: which of its members drives, and which follows."""
+    """A stage on the way of the motion: which of its members drive, and which follows."""
 
     stage: Stage
     #: frame of the stage to that of the train
     place: Rigid
-    #: shaft and member that drive
-    driver: tuple[str, Seated]
+    #: shafts and members that drive: one, or two of a differential; the first carries the power
+    drivers: tuple[tuple[str, Seated], ...]
     #: shaft and member that follow
     driven: tuple[str, Seated]
+    #: turns of the ports per turn of the input, each about its own axis
+    speeds: Mapping[str, Fraction]
+    #: True if another stage drives the same shaft, so that the stage closes a loop
+    closes_loop: bool = False
+
+    @property
+    def driver(self) -> tuple[str, Seated]:
+        """The driving shaft and member; the first of a differential."""
+        return self.drivers[0]
+
+    @property
+    def ends(self) -> tuple[tuple[str, Seated], ...]:
+        """Shafts and members that drive, and the shaft and the member that follow."""
+        return (*self.drivers, self.driven)
+
+    @property
+    def relative_speed(self) -> Fraction:
+        """Turns of A in the frame of the carrier per turn of the input."""
+        return self.speeds[self.stage.members[0]] - self.speeds[CARRIER_NAME]
+
+    def rate(self, driver: Seated) -> float:
+        """Return the turns of the driven shaft per turn of the shaft of a driver, the other driver being held."""
+        (_, driven), held = self.driven, [other.port for _, other in self.drivers if other is not driver]
+        stage = replace(self.stage, fixed=held[0]) if held else self.stage
+        return driver.sense * float(stage.speeds(driver.port)[driven.port]) * driven.sense
 
 
 @dataclass(frozen=True)
@@ -125,12 +150,15 @@ class Layout:
 
         They are those of all shafts, and of the ports of every stage about their own axes, by its name.
         """
-        shafts, ports = {self.file.input: psi}, {}
+        given = {name: float(speed) for name, speed in _given_speeds(self.file).items()}
+        shafts, ports = {name: speed * psi for name, speed in given.items()}, {}
         for step in self.steps:
-            (source, driver), (target, driven) = step.driver, step.driven
+            known = {driver.port: driver.theta(shafts[source]) for source, driver in step.drivers}
             with naming_stage(step.stage.name):
-                turned = step.stage.follow(driver.port, driver.theta(shafts[source]))
-            shafts[target], ports[step.stage.name] = driven.psi(turned[driven.port]), turned
+                turned = step.stage.follow(known)
+            target, driven = step.driven
+            shafts.setdefault(target, driven.psi(turned[driven.port]))
+            ports[step.stage.name] = turned
         return shafts, ports
 
     def places(self, psi: float) -> dict[str, Rigid]:
@@ -150,44 +178,180 @@ class Layout:
 def layout_of(file: TrainFile, stages: Mapping[str, Stage]) -> Layout:
     """Return the layout of a train.
 
-    Raises DesignError for shafts that name no member, members without a shaft, loops, and shafts that do not coincide.
+    Raises DesignError for shafts that name no member, members without a shaft, shafts that do not coincide, and speeds that
+    contradict each other or do not follow.
     """
+    stages = {name: _unfixed(stage, file) for name, stage in stages.items()}
     owners = _owners(file, stages)
+    shafts, places = _placed(file, stages, owners)
+    for name in file.shafts:
+        if name not in shafts:
+            raise DesignError(f"shafts.{name}", reason=f"no stage connects it to the shaft {file.input}, which drives")
+    shafts = {name: shafts[name] for name in file.shafts}
+    _check_coaxial(file, shafts)
+    steps, speeds, sense = _in_motion(file, {name: stages[name] for name in places}, places, owners, shafts)
+    layout = Layout(file, steps, shafts, sense, speeds)
+    return _timed(layout) if any(step.closes_loop for step in steps) else layout
+
+
+def _unfixed(stage: Stage, file: TrainFile) -> Stage:
+    """Return a stage without a fixed member if all its members are on shafts: a differential."""
+    seated = {seat.member for shaft in file.shafts.values() for seat in shaft.seats}
+    all_on_shafts = stage.planetary and all(f"{stage.name}.{port}" in seated for port in stage.ports)
+    return replace(stage, fixed="") if all_on_shafts else stage
+
+
+def _placed(
+    file: TrainFile, stages: Mapping[str, Stage], owners: Mapping[str, str]
+) -> tuple[dict[str, Shaft], dict[str, Rigid]]:
+    """Return the shafts that stages connect to the input, and the frames of these stages, from the input on."""
     start = file.input
-    frames: dict[str, Shaft] = {}
-    steps: list[TrainStep] = []
     # the stage of the first member of the input is the frame of the train
-    frames[start] = _shaft(file.shafts[start], stages, Seated(file.shafts[start].seats[0]), Rigid.identity())
-    waiting, sense, speeds = [start], 0, {start: Fraction(1)}
+    first = Seated(file.shafts[start].seats[0])
+    shafts = {start: _shaft(file.shafts[start], stages, first, Rigid.identity())}
+    waiting, places = [start], dict[str, Rigid]()
     while waiting:
         source = waiting.pop(0)
-        for driver in frames[source].members:
-            if any(step.stage.name == driver.stage for step in steps):
-                continue
+        for driver in shafts[source].members:
             stage = stages[driver.stage]
-            place = frames[source].frame @ driver.port_to_shaft @ stage.ports[driver.port].frame.inverse
-            other = next(name for name in stage.free if name != driver.port)
-            target = owners[f"{stage.name}.{other}"]
-            own = next(seat for seat in file.shafts[target].seats if seat.member == f"{stage.name}.{other}")
-            if target in frames:
-                raise _loop(stage, other, target, place, frames[target])
-            frames[target] = _shaft(file.shafts[target], stages, Seated(own), place)
-            driven = next(member for member in frames[target].members if member.name == own.member)
+            if stage.name in places:
+                continue
+            place = shafts[source].frame @ driver.port_to_shaft @ stage.ports[driver.port].frame.inverse
+            places[stage.name] = place
+            for other in stage.free:
+                target = owners[f"{stage.name}.{other}"]
+                if other == driver.port:
+                    continue
+                if target in shafts:
+                    shafts[target] = _met_again(stage, other, target, place, shafts[target])
+                    continue
+                own = next(seat for seat in file.shafts[target].seats if seat.member == f"{stage.name}.{other}")
+                shafts[target] = _shaft(file.shafts[target], stages, Seated(own), place)
+                waiting.append(target)
+    return shafts, places
+
+
+def _given_speeds(file: TrainFile) -> dict[str, Fraction]:
+    """Return the turns of the shafts that the file drives, per turn of the input."""
+    given = {
+        name: Fraction(str(shaft.keys.speed)) for name, shaft in file.shafts.items() if shaft.keys.speed is not None
+    }
+    if file.input in given:
+        raise DesignError(
+            f"shafts.{file.input}.speed",
+            float(given[file.input]),
+            reason="the speeds of other shafts are per turn of it",
+        )
+    return {file.input: Fraction(1), **given}
+
+
+def _in_motion(
+    file: TrainFile,
+    stages: Mapping[str, Stage],
+    places: Mapping[str, Rigid],
+    owners: Mapping[str, str],
+    shafts: Mapping[str, Shaft],
+) -> tuple[tuple[TrainStep, ...], dict[str, Fraction], int]:
+    """Return the stages in the order of the motion, the turns of all shafts per turn of the input, and its sense.
+
+    A stage follows when one of its shafts moves, a differential when two do. Raises DesignError for speeds that contradict each
+    other, and for shafts that no speed reaches.
+    """
+    given = _given_speeds(file)
+    speeds, sense, steps, pending = dict(given), 0, list[TrainStep](), dict(stages)
+    while pending:
+        stage, known = _next_stage(pending, owners, speeds)
+        del pending[stage.name]
+        seated = {
+            port: (owners[f"{stage.name}.{port}"], _seated(shafts, owners, f"{stage.name}.{port}"))
+            for port in stage.free
+        }
+        moving = known[: len(stage.free) - 1]
+        # power enters where a shaft turns, not where it is held
+        moving.sort(key=lambda port: speeds[seated[port][0]] == 0)
+        turns = {port: seated[port][1].sense * speeds[seated[port][0]] for port in moving}
+        turns = stage.turns({**turns, **({stage.fixed: Fraction(0)} if stage.fixed else {})})
+        (driven,) = (port for port in stage.free if port not in moving)
+        target, follower = seated[driven]
+        speed, own = turns[driven] * follower.sense, moving[0]
+        source, driver = seated[own]
+        if not sense:
             # the input turns as the flanks of its first stage ask for
-            if not sense:
-                sense = stage.own_sense(driver.port) * driver.sense * (-1 if file.keys.reverse else 1)
-            turning = 1 if sense * speeds[source] > 0 else -1
-            speeds[target] = speeds[source] * driver.sense * stage.speeds(driver.port)[other] * driven.sense
-            steps.append(
-                TrainStep(stage.driving(driver.port, turning * driver.sense), place, (source, driver), (target, driven))
+            sense = stage.own_sense(own) * driver.sense * (-1 if file.keys.reverse else 1)
+        if driven in known and target in given:
+            reason = f"{stage.name}.{driven} gives the shaft a speed of {speed}"
+            raise DesignError(f"shafts.{target}.speed", float(speeds[target]), reason=reason, allowed="left out")
+        if speeds.setdefault(target, speed) != speed:
+            raise _contradiction(file, stage, driven, target, speed, speeds[target])
+        turning = 1 if sense * speeds[source] > 0 else -1
+        steps.append(
+            TrainStep(
+                stage.driving(own, turning * driver.sense),
+                places[stage.name],
+                tuple(seated[port] for port in moving),
+                seated[driven],
+                turns,
+                closes_loop=driven in known,
             )
-            waiting.append(target)
-    for name in file.shafts:
-        if name not in frames:
-            raise DesignError(f"shafts.{name}", reason=f"no stage connects it to the shaft {start}, which drives")
-    shafts = {name: frames[name] for name in file.shafts}
-    _check_coaxial(file, shafts)
-    return Layout(file, tuple(steps), shafts, sense, speeds)
+        )
+    return tuple(steps), speeds, sense
+
+
+def _next_stage(
+    pending: Mapping[str, Stage], owners: Mapping[str, str], speeds: Mapping[str, Fraction]
+) -> tuple[Stage, list[str]]:
+    """Return the first stage that moves, and its ports whose shafts have a speed, in the order of these shafts.
+
+    Raises DesignError where none moves.
+    """
+    order, lacking = list(speeds), ""
+    for stage in pending.values():
+        shafts = {port: owners[f"{stage.name}.{port}"] for port in stage.free}
+        known = sorted((port for port in shafts if shafts[port] in speeds), key=lambda port: order.index(shafts[port]))
+        if len(known) >= len(stage.free) - 1:
+            return stage, known
+        if known and not lacking:
+            lacking = next(shafts[port] for port in shafts if port not in known)
+    raise DesignError(
+        f"shafts.{lacking}.speed",
+        reason="missing: a differential, all members of which turn, needs the speeds of two shafts",
+        allowed="turns per turn of the input, 0 for a shaft that is held",
+    )
+
+
+def _seated(shafts: Mapping[str, Shaft], owners: Mapping[str, str], word: str) -> Seated:
+    """Return a member on its shaft."""
+    return next(member for member in shafts[owners[word]].members if member.name == word)
+
+
+def _contradiction(
+    file: TrainFile, stage: Stage, port: str, target: str, speed: Fraction, known: Fraction
+) -> DesignError:
+    """Return the refusal of a stage that would turn a shaft at another speed than the shaft has."""
+    reason = f"{stage.name}.{port} would turn it {speed} times per turn of {file.input}, another stage or its speed {known} times"
+    return DesignError(f"shafts.{target}", reason=reason, allowed="tooth numbers with which both ways have one ratio")
+
+
+def _timed(layout: Layout) -> Layout:
+    """Return a layout in which the members that close loops have the phases on their shafts with which their teeth mesh.
+
+    Of all such phases, a pitch apart, it is the one next to the `phase` of the file.
+    """
+    turned, ports = layout.follow(np.zeros(1))
+    shafts, steps = dict(layout.shafts), list(layout.steps)
+    for number, step in enumerate(layout.steps):
+        if not step.closes_loop:
+            continue
+        target, seated = step.driven
+        apart = float((seated.psi(ports[step.stage.name][seated.port]) - turned[target])[0])
+        teeth = step.stage.gears.train.members.get(seated.port)
+        pitch = 2.0 * np.pi / (1 if teeth is None else teeth.tooth.teeth)
+        phase = seated.seat.phase + float(np.degrees(apart - np.round(apart / pitch) * pitch))
+        moved = replace(seated, seat=seated.seat.model_copy(update={"phase": phase}))
+        members = tuple(moved if member is seated else member for member in shafts[target].members)
+        shafts[target] = replace(shafts[target], members=members)
+        steps[number] = replace(step, driven=(target, moved))
+    return replace(layout, steps=tuple(steps), shafts=shafts)
 
 
 def _owners(file: TrainFile, stages: Mapping[str, Stage]) -> dict[str, str]:
@@ -242,16 +406,28 @@ def _direction(port: Port) -> float:
     return float(np.arctan2(port.towards[1], port.towards[0]))
 
 
-def _loop(stage: Stage, port: str, target: str, place: Rigid, shaft: Shaft) -> DesignError:
-    """Return the refusal of a stage whose both members are on shafts that other stages have placed."""
-    where = place @ stage.ports[port].frame
-    apart, angle = _misfit(where, shaft.frame)
+def _met_again(stage: Stage, port: str, target: str, place: Rigid, shaft: Shaft) -> Shaft:
+    """Return a shaft that another stage has placed, with the member of this stage turned as the stage stands.
+
+    Raises DesignError for a member that is not on the axis of the shaft, or elsewhere along it than the file says.
+    """
+    apart, angle = _misfit(place @ stage.ports[port].frame, shaft.frame)
     if apart > MAX_AXIS_DISTANCE_MM or angle > MAX_SINE_OF_PARALLEL:
         by = f"{apart:.6g} mm and {np.degrees(angle):.6g} deg apart"
         reason = f"its axis does not coincide with that of {stage.name}.{port}: {by}"
-    else:
-        reason = f"{stage.name}.{port} closes a loop: the shaft is driven by two stages"
-    return DesignError(f"shafts.{target}", reason=reason, allowed="every shaft but the input driven by one stage")
+        raise DesignError(
+            f"shafts.{target}", reason=reason, allowed="stages that meet on one axis, by turn or centre distance"
+        )
+    (seated,) = (member for member in shaft.members if member.name == f"{stage.name}.{port}")
+    there = shaft.frame.inverse @ place @ stage.ports[port].frame
+    key, position = f"shafts.{target}.members.{seated.name}", seated.seat.position or 0.0
+    if (there.rotation[2, 2] < 0.0) != seated.seat.reversed:
+        raise DesignError(f"{key}.reversed", seated.seat.reversed, allowed=str(not seated.seat.reversed).lower())
+    if abs(there.translation[2] - position) > MAX_AXIS_DISTANCE_MM:
+        where = f"{there.translation[2]:.10g} mm, where its stage is"
+        raise DesignError(f"{key}.position", position, unit="mm", allowed=where)
+    turned = replace(seated, turn=float(np.arctan2(there.rotation[1, 0], there.rotation[0, 0])))
+    return replace(shaft, members=tuple(turned if member is seated else member for member in shaft.members))
 
 
 def _misfit(first: Rigid, second: Rigid) -> tuple[float, float]:

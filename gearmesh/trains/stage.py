@@ -173,7 +173,7 @@ class Stage:
     paths: tuple[MeshPath, ...]
     #: ports by their names
     ports: Mapping[str, Port]
-    #: port that rests; the carrier, with which the housing is meant, in a pair
+    #: port that rests: the carrier, with which the housing is meant, in a pair; empty for a differential
     fixed: str
 
     @staticmethod
@@ -241,13 +241,22 @@ class Stage:
 
     # ---------------------------------------------------------------- nominal motion
 
-    def speeds(self, driver: str) -> dict[str, Fraction]:
-        """Return turns of A, B and C per turn of the driver, each about its own port."""
+    def turns(self, known: Mapping[str, Fraction]) -> dict[str, Fraction]:
+        """Return turns of A, B and C, each about its own port, from those of two of them [Willis]."""
         first, last = self.members
-        # in the frame of the carrier A turns once; then subtract the motion of the fixed port
-        own = {first: Fraction(1), last: self.slope, CARRIER_NAME: Fraction(0)}
-        moved = {name: turns - own[self.fixed] for name, turns in own.items()}
-        return {name: turns / moved[driver] for name, turns in moved.items()}
+        turned, slope = dict(known), self.slope
+        if CARRIER_NAME not in turned:
+            turned[CARRIER_NAME] = (turned[last] - slope * turned[first]) / (1 - slope)
+        carrier = turned[CARRIER_NAME]
+        if last not in turned:
+            turned[last] = carrier + slope * (turned[first] - carrier)
+        if first not in turned:
+            turned[first] = carrier + (turned[last] - carrier) / slope
+        return turned
+
+    def speeds(self, driver: str) -> dict[str, Fraction]:
+        """Return turns of A, B and C per turn of the driver, each about its own port; `fixed` is at rest."""
+        return self.turns({self.fixed: Fraction(0), driver: Fraction(1)})
 
     def torques(self, driver: str) -> dict[str, Fraction]:
         """Return torques on A, B and C per torque on the driver without losses, each about its own port.
@@ -271,18 +280,16 @@ class Stage:
             return self
         return replace(self, paths=tuple(MeshPath(tuple(mesh.coast for mesh in path.meshes)) for path in self.paths))
 
-    def gain(self, driver: str, driven: str) -> float:
-        """Return the rotation of a driven port per error of the relation f, the driver being held.
+    def gain(self, driven: str) -> float:
+        """Return the rotation of a driven port per error of the relation f, both other ports being held.
 
-        It follows from theta_B - theta_C = slope (theta_A - theta_C) + error with the fixed port at rest.
+        It follows from theta_B - theta_C = slope (theta_A - theta_C) + error.
         """
         slope = float(self.slope)
-        held = {driver, self.fixed}
         if driven == self.members[1]:
             return 1.0
         if driven == self.members[0]:
             return -1.0 / slope
-        assert held == set(self.members)
         return -1.0 / (1.0 - slope)
 
     # ---------------------------------------------------------------- exact motion
@@ -297,10 +304,13 @@ class Stage:
         ahead: Array = push * np.max(push * turned, axis=0)
         return ahead
 
-    def follow(self, driver: str, theta: Array) -> dict[str, Array]:
-        """Return rotations (N,), rad, of A, B and C about their ports from rotations (N,) of the driver; the fixed one is 0."""
+    def follow(self, turned: Mapping[str, Array]) -> dict[str, Array]:
+        """Return rotations (N,), rad, of A, B and C about their ports from those of one, or two without a fixed port."""
         first, last = self.members
-        known = {self.fixed: np.zeros_like(theta), driver: theta}
+        known = dict(turned)
+        if self.fixed:
+            known[self.fixed] = np.zeros_like(next(iter(turned.values())))
+        theta = next(iter(known.values()))
         slope = float(self.slope)
 
         def solve(residual: Callable[[Array], Array], rate: float) -> Array:

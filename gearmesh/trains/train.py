@@ -25,7 +25,7 @@ from gearmesh.records import dataclass
 from gearmesh.trains.file import TrainFile, read_train, train_of
 from gearmesh.trains.layout import Layout, TrainStep, layout_of, stages_of
 from gearmesh.trains.stage import CARRIER_NAME, Mesh
-from gearmesh.trains.transmission import ShaftError, mesh_motions, output_error, relative_speed
+from gearmesh.trains.transmission import ShaftError, mesh_motions, output_error
 
 if TYPE_CHECKING:
     from gearmesh.answers.bodies.cad import Cad
@@ -204,10 +204,11 @@ class MultistageTrain(Result):
     def figures(self) -> TrainFigures:
         """Figures of the whole train."""
         speeds, output = self.layout.speeds, self.file.output
-        ratio = 1 / speeds[output]
-        within = (motion.pinion_turns for step in self.layout.steps for motion in mesh_motions(self.layout, step))
+        ratio = 1 / speeds[output] if speeds[output] else None
+        within = (motion.pinion_turns for step in self.layout.steps for motion in mesh_motions(step))
         whole = math.lcm(*(speed.denominator for speed in (*speeds.values(), *within)))
-        return TrainFigures(self.file.input, output, float(ratio), _words(ratio), self.layout.sense, float(whole))
+        shown = math.inf if ratio is None else float(ratio), "infinite" if ratio is None else _words(ratio)
+        return TrainFigures(self.file.input, output, *shown, self.layout.sense, float(whole))
 
     @cached_property
     def shafts(self) -> tuple[ShaftFigures, ...]:
@@ -227,12 +228,22 @@ class MultistageTrain(Result):
         )
 
     def _torques(self) -> dict[str, Fraction]:
-        """Return the torque with which each shaft is driven per torque on the input, for a train without branches before it."""
+        """Return the torque with which each shaft is driven per torque on the input, for a train without branches before it.
+
+        A stage that closes a loop carries what the other way leaves, which is not known.
+        """
         known = {self.file.input: Fraction(1)}
-        for step in self.layout.steps:
-            (source, driver), (target, driven) = step.driver, step.driven
-            passed = -step.stage.torques(driver.port)[driven.port]
-            known[target] = known[source] * driver.sense * passed * driven.sense
+        waiting = [step for step in self.layout.steps if not step.closes_loop]
+        while waiting:
+            step = next(step for step in waiting if any(shaft in known for shaft, _ in step.ends))
+            waiting.remove(step)
+            # torques on the ports of a stage have fixed ratios; what drives the driven shaft is against the torque on its port
+            shaft, seated = next(end for end in step.ends if end[0] in known)
+            sense = {shaft: -1 if (shaft, seated) == step.driven else 1 for shaft, seated in step.ends}
+            own = known[shaft] * sense[shaft] * seated.sense
+            torques = step.stage.torques(seated.port)
+            for name, other in step.ends:
+                known.setdefault(name, own * torques[other.port] * sense[name] * other.sense)
         return known
 
     @cached_property
@@ -243,10 +254,10 @@ class MultistageTrain(Result):
         for step in self.layout.steps:
             turned = start[step.stage.name]
             phases = self._phases(step, turned[step.stage.members[0]] - turned[CARRIER_NAME])
-            for mesh, motion, phase in zip(step.stage.meshes, mesh_motions(self.layout, step), phases, strict=True):
+            for mesh, motion, phase in zip(step.stage.meshes, mesh_motions(step), phases, strict=True):
                 teeth = [member.tooth.teeth for member in mesh.pair.both]
                 common = math.gcd(*teeth)
-                until = Fraction(teeth[1], common) / motion.pinion_turns
+                until = Fraction(teeth[1], common) / motion.pinion_turns if motion.pinion_turns else math.inf
                 found.append(TrainMeshFigures(step.stage.name, mesh.pair.name, teeth, common, common == 1,
                                               float(until), float(motion.teeth), phase))  # fmt: skip
         return tuple(found)
@@ -254,7 +265,7 @@ class MultistageTrain(Result):
     def _phases(self, step: TrainStep, relative: Array) -> list[float]:
         """Return the phases of all meshes of a stage at a rotation (1,), rad, of A in the frame of the carrier."""
         own = [path.output(relative) for path in step.stage.paths]
-        turning = self.layout.sense * relative_speed(self.layout, step)
+        turning = self.layout.sense * step.relative_speed
         sense = step.stage.meshes[0].pair.pinion.mount.sign * (1 if turning > 0 else -1)
         return [
             _phase(path.meshes[k], float(turned[k][0]), sense)

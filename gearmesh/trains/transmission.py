@@ -42,9 +42,9 @@ class MeshMotion:
     teeth: Fraction
 
 
-def mesh_motions(layout: Layout, step: TrainStep) -> tuple[MeshMotion, ...]:
+def mesh_motions(step: TrainStep) -> tuple[MeshMotion, ...]:
     """Return the motions of all meshes of a stage, in the order of `Stage.meshes`."""
-    relative = abs(relative_speed(layout, step))
+    relative = abs(step.relative_speed)
     found = []
     for k in range(len(step.stage.paths[0].meshes)):
         for path in step.stage.paths:
@@ -55,21 +55,19 @@ def mesh_motions(layout: Layout, step: TrainStep) -> tuple[MeshMotion, ...]:
     return tuple(found)
 
 
-def relative_speed(layout: Layout, step: TrainStep) -> Fraction:
-    """Return the turns of A in the frame of the carrier per turn of the input."""
-    source, driver = step.driver
-    speeds = step.stage.speeds(driver.port)
-    return layout.speeds[source] * driver.sense * (speeds[step.stage.members[0]] - speeds[CARRIER_NAME])
+def gains_to(layout: Layout, shaft: str) -> dict[str, float]:
+    """Return the turns of a shaft per turn of every shaft before it, all others that drive being held, by their names.
 
-
-def steps_to(layout: Layout, shaft: str) -> tuple[TrainStep, ...]:
-    """Return the stages between the input and a shaft, in the order of the motion."""
-    way: list[TrainStep] = []
-    while shaft != layout.file.input:
-        step = next(step for step in layout.steps if step.driven[0] == shaft)
-        way.append(step)
-        shaft = step.driver[0]
-    return tuple(reversed(way))
+    A stage that closes a loop passes nothing on.
+    """
+    gains = {shaft: 1.0}
+    for step in reversed(layout.steps):
+        target, _ = step.driven
+        if target not in gains or step.closes_loop:
+            continue
+        for source, driver in step.drivers:
+            gains[source] = gains.get(source, 0.0) + gains[target] * step.rate(driver)
+    return gains
 
 
 @dataclass(frozen=True)
@@ -92,25 +90,23 @@ def output_error(layout: Layout, shaft: str, turns: float | None) -> ShaftError:
 
     Raises ArgumentError for too many turns.
     """
-    way = steps_to(layout, shaft)
+    gains = gains_to(layout, shaft)
+    way = [step for step in layout.steps if step.driven[0] in gains and not step.closes_loop]
     if turns is None:
-        turns = float(1 / abs(layout.speeds[shaft]))
-    fastest = max((float(motion.teeth) for step in way for motion in mesh_motions(layout, step)), default=1.0)
-    most = MAX_POSITIONS / (MIN_POSITIONS_PER_PITCH * fastest)
+        # a shaft that is held has one turn of the input
+        turns = float(1 / abs(layout.speeds[shaft])) if layout.speeds[shaft] else 1.0
+    fastest = max((float(motion.teeth) for step in way for motion in mesh_motions(step)), default=1.0)
+    most = MAX_POSITIONS / (MIN_POSITIONS_PER_PITCH * max(fastest, 1.0))
     if not 0.0 < turns <= most:
         raise ArgumentError("turns", turns, must_be=f"turns of the input above 0, {most:.6g} at most")
     count = int(np.ceil(min(POSITIONS_PER_PITCH * fastest * turns, MAX_POSITIONS))) + 1
     psi = np.linspace(0.0, 2.0 * np.pi * turns, count)
     start, parts = layout.follow(np.zeros(1))[1], {}
-    for number, step in enumerate(way):
-        stage, driver, turned = step.stage, step.driver[1], start[step.stage.name]
+    for step in way:
+        stage, (target, driven), turned = step.stage, step.driven, start[step.stage.name]
         at_zero = turned[stage.members[0]] - turned[CARRIER_NAME]
-        rate = layout.sense * float(relative_speed(layout, step))
+        rate = layout.sense * float(step.relative_speed)
         error = stage.relation(at_zero + rate * psi) - float(stage.slope) * rate * psi - stage.relation(at_zero)
-        gain = stage.gain(driver.port, step.driven[1].port) * step.driven[1].sense
-        for later in way[number + 1 :]:
-            _, after = later.driver
-            gain *= after.sense * float(later.stage.speeds(after.port)[later.driven[1].port]) * later.driven[1].sense
         # adding 0.0 makes -0.0 of no error 0.0
-        parts[stage.name] = gain * error + 0.0
+        parts[stage.name] = gains[target] * stage.gain(driven.port) * driven.sense * error + 0.0
     return ShaftError(psi, parts)

@@ -16,7 +16,9 @@ from oracles.command_line import refused, run
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh.contact.engagement.cycle import gears_curve
 from gearmesh.contact.engagement.train_turns import leading_turns
+from gearmesh.contact.flanks import solver_pair
 from gearmesh.kernel.numeric.algebra import ARCSEC
 from gearmesh.systems.cylindrical.planetary.motion import phases
 from gearmesh.trains.bodies import bodies_of
@@ -115,12 +117,12 @@ def test_planetary_stages_turn_as_willis_says(fixed: str, driver: str, planets: 
     assert speeds == pytest.approx(wanted, abs=1e-15)
     theta = np.array([0.0, 0.4, 3.0])
     for sense in (1, -1):
-        turned = stage.driving(driver, sense).follow(driver, theta)
+        turned = stage.driving(driver, sense).follow({driver: theta})
         for name, speed in wanted.items():
             assert turned[name] - turned[name][0] == pytest.approx(speed * theta, abs=2e-11), (sense, name)
     # what is driven drives back: the relation is solved either way
     (driven,) = (name for name in stage.free if name != driver)
-    back = stage.follow(driven, stage.follow(driver, theta)[driven])
+    back = stage.follow({driven: stage.follow({driver: theta})[driven]})
     assert back[driver] == pytest.approx(theta, abs=1e-12)
 
 
@@ -423,10 +425,113 @@ def loop(center_distance: float) -> dict[str, Any]:
 
 
 @pytest.mark.quick
-@pytest.mark.parametrize(("distance", "words"), [(60.0, "b.gear closes a loop"), (60.4, "0.4 mm and 0 deg apart")])
-def test_loops_are_refused(distance: float, words: str) -> None:
+@pytest.mark.parametrize(
+    ("distance", "teeth", "words"),
+    [
+        (60.4, 40, "0.4 mm and 0 deg apart"),
+        (60.0, 39, r"b\.gear would turn it -20/39 times per turn of input, another stage or its speed -1/2 times"),
+    ],
+)
+def test_loops_that_contradict_are_refused(distance: float, teeth: int, words: str) -> None:
+    tables = loop(distance)
+    tables["stages"]["b"]["gear"] = {**tables["stages"]["b"]["gear"], "teeth": teeth}
     with pytest.raises(gm.DesignError, match=words):
-        _ = gm.load_train(loop(distance)).headline
+        _ = gm.load_train(tables).headline
+
+
+def test_teeth_of_both_ways_of_a_loop_mesh() -> None:
+    """Two pairs side by side: the second gear has the phase on its shaft with which it meshes, whatever that of its pinion is."""
+    tables = loop(60.0)
+    tables["shafts"]["input"]["members"][1]["phase"] = 4.0
+    train = gm.load_train(tables)
+    assert train.figures.ratio_fraction == "-2"
+    steps = train.layout.steps
+    assert [step.closes_loop for step in steps] == [False, True]
+    # 4 deg of a pinion are 2 deg of its gear, the other way; a pitch of the gear is 9 deg
+    seated = steps[1].driven[1]
+    at_rest = gm.load_train(loop(60.0)).layout.steps[1].driven[1]
+    apart = (seated.seat.phase - at_rest.seat.phase + 2.0) / 9.0
+    assert apart == pytest.approx(round(apart), abs=1e-9)
+    # on its shaft the gear is in mesh at any rotation: spur gears without modifications have no error
+    for phi in (0.0, 13.0):
+        psi = train.layout.turns(np.radians([phi]))["output"]
+        place = train.places(phi)["b.gear"]
+        shaft = train.layout.shafts["output"]
+        own = shaft.frame @ seated.port_to_shaft
+        turned = own.inverse @ place
+        theta = np.arctan2(turned.rotation[1, 0], turned.rotation[0, 0])
+        pitches = (theta - seated.theta(psi)) * 40 / (2.0 * np.pi)
+        assert pitches == pytest.approx(np.round(pitches), abs=1e-9)
+    error = train.transmission_error(1.0)
+    assert list(error.solved.parts) == ["a"]
+
+
+def differential(**shafts: dict[str, Any]) -> dict[str, Any]:
+    """A planetary set, all of whose members turn."""
+    members = {name: {"members": [f"set.{name}"], **shafts.get(name, {})} for name in ("sun", "ring", "carrier")}
+    stage = {"design": str(SAMPLES / "planetary.toml"), "planets": 2}
+    return {"kind": "train", "stages": {"set": stage}, "shafts": members}
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(("other", "speed"), [("ring", -0.25), ("ring", 0.0), ("carrier", 2.0)])
+def test_differentials_turn_as_willis_says(other: str, speed: float) -> None:
+    train = gm.load_train(differential(**{other: {"speed": speed}}))
+    wanted = np.linalg.solve(
+        [[18.0, 72.0, -90.0], [1.0, 0.0, 0.0], [0.0, float(other == "ring"), float(other == "carrier")]],
+        [0.0, 1.0, speed],
+    )
+    found = {shaft.shaft: shaft for shaft in train.shafts}
+    assert [found[name].speed for name in ("sun", "ring", "carrier")] == pytest.approx(wanted, abs=1e-15)
+    # the power that comes in goes out: torques are in equilibrium, that of the driven shaft drives what follows
+    driven = "carrier" if other == "ring" else "ring"
+    power = {name: shaft.torque * shaft.speed for name, shaft in found.items()}
+    assert power["sun"] + power[other] == pytest.approx(power[driven])
+    # in contact, flanks without modifications turn uniformly, and gears in mesh are where the shafts are
+    psi = train.layout.turns(np.array([0.0, 0.4, 3.0]))
+    for name, own in zip(("sun", "ring", "carrier"), wanted, strict=True):
+        assert psi[name] - psi[name][0] == pytest.approx(own * np.array([0.0, 0.4, 3.0]), abs=2e-11)
+    assert train.transmission_error(0.1).figures.te_peak_to_peak < 1e-4
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("shafts", "words"),
+    [
+        ({}, r"^shafts\.ring\.speed: missing: a differential"),
+        ({"sun": {"speed": 2}}, r"^shafts\.sun\.speed = 2: the speeds of other shafts are per turn of it"),
+        (
+            {"ring": {"speed": 1}, "carrier": {"speed": 0.5}},
+            r"^shafts\.carrier\.speed = 0\.5: set\.carrier gives .* left out",
+        ),
+    ],
+)
+def test_speeds_of_differentials_are_asked_for(shafts: dict[str, Any], words: str) -> None:
+    with pytest.raises(gm.DesignError, match=words):
+        _ = gm.load_train(differential(**shafts)).headline
+
+
+def test_error_of_a_differential_is_that_of_both_branches() -> None:
+    """A pair drives the ring of a set whose sun is the input: its error reaches the carrier by the ratio of ring and carrier."""
+    pair = {"design": str(SAMPLES / "spur_relieved.toml")}
+    tables = differential(ring={"members": [{"member": "set.ring"}, {"member": "pair.gear", "position": 80}]})
+    tables["stages"]["pair"] = pair
+    tables["shafts"]["motor"] = {"members": ["pair.pinion"], "speed": 0.5}
+    tables["output"] = "carrier"
+    train = gm.load_train(tables)
+    (first, second) = train.layout.steps
+    assert (first.stage.name, second.stage.name) == ("pair", "set")
+    error = train.transmission_error(2.0)
+    turned = np.abs(error.solved.parts["pair"]).max()
+    assert turned > 1e-6
+    # the same flanks, as finely sampled
+    (of_ring,) = (shaft for shaft in train.shafts if shaft.shaft == "ring")
+    carried = first.stage.paths[0].meshes[0].pair
+    curve = gears_curve(solver_pair(carried), carried.pitch)
+    assert curve is not None
+    alone = np.ptp(curve.advance(np.linspace(0.0, carried.pitch, 2000)))
+    assert np.ptp(error.solved.parts["pair"]) == pytest.approx(alone * 72 / 90, rel=0.02)
+    assert of_ring.speed == pytest.approx(-0.5 * carried.ratio)
 
 
 @pytest.mark.quick
