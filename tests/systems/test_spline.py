@@ -16,7 +16,7 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.compliance.compliance import flank_compliance
 from gearmesh.loaded.sharing import loaded_mesh, reach_of
 from gearmesh.mesh.hexahedra.hexahedra import Cells
-from gearmesh.systems.common.standards import iso4156
+from gearmesh.systems.common.standards import din5480, iso4156
 from gearmesh.systems.cylindrical.spline.designation import Designation, parse_designation
 from gearmesh.systems.cylindrical.spline.sheet import tooth_gaps
 from gearmesh.teeth.region import Side
@@ -156,6 +156,82 @@ def test_limits_of_iso_4156_are_effective_and_actual() -> None:
     # the shaft of deviation f is smaller by twice 0.03 / (2 tan 30 deg) on its diameters
     assert cell(gears, "d_a", "shaft", "Members") == pytest.approx(62.5 - 0.03 / math.tan(math.pi / 6), abs=1e-9)
     assert cell(gears, "d_f", "hub", "Members") == pytest.approx(2.5 * 25.8, abs=1e-9)
+
+
+def test_tolerances_of_din_5480_are_steps_of_its_tables() -> None:
+    """45 x 2: the fourth size step, with a unit of 11 um; grade 8 has T_act 32 and T_eff 18, grade 9 has 45 and 26 um."""
+    shaft, hub = din5480.tolerance(8, "f", 2.0, 45.0), din5480.tolerance(9, "H", 2.0, 45.0)
+    assert (shaft.effective, shaft.total, shaft.variation) == pytest.approx((-0.022, 0.050, 0.018))
+    assert (hub.effective, hub.total, hub.variation) == pytest.approx((0.0, 0.071, 0.026))
+    # deviations are symmetric about h, a hub of K has narrower spaces, thicker teeth
+    assert din5480.tolerance(8, "k", 2.0, 45.0).effective == -shaft.effective
+    assert din5480.tolerance(9, "K", 2.0, 45.0).effective == pytest.approx(0.022)
+    # the smallest and the largest size step
+    assert din5480.tolerance(5, "a", 1.5, 12.0).effective == pytest.approx(-0.080)
+    assert din5480.tolerance(12, "v", 10.0, 500.0).total == pytest.approx(0.360)
+
+
+def test_limits_of_din_5480_are_effective_and_actual() -> None:
+    gears = spline(designation="DIN 5480 W 45x2x21 8f / N 9H")
+    basic = math.pi + 4.0 * 0.2 * math.tan(math.pi / 6)
+    title = "Thickness of the shaft"
+    for symbol, shaft, hub in (("max_v", -0.022, 0.0), ("max", -0.040, 0.026), ("min", -0.072, 0.071)):
+        assert cell(gears, symbol, "shaft", title) == pytest.approx(basic + shaft, abs=1e-9)
+        assert cell(gears, symbol, "hub", title) == pytest.approx(basic + hub, abs=1e-9)
+    assert cell(gears, "c_v", "least effective") == pytest.approx(0.022, abs=1e-9)
+    # tips and roots are nominal
+    assert cell(gears, "d_a", "shaft", "Members") == pytest.approx(44.6, abs=1e-9)
+    assert not gears.warnings
+    with pytest.raises(DesignError, match=r"^shaft\.tolerance = 4f: must be a class, 5 to 12"):
+        spline(shaft={"tolerance": "4f"})
+
+
+def test_hob_that_is_swept_by_brute_force_leaves_the_shaft() -> None:
+    """The rack's rounded tooth, in 24,001 positions of its roll, reaches every point of a space and cuts into none."""
+    gears = spline()
+    tooth, radius, module, alpha = gears.members["shaft"].tooth, 21.0, 2.0, math.pi / 6
+    regions = [region for region in tooth.regions if "flank" in region or "fillet" in region or region == "root"]
+    sections = tooth.sections(np.array([0.5]))
+    points = np.concatenate(
+        [tooth.grid(r, np.linspace(0.02, 0.98, 25), sections).points.reshape(-1, 3) for r in regions]
+    )
+    # seen from the middle of a space, where the rack's tooth is
+    apart = np.arctan2(points[:, 1], points[:, 0])[:, None]
+    apart = np.abs(apart) - math.pi / 21
+    away = np.hypot(points[:, 0], points[:, 1])[:, None]
+    roll = np.linspace(-0.6, 0.6, 24_001)
+    x, y = away * np.sin(apart + roll) - radius * roll, away * np.cos(apart + roll)
+    # a tooth of the rack is a trapezoid that is smaller by the rounding, and all within the rounding of it
+    rounding, datum = 0.16 * module, radius + 0.2 * module
+    tip = datum - 0.6 * module + rounding
+    half = 0.25 * math.pi * module - rounding / math.cos(alpha)
+    corner = half + (tip - datum) * math.tan(alpha)
+    across, up = np.abs(x) - corner, y - tip
+    beside = across / math.cos(alpha)
+    below = -up - beside * math.sin(alpha)
+    near = np.hypot(across, up)
+    outside = np.maximum(-up, across * math.cos(alpha) - up * math.sin(alpha))
+    outside = np.where((beside >= 0.0) & (below >= 0.0), near, outside)
+    cut = (rounding - outside).max(axis=1)
+    assert np.abs(cut).max() < 1e-6
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(("teeth", "reach"), [(21, 10), (12, 6)])
+def test_bodies_of_splines_are_coupled_all_round(teeth: int, reach: int) -> None:
+    """Half of the teeth either way; the teeth of gears a few pitches away do not matter."""
+    size = f"DIN 5480 W {2 * teeth + 3}x2x{teeth}"
+    for errors in ({}, {"gamma_h": 0.02}):
+        assert reach_of(spline(designation=size, assembly=errors).train.pairs[0]) == reach
+    spur = gm.parse(
+        {
+            "kind": "cylindrical",
+            "module": 2,
+            "pinion": {"teeth": 21, "face_width": 9},
+            "gear": {"teeth": 40, "face_width": 9},
+        }
+    )
+    assert reach_of(gm.build(spur).train.pairs[0]) == 3
 
 
 @pytest.mark.sweep_cases(

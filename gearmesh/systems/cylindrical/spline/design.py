@@ -15,7 +15,7 @@ from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import eccentricity, phase
 from gearmesh.member_names import MemberNames
 from gearmesh.systems.common.internal_keys import NOT_INSIDE
-from gearmesh.systems.common.standards import iso4156
+from gearmesh.systems.common.standards import din5480, iso4156
 from gearmesh.systems.cylindrical.allowance_keys import BallMeasurement, ThicknessAllowance, thickness_made_key
 from gearmesh.systems.cylindrical.design import FORMED_MANUFACTURE, ShaperCutter
 from gearmesh.systems.cylindrical.spline.designation import DESIGNATION_FORMS, Designation, parse_designation
@@ -82,11 +82,11 @@ class SplineMember(PlaneFaces, MemberBody):
         default="by profile, or what a space has room for",
     )
     tolerance: str | None = keys.text(
-        'class and deviation, as "5f" of a shaft and "5H" of a hub; those of ISO 4156 give thickness_allowance and '
-        "effective_variation",
+        'class and deviation, as "5f" of a shaft and "5H" of a hub; those of ISO 4156 and DIN 5480 give thickness_allowance '
+        "and effective_variation",
         None,
         default="by designation",
-        source="ISO 4156-1",
+        source="ISO 4156-1, DIN 5480-1",
     )
     thickness_allowance: ThicknessAllowance | None = None
     effective_variation: float | None = keys.length(
@@ -249,10 +249,16 @@ class SplineDesign(Design):
     @model_validator(mode="after")
     def _known_tolerances(self) -> Self:
         for name in MEMBER_NAMES:
-            given, letters = getattr(self, name).tolerance, _letters(name)
-            if given is not None and self._by_iso4156 and iso4156.parse(given, letters) is None:
-                classes = f"{min(iso4156.CLASS_FACTORS)} to {max(iso4156.CLASS_FACTORS)}"
-                raise conflict(f"{name}.tolerance", given, must_be=f"a class, {classes}, and {' or '.join(letters)}")
+            given = getattr(self, name).tolerance
+            if given is None or not (self._by_iso4156 or self._by_din5480):
+                continue
+            letters, classes = _letters(name), iso4156.CLASS_FACTORS
+            parse, numbers = iso4156.parse, f"{min(classes)} to {max(classes)}"
+            if self._by_din5480:
+                letters = tuple(din5480.HUB_UNITS if name == HUB_NAME else din5480.SHAFT_UNITS)
+                parse, numbers = din5480.parse, f"{din5480.GRADES[0]} to {din5480.GRADES[-1]}"
+            if parse(given, letters) is None:
+                raise conflict(f"{name}.tolerance", given, must_be=f"a class, {numbers}, and {' or '.join(letters)}")
         return self
 
     @property
@@ -264,6 +270,11 @@ class SplineDesign(Design):
     def _by_iso4156(self) -> bool:
         """True if the profile is of ISO 4156, whose tolerances are known."""
         return self.profile.startswith("ISO 4156")
+
+    @property
+    def _by_din5480(self) -> bool:
+        """True if the profile is of DIN 5480, whose tolerances are known."""
+        return self.profile == "DIN 5480"
 
     @property
     def member_names(self) -> MemberNames:
@@ -327,11 +338,18 @@ class SplineDesign(Design):
 
         Examples
         --------
-        >>> gm.load("samples/spline.toml").member_tolerance("hub") is None
-        True
+        >>> round(gm.load("samples/spline.toml").member_tolerance("hub").total, 6)
+        0.071
         """
-        parsed = iso4156.parse(self.tolerance(name), _letters(name))
         module = self.given_module * self.mm_per_unit
+        if self._by_din5480:
+            units = din5480.HUB_UNITS if name == HUB_NAME else din5480.SHAFT_UNITS
+            grade = din5480.parse(self.tolerance(name), tuple(units))
+            if grade is None or module > din5480.LARGEST_MODULE_MM:
+                return None
+            modules = self.counted_teeth + 2.0 * self.profile_shift + REFERENCE_MODULES
+            return din5480.tolerance(*grade, module, round(module * modules, 6))
+        parsed = iso4156.parse(self.tolerance(name), _letters(name))
         too_large = module * self.counted_teeth > iso4156.LARGEST_DIAMETER_MM
         if parsed is None or not self._by_iso4156 or too_large:
             return None
@@ -375,7 +393,7 @@ class SplineDesign(Design):
     @property
     def _deviation(self) -> float:
         """Fundamental deviation of the shaft's thickness, in the design's units, positive towards thinner teeth."""
-        own = self.member_tolerance(SHAFT_NAME)
+        own = self.member_tolerance(SHAFT_NAME) if self._by_iso4156 else None
         return 0.0 if own is None else max(0.0, -own.effective) / self.mm_per_unit
 
 
