@@ -182,7 +182,7 @@ def test_limits_of_din_5480_are_effective_and_actual() -> None:
     # tips and roots are nominal
     assert cell(gears, "d_a", "shaft", "Members") == pytest.approx(44.6, abs=1e-9)
     assert not gears.warnings
-    with pytest.raises(DesignError, match=r"^shaft\.tolerance = 4f: must be a class, 5 to 12"):
+    with pytest.raises(DesignError, match=r"^shaft\.tolerance = \"4f\": must be a class, 5 to 12, and one of a, b"):
         spline(shaft={"tolerance": "4f"})
 
 

@@ -258,7 +258,9 @@ class SplineDesign(Design):
                 letters = tuple(din5480.HUB_UNITS if name == HUB_NAME else din5480.SHAFT_UNITS)
                 parse, numbers = din5480.parse, f"{din5480.GRADES[0]} to {din5480.GRADES[-1]}"
             if parse(given, letters) is None:
-                raise conflict(f"{name}.tolerance", given, must_be=f"a class, {numbers}, and {' or '.join(letters)}")
+                raise conflict(
+                    f"{name}.tolerance", given, must_be=f"a class, {numbers}, and one of {', '.join(letters)}"
+                )
         return self
 
     @property
