@@ -6,7 +6,8 @@ import math
 from typing import Any
 
 from gearmesh.design.core import Design
-from gearmesh.errors import GearmeshError
+from gearmesh.design.keys import Key
+from gearmesh.errors import Bounds, GearmeshError
 
 #: distance from a bound that is excluded itself, over the bound
 INSIDE_SHARE = 1e-5
@@ -23,9 +24,15 @@ def refusal(error: GearmeshError, design: type[Design], mm_per_unit: float) -> d
 
 
 def _offer(error: GearmeshError, design: type[Design], mm_per_unit: float) -> dict[str, Any] | None:
-    """Return the allowed value nearest to a refused one, in the design's units; None if the error has no bounds."""
-    key, bounds, value = design.key_at(error.key), error.bounds, error.value
-    if key is None or not key.is_numeric or bounds is None or not isinstance(value, int | float):
+    """Return the allowed value nearest to a refused one, in the design's units.
+
+    None if neither the error nor the key has bounds.
+    """
+    key, value = design.key_at(error.key), error.value
+    if key is None or not key.is_numeric or not isinstance(value, int | float):
+        return None
+    bounds = error.bounds or _limits(key, value * (mm_per_unit**key.power if error.unit != "mm" else 1.0))
+    if bounds is None:
         return None
     # fields of errors are in mm unless they name the design's unit
     scale = mm_per_unit**key.power if bounds.unit in ("mm", "1/mm") else 1.0
@@ -45,6 +52,15 @@ def _offer(error: GearmeshError, design: type[Design], mm_per_unit: float) -> di
     offered = round(end) if key.unit == "count" else _rounded(end, inwards)
     shown = f"{offered:g}" if isinstance(offered, int) else f"{offered:.{OFFERED_DIGITS}g}"
     return {"key": error.key, "value": offered, "text": f"set {error.key} to {shown}"}
+
+
+def _limits(key: Key, value: float) -> Bounds | None:
+    """Return the limits of a key beyond which a value (lengths in mm) lies; None without any, or at 0 that is not allowed."""
+    if value > key.high:
+        return Bounds(None, key.high, "mm" if key.power else "")
+    if value < key.low and not (key.above and key.low == 0.0):
+        return Bounds(key.low, None, "mm" if key.power else "", includes_low=not key.above)
+    return None
 
 
 def _rounded(value: float, inwards: int) -> float:

@@ -164,6 +164,11 @@ def test_a_refusal_stands_beside_its_key_and_its_remedy_mends(browser: Any) -> N
     after = press(browser, ".key .refusal button")
     assert after["state"]["keys"]["pinion.bore"] < 200
     assert browser.find_elements("css selector", ".key .refusal") == []
+    # a value beyond all limits can be taken back where it is refused
+    put(browser, "pinion.face_width", "-1")
+    back = press(browser, ".refusal .take-back")
+    assert back["state"] == after["state"]
+    assert browser.find_elements("css selector", ".refusal:not([hidden])") == []
     assert "old" not in browser.find_element("id", "view").get_attribute("class")
 
 
@@ -182,6 +187,17 @@ def test_values_that_follow_are_short_and_whole_in_their_title(browser: Any) -> 
         assert float(text) == pytest.approx(values[key], rel=6e-6)
         assert len(text.split("e")[0].lstrip("-0.").replace(".", "")) <= 6 or float(text) >= 1e6
         assert float(title) == values[key]
+
+
+def test_gears_that_jam_are_all_seen(browser: Any) -> None:
+    browser.execute_script(
+        "const look = document.getElementById('look'); look.value = '0'; look.dispatchEvent(new Event('change'))"
+    )
+    after = put(browser, "assembly.dx", "-0.8")
+    assert figure(after, "backlash_normal_min_mm") < 0
+    hidden = "return [...document.querySelectorAll('#members select')].map((each) => each.value)"
+    assert browser.execute_script(hidden) == ["solid", "solid"]
+    assert not browser.find_element("id", "scale").is_displayed()
 
 
 def test_slider_of_an_error_and_pinned_state(browser: Any) -> None:

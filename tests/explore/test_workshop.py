@@ -183,6 +183,18 @@ def test_offer_of_a_refusal_builds(changes: dict[str, Any], key: str, units: str
     assert ask(workshop, changes={key: offer["value"]})[0]["type"] == "design"
 
 
+@pytest.mark.quick
+def test_limits_of_a_key_are_offered(workshop: Workshop) -> None:
+    def offers(changes: dict[str, Any]) -> list[Any]:
+        (message,) = ask(workshop, changes=changes)
+        return [offer["value"] for offer in message["offers"]]
+
+    assert offers({"pressure_angle": 60}) == [45.0]
+    assert offers({"gear.teeth": 2}) == [3]
+    # a length above 0 has no least value
+    assert offers({"gear.face_width": -1}) == []
+
+
 def test_range_is_what_builds(workshop: Workshop) -> None:
     design = gm.load(SAMPLES / "helical.toml")
     found = key_range(design, "pressure_angle", 20.0)

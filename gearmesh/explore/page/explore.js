@@ -284,8 +284,11 @@
       back.style.visibility = given && row.default !== "required" ? "visible" : "hidden";
       if (document.activeElement !== input || input.tagName === "SELECT") input.value = keyText(row.key, state.keys, values);
       else if (given) input.value = inText(state.keys[row.key]);
-      input.title = given || input.tagName === "SELECT" ? "" : inText(values[row.key], 17);
-      if (!given && input.tagName === "INPUT" && values[row.key] === undefined) input.placeholder = row.default;
+      const inWords = !given && input.tagName === "INPUT" && values[row.key] === undefined;
+      if (inWords) input.placeholder = row.default;
+      // the title has what the field may have no room for
+      if (input.tagName === "SELECT") input.title = input.selectedOptions[0]?.textContent ?? "";
+      else input.title = inWords ? row.default : given ? input.value : inText(values[row.key], 17);
       const slider = item.querySelector("input[type=range]");
       if (slider && document.activeElement !== slider && typeof valueOf(row.key) === "number") slider.value = valueOf(row.key);
     }
@@ -386,6 +389,12 @@
       const button = create("button", { type: "button", textContent: offer.text });
       button.addEventListener("click", () => set(offer.key, offer.value));
       target.append(create("br"), button);
+    }
+    if (past[place - 1]) {
+      const back = create("button", { type: "button", className: "take-back", textContent: "undo" });
+      back.addEventListener("click", () => step(-1));
+      if (!message.offers.length) target.append(create("br"));
+      target.append(back);
     }
     target.hidden = false;
     if (row) {

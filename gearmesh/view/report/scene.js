@@ -459,6 +459,7 @@ window.gearmeshScene = function () {
     canvas.setAttribute("aria-label", alone && !waiting ? withMate.replace("Gears in mesh", "The gear") : withMate);
     if (!alone) return;
     current = undefined;
+    element("scale").hidden = true;
     dot.visible = ribbon.visible = action.visible = pressure.visible = false;
     members.forEach((member) => turned(member, 0));
     if (!kept) lookAt("");
@@ -796,7 +797,8 @@ window.gearmeshScene = function () {
       showPair(k, kept && shown !== undefined, kept);
     }
     if (kept) {
-      members.forEach((member) => setMode(member, modes.get(member.name)));
+      // without contact there is no tooth to look at, and nothing that hides the mating member
+      if (pairs.length || look === "" || data.waiting) members.forEach((member) => setMode(member, modes.get(member.name)));
       if (pairs.length && shown !== undefined) element("look").value = look;
     }
     cut();
