@@ -323,6 +323,19 @@ def test_an_archive_is_read_as_it_was_written(tmp_path: Path, second_order: bool
 NODE_LOADS = [("3", "X", 1), ("3", "Y", 2), ("3", "Z", 3), ("5", "X", 4), ("5", "Y", 5), ("5", "Z", -6)]
 
 
+def test_gmsh_reads_all_nodes_of_nastran_elements(tmp_path: Path, gmsh: Any) -> None:
+    """gmsh drops mid-side nodes of elements whose lines have no mark in the last field."""
+    wanted, path = model(second_order=True), tmp_path / "blocks.bdf"
+    write_model(wanted, path)
+    gmsh.open(str(path))
+    (kind,) = gmsh.model.mesh.getElementTypes(3)
+    local, weights = gmsh.model.mesh.getIntegrationPoints(kind, "Gauss6")
+    determinants = gmsh.model.mesh.getJacobians(kind, local)[1].reshape(-1, len(weights))
+    assert determinants.min() > 0.0
+    exact = volumes(wanted.mesh.nodes, wanted.mesh.elements).sum()
+    assert float((determinants @ weights).sum()) == pytest.approx(exact, rel=1e-12)
+
+
 @pytest.mark.parametrize("second_order", [False, True])
 def test_nastran_holds_the_whole_model(tmp_path: Path, second_order: bool) -> None:
     """By a strict reader of the format; pyNastran 1.4.1, which needs an older NumPy, reads the same (gearmesh/fe/notes.md)."""

@@ -32,10 +32,10 @@ def nastran_cards(path: Path) -> list[Card]:
             name, *fields = line.split(",")
             cards.append((name, fields))
             continue
-        assert len(line) <= 72
+        assert line[72:] in ("", "+")
         first, wide = line[:8].strip(), "*" in line[:8]
         width, count = (16, 4) if wide else (8, 8)
-        padded = line[8:].ljust(width * count)
+        padded = line[8:72].ljust(width * count)
         fields = [padded[width * k : width * (k + 1)].strip() for k in range(count)]
         if first in ("+", "*", ""):
             cards[-1][1].extend(fields)

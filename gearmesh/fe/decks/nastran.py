@@ -93,7 +93,8 @@ def _mesh(model: Model) -> Iterator[str]:
     yield from lines(f"GRID*   %16d{'':16}{field}{field}\n*       {field}\n", table)
     elements = mesh.elements[:, UPRIGHT_EDGES_FIRST_ORDER] if mesh.second_order else mesh.elements
     rows = ["%8d" * 8, "%8d" * 2] if not mesh.second_order else ["%8d" * 8, "%8d" * 8, "%8d" * 6]
-    template = "CHEXA   " + "\n+       ".join(rows) + "\n"
+    # gmsh follows a line to the next one by the marks in fields 10 and 1: without the first it drops mid-side nodes
+    template = "CHEXA   " + "+\n+       ".join(rows) + "\n"
     numbers = np.arange(1, len(elements) + 1)
     yield from lines(template, np.column_stack((numbers, material_numbers(model), elements + 1)))
 
