@@ -29,8 +29,8 @@ STEP_UNITS_UM = (8.0, 9.0, 10.0, 11.0, 12.5, 14.0, 16.0, 18.0, 20.0)
 SHAFT_UNITS = dict(zip("abcdefghjkmnprstuv", (-10, -8, -6, -4, -3, -2, -1, 0, *range(1, 11)), strict=True))
 #: units in the deviation of a hub, positive towards wider spaces
 HUB_UNITS = {"F": 2, "G": 1, "H": 0, "J": -1, "K": -2, "M": -3}
-#: grades
-GRADES = range(5, 13)
+#: grades of tolerances
+TOLERANCE_GRADES = range(5, 13)
 #: tolerance of the actual thickness or width by row, um
 ACTUAL_TOLERANCES_UM = (
     *(8, 9, 10, 11, 12, 14, 16, 18, 20, 22, 25, 28, 32, 36, 40, 45, 50, 56),
@@ -46,7 +46,7 @@ EFFECTIVE_TOLERANCES_UM = (
 def parse(text: str, letters: tuple[str, ...]) -> tuple[int, str] | None:
     """Return grade and letter of a tolerance such as "8f"; None for other texts, grades and letters."""
     match = re.fullmatch(r"(\d+)([A-Za-z])", text, re.ASCII)
-    if match is None or int(match[1]) not in GRADES or match[2] not in letters:
+    if match is None or int(match[1]) not in TOLERANCE_GRADES or match[2] not in letters:
         return None
     return int(match[1]), match[2]
 
@@ -59,7 +59,7 @@ def tolerance(grade: int, letter: str, module: float, reference_diameter: float)
     """
     step = bisect_left(DIAMETER_STEPS_MM, reference_diameter) + bisect_left(MODULE_STEPS_MM, module)
     units = -HUB_UNITS[letter] if letter.isupper() else SHAFT_UNITS[letter]
-    row = 3 * (grade - GRADES.start) + step
+    row = 3 * (grade - TOLERANCE_GRADES.start) + step
     actual, effective = ACTUAL_TOLERANCES_UM[row], EFFECTIVE_TOLERANCES_UM[row]
     # deviations are whole um
     deviation = int(units * STEP_UNITS_UM[step])

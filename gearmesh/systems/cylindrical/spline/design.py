@@ -256,7 +256,7 @@ class SplineDesign(Design):
             parse, numbers = iso4156.parse, f"{min(classes)} to {max(classes)}"
             if self._by_din5480:
                 letters = tuple(din5480.HUB_UNITS if name == HUB_NAME else din5480.SHAFT_UNITS)
-                parse, numbers = din5480.parse, f"{din5480.GRADES[0]} to {din5480.GRADES[-1]}"
+                parse, numbers = din5480.parse, f"{din5480.TOLERANCE_GRADES[0]} to {din5480.TOLERANCE_GRADES[-1]}"
             if parse(given, letters) is None:
                 raise conflict(
                     f"{name}.tolerance", given, must_be=f"a class, {numbers}, and one of {', '.join(letters)}"
