@@ -28,6 +28,11 @@ def test_trains_turn_together_whichever_pair_is_known() -> None:
             driven = leading_turns(each, turns[each.pinion.name])[1]
             pitches = (turns[each.gear.name] - driven) / each.gear.tooth.pitch_angle
             assert np.abs(pitches - np.round(pitches)).max() < 1e-7, each.name
+        # at their ratios members turn as in the middle, and elsewhere within the transmission errors
+        plain = train_turns(gears.train, pair, path.rotation, path.phi2, nominal=True)
+        for name, turn in turns.items():
+            assert plain[name][1] == pytest.approx(turn[1], abs=1e-9)
+            assert plain[name] == pytest.approx(turn, abs=1e-4)
 
 
 def test_gaps_grow_as_the_ellipse_of_contact_says() -> None:

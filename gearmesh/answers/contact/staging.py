@@ -116,10 +116,13 @@ def first_contact(train: GearTrain, pair: GearPair, ends: tuple[float, float]) -
 def _at_first(train: GearTrain, pair: GearPair, path: ContactPath, flanks: Pair | None = None) -> StagedContact:
     """Return the contact at positions that all touch, with gaps only where the pattern needs them.
 
+    Members of other pairs turn at their ratios, which no eye can tell from their turns with transmission errors.
+
     `flanks` of the pair for the solver are made if gaps need them and they are not given.
     """
     gaps = None if np.isfinite(path.semi_major).any() else _gaps(pair, flanks or solver_pair(pair), path, None)
-    return StagedContact(pair, path, train_turns(train, pair, path.rotation, path.phi2), None, gaps)
+    turns = train_turns(train, pair, path.rotation, path.phi2, nominal=True)
+    return StagedContact(pair, path, turns, None, gaps)
 
 
 def shown_flank(member: Member, side: Side) -> Grid:

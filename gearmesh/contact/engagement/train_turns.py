@@ -27,10 +27,18 @@ def leading_turns(pair: GearPair, phi1: Array, around: int = 1) -> tuple[Array, 
     return rotation[k] + none, phi2[k] + none
 
 
-def train_turns(train: GearTrain, pair: GearPair, rotation: Array, phi2: Array) -> dict[str, Array]:
-    """Compute rotations (N,), rad, of all members when the members of one `pair` are at `rotation` and `phi2` (N,)."""
+def train_turns(
+    train: GearTrain, pair: GearPair, rotation: Array, phi2: Array, *, nominal: bool = False
+) -> dict[str, Array]:
+    """Compute rotations (N,), rad, of all members when the members of one `pair` are at `rotation` and `phi2` (N,).
+
+    With `nominal` the contact of the other pairs is solved at the middle position alone, from which their members turn at their
+    ratios: their transmission errors are left out.
+    """
     turns = {pair.pinion.name: rotation, pair.gear.name: phi2}
     waiting = [other for other in train.pairs if other is not pair]
+    middle = len(rotation) // 2
+    solved = np.array([middle]) if nominal else np.arange(len(rotation))
     while waiting:
         known = [mesh for mesh in waiting if mesh.pinion.name in turns or mesh.gear.name in turns]
         if not known:
@@ -38,12 +46,16 @@ def train_turns(train: GearTrain, pair: GearPair, rotation: Array, phi2: Array) 
         mesh = known[0]
         waiting = [other for other in waiting if other is not mesh]
         if mesh.gear.name not in turns:
-            turns[mesh.gear.name] = leading_turns(mesh, turns[mesh.pinion.name])[1]
+            first, second, ratio = mesh.pinion.name, mesh.gear.name, mesh.ratio
+            turned = leading_turns(mesh, turns[first][solved])[1]
         elif mesh.pinion.name not in turns:
-            wanted = turns[mesh.gear.name]
+            first, second, ratio = mesh.gear.name, mesh.pinion.name, 1.0 / mesh.ratio
+            wanted = turns[first][solved]
             # invert phi2(phi1) by fixed-point iteration from the nominal ratio
-            driving = wanted / mesh.ratio
+            turned = wanted * ratio
             for _ in range(INVERSION_ROUNDS):
-                driving = driving + (wanted - leading_turns(mesh, driving)[1]) / mesh.ratio
-            turns[mesh.pinion.name] = driving
+                turned = turned + (wanted - leading_turns(mesh, turned)[1]) * ratio
+        else:
+            continue
+        turns[second] = turned + ratio * (turns[first] - turns[first][middle]) if nominal else turned
     return turns
