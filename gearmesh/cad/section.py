@@ -301,7 +301,7 @@ def section_spline(exact: Callable[[Array], Array], what: str, tolerance: float)
         nodes = nodes.spread(by_interval(miss) / allowed, turn)
     raise NoSolutionError(
         reason=f"the section of the {what} with {nodes.y.size} points deviates by {1000.0 * miss.max():.3g} um, more "
-        f"than the tolerance of {1000.0 * tolerance:g} um; choose a larger tolerance"
+        f"than the {1000.0 * allowed:g} um allowed for a tolerance of {1000.0 * tolerance:g} um; choose a larger tolerance"
     )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import json
 import os
+import re
 import resource
 import subprocess
 import sys
@@ -29,6 +30,7 @@ from gearmesh.cad.part21 import condense
 from gearmesh.cad.solid_part import solid_part, volume
 from gearmesh.cad.step import write_step
 from gearmesh.contact.flanks import analyse
+from gearmesh.errors import NoSolutionError
 from gearmesh.io.digits import points_on_grid
 from gearmesh.io.palette import region_colours
 from gearmesh.kernel.motion.rigid import Rigid
@@ -791,3 +793,15 @@ def test_no_pair_without_contact(tmp_path: Path, capsys: pytest.CaptureFixture[s
     assert main([*arguments, "-o", str(file)]) == 3
     assert "no contact at phi1 = 0" in capsys.readouterr().err
     assert not file.exists()
+
+
+def test_refused_tolerance_is_compared_with_its_own_share(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A refusal said that 0.0633 um is more than a tolerance of 0.1 um, and not which tolerance would do."""
+    monkeypatch.setattr("gearmesh.cad.brep.MAX_NODES", 8)
+    pinion = built.built_sample("beveloid_intersected").members["pinion"]
+    told = r"deviate by ([\d.]+) um, more than the 0\.00045 um allowed for a tolerance of 0\.001 um; .* from about ([\d.]+) um on"
+    with pytest.raises(NoSolutionError, match=told) as refused:
+        spline_tooth(pinion.tooth, 1e-6)
+    deviation, enough = map(float, re.search(told, str(refused.value)).groups())  # type: ignore[union-attr]
+    assert deviation > 0.00045
+    assert deviation / 0.45 < enough < 1.2 * deviation / 0.45
