@@ -463,8 +463,7 @@ class Workshop:
             axis = next(iter(members.values())).mount.axis if not pairs else pairs[0].pinion.mount.axis
             placed = {name: meshes[name].move(member.mount.at(0.0)) for name, member in members.items()}
             seen = set_scene(placed, axis)
-        points = np.concatenate([body.own_to_scene.point(body.mesh.vertices) for body in seen.bodies])
-        return self.cameras.put(mark, camera_data(fitted(seen.camera, points)))
+        return self.cameras.put(mark, camera_data(fitted(seen)))
 
 
 # ---------------------------------------------------------------- parts of answers

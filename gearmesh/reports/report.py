@@ -46,7 +46,7 @@ from gearmesh.view.report.bars import pattern_bars
 from gearmesh.view.report.card import Card, mesh_card
 from gearmesh.view.report.page import PageSection, drawing, listing, picture, three_version
 from gearmesh.view.report.stage import StagedPair, stage
-from gearmesh.view.report.staged_member import StagedMember
+from gearmesh.view.report.staged_member import StagedMember, fitted
 from gearmesh.view.scene import Scene
 
 #: largest distance, mm, of the shown meshes from the exact surfaces
@@ -158,7 +158,7 @@ def report_page(
     checks = {} if check is None or not contacts else dict(zip(contacts, (check, *check.others), strict=True))
     loads = {} if loaded is None else dict(loaded)
     staged = [_stage(gears.train, contact, checks.get(k), loads.get(k)) for k, contact in moving.items()]
-    data = stage(gears.train, members, staged, overview.camera)
+    data = stage(gears.train, members, staged, fitted(overview))
     shots = [(caption, jpeg(image)) for caption, image in images]
     sections = _sections(
         gears,

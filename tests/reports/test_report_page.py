@@ -199,6 +199,20 @@ def test_command_ends_as_the_check_on_its_page(tmp_path: Path, monkeypatch: pyte
         assert ("te_difference_arcsec = 2: allowed is 1" in target.read_text(encoding="utf-8")) is not ok
 
 
+def test_view_holds_whole_gears_in_perspective() -> None:
+    """The near end of a long hub is larger than its middle, and was cut off below."""
+    gears, page = paged("spline", "hub.face_width=60", "shaft.face_width=60", "contact.phi1.count=3")
+    camera = stage_of(page)["camera"]
+    focus, back, up = (np.array(camera[key], dtype=float) for key in ("focus", "back", "up"))
+    back, slope = back / np.linalg.norm(back), np.tan(np.radians(10.0))
+    right = np.cross(up, back) / np.linalg.norm(np.cross(up, back))
+    distance = 0.9 * camera["height"] / 2.0 / slope
+    for name, member in gears.members.items():
+        away = member.mount.at(0.0).point(gears.solid(name, 0.05).mesh.vertices) - focus
+        assert (np.abs(away @ np.cross(back, right)) < 0.99 * slope * (distance - away @ back)).all()
+        assert (np.abs(away @ right) < 0.99 * 4.0 / 3.0 * slope * (distance - away @ back)).all()
+
+
 def test_page_with_given_pictures_asks_for_no_opengl(monkeypatch: pytest.MonkeyPatch) -> None:
     """A page without pictures says why it has none."""
     monkeypatch.setattr("gearmesh.view.opengl.missing_opengl_message", lambda: "no OpenGL today")

@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from gearmesh.kernel.numeric.algebra import Array, cross, unit
+from gearmesh.kernel.numeric.algebra import cross, unit
 from gearmesh.mesh.solid import gear_solid
 from gearmesh.mesh.tessellate import ToothMesh, tessellate
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.gear_train import Member
 from gearmesh.view.report.packing import packed_mesh
-from gearmesh.view.scene import BLUE_STEEL_PAINT, BRASS_PAINT, BRONZE_PAINT, Camera
+from gearmesh.view.scene import BLUE_STEEL_PAINT, BRASS_PAINT, BRONZE_PAINT, Camera, Scene
 
 #: angle of view, upright, and ratio of width to height for which the view places its camera
 VIEW_ANGLE_DEG, VIEW_ASPECT = 20.0, 4.0 / 3.0
@@ -74,8 +74,10 @@ def camera_data(camera: Camera) -> dict[str, Any]:
     }
 
 
-def fitted(camera: Camera, points: Array) -> Camera:
-    """Return a camera with the height at which the view shows all points (N, 3), fixed frame."""
+def fitted(scene: Scene) -> Camera:
+    """Return the camera of a scene with the height at which the view, a perspective, shows all of its bodies."""
+    camera = scene.camera
+    points = np.concatenate([body.own_to_scene.point(body.mesh.vertices) for body in scene.bodies])
     back = unit(camera.position - camera.focus)
     aside = unit(cross(np.asarray(camera.up, dtype=float), back))
     away = points - camera.focus
