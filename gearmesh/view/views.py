@@ -159,7 +159,12 @@ def set_scene(
     up = cross(axis, aside)
     back = unit(axis + VIEW_SWING * aside + VIEW_SWING * up)
     points = np.concatenate([mesh.vertices for mesh in placed.values()])
-    return Scene(bodies, frame(back, up, points, size), title=title, size=size)
+    return Scene(bodies, _below_heading(frame(back, up, points, size, PAIR_MARGIN)), title=title, size=size)
+
+
+def _below_heading(camera: Camera) -> Camera:
+    """Return the camera that sees whole gears a little below the middle of the picture, under the heading."""
+    return camera.moved(HEADING_SHIFT * camera.height * camera.axes[1], camera.height)
 
 
 def _kind(name: str) -> str:
@@ -538,7 +543,7 @@ def pair_camera(
         (frame(back, up, points, size, PAIR_MARGIN) for back, up in ways),
         key=lambda camera: _filled(camera, points, size),
     )
-    whole = whole.moved(HEADING_SHIFT * whole.height * whole.axes[1], whole.height)
+    whole = _below_heading(whole)
     if close_up is None:
         return whole
     point, radius = close_up

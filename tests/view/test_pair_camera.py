@@ -41,6 +41,12 @@ def test_a_rack_is_level_and_a_ring_fills_its_picture() -> None:
     # under the heading, and within the picture
     assert seen[:, 1].min() > 0.09 * 600
     assert seen[:, 1].max() < 600
+    # gear sets fill theirs as pairs do; they took 0.77 of the height
+    scene = built_sample("planetary").picture("pair", size=(800, 600))._scene
+    ring = scene.bodies[-1]
+    seen = scene.camera.pixels(ring.own_to_scene.point(ring.mesh.vertices), (800, 600))
+    assert np.ptp(seen[:, 1]) > 0.82 * 600
+    assert 0.09 * 600 < seen[:, 1].min() < seen[:, 1].max() < 600
 
 
 def _ends(vertices: np.ndarray) -> tuple[int, int]:
