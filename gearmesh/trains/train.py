@@ -76,7 +76,9 @@ class TrainFigures(Figures):
 
     input: str = figure("name of the driving shaft")
     output: str = figure("name of the driven shaft")
-    ratio: float = figure("speed of the input over that of the output, negative if their senses differ", "", "i")
+    ratio: float | None = figure(
+        "speed of the input over that of the output, negative if their senses differ; none if the output rests", "", "i"
+    )
     ratio_fraction: str = figure("the same as a ratio of whole numbers")
     input_sense: int = figure("sense in which the input turns about its z axis, 1 right-handed", whole=True)
     turns_until_repeat: float = figure("turns of the input until all teeth are where they were")
@@ -207,7 +209,7 @@ class MultistageTrain(Result):
         ratio = 1 / speeds[output] if speeds[output] else None
         within = (motion.pinion_turns for step in self.layout.steps for motion in mesh_motions(step))
         whole = math.lcm(*(speed.denominator for speed in (*speeds.values(), *within)))
-        shown = math.inf if ratio is None else float(ratio), "infinite" if ratio is None else _words(ratio)
+        shown = None if ratio is None else float(ratio), "infinite" if ratio is None else _words(ratio)
         return TrainFigures(self.file.input, output, *shown, self.layout.sense, float(whole))
 
     @cached_property
@@ -283,7 +285,7 @@ class MultistageTrain(Result):
     def _summary(self) -> str:
         """Number of stages, and ratio."""
         values = self.figures
-        return f"{len(self.file.stages)} stages, ratio {values.ratio_fraction} = {values.ratio:.6g}"
+        return f"{len(self.file.stages)} stages, {_ratio_text(values, 6)}"
 
     @property
     def listings(self) -> list[Listing]:
@@ -305,7 +307,7 @@ class MultistageTrain(Result):
                 ("shaft", "members", "speed", "= n/n_in", "torque", "axis"),
                 shafts,
                 notes=[
-                    f"ratio {values.input} to {values.output}: {values.ratio_fraction} = {values.ratio:.7g}",
+                    f"ratio {values.input} to {values.output}: {_ratio_text(values, 7)}".replace(": ratio ", ": "),
                     f"the input turns {sense} about its axis; speeds and torques are per those of the input, without losses",
                     f"all teeth are where they were after {values.turns_until_repeat:.10g} turns of the input",
                 ],
@@ -634,6 +636,13 @@ def load_train(source: str | PathLike[str] | Mapping[str, Any], overrides: Seque
     else:
         notes = ()
     return MultistageTrain(train_of(override(source, overrides), Path()), notes)
+
+
+def _ratio_text(values: TrainFigures, digits: int) -> str:
+    """Return the ratio as a fraction and a number of `digits` digits."""
+    if values.ratio is None:
+        return "ratio infinite, the output rests"
+    return f"ratio {values.ratio_fraction} = {values.ratio:.{digits}g}"
 
 
 def _words(ratio: Fraction) -> str:

@@ -331,3 +331,22 @@ def test_refusals() -> None:
         with pytest.raises(DesignError) as refusal:
             gm.parse({**SPUR, "coast_pressure_angle": value})
         assert refusal.value.key == "coast_pressure_angle"
+
+
+def test_tangents_of_30_deg_are_those_of_each_side() -> None:
+    """Both sides change places with the pressure angles; the side of a symmetric tooth has half of its chord."""
+    found = {}
+    for drive, coast in ((DRIVE, COAST), (COAST, DRIVE), (DRIVE, DRIVE)):
+        keys = {**cylindrical(SPUR), "pressure_angle": drive, "coast_pressure_angle": coast, "backlash": 0.0}
+        keys |= {name: {**keys[name], "tool_tip_radius": 0.25} for name in ("pinion", "gear")}
+        tables = {table.title: table for table in built(keys).sheet().tables}
+        title = "Sides of asymmetric teeth" if drive != coast else "Root: tangent of 30 deg, internal 60 deg"
+        rows = dict(zip(tables[title].symbols, (row[2:] for row in tables[title].rows), strict=True))
+        found[drive, coast] = rows
+    one, other, alike = found.values()
+    for symbol in ("s_Fn/2", "rho_F", "d_F"):
+        assert one[symbol][0] == pytest.approx(other[symbol][1], rel=1e-9)
+        assert one[symbol][1] == pytest.approx(other[symbol][0], rel=1e-9)
+    # the fillet of a side is cut by its own side of the rack
+    assert one["s_Fn/2"][0] == pytest.approx(0.5 * alike["s_Fn"][0], rel=1e-9)
+    assert one["rho_F"][0] == pytest.approx(alike["rho_F"][0], rel=1e-9)

@@ -644,6 +644,34 @@ def _side_rows(pair: SheetGears) -> list[Row]:
         *(("d_Nf", "active root diameter", "mm", values) for values in active(0)),
         ("d_Fa", "tip form diameter", "mm", pair.of_sides(lambda k, side: 2.0 * pair.side_flanks[k][side][1])),
         *(("d_Na", "active tip diameter", "mm", values) for values in active(1)),
+        *_side_root_rows(pair),
+    ]
+
+
+def _side_root_rows(pair: SheetGears) -> list[Row]:
+    """Return the rows of the tangents of 30 deg in the fillets of both sides of asymmetric teeth."""
+    sections = [
+        [attempt(partial(critical_section, member.tooth, teeth, side)) for side in flank_sides(teeth)]
+        for member, teeth in zip(pair.members, pair.teeth, strict=True)
+    ]
+
+    def of_tangent(value: Callable[[CriticalSection], float]) -> Values:
+        def at(k: int, side: int) -> float | Missing:
+            section = sections[k][side]
+            return section if isinstance(section, Missing) else _or_missing(value(section), NO_TANGENT)
+
+        return pair.of_sides(at)
+
+    where = "tangent of 30 deg, internal 60 deg"
+    return [
+        (
+            "s_Fn/2",
+            f"{where}: distance from the middle of the rack's space",
+            "mm",
+            of_tangent(lambda own: 0.5 * own.chord),
+        ),
+        ("rho_F", f"{where}: radius of the fillet", "mm", of_tangent(lambda own: own.fillet_radius)),
+        ("d_F", f"{where}: diameter", "mm", of_tangent(lambda own: 2.0 * own.radius)),
     ]
 
 

@@ -30,6 +30,7 @@ from gearmesh.kernel.surface.surface import Jet
 from gearmesh.records import dataclass
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing, involute
 from gearmesh.systems.cylindrical.geometry.line_of_action import LineOfAction
+from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 
 #: angle of the tangent for external teeth [ISO 6336-3]
@@ -58,13 +59,14 @@ def normal_section(beta: float) -> SlantedLevel:
     return SlantedLevel(np.array([0.0, math.sin(beta), math.cos(beta)]), np.zeros(3))
 
 
-def critical_section(tooth: Tooth, teeth: Toothing) -> CriticalSection:
-    """Return the critical section, where the tangent of the right fillet has the angle of the standard.
+def critical_section(tooth: Tooth, teeth: Toothing, which: Side = Side.RIGHT) -> CriticalSection:
+    """Return the critical section, where the tangent of a fillet has the angle of the standard.
 
-    The fillet is searched between its form point and the root land.
+    The fillet of the side `which` is searched between its form point and the root land. Teeth of this section have both sides
+    alike: half of its chord is the distance of the tangent's point from the middle of the tooth.
     """
     plane = normal_section(teeth.beta)
-    side = tooth.right
+    side = tooth.side(which)
     wanted = math.radians(INTERNAL_TANGENT_ANGLE_DEG if teeth.internal else TANGENT_ANGLE_DEG)
 
     def jet(q: Array) -> Jet:
@@ -75,7 +77,8 @@ def critical_section(tooth: Tooth, teeth: Toothing) -> CriticalSection:
         return np.arctan2(_across(plane, direction), np.abs(direction[..., 0])) - wanted
 
     # the tangent turns from the flank's direction to the root's, so that one root lies between form point and root land
-    form_point = tooth.sections([0.5]).right.form_point_fillet
+    sections = tooth.sections([0.5])
+    form_point = (sections.right if which is Side.RIGHT else sections.left).form_point_fillet
     roots = bracketed_root(excess, form_point, np.full_like(form_point, side.root))
     if not roots.converged[0]:
         return CriticalSection(math.nan, math.nan, math.nan)
