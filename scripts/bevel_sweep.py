@@ -1,12 +1,13 @@
 """Bevel pairs from basic data alone: is what the program makes of them a good pair, on both sides?
 
 python scripts/bevel_sweep.py [--count 200] [--hypoids 50] [--hobbed 50]
-    [--hobbed-hypoids 25] [--seed 0] [--jobs 2] [--no-solids] [--write]
+    [--hobbed-hypoids 25] [--formates 25] [--hypoid-formates 25] [--seed 0] [--jobs 2] [--no-solids] [--write]
 
 Seeded pairs of 8 to 60 teeth, ratio 1 to 6, spiral angle 0 to 45 deg, pressure angle 16 to 25 deg, shaft angle 45 to 135 deg,
 face width 0.2 to 0.35 outer cone distances, module 0.8 to 12, both hands; and seeded hypoid pairs of 8 to 16 teeth, ratio 2.5 to
 5.5, offset 0.05 to 0.25 of the gear's mean diameter, spiral angle 35 to 50 deg; and seeded face-hobbed pairs of 6 to 40 teeth,
-ratio 1 to 6, spiral angle 20 to 42 deg, heads of 5 to 17 blade groups; and the hypoid pairs face-hobbed. Of each side: does
+ratio 1 to 6, spiral angle 20 to 42 deg, heads of 5 to 17 blade groups; and the hypoid pairs face-hobbed; and both with gears that
+are not generated. Of each side: does
 surface contact last longer than a pitch and pass from pair to pair without a break, is the transmission error within 15 % of the
 lag asked for, is the path in the middle of the flank, are roots and tips clear, is nothing undercut. Both solids at 20 um are
 proved. Prints a line for what fails and a table; with --write it is kept in scripts/measured. Exit 1 if a solid is no solid.
@@ -112,12 +113,24 @@ def random_hobbed_hypoid(seed: int) -> dict[str, Any]:
     return {**random_hypoid(seed), "process": "face_hobbed", "head": {"blade_groups": groups}}
 
 
+def random_formate(seed: int) -> dict[str, Any]:
+    """Basic data of a face-hobbed pair whose gear is not generated."""
+    return {**random_hobbed(seed), "process": "face_hobbed_formate"}
+
+
+def random_hypoid_formate(seed: int) -> dict[str, Any]:
+    """Basic data of a face-hobbed hypoid pair whose gear is not generated."""
+    return {**random_hobbed_hypoid(seed), "process": "face_hobbed_formate", "limit_share": 0.5}
+
+
 #: basic data of seeded pairs by what they are
 RANDOM_PAIRS = {
     "spiral_bevel": random_pair,
     "hypoid": random_hypoid,
     "face_hobbed": random_hobbed,
     "hobbed_hypoid": random_hobbed_hypoid,
+    "hobbed_formate": random_formate,
+    "hobbed_hypoid_formate": random_hypoid_formate,
 }
 
 
@@ -203,6 +216,10 @@ def summary(found: list[Found]) -> list[tables.Row]:
         ("face-hobbed, fewer", "face_hobbed", False),
         (f"face-hobbed hypoid, {FEW} and more", "hobbed_hypoid", True),
         ("face-hobbed hypoid, fewer", "hobbed_hypoid", False),
+        (f"face-hobbed Formate, {FEW} and more", "hobbed_formate", True),
+        ("face-hobbed Formate, fewer", "hobbed_formate", False),
+        (f"face-hobbed hypoid Formate, {FEW} and more", "hobbed_hypoid_formate", True),
+        ("face-hobbed hypoid Formate, fewer", "hobbed_hypoid_formate", False),
     ):
         some = [each for each in found if each.kind == kind and (each.pinion >= FEW) == many]
         if not some:
@@ -229,6 +246,8 @@ def main() -> int:
     parser.add_argument("--hypoids", type=int, default=50, help="hypoid pairs")
     parser.add_argument("--hobbed", type=int, default=50, help="face-hobbed pairs")
     parser.add_argument("--hobbed-hypoids", type=int, default=25, help="face-hobbed hypoid pairs")
+    parser.add_argument("--formates", type=int, default=25, help="face-hobbed pairs whose gear is not generated")
+    parser.add_argument("--hypoid-formates", type=int, default=25, help="face-hobbed hypoid pairs of such gears")
     parser.add_argument("--seed", type=int, default=0, help="of the first")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--no-solids", dest="solids", action="store_false", help="contact only")
@@ -239,6 +258,8 @@ def main() -> int:
     tasks += [("hypoid", asked.seed + k, asked.solids) for k in range(asked.hypoids)]
     tasks += [("face_hobbed", asked.seed + k, asked.solids) for k in range(asked.hobbed)]
     tasks += [("hobbed_hypoid", asked.seed + k, asked.solids) for k in range(asked.hobbed_hypoids)]
+    tasks += [("hobbed_formate", asked.seed + k, asked.solids) for k in range(asked.formates)]
+    tasks += [("hobbed_hypoid_formate", asked.seed + k, asked.solids) for k in range(asked.hypoid_formates)]
     with ProcessPoolExecutor(asked.jobs) as pool:
         for each in pool.map(tried, tasks):
             found.append(each)

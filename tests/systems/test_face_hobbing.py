@@ -19,7 +19,7 @@ from gearmesh.systems.spiral_bevel.machine.generated import Generated, Indexing
 from gearmesh.systems.spiral_bevel.machine.pair import MATING_SIDES, nominal_base
 from gearmesh.systems.spiral_bevel.synthesis.contact_choice import contact_said
 from gearmesh.systems.spiral_bevel.synthesis.local_synthesis import conjugate_operator
-from gearmesh.systems.spiral_bevel.synthesis.settings import gear_sides, mean_point, tool_values
+from gearmesh.systems.spiral_bevel.synthesis.settings import basic_blank, gear_sides, mean_point, tool_values
 from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import BevelTeeth, bevel_teeth
 from gearmesh.teeth.generation.tool_in_place import tool_in_place
 from gearmesh.teeth.region import Side
@@ -266,19 +266,20 @@ def test_flanks_that_are_not_generated_are_the_traces_of_the_blades(pair: str) -
 
 def test_conjugate_pinion_of_a_gear_that_is_not_generated_is_cut_by_its_cutter_in_the_cradle() -> None:
     """Without offset both root lines are parallel: local synthesis finds the gear's own head in the gear's place."""
-    design, blank = synthesised_design("bevel_formate"), synthesised_teeth("bevel_formate").cut.blank
+    design = synthesised_design("bevel_formate")
     leant = gm.build(design).design.pinion
     # sliding bases follow from the machines that are sought here, not from those of the design
     leaning = ("tilt", "swivel", "machine_root_angle")
     lean = {f"pinion.{name}.{key}": getattr(leant.side(name), key) for name in NAMES for key in leaning}
     design_mm: Any = design.with_values(lean).in_mm()
-    values: dict[str, Any] = dict(lean)
+    values, blank = dict[str, Any](lean), basic_blank(design_mm)
     for name in NAMES:
         gear, plain = gear_sides(design_mm, blank)[MATING_SIDES[name]], contact_said(design_mm, blank, name)
         contact = mean_point(design_mm, blank, gear, nominal_base(blank, 1), plain).contact
         found = tool_values(design_mm, blank, name, (contact.point, contact.normal), conjugate_operator(contact))
         assert found["ratio_of_roll"] == pytest.approx(14 / 39, rel=1e-9)
         assert found["machining_offset"] == pytest.approx(0.0, abs=1e-6)
+        assert found["blade_radius"] == 0.0
         assert np.radians(found["blade_angle"]) == pytest.approx(gear.blade.blade_angle, abs=1e-9)
         values |= {f"pinion.{name}.{key}": value for key, value in found.items()}
     for name in NAMES:

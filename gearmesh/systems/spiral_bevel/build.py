@@ -35,6 +35,8 @@ if TYPE_CHECKING:
 STRAIGHT_KEY = "gear.cutter.tip_radius"
 #: largest cutter radius that is tried, in mean cone distances
 MAX_RADIUS_SHARE = 100.0
+#: largest tilt (deg) of a cutter, that of the key
+MAX_TILT_DEG = 40.0
 #: number of halvings of the range of possible radii
 RADIUS_HALVINGS = 12
 #: share of the largest possible radius that is used: at the limit the chosen contact may have no pinion
@@ -161,10 +163,26 @@ def _leaning(design: FaceMilledDesign) -> dict[str, float]:
         if design_mm.leans(name):
             blank, angle = basic_blank(design_mm), float(np.radians(pinion_root_angle(design_mm, name) or 0.0))
             leant = upright_cutter(design_mm, blank, gear_sides(design_mm, blank)[MATING_SIDES[name]], angle)
+            _refuse_leaning(design, float(np.degrees(leant[0])))
             angles |= {
                 f"pinion.{name}.{key}": float(np.degrees(x)) for key, x in zip(("tilt", "swivel"), leant, strict=True)
             }
     return angles
+
+
+def _refuse_leaning(design: FaceMilledDesign, tilt: float) -> None:
+    """Raise DesignError for a gear that is not generated, if its pinion's cutters would have to be tilted too far.
+
+    `tilt`: tilt of the pinion's cutters, deg.
+    """
+    if tilt > MAX_TILT_DEG:
+        raise DesignError(
+            "process",
+            design.process,
+            shown=f'"{design.process}"',
+            reason=f"the pinion's cutters would be tilted by {tilt:.3g} deg to be upright on its root line",
+            allowed=f"up to {MAX_TILT_DEG:.3g} deg: fewer teeth of the pinion, or a process that generates the gear",
+        )
 
 
 def _sliding_bases(design: FaceMilledDesign) -> dict[str, float]:

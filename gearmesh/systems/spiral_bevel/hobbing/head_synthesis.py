@@ -14,6 +14,9 @@ g = a x (P - C). The edge sweeps the crown gear's surface with the velocity w = 
 3. Edge tangent t and velocity w give the second fundamental form of the swept surface (n . r_uu, n . (omega x t),
    n . dw/dtheta). Its envelope in the roll has the shape operator K1 of `generated_operator`. The three components of
    K1 are the equations for the unknowns, solved by Newton steps.
+
+Where the cradle takes the place of a gear that is not generated, m is the ratio of the teeth, and the curvature of the
+blade is the third unknown: hollow blades crown the profile, and the machine stays near the gear's.
 """
 
 from __future__ import annotations
@@ -53,8 +56,10 @@ class IndexingHead:
     radius: float
     #: point (3,) of the cradle axis from which the steps start, mm
     centre: Array
-    #: ratio of roll from which the steps start
+    #: ratio of roll from which the steps start, or that of the machine
     ratio: float
+    #: 1/R of the blade, 1/mm, 0 straight, > 0 convex; None if it is sought at the ratio of roll
+    blade_curvature: float | None
 
 
 def head_settings(
@@ -62,7 +67,6 @@ def head_settings(
     mean: tuple[Array, Array],
     planes: MachinePlanes,
     side: int,
-    blade_curvature: float,
     head: IndexingHead,
 ) -> ToolSettings:
     """Return the settings of the head whose flank has a given point, normal and shape operator.
@@ -71,11 +75,10 @@ def head_settings(
     - `mean`: mean point (3,) and normal (3,)
     - `planes`: axes of cradle and cutter, and the plane in which the blade ends
     - `side`: +1 for outside, -1 for inside blades
-    - `blade_curvature`: 1/R of the blade, 1/mm; 0 straight, > 0 convex
 
     Raises NoSolutionError if the steps do not converge.
     """
-    fit = _IndexingFit(mean[0], mean[1], planes, side, blade_curvature, head)
+    fit = _IndexingFit(mean[0], mean[1], planes, side, head)
     with np.errstate(all="ignore"):
         solution = newton.solve(fit.residual_of(operator), fit.start[None], tolerance=OPERATOR_TOLERANCE)
     if not solution.converged[0]:
@@ -84,7 +87,8 @@ def head_settings(
         )
     made = fit.cut(solution.values)
     velocity, ratio = made.cradle_velocity[0], float(made.ratio[0])
-    blade = BladeAtMean(float(made.angle[0]), float(made.radius[0]), made.radial[0], made.down[0])
+    curvature = float(made.blade_curvature[0])
+    blade = BladeAtMean(float(made.angle[0]), float(made.radius[0]), made.radial[0], made.down[0], curvature)
     return placed_tool(mean[0], planes, blade, ratio, -np.cross(planes.cradle, velocity) / ratio)
 
 
@@ -94,6 +98,8 @@ class _HeadCut:
 
     #: ratios of roll (N,)
     ratio: Array
+    #: 1/R (N,) of the blades, 1/mm
+    blade_curvature: Array
     #: velocity (N, 3) with the cradle, per unit rotation of the blank, mm
     cradle_velocity: Array
     #: cutter radii (N,), mm
@@ -112,7 +118,8 @@ class _HeadCut:
 class _IndexingFit:
     """Newton steps to one side of a pinion.
 
-    The unknowns (3,) are the free components of both velocities, over the cone distance, and the ratio of roll.
+    The unknowns (3,) are the free components of both velocities, over the cone distance, and the ratio of roll or the
+    curvature of the blade, times the cone distance.
     """
 
     #: mean point (3,), mm
@@ -123,8 +130,6 @@ class _IndexingFit:
     planes: MachinePlanes
     #: +1 for outside, -1 for inside blades
     side: int
-    #: 1/R of the blade, 1/mm
-    blade_curvature: float
     #: the head
     head: IndexingHead
 
@@ -157,7 +162,8 @@ class _IndexingFit:
         moved = self.head.ratio * np.cross(self.planes.cradle, self.point - self.head.centre)
         # the mean point is on the side of the cutter's axis on which the blade cuts
         turned = -self.side * np.sqrt(self.head.radius**2 - cutter @ cutter)
-        return np.array([moved @ cradle_free / self._size, turned / self._size, self.head.ratio])
+        third = 0.0 if self.head.blade_curvature is None else self.head.ratio
+        return np.array([moved @ cradle_free / self._size, turned / self._size, third])
 
     def residual_of(self, operator: Array) -> newton.Residual:
         """Return residuals (M, 3) of the operator (3, 3), and their derivatives (M, 3, 3) by differences."""
@@ -175,6 +181,9 @@ class _IndexingFit:
         """Return what the machines of unknowns (N, 3) cut at the mean point."""
         n, cradle, tool, side = self.normal, self.planes.cradle, self.planes.tool, self.side
         known_cradle, known_cutter, cradle_free, cutter_free = self._known
+        given, third = self.head.blade_curvature, x[:, 2]
+        ratio = np.full_like(third, self.head.ratio) if given is None else third
+        curvature = third / self._size if given is None else np.full_like(third, given)
         by_cradle = known_cradle + self._size * x[:, :1] * cradle_free
         by_cutter = known_cutter + self._size * x[:, 1:2] * cutter_free
         radius = np.sqrt(dot(by_cutter, by_cutter))
@@ -187,18 +196,19 @@ class _IndexingFit:
         c, s = np.cos(angle)[:, None], np.sin(angle)[:, None]
         edge, bent = side * s * face - c * tool, -s * tool - side * c * face
         # swept surface: the crown gear carries the cutter
-        ratio, rate = x[:, 2], x[:, 2:] * self.head.per_turn
+        rate = ratio[:, None] * self.head.per_turn
         swept = by_cutter + self.head.per_turn * by_cradle
         spin, arm = tool + rate * cradle, radius[:, None] * radial
         by_arm = cross(rate * cradle, arm) + by_cutter
         change = cross(rate * cradle, swept) + cross(cross(rate * cradle, tool), arm) + cross(tool, by_arm)
         form = np.empty((len(x), 2, 2))
-        form[:, 0, 0] = self.blade_curvature * (bent @ n)
+        form[:, 0, 0] = curvature * (bent @ n)
         form[:, 0, 1] = form[:, 1, 0] = cross(spin, edge) @ n
         form[:, 1, 1] = change @ n
         tangents = np.linalg.inv(np.stack((edge, swept), axis=1) @ self._basis.T)
         cutter_operator = tangents @ form @ np.swapaxes(tangents, -1, -2)
         operator = generated_operator(
-            cutter_operator, (self.point, n, self._basis), (Z_AXIS, x[:, 2:] * cradle), by_cradle
+            cutter_operator, (self.point, n, self._basis), (Z_AXIS, ratio[:, None] * cradle), by_cradle
         )
-        return _HeadCut(ratio, by_cradle, radius, radial, angle, tool - side * np.tan(angle)[:, None] * face, operator)
+        down = tool - side * np.tan(angle)[:, None] * face
+        return _HeadCut(ratio, curvature, by_cradle, radius, radial, angle, down, operator)

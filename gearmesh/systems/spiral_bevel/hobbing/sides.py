@@ -183,13 +183,16 @@ def hobbed_pinion(design: FaceMilledDesign, blank: BevelBlank, name: str, gear_t
     return replace(made, turned=-float(turned))
 
 
-def indexing_head(design: FaceMilledDesign, blank: BevelBlank, cradle: Array) -> IndexingHead:
-    """Return the head of the pinion's machines, and the machine from which local synthesis starts.
+def indexing_head(design: FaceMilledDesign, blank: BevelBlank, name: str, cradle: Array) -> IndexingHead:
+    """Return the head of the pinion's side `name`, and the machine from which local synthesis starts.
 
     It is the pinion's own crown gear, or the gear itself where it is not generated, about the `cradle` axis (3,).
     """
     own, hand = blank.pinion, HAND_SIGNS[design.hand]
     lead = hand * 0.5 * design.head.blade_groups * blank.mean_normal_module
+    radius, curvature = design.pinion.side(name).blade_radius, 0.0 if not design.formate else None
+    if design.sets(f"pinion.{name}.blade_radius"):
+        curvature = 1.0 / radius if radius else 0.0
     if design.formate:
         base = Rigid.about_z(-turned_after_cut(design, blank)) @ nominal_base(blank, hand)
         centre, ratio = base.translation, own.teeth / blank.gear.teeth
@@ -198,7 +201,7 @@ def indexing_head(design: FaceMilledDesign, blank: BevelBlank, cradle: Array) ->
         c, s = np.cos(own.pitch_angle), np.sin(own.pitch_angle)
         centre = np.array([0.0, 0.0, -own.pitch_apex])
         ratio = float(s / np.linalg.norm(np.cross(cradle, [s, 0.0, c])))
-    return IndexingHead(design.head.blade_groups / own.teeth, lead, blank.cutter_radius, centre, ratio)
+    return IndexingHead(design.head.blade_groups / own.teeth, lead, blank.cutter_radius, centre, ratio, curvature)
 
 
 @dataclass(frozen=True)

@@ -148,6 +148,12 @@ def _machine_values(
         for key in (*SYNTHESISED_KEYS, "blade_height")
         if not (design.formate and prefix == "gear.cutter" and key == "ratio_of_roll")
     }
+    # blades of heads may be hollow though the design leaves it open
+    values |= {
+        f"pinion.{name}.blade_radius": _value(side, "blade_radius", unit)
+        for name, side in pinion.items()
+        if design.hobbed
+    }
     values |= {
         f"pinion.{name}.{key}": _value(side, key, 1.0 if nouns[key] else unit)
         for name, side in pinion.items()

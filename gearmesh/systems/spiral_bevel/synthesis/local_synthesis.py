@@ -89,6 +89,8 @@ class ToolSettings:
     cutter: tuple[float, float]
     #: position of the cutter's centre along the cradle axis, from the origin, mm
     tip_plane: float
+    #: 1/R of the blade, 1/mm; 0 straight, > 0 convex
+    blade_curvature: float
 
 
 @dataclass(frozen=True)
@@ -124,6 +126,8 @@ class BladeAtMean:
     radial: Array
     #: direction (3,) down the edge to its tip, per unit of height
     down: Array
+    #: 1/R, 1/mm; 0 straight, > 0 convex
+    curvature: float
 
 
 def pinion_operator(gear: MeanContact, asked: ContactAsked) -> Array:
@@ -278,7 +282,8 @@ def tool_settings(
     arm = -np.cross(cradle, sliding + velocity1) / ratio
     radial = -side * (normal + sin_blade * tool) / cos_blade
     down = tool - side * sin_blade / cos_blade * radial
-    return placed_tool(point, planes, BladeAtMean(float(np.arcsin(sin_blade)), float(radius), radial, down), ratio, arm)
+    blade = BladeAtMean(float(np.arcsin(sin_blade)), float(radius), radial, down, blade_curvature)
+    return placed_tool(point, planes, blade, ratio, arm)
 
 
 def placed_tool(point: Array, planes: MachinePlanes, blade: BladeAtMean, ratio: float, arm: Array) -> ToolSettings:
@@ -318,4 +323,5 @@ def placed_tool(point: Array, planes: MachinePlanes, blade: BladeAtMean, ratio: 
         centre=plane(point - arm),
         cutter=plane(arm - offset),
         tip_plane=float((point - offset) @ cradle) if tip_plane is None else tip_plane,
+        blade_curvature=blade.curvature,
     )

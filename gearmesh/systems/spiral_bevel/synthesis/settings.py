@@ -61,6 +61,8 @@ if TYPE_CHECKING:
 
 #: three equally spaced rotations (rad) that determine A cos + B sin + C
 _THIRD_TURNS = np.array([0.0, 2.0, 4.0]) * np.pi / 3.0
+#: least curvature (1/mm) of a blade that is not straight: arcs of 10 km lose digits
+MIN_BLADE_CURVATURE = 1e-7
 #: largest number of steps to the direction in which a cutter leans
 MAX_LEAN_STEPS = 100
 #: change (rad) of the direction of lean at which the iteration ends
@@ -275,7 +277,8 @@ def side_of(
     """
     spec, member = design.pinion.side(name), blank.pinion
     edge = BLADE_SIDES[name], values["tip_radius"], float(np.radians(values["blade_angle"]))
-    blade = made_blade(f"pinion.{name}", edge, blade_keys(spec), values["blade_height"], blank)
+    keys = {**blade_keys(spec), "blade_radius": values.get("blade_radius", spec.blade_radius)}
+    blade = made_blade(f"pinion.{name}", edge, keys, values["blade_height"], blank)
     machine = _machine(spec, radians_or(pinion_root_angle(design, name), member.root_angle), values)
     made = Generated(
         replace(machine, modified_roll=roll),
@@ -338,7 +341,8 @@ def pinion_values(
         derived = {"blade_height": 0.5 * blank.mean_depth}
     settings = {key: value if value is not None else derived[key] for key, value in values.items()}
     base = derived.get("sliding_base", float("nan")) if np.isnan(spec.sliding_base) else spec.sliding_base
-    return {**settings, "sliding_base": base}
+    radius = spec.blade_radius if design.sets(f"pinion.{name}.blade_radius") else derived.get("blade_radius", 0.0)
+    return {**settings, "sliding_base": base, "blade_radius": radius}
 
 
 def synthesise(
@@ -374,12 +378,12 @@ def tool_values(
     # local synthesis is in the frame of the pinion as cut
     mean = to_cut.point(mean[0]), to_cut.vector(mean[1])
     operator = to_cut.rotation @ operator @ to_cut.rotation.T
-    head = indexing_head(design, blank, cradle) if design.hobbed else None
+    head = indexing_head(design, blank, name, cradle) if design.hobbed else None
 
     def solve(planes: MachinePlanes) -> ToolSettings:
         if head is None:
             return tool_settings(operator, mean, planes, side, curvature)
-        return head_settings(operator, mean, planes, side, curvature, head)
+        return head_settings(operator, mean, planes, side, head)
 
     def leaning(axis: Array) -> ToolSettings:
         upright = root_normal(blank.pinion, -turned)
@@ -399,7 +403,9 @@ def tool_values(
             settings = _leaning(leaning, upright, cradle, spec, hand)
     except NoSolutionError as failure:
         raise NoSolutionError(f"pinion.{name}", reason=failure.reason, remedy=failure.remedy) from failure
-    blade = Blade.through(side, settings.radius, settings.height, settings.blade_angle, 0.0, spec.blade_radius)
+    bent = abs(settings.blade_curvature) > MIN_BLADE_CURVATURE
+    blade_radius = spec.blade_radius or (1.0 / settings.blade_curvature if bent else 0.0)
+    blade = Blade.through(side, settings.radius, settings.height, settings.blade_angle, 0.0, blade_radius)
     values = {
         "radial": float(np.hypot(*settings.cutter)),
         "cradle_angle": float(np.degrees(np.arctan2(hand * settings.cutter[1], settings.cutter[0]))),
@@ -410,6 +416,7 @@ def tool_values(
         "blade_angle": float(np.degrees(settings.blade_angle)),
         "tip_radius": blade.tip_radius,
         "blade_height": settings.height,
+        "blade_radius": blade_radius,
     }
     if design.hobbed:
         made = side_of(design, blank, name, values, ()).indexed_at(mean[0])
