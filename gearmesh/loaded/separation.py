@@ -148,6 +148,15 @@ class NearPairs:
         return low[rows], high[rows]
 
     @cached_property
+    def first_gap(self) -> Array:
+        """Gaps (M,), mm, at the places of first touch: how far tooth pairs lag the pair that touches."""
+        if self.chosen_from is None:
+            origin = np.zeros((len(self.position), 1))
+            return np.asarray(self.surfaces.at(origin, origin).gap[:, 0])
+        every_pair, rows = self.chosen_from
+        return every_pair.first_gap[rows]
+
+    @cached_property
     def beyond(self) -> tuple[Array, Array]:
         """Lengths (2, M), mm, by which the ridge continues along edges beyond the ends of `range`, and tangents of the
         angles to these edges."""

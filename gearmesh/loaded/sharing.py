@@ -73,6 +73,10 @@ SHRUNK_SHARE = 0.7
 SHRUNK_ROOM_SHARE = 0.2
 #: way of an end that the contact then reaches, over the length of the grid
 MOVED_END_SHARE = 0.25
+#: width of a grid whose contact no cell meets, over its width before
+MISSED_SHARE = 0.15
+#: overlap at first touch, over the approach of the bodies, from which such a contact counts
+MISSED_OVERLAP_SHARE = 0.01
 #: share of the largest force at a position below which a contact keeps such a grid: its error hardly counts
 LIGHT_LOAD_SHARE = 0.05
 #: exponent of the torque in the length of an ellipse
@@ -685,6 +689,8 @@ class _Problem:
         # or much shorter than under the torque for which the grid was made, with a load that counts
         shrunk = (used_share < SHRUNK_SHARE * self.filled) & self._counting()
         shrunk &= (used_share > 0.0) & ~short & ~open_end.any(axis=0)
+        # or so much larger than a contact that no cell is where the bodies overlap
+        missed, touch = self._missed()
         # too wide: fill three quarters of the width
         widen = np.where(
             filled_width > FILL_RANGE[1],
@@ -698,13 +704,30 @@ class _Problem:
         # the width grows with the square root of the load per length
         shortened = np.sqrt((cut[1] - cut[0]) / part_length)
         widen = np.where(short & (filled_width > FILL_RANGE[0]), widen / shortened, widen)
+        widen = np.where(missed, MISSED_SHARE * widen, widen)
+        cut = np.where(missed, self._cut(touch, np.zeros_like(touch), 0.0), cut)
         # an open end that the contact reaches moves out by the length of the grid, or by less if it was where a larger
         # torque had it
         way = np.where(self.filled > 0.0, MOVED_END_SHARE, 1.0) * part_length
-        part = np.where(short | shrunk, cut, part) + open_end * way * np.array([[-1.0], [1.0]])
+        part = np.where(short | shrunk | missed, cut, part) + open_end * way * np.array([[-1.0], [1.0]])
         wrong = np.zeros(len(self.near.phi1), dtype=bool)
-        wrong[self.near.position[misfit | short | shrunk | open_end.any(axis=0)]] = True
+        wrong[self.near.position[misfit | short | shrunk | missed | open_end.any(axis=0)]] = True
         return wrong, _Grids(self.estimate, widen, part, self.pressure)
+
+    def _missed(self) -> tuple[NDArray[np.bool_], Array]:
+        """Return pairs (M,) without pressure whose bodies overlap where they would touch first, and the places (M,) of
+        first touch along the grids, as shares of their lengths."""
+        near, grid = self.near, self.grid
+        cells = self.pressure.shape[1]
+        touch = (grid.ridge_ends[0] - near.range[0]) / (cells * grid.dx)
+        row = np.clip(np.floor(cells * touch), 0, cells - 1).astype(np.intp)
+        every = np.arange(len(row))
+        moved = (self.smooth @ self._slots(self.line).reshape(len(self.smooth), -1, 1)).reshape(*self.gap.shape[:3])
+        approach = self.solution.rotation[near.position] * grid.levers[0, every, row]
+        added = self.added[near.position, self.slot, row, 0]
+        overlap = approach - moved[near.position, self.slot, row] - near.first_gap - added
+        on_grid = (np.abs(touch - 0.5) < 0.5 + 1.0 / cells) & ~self.pressure.any(axis=(1, 2))
+        return np.asarray(on_grid & (overlap > MISSED_OVERLAP_SHARE * approach)), touch
 
     def solve_again(self, positions: NDArray[np.bool_], grids: _Grids) -> None:
         """Solve some of the positions (P,) again on other grids, and replace what was found there."""

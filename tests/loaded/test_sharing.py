@@ -342,6 +342,17 @@ def test_what_the_gear_torque_lacks_is_in_the_teeth() -> None:
 
 
 @pytest.mark.quick
+def test_contacts_that_no_cell_meets_are_found() -> None:
+    """A corner that begins to touch, on a grid of 35 by 16 mm of which 3 by 0.4 mm are in contact: 3.5 % of the load."""
+    pair, bodies = geared("helical")
+    phi1, torque = np.array([20.0 / 21.0 * pair.pitch]), np.array([1e6])
+    coarse, fine = (loaded_mesh(pair, phi1, torque, bodies, cells=cells) for cells in ((20, 12), (40, 24)))
+    np.testing.assert_allclose(coarse.rotation, fine.rotation, rtol=2e-3)
+    shares = [np.sort(found.loads[0].moment)[-3:] / torque for found in (coarse, fine)]
+    assert shares[1][0] > 0.02
+    np.testing.assert_allclose(shares[0], shares[1], atol=2e-3)
+
+
 def test_what_is_no_torque_is_refused() -> None:
     pair, bodies = geared("spur")
     with pytest.raises(DesignError, match=r"torque = -3 Nm: allowed is a finite number above 0"):
