@@ -823,6 +823,7 @@ class Gears(ModelledGears):
         seed: int = 0,
         record: str | Sequence[str] = ("path", "cycle"),
         torque: ArrayLike | None = None,
+        level: str = "full",
         limits: Sequence[str] = (),
         folder: str | PathLike[str] | None = None,
         workers: int | None = None,
@@ -851,6 +852,8 @@ class Gears(ModelledGears):
             Groups of figures (path, cycle, fit; load, which needs `torque`) or names of figures.
         torque : array_like, optional
             One or several torques on the pinion, Nm.
+        level : str
+            Model of contact under load: "full", or "quick", within 3 % in transmission error and load shares.
         limits : sequence of str
             Criteria of a good row, as "contact_ratio>1".
         folder : str or os.PathLike, optional
@@ -901,7 +904,7 @@ class Gears(ModelledGears):
         self.names.pair_number(pair)
         plan = plan_of(self.design, vary or {}, tolerance, sample, method, seed, pair)
         torques = None if torque is None else number_list("torque", torque, "Nm").tolist()
-        work, nominal = work_and_nominal(self.design, plan.keys, pair, record, torques)
+        work, nominal = work_and_nominal(self.design, plan.keys, pair, record, torques, level)
         return run_study(self.design, plan, work, nominal, limits, folder, workers, cluster, progress)
 
     def largest_errors(
@@ -962,6 +965,7 @@ class Gears(ModelledGears):
         robust_by: str = "mean+3sigma",
         method: str | None = None,
         budget: int | str | None = None,
+        level: str = "full",
         seed: int = 0,
         folder: str | PathLike[str] | None = None,
         workers: int | None = None,
@@ -993,6 +997,8 @@ class Gears(ModelledGears):
             "cobyqa", for ranges of real numbers, or "evolution", for whole numbers and lists, too.
         budget : int or str, optional
             Number of designs, or a time, as "10min"; by default 100 designs.
+        level : str
+            Model of contact under load in the search: "full", or "quick"; the full model confirms the best design.
         seed : int
             Seed of samples, errors and evolution.
         folder : str or os.PathLike, optional
@@ -1055,6 +1061,7 @@ class Gears(ModelledGears):
             budget,
             seed,
             pair,
+            level,
         )
         return optimize(task, folder, workers, cluster, source, progress)
 

@@ -17,7 +17,7 @@ Source: [PK99] I. A. Polonsky, L. M. Keer, Wear 231 (1999) 206.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,13 +62,18 @@ class Pressures:
             np.zeros((problems, cells)), np.zeros(problems), np.zeros(problems), np.zeros(problems, dtype=np.int64), 0
         )
 
+    def copy(self) -> Pressures:
+        """Return the solution with arrays of its own."""
+        return Pressures(
+            self.pressure.copy(), self.rotation.copy(), self.residual.copy(), self.status.copy(), self.steps
+        )
+
     def replaced(self, which: NDArray[np.intp], part: Pressures) -> Pressures:
         """Return the solution with that of the problems `which` (B,) replaced by `part`."""
-        pressure, rotation = self.pressure.copy(), self.rotation.copy()
-        residual, status = self.residual.copy(), self.status.copy()
-        pressure[which], rotation[which] = part.pressure, part.rotation
-        residual[which], status[which] = part.residual, part.status
-        return Pressures(pressure, rotation, residual, status, max(self.steps, part.steps))
+        whole = self.copy()
+        whole.pressure[which], whole.rotation[which] = part.pressure, part.rotation
+        whole.residual[which], whole.status[which] = part.residual, part.status
+        return replace(whole, steps=max(self.steps, part.steps))
 
 
 def pressures(

@@ -150,11 +150,8 @@ class NearPairs:
     @cached_property
     def first_gap(self) -> Array:
         """Gaps (M,), mm, at the places of first touch: how far tooth pairs lag the pair that touches."""
-        if self.chosen_from is None:
-            origin = np.zeros((len(self.position), 1))
-            return np.asarray(self.surfaces.at(origin, origin).gap[:, 0])
-        every_pair, rows = self.chosen_from
-        return every_pair.first_gap[rows]
+        origin = np.zeros((len(self.position), 1))
+        return np.asarray(self.surfaces.at(origin, origin).gap[:, 0])
 
     @cached_property
     def beyond(self) -> tuple[Array, Array]:
@@ -188,6 +185,17 @@ class NearPairs:
             None if self.heights is None else self.heights[rows],
             (self, rows),
         )
+
+    def of_flanks(self, gears: GearPair) -> NearPairs:
+        """Return the same pairs at the same rotations, with flanks and mounts of gears that nearly equal these."""
+        pair, (pinion, gear) = solver_pair(gears), gears.mounts
+        if self.mounts[1].base.rotation.ndim > 2:
+            bases = [row.gear.mount.base for row in gears.halves]
+            rotation, translation = (
+                np.stack(parts)[self.half] for parts in zip(*((b.rotation, b.translation) for b in bases), strict=True)
+            )
+            gear = replace(gear, base=Rigid(rotation, translation))
+        return replace(self, pair=pair, mounts=(pinion, gear), chosen_from=(self, np.arange(len(self.position))))
 
     def in_place(self, points: Array) -> Array:
         """Return points (M, ..., 3) in the fixed frame; those of the other half are mapped by its image."""

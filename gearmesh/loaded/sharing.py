@@ -16,7 +16,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +27,14 @@ from gearmesh.errors import ArgumentError, NoSolutionError, Status
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.complementarity import PRESSURE_TOLERANCE, Displacements, Pressures, pressures, tangent_stiffness
-from gearmesh.loaded.compliance.compliance import COARSER_CELLS, FlankCompliance, flank_compliance, rim_depth
+from gearmesh.loaded.compliance.compliance import (
+    COARSER_CELLS,
+    SECTOR_CELLS,
+    BodyOutline,
+    FlankCompliance,
+    flank_compliance,
+    rim_depth,
+)
 from gearmesh.loaded.compliance.contact_compliance import ContactCompliance, half_space_pressures
 from gearmesh.loaded.compliance.half_space import rectangle_influence
 from gearmesh.loaded.compliance.threads import one_thread
@@ -43,6 +50,12 @@ from gearmesh.teeth.region import Side
 REACH_STATIONS = 33
 #: default numbers of cells along and across a contact
 CONTACT_CELLS = (40, 24)
+#: the same of level "quick"
+QUICK_CELLS = (20, 12)
+#: tolerance of the pressures (`complementarity`) at level "quick"
+QUICK_TOLERANCE = 1e-6
+#: largest difference of teeth over their whole depth up to which a variant takes bodies and grids of another design
+MAX_VARIANT_SHIFT = 0.01
 #: deflection of teeth, mm, over force / (face width E*): estimates how near tooth pairs come under load
 UNIT_DEFLECTION_MM = 25.0
 #: error of the peak pressure over its difference from cells twice as large: 1 for first order, 1/3 for second
@@ -77,6 +90,8 @@ MOVED_END_SHARE = 0.25
 MISSED_SHARE = 0.15
 #: overlap at first touch, over the approach of the bodies, from which such a contact counts
 MISSED_OVERLAP_SHARE = 0.01
+#: least width of a grid over the width within which its gaps are known
+MIN_NARROW_SHARE = 0.6
 #: share of the largest force at a position below which a contact keeps such a grid: its error hardly counts
 LIGHT_LOAD_SHARE = 0.05
 #: exponent of the torque in the length of an ellipse
@@ -89,6 +104,12 @@ MIN_FITTED_CELLS = (16, 10)
 FIT_TOLERANCE = 1e-4
 #: search distance over the approach of bodies with such cells
 APPROACH_MARGIN = 1.05
+
+
+#: models of contact under load: "quick" has coarse elements and cells and estimates no errors
+Level = Literal["full", "quick"]
+#: names of these models
+LEVELS = ("full", "quick")
 
 
 @dataclass(frozen=True)
@@ -194,16 +215,18 @@ def compliances(
     gears: GearPair,
     materials: tuple[Material, Material] = (STEEL, STEEL),
     by_rim: tuple[bool, bool] = (False, False),
+    level: Level = "full",
 ) -> tuple[FlankCompliance, FlankCompliance]:
-    """Compute the compliance of both members' working flanks with default elements; a member is held at its bore, or at
-    its rim where `by_rim`."""
+    """Compute the compliance of both members' working flanks with the elements of a level; a member is held at its bore,
+    or at its rim where `by_rim`."""
     reach = reach_of(gears)
+    cells, coarser = (SECTOR_CELLS, COARSER_CELLS) if level == "full" else (COARSER_CELLS, None)
 
     def compliance_of(member: Member, side: Side, material: Material, rim: bool) -> FlankCompliance:
         tooth = member.one_tooth
         rim_below_root = rim_depth(tooth) if rim else None
         return flank_compliance(
-            tooth, side, material, rim=rim_below_root, reach=reach, coarser=COARSER_CELLS, idler=member.idler
+            tooth, side, material, cells, rim=rim_below_root, reach=reach, coarser=coarser, idler=member.idler
         )
 
     with one_thread():
@@ -243,8 +266,10 @@ def loaded_mesh(
     torque: Array,
     bodies: tuple[FlankCompliance, FlankCompliance],
     materials: tuple[Material, Material] = (STEEL, STEEL),
-    cells: tuple[int, int] = CONTACT_CELLS,
+    cells: tuple[int, int] | None = None,
     flexible: tuple[FlexibleMount | None, FlexibleMount | None] = (None, None),
+    level: Level = "full",
+    reference: Reference | None = None,
 ) -> LoadedMesh:
     """Solve the mesh at P rotations of the pinion under T torques.
 
@@ -252,7 +277,9 @@ def loaded_mesh(
     - `torque` (T,): torques on the pinion in the sense that drives, N mm.
     - `bodies`: compliance of the working flanks of pinion and gear.
     - `materials`: of pinion and gear.
-    - `cells`: numbers of cells along and across each contact.
+    - `cells`: numbers of cells along and across each contact; by default those of the level.
+    - `level`: with "quick" no errors are estimated.
+    - `reference`: the solved mesh of nearly equal gears on rigid mounts, whose grids and bodies are taken.
     - `flexible`: compliance of the mounts of pinion and gear; None if rigid.
 
     Raises DesignError for a torque that is not above 0. Raises NoSolutionError if no teeth touch without load, or if
@@ -261,14 +288,16 @@ def loaded_mesh(
     wrong = ~(np.isfinite(torque) & (torque > 0.0))
     if wrong.any():
         raise ArgumentError("torque", 0.001 * torque[wrong][0], unit="Nm", allowed="a finite number above 0")
-    model, modulus = _Model(bodies, materials, cells), contact_modulus(*materials)
-    points = bodies[0].points
-    face = float(np.linalg.norm(points[0, -1] - points[0, 0]))
-    arm = float(np.hypot(points[..., 0], points[..., 1]).mean())
-    # tooth pairs that come near under the largest torque, from an estimate of the teeth's deflection
-    near, largest_grids, limit = _reaching(
-        gears, phi1, torque.max(), UNIT_DEFLECTION_MM * torque.max() / (arm * face * modulus), model
-    )
+    model = _Model(bodies, materials, cells or (CONTACT_CELLS if level == "full" else QUICK_CELLS), level)
+    free, limit, rigid = np.zeros(len(phi1)), np.inf, None
+    if reference is None:
+        reached, limit = _reached(gears, phi1, torque.max(), model)
+        near = reached.near
+    else:
+        assert flexible == (None, None)
+        reached = reference.problem.of_flanks(gears)
+        # cells have the same error on both
+        near, free = reached.near, reached.free_rotation() - reference.problem.free_rotation()
     supports = None
     if flexible != (None, None):
         supports = Supports.of(gears, flexible, len(phi1), both_hands=bool(near.half.any()))
@@ -280,9 +309,9 @@ def loaded_mesh(
     )
     largest_place, displacement = np.empty((*shape, 2, 3)), np.zeros((*shape, 2, 6))
     loads: dict[int, PairLoad] = {}
-    unloaded, ratio = near.phi2 - near.pair.ratio * phi1, abs(near.pair.ratio)
+    ratio = abs(near.pair.ratio)
+    unloaded = near.phi2 - near.pair.ratio * phi1 - near.pair.drive * ratio * free
     # the largest torque first: the grids of smaller ones follow from its grids
-    rigid: _Problem | None = None
     for k in in_turn(np.argsort(-torque, kind="stable")):
         applied_torque, mounts_converged = torque[k], True
         # one problem per torque; members on elastic mounts are displaced until they have converged
@@ -290,7 +319,7 @@ def loaded_mesh(
             problem, mounts_converged = _solve_on_mounts(gears, near, float(applied_torque), model, supports, limit)
             displacement[k] = problem.displacement()
         elif rigid is None:
-            problem = rigid = _fit_grids(near, float(applied_torque), model, grids=largest_grids)
+            problem = rigid = reached.finished(float(applied_torque))
         else:
             problem = rigid
             problem.press(float(applied_torque))
@@ -342,25 +371,79 @@ def loaded_mesh(
     )
 
 
-def _reaching(
-    gears: GearPair,
-    phi1: Array,
-    torque: float,
-    give: float,
-    model: _Model,
-) -> tuple[NearPairs, _Grids, float]:
-    """Return all tooth pairs loaded under the largest torque, N mm, their grids, and the search distance, mm.
+@dataclass(frozen=True)
+class Reference:
+    """A solved mesh whose grids and bodies serve nearly equal gears at the same positions."""
 
-    `give` is the estimated deflection of the teeth, mm. Bodies may deflect more, soft webs above all; the search is
-    then repeated with a larger distance.
+    gears: GearPair
+    #: the mesh under the largest torque
+    problem: _Problem
+    #: outlines of both members
+    outlines: tuple[BodyOutline, BodyOutline]
+
+    @staticmethod
+    def of(
+        gears: GearPair,
+        phi1: Array,
+        torque: float,
+        bodies: tuple[FlankCompliance, FlankCompliance],
+        materials: tuple[Material, Material],
+        level: Level,
+    ) -> Reference:
+        """Solve a mesh at P rotations under the largest torque, N mm, of its variants."""
+        cells = CONTACT_CELLS if level == "full" else QUICK_CELLS
+        reached, _ = _reached(gears, phi1, torque, _Model(bodies, materials, cells, level))
+        return Reference(gears, reached.finished(torque), outlines_of(gears))
+
+    @property
+    def bodies(self) -> tuple[FlankCompliance, FlankCompliance]:
+        """Compliance of the working flanks of pinion and gear."""
+        return self.problem.bodies
+
+    def serves(self, gears: GearPair, phi1: Array, outlines: tuple[BodyOutline, BodyOutline]) -> bool:
+        """Return True for gears with nearly the same teeth in nearly the same places at the same positions (P,), rad;
+        `outlines` are those of their members."""
+        own = self.problem.near.phi1
+        if (
+            len(own) != len(phi1)
+            or not np.allclose(own, phi1, rtol=0.0, atol=1e-9)
+            or gears.flanks != self.gears.flanks
+        ):
+            return False
+        shifts = [
+            mine.shift(other) + mine.moved(*(each.at(0.0) for each in mounts))
+            for mine, other, mounts in zip(
+                self.outlines, outlines, zip(self.gears.mounts, gears.mounts, strict=True), strict=True
+            )
+        ]
+        return max(shifts) < MAX_VARIANT_SHIFT
+
+
+def outlines_of(gears: GearPair) -> tuple[BodyOutline, BodyOutline]:
+    """Return the outlines of both members of a pair."""
+    pinion, gear = (
+        BodyOutline.of(member.one_tooth, side) for member, side in zip(gears.both, gears.flanks, strict=True)
+    )
+    return pinion, gear
+
+
+def _reached(gears: GearPair, phi1: Array, torque: float, model: _Model) -> tuple[_Problem, float]:
+    """Return the problem of all tooth pairs loaded under the largest torque, N mm, on grids that are fitted with coarse
+    cells, and the search distance, mm.
+
+    The deflection of the teeth is estimated. Bodies may deflect more, soft webs above all; the search is then repeated
+    with a larger distance.
     """
-    limit = 3.0 * give
+    points = model.bodies[0].points
+    face = float(np.linalg.norm(points[0, -1] - points[0, 0]))
+    arm = float(np.hypot(points[..., 0], points[..., 1]).mean())
+    limit = 3.0 * UNIT_DEFLECTION_MM * torque / (arm * face * contact_modulus(*model.materials))
     while True:
         near = near_pairs(gears, phi1, limit)
         problem = _fit_grids(near, torque, model, coarse=True)
         largest_approach = float((problem.solution.rotation[near.position] * problem.lever).max())
         if APPROACH_MARGIN * largest_approach < limit:
-            return near, model.fine(problem.grids), limit
+            return problem, limit
         limit = 1.5 * largest_approach
 
 
@@ -374,6 +457,13 @@ class _Model:
     materials: tuple[Material, Material]
     #: numbers of cells along and across each contact
     cells: tuple[int, int]
+    #: with "quick", no errors are estimated
+    level: Level = "full"
+
+    @property
+    def tolerance(self) -> float:
+        """Tolerance of the pressures."""
+        return PRESSURE_TOLERANCE if self.level == "full" else QUICK_TOLERANCE
 
     @property
     def coarse(self) -> _Model:
@@ -450,8 +540,9 @@ def _fit_grids(
     themselves.
     """
     begin = _Grids.estimated(len(near.position), torque) if grids is None else grids
-    tolerance, level = (FIT_TOLERANCE, model.coarse) if coarse else (PRESSURE_TOLERANCE, model)
+    tolerance, level = (FIT_TOLERANCE, model.coarse) if coarse else (model.tolerance, model)
     problem = _Problem(near, torque, level, begin, supports, tolerance=tolerance)
+    problem.whole_model = model
     problem.fit(COARSE_WIDENING_FACTOR if coarse else WIDENING_FACTOR, ends=not coarse)
     return problem
 
@@ -526,6 +617,7 @@ class _Problem:
         tolerance: float = PRESSURE_TOLERANCE,
     ) -> None:
         bodies, materials, cells = model.bodies, model.materials, model.cells
+        self.whole_model = model
         self.near, self.torque, self.model, self.supports, self.tolerance = near, torque, model, supports, tolerance
         self.bodies, self.materials = bodies, materials
         count = len(near.phi1)
@@ -623,6 +715,42 @@ class _Problem:
         """Sizes and pressures of the grids."""
         return _Grids(self.estimate, self.widen, self.grid.part, self.pressure)
 
+    def finished(self, torque: float) -> _Problem:
+        """Return the problem solved with the cells of the whole model under a torque, N mm."""
+        model = self.whole_model
+        if model is not self.model:
+            return _fit_grids(self.near, torque, model, grids=model.fine(self.grids))
+        if torque != self.torque:
+            self.press(torque)
+        if self.tolerance == model.tolerance:
+            return self
+        self.tolerance = model.tolerance
+        # gaps of grids that have become narrower are computed anew
+        narrowed = np.bincount(self.near.position, self.grid.narrow < 1.0, len(self.near.phi1)) > 0
+        if not narrowed.all():
+            self._solve(np.flatnonzero(~narrowed), self.solution.pressure[~narrowed])
+        if narrowed.any():
+            self.solve_again(narrowed, self.grids)
+        self.fit(WIDENING_FACTOR, ends=True)
+        return self
+
+    def of_flanks(self, gears: GearPair) -> _Problem:
+        """Return the problem of nearly equal gears, from the grids and pressures of these, with the same bodies."""
+        near, slots = self.near.of_flanks(gears), (self.slot, self.most)
+        problem = _Problem(near, self.torque, self.model, self.grids, slots=slots, tolerance=self.model.tolerance)
+        problem.fit(WIDENING_FACTOR, ends=True)
+        return problem
+
+    def free_rotation(self) -> Array:
+        """Return the rotations (P,), rad, at which the first tooth pair touches without load."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ways = np.where(self.grid.on, self.grid.gap / self.grid.levers[0][:, :, None], np.inf).min(axis=(1, 2))
+        # or at the place where the reference touches first
+        ways = np.minimum(ways, self.near.first_gap / self.lever)
+        free = np.full(len(self.near.phi1), np.inf)
+        np.minimum.at(free, self.near.position, ways)
+        return free
+
     def press(self, torque: float) -> None:
         """Solve again under another torque, N mm, from the grids and the pressures of the last one.
 
@@ -632,11 +760,14 @@ class _Problem:
         share = np.full(len(self.widen), ratio**WIDTH_EXPONENT)
         (start, length), loaded = self.used_part(), self._counting()
         self.torque, self.grid = torque, self.grid.copy()
+        self.pressure, self.line = self.pressure.copy(), self.line.copy()
+        self.solution = self.solution.copy()
         self.filled = np.where(self.filled > 0.0, self.filled, length)
         # contacts that end within their grids get shorter, ellipses by the cube root of the torque
         shorter = np.where((start > 0.0) & (start + length < 1.0), ratio**LENGTH_EXPONENT, 1.0) * length
         shrunk = loaded & (shorter < SHRUNK_SHARE * self.filled)
-        apart = np.bincount(self.near.position, shrunk, len(self.near.phi1)) > 0
+        anew = shrunk | (loaded & (share * self.grid.narrow < MIN_NARROW_SHARE))
+        apart = np.bincount(self.near.position, anew, len(self.near.phi1)) > 0
         if not apart.all():
             self._narrow(np.flatnonzero(~apart), share, self.solution.pressure.copy())
         if apart.any():
@@ -668,7 +799,9 @@ class _Problem:
             if not wrong.any():
                 break
             # grids that become narrower alone need no surfaces
-            longer = (better.part != self.grid.part).any(axis=0) | (better.widen > self.widen)
+            share = better.widen / self.widen
+            longer = (better.part != self.grid.part).any(axis=0) | (share > 1.0)
+            longer |= share * self.grid.narrow < MIN_NARROW_SHARE
             elsewhere = wrong & (np.bincount(self.near.position, longer, len(wrong)) > 0)
             if elsewhere.any():
                 self.solve_again(elsewhere, better)
@@ -907,7 +1040,10 @@ class _Problem:
         rows = RowGrid(self.pressure, grid.on, grid.edged, grid.dx, ends, blunt_ends)
         zone = min(edge_zone(body.points) for body in self.bodies)
         largest = peaks(rows, zone)
-        of_coarser = peaks(coarser(rows, self.by_coarser_cells()), zone).pressure
+        error = np.full(len(largest.pressure), np.nan)
+        if self.model.level == "full":
+            of_coarser = peaks(coarser(rows, self.by_coarser_cells()), zone).pressure
+            error = CELL_ERROR_SHARE * np.abs(largest.pressure - of_coarser) / largest.pressure
         place = self.near.in_place(self.grid.middle[np.arange(len(largest.row)), largest.row])
         return PairLoad(
             self.near.position,
@@ -921,7 +1057,7 @@ class _Problem:
             self.pressure,
             self.grid,
             self.root_stress(),
-            CELL_ERROR_SHARE * np.abs(largest.pressure - of_coarser) / largest.pressure,
+            error,
         )
 
     def by_coarser_cells(self) -> Array:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearmesh import __version__
+from gearmesh.answers.load.loaded import required_level
 from gearmesh.design.core import Design
 from gearmesh.design.dotted import leaves
 from gearmesh.errors import ArgumentError
@@ -75,6 +76,8 @@ class Task:
     budget: EvaluationBudget
     seed: int
     pair: int | str
+    #: model of contact under load in the search
+    level: str = "full"
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -111,6 +114,7 @@ def task_of(
     budget: int | str | None,
     seed: int,
     pair: int | str,
+    level: str = "full",
 ) -> Task:
     """Return the task of the arguments of `Gears.optimize`. Raises ArgumentError naming key, value and what is allowed."""
     request = request_of(minimize, maximize, subject)
@@ -118,6 +122,8 @@ def task_of(
         raise ArgumentError(
             "minimize", reason=f"{len(request.objectives)} objectives", allowed=f"up to {MAX_OBJECTIVES}"
         )
+    if required_level(level) == "quick" and not request.torque:
+        raise ArgumentError("level", level, reason="is for figures under load, as te_peak_to_peak@50")
     if seed < 0:
         raise ArgumentError("seed", seed, must_be="0 or a whole number above it")
     if robust_rows < 2:
@@ -134,6 +140,7 @@ def task_of(
         budget_of(budget, len(variables)),
         seed,
         pair,
+        required_level(level),
     )
 
 
@@ -148,7 +155,7 @@ def optimize(
     """Return the optimum of a task; other arguments as for `Gears.optimize`."""
     target = task.request.target(systems.build(task.design).pair(task.pair))
     work, _ = work_and_nominal(
-        task.design, (*task.keys, *task.errors.keys), task.pair, target.names, target.torque or None
+        task.design, (*task.keys, *task.errors.keys), task.pair, target.names, target.torque or None, task.level
     )
     spec = {
         "gearmesh": __version__,
@@ -158,6 +165,7 @@ def optimize(
         "robust": task.errors.plan.digest,
         "record": [*work.names, *task.keys],
         "torque_nm": work.torque,
+        **work.level_entry,
         "chunk": len(task.errors.plan),
         "rows": MAX_EVALUATIONS * len(task.errors.plan),
     }

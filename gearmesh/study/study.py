@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gearmesh import __version__
-from gearmesh.answers.load.loaded import required_torques
+from gearmesh.answers.load.loaded import required_level, required_torques
 from gearmesh.answers.result import Result, header
 from gearmesh.answers.tables import Listing
 from gearmesh.design.core import Design
@@ -317,6 +317,7 @@ def run_study(
         "record": list(work.names),
         "chunk": work.chunk_rows(len(plan)),
         **({"torque_nm": work.torque} if work.torque else {}),
+        **work.level_entry,
     }
     store = StudyStore(folder, spec)
     with store.open():
@@ -438,9 +439,10 @@ def work_and_nominal(
     pair: int | str,
     record: str | Sequence[str],
     torque: Sequence[float] | None = None,
+    level: str = "full",
 ) -> tuple[StudyWork, Summary]:
-    """Return the work that records the wanted figures, under torques (Nm) if any, and the figures of the unchanged
-    design.
+    """Return the work that records the wanted figures, under torques (Nm) if any at a level, and the figures of the
+    unchanged design.
 
     Raises NoSolutionError if the design has no contact. Raises ArgumentError for a figure that it does not have, for
     torques without figures under load, and for figures under load without torques.
@@ -456,7 +458,7 @@ def work_and_nominal(
     if torques and set(tokens) <= without_load:
         torque_text = ",".join(f"{torque:g}" for torque in torques)
         raise ArgumentError("torque", entry=torque_text, reason="needs figures under load; record = load has them")
-    whole = StudyWork(own_keys(design), (), pair, CONTACT_GROUPS, torque=torques)
+    whole = StudyWork(own_keys(design), (), pair, CONTACT_GROUPS, torque=torques, level=required_level(level))
     by_group: dict[str, str] = {}
     nominal_figures = Summary()
 

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,7 +35,16 @@ from gearmesh.loaded.compliance.compliance import FlankCompliance
 from gearmesh.loaded.compliance.twist import twist_compliance
 from gearmesh.loaded.edges import EdgeLoad, edge_loads, load_along_face
 from gearmesh.loaded.mounts import FlexibleMount
-from gearmesh.loaded.sharing import LoadedMesh, PairLoad, compliances, loaded_mesh, whole_cycle
+from gearmesh.loaded.sharing import (
+    LEVELS,
+    Level,
+    LoadedMesh,
+    PairLoad,
+    Reference,
+    compliances,
+    loaded_mesh,
+    whole_cycle,
+)
 from gearmesh.progress import listening
 from gearmesh.records import dataclass
 from gearmesh.teeth.blank.features import BodyFeatures
@@ -52,6 +61,11 @@ FACE_SLICES = 20
 UNEQUAL_PAIRS_WARNING = (
     "pitch deviations: every tooth pair is loaded differently; figures are for those in contact at these positions, with their "
     "flanks where they are, and for others with --phi1"
+)
+#: warning of the quick level
+QUICK_WARNING = (
+    "level quick: coarse elements and cells, no estimates of errors; transmission error and load shares are within 3 % of level "
+    "full, pressures within 6 %, stresses in fillets within 15 %"
 )
 #: largest acute angle between axes that counts as an assembly error of parallel axes
 MAX_PARALLEL_ANGLE_RAD = 0.01
@@ -546,6 +560,8 @@ def loaded_contact_of(
     cycle: Cycle | None,
     bodies: tuple[FlankCompliance, FlankCompliance] | None = None,
     mounts: Mapping[str, FlexibleMount] | None = None,
+    level: Level = "full",
+    reference: Reference | None = None,
 ) -> LoadedContact:
     """Return a pair under torques (Nm) on the pinion at its rotations phi1 (P,), rad; by default POSITIONS_PER_PITCH
     positions.
@@ -553,6 +569,8 @@ def loaded_contact_of(
     - `cycle`: the whole mesh cycle without load; None leaves it out of the report.
     - `bodies`: compliances of both members, if known; they do not depend on the mounting.
     - `mounts`: elastic shafts and bearings, by names of members, replacing those of the design.
+    - `level`: model of bodies and contacts, "full" or "quick".
+    - `reference`: solved mesh of a nearly equal design, of the same level, on rigid mounts.
 
     Raises ArgumentError for torques that are not above 0, for eccentric members, and for mounts of unknown members.
     """
@@ -569,7 +587,7 @@ def loaded_contact_of(
     torques = 1e3 * np.array(required_torques(torque))
     if bodies is None:
         progress(0.0, f"compliance of the {' and the '.join(pair.members)}")
-        bodies = bodies_of(design, pair)
+        bodies = bodies_of(design, pair, level)
     doing = f"loaded contact, torques: {torques.size}, positions: {len(places)}"
     progress(0.2, doing)
     if unknown := [name for name in mounts or {} if name not in pair.members]:
@@ -577,8 +595,19 @@ def loaded_contact_of(
     given = {**mounts_of(design, pair), **(mounts or {})}
     flexible = given.get(pair.pinion.name), given.get(pair.gear.name)
     with listening(lambda done: progress(0.2 + 0.8 * done, doing)):
-        mesh = loaded_mesh(pair, places, torques, bodies, materials_of(design, pair), flexible=flexible)
+        mesh = loaded_mesh(
+            pair,
+            places,
+            torques,
+            bodies,
+            materials_of(design, pair),
+            flexible=flexible,
+            level=level,
+            reference=reference,
+        )
     unloaded = np.nan if cycle is None else cycle.peak_to_peak
+    if level == "quick":
+        warnings = (*warnings, QUICK_WARNING)
     if pair.uneven:
         warnings = (*warnings, UNEQUAL_PAIRS_WARNING)
     return LoadedContact(
@@ -605,9 +634,16 @@ def required_torques(torque: Sequence[float]) -> list[float]:
     return list(torque)
 
 
-def bodies_of(design: Design, pair: GearPair) -> tuple[FlankCompliance, FlankCompliance]:
+def required_level(level: str) -> Level:
+    """Return a level of contact under load. Raises ArgumentError for another one."""
+    if level not in LEVELS:
+        raise ArgumentError("level", level, allowed=" or ".join(LEVELS))
+    return cast("Level", level)
+
+
+def bodies_of(design: Design, pair: GearPair, level: Level = "full") -> tuple[FlankCompliance, FlankCompliance]:
     """Return the compliances of both members of a pair of a design."""
-    return compliances(pair, materials_of(design, pair), held_by_rim(design, pair))
+    return compliances(pair, materials_of(design, pair), held_by_rim(design, pair), level)
 
 
 #: columns of tooth pairs; their names begin with the number of the pair

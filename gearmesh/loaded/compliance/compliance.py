@@ -71,6 +71,8 @@ Index = NDArray[np.int64]
 SECTOR_CELLS = Cells(flank=8, fillet=12, thickness=4, rim=5, face=11)
 #: three quarters of these each way; the difference of root stress estimates the error
 COARSER_CELLS = Cells(flank=6, fillet=9, thickness=3, rim=4, face=8)
+#: elements whose nodes tell how far bodies differ
+SHAPE_CELLS = Cells(flank=3, fillet=2, thickness=2, rim=1, face=4)
 #: largest number of rings in memory, about 10 MB each
 MAX_KEPT_RINGS = 16
 #: responses of the last rings, by a hash of their sector
@@ -235,6 +237,40 @@ def rim_depth(tooth: Tooth, cells: Cells = SECTOR_CELLS) -> float:
     """Return the depth, mm, below the root at which a gear is held by its rim: 1.2 whole depths, or less if the body is
     thinner."""
     return usual_rim(without_web(tooth), np.linspace(0.0, 1.0, cells.face + 1))
+
+
+@dataclass(frozen=True)
+class BodyOutline:
+    """Places of a tooth and of the body below it, by which nearly equal gears are known."""
+
+    #: number of teeth
+    teeth: int
+    #: web of the body
+    web: Disc | None
+    #: places (N, 3), mm
+    nodes: Array
+    #: 1.2 whole depths, mm, or less
+    depth: float
+
+    @staticmethod
+    def of(tooth: Tooth, side: Side) -> BodyOutline:
+        """Return the outline of a gear of teeth that are loaded on one side."""
+        whole = without_web(tooth)
+        rim = whole_rim(whole, np.linspace(0.0, 1.0, SHAPE_CELLS.face + 1))
+        grid = on_breaks(whole, sector_grid(whole, side, SHAPE_CELLS))
+        nodes = hex_mesh(whole, np.array([0]), grid, rim).nodes
+        return BodyOutline(tooth.teeth, tooth.blank.body.web, nodes, rim_depth(tooth))
+
+    def shift(self, other: BodyOutline) -> float:
+        """Return the largest distance between the same places of two outlines over their depth; infinite for other
+        numbers of teeth or other webs."""
+        if self.teeth != other.teeth or self.nodes.shape != other.nodes.shape or self.web != other.web:
+            return np.inf
+        return float(np.linalg.norm(self.nodes - other.nodes, axis=1).max() / self.depth)
+
+    def moved(self, first: Rigid, second: Rigid) -> float:
+        """Return the largest distance between the places after two motions, over their depth."""
+        return float(np.linalg.norm(first.point(self.nodes) - second.point(self.nodes), axis=1).max() / self.depth)
 
 
 @one_thread()

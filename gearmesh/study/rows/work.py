@@ -20,7 +20,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import field, replace
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -30,6 +30,7 @@ from gearmesh.answers.contact.contact import by_engagement
 from gearmesh.answers.contact.figures import CycleSummary, slid_summary
 from gearmesh.answers.contact.fit import FitSummary
 from gearmesh.answers.load.loaded import bodies_of, loaded_contact_of
+from gearmesh.answers.load.members import held_by_rim, materials_of, mounts_of
 from gearmesh.answers.tables import plain
 from gearmesh.contact.assemblies import AssemblyPaths, assembly_paths
 from gearmesh.contact.engagement.cycle import Cycle, engagement_range, gears_curve, mesh_cycle
@@ -44,7 +45,8 @@ from gearmesh.errors import GearmeshError, NoSolutionError
 from gearmesh.figures import Figures, Summary, figure
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.loaded.compliance.compliance import FlankCompliance
+from gearmesh.loaded.compliance.compliance import BodyOutline, FlankCompliance
+from gearmesh.loaded.sharing import Level, Reference, outlines_of
 from gearmesh.records import dataclass
 from gearmesh.study.rows.load_figures import POSITIONS_PER_PITCH, load_figures
 from gearmesh.study.rows.path_figures import PathShift, path_figures
@@ -117,6 +119,8 @@ class StudyWork:
     nominal_pattern: tuple[float, float] | None = None
     #: torques (T,), Nm, on the pinion, for the group "load"
     torque: tuple[float, ...] = ()
+    #: model of contact under load
+    level: Level = "full"
 
     def __call__(self, rows: Sequence[Sequence[Any]]) -> list[list[Any]]:
         """Return the values of `names` of each row, None where there is no value, and last the reason."""
@@ -127,6 +131,11 @@ class StudyWork:
         if self.groups != ("path",) or not self._moving:
             return SINGLE_CHUNK_ROWS
         return min(max(rows // MIN_BATCHED_CHUNKS, MIN_BATCHED_ROWS), MAX_BATCHED_ROWS)
+
+    @property
+    def level_entry(self) -> dict[str, str]:
+        """Entry of the level for what tells studies apart; none for the full level."""
+        return {} if self.level == "full" else {"level": self.level}
 
     @property
     def kind(self) -> str:
@@ -226,11 +235,30 @@ class StudyWork:
             figures = Summary(figures, turns_figures(variant.design, variant.train, variant.pair))
         if LOAD_GROUP in self.groups:
             phi1 = variant.pair.pitch * np.arange(POSITIONS_PER_PITCH) / POSITIONS_PER_PITCH
+            reference = self._reference(variant, phi1) if self.level == "quick" else None
             loaded = loaded_contact_of(
-                variant.design, variant.pair, self.torque, cycle=cycle, phi1=phi1, bodies=variant.bodies.both
+                variant.design,
+                variant.pair,
+                self.torque,
+                cycle=cycle,
+                phi1=phi1,
+                bodies=variant.bodies.of(self.level) if reference is None else reference.bodies,
+                level=self.level,
+                reference=reference,
             )
             figures = Summary(figures, load_figures(loaded).flat)
         return figures
+
+    def _reference(self, variant: Variant, phi1: Array) -> Reference | None:
+        """Return the solved mesh of the unchanged design if it serves a variant; None if it does not.
+
+        It is the same in every process, so that rows do not depend on which rows were computed before.
+        """
+        own = json.dumps(self.own, sort_keys=True)
+        known = _reference_of(own, self.pair, max(self.torque), self.level)
+        if known is None or known.held != _held(variant.design, variant.pair):
+            return None
+        return known.mesh if known.mesh.serves(variant.pair, phi1, variant.bodies.outlines) else None
 
     def _of_cycle(self, variant: Variant) -> tuple[Cycle | None, Summary]:
         """Return the mesh cycle (None if nothing touches) and its figures."""
@@ -261,11 +289,19 @@ class Bodies:
 
     design: Design
     pair: GearPair
+    #: compliances that are known, by level
+    _known: dict[str, tuple[FlankCompliance, FlankCompliance]] = field(default_factory=dict, compare=False)
 
     @cached_property
-    def both(self) -> tuple[FlankCompliance, FlankCompliance]:
-        """Compliance of pinion and gear, computed at the first use, which takes seconds."""
-        return bodies_of(self.design, self.pair)
+    def outlines(self) -> tuple[BodyOutline, BodyOutline]:
+        """Outlines of both members."""
+        return outlines_of(self.pair)
+
+    def of(self, level: Level) -> tuple[FlankCompliance, FlankCompliance]:
+        """Return the compliance of pinion and gear at a level, computed at the first use, which takes seconds."""
+        if level not in self._known:
+            self._known[level] = bodies_of(self.design, self.pair, level)
+        return self._known[level]
 
 
 @dataclass(frozen=True)
@@ -339,6 +375,37 @@ def _build(text: str, which: int | str) -> Variant:
     phi1 = _positions(design, pair, mounted_flanks)
     frame = FlankFrame.of(pair.pinion, pair.flanks[0])
     return Variant(aligned, train, pair, flanks, frame, errors, phi1, Bodies(aligned, pair))
+
+
+@dataclass(frozen=True)
+class _SolvedReference:
+    """A solved mesh that serves nearly equal designs."""
+
+    mesh: Reference
+    #: what the compliance depends on beside the shape of the members
+    held: tuple[Any, ...]
+
+
+def _held(design: Design, pair: GearPair) -> tuple[Any, ...]:
+    """Return materials, places at which bodies are held, and elastic mounts of a pair."""
+    return materials_of(design, pair), held_by_rim(design, pair), tuple(mounts_of(design, pair))
+
+
+@lru_cache(maxsize=2)
+def _reference_of(text: str, which: int | str, torque: float, level: Level) -> _SolvedReference | None:
+    """Return the mesh of the design of a JSON text under the largest torque, Nm; None on elastic mounts, or if it has no
+    contact."""
+    try:
+        variant = _build(text, which)
+        variant = variant.standing(variant.bases({"": np.zeros(1)}), 0)
+        held = _held(variant.design, variant.pair)
+        if held[-1]:
+            return None
+        phi1 = variant.pair.pitch * np.arange(POSITIONS_PER_PITCH) / POSITIONS_PER_PITCH
+        mesh = Reference.of(variant.pair, phi1, 1e3 * torque, variant.bodies.of(level), held[0], level)
+        return _SolvedReference(mesh, held)
+    except GearmeshError:
+        return None
 
 
 def _positions(design: Design, pair: GearPair, flanks: Pair) -> Array:

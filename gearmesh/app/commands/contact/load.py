@@ -12,6 +12,7 @@ from gearmesh.app.options import (
     Csv,
     DesignFile,
     Json,
+    LoadLevel,
     Pair,
     Positions,
     Set,
@@ -34,6 +35,7 @@ def load(
     design_file: DesignFile,
     torque: Annotated[str, option("--torque NM[,NM...]", "One torque on the pinion, or several.")],
     phi1: Positions = None,
+    level: LoadLevel = "full",
     json_file: Json = None,
     csv_file: Csv = None,
     output: Annotated[
@@ -97,7 +99,7 @@ def load(
     gears = load_gears(
         design_file,
         settings,
-        lambda gears: gears.loaded_contact(torques, positions, pair=chosen_pair(gears, pair)),
+        lambda gears: gears.loaded_contact(torques, positions, pair=chosen_pair(gears, pair), level=level),
     )
     mesh = chosen_pair(gears, pair)
     if dynamics is not None and positions is not None:
@@ -107,7 +109,7 @@ def load(
 
         whole_pitches(gears.pair(mesh), np.radians(positions))
     with working("loaded contact") as progress:
-        answer = gears.loaded_contact(torques, positions, pair=mesh, progress=progress)
+        answer = gears.loaded_contact(torques, positions, pair=mesh, progress=progress, level=level)
     write_text(json_file, lambda: answer.json(timing=timing))
     write_text(csv_file, answer.csv)
     more: list[Listing] = []

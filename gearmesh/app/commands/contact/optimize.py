@@ -11,6 +11,7 @@ import gearmesh as gm
 from gearmesh.app.options import (
     DesignFile,
     Json,
+    LoadLevel,
     Pair,
     SchedulerAddress,
     Set,
@@ -95,6 +96,7 @@ def optimize(
     budget: Annotated[
         str | None, option("--budget N|TIME", "Designs, or time of this run, as 90s, 10min, 2h. [default: 100]")
     ] = None,
+    level: LoadLevel = "full",
     seed: Annotated[int, option("--seed S", "Seed of samples, errors and evolution.")] = 0,
     workers: Workers = None,
     scheduler: SchedulerAddress = None,
@@ -130,6 +132,7 @@ def optimize(
             robust_by=robust_by,
             method=method,
             budget=budget,
+            level=level,
             seed=seed,
             folder=output,
             workers=workers,

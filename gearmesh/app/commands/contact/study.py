@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 from gearmesh.app.options import (
     DesignFile,
     Json,
+    LoadLevel,
     Pair,
     SchedulerAddress,
     Set,
@@ -82,6 +83,7 @@ def study(
             "--torque NM[,NM]", "Torques on the pinion, for --record load: each has its own figures, counted from 1."
         ),
     ] = None,
+    level: LoadLevel = "full",
     limit: Annotated[
         list[str] | None, option("--limit FIGURE>X|FIGURE<X", "Criterion of a good row, for the yield. Repeatable.")
     ] = None,
@@ -152,6 +154,7 @@ def study(
             seed=seed,
             record=record,
             torque=torques,
+            level=level,
             limits=limit or (),
             folder=output,
             workers=workers,

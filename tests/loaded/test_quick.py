@@ -1,0 +1,96 @@
+"""Contact under load at level "quick": against level "full" at three torques, and variants on the grids of another design."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+import pytest
+from oracles.built import pair_of
+from oracles.examples import some
+from oracles.places import SAMPLES
+
+import gearmesh as gm
+from gearmesh.contact.hertz import STEEL
+from gearmesh.errors import DesignError
+from gearmesh.kernel.numeric.algebra import ARCSEC, Array
+from gearmesh.loaded.sharing import Level, LoadedMesh, Reference, compliances, loaded_mesh, outlines_of
+from gearmesh.teeth.gear_train import GearPair
+
+#: torques, Nm, at which samples run
+TORQUES = {
+    "spur_relieved": (20.0, 50.0, 100.0),
+    "helical": (500.0, 1000.0, 1500.0),
+    "spiral_bevel_basic": (20.0, 60.0, 150.0),
+    "face_gear": (50.0, 100.0, 200.0),
+}
+POSITIONS = 9
+
+
+def positions(pair: GearPair) -> Array:
+    places: Array = pair.pitch * np.arange(POSITIONS) / POSITIONS
+    return places
+
+
+@lru_cache
+def pair_with(sample: str, *keys: str) -> GearPair:
+    return pair_of(gm.load(SAMPLES / f"{sample}.toml", list(keys)))
+
+
+def solved(sample: str, level: Level, *keys: str) -> LoadedMesh:
+    """A sample under its torques at a level."""
+    pair = pair_with(sample, *keys)
+    bodies = compliances(pair, level=level)
+    return loaded_mesh(pair, positions(pair), 1e3 * np.array(TORQUES[sample]), bodies, level=level)
+
+
+def largest_shares(found: LoadedMesh) -> Array:
+    """Largest share of the torque on a tooth pair, (T, P)."""
+    return np.array(
+        [
+            [(load.moment[load.position == p] / torque).max() for p in range(POSITIONS)]
+            for load, torque in zip(found.loads, found.torque, strict=True)
+        ]
+    )
+
+
+def assert_close(quick: LoadedMesh, full: LoadedMesh) -> None:
+    """Transmission error and load shares within 3 %, or a thousandth of the deflection; what else the README says."""
+    ranges = [np.ptp(found.te, axis=1) / ARCSEC for found in (quick, full)]
+    room = 0.03 * ranges[1] + 1e-3 * full.rotation.max(axis=1) / ARCSEC
+    assert (np.abs(ranges[0] - ranges[1]) < room).all(), ranges
+    np.testing.assert_allclose(largest_shares(quick), largest_shares(full), rtol=0.03)
+    np.testing.assert_allclose(quick.rotation, full.rotation, rtol=0.02)
+    np.testing.assert_allclose(quick.bending.max(axis=1), full.bending.max(axis=1), rtol=0.15)
+    peaks = [np.array([np.nanmax(load.peak) for load in found.loads]) for found in (quick, full)]
+    np.testing.assert_allclose(*peaks, rtol=0.06)
+
+
+@pytest.mark.sweep_cases("helical", "spiral_bevel_basic", "face_gear")
+@pytest.mark.parametrize("sample", some(list(TORQUES), 4))
+def test_the_quick_level_is_near_the_full_one(sample: str) -> None:
+    quick, full = (solved(sample, level) for level in ("quick", "full"))
+    assert_close(quick, full)
+    # errors are not estimated
+    assert all(np.isnan(load.error).all() for load in quick.loads)
+
+
+def test_a_variant_on_grids_and_bodies_of_another_design() -> None:
+    """10 um of crowning: the same as with bodies and grids of its own; with 0.2 mm the gears are other gears."""
+    sample, crowned = "spur_relieved", "pinion.modifications.helix_crowning=10um"
+    pair, variant = pair_with(sample), pair_with(sample, crowned)
+    phi1, torque = positions(pair), 1e3 * np.array(TORQUES[sample])
+    bodies = compliances(pair, level="quick")
+    reference = Reference.of(pair, phi1, torque.max(), bodies, (STEEL, STEEL), "quick")
+    assert reference.serves(variant, phi1, outlines_of(variant))
+    found = loaded_mesh(variant, phi1, torque, bodies, level="quick", reference=reference)
+    own = solved(sample, "quick", crowned)
+    np.testing.assert_allclose(found.te, own.te, atol=2e-3 * own.rotation.max())
+    np.testing.assert_allclose(found.rotation, own.rotation, rtol=5e-3)
+    other = pair_with(sample, "pinion.modifications.helix_crowning=200um")
+    assert not reference.serves(other, phi1, outlines_of(other))
+
+
+def test_other_levels_are_refused() -> None:
+    with pytest.raises(DesignError, match="level = fast: allowed is full or quick"):
+        gm.build(gm.load(SAMPLES / "spur.toml")).loaded_contact(20.0, level="fast")
