@@ -109,7 +109,7 @@ APPROACH_MARGIN = 1.05
 #: models of contact under load: "quick" has coarse elements and cells and estimates no errors
 Level = Literal["full", "quick"]
 #: names of these models
-LEVELS = ("full", "quick")
+LOAD_LEVELS = ("full", "quick")
 
 
 @dataclass(frozen=True)

@@ -36,7 +36,7 @@ from gearmesh.loaded.compliance.twist import twist_compliance
 from gearmesh.loaded.edges import EdgeLoad, edge_loads, load_along_face
 from gearmesh.loaded.mounts import FlexibleMount
 from gearmesh.loaded.sharing import (
-    LEVELS,
+    LOAD_LEVELS,
     Level,
     LoadedMesh,
     PairLoad,
@@ -636,8 +636,8 @@ def required_torques(torque: Sequence[float]) -> list[float]:
 
 def required_level(level: str) -> Level:
     """Return a level of contact under load. Raises ArgumentError for another one."""
-    if level not in LEVELS:
-        raise ArgumentError("level", level, allowed=" or ".join(LEVELS))
+    if level not in LOAD_LEVELS:
+        raise ArgumentError("level", level, allowed=" or ".join(LOAD_LEVELS))
     return cast("Level", level)
 
 
