@@ -95,6 +95,14 @@ class Evaluations:
         self._compute(work, {unset: rows})
         return self._evaluated(unset, self._kept[unset])
 
+    def confirmed(self, work: StudyWork, design: Evaluated) -> Evaluated:
+        """Return a design with the figures of another work, which are not kept; the design itself if it does not set all
+        varied keys."""
+        if None in design.values:
+            return design
+        rows = work(self.errors.rows(self.keys, design.values))
+        return self._evaluated(design.values, rows)
+
     def _compute(self, work: StudyWork, designs: Mapping[tuple[Value, ...], list[tuple[Value, ...]]]) -> None:
         """Compute the rows of designs that are not in the store, and keep them."""
         missing = [values for values in designs if values not in self._kept]

@@ -220,6 +220,10 @@ class _Optimisation:
         else:
             neighbours = self._neighbours(best)
         every = tuple(self.evaluations.asked.values())
+        confirmed: tuple[Evaluated, ...] | None = None
+        if task.level != "full":
+            full = replace(self.work, level="full")
+            confirmed = tuple(self.evaluations.confirmed(full, each) for each in (before, best))
         return Optimum(
             task.design,
             task.variables,
@@ -234,6 +238,7 @@ class _Optimisation:
             best,
             neighbours,
             source,
+            confirmed,
         )
 
     def _before(self) -> Evaluated:

@@ -92,6 +92,9 @@ class OptimumSummary(Figures):
     before: DesignFigures = figure("the design itself")
     best: DesignFigures = figure("the best design; of several objectives the one nearest to the best of all")
     front: list[DesignFigures] = figure("designs that no other one dominates, by the first objective")
+    confirmed: list[DesignFigures] = figure(
+        "the design itself and the best one by level full, after a search with level quick"
+    )
     sensitivities: list[Sensitivity] = figure("changes of figures when one key leaves the optimum")
     failures: Mapping[str, int] = figure("reasons why designs failed, and of how many", whole=True)
     warnings: list[str] = figure("warnings")
@@ -121,6 +124,8 @@ class Optimum(Result):
     _neighbours: tuple[tuple[Variable, Evaluated, Evaluated], ...]
     #: text of the design's file, or None
     source: str | None
+    #: the design and the best one by the full model of contact under load, after a search with another one; else None
+    _confirmed: tuple[Evaluated, ...] | None = None
 
     @property
     def suffixes(self) -> tuple[str, ...]:
@@ -160,8 +165,13 @@ class Optimum(Result):
 
     @property
     def feasible(self) -> bool:
-        """True if the best design keeps all limits."""
-        return self._best.feasible
+        """True if the best design keeps all limits, with the full model of contact under load."""
+        return self._final.feasible
+
+    @property
+    def _final(self) -> Evaluated:
+        """Best design with the figures that count at last."""
+        return self._best if self._confirmed is None else self._confirmed[1]
 
     @cached_property
     def best_design(self) -> Design:
@@ -224,7 +234,7 @@ class Optimum(Result):
             broken = [
                 f"{each.text} ({value:.5g})"
                 for each, value, room in zip(
-                    self._target.constraints, self._best.limited.tolist(), self._best.room.tolist(), strict=True
+                    self._target.constraints, self._final.limited.tolist(), self._final.room.tolist(), strict=True
                 )
                 if room <= 0.0
             ]
@@ -270,6 +280,7 @@ class Optimum(Result):
             before=self._figures(self._before),
             best=self._figures(self._best),
             front=[self._figures(each) for each in self._front],
+            confirmed=[self._figures(each) for each in self._confirmed or ()],
             sensitivities=self.sensitivities,
             failures=self.failures,
             warnings=self.complaints,
@@ -277,7 +288,8 @@ class Optimum(Result):
 
     @property
     def listings(self) -> list[Listing]:
-        both = [[*each.objectives.tolist(), *each.limited.tolist()] for each in (self._before, self._best)]
+        shown = (self._before, self._best, *(self._confirmed or ()))
+        both = [[*each.objectives.tolist(), *each.limited.tolist()] for each in shown]
         names = self._target.texts
         keys = [
             [key, before, best]
@@ -287,8 +299,8 @@ class Optimum(Result):
             Listing("Keys", ["key", "before", "best"], keys),
             Listing(
                 f"Figures: {self.headline}",
-                ["figure", "before", "best"],
-                [[name, before, best] for name, before, best in zip(names, *both, strict=True)],
+                ["figure", "before", "best", *(("before, full", "best, full") if self._confirmed else ())],
+                [list(row) for row in zip(names, *both, strict=True)],
             ),
         ]
         if self._front:

@@ -325,3 +325,17 @@ def test_wrong_input_is_one_line(tmp_path: Path, more: list[str], line: str) -> 
     said = refused("optimize", design, "--vary", f"{CROWNING}=2um:12um", *more, "-o", tmp_path / "out")
     assert line in said
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.sweep
+def test_the_full_level_confirms_what_the_quick_one_finds(gears: gm.Gears) -> None:
+    """Crowning under load with the quick level: the result has figures of both levels, within 3 %, and the full one decides."""
+    found = optimum(gears, {CROWNING: "0:20um"}, "te_peak_to_peak@40", budget=6, level="quick")
+    quick, full = found.summary.best, found.summary.confirmed[1]
+    (name,) = quick.objectives
+    assert quick.values == full.values
+    assert full.objectives[name] != quick.objectives[name]
+    assert full.objectives[name] == pytest.approx(quick.objectives[name], rel=0.06)
+    assert [row[0] for row in found.listings[1].rows] == [name]
+    assert len(found.listings[1].rows[0]) == 5
+    assert found.feasible
