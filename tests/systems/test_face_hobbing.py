@@ -412,6 +412,12 @@ def test_ease_off_of_hypoid_pairs_is_refused() -> None:
     assert refusal.value.key == "contact.ease_off"
 
 
+def test_common_factors_of_blade_groups_and_teeth_are_noted() -> None:
+    sheet = gm.build(design_of("right_angle", blade_groups=13)).sheet()
+    (head,) = [table for table in sheet.tables if table.title.startswith("Face hobbing head")]
+    assert [row[2:] for row in head.rows if row[0].startswith("common factor")] == [(1, 1, 13, 13)]
+
+
 def test_head_is_shown_with_its_blade_groups() -> None:
     gears = gm.build(design_of("miter"))
     tool = tool_in_place(gears.members["pinion"].tooth, Side.RIGHT)

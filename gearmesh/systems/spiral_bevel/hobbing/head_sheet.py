@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -82,6 +83,13 @@ def head_table(
             "turns of the blank per turn of the cutter",
             "-",
             tuple(index.blade_groups / index.teeth for _, index in heads),
+        ),
+        # a blade group cuts one tooth out of so many
+        (
+            "(z_0, z)",
+            "common factor of blade groups and teeth; 1: each group cuts each tooth",
+            "-",
+            tuple(math.gcd(index.blade_groups, index.teeth) for _, index in heads),
         ),
     ]
     return table("Face hobbing head [ISO 23509]", names, in_unit(rows, unit, noun))

@@ -68,19 +68,22 @@ def head_settings(
     planes: MachinePlanes,
     side: int,
     head: IndexingHead,
-) -> ToolSettings:
-    """Return the settings of the head whose flank has a given point, normal and shape operator.
+    start: Array | None = None,
+) -> tuple[ToolSettings, Array]:
+    """Return the settings of the head whose flank has a given point, normal and shape operator, and its unknowns (3,).
 
     - `operator`: shape operator (3, 3) of the pinion, 1/mm
     - `mean`: mean point (3,) and normal (3,)
     - `planes`: axes of cradle and cutter, and the plane in which the blade ends
     - `side`: +1 for outside, -1 for inside blades
+    - `start`: unknowns of a machine nearby
 
     Raises NoSolutionError if the steps do not converge.
     """
     fit = _IndexingFit(mean[0], mean[1], planes, side, head)
     with np.errstate(all="ignore"):
-        solution = newton.solve(fit.residual_of(operator), fit.start[None], tolerance=OPERATOR_TOLERANCE)
+        begin = fit.start if start is None else start
+        solution = newton.solve(fit.residual_of(operator), begin[None], tolerance=OPERATOR_TOLERANCE)
     if not solution.converged[0]:
         raise NoSolutionError(
             reason="no face-hobbing machine gives this contact", remedy="change spiral_angle, offset or head.radius"
@@ -89,7 +92,8 @@ def head_settings(
     velocity, ratio = made.cradle_velocity[0], float(made.ratio[0])
     curvature = float(made.blade_curvature[0])
     blade = BladeAtMean(float(made.angle[0]), float(made.radius[0]), made.radial[0], made.down[0], curvature)
-    return placed_tool(mean[0], planes, blade, ratio, -np.cross(planes.cradle, velocity) / ratio)
+    arm = -np.cross(planes.cradle, velocity) / ratio
+    return placed_tool(mean[0], planes, blade, ratio, arm), solution.values[0]
 
 
 @dataclass(frozen=True)

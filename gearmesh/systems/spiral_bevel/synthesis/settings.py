@@ -380,10 +380,15 @@ def tool_values(
     operator = to_cut.rotation @ operator @ to_cut.rotation.T
     head = indexing_head(design, blank, name, cradle) if design.hobbed else None
 
+    unknowns: Array | None = None
+
     def solve(planes: MachinePlanes) -> ToolSettings:
+        nonlocal unknowns
         if head is None:
             return tool_settings(operator, mean, planes, side, curvature)
-        return head_settings(operator, mean, planes, side, head)
+        # the next lean is near the last one
+        settings, unknowns = head_settings(operator, mean, planes, side, head, unknowns)
+        return settings
 
     def leaning(axis: Array) -> ToolSettings:
         upright = root_normal(blank.pinion, -turned)
