@@ -891,6 +891,7 @@ class Gears(ModelledGears):
         >>> len(study.numbers("assembly.dx"))
         3
         """
+        from gearmesh.answers.load.loaded import required_level
         from gearmesh.study.runners import Scheduler
         from gearmesh.study.statistics import limit_of
         from gearmesh.study.study import check_record, plan_of, refuse_workers, run_study, work_and_nominal
@@ -898,6 +899,7 @@ class Gears(ModelledGears):
         # refuse wrong arguments before anything is built
         cluster = Scheduler.at(scheduler, tls)
         refuse_workers(workers)
+        required_level(level)
         for text in limits:
             limit_of(text, None)
         check_record(record, None if torque is None else number_list("torque", torque, "Nm").tolist())

@@ -80,6 +80,7 @@ WRONG: dict[str, dict[str, Any]] = {
         "--pair": ("a-b", "--pair = a-b"),
     },
     "load": {
+        "--level": ("x", "--level = x"),
         "--torque": ("x", "--torque = x"),
         "--phi1": ("3:1:5", "--phi1 = 3:1:5"),
         "--csv": NOWHERE,
@@ -195,6 +196,7 @@ WRONG: dict[str, dict[str, Any]] = {
     },
     "vh": {"--move": ("V,x", "--move = V,x")},
     "study": {
+        "--level": ("x", "--level = x"),
         "--vary": ("assembly.dx=0:1:1", "--vary assembly.dx = 0:1:1"),
         "--sample": ("-1", "--sample = -1"),
         "--tolerance": ("x=normal:0:1", "--tolerance"),
@@ -209,6 +211,7 @@ WRONG: dict[str, dict[str, Any]] = {
         "--pair": ("a-b", "--pair = a-b"),
     },
     "optimize": {
+        "--level": ("x", "--level = x"),
         "--vary": ("pinion.teeth=18", "--vary pinion.teeth: must be LOW:HIGH, or a list"),
         "--minimize": ("x@", "--minimize x@: behind @ must be torques"),
         "--maximize": ("x:max", "--maximize x:max: must be FIGURE"),

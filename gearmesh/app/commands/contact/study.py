@@ -120,7 +120,12 @@ def study(
         if output is not None:
             why = "--find-limits writes no folder: its table is printed, and --json FILE writes it"
             raise ArgumentError("-o", output, reason=why)
-        rows_only = {"--vary": vary, "--tolerance": tolerance, "--sample": sample}
+        rows_only = {
+            "--vary": vary,
+            "--tolerance": tolerance,
+            "--sample": sample,
+            "--level": None if level == "full" else level,
+        }
         for option, value in rows_only.items():
             if value is not None:
                 why = f"searches from the design itself and has no rows: it cannot be given together with {option}"
