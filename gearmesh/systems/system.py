@@ -595,7 +595,9 @@ def _with_measured_places(design: Design, train: GearTrain) -> GearTrain:
     def basis_of(name: str) -> InspectionBasis | None:
         return None if inspection is None else inspection(design, train, name)
 
-    return train.with_members(lambda member: places.of_member(member, basis_of))
+    made = train.with_members(lambda member: places.of_member(member, basis_of))
+    # at the same rotation, meshes have different teeth of a sun in contact
+    return replace(made, alike=()) if any(member.index.uneven for member in made.members.values()) else made
 
 
 def _eccentric(design: Design, train: GearTrain) -> GearTrain:
@@ -609,8 +611,7 @@ def _eccentric(design: Design, train: GearTrain) -> GearTrain:
     def place(member: Member) -> Member:
         return replace(member, mount=replace(member.mount, eccentricity=off[member.name]))
 
-    pairs = tuple(replace(pair, pinion=place(pair.pinion), gear=place(pair.gear)) for pair in train.pairs)
-    return replace(train, pairs=pairs, alike=())
+    return replace(train.with_members(place), alike=())
 
 
 def try_build(design: Design) -> object:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
 
@@ -112,6 +113,32 @@ class Member:
         for number in numbers:
             if number not in places:
                 raise ArgumentError("tooth", number, must_be=f"from {places[0]} to {places[-1]} for the {self.name}")
+
+    def counted_from(self, first: int) -> Member:
+        """Return the same member with another tooth on x: its mount is turned by so many pitches.
+
+        Parameters
+        ----------
+        first : int
+            Number of the tooth that gets the number 0.
+
+        Returns
+        -------
+        Member
+            It turns as before; eccentricity, index angles and teeth that differ stay where they are.
+
+        Examples
+        --------
+        >>> pinion = gears.members["pinion"]
+        >>> pinion.counted_from(1).tooth is pinion.tooth
+        True
+        """
+        teeth = self.tooth.teeth
+        turn = Rigid.about_z(2.0 * math.pi * first / teeth)
+        x, y, _ = turn.rotation.T @ np.array([*self.mount.eccentricity, 0.0])
+        mount = replace(self.mount, base=self.mount.base @ turn, eccentricity=(float(x), float(y)))
+        others = {(number - first) % teeth: tooth for number, tooth in self.others.items()}
+        return replace(self, mount=mount, index=self.index.from_tooth(first % teeth), others=others)
 
     def tooth_at(self, number: int) -> Tooth:
         """Return the tooth with a number.
@@ -620,9 +647,13 @@ class GearTrain:
 
     @property
     def members(self) -> dict[str, Member]:
-        """Every member once: first those of the pairs, in order, then those without a mating gear."""
-        paired = (member for pair in self.pairs for member in pair.both)
-        return {member.name: member for member in (*paired, *self.unpaired)}
+        """Every member once, as its first pair has it: first those of the pairs, in order, then those without a mating
+        gear."""
+        paired = [member for pair in self.pairs for member in pair.both]
+        found: dict[str, Member] = {}
+        for member in (*paired, *self.unpaired):
+            found.setdefault(member.name, member)
+        return found
 
     @property
     def names(self) -> MemberNames:
@@ -672,8 +703,17 @@ class GearTrain:
         >>> gears.train.with_members(lambda member: member).pair(0).name
         'pinion-gear'
         """
-        pairs = tuple(replace(pair, pinion=change(pair.pinion), gear=change(pair.gear)) for pair in self.pairs)
-        return replace(self, pairs=pairs, unpaired=tuple(map(change, self.unpaired)))
+        old = self.members
+        made = {name: change(member) for name, member in old.items()}
+
+        def seen(member: Member) -> Member:
+            """Return the new member as a pair sees it, in which another tooth may face the mating member."""
+            whole, angle = made[member.name], member.mount.turn_from(old[member.name].mount)
+            first = round(angle * whole.tooth.teeth / (2.0 * math.pi))
+            return whole.counted_from(first) if first else whole
+
+        pairs = tuple(replace(pair, pinion=seen(pair.pinion), gear=seen(pair.gear)) for pair in self.pairs)
+        return replace(self, pairs=pairs, unpaired=tuple(made[member.name] for member in self.unpaired))
 
     def like(self, which: int | str) -> int:
         """Return the number of pairs that mesh like a pair, itself included: the number of planets of a set.

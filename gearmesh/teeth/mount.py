@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -89,6 +90,30 @@ class Mount:
         eccentricity.
         """
         return Rigid(np.eye(3), np.array([*self.eccentricity, 0.0]))
+
+    def turn_from(self, other: Mount) -> float:
+        """Return the angle about the member's axis by which this unrotated member is turned from another mount of it.
+
+        Parameters
+        ----------
+        other : Mount
+            Mount of the same member in another pair.
+
+        Returns
+        -------
+        float
+            rad, from -pi to pi.
+
+        Examples
+        --------
+        >>> mount = gears.members["pinion"].mount
+        >>> mount.turn_from(mount)
+        0.0
+        """
+        if self.base is other.base:
+            return 0.0
+        x, y = (other.base.rotation.T @ self.base.rotation)[:2, 0]
+        return math.atan2(y, x)
 
     @property
     def concentric(self) -> Mount:

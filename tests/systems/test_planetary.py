@@ -249,3 +249,45 @@ def test_refusals_and_warnings_name_members_of_the_set() -> None:
     ring = planetary(18, 27, 72, ring={"teeth": 72, "face_width": 12, "shaper": {"teeth": 60}})
     (trimmed,) = (line for line in ring.warnings if "trims" in line)
     assert trimmed.startswith("ring.shaper.teeth = 60: the cutter trims the tips")
+
+
+def test_an_eccentric_sun_is_displaced_alike_for_all_planets() -> None:
+    gears = planetary(18, 27, -72, backlash=0.06, assembly={"sun_eccentricity": 0.03, "sun_phase": 25})
+    meshes = [pair for pair in gears.train.pairs if pair.pinion.name == "sun"]
+    rotation = np.radians([0.0, 40.0, 200.0])
+    first = meshes[0].pinion.mount.off(rotation)
+    np.testing.assert_allclose(first[0], [0.03 * np.cos(np.radians(25)), 0.03 * np.sin(np.radians(25)), 0], atol=1e-15)
+    for mesh in meshes[1:]:
+        np.testing.assert_allclose(mesh.pinion.mount.off(rotation), first, atol=1e-15)
+    # the sun turns clockwise: the crest that planet 1 sees comes to planet 2, at 120 deg, 240 deg later
+    crests = [
+        wave.crest
+        for number in (0, 1)
+        for wave in gears.contact(pair=number, turns=True).turns.waves
+        if (wave.member, wave.per_turn) == ("sun", 1)
+    ]
+    later = np.degrees(crests[1] - crests[0]) % 360.0
+    assert later == pytest.approx(240.0, abs=1.0)
+
+
+def test_pitch_deviations_of_a_sun_meet_each_planet_at_its_own_teeth() -> None:
+    teeth = 18
+    deviations = [float(k % 5) for k in range(teeth)]
+    gears = planetary(teeth, 27, -72, backlash=0.06, measured={"sun_pitch_right_um": deviations})
+    whole = gears.member("sun").index.right
+    assert not gears.train.alike
+    for number, mesh in enumerate(gears.train.pairs[:3]):
+        # planet k is at k thirds of the teeth
+        first = number * teeth // 3
+        assert mesh.pinion.index.right == whole[first:] + whole[:first]
+        # counted from there, the body is the same one
+        angle = np.degrees(mesh.pinion.mount.turn_from(gears.member("sun").mount)) % 360.0
+        assert angle == pytest.approx(120.0 * number, abs=1e-9)
+
+
+def test_changed_members_keep_their_places_in_every_mesh() -> None:
+    gears = planetary(18, 27, -72, backlash=0.06)
+    changed = gears.with_deviations("sun", "right", np.full((5, 9), 0.001))
+    for old, new in zip(gears.train.pairs, changed.train.pairs, strict=True):
+        np.testing.assert_allclose(new.pinion.mount.base.rotation, old.pinion.mount.base.rotation, atol=1e-15)
+        np.testing.assert_allclose(new.gear.mount.base.rotation, old.gear.mount.base.rotation, atol=1e-15)

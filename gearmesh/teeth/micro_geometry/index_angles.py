@@ -51,6 +51,10 @@ class IndexAngles:
                     f"{name} pitch deviations", len(values), must_be=f"{teeth}, one a tooth", topic="pitch deviations"
                 )
 
+    def from_tooth(self, first: int) -> IndexAngles:
+        """Return the index deviations with the teeth counted from another tooth, `first`."""
+        return IndexAngles(*(values[first:] + values[:first] for values in (self.right, self.left)))
+
     def of(self, side: Side, teeth: int) -> Array:
         """Return the index deviations of the flanks of one side.
 
