@@ -226,7 +226,7 @@ def compliances(
         tooth = member.one_tooth
         rim_below_root = rim_depth(tooth) if rim else None
         return flank_compliance(
-            tooth, side, material, cells, rim=rim_below_root, reach=reach, coarser=coarser, idler=member.idler
+            tooth, side, material, cells=cells, rim=rim_below_root, reach=reach, coarser=coarser, idler=member.idler
         )
 
     with one_thread():

@@ -226,7 +226,15 @@ def test_bodies_are_held_by_the_rim_where_the_design_says_so(monkeypatch: pytest
     asked: dict[int, float | None] = {}
 
     def few(
-        tooth: Tooth, side: Side, material: Material, rim: float | None, reach: int, coarser: Cells, *, idler: bool
+        tooth: Tooth,
+        side: Side,
+        material: Material,
+        *,
+        cells: Cells,
+        rim: float | None,
+        reach: int,
+        coarser: Cells,
+        idler: bool,
     ) -> FlankCompliance:
         asked[tooth.teeth] = rim
         return flank_compliance(tooth, side, material, SMALL, rim, reach=reach, idler=idler)

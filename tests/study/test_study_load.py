@@ -37,7 +37,7 @@ def bodies(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     asked: list[str] = []
 
     def few(
-        pair: GearPair, materials: tuple[Material, Material], _: tuple[bool, bool]
+        pair: GearPair, materials: tuple[Material, Material], *_: object
     ) -> tuple[FlankCompliance, FlankCompliance]:
         asked.append(pair.name)
         first, second = (
