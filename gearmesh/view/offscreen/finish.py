@@ -116,26 +116,29 @@ def _plane_depth(camera: Camera, shape: tuple[int, ...], pixel: float) -> NDArra
 def _hollow_light(depth: NDArray[np.float32], seen: NDArray[np.bool_], pixel: float) -> NDArray[np.float32]:
     """Return the share of light (h, w) of pixels with this depth and length (mm), where a body is `seen` (h, w).
 
-    A pixel is compared with two opposite pixels at a time, so that a slope is no hollow.
+    A pixel is compared with two opposite pixels at a time, so that a slope is no hollow. Pairs that reach beyond the
+    picture are left out.
     """
     if not seen.any():
         return np.ones(depth.shape, dtype=np.float32)
-    reach = max(1, round(RADII_SHARES[-1] * len(depth)))
-    wide = np.pad(np.where(seen, depth, np.float32(np.inf)), reach, mode="edge")
+    around = np.where(seen, depth, np.float32(np.inf))
     high, long = depth.shape
-    dark = np.zeros(depth.shape, dtype=np.float32)
+    dark, pairs = np.zeros(depth.shape, dtype=np.float32), np.zeros(depth.shape, dtype=np.float32)
     own = np.where(seen, depth, np.float32(0.0))
     for k, share in enumerate(RADII_SHARES):
         radius = share * len(depth)
         unit = np.float32(1.0 / (max(radius, 1.0) * pixel))
         for turn in np.pi * (np.arange(DIRECTIONS_PER_RADIUS) + k / len(RADII_SHARES)) / DIRECTIONS_PER_RADIUS:
             right, up = round(radius * np.cos(turn)), round(radius * np.sin(turn))
-            nearer = np.zeros(depth.shape, dtype=np.float32)
+            rows, columns = (slice(abs(aside), size - abs(aside)) for aside, size in ((up, high), (right, long)))
+            nearer = np.zeros(own[rows, columns].shape, dtype=np.float32)
             for sense in (1, -1):
-                first, left = reach + sense * up, reach + sense * right
-                nearer += np.clip((own - wide[first : first + high, left : left + long]) * unit, -1.0, 1.0)
-            dark += np.maximum(nearer, 0.0)
-    light = 1.0 - LOST_LIGHT_SHARE * np.minimum(dark / (DIRECTIONS_PER_RADIUS * len(RADII_SHARES)), 1.0)
+                first, left = rows.start + sense * up, columns.start + sense * right
+                there = around[first : first + nearer.shape[0], left : left + nearer.shape[1]]
+                nearer += np.clip((own[rows, columns] - there) * unit, -1.0, 1.0)
+            dark[rows, columns] += np.maximum(nearer, 0.0)
+            pairs[rows, columns] += 1.0
+    light = 1.0 - LOST_LIGHT_SHARE * np.minimum(dark / np.maximum(pairs, 1.0), 1.0)
     # a pixel without a body takes the light beside it, which the average over its edge needs
     weight = _mean(seen.astype(np.float32))
     beside = _mean(np.where(seen, light, np.float32(0.0))) / np.maximum(weight, np.float32(1e-3))
