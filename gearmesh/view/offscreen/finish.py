@@ -130,12 +130,13 @@ def _hollow_light(depth: NDArray[np.float32], seen: NDArray[np.bool_], pixel: fl
         unit = np.float32(1.0 / (max(radius, 1.0) * pixel))
         for turn in np.pi * (np.arange(DIRECTIONS_PER_RADIUS) + k / len(RADII_SHARES)) / DIRECTIONS_PER_RADIUS:
             right, up = round(radius * np.cos(turn)), round(radius * np.sin(turn))
-            rows, columns = (slice(abs(aside), size - abs(aside)) for aside, size in ((up, high), (right, long)))
-            nearer = np.zeros(own[rows, columns].shape, dtype=np.float32)
+            rows, columns = slice(abs(up), high - abs(up)), slice(abs(right), long - abs(right))
+            here = own[rows, columns]
+            nearer = np.zeros_like(here)
             for sense in (1, -1):
-                first, left = rows.start + sense * up, columns.start + sense * right
-                there = around[first : first + nearer.shape[0], left : left + nearer.shape[1]]
-                nearer += np.clip((own[rows, columns] - there) * unit, -1.0, 1.0)
+                first, left = abs(up) + sense * up, abs(right) + sense * right
+                there = around[first : first + len(here), left : left + long - 2 * abs(right)]
+                nearer += np.clip((here - there) * unit, -1.0, 1.0)
             dark[rows, columns] += np.maximum(nearer, 0.0)
             pairs[rows, columns] += 1.0
     light = 1.0 - LOST_LIGHT_SHARE * np.minimum(dark / np.maximum(pairs, 1.0), 1.0)
