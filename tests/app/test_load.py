@@ -7,7 +7,7 @@ import io
 import json
 import re
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -20,6 +20,7 @@ from oracles.loaded import few_elements
 from oracles.places import PACKAGE, SAMPLES
 
 import gearmesh as gm
+from gearmesh.answers.load.figures import LoadedTotals
 from gearmesh.answers.load.loaded import LoadedContact, _error_warning
 from gearmesh.app.options import positions_in_degrees
 from gearmesh.errors import DesignError
@@ -126,7 +127,9 @@ def test_documented_keys_are_there() -> None:
     found = {*document, *document["totals"][0], *document["positions"][0], *document["positions"][0]["tooth_pairs"][0]}
     named = {each.replace("MEMBER", "pinion") for each in re.findall(r"`(\w+)`", page)}
     assert len(named) > 20
-    assert named <= found
+    # one position is no whole cycle, over which alone the face load factor is known
+    assert named - found == {"k_h_beta"}
+    assert "k_h_beta" in {LoadedTotals.key_of(each.name) for each in fields(LoadedTotals)}
 
 
 @pytest.mark.sweep
