@@ -473,3 +473,11 @@ def test_bodies_whose_back_cone_reaches_the_bore_under_the_teeth() -> None:
     keys = ["spiral_angle=40.688", "module=3.8569", "pinion.teeth=4"]
     with pytest.raises(DesignError, match=r"pinion\.bore = 2\.5.* the diameter under the teeth at the heel, 0\.6"):
         gm.build(load(SAMPLES / "hypoid_high_ratio.toml", keys))
+
+
+def test_teeth_whose_fillets_fold_back_are_made_shallower() -> None:
+    """At the full depth the pinion's fillet ends before the lowest point of the blade; it is a matter of depth, not of the kind."""
+    keys = {"kind": "hypoid", "module": 0.3294, "offset": 1.887, "spiral_angle": 52.248, "pressure_angle": 17.685}
+    gears = gm.build(gm.parse({**keys, "taper": "uniform", "pinion": {"teeth": 25}, "gear": {"teeth": 26}}))
+    (depth,) = (warning for warning in gears.warnings if "depth_factor" in warning)
+    assert "the fillets do not end in a smooth line along the face" in depth

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gearmesh.errors import VagueError
+from gearmesh.errors import KindError, VagueError
 from gearmesh.kernel.surface.levels import ConeLevel
 from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.records import dataclass
@@ -162,7 +162,8 @@ def _fitting_tooth(
             if share > 0.0 and (failure.what == "root" or (given_sides and failure.what in EDGE_FAILURES)):
                 raise
             raise _refusal(name, tooth, failure, given_sides, remedies) from failure
-        except ValueError as failure:
+        except (KindError, ValueError) as failure:
+            # fillets of which the lowest part folds back have no root, or one elsewhere
             raise VagueError(
                 name,
                 reason="the fillets do not end in a smooth line along the face",
