@@ -213,7 +213,10 @@ class Mending(Generic[DesignT]):
         # the interval whose division the effort ended may be narrow enough as well
         exact = [interval for interval in fine + left if interval.width <= ROUGH_WIDTH][:MAX_NAMED_KEYS]
         nearest_of = exact or sorted(fine + left, key=lambda interval: interval.most)[:1]
-        return [self._bound(interval) for interval in sorted(nearest_of, key=lambda interval: interval.most)]
+        # the key that the refusal names says most, then the key that changes least
+        refused = None if self.trials.failure is None else self.trials.failure.key
+        order = sorted(nearest_of, key=lambda interval: (interval.key != refused, interval.most))
+        return [self._bound(interval) for interval in order]
 
     def _divide(self, of: Interval) -> bool:
         """Divide an interval; return False if it is fine enough or cannot be divided."""

@@ -99,7 +99,7 @@ def replace_work(monkeypatch: pytest.MonkeyPatch, function: Callable[..., Sequen
         return function(**own)
 
     def work(
-        design: Any, keys: tuple[str, ...], pair: Any, names: tuple[str, ...], torque: Any
+        design: Any, keys: tuple[str, ...], pair: Any, names: tuple[str, ...], torque: Any, level: str
     ) -> tuple[Model, Summary]:
         return Model(design.stated(), keys, pair, (), tuple(names), torque=torque or (), function=counted), Summary()
 
@@ -112,7 +112,7 @@ def replace_work_by_exact_flanks(monkeypatch: pytest.MonkeyPatch) -> None:
     from gearmesh.optimize import optimize
 
     def work(
-        design: Any, keys: tuple[str, ...], pair: Any, names: tuple[str, ...], torque: Any
+        design: Any, keys: tuple[str, ...], pair: Any, names: tuple[str, ...], torque: Any, level: str
     ) -> tuple[ExactFlanks, Summary]:
         return ExactFlanks(design.stated(), keys, pair, ("path",), tuple(names), torque=torque or ()), Summary()
 

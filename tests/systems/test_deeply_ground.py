@@ -82,7 +82,7 @@ def test_gears_many_times_as_large_are_the_same(scale: float) -> None:
 @pytest.mark.sweep
 def test_a_bound_of_the_tip_is_one() -> None:
     """A pointed pinion: the addendum allowed can be built, a little more cannot."""
-    keys = ["pinion.crowning=disk", "pinion.addendum=1.7"]
+    keys = ["pinion.crowning=worm_plunge", "pinion.addendum=1.7"]
     with pytest.raises(
         DesignError, match=r"^pinion.addendum = 1\.7: allowed is at most ([\d.]+), .*pointed"
     ) as refused:
