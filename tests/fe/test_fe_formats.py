@@ -26,6 +26,7 @@ import gearmesh as gm
 from gearmesh.contact.hertz import Material
 from gearmesh.errors import OutputError
 from gearmesh.fe.decks import formats, write_model
+from gearmesh.fe.decks.hdf5_times import checksum
 from gearmesh.fe.decks.vtu import write_mesh
 from gearmesh.fe.model import ContactPair, Model, NodeForces, RigidTie, Support
 from gearmesh.fe.results import ContactTotal, NodalSolution, contact_figures, principal_stresses
@@ -490,6 +491,24 @@ def test_med_is_read_by_gmsh_and_medcoupling(tmp_path: Path, gmsh: Any, second_o
         normals = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
         assert outwards[:, 2].max() * normals[:, 2].max() > 0.0
         assert (np.sign(outwards[:, 2]) == np.sign(normals[0, 2])).all()
+
+
+def test_checksum_of_hdf5_is_lookup3() -> None:
+    """Published values of the hash, and one header of a file: with another checksum HDF5 would not open the file."""
+    assert checksum(b"") == 0xDEADBEEF
+    assert checksum(b"Four score and seven years ago") == 0x17770551
+
+
+def test_med_files_have_no_times(tmp_path: Path) -> None:
+    import medcoupling as mc
+
+    write_model(model(False), tmp_path / "blocks.med")
+    data = (tmp_path / "blocks.med").read_bytes()
+    headers = [place for place in range(len(data)) if data.startswith(b"OHDR\x02", place) and data[place + 5] & 0x20]
+    assert len(headers) > 100
+    assert {data[place + 6 : place + 22] for place in headers} == {bytes(16)}
+    # the library checks the checksums of all headers that it reads
+    assert mc.MEDFileUMesh(str(tmp_path / "blocks.med")).getSizeAtLevel(0) == len(model(False).mesh.elements)
 
 
 def test_commands_of_code_aster_name_the_groups(tmp_path: Path) -> None:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from gearmesh.errors import OutputError
 from gearmesh.fe.decks.fields import T_PER_MM3_OF_KG_PER_M3, all_points, corners_then_middles, one_line
+from gearmesh.fe.decks.hdf5_times import without_times
 from gearmesh.fe.decks.registry import register
 from gearmesh.fe.model import ContactPair, Model, RigidTie
 from gearmesh.formats import COMM_SUFFIX, MED_SUFFIX
@@ -60,6 +61,7 @@ def write(model: Model, path: Path) -> None:
     with whole_file(path) as temporary:
         temporary.unlink()
         _med(model).write40(str(temporary), 2)
+        without_times(temporary)
 
 
 def _refuse_long_names(model: Model, path: Path) -> None:
@@ -110,6 +112,8 @@ def _med(model: Model) -> Any:
         if len(cells):
             file.setMeshAtLevel(level, _umesh(mc, coordinates, 3 + level, kind, cells))
     file.setName("gears")
+    # a name of user, time and process, which nothing needs
+    file.setUnivNameWrStatus(False)
     file.setDescription(one_line(model.title)[:150])
     groups: dict[int, dict[str, NDArray[np.int64]]] = {
         1: mesh.node_sets
