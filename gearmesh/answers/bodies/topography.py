@@ -18,9 +18,8 @@ from gearmesh.figures import Content, Figures, Summary, figure
 from gearmesh.formats import CSV_SUFFIX, JSON_SUFFIX
 from gearmesh.progress import tell
 from gearmesh.records import dataclass
-from gearmesh.teeth.micro_geometry.modification import Modification
+from gearmesh.teeth.micro_geometry.modified import modification_of
 from gearmesh.teeth.micro_geometry.plane_flank import PlaneFlank
-from gearmesh.teeth.micro_geometry.screw_involute import ScrewInvolute
 from gearmesh.teeth.micro_geometry.topography_knots import topography_of
 from gearmesh.teeth.region import Side
 
@@ -44,8 +43,8 @@ def flank_topography(gears: GearSet, name: str, flank: str, tolerance: float = D
         raise ArgumentError(
             "member", member.name, reason="a rack's flank has no roll lengths, and a rack takes no topography"
         )
-    amount = surface.amount if isinstance(surface, ScrewInvolute) else None
-    if not isinstance(amount, Modification):
+    amount = modification_of(surface)
+    if amount is None:
         raise ArgumentError(
             "flank",
             flank,

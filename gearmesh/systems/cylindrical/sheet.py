@@ -61,9 +61,8 @@ from gearmesh.systems.cylindrical.measured import flanks_of
 from gearmesh.systems.system import Reserve, Sheet, SheetTable, complete_design
 from gearmesh.teeth.blank.moments import member_moments
 from gearmesh.teeth.gear_train import GearTrain, Member
-from gearmesh.teeth.micro_geometry.modification import Modification
+from gearmesh.teeth.micro_geometry.modified import modification_of
 from gearmesh.teeth.micro_geometry.radial_feed import FedCrowning, twist_of
-from gearmesh.teeth.micro_geometry.screw_involute import ScrewInvolute
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 
@@ -600,9 +599,8 @@ def _crowned_flank(tooth: Tooth, side: Side) -> tuple[float, float | None]:
 
     The feed is 0 and the twist None without such a crowning.
     """
-    flank = tooth.side(side).flank
-    made = flank.amount if isinstance(flank, ScrewInvolute) else None
-    if not isinstance(made, Modification):
+    made = modification_of(tooth.side(side).flank)
+    if made is None:
         return 0.0, None
     feeds = [each.feed for each in made.fields if isinstance(each, FedCrowning)]
     return sum(feeds), twist_of(made, made.extent) if feeds else None

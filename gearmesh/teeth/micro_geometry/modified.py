@@ -100,7 +100,7 @@ class TrueInvolute:
 
     @property
     def lean(self) -> float:
-        return self.involute.hand * self.involute.rate * self.involute.base_radius
+        return self.involute.lean
 
     @property
     def places(self) -> Mapping[str, Callable[[float], float]]:
@@ -115,8 +115,7 @@ class TrueInvolute:
 
     def roll_length(self, diameter: float) -> float:
         """Roll length (mm) at a diameter (mm), NaN below the base circle."""
-        square = (0.5 * diameter) ** 2 - self.involute.base_radius**2
-        return float(np.sqrt(square)) if square >= 0.0 else float("nan")
+        return self.involute.length_at(0.5 * diameter)
 
     def place(self, jet: Jet) -> Array:
         return ScrewInvolute.roll_length(jet, self.involute.internal)
@@ -175,6 +174,12 @@ class TruePlane:
     def follow(self, surface: Surface, modification: Modification, place: float) -> Surface:
         per_mm = self.plane.side / float(np.cos(self.plane.alpha_t))
         return Sheared(surface, _Motion(modification, place, per_mm))
+
+
+def modification_of(flank: Surface) -> Modification | None:
+    """Return the modification of a screw involute; None without one, and for any other flank."""
+    amount = flank.amount if isinstance(flank, ScrewInvolute) else None
+    return amount if isinstance(amount, Modification) else None
 
 
 def true_flank(tooth: Tooth, which: Side, *, internal: bool = False) -> TrueFlank:

@@ -105,10 +105,9 @@ def worm_crowning(amount: float, extent: Extent, *, involute: ScrewInvolute, ref
     - amount: mm, at toe and heel on the reference circle.
     - reference_radius: radius of the circle (mm) on which the worm rolls.
     """
-    lean = involute.hand * involute.rate * involute.base_radius
-    reference = _roll_length(involute, reference_radius)
+    reference = involute.length_at(reference_radius)
     domain = sorted((extent.root, extent.tip))
-    place = Chebyshev.fit(domain, [lean * (length - reference) for length in domain], 1, domain=domain)
+    place = Chebyshev.fit(domain, [involute.lean * (length - reference) for length in domain], 1, domain=domain)
     # in the transverse plane the feed moves the flank by the sine of the pressure angle
     feed = amount * reference_radius / reference
     return FedCrowning(amount, feed, *_face(extent), place, Chebyshev([1.0], domain=domain))
@@ -125,7 +124,7 @@ def disk_crowning(
     nodes = np.cos(np.pi * (np.arange(PROFILE_DEGREE + 1) + 0.5) / (PROFILE_DEGREE + 1))
     lengths = domain[0] + 0.5 * (domain[1] - domain[0]) * (1.0 + nodes)
     # the last point is that on the reference circle
-    touched = _contact(involute, setting, np.append(lengths, _roll_length(involute, setting.reference_radius)))
+    touched = _contact(involute, setting, np.append(lengths, involute.length_at(setting.reference_radius)))
     if touched is None:
         raise DesignError(
             key,
@@ -138,7 +137,7 @@ def disk_crowning(
     place, share = (
         Chebyshev.fit(lengths, each[:-1], PROFILE_DEGREE, domain=domain) for each in (z - z[-1], normal / normal[-1])
     )
-    base_cosine = 1.0 / np.hypot(1.0, involute.rate * involute.base_radius)
+    base_cosine = 1.0 / np.hypot(1.0, involute.lean)
     feed = amount * float(base_cosine / abs(normal[-1]))
     return FedCrowning(amount, feed, *_face(extent), place, share)
 
@@ -146,11 +145,6 @@ def disk_crowning(
 def _face(extent: Extent) -> tuple[float, float]:
     """Return middle and half of the face, mm."""
     return 0.5 * (extent.toe + extent.heel), 0.5 * (extent.heel - extent.toe)
-
-
-def _roll_length(involute: ScrewInvolute, radius: float) -> float:
-    """Return the roll length at a radius, mm."""
-    return float(np.sqrt(radius**2 - involute.base_radius**2))
 
 
 def twist_of(field: FlankField, extent: Extent) -> float:

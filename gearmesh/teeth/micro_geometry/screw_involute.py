@@ -82,6 +82,16 @@ class ScrewInvolute:
         """+1 where angles rise along the profile from the base circle outwards, otherwise -1."""
         return -self.side if self.internal else self.side
 
+    @property
+    def lean(self) -> float:
+        """Axial over transverse part of the normal, h tan(beta_b): contact lines are L + lean z = const."""
+        return self.hand * self.rate * self.base_radius
+
+    def length_at(self, radius: float) -> float:
+        """Return the roll length (mm) at a radius (mm), NaN below the base circle."""
+        square = radius**2 - self.base_radius**2
+        return float(np.sqrt(square)) if square >= 0.0 else float("nan")
+
     @staticmethod
     def through(jet: Jet, side: int, internal: bool = False) -> ScrewInvolute:
         """Return the true involute through the point and with the normal of a jet (1,) off the base circle."""
