@@ -23,7 +23,7 @@ from gearmesh.app import cli
 FILES = sorted(
     path.relative_to(ROOT).as_posix()
     for path in (ROOT / "README.md", *(p for top in ("gearmesh", "samples", "scripts") for p in (ROOT / top).rglob("*.md")))
-    if path.name in ("README.md", "notes.md", "measured.md") and "pages" not in path.parts
+    if path.name in ("README.md", "notes.md", "measured.md") and "pages" not in path.relative_to(ROOT).parts
 )  # fmt: skip
 #: this checkout, wherever a program runs
 OWN = {**os.environ, "PYTHONPATH": str(ROOT)}
