@@ -13,8 +13,10 @@ OBJECTS_BETWEEN_SEARCHES = (50_000, 20, 50)
 MAPPED_BYTES = 32 << 20
 #: free bytes at the end of the memory from which the C library gives them back
 TRIMMED_BYTES = 128 << 20
-#: names of both in `mallopt`
-MALLOPT_MAPPED, MALLOPT_TRIMMED = -3, -1
+#: number of the mapped size in `mallopt`
+MALLOPT_MAPPED = -3
+#: number of the trimmed size in `mallopt`
+MALLOPT_TRIMMED = -1
 
 
 def main() -> int:

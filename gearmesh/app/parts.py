@@ -32,8 +32,10 @@ if TYPE_CHECKING:
     from gearmesh.answers.bodies.section import Section
     from gearmesh.answers.bodies.solid import Solid, Solids
 
-#: values of --member for a mesh or CAD solid with all members
-BOTH_MEMBERS, ALL_MEMBERS = "both", "all"
+#: value of --member for one mesh or CAD solid with both members of a pair
+BOTH_MEMBERS = "both"
+#: value of --member for one mesh or CAD solid with all members
+ALL_MEMBERS = "all"
 
 
 @dataclass(frozen=True)

@@ -60,8 +60,10 @@ _WITH_REALS = (
 )
 #: number of commas of a point in space; a point of two parameters has fewer
 _COMMAS_IN_SPACE = 3
-#: marks between instances and between pieces of an instance, which no file contains
-_INSTANCE_MARK, _PIECE_MARK = "\x01", "\x02"
+#: mark between instances, which no file contains
+_INSTANCE_MARK = "\x01"
+#: mark between pieces of an instance, which no file contains
+_PIECE_MARK = "\x02"
 #: place after about 400 characters at which a long list is broken into lines
 _LONG_LINE = re.compile(r"(.{400}[^,]*#\d+,)(?=#)")
 

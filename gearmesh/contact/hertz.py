@@ -58,6 +58,7 @@ class Material:
         return self.youngs_modulus / (1.0 - self.poisson_ratio**2)
 
 
+#: material of all gears without another one
 STEEL = Material()
 
 

@@ -23,8 +23,10 @@ FLANK_EDGES = ("tip", "toe", "heel")
 FORM_POINT = "joint"
 #: edge of a fillet, which has neither tip nor form point
 ROOT_EDGE = "root"
-#: corners inside a flank, along the face (creases) and up the profile (ridges): as many as linear reliefs of two tables make
-CREASE_NAMES, RIDGE_NAMES = (tuple(f"{kind}_{k}" for k in (1, 2, 3, 4)) for kind in ("crease", "ridge"))
+#: corners along the face inside a flank: as many as linear reliefs of two tables make
+CREASE_NAMES = tuple(f"crease_{k}" for k in (1, 2, 3, 4))
+#: corners up the profile inside a flank: as many as linear reliefs of two tables make
+RIDGE_NAMES = tuple(f"ridge_{k}" for k in (1, 2, 3, 4))
 #: corners of tip lines, for example where the throat of a worm wheel passes into its outside cylinder
 TIP_CORNERS = tuple(f"tip_corner_{k}" for k in (1, 2, 3, 4))
 #: all edges of both members, in the order in which the solver counts them, by member and name
@@ -36,8 +38,12 @@ NUMBERED_EDGES = (
     (1, ROOT_EDGE),
     *((member, name) for member in (0, 1) for name in (*CREASE_NAMES, *RIDGE_NAMES, *TIP_CORNERS)),
 )
-#: parts of a tooth that may touch
-FLANK_PART, FILLET_PART, TIP_EDGE = "flank", "fillet", "tip_edge"
+#: flank of a tooth, which may touch
+FLANK_PART = "flank"
+#: fillet of a tooth, which a tip may touch
+FILLET_PART = "fillet"
+#: tip edge of a tooth, which may touch
+TIP_EDGE = "tip_edge"
 #: touching part of the pinion and of the gear, by the number of `Contacts.part`
 PART_PAIRS = (
     (FLANK_PART, FLANK_PART),
@@ -49,8 +55,10 @@ PART_PAIRS = (
     (TIP_EDGE, FILLET_PART),
     (FILLET_PART, TIP_EDGE),
 )
-#: True for the pairs of parts with a fillet, and for those with a tip edge
-HAS_FILLET, HAS_TIP_EDGE = (np.array([region in both for both in PART_PAIRS]) for region in (FILLET_PART, TIP_EDGE))
+#: True for the pairs of parts with a fillet
+HAS_FILLET = np.array([FILLET_PART in parts for parts in PART_PAIRS])
+#: True for the pairs of parts with a tip edge
+HAS_TIP_EDGE = np.array([TIP_EDGE in parts for parts in PART_PAIRS])
 #: True for the numbered edges inside a flank, which continues beyond them
 IS_INSIDE_FLANK = np.array([name in (*CREASE_NAMES, *RIDGE_NAMES) for _, name in NUMBERED_EDGES])
 #: True for the stations of corners of tip lines, which are edges only together with the tip

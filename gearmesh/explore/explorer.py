@@ -31,8 +31,10 @@ if TYPE_CHECKING:
 
 #: address of this machine
 LOOPBACK_ADDRESS = "127.0.0.1"
-#: smallest and largest port that may be chosen; 0 stands for any free one
-MIN_PORT, MAX_PORT = 1024, 65535
+#: smallest port that may be chosen; 0 stands for any free port
+MIN_PORT = 1024
+#: largest port
+MAX_PORT = 65535
 #: time in which the server must have started, s
 START_S = 30.0
 #: name of the extra with the server library

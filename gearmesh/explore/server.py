@@ -1,7 +1,7 @@
 """Answers to the browser of the user, and to nobody else.
 
-- Loopback only. `Host`, `Origin` and `Sec-Fetch-Site` must be those of the page itself, so that other sites in the same browser
-  get nothing, not even through a name that resolves to this machine.
+- Loopback only. `Host`, `Origin` and `Sec-Fetch-Site` must be those of the page itself. Other sites in the same browser get
+  nothing, not even through a name that resolves to this machine.
 - The address has a token, which is good once; it is changed for a secret that stays in the browser.
 - Pages are read from the package, never from a path in a request; messages are small and have no paths either.
 """
@@ -37,15 +37,18 @@ MAX_WAITING_MESSAGES = 1000
 ENTRY_S = 10.0
 #: names of this machine
 LOOPBACK_NAMES = ("127.0.0.1", "localhost")
-#: codes of closed connections: not allowed, too many
-CLOSED_REFUSED, CLOSED_FULL = 4403, 4429
-#: files of the page by address: name, media type; scripts and styles of the report page come from view/report
+#: code of a closed connection that is not allowed
+CLOSED_REFUSED = 4403
+#: code of a closed connection beyond the limit of connections
+CLOSED_FULL = 4429
+#: files of the page by address: name, media type
 OWN_FILES = {
     "/": ("explore.html", "text/html"),
     "/explore.css": ("explore.css", "text/css"),
     "/explore.js": ("explore.js", "text/javascript"),
     "/curves.js": ("curves.js", "text/javascript"),
 }
+#: scripts and styles of the report page by address: name, media type
 REPORT_FILES = {
     "/page.css": ("page.css", "text/css"),
     "/scene.js": ("scene.js", "text/javascript"),
@@ -59,7 +62,7 @@ Application = Callable[[Scope, Callable[[], Awaitable[Any]], Callable[[Any], Awa
 
 
 class Gate:
-    """Who may come in: the token of the address, good once, and the secret of the pages of this run."""
+    """Right to come in: the token of the address, good once, and the secret of the pages of this run."""
 
     def __init__(self) -> None:
         self.token, self._secret = secrets.token_urlsafe(32), secrets.token_urlsafe(32)

@@ -21,8 +21,10 @@ from gearmesh.systems.system import system
 
 #: name of the design that the program was started with
 OPENED_NAME = "opened"
-#: first parts of the names of other designs
-KIND_PREFIX, SAMPLE_PREFIX = "kind:", "sample:"
+#: first part of the names of the designs of kinds
+KIND_PREFIX = "kind:"
+#: first part of the names of samples
+SAMPLE_PREFIX = "sample:"
 #: limit of the keys of a state
 MAX_KEYS = 500
 #: limit of the characters of a text among the values

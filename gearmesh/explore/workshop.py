@@ -52,9 +52,11 @@ from gearmesh.view.views import pair_scene, set_scene
 TOLERANCE_MODULES = (0.02, 0.002)
 #: smallest and largest of these tolerances, mm
 TOLERANCE_LIMITS_MM = (0.002, 0.1)
-#: limits of what is kept: states, built gears, and bytes of meshes
+#: limit of the states that are kept
 MAX_KEPT_STATES = 12
+#: limit of the built gears that are kept
 MAX_KEPT_GEARS = 4
+#: limit of the bytes of meshes that are kept
 MAX_KEPT_SHAPE_BYTES = 24_000_000
 #: figures at the head of the list, by the beginning of their keys
 MAIN_FIGURES = (

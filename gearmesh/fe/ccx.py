@@ -44,7 +44,9 @@ KEPT_SUFFIXES = (INP_SUFFIX, ".frd", ".dat", ".sta", ".cvg", ".log")
 
 #: name of the deck without its suffix
 _JOB_NAME = "model"
-_FRD_WIDTH = 12  # characters of a number in an .frd
+#: characters of a number in an .frd file
+_FRD_WIDTH = 12
+#: time between two looks at the running solver, s
 _SECONDS_BETWEEN_LOOKS = 0.2
 
 

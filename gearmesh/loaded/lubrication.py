@@ -25,8 +25,10 @@ import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
 
-#: heat conductivity, W/(m K), and heat capacity per volume, J/(m^3 K), of steel
-STEEL_CONDUCTIVITY, STEEL_HEAT_CAPACITY = 50.0, 3.8e6
+#: heat conductivity of steel, W/(m K)
+STEEL_CONDUCTIVITY = 50.0
+#: heat capacity of steel per volume, J/(m^3 K)
+STEEL_HEAT_CAPACITY = 3.8e6
 #: sqrt(lambda rho c) of steel, N/(m sqrt(s) K)
 STEEL_THERMAL_CONTACT = float(np.sqrt(STEEL_CONDUCTIVITY * STEEL_HEAT_CAPACITY))
 #: largest flash temperature over that of the mean heat of a semi-elliptic band on a half-space, by sqrt(2 b / u) / B

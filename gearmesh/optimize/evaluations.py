@@ -55,14 +55,19 @@ class Evaluated:
 class Evaluations:
     """Designs evaluated so far; each is computed once, however often it is asked for."""
 
+    #: objectives and constraints
     target: Target
+    #: value of a figure over the rows of all errors
     measure: Measure
+    #: errors with which each design is evaluated
     errors: ErrorRows
     #: varied keys
     keys: tuple[str, ...]
     #: work of rows with the varied keys and the errors
     work: StudyWork
+    #: rows computed so far, in memory or in a file
     store: StudyStore
+    #: runner of rows
     run: Run[Any]
     #: called after each computed design
     report: Callable[[Evaluations], None]

@@ -43,7 +43,9 @@ class WantedFigure:
     text: str
     #: option or argument that gives it
     option: str
+    #: key of the figure
     name: str
+    #: torques, Nm; () if the text names none
     torque: tuple[float, ...]
     #: "mean", "max" or "min"; "" if the text leaves it out
     together: str
@@ -83,7 +85,9 @@ def measure_of(text: str) -> Measure:
 class Objective:
     """Figure that is made as small (sense -1) or as large (+1) as possible."""
 
+    #: the objective as it was given
     text: str
+    #: -1 for a small figure, +1 for a large figure
     sense: int
     #: keys of the recorded figure, one per torque
     names: tuple[str, ...]
@@ -128,7 +132,9 @@ class Constraint:
 class Target:
     """All that is asked of a design: objectives, constraints, and the torques and figures that they need."""
 
+    #: figures that are made small or large
     objectives: tuple[Objective, ...]
+    #: limits that hold at the optimum
     constraints: tuple[Constraint, ...]
     #: torques (T,), Nm, on the pinion
     torque: tuple[float, ...]

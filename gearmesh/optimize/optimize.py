@@ -67,14 +67,23 @@ class EvaluationBudget:
 class Task:
     """Question of an optimisation, checked; nothing is built yet."""
 
+    #: design whose keys are varied
     design: Design
+    #: varied keys
     variables: tuple[Variable, ...]
+    #: objectives and constraints as texts name them
     request: OptimumRequest
+    #: errors with which each design is evaluated
     errors: ErrorRows
+    #: value of a figure over the rows of all errors
     measure: Measure
+    #: method of the search
     method: str
+    #: number of designs or time of the search
     budget: EvaluationBudget
+    #: seed of the search
     seed: int
+    #: mesh whose figures are taken, by number or name
     pair: int | str
     #: model of contact under load in the search
     level: str = "full"

@@ -35,8 +35,14 @@ from gearmesh.systems.designs import parse
 SENSITIVITY_SHARE = 0.05
 #: share of its range within which a variable is at the end of the range
 END_SHARE = 1e-3
-#: names of the files of an optimisation: best design, all designs, summary, front
-BEST_FILE, TABLE_FILE, SUMMARY_FILE, FRONT_FILE = "best.toml", "optimum.csv", "optimum.json", "front.csv"
+#: file of the best design
+BEST_FILE = "best.toml"
+#: file of all evaluated designs
+TABLE_FILE = "optimum.csv"
+#: file of the summary
+SUMMARY_FILE = "optimum.json"
+#: file of the front
+FRONT_FILE = "front.csv"
 #: limit of the designs of a front in the table of the terminal
 MAX_LISTED_DESIGNS = 20
 
@@ -109,18 +115,27 @@ class Optimum(Result):
 
     #: the design whose keys are varied
     design: Design
+    #: varied keys
     _variables: tuple[Variable, ...]
+    #: objectives and constraints
     _target: Target
+    #: value of a figure over the rows of all errors
     _measure: Measure
+    #: errors with which each design is evaluated
     _errors: ErrorRows
-    #: method of the search, and its seed
+    #: method of the search
     method: str
+    #: seed of the search
     seed: int
     #: True if the search ended before its budget
     converged: bool
+    #: figures of the design itself
     _before: Evaluated
+    #: all evaluated designs, in the order of the search
     _evaluated: tuple[Evaluated, ...]
+    #: the best design
     _best: Evaluated
+    #: variables with the designs beside the best one, at a lower and at a higher value
     _neighbours: tuple[tuple[Variable, Evaluated, Evaluated], ...]
     #: text of the design's file, or None
     source: str | None

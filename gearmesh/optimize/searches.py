@@ -22,8 +22,11 @@ from gearmesh.records import dataclass
 from gearmesh.study.plan import Value, sample_plan
 from gearmesh.study.spreads import Spread
 
-#: methods: trust regions without derivatives; differential evolution, which takes whole numbers and lists, too
-COBYQA_METHOD, EVOLUTION_METHOD = "cobyqa", "evolution"
+#: method of trust regions without derivatives
+COBYQA_METHOD = "cobyqa"
+#: differential evolution, which takes whole numbers and lists, too
+EVOLUTION_METHOD = "evolution"
+#: all methods
 SEARCH_METHODS = (COBYQA_METHOD, EVOLUTION_METHOD)
 #: share of the evaluations of a round that is sampled before its searches
 SAMPLED_SHARE = 0.25
@@ -35,12 +38,16 @@ EVALUATIONS_PER_POINT = 5
 MAX_SEARCHES = 4
 #: least distance of the starts of two searches, in any share
 START_DISTANCE = 0.15
-#: first and last radius of a trust region, in shares
-FIRST_RADIUS, LAST_RADIUS = 0.1, 1e-4
+#: first radius of a trust region, in shares of the ranges
+FIRST_RADIUS = 0.1
+#: last radius of a trust region, in shares of the ranges
+LAST_RADIUS = 1e-4
 #: relative room that a search keeps from every limit: it ends at limits from either side
 LIMIT_MARGIN = 1e-3
-#: designs in a generation of the evolution: least, and per variable
-MIN_POPULATION, POPULATION_PER_VARIABLE = 8, 4
+#: fewest designs in a generation of the evolution
+MIN_POPULATION = 8
+#: designs per variable in a generation of the evolution
+POPULATION_PER_VARIABLE = 4
 #: limit of the generations of the evolution, which ask for few new designs in a small space
 MAX_GENERATIONS = 300
 #: steps between the weights of the searches for a front, by the number of objectives
@@ -98,12 +105,17 @@ class Merit:
 class Search:
     """Search of a space of variables for what is asked of them."""
 
+    #: varied keys
     variables: tuple[Variable, ...]
+    #: objectives and constraints
     target: Target
+    #: method, one of `SEARCH_METHODS`
     method: str
+    #: seed of samples and of the evolution
     seed: int
     #: number of designs; None for a search that `evaluate` ends
     budget: int | None
+    #: function that returns designs with their figures
     evaluate: Evaluate
     #: function that returns all designs so far
     designs: Callable[[], Sequence[Evaluated]]

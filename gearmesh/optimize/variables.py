@@ -20,9 +20,11 @@ RANGE_PLACES = 5
 class Variable:
     """Key of a design that is varied, and its values, in the design's units."""
 
+    #: dotted key
     key: str
-    #: ends of the range; 0 and 0 of a list
+    #: least value of the range; 0 of a list
     low: float
+    #: largest value of the range; 0 of a list
     high: float
     #: values of a list, or of a range of whole numbers; () for a range of real numbers
     values: tuple[Value, ...] = ()

@@ -33,11 +33,15 @@ FORM_STEP_RAD = 1e-15
 
 @dataclass(frozen=True)
 class CurvePoint:
-    """A curve on the unit sphere, each (..., 3): point, derivative by u, outward normal of the flank, its derivative."""
+    """Point of a curve on the unit sphere."""
 
+    #: points (..., 3)
     e: Array
+    #: derivatives (..., 3) of the points by u
     e_u: Array
+    #: outward unit normals (..., 3) of the flank
     n: Array
+    #: derivatives (..., 3) of the normals by u
     n_u: Array
 
 

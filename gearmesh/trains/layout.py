@@ -75,6 +75,7 @@ class Seated:
 class Shaft:
     """A shaft in the frame of the train."""
 
+    #: name in the file
     name: str
     #: frame of the shaft to that of the train; z is the axis
     frame: Rigid
@@ -88,6 +89,7 @@ class Shaft:
 class TrainStep:
     """A stage on the way of the motion: which of its members drive, and which follows."""
 
+    #: stage with its numbers of teeth and its ports
     stage: Stage
     #: frame of the stage to that of the train
     place: Rigid
@@ -126,6 +128,7 @@ class TrainStep:
 class Layout:
     """Stages and shafts of a train in one frame."""
 
+    #: the file of the train
     file: TrainFile
     #: stages in the order of the motion
     steps: tuple[TrainStep, ...]

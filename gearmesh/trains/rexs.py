@@ -36,9 +36,11 @@ SIDE_BY_SIDE_MM = 5.0
 class _GearboxSeat:
     """A member on a shaft of the file."""
 
+    #: name of its stage
     stage: str
+    #: name of the member in its stage
     member: str
-    #: its gear; that of the sun for a carrier
+    #: gear of the member; the gear of the sun for a carrier
     gear: Component
     #: gear that it meshes with; None for coaxial members
     mate: Component | None
@@ -48,8 +50,11 @@ class _GearboxSeat:
 class _GearboxFile:
     """A model, with the members on its shafts."""
 
+    #: path of the file
     path: Path
+    #: components and relations of the file
     model: RexsModel
+    #: reader of the stages
     reader: StageReader
     #: members by the ids of shafts
     shafts: dict[str, list[_GearboxSeat]] = field(default_factory=dict)

@@ -90,8 +90,9 @@ def compound_share(gap: Array) -> Array:
 def compound_scene(view: ToothView, contact: MemberContact, grid: Array, share: Array, rubbed: str) -> Scene:
     """Scene of a tooth painted with marking compound, as it looks after rolling.
 
-    `grid` (I, J, 3) are points of its exact flank, `share` (I, J) the share of the compound that stays there, and
-    `rubbed` tells in the legend from where it is gone.
+    - grid: points (I, J, 3) of the exact flank.
+    - share: share (I, J) of the compound that stays at these points.
+    - rubbed: text of the legend that says where the compound is gone.
     """
     lifted = lift_grid(grid, contact, view.lift)
     film = CompoundFilm(lifted, share, unit(lifted - grid), rubbed_label=rubbed)

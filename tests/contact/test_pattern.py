@@ -36,7 +36,7 @@ def test_pattern_is_where_a_raster_of_the_flank_has_it(name: str) -> None:
 
 @pytest.mark.sweep_cases("worm_drive")
 @pytest.mark.parametrize("name", ["worm_drive", "face_gear"])
-def test_coast_pattern_of_a_symmetric_pair_is_the_image_of_the_drive_pattern(name: str) -> None:
+def test_coast_pattern_of_a_symmetric_pair_mirrors_the_drive_pattern(name: str) -> None:
     """The image is what the coast flanks have if their contact is solved: a half turn exchanges toe and heel."""
     contact = gm.build(gm.load(SAMPLES / f"{name}.toml")).contact()
     assert contact.fit is not None

@@ -62,7 +62,7 @@ def test_surfaces_pass_through_the_contact_as_its_places_move(sample: str) -> No
     ("sample", "module", "teeth", "ratio", "helix"),
     [("spur", 3.0, 20, 0.5, 0.0), pytest.param("double_helical", 4.0, 23, 23 / 57, 28.0, marks=pytest.mark.sweep)],
 )
-def test_rows_of_loaded_contacts_carry_the_torque_and_slide_as_the_plane_of_action_says(
+def test_loaded_rows_carry_the_torque_and_slide_in_the_plane_of_action(
     sample: str, module: float, teeth: int, ratio: float, helix: float
 ) -> None:
     tribology = loaded_contact(sample, (200.0,), 2).tribology(1000.0)

@@ -273,7 +273,7 @@ def test_hand_is_of_the_member() -> None:
     assert rows_of("face_gear", "gear")["Mating gear: pinion"] == ""
 
 
-def test_material_is_of_the_member_and_its_name_is_left_to_the_workshop() -> None:
+def test_material_rows_have_the_values_of_the_member() -> None:
     own = rows_of("helical", "gear", "gear.material.youngs_modulus=110000", "material.density=7300")
     assert (own["Young's modulus"], own["density"]) == ("110 GPa", f"{number(7300.0)} kg/m\N{SUPERSCRIPT THREE}")
     assert rows_of("helical", "pinion")["Young's modulus"] == "206 GPa"

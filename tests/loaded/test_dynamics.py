@@ -87,7 +87,7 @@ def test_tangent_stiffness_is_the_change_of_force_over_the_change_of_error() -> 
 @pytest.mark.parametrize(
     ("planets", "angles"), [pytest.param(3, "0, 120, 240", marks=pytest.mark.sweep), (4, "0, 88, 180, 268")]
 )
-def test_phases_of_a_planetary_set_are_those_at_which_its_flanks_do_not_slide(planets: int, angles: str) -> None:
+def test_phases_of_a_planetary_set_are_at_pitch_points(planets: int, angles: str) -> None:
     """Sliding of spur flanks is linear in the rotation: two contacts of every mesh say where it is 0, turned by real planets."""
     keys = [f"planets={planets}", f'assembly.planet_angles="{angles}"', "sun.teeth=18"]
     gears = gm.build(gm.load(SAMPLES / "planetary.toml", keys))

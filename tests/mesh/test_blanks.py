@@ -78,7 +78,7 @@ def outside(points: Array, polygon: Array) -> Array:
 
 @SWEPT
 @pytest.mark.parametrize("case", MEMBERS)
-def test_the_finished_gear_is_inside_of_the_blank_which_has_the_volume_of_pappus(case: str) -> None:
+def test_blank_holds_the_finished_gear_and_has_the_volume_of_pappus(case: str) -> None:
     gears, member = gears_of(case)
     blank, finished = (gears.solid(member, TOLERANCE, blank=cut) for cut in (True, False))
     assert blank.measured.watertight
@@ -112,7 +112,7 @@ def test_the_finished_gear_is_inside_of_the_blank_which_has_the_volume_of_pappus
 
 @SWEPT
 @pytest.mark.parametrize("case", MEMBERS)
-def test_step_file_of_a_blank_is_read_with_the_exact_volume_and_named_faces(case: str, tmp_path: Path) -> None:
+def test_step_file_of_a_blank_has_exact_volume_and_named_faces(case: str, tmp_path: Path) -> None:
     gears, member = gears_of(case)
     made = gears.cad(member, blank=True)
     file = made.save(tmp_path / "blank.step")

@@ -136,7 +136,7 @@ def test_flank_with_stock_is_that_which_a_hob_leaves(teeth: int) -> None:
             assert np.abs(over).max() < 1e-6
 
 
-def test_contact_is_that_of_the_finished_gears_and_the_sheet_measures_the_stock() -> None:
+def test_contact_has_no_stock_and_the_sheet_measures_it() -> None:
     plain, stocked = built_sample("spur"), built_sample("spur", "pinion.stock=0.1mm")
     assert stocked.members["pinion"].tooth.volume() == plain.members["pinion"].tooth.volume()
     rows = {

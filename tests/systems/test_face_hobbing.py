@@ -264,7 +264,7 @@ def test_flanks_that_are_not_generated_are_the_traces_of_the_blades(pair: str) -
             assert np.abs((change / (2.0 * step) * jet.n).sum(axis=-1)).max() < 1e-7
 
 
-def test_conjugate_pinion_of_a_gear_that_is_not_generated_is_cut_by_its_cutter_in_the_cradle() -> None:
+def test_conjugate_pinion_of_a_formed_gear_is_cut_in_the_cradle() -> None:
     """Without offset both root lines are parallel: local synthesis finds the gear's own head in the gear's place."""
     design = synthesised_design("bevel_formate")
     leant = gm.build(design).design.pinion
@@ -332,7 +332,7 @@ def test_one_crown_gear_makes_conjugate_pairs(pair: str) -> None:
         assert np.abs(path.phi2 - ratio * path.phi1).max() < 1e-9
 
 
-def test_crowned_pair_has_the_ellipse_and_the_lag_that_its_design_asks_for() -> None:
+def test_crowned_pair_has_the_ellipse_and_lag_of_its_design() -> None:
     values = {"pinion.concave.te_at_change": 20.0, "pinion.concave.semi_major_axis": 5.0}
     gears = gm.build(design_of("right_angle").with_values(values))
     (mesh,) = gears.pairs

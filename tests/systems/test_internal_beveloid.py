@@ -47,7 +47,7 @@ def test_case_of_crossed_axes() -> None:
     assert first == pytest.approx(second, abs=1e-12)
 
 
-def test_flanks_are_screw_involutes_of_the_base_circle_with_the_thickness_of_the_standard() -> None:
+def test_flanks_are_screw_involutes_of_the_standard_thickness() -> None:
     keys = {**CROSSED["gear"], "profile_shift": 0.2, "addendum": 0.7}
     tooth = built({**CROSSED, "backlash": 0.1, "gear": keys}).members["gear"].tooth
     beta, alpha = math.radians(10.0), math.radians(20.0)

@@ -27,12 +27,19 @@ from gearmesh.fe.model import Model
 from gearmesh.formats import CDB_SUFFIX
 from gearmesh.io.texts import lines
 
-#: numbers of the element types
-SOLID_TYPE_NUMBER, TARGET_TYPE_NUMBER, CONTACT_TYPE_NUMBER, MASS_TYPE_NUMBER = 1, 2, 3, 4
+#: number of the element type of the bodies
+SOLID_TYPE_NUMBER = 1
+#: number of the element type of target faces
+TARGET_TYPE_NUMBER = 2
+#: number of the element type of contact faces
+CONTACT_TYPE_NUMBER = 3
+#: number of the element type of the reference nodes
+MASS_TYPE_NUMBER = 4
 #: number of the real constants of the reference nodes; contact k has this number + k
 FIRST_REAL_NUMBER = 10
-#: directions of displacements and rotations, of forces and moments
+#: directions of displacements and rotations
 MOTION_NAMES = ("UX", "UY", "UZ", "ROTX", "ROTY", "ROTZ")
+#: directions of forces and moments
 LOAD_NAMES = ("FX", "FY", "FZ", "MX", "MY", "MZ")
 
 

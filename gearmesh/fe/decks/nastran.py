@@ -31,8 +31,12 @@ from gearmesh.formats import BDF_SUFFIX
 from gearmesh.io.texts import lines
 from gearmesh.mesh.hexahedra.hexes import HexMesh
 
-#: numbers of the sets of constraints, loads and equations
-SPC_SET_NUMBER, LOAD_SET_NUMBER, MPC_SET_NUMBER = 1, 2, 3
+#: number of the set of constraints
+SPC_SET_NUMBER = 1
+#: number of the set of loads
+LOAD_SET_NUMBER = 2
+#: number of the set of equations
+MPC_SET_NUMBER = 3
 #: number of the set of all contacts; contact k has this number + k
 CONTACT_SET_NUMBER = 100
 

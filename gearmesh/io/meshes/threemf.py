@@ -26,16 +26,21 @@ from gearmesh.numerals import parse_numbers, parse_whole_numbers
 
 #: path of the model part in the archive
 _MODEL_PATH = "3D/3dmodel.model"
+#: namespace of the model
 _CORE_NAMESPACE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
 #: prefix of element names for the parser
 _CORE_PREFIX = f"{{{_CORE_NAMESPACE}}}"
+#: namespace of the parts of the archive
 _PACKAGE_NAMESPACE = "http://schemas.openxmlformats.org/package/2006"
+#: first line of each part
 _XML_DECLARATION = '<?xml version="1.0" encoding="UTF-8"?>\n'
+#: part with the content types of the archive
 _CONTENT_TYPES = f"""{_XML_DECLARATION}<Types xmlns="{_PACKAGE_NAMESPACE}/content-types">
 <Default Extension="rels" ContentType="application/vnd.openxmlformats-package.relationships+xml"/>
 <Default Extension="model" ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/>
 </Types>
 """
+#: part that names the model part
 _RELATIONSHIPS = f"""{_XML_DECLARATION}<Relationships xmlns="{_PACKAGE_NAMESPACE}/relationships">
 <Relationship Id="model" Target="/{_MODEL_PATH}" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/>
 </Relationships>

@@ -15,13 +15,19 @@ from gearmesh.records import dataclass
 
 
 class PlaneJet(NamedTuple):
-    """Value f (...,) of a function f(x, y) with its first partials x, y and second partials xx, xy, yy, (...,) each."""
+    """Value of a function f(x, y) with its partial derivatives."""
 
+    #: values (...,)
     f: Array
+    #: first derivatives by x (...,)
     x: Array
+    #: first derivatives by y (...,)
     y: Array
+    #: second derivatives by x (...,)
     xx: Array
+    #: derivatives by x and y (...,)
     xy: Array
+    #: second derivatives by y (...,)
     yy: Array
 
 

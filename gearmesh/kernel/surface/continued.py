@@ -22,9 +22,11 @@ from gearmesh.kernel.numeric.splines import Polynomials
 from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.records import dataclass
 
-#: places beside v, in steps, and the factors of the values there for the first and the second derivative
+#: places beside v, in steps
 NEIGHBOUR_STEPS = (-2.0, -1.0, 1.0, 2.0)
+#: factors of the values at these places for the first derivative
 FIRST_FACTORS = (1.0 / 12.0, -2.0 / 3.0, 2.0 / 3.0, -1.0 / 12.0)
+#: factors of the values at these places for the second derivative
 SECOND_FACTORS = (-1.0 / 12.0, 4.0 / 3.0, 4.0 / 3.0, -1.0 / 12.0)
 #: factor of the value at v itself for the second derivative
 SECOND_FACTOR_AT_V = -2.5

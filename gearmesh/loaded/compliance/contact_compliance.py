@@ -31,8 +31,9 @@ EVEN_WAVE_SHARE = 0.5
 class ContactCompliance:
     """Influence coefficients of B positions with K grids of X by Y cells, computed when a grid is first pressed."""
 
-    #: lengths and widths (B, K), mm, of the cells
+    #: lengths (B, K), mm, of the cells
     dx: Array
+    #: widths (B, K), mm, of the cells
     dy: Array
     #: numbers of cells along and across
     cells: tuple[int, int]

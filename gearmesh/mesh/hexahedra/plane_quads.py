@@ -93,8 +93,9 @@ class PlaneQuads:
     line: Index
     #: number of the curve (E,) in its line
     curve: Index
-    #: places (N,) of nodes and (E,) of middles on a line of given nodes, 0 to 1; NaN elsewhere
+    #: places (N,) of nodes on a line of given nodes, 0 to 1; NaN elsewhere
     node_place: Array
+    #: places (E,) of middles on a line of given nodes, 0 to 1; NaN elsewhere
     middle_place: Array
 
 

@@ -71,8 +71,16 @@ INNER_CORNERS = np.array([[0, 0, 0, 0, 1, 2], [1, 1, 1, 1, 2, 0], [2, 2, 2, 2, 0
 #: least cosine between a facet and the surface at its centre
 MIN_FACET_COSINE = 0.5
 
-# kinds of nodes: free within the link, on its section curve at toe or heel, on a seam, or fixed
-INNER_NODE, TOE_NODE, HEEL_NODE, SEAM_NODE, FIXED_NODE = range(5)
+#: kind of a node that is free within the link
+INNER_NODE = 0
+#: kind of a node on the section curve at the toe
+TOE_NODE = 1
+#: kind of a node on the section curve at the heel
+HEEL_NODE = 2
+#: kind of a node on a seam
+SEAM_NODE = 3
+#: kind of a node that stays in its place
+FIXED_NODE = 4
 
 #: function that returns nodes of a link at s, t (N,)
 Place = Callable[[Array, Array], LinkNodes]

@@ -1,9 +1,12 @@
 """The data sheet of a beveloid pair: the common tables, and both sides of asymmetric teeth in closed form.
 
 Each side of an asymmetric tooth is an involute of its own base circle. Sums over both sides replace twice the value of
-symmetric teeth: without backlash sum inv(alpha_wt) = sum inv(alpha_t) + 2 (x1 + x2) / (z1 + z2) sum tan(alpha_n), and the
-centre of a ball in a space is where sum inv(alpha_K) = sum (inv(alpha_t) + psi + D / d_b / cos(beta_b)) - 2 pi / z, with
-the angle psi from the tooth's middle to its flank on the reference circle.
+symmetric teeth.
+
+    sum inv(alpha_wt) = sum inv(alpha_t) + 2 (x1 + x2) / (z1 + z2) sum tan(alpha_n)                working pressure angles
+    sum inv(alpha_K) = sum (inv(alpha_t) + psi + D / d_b / cos(beta_b)) - 2 pi / z                 centre of a ball
+
+The first equation holds without backlash. psi is the angle from the tooth's middle to its flank on the reference circle.
 """
 
 from __future__ import annotations

@@ -254,8 +254,8 @@ def hole_angle(design: CycloidalDesign, arm: float) -> float:
     """Return the polar angle (rad) of a disc's first output hole from its tooth 0; that of the first disc is 0.
 
     The eccentric of the disc is `arm` (rad) ahead of the first one. Seen from the ring, tooth 0 of the disc is then at
-    i pitches - arm d / z of the disc, d the difference of the tooth numbers, and i the pitches of the ring next to the arm.
-    Holes of all discs are in line.
+    i pitches - arm d / z of the disc. Here d is the difference of the tooth numbers, and i the pitches of the ring next to
+    the arm. Holes of all discs are in line.
     """
     teeth = design.disc.teeth
     lobe = (2.0 * np.pi * _ring_pitches(design, arm) - arm * design.difference) / teeth

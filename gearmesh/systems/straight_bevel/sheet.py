@@ -33,8 +33,11 @@ if TYPE_CHECKING:
     from gearmesh.systems.straight_bevel.design import StraightBevelDesign
     from gearmesh.teeth.gear_train import GearTrain
 
-#: titles of the tables
-RATIOS_TITLE, DIMENSIONS_TITLE = "Ratios, depths and backlash", "Dimensions [ISO 23509]"
+#: title of the table of ratios
+RATIOS_TITLE = "Ratios, depths and backlash"
+#: title of the table of dimensions
+DIMENSIONS_TITLE = "Dimensions [ISO 23509]"
+#: title of the table of tolerances
 TOLERANCES_TITLE = "Tolerances [ISO 17485:2006]"
 #: title of the table of disc cutters
 DISCS_TITLE = "Disc cutters of the right flanks"

@@ -35,8 +35,9 @@ class ObjectivePlot:
     sense: int
     #: values (N,), NaN where a design failed
     values: Array
-    #: value of the design itself and of the best design
+    #: value of the design itself
     before: float
+    #: value of the best design
     best: float
 
 

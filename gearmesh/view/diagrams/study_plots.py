@@ -112,8 +112,9 @@ class SwingBars:
     keys: Sequence[tuple[str, float, float]]
     #: meaning and unit of the figure
     label: str = ""
-    #: ends of the range of each key, and the place of the middle, in words
+    #: ends of the range of each key, in words
     ends: tuple[str, str] = ("key at its 5th percentile", "at its 95th")
+    #: place of the middle of the range, in words
     place: str = "in the middle"
 
 

@@ -18,8 +18,10 @@ from gearmesh.teeth.gear_train import Member
 from gearmesh.view.report.packing import packed_mesh
 from gearmesh.view.scene import BLUE_STEEL_PAINT, BRASS_PAINT, BRONZE_PAINT, Camera, Scene
 
-#: angle of view, upright, and ratio of width to height for which the view places its camera
-VIEW_ANGLE_DEG, VIEW_ASPECT = 20.0, 4.0 / 3.0
+#: upright angle of view for which the view places its camera
+VIEW_ANGLE_DEG = 20.0
+#: ratio of width to height for which the view places its camera
+VIEW_ASPECT = 4.0 / 3.0
 #: height of the camera of all gears over the gears; the view takes 0.9 of it
 VIEW_MARGIN = 1.08 / 0.9
 #: colours of members, by their shape

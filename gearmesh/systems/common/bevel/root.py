@@ -38,7 +38,7 @@ class CutSide(Protocol):
 
     @property
     def root_cone(self) -> ConeLevel:
-        """That cone."""
+        """Root cone, which the tool's tip leaves."""
 
     def side(self, place: float) -> ToothSide:
         """Return flank and fillet, turned by a `place` (rad) about the member's axis."""

@@ -60,12 +60,15 @@ class WayOut:
 
     #: radius of the tool at its tip
     tool_radius: float
-    #: rolling radius, helix angle and normal pressure angle of the teeth; the smaller angle of asymmetric teeth
+    #: rolling radius of the teeth
     radius: float
+    #: helix angle of the teeth
     helix: float
+    #: normal pressure angle of the teeth; the smaller angle of asymmetric teeth
     alpha: float
-    #: root radius of the teeth, and their radius at the form point; the larger radius of asymmetric teeth
+    #: root radius of the teeth
     root: float
+    #: radius of the teeth at the form point; the larger radius of asymmetric teeth
     form: float
     #: tip radius of the teeth
     tip: float

@@ -43,8 +43,10 @@ FUNDAMENTAL_DEVIATIONS_UM = {
 }
 #: letters of shafts whose thickness is beyond the basic one, with their deviation in total tolerances
 WIDER_LETTERS = {"js": 0.5, "k": 1.0}
-#: letters of shafts, and of hubs
-SHAFT_LETTERS, HUB_LETTERS = (*FUNDAMENTAL_DEVIATIONS_UM, *WIDER_LETTERS), ("H",)
+#: letters of shafts
+SHAFT_LETTERS = (*FUNDAMENTAL_DEVIATIONS_UM, *WIDER_LETTERS)
+#: letters of hubs
+HUB_LETTERS = ("H",)
 
 
 @dataclass(frozen=True)

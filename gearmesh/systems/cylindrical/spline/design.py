@@ -38,8 +38,10 @@ MEMBER_NAMES = (SHAFT_NAME, HUB_NAME)
 MAX_SHIFT = 2
 #: difference of a key and the same key by the designation, as a share, that is rounding
 DESIGNATION_ROUNDING = 1e-9
-#: decimals of a profile shift by the reference diameter, and the largest difference of a given one
-SHIFT_DECIMALS, SHIFT_ROUNDING = 12, 1e-9
+#: decimals of a profile shift by the reference diameter
+SHIFT_DECIMALS = 12
+#: largest difference of a given profile shift from the shift by the reference diameter
+SHIFT_ROUNDING = 1e-9
 #: keys that give the size, from which defaults of the members follow
 SIZE_KEYS = {
     "designation",
@@ -52,6 +54,7 @@ SIZE_KEYS = {
     "pressure_angle",
 }
 
+#: reason why the clearance is no key
 _FROM_FIT = "the clearance follows from the thickness allowances of shaft and hub"
 
 

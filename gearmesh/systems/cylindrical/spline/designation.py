@@ -38,7 +38,9 @@ _ANSI_PATTERN = re.compile(
 class Designation:
     """Size and tolerances that a designation gives."""
 
+    #: name of the basic rack
     profile: str
+    #: number of teeth
     teeth: int
     #: module, mm; None if it gives a diametral pitch
     module: float | None = None

@@ -26,8 +26,9 @@ class SplineLimits:
 
     #: without allowance
     nominal: float
-    #: at the maximum and at the minimum of material
+    #: at the maximum of material
     most: float
+    #: at the minimum of material
     least: float
     #: of the teeth as built
     made: float
@@ -56,10 +57,13 @@ class SplineLimits:
 class SplineFit:
     """Thickness and space width, and the circumferential clearance between them, mm on the reference circle."""
 
+    #: tooth thickness of the shaft
     shaft: SplineLimits
+    #: space width of the hub
     hub: SplineLimits
-    #: reference and base radius, mm
+    #: reference radius, mm
     radius: float
+    #: base radius, mm
     base_radius: float
 
     @property
