@@ -21,6 +21,7 @@ from gearmesh.member_names import MemberNames
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.pickling import Picklable
 from gearmesh.systems import system as systems
+from gearmesh.teeth.carried_body import CarriedBody
 from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
 
 #: largest distance of the meshes of bodies without teeth from the exact bodies in pictures
@@ -150,6 +151,11 @@ class GearSet(Picklable):
         return {} if self._train is None and systems.system_of(self.design).members else None
 
     @property
+    def carried(self) -> Mapping[str, CarriedBody]:
+        """Bodies without teeth that turn with a member, by their names, as the output pins of a cycloidal drive."""
+        return {} if self._alone is not None else {body.name: body for body in self.as_built.carried}
+
+    @property
     def names(self) -> MemberNames:
         """Names of members and pairs; most designs know them before anything is built."""
         known = self.design.member_names if self._train is None else None
@@ -208,7 +214,7 @@ class GearSet(Picklable):
 
         places = self.places
         placed = {name: meshes[name].move(place) for name, place in places.items()}
-        for body in self.train.carried:
+        for body in self.carried.values():
             placed[body.name] = blank_mesh(cylinder(body), CARRIED_TOLERANCE_MM)[0].move(
                 body.place(places[body.member])
             )

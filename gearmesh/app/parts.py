@@ -87,7 +87,9 @@ class PartFile:
         """Return the files to write, by their members: this file, or one for every member in a folder."""
         if not self.is_folder(member):
             return {member: self}
-        return {name: replace(self, output=self.output / f"{name}{STL_SUFFIX}") for name in gears.members}
+        # bodies without teeth are no blanks
+        names = [*gears.members, *(() if self.blank else gears.carried)]
+        return {name: replace(self, output=self.output / f"{name}{STL_SUFFIX}") for name in names}
 
     def refuse(self, member: str, others: tuple[str, ...] = ()) -> None:
         """Raise ArgumentError or OutputError for options that are wrong for any design; `others`: further suffixes."""
@@ -220,6 +222,9 @@ class PartFile:
             )
         if every:
             return gears.solids(tolerance, offset=away, file=self.output, phi1=self.phi1 or 0.0)
+        if member in gears.carried:
+            # surfaces of teeth alone are moved by an offset
+            away = 0.0
         return gears.solid(
             member,
             tolerance,

@@ -210,3 +210,22 @@ def test_a_folder_gets_an_stl_file_of_every_member(tmp_path: Path) -> None:
         assert mesh.is_watertight
         # in its own frame
         assert np.abs(mesh.bounds.sum(axis=0)[:2]).max() < 0.5
+
+
+def test_output_pins_have_files_in_the_folder(tmp_path: Path) -> None:
+    """Bodies without teeth are parts to make as well; none of them is a blank."""
+    import trimesh
+
+    pins = [f"output_pin_{k}" for k in range(1, 7)]
+    design = SAMPLES / "cycloidal.toml"
+    assert run("solid", design, "--member", "all", "-o", tmp_path / "parts", "--tol", "5um")[0] == 0
+    assert sorted(file.stem for file in (tmp_path / "parts").iterdir()) == ["disc", *pins, "ring"]
+    mesh = trimesh.load_mesh(tmp_path / "parts" / "output_pin_3.stl")
+    assert mesh.is_watertight
+    # 8 mm thick, a quarter of the face width of 12 mm beyond both sides
+    assert mesh.bounds == pytest.approx(np.array([[-4.0, -4.0, -9.0], [4.0, 4.0, 9.0]]), abs=0.006)
+    assert run("solid", design, "--member", "all", "--blank", "-o", tmp_path / "blanks")[0] == 0
+    assert sorted(file.stem for file in (tmp_path / "blanks").iterdir()) == ["disc", "ring"]
+    status, _, error = run("solid", design, "--member", "output_pin_3", "--teeth", "2", "-o", tmp_path / "a.stl")
+    assert status == 2
+    assert "output_pin_3: has no teeth: leave out" in error

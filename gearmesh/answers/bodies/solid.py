@@ -403,8 +403,18 @@ def solid_of(
     """Return one member, or its worm as a part, within `tolerance` (mm), measured and proved, or the `extract` of it.
 
     With `teeth` these are open surfaces of the first teeth. Proof, deviation and number of triangles apply to the mesh as
-    `file` holds it at its `place`, which may be in single precision.
+    `file` holds it at its `place`, which may be in single precision. A body without teeth is always whole.
     """
+    body = None if name in gears.names.members else gears.carried.get(name)
+    if body is not None:
+        if teeth is not None or extract != WHOLE_MEMBER:
+            raise ArgumentError(
+                "member",
+                name,
+                reason="has no teeth",
+                remedy="leave out what applies to teeth and blanks: it is always whole",
+            )
+        return carried_solid(gears, body, tolerance, file, place or Rigid.identity())
     part, gear_warnings = gears.stocked_part(name), gears.warnings
     if teeth is not None and not 1 <= teeth <= part.member.tooth.teeth:
         raise ArgumentError("teeth", teeth, must_be=f"a whole number from 1 to {part.member.tooth.teeth}")
@@ -549,7 +559,7 @@ def solids_of(
         name: solid_of(gears, name, tolerance, file=file, extract=extract, place=place).move(place)
         for name, place in in_turn(places.items())
     }
-    for body in gears.train.carried:
+    for body in gears.carried.values():
         place = body.place(places[body.member])
         parts[body.name] = carried_solid(gears, body, tolerance, file, place).move(place)
     return Solids(gears.design, parts, gears.warnings)

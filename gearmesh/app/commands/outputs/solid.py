@@ -119,7 +119,13 @@ def _refuse_member(gears: Gears, member: str) -> None:
 
     ground = system_of(gears.design).worm is not None
     names = gears.names.members
-    allowed = [*names, BOTH_MEMBERS, ALL_MEMBERS, *([WORM_MEMBER] if ground and WORM_MEMBER not in names else [])]
+    allowed = [
+        *names,
+        *(() if member in names else gears.carried),
+        BOTH_MEMBERS,
+        ALL_MEMBERS,
+        *([WORM_MEMBER] if ground and WORM_MEMBER not in names else []),
+    ]
     if member not in allowed:
         raise ArgumentError("member", member, must_be=f"one of {', '.join(allowed)}")
 
