@@ -154,12 +154,9 @@ def test_one_depth_of_both_sides_is_enough() -> None:
 
 
 def test_what_several_keys_would_mend_names_them() -> None:
-    """A build of it takes a twelfth of the effort: other keys are looked for with the half that is left.
-
-    The bound itself is 12.82: there is no effort for its last division beside that of the reason.
-    """
+    """A build of it takes a twelfth of the effort: other keys are looked for with the half that is left."""
     with pytest.raises(
-        DesignError, match=r"^pinion.profile_shift = 1: .*, or pinion.cone_angle = 30 deg: allowed is at most 12.81 deg"
+        DesignError, match=r"^pinion.profile_shift = 1: .*, or pinion.cone_angle = 30 deg: allowed is at most 12.82 deg"
     ):
         gm.build(gm.load(SAMPLES / "beveloid_intersected.toml", ["pinion.profile_shift=1"]))
 
