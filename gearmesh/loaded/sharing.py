@@ -56,6 +56,8 @@ QUICK_CELLS = (20, 12)
 QUICK_TOLERANCE = 1e-6
 #: largest difference of teeth over their whole depth up to which a variant takes bodies and grids of another design
 MAX_VARIANT_SHIFT = 0.01
+#: the same up to which a variant takes bodies alone at level "full": largest bending stress then errs by less than 2e-3
+MAX_BODY_SHIFT = 0.001
 #: deflection of teeth, mm, over force / (face width E*): estimates how near tooth pairs come under load
 UNIT_DEFLECTION_MM = 25.0
 #: error of the peak pressure over its difference from cells twice as large: 1 for first order, 1/3 for second

@@ -23,7 +23,7 @@ from gearmesh.loaded.compliance.compliance import FlankCompliance, flank_complia
 from gearmesh.loaded.sharing import loaded_mesh
 from gearmesh.mesh.hexahedra.hexahedra import Cells
 from gearmesh.study.rows.load_figures import POSITIONS_PER_PITCH, load_figures, loaded_contact_ratio
-from gearmesh.study.rows.work import StudyWork, _build
+from gearmesh.study.rows.work import Bodies, StudyWork, _build
 from gearmesh.teeth.gear_train import GearPair
 
 SMALL = Cells(flank=6, fillet=4, thickness=3, rim=4, face=8)
@@ -92,6 +92,31 @@ def test_a_row_is_what_the_design_has_under_these_torques(bodies: list[str]) -> 
     assert len(bodies) == 2
     gm.build(gm.load(SPUR, own)).study({"pinion.bore": [14.0]}, record="max_pressure_1_mpa", torque=20.0, workers=1)
     assert len(bodies) == 3
+
+
+def bodies_in(design: Path, *keys: str) -> Bodies:
+    """Bodies of a design's first pair."""
+    gears = gm.build(gm.load(design, list(keys)))
+    return Bodies(gears.design, gears.pairs[0])
+
+
+def test_variants_of_micro_geometry_take_the_bodies_of_the_unchanged_design(bodies: list[str]) -> None:
+    """3 um of crowning: figures within 2e-3 of those of its own bodies; 20 um and another bore are other bodies."""
+    key, names = "pinion.modifications.profile_crowning", ["pinion_root_stress_30_1_mpa", "max_pressure_1_mpa"]
+    study = gm.build(gm.load(SPUR)).study({key: [0.0, 0.003]}, record=",".join(names), torque=40.0, workers=1)
+    assert set(study.columns["status"]) == {"ok"}
+    assert len(bodies) == 1
+    own = gm.build(gm.load(SPUR, [f"{key}=0.003"]))
+    alone = own.study({"assembly.gamma_v": [0.0]}, record=",".join(names), torque=40.0, workers=1)
+    assert len(bodies) == 2
+    for name in names:
+        unchanged, found = study.columns[name]
+        assert found == pytest.approx(alone.columns[name][0], rel=2e-3)
+        assert found != pytest.approx(unchanged, rel=1e-5)
+    known = bodies_in(SPUR)
+    assert known.serves(bodies_in(SPUR, f"{key}=0.003"))
+    assert not known.serves(bodies_in(SPUR, f"{key}=0.02"))
+    assert not known.serves(bodies_in(SPUR, "pinion.mount.held=rim"))
 
 
 @pytest.mark.sweep

@@ -46,7 +46,7 @@ from gearmesh.figures import Figures, Summary, figure
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.compliance.compliance import BodyOutline, FlankCompliance
-from gearmesh.loaded.sharing import Level, Reference, outlines_of
+from gearmesh.loaded.sharing import MAX_BODY_SHIFT, Level, Reference, outlines_of
 from gearmesh.records import dataclass
 from gearmesh.study.rows.load_figures import POSITIONS_PER_PITCH, load_figures
 from gearmesh.study.rows.path_figures import PathShift, path_figures
@@ -242,7 +242,7 @@ class StudyWork:
                 self.torque,
                 cycle=cycle,
                 phi1=phi1,
-                bodies=variant.bodies.of(self.level) if reference is None else reference.bodies,
+                bodies=self._bodies(variant).of(self.level) if reference is None else reference.bodies,
                 level=self.level,
                 reference=reference,
             )
@@ -259,6 +259,11 @@ class StudyWork:
         if known is None or known.held != _held(variant.design, variant.pair):
             return None
         return known.mesh if known.mesh.serves(variant.pair, phi1, variant.bodies.outlines) else None
+
+    def _bodies(self, variant: Variant) -> Bodies:
+        """Return the bodies of the unchanged design if they serve a variant; else its own."""
+        known = _bodies_of(json.dumps(self.own, sort_keys=True), self.pair)
+        return known if known is not None and known.serves(variant.bodies) else variant.bodies
 
     def _of_cycle(self, variant: Variant) -> tuple[Cycle | None, Summary]:
         """Return the mesh cycle (None if nothing touches) and its figures."""
@@ -296,6 +301,15 @@ class Bodies:
     def outlines(self) -> tuple[BodyOutline, BodyOutline]:
         """Outlines of both members."""
         return outlines_of(self.pair)
+
+    def serves(self, other: Bodies) -> bool:
+        """Return True if the compliance of these bodies is nearly that of others, in any mounting."""
+        if _held_bodies(self.design, self.pair) != _held_bodies(other.design, other.pair):
+            return False
+        if self.pair.flanks != other.pair.flanks:
+            return False
+        shifts = [mine.shift(theirs) for mine, theirs in zip(self.outlines, other.outlines, strict=True)]
+        return max(shifts) < MAX_BODY_SHIFT
 
     def of(self, level: Level) -> tuple[FlankCompliance, FlankCompliance]:
         """Return the compliance of pinion and gear at a level, computed at the first use, which takes seconds."""
@@ -386,9 +400,22 @@ class _SolvedReference:
     held: tuple[Any, ...]
 
 
+def _held_bodies(design: Design, pair: GearPair) -> tuple[Any, ...]:
+    """Return materials and places at which bodies of a pair are held."""
+    return materials_of(design, pair), held_by_rim(design, pair)
+
+
 def _held(design: Design, pair: GearPair) -> tuple[Any, ...]:
     """Return materials, places at which bodies are held, and elastic mounts of a pair."""
-    return materials_of(design, pair), held_by_rim(design, pair), tuple(mounts_of(design, pair))
+    return *_held_bodies(design, pair), tuple(mounts_of(design, pair))
+
+
+def _bodies_of(text: str, which: int | str) -> Bodies | None:
+    """Return the bodies of the design of a JSON text; None if it cannot be built."""
+    try:
+        return _build(text, which).bodies
+    except GearmeshError:
+        return None
 
 
 @lru_cache(maxsize=2)
