@@ -1,25 +1,30 @@
 """Bevel pairs from basic data alone: is what the program makes of them a good pair, on both sides?
 
 python scripts/bevel_sweep.py [--count 200] [--hypoids 50] [--hobbed 50]
-    [--hobbed-hypoids 25] [--formates 25] [--hypoid-formates 25] [--seed 0] [--jobs 2] [--no-solids] [--write]
+    [--hobbed-hypoids 25] [--formates 25] [--hypoid-formates 25] [--all-hobbed 0] [--seed 0] [--jobs 2] [--no-solids]
+    [--results FILE] [--write]
 
 Seeded pairs of 8 to 60 teeth, ratio 1 to 6, spiral angle 0 to 45 deg, pressure angle 16 to 25 deg, shaft angle 45 to 135 deg,
 face width 0.2 to 0.35 outer cone distances, module 0.8 to 12, both hands; and seeded hypoid pairs of 8 to 16 teeth, ratio 2.5 to
 5.5, offset 0.05 to 0.25 of the gear's mean diameter, spiral angle 35 to 50 deg; and seeded face-hobbed pairs of 6 to 40 teeth,
 ratio 1 to 6, spiral angle 20 to 42 deg, heads of 5 to 17 blade groups; and the hypoid pairs face-hobbed; and both with gears that
-are not generated. Of each side: does
-surface contact last longer than a pitch and pass from pair to pair without a break, is the transmission error within 15 % of the
-lag asked for, is the path in the middle of the flank, are roots and tips clear, is nothing undercut. Both solids at 20 um are
-proved. Prints a line for what fails and a table; with --write it is kept in scripts/measured. Exit 1 if a solid is no solid.
+are not generated; and, with --all-hobbed, face-hobbed pairs of 6 to 40 teeth, ratio 1 to 6, offset to 0.3 of the gear's pitch
+radius, heads of 5 to 17 blade groups, by both processes. Of each side: does surface contact last longer than a pitch and pass
+from pair to pair without a break, is the transmission error within 15 % of the lag asked for, is
+the path in the middle of the flank, are roots and tips clear, is nothing undercut. Both solids at 20 um are
+proved. Prints a line for what fails and a table; with --write it is kept in scripts/measured. --results keeps each pair in a
+file of JSON lines: a sweep that was stopped goes on from there. Exit 1 if a solid is no solid.
 """
 
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 import time
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -34,6 +39,8 @@ TOLERANCE = 0.02
 MISSED, OFF_MIDDLE = 0.15, 0.3
 #: teeth of the pinion from which on nearly all pairs should be good
 FEW = 12
+#: the same of face-hobbed pairs of all kinds
+FEW_HOBBED = 10
 SIDES = ("concave", "convex")
 FAULTS = ("contact ratio", "transmission error", "break", "off the middle", "interference", "undercut", "bad solids")
 COLUMNS = {name: name for name in ("pinion teeth", "pairs", "refused", "good", *FAULTS, "median, CPU s", "95 %, CPU s")}
@@ -123,6 +130,35 @@ def random_hypoid_formate(seed: int) -> dict[str, Any]:
     return {**random_hobbed_hypoid(seed), "process": "face_hobbed_formate", "limit_share": 0.5}
 
 
+def random_all_hobbed(seed: int) -> dict[str, Any]:
+    """Basic data of a face-hobbed pair of one of both kinds and processes, as a design file holds them."""
+    rng = np.random.default_rng([62, seed])
+    pinion = int(rng.integers(6, 41))
+    gear = int(np.clip(round(pinion * rng.uniform(1.0, 6.0)), pinion, 240))
+    module = float(np.exp(rng.uniform(np.log(1.5), np.log(10.0))))
+    formate, hypoid = (bool(value) for value in rng.random(2) < 0.5)
+    share, spiral = rng.uniform(0.02, 0.3), float(rng.uniform(25.0, 38.0))
+    data = {
+        "kind": "hypoid" if hypoid else "spiral_bevel",
+        "process": "face_hobbed_formate" if formate else "face_hobbed",
+        "module": round(module, 3),
+        "pressure_angle": round(float(rng.uniform(18.0, 23.0)), 2),
+        "hand": str(rng.choice(["left", "right"])),
+        "head": {"blade_groups": int(rng.integers(5, 18))},
+        "pinion": {"teeth": pinion},
+        "gear": {"teeth": gear},
+        "spiral_angle": round(spiral, 2),
+    }
+    if hypoid:
+        # the offset makes the pinion's spiral angle about this much larger
+        turned = np.degrees(np.arcsin(share / (1.0 + pinion / gear)))
+        data |= {
+            "offset": round(float(share * 0.5 * module * gear), 3),
+            "spiral_angle": round(spiral + float(turned), 2),
+        }
+    return data
+
+
 #: basic data of seeded pairs by what they are
 RANDOM_PAIRS = {
     "spiral_bevel": random_pair,
@@ -131,6 +167,7 @@ RANDOM_PAIRS = {
     "hobbed_hypoid": random_hobbed_hypoid,
     "hobbed_formate": random_formate,
     "hobbed_hypoid_formate": random_hypoid_formate,
+    "all_hobbed": random_all_hobbed,
 }
 
 
@@ -144,6 +181,8 @@ class Found:
     refused: str = ""
     faults: dict[str, str] = field(default_factory=dict)
     seconds: float = 0.0
+    #: design class of pairs of several kinds: kind and process
+    design_class: str = ""
 
 
 def tried(task: tuple[str, int, bool]) -> Found:
@@ -151,6 +190,7 @@ def tried(task: tuple[str, int, bool]) -> Found:
     kind, seed, solids = task
     data = RANDOM_PAIRS[kind](seed)
     found = Found(kind, seed, data["pinion"]["teeth"])
+    found.design_class = f"{data['kind']}, {data['process']}" if kind == "all_hobbed" else ""
     started = time.process_time()
     try:
         for side in SIDES:
@@ -222,22 +262,30 @@ def summary(found: list[Found]) -> list[tables.Row]:
         ("face-hobbed hypoid Formate, fewer", "hobbed_hypoid_formate", False),
     ):
         some = [each for each in found if each.kind == kind and (each.pinion >= FEW) == many]
-        if not some:
-            continue
-        made = [each for each in some if not each.refused]
-        median, most = np.percentile([each.seconds for each in some], (50, 95)).tolist()
-        rows.append(
-            {
-                "pinion teeth": words,
-                "pairs": len(some),
-                "refused": len(some) - len(made),
-                "good": sum(not each.faults for each in made),
-                **{fault: sum(fault in each.faults for each in made) for fault in FAULTS},
-                "median, CPU s": median,
-                "95 %, CPU s": most,
-            }
-        )
+        if some:
+            rows.append(summary_row(words, some))
+    classes = sorted({each.design_class for each in found if each.design_class})
+    for words, most in ((f"{FEW_HOBBED} and more", True), ("fewer", False)):
+        for name in classes:
+            some = [each for each in found if each.design_class == name and (each.pinion >= FEW_HOBBED) == most]
+            if some:
+                rows.append(summary_row(f"{name}, {words}", some))
     return rows
+
+
+def summary_row(words: str, some: list[Found]) -> tables.Row:
+    """The row of some pairs."""
+    made = [each for each in some if not each.refused]
+    median, most = np.percentile([each.seconds for each in some], (50, 95)).tolist()
+    return {
+        "pinion teeth": words,
+        "pairs": len(some),
+        "refused": len(some) - len(made),
+        "good": sum(not each.faults for each in made),
+        **{fault: sum(fault in each.faults for each in made) for fault in FAULTS},
+        "median, CPU s": median,
+        "95 %, CPU s": most,
+    }
 
 
 def main() -> int:
@@ -248,21 +296,32 @@ def main() -> int:
     parser.add_argument("--hobbed-hypoids", type=int, default=25, help="face-hobbed hypoid pairs")
     parser.add_argument("--formates", type=int, default=25, help="face-hobbed pairs whose gear is not generated")
     parser.add_argument("--hypoid-formates", type=int, default=25, help="face-hobbed hypoid pairs of such gears")
+    parser.add_argument("--all-hobbed", type=int, default=0, help="face-hobbed pairs of both kinds and processes")
     parser.add_argument("--seed", type=int, default=0, help="of the first")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--no-solids", dest="solids", action="store_false", help="contact only")
+    parser.add_argument("--results", type=Path, help="file of JSON lines that keeps each pair: goes on where it ends")
     parser.add_argument("--write", action="store_true", help="keep the table in scripts/measured")
     asked = parser.parse_args()
-    found = []
+    found: list[Found] = []
     tasks = [("spiral_bevel", asked.seed + k, asked.solids) for k in range(asked.count)]
     tasks += [("hypoid", asked.seed + k, asked.solids) for k in range(asked.hypoids)]
     tasks += [("face_hobbed", asked.seed + k, asked.solids) for k in range(asked.hobbed)]
     tasks += [("hobbed_hypoid", asked.seed + k, asked.solids) for k in range(asked.hobbed_hypoids)]
     tasks += [("hobbed_formate", asked.seed + k, asked.solids) for k in range(asked.formates)]
     tasks += [("hobbed_hypoid_formate", asked.seed + k, asked.solids) for k in range(asked.hypoid_formates)]
+    tasks += [("all_hobbed", asked.seed + k, asked.solids) for k in range(asked.all_hobbed)]
+    kept = asked.results
+    if kept and kept.exists():
+        found = [Found(**json.loads(line)) for line in kept.read_text().splitlines()]
+    done = {(each.kind, each.seed) for each in found}
+    tasks = [task for task in tasks if task[:2] not in done]
     with ProcessPoolExecutor(asked.jobs) as pool:
         for each in pool.map(tried, tasks):
             found.append(each)
+            if kept:
+                with kept.open("a") as file:
+                    file.write(json.dumps(asdict(each)) + "\n")
             if each.refused or each.faults:
                 lines = (
                     [each.refused] if each.refused else [f"{fault}: {figure}" for fault, figure in each.faults.items()]

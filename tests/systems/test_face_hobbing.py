@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,6 +15,7 @@ import gearmesh as gm
 from gearmesh.contact.flanks import analyse
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array, rotation_about
 from gearmesh.systems.common.bevel.machine_frame import own_axes
+from gearmesh.systems.spiral_bevel.design import HypoidDesign
 from gearmesh.systems.spiral_bevel.hobbing.head_sheet import tooth_line
 from gearmesh.systems.spiral_bevel.hobbing.sides import HobbedContact
 from gearmesh.systems.spiral_bevel.machine.generated import Generated, Indexing
@@ -24,6 +27,7 @@ from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import BevelTeeth, bev
 from gearmesh.teeth.generation.tool_in_place import tool_in_place
 from gearmesh.teeth.region import Side
 
+ISO_SAMPLES = Path(__file__).parents[1] / "data" / "iso23509_samples.json"
 BASIC: dict[str, Any] = {
     "kind": "spiral_bevel",
     "process": "face_hobbed",
@@ -404,6 +408,76 @@ def test_wrong_input_of_hypoid_pairs_is_refused_by_its_key(values: dict[str, Any
     with pytest.raises(gm.DesignError) as refusal:
         gm.build(synthesised_design("hypoid").with_values(values))
     assert refusal.value.key == key
+
+
+#: keys of designs by the symbols of the samples' input in ISO 23509
+ISO_KEYS = {
+    "a": "offset",
+    "Sigma": "shaft_angle",
+    "b2": "face_width",
+    "beta_m2": "spiral_angle",
+    "f_alim": "limit_share",
+}
+
+
+@pytest.mark.parametrize(("name", "addendum", "largest"), [("sample3", 0.275, 4e-3), ("sample4", 0.4, 1e-3)])
+def test_blanks_of_designs_are_those_of_the_samples_of_iso_23509(name: str, addendum: float, largest: float) -> None:
+    """Methods 2 and 3 by the outer module. The standard stops the iteration of sample 3 early, see test_iso23509."""
+    sample = json.loads(ISO_SAMPLES.read_text())[name]
+    given, wanted = sample["inputs"], {symbol: float(text) for symbol, text in sample["expected"].items()}
+    values = {key: given[symbol] for symbol, key in ISO_KEYS.items()}
+    values |= {
+        "module": wanted["de2"] / given["z2"],
+        "addendum_factor": addendum,
+        "depth_factor": 2.0,
+        "clearance": wanted["c"],
+    }
+    teeth = {"pinion": {"teeth": given["z1"]}, "gear": {"teeth": given["z2"]}}
+    head = {"radius": given["rc0"], "blade_groups": given["z0"]}
+    whole = {
+        "kind": "hypoid",
+        "process": "face_hobbed",
+        "blank_method": given["Method"],
+        "head": head,
+        **teeth,
+        **values,
+    }
+    blank = basic_blank(HypoidDesign.model_validate(whole).in_mm())
+    pinion, gear = blank.members
+    found = {
+        **{"Rm1": pinion.mean_cone_distance, "Rm2": gear.mean_cone_distance, "m_mn": blank.mean_normal_module},
+        **{"dm1": 2.0 * pinion.mean_radius, "dm2": 2.0 * gear.mean_radius, "Re2": gear.outer_cone_distance},
+        **{"beta_m1": np.degrees(pinion.spiral_angle), "beta_m2": np.degrees(gear.spiral_angle)},
+        **{"delta_a1": np.degrees(pinion.face_angle), "delta_f2": np.degrees(gear.root_angle)},
+        **{"ham2": gear.mean_addendum, "hfm1": pinion.mean_dedendum, "b1": pinion.face_width},
+    }
+    assert found == pytest.approx({symbol: wanted[symbol] for symbol in found}, rel=largest)
+
+
+@pytest.mark.parametrize("method", [2, pytest.param(3, marks=pytest.mark.sweep)])
+def test_basic_data_of_methods_of_face_hobbing_make_a_pair(method: int) -> None:
+    """Tooth numbers, module, offset and method: the gear's spiral angle, and flanks that touch."""
+    basic = {"kind": "hypoid", "process": "face_hobbed", "module": 4.5, "offset": 25, "blank_method": method}
+    gears = gm.build(gm.parse({**basic, "pinion": {"teeth": 12}, "gear": {"teeth": 41}}))
+    assert np.degrees(basic_blank(gears.design.in_mm()).gear.spiral_angle) == pytest.approx(30.0)
+    answer = gears.contact().summary
+    assert answer["contact_ratio"] > 1.2
+    assert answer["mesh_te_peak_to_peak_arcsec"] == pytest.approx(10.0, abs=0.5)
+
+
+def test_default_heads_of_hypoid_pairs_have_a_usual_lead_angle() -> None:
+    """Many blade groups need a large head: by all methods the lead angle is at most about 30 deg."""
+    basic = {"kind": "hypoid", "process": "face_hobbed", "module": 4.5, "offset": 10, "head": {"blade_groups": 29}}
+    for method in (1, 2, 3):
+        values = {**basic, "blank_method": method, "pinion": {"teeth": 13}, "gear": {"teeth": 37}}
+        line = basic_blank(HypoidDesign.model_validate(values).in_mm()).tooth_line
+        assert 23.0 < np.degrees(line.lead_angle) < 37.0
+
+
+def test_methods_of_face_hobbing_are_refused_beside_face_milling() -> None:
+    with pytest.raises(gm.DesignError) as refusal:
+        gm.parse({**BASIC, "kind": "hypoid", "offset": 20, "blank_method": 3, "process": "fixed_setting"})
+    assert refusal.value.key == "blank_method"
 
 
 def test_ease_off_of_hypoid_pairs_is_refused() -> None:

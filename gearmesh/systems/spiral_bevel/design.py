@@ -1,7 +1,7 @@
 """Designs of spiral bevel and hypoid pairs: basic data are enough, every derived value can be given instead [AB; ISO 23509].
 
 Straight and zerol bevel gears are spiral bevel gears at spiral angle 0. A hypoid pair has an offset between its axes; its
-blank follows method 1 of ISO 23509.
+blank follows method 1, or of face hobbing also 2 and 3, of ISO 23509.
 """
 
 from __future__ import annotations
@@ -457,6 +457,8 @@ EASE_OFF_EXCLUDED_KEYS = (
     "mean_offset",
     "mean_shift",
 )
+#: mean spiral angle of the gear, deg, where methods 2 and 3 of ISO 23509 take it and the design leaves it out
+USUAL_GEAR_SPIRAL_ANGLE = 30.0
 #: ends of the keys of derived settings that belong to the cones
 KEYS_OF_CONES = (".sliding_base", ".tilt", ".swivel", ".machine_root_angle")
 #: keys and tables on which no cone depends
@@ -598,6 +600,11 @@ class FaceMilledDesign(ProportionedDesign, HandedDesign):
     def one_crown_gear(self) -> bool:
         """True if one crown gear generates both members."""
         return self.hobbed and not self.formate
+
+    @property
+    def milling_blank(self) -> bool:
+        """True if pitch cones follow from the limit curvature, as those of face-milled hypoid pairs."""
+        return False
 
     @property
     def indexed(self) -> bool:
@@ -905,7 +912,22 @@ class HypoidDesign(FaceMilledDesign):
     offset: float = keys.length(
         "offset of the axes, > 0 where it makes the pinion's spiral angle the larger one", source="ISO 23509 a"
     )
-    spiral_angle: float = keys.angle("mean spiral angle of the pinion", 50.0, low=0, high=80, source="ISO 23509")
+    spiral_angle: float = keys.angle(
+        "mean spiral angle of the pinion; with blank_method 2 and 3 of the gear",
+        50.0,
+        low=0,
+        high=80,
+        default="50; with blank_method 2 and 3 30",
+        source="ISO 23509",
+    )
+    blank_method: int = keys.count(
+        "method of ISO 23509 for the pitch cones: 1 (limit curvature); of face hobbing also 2 (Oerlikon) and "
+        "3 (Klingelnberg)",
+        1,
+        low=1,
+        high=3,
+        source="ISO 23509",
+    )
     limit_share: float = keys.number(
         "share of the limit pressure angle that the gear's blades compensate: 1 = equal conditions on both sides",
         1.0,
@@ -914,6 +936,25 @@ class HypoidDesign(FaceMilledDesign):
         source="ISO 23509 f_alim",
     )
 
+    @model_validator(mode="before")
+    @classmethod
+    def _spiral_of_gear(cls, data: Any) -> Any:
+        """Give the gear a usual spiral angle where a method takes the gear's and the design leaves it out."""
+        by_gear = isinstance(data, dict) and data.get("blank_method") in (2, 3)
+        return {"spiral_angle": USUAL_GEAR_SPIRAL_ANGLE, **data} if by_gear else data
+
+    @model_validator(mode="after")
+    def _blank_of_hobbing(self) -> Self:
+        """Refuse methods of face hobbing beside face milling."""
+        if self.blank_method != 1 and not self.hobbed:
+            why = f'is for face hobbing; process = "{self.process}"'
+            raise conflict("blank_method", self.blank_method, reason=why, allowed="1")
+        return self
+
     @property
     def one_crown_gear(self) -> bool:
         return False
+
+    @property
+    def milling_blank(self) -> bool:
+        return self.blank_method == 1

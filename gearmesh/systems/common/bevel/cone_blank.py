@@ -66,20 +66,40 @@ class OffsetData:
     given_cutter_radius: float | None = None
     #: number of blade groups of the cutter; 0 in face milling
     blade_groups: int = 0
+    #: method of ISO 23509: 1, or 2 and 3 of face hobbing, by which `spiral_angle` is that of the gear
+    method: int = 1
+
+    @property
+    def rough_mean(self) -> tuple[float, float]:
+        """Mean cone distance and mean normal module, mm, by the estimated pitch angle of the gear.
+
+        Raises DesignError, naming the key.
+        """
+        rough = replace(self, given_cutter_radius=self.module).pair
+        sine = float(np.sin(rough.estimate))
+        mean = 0.5 * (rough.diameter / sine - rough.face_width)
+        spiral = self.spiral_angle
+        if self.method == 1:
+            # the spiral angle of the gear is smaller by about the offset angle
+            spiral -= float(
+                np.arcsin(np.clip(self.offset / (mean * sine * (1.0 + self.teeth[0] / self.teeth[1])), -1.0, 1.0))
+            )
+        return mean, float(2.0 * mean * sine * np.cos(spiral) / self.teeth[1])
 
     @property
     def pair(self) -> OffsetPair:
-        """Input of method 1 of ISO 23509. Raises DesignError, naming the key."""
+        """Input of the method of ISO 23509. Raises DesignError, naming the key."""
         diameter, width = self.module * self.teeth[1], self.given_face_width
         rough = OffsetPair(
-            method=1,
+            method=self.method,
             teeth=self.teeth,
             shaft_angle=self.shaft_angle,
             offset=self.offset,
             diameter=diameter,
             face_width=self.module if width is None else width,
             spiral_angle=self.spiral_angle,
-            cutter=FaceCutter(diameter),
+            cutter=FaceCutter(diameter, self.blade_groups),
+            by_outer=True,
         )
         # the outer cone distance by the estimated pitch angle gives the suggested face width and cutter
         outer = float(0.5 * diameter / np.sin(rough.estimate))
@@ -115,7 +135,7 @@ class ConeData:
 
     @staticmethod
     def of_hypoid(data: OffsetData) -> ConeData:
-        """Return the data of a pair with offset, by method 1. Raises DesignError, naming the key."""
+        """Return the data of a pair with offset, by its method. Raises DesignError, naming the key."""
         pair = data.pair
         return ConeData(with_offset(pair), pair.cutter, data.pressure_angle, data.taper, data.limit_share)
 

@@ -17,7 +17,7 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.records import dataclass
-from gearmesh.systems.common.bevel.blank import BevelBlank
+from gearmesh.systems.common.bevel.blank import CUTTER_RADIUS_SHARE, BevelBlank, nominal_radius
 from gearmesh.systems.common.bevel.cone_blank import ConeData
 from gearmesh.systems.common.bevel.iso23509.tooth_line import ToothLine
 from gearmesh.systems.common.bounds import at_least, at_most
@@ -54,6 +54,9 @@ def head_radius(design: FaceMilledDesign, mean_cone_distance: float, module: flo
         return design.head.radius
     # many blade groups need a larger head
     least = 0.5 * design.head.blade_groups * module / np.sin(USUAL_LEAD_ANGLE)
+    if design.milling_blank:
+        # the tooth line of method 1 has the curvature of the limit normal: heads as large as those of face milling
+        return nominal_radius(max(CUTTER_RADIUS_SHARE * mean_cone_distance, float(least)))
     wanted = max(HEAD_RADIUS_SHARE * mean_cone_distance, least)
     radii = np.array(NOMINAL_HEAD_RADII_MM)
     nearest = float(radii[np.abs(np.log(radii / wanted)).argmin()])

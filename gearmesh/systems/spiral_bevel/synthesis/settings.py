@@ -29,7 +29,7 @@ from gearmesh.systems.spiral_bevel.design import (
     HypoidDesign,
     SpiralBevelDesign,
 )
-from gearmesh.systems.spiral_bevel.hobbing.head import check_head
+from gearmesh.systems.spiral_bevel.hobbing.head import check_head, head_radius
 from gearmesh.systems.spiral_bevel.hobbing.head_synthesis import head_settings
 from gearmesh.systems.spiral_bevel.hobbing.sides import (
     hobbed_cones,
@@ -162,8 +162,8 @@ def basic_blank(design: FaceMilledDesign, given: Proportions | None = None) -> B
 
 
 def offset_data(design: HypoidDesign) -> OffsetData:
-    """Return the basic data of a hypoid design in mm."""
-    return OffsetData(
+    """Return the basic data of a hypoid design in mm. Raises DesignError, naming the key."""
+    data = OffsetData(
         (design.pinion.teeth, design.gear.teeth),
         design.given_module,
         design.offset,
@@ -175,7 +175,11 @@ def offset_data(design: HypoidDesign) -> OffsetData:
         given_face_width=design.face_width,
         given_cutter_radius=design.head.radius if design.hobbed else design.gear.cutter.tip_radius,
         blade_groups=design.head.blade_groups if design.hobbed else 0,
+        method=design.blank_method,
     )
+    if not design.hobbed or design.head.radius is not None:
+        return data
+    return replace(data, given_cutter_radius=head_radius(design, *data.rough_mean))
 
 
 def gear_sides(design: FaceMilledDesign, blank: BevelBlank) -> dict[str, Generated]:

@@ -92,7 +92,7 @@ class OffsetPair:
     shaft_angle: float
     #: offset a, mm; > 0 makes the pinion's spiral angle the larger one
     offset: float
-    #: outer pitch diameter d_e2 of the wheel, mm; mean pitch diameter d_m2 in method 2
+    #: outer pitch diameter d_e2 of the wheel, mm; mean pitch diameter d_m2 in method 2 unless `by_outer`
     diameter: float
     #: face width b_2 of the wheel, mm
     face_width: float
@@ -100,6 +100,8 @@ class OffsetPair:
     spiral_angle: float
     #: face cutter of the wheel
     cutter: FaceCutter
+    #: True if `diameter` is the outer one in method 2, too: the mean point is then in the middle of the face
+    by_outer: bool = False
 
     def __post_init__(self) -> None:
         if self.method not in (1, 2, 3):
@@ -143,7 +145,8 @@ class OffsetPair:
         """Return the wheel's mean radii r_m2 (N,) by its pitch angles (N,) [ISO 23509 (12), (88)]."""
         if self.method == 1:
             return np.full_like(wheel, 0.5 * (self.diameter - self.face_width * np.sin(self.estimate)))
-        across = 0.0 if self.method == 2 else self.face_width * np.sin(wheel)
+        by_mean = self.method == 2 and not self.by_outer
+        across = 0.0 if by_mean else self.face_width * np.sin(wheel)
         return np.asarray(0.5 * (self.diameter - across) + np.zeros_like(wheel))
 
     def touching(self, wheel: Array) -> TangentCones:
@@ -265,12 +268,13 @@ def with_offset(pair: OffsetPair) -> PitchCones:
     wheel, reached = _follow(pair)
     if reached != pair.offset:
         bound = f"at most {at_most(reached)}" if pair.offset > 0.0 else f"at least {at_least(reached)}"
+        key = "head.radius" if pair.cutter.blade_groups else "gear.cutter.tip_radius"
         raise DesignError(
             "offset",
             pair.offset,
             unit="mm",
-            reason=f"method {pair.method} has no pitch cones with this gear.cutter.tip_radius, {pair.cutter.radius:g} "
-            f"mm, and spiral_angle, {np.degrees(pair.spiral_angle):g} deg",
+            reason=f"method {pair.method} has no pitch cones with this {key}, {pair.cutter.radius:g} mm, "
+            f"and spiral_angle, {np.degrees(pair.spiral_angle):g} deg",
             allowed=f"{bound} mm",
         )
     return _place(pair, pair.touching(np.array([wheel])))
