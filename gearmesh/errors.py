@@ -6,73 +6,25 @@ it, and the caller decides (a command turns "nothing converged" into `NoSolution
 
 from __future__ import annotations
 
-import math
 import os
-import re
 from collections.abc import Callable, Collection, Iterable, Mapping
 from copy import copy
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import TYPE_CHECKING, Any, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, Self
+
+from gearmesh.allowed import Allowed, Bounds, has_bound, in_unit, stated_bounds
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-#: significant digits of lengths in units other than mm
-LENGTH_DIGITS = 6
-#: words before a length that is an upper (0) or a lower bound (1)
-_BOUND_WORDS = {"at most ": 0, "less than ": 0, " to ": 0, "at least ": 1, "more than ": 1, "from ": 1, "between ": 1}
-_BOUND_WORDS |= {"at most about ": 0, "at least about ": 1}
-_NUMBER_PATTERN = re.compile(
-    rf"(?P<bound>{'|'.join(_BOUND_WORDS)})?(?<![\w.])(?P<figure>-?\d+(?:\.\d+)?(?:e[-+]?\d+)?)"
-)
-#: one or several lengths in mm, with the words before the first length
-_LENGTHS_PATTERN = re.compile(
-    rf"((?:{'|'.join(_BOUND_WORDS)})?(?<![\w.])-?\d[\d.]*(?:e[-+]?\d+)?"
-    r"(?:(?: to | and | or |, )-?\d[\d.]*(?:e[-+]?\d+)?)*) mm(?![/\w^])"
-)
 #: least likeness of a misspelt word and the suggested word
 MIN_LIKENESS = 0.55
 #: least likeness of a key of a figure and the suggested key: people shorten these long keys
 MIN_KEY_LIKENESS = 0.2
-#: words before an upper and a lower bound in `allowed`
-_UPPER_WORDS, _LOWER_WORDS = "at most|less than|smaller than|below", "at least|more than|larger than|above"
-_FIGURE_PATTERN = r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?"
-_QUANTITY_PATTERN = (
-    rf"(?:about )?(?:[^\d;:]*? |[^;:]*?, )?(?P<{{0}}>{_FIGURE_PATTERN})"
-    r"(?: (?P<{0}_unit>mm/mm|1/mm|1/inch|mm|inch|deg))?"
-)
-#: `allowed` as bounds of the value itself: a range, or one or two bounds, followed by nothing that names another quantity
-_RANGE_PATTERN = (
-    rf"(?P<range>from|between) {_QUANTITY_PATTERN.format('least')},? (?:to|and) {_QUANTITY_PATTERN.format('most')}"
-)
-_LOW_PATTERN = (
-    rf"(?P<lower>{_LOWER_WORDS}) {_QUANTITY_PATTERN.format('low')}"
-    rf"(?:,? and (?P<under>{_UPPER_WORDS}) {_QUANTITY_PATTERN.format('top')})?"
-)
-_HIGH_PATTERN = rf"(?P<upper>{_UPPER_WORDS}) {_QUANTITY_PATTERN.format('high')}"
-_ALLOWED_PATTERN = re.compile(rf"(?:{_RANGE_PATTERN}|{_LOW_PATTERN}|{_HIGH_PATTERN})(?=$|[,:]| with | or | either way)")
-_BOUND_GROUPS = (("least", "low"), ("most", "top", "high"))
-_ANY_BOUND = re.compile(rf"(?:{_UPPER_WORDS}|{_LOWER_WORDS}) {_QUANTITY_PATTERN.format('any')}")
-_IN_PARENTHESES = re.compile(r" \([^()]*\)")
 #: characters of figures
 _FIGURE_CHARACTERS = str.maketrans("", "", "0123456789.-+")
-
-
-class Bounds(NamedTuple):
-    """Bounds of an allowed value."""
-
-    #: least allowed value in `unit`, None without a lower bound
-    low: float | None
-    #: greatest allowed value in `unit`, None without an upper bound
-    high: float | None
-    #: unit of both bounds
-    unit: str
-    #: True if the lower bound itself is allowed
-    includes_low: bool = True
-    #: True if the upper bound itself is allowed
-    includes_high: bool = True
 
 
 class GearmeshError(Exception):
@@ -195,20 +147,7 @@ class GearmeshError(Exception):
         >>> gm.DesignError("bore", 50.0, unit="mm", allowed="less than the root, 31 mm").bounds.high
         31.0
         """
-        stated = _ALLOWED_PATTERN.match(_IN_PARENTHESES.sub("", self.allowed))
-        if stated is None:
-            return None
-        part = {name: text for name, text in stated.groupdict().items() if text is not None}
-        low, high = (next((float(part[name]) for name in names if name in part), None) for names in _BOUND_GROUPS)
-        unit = next((part[name] for name in part if name.endswith("_unit")), "")
-        return Bounds(
-            low,
-            high,
-            unit,
-            includes_low=part.get("range", "from") == "from" and part.get("lower", "at least") == "at least",
-            includes_high=part.get("range", "from") == "from"
-            and {part.get("upper"), part.get("under")} <= {"at most", None},
-        )
+        return self.allowed.bounds if isinstance(self.allowed, Allowed) else stated_bounds(self.allowed)
 
     @property
     def bounds_another(self) -> bool:
@@ -224,7 +163,7 @@ class GearmeshError(Exception):
         >>> gm.DesignError("addendum", 4.0, allowed="a tip diameter of at most 46.067 mm").bounds_another
         True
         """
-        return self.bounds is None and not self.allowed[:1].isdigit() and _ANY_BOUND.search(self.allowed) is not None
+        return self.bounds is None and not self.allowed[:1].isdigit() and has_bound(self.allowed)
 
     @property
     def subject(self) -> str:
@@ -319,40 +258,11 @@ def shown_value(value: Any, unit: str = "") -> str:
     return f"{text} {unit}".rstrip()
 
 
-def with_unit(allowed: str, unit: str) -> str:
-    """Return allowed values with a unit behind the last bound, if they state bounds of the value without a unit."""
-    stated = _ALLOWED_PATTERN.match(allowed)
-    if stated is None or not unit or any(text for name, text in stated.groupdict().items() if name.endswith("_unit")):
-        return allowed
-    end = max(stated.end(name) for names in _BOUND_GROUPS for name in names)
-    return f"{allowed[:end]} {unit}{allowed[end:]}"
-
-
 def nearest(word: str, known: Iterable[str], likeness: float = MIN_LIKENESS) -> str | None:
     """Return the known word that is most like a misspelt word; None without a similar word."""
     import difflib
 
     return next(iter(difflib.get_close_matches(word, list(known), n=1, cutoff=likeness)), None)
-
-
-def in_unit(line: str, unit: str, mm: float) -> str:
-    """Return a message with its lengths, which are in mm, in another unit of length `mm`; bounds are rounded inwards."""
-    return line if mm == 1.0 else _LENGTHS_PATTERN.sub(lambda lengths: _in_unit(lengths, unit, mm), line)
-
-
-def _in_unit(lengths: re.Match[str], unit: str, mm: float) -> str:
-    """Return one or several lengths, as "from 1 to 2.5 mm", in another unit."""
-
-    def convert(number: re.Match[str]) -> str:
-        figure = float(number["figure"]) / mm
-        step = 10.0 ** (math.floor(math.log10(abs(figure))) - LENGTH_DIGITS + 1) if figure else 1.0
-        # a figure that is whole except for rounding errors stays whole
-        whole = (math.floor, math.ceil, round)[_BOUND_WORDS.get(number["bound"], 2)]
-        nearest = round(figure / step)
-        count = nearest if abs(figure / step - nearest) < 1e-4 else whole(figure / step)
-        return f"{number['bound'] or ''}{count * step:.{LENGTH_DIGITS}g}"
-
-    return f"{_NUMBER_PATTERN.sub(convert, lengths[1])} {unit}"
 
 
 class DesignError(GearmeshError):

@@ -20,6 +20,7 @@ PACKAGE = Path(__file__).parents[1] / "gearmesh"
 # package: the packages that its modules may import, anywhere, function-level imports included (SHARED all may);
 # `gearmesh` itself, whose names are those of api, systems and design, is for app alone
 SHARED = {
+    "allowed",
     "arguments",
     "deprecated",
     "errors",
@@ -36,6 +37,7 @@ MAY_IMPORT: dict[str, str] = {
     "deprecated": "",
     "former_names": "",
     "kinds": "systems",  # its names are in its stub
+    "allowed": "",
     "errors": "",
     "lengths": "",
     "member_names": "",

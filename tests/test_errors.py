@@ -16,8 +16,9 @@ from oracles.sources import parsed
 
 import gearmesh as gm
 from gearmesh import samples
+from gearmesh.allowed import Allowed, Bounds, in_unit, stated_bounds
 from gearmesh.app.cli import main
-from gearmesh.errors import DesignError, GearmeshError, OutputError, VagueError, in_unit
+from gearmesh.errors import DesignError, GearmeshError, OutputError, VagueError
 
 PACKAGE = Path(gm.__file__).parent
 #: errors whose fields are key, value, reason and what is allowed, by keyword after the first two
@@ -265,3 +266,32 @@ def test_lengths_of_a_message_in_another_unit() -> None:
     line = "a = 5.08 mm: at most 10 mm, at least 10 mm, from 1 to 25.4 mm; 0.3 mm/mm, 12 teeth and 3 mm^2"
     said = "a = 0.2 inch: at most 0.3937 inch, at least 0.393701 inch, from 0.0393701 to 1 inch; 0.3 mm/mm, 12 teeth and 3 mm^2"
     assert in_unit(line, "inch", 25.4) == said
+
+
+@pytest.mark.parametrize(
+    ("allowed", "text", "bounds"),
+    [
+        (
+            Allowed.less_than(31.2345678, "mm", "the root"),
+            "less than the root, 31.2345 mm",
+            Bounds(None, 31.2345, "mm", includes_high=False),
+        ),
+        (Allowed.at_most(0.5), "at most 0.5", Bounds(None, 0.5, "")),
+        (
+            Allowed.more_than(2.00000001, "mm", note=", or another taper"),
+            "more than 2.00001 mm, or another taper",
+            Bounds(2.00001, None, "mm", includes_low=False),
+        ),
+        (Allowed.at_least(-20.0, "deg"), "at least -20 deg", Bounds(-20.0, None, "deg")),
+        (Allowed.from_to(1.0, 2.5, "mm"), "from 1 to 2.5 mm", Bounds(1.0, 2.5, "mm")),
+        (
+            Allowed.between(1.0, 2.5, "mm", " (the bore)"),
+            "between 1 and 2.5 mm (the bore)",
+            Bounds(1.0, 2.5, "mm", includes_low=False, includes_high=False),
+        ),
+    ],
+)
+def test_allowed_values_carry_the_bounds_of_their_text(allowed: Allowed, text: str, bounds: Bounds) -> None:
+    """Bounds are rounded towards the allowed values, equal to what is read from the text, and survive another process."""
+    refusal = pickle.loads(pickle.dumps(DesignError("bore", 50.0, unit="mm", allowed=allowed)))
+    assert (allowed, refusal.bounds, stated_bounds(allowed)) == (text, bounds, bounds)

@@ -6,9 +6,10 @@ import math
 from collections.abc import Collection, Iterator
 from typing import TYPE_CHECKING, Any
 
+from gearmesh.allowed import with_unit
 from gearmesh.design.keys import Key, Table
 from gearmesh.design.shown import shown_key, value_text
-from gearmesh.errors import MIN_LIKENESS, DesignError, nearest, shown_value, with_unit
+from gearmesh.errors import MIN_LIKENESS, DesignError, nearest, shown_value
 from gearmesh.numerals import with_point
 
 if TYPE_CHECKING:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from gearmesh.allowed import Bounds
 from gearmesh.design.core import Design
 from gearmesh.design.keys import Key
-from gearmesh.errors import Bounds, GearmeshError
+from gearmesh.errors import GearmeshError
 
 #: distance from a bound that is excluded itself, over the bound
 INSIDE_SHARE = 1e-5

@@ -18,9 +18,10 @@ from collections.abc import Iterable, Iterator
 from copy import copy
 from typing import Any, TypeVar
 
+from gearmesh.allowed import Bounds
 from gearmesh.design.core import Design
 from gearmesh.design.dotted import empty_tables
-from gearmesh.errors import Bounds, DesignError, GearmeshError, NoSolutionError, VagueError, shown_value
+from gearmesh.errors import DesignError, GearmeshError, NoSolutionError, VagueError, shown_value
 from gearmesh.kernel.numeric.effort import Effort, limit_effort
 from gearmesh.systems.key_bounds import BOUND_DIGITS, Interval, KeyBound
 from gearmesh.systems.mending import BOUNDS_EFFORT_SHARE, Mending

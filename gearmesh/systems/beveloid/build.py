@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import MAX_SINE_OF_PARALLEL, Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross, rotation_about
@@ -227,9 +228,12 @@ def _parallel_origin(design: BeveloidDesign, pinion: Roll, gear: Roll, origin: A
             "assembly.center_distance",
             given,
             unit="mm",
-            allowed=f"more than the {'sum' if sense > 0 else 'difference'} of the base radii, "
-            f"{at_least(reference * flattest)} mm with "
-            f"pinion.teeth = {design.pinion.teeth}, gear.teeth = {design.gear.teeth}",
+            allowed=Allowed.more_than(
+                reference * flattest,
+                "mm",
+                f"the {'sum' if sense > 0 else 'difference'} of the base radii",
+                note=f" with pinion.teeth = {design.pinion.teeth}, gear.teeth = {design.gear.teeth}",
+            ),
         )
     return np.array([sense * given, 0.0, origin[2]])
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError
 from gearmesh.systems.beveloid.form_tool import form_tools
 from gearmesh.systems.common.bodies.features import UnderTeeth, ring_features
@@ -40,7 +41,7 @@ def ring(name: str, spec: BeveloidMember, module: float, angles: tuple[float, fl
             f"{name}.tool_tip_radius",
             spec.tool_tip_radius,
             reason="the spaces are too narrow for such root fillets",
-            allowed=f"at most {at_most(largest / module)}",
+            allowed=Allowed.at_most(largest / module),
         )
     shaper, other = (replace(tool, tip_radius=rounding) for tool in sharp)
     tip = shaper.pitch_radius - (spec.addendum + spec.profile_shift) * module

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError
-from gearmesh.systems.common.bounds import at_most
 
 
 def thin(half: float, backlash: float, share: float, alpha: float, whose: str = "") -> float:
@@ -21,6 +21,6 @@ def thin(half: float, backlash: float, share: float, alpha: float, whose: str = 
             backlash,
             unit="mm",
             reason=f"leaves no tooth{whose}",
-            allowed=f"less than {at_most(half / share * np.cos(alpha))} mm",
+            allowed=Allowed.less_than(half / share * np.cos(alpha), "mm"),
         )
     return float(left)

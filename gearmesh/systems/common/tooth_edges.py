@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.joint import REVOLUTE_JOINT, Joint
 from gearmesh.kernel.numeric.algebra import Array
@@ -212,7 +213,7 @@ def check_beside_holes(member: Member, spec: BrokenEdges) -> None:
             getattr(spec, key),
             unit="mm",
             reason="reaches the holes in the end face",
-            allowed=f"at most {at_most(limit * getattr(spec, key))} mm",
+            allowed=Allowed.at_most(limit * getattr(spec, key), "mm"),
         )
 
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gearmesh.allowed import Allowed
 from gearmesh.design.core import Holes
 from gearmesh.errors import DesignError
 from gearmesh.kernel.envelope.motion_envelope import MotionEnvelope
@@ -29,7 +30,6 @@ from gearmesh.kernel.surface.surface import PlacedSurface, Surface
 from gearmesh.systems.common.axes import shifts
 from gearmesh.systems.common.bodies.body import bore_radius, disc_body
 from gearmesh.systems.common.bodies.features import UnderTeeth, body_features, ring_features
-from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.tooth_edges import with_end_chamfers
 from gearmesh.systems.cycloidal.design import DISC_NAME, LAND_PINS, RIM_PINS, RING_NAME
 from gearmesh.systems.cycloidal.geometry import PinCurve
@@ -176,7 +176,7 @@ class Drive:
                 2.0 * start,
                 unit="mm",
                 reason="the lobes do not reach it",
-                allowed=f"between {at_least(2.0 * low)} and {at_most(2.0 * high)} mm",
+                allowed=Allowed.between(2.0 * low, 2.0 * high, "mm"),
             )
         return LevelField((PlaneLevel(0.0), ConeLevel.of(0.0)), (TipRelief(amount, start, end),))
 
@@ -337,7 +337,7 @@ def _check_undercut(drive: Drive) -> None:
         value,
         unit="mm",
         reason="the pins undercut the lobes",
-        allowed=f"less than {at_most(bound)} mm" if bound > 0.0 else "a smaller eccentricity, or a larger pin_circle",
+        allowed=Allowed.less_than(bound, "mm") if bound > 0.0 else "a smaller eccentricity, or a larger pin_circle",
     )
 
 
@@ -442,7 +442,7 @@ def _lobe_tip(drive: Drive) -> tuple[float, bool]:
             2.0 * given,
             unit="mm",
             reason="the lobes do not reach it",
-            allowed=f"between {at_least(2.0 * low)} and {at_most(2.0 * high)} mm",
+            allowed=Allowed.between(2.0 * low, 2.0 * high, "mm"),
         )
     cut = given
     return _root(lambda phi: drive.lobe_radii(phi) - cut, FORM_ANGLE, end), False
@@ -524,7 +524,7 @@ def _support_angle(drive: Drive, support: float, inwards: bool) -> float:
             2.0 * support,
             unit="mm",
             reason=reason,
-            allowed=f"between {at_least(2.0 * low)} and {at_most(2.0 * high)} mm",
+            allowed=Allowed.between(2.0 * low, 2.0 * high, "mm"),
         )
     return float(np.arcsin(sine))
 
@@ -573,7 +573,7 @@ def _output_holes(design: CycloidalDesign, bore: float, root: float) -> Holes:
             circle,
             unit="mm",
             reason=f"holes of {hole:.6g} mm leave no wall to bore, root or each other",
-            allowed=f"from {at_least(low)} to {at_most(high)} mm",
+            allowed=Allowed.from_to(low, high, "mm"),
         )
     return Holes(count=output.pins, diameter=hole, circle=circle)
 
@@ -594,7 +594,7 @@ def _blank(name: str, spec: CycloidalMember, design: CycloidalDesign, radii: tup
             rim,
             unit="mm",
             reason="the pins stand out of the ring",
-            allowed=f"more than {at_least(least)} mm",
+            allowed=Allowed.more_than(least, "mm"),
         )
     return Blank(
         # the direction is -z, as for every internal gear

@@ -12,13 +12,14 @@ from typing import Any, ClassVar, Self
 
 from pydantic import model_validator
 
+from gearmesh.allowed import Allowed
 from gearmesh.design import keys
 from gearmesh.design.core import Design, FlankContact, MemberTable
 from gearmesh.design.keys import DERIVED_VALUE, Table, conflict
 from gearmesh.design.measured import CycloidalMeasured
 from gearmesh.design.runout import eccentricity, phase
 from gearmesh.member_names import MemberNames
-from gearmesh.systems.common.bounds import at_least, at_most
+from gearmesh.systems.common.bounds import at_most
 from gearmesh.systems.kinds import OWN_KINDS
 
 #: name of the disc's table in a design
@@ -256,7 +257,7 @@ class CycloidalDesign(Design):
                 "ring.face_width",
                 self.ring.face_width,
                 reason=f"{self.discs} discs are wider",
-                allowed=f"at least {at_least(least)} {self.units}",
+                allowed=Allowed.at_least(least, self.units),
             )
         if self.assembly.ring_eccentricity:
             reason = "is followed with one disc alone"
@@ -290,6 +291,6 @@ class CycloidalDesign(Design):
                 "pin_diameter",
                 self.pin_diameter,
                 reason=f"{pins} pins on this circle touch each other",
-                allowed=f"less than {at_most(most)} {self.units}",
+                allowed=Allowed.less_than(most, self.units),
             )
         return self

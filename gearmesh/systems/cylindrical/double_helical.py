@@ -9,11 +9,12 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, TypeVar
 
+from gearmesh.allowed import Allowed
 from gearmesh.design.core import BODY_TABLES
 from gearmesh.errors import DesignError
 from gearmesh.systems.common.bodies.body import disc_body
 from gearmesh.systems.common.bodies.features import UnderTeeth, body_features, ring_features
-from gearmesh.systems.common.bounds import at_least, at_most
+from gearmesh.systems.common.bounds import at_most
 from gearmesh.systems.common.tooth_edges import check_beside_holes
 from gearmesh.systems.cylindrical.geometry.proportions import GearProportions
 from gearmesh.teeth.blank.body import Body
@@ -178,7 +179,11 @@ def _groove(design: HalvesKeys, gear: GearProportions, floor: float) -> float | 
             f"{name}.gap_diameter",
             spec.gap_diameter,
             unit="mm",
-            allowed=f"between {at_least(2.0 * low)} and {at_most(2.0 * high)} mm, root and "
-            f"{('outside of the rim' if sense > 0 else 'bore, or inside of the rim')}",
+            allowed=Allowed.between(
+                2.0 * low,
+                2.0 * high,
+                "mm",
+                note=f", root and {'outside of the rim' if sense > 0 else 'bore, or inside of the rim'}",
+            ),
         )
     return radius

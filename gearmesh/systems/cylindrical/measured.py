@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError
-from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.cylindrical.geometry import measures
 from gearmesh.systems.cylindrical.geometry.geometry import flank_sides
 from gearmesh.teeth.region import FLANK_REGIONS, Side
@@ -79,5 +79,5 @@ def _check_ball(key: str, gear: GearProportions, flanks: tuple[Flank, ...], give
         given,
         unit="mm",
         reason="does not touch the involutes of a space, or does not stand out of it",
-        allowed="none, no ball does" if between is None else f"from {at_least(between[0])} to {at_most(between[1])} mm",
+        allowed="none, no ball does" if between is None else Allowed.from_to(between[0], between[1], "mm"),
     )

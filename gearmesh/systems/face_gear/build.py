@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError, VagueError
 from gearmesh.kernel.envelope.envelope import Envelope
 from gearmesh.kernel.motion.chain import Chain, Step
@@ -31,7 +32,6 @@ from gearmesh.systems.common.backlash import thin
 from gearmesh.systems.common.bodies.body import bore_radius
 from gearmesh.systems.common.bodies.features import UnderTeeth, body_features
 from gearmesh.systems.common.bodies.tip_surface import with_tip_surface
-from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.defaults import unusual_defaults
 from gearmesh.systems.common.micro_geometry import with_modifications
 from gearmesh.systems.common.racks.rack_member import Roll, member
@@ -120,7 +120,7 @@ def _complete_flank(key: str, shaped: ShapedGear) -> ShapedGear:
             shaped.offset,
             unit="mm",
             reason="the shaper generates no complete flank there",
-            allowed=f"less than {at_most(farthest)} mm either way",
+            allowed=Allowed.less_than(farthest, "mm", note=" either way"),
         )
     return shaped
 
@@ -299,12 +299,12 @@ def _check_face(design: FaceGearDesign, shaped: ShapedGear) -> None:
             spec.inner_radius,
             unit="mm",
             reason="undercut by the shaper",
-            allowed=f"at least {at_least(inner)} mm",
+            allowed=Allowed.at_least(inner, "mm"),
         )
     if spec.outer_radius > outer:
         why = f"the top land is narrower than {spec.top_land * m:.4g} mm" if spec.top_land else "the teeth are pointed"
         raise DesignError(
-            "gear.outer_radius", spec.outer_radius, unit="mm", reason=why, allowed=f"at most {at_most(outer)} mm"
+            "gear.outer_radius", spec.outer_radius, unit="mm", reason=why, allowed=Allowed.at_most(outer, "mm")
         )
     for path in (side.path_radius for side in shaped.sides):
         if not spec.inner_radius < path < spec.outer_radius:
@@ -323,7 +323,7 @@ def _check_face(design: FaceGearDesign, shaped: ShapedGear) -> None:
             "gear.addendum",
             spec.addendum,
             reason="higher than the shaper's involute reaches at the inner radius",
-            allowed=f"at most {at_most(highest)}",
+            allowed=Allowed.at_most(highest),
         )
 
 
@@ -349,7 +349,7 @@ def _blank(design: FaceGearDesign, shaped: ShapedGear) -> Blank:
             spec.web,
             unit="mm",
             reason="reaches the root at the inner cylinder",
-            allowed=f"less than {at_most(back - root_z[0])} mm",
+            allowed=Allowed.less_than(back - root_z[0], "mm"),
         )
     bore = bore_radius("gear", spec.stated_bore, inner, "the inner diameter", key=spec.bore_key)
     front = back - spec.web

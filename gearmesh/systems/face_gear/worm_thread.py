@@ -25,6 +25,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError
 from gearmesh.figures import Figures, Summary, figure
 from gearmesh.kernel.motion.rigid import Rigid
@@ -37,7 +38,6 @@ from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.kernel.surface.surface import Jet, PlacedSurface, Surface
 from gearmesh.records import dataclass
 from gearmesh.systems.common.bodies.body import bore_radius
-from gearmesh.systems.common.bounds import at_most
 from gearmesh.systems.face_gear.build import build, cut_gear, grinding_of, middle, shaped_gear
 from gearmesh.systems.face_gear.grinding import Grinding
 from gearmesh.systems.system import ToolPart
@@ -342,7 +342,7 @@ def grinding_worm(
             given,
             unit="mm",
             reason="the thread has singular points there",
-            allowed=f"at most {at_most(longest)} mm",
+            allowed=Allowed.at_most(longest, "mm"),
         )
     half = 0.5 * given / np.cos(worm.lead_angle)
     clearance, _ = last_true(

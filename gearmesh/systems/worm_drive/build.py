@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError, VagueError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, rotation_about
@@ -167,7 +168,7 @@ def refuse_tools(design: WormDriveDesign) -> None:
             design.hob.reference_diameter,
             unit="mm",
             reason="smaller than the worm's, whose threads would cut into the wheel at both end faces",
-            allowed=f"at least {at_least(d1)} mm",
+            allowed=Allowed.at_least(d1, "mm"),
         )
     _refuse_hob_threads(design)
     _refuse_backlash(design)
@@ -178,7 +179,7 @@ def refuse_tools(design: WormDriveDesign) -> None:
             spec.disk_diameter,
             unit="mm",
             reason="the disk does not reach from the thread's tip to its root",
-            allowed=f"more than {at_least(2.0 * depth)} mm",
+            allowed=Allowed.more_than(2.0 * depth, "mm"),
         )
     wheel = design.wheel
     if wheel.tip_form != "chamfered" and wheel.throat_angle != type(wheel).model_fields["throat_angle"].default:
@@ -195,7 +196,7 @@ def refuse_tools(design: WormDriveDesign) -> None:
             design.wheel.throat_radius,
             unit="mm",
             reason="the throat is inside the worm's root",
-            allowed=f"more than {at_least(root)} mm",
+            allowed=Allowed.more_than(root, "mm"),
         )
 
 
@@ -483,9 +484,9 @@ def wheel_tooth(design: WormDriveDesign) -> Tooth:
             hob.distance if displaced else spec.outside_diameter,
             unit="mm",
             reason="the outside cylinder reaches the hob's axis",
-            allowed=f"more than {at_least(throat.outside)} mm"
+            allowed=Allowed.more_than(throat.outside, "mm")
             if displaced
-            else f"less than {at_most(2.0 * hob.distance)} mm",
+            else Allowed.less_than(2.0 * hob.distance, "mm"),
         )
     bore = bore_radius("wheel", spec.stated_bore, smallest, "the root diameter in the middle plane", key=spec.bore_key)
     body = disc_body("wheel", spec, bore, smallest, throat.middle - smallest)

@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError
 from gearmesh.kernel.envelope.helicoid import half_plane
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.records import dataclass
-from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.symbol_table import Missing, Row
 from gearmesh.systems.worm_drive.build import worm_thread
 from gearmesh.systems.worm_drive.thread import WormThread
@@ -148,9 +148,7 @@ def wire_rows(design: WormDriveDesign) -> list[Row]:
                 spec.wire_diameter,
                 unit="mm",
                 reason="does not touch both flanks of a space, or does not stand out of it",
-                allowed=f"from {at_least(fit[0].diameter)} to {at_most(fit[-1].diameter)} mm"
-                if fit
-                else "none, no wire does",
+                allowed=Allowed.from_to(fit[0].diameter, fit[-1].diameter, "mm") if fit else "none, no wire does",
             )
     fits = wires is not None and wires.over >= 2.0 * tip and wires.centre - 0.5 * wires.diameter >= root
     none = Missing(NO_WIRE)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import ConeLevel
@@ -256,7 +257,7 @@ class BasicData:
                 np.degrees(self.shaft_angle),
                 unit="deg",
                 reason=f"with {self.teeth[0]} and {self.teeth[1]} teeth the gear's pitch angle is {np.degrees(gear):.4g} deg",
-                allowed=f"less than {at_most(np.degrees(crown_shaft_angle(self.teeth)))} deg",
+                allowed=Allowed.less_than(np.degrees(crown_shaft_angle(self.teeth)), "deg"),
             )
         if not self.face_width < MAX_FACE_SHARE * outer:
             raise DesignError(
@@ -376,7 +377,7 @@ def standard_dedenda(data: BasicData, given: Proportions) -> tuple[tuple[float, 
     gap = CLEARANCE_FACTOR * working if given.clearance is None else given.clearance
     if not gap < 0.5 * working:
         raise DesignError(
-            "clearance", gap, unit="mm", allowed=f"less than half the mean working depth, {at_most(0.5 * working)} mm"
+            "clearance", gap, unit="mm", allowed=Allowed.less_than(0.5 * working, "mm", "half the mean working depth")
         )
     share = suggested_addendum_factor(data.teeth, angles) if given.addendum_factor is None else given.addendum_factor
     return (share * working + gap, (1.0 - share) * working + gap), gap
@@ -407,7 +408,7 @@ def tapered_blank(
             gap,
             unit="mm",
             reason="leaves no working depth",
-            allowed=f"less than {at_most(0.5 * sum(dedenda))} mm",
+            allowed=Allowed.less_than(0.5 * sum(dedenda), "mm"),
         )
     more = suggested_thickness_factor(data.teeth) if given.thickness_factor is None else given.thickness_factor
     depths = _Depths((roots[0], roots[1]), (dedenda[0], dedenda[1]), gap, given.face_angles)

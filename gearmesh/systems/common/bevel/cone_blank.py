@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError, VagueError
 from gearmesh.records import dataclass
 from gearmesh.systems.common.axes import gear_base
@@ -37,7 +38,6 @@ from gearmesh.systems.common.bevel.iso23509.tooth_factors import (
     suggested_thickness_factor,
 )
 from gearmesh.systems.common.bevel.iso23509.tooth_line import FaceCutter
-from gearmesh.systems.common.bounds import at_most
 
 
 @dataclass(frozen=True)
@@ -207,7 +207,7 @@ def cone_dimensions(data: ConeData, given: Proportions) -> BevelDimensions:
     gap = CLEARANCE_FACTOR * working if given.clearance is None else given.clearance
     if not gap < 0.5 * working:
         raise DesignError(
-            "clearance", gap, unit="mm", allowed=f"less than half the mean working depth, {at_most(0.5 * working)} mm"
+            "clearance", gap, unit="mm", allowed=Allowed.less_than(0.5 * working, "mm", "half the mean working depth")
         )
     factors = ToothFactors.of_depths(
         (data.pressure_angle, data.pressure_angle),

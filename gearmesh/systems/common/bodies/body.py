@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError
 from gearmesh.kernel.surface.levels import ConeLevel
 from gearmesh.systems.common.bounds import at_least, at_most
@@ -42,7 +43,7 @@ def bore_radius(
             2.0 * radius,
             unit="mm",
             reason="the root lies below the bore",
-            allowed=f"less than {what}, {at_most(2.0 * limit)} mm",
+            allowed=Allowed.less_than(2.0 * limit, "mm", f"{what}"),
         )
     return radius
 
@@ -91,7 +92,7 @@ def _check_thickness(name: str, web: Web, room: float, what: str) -> None:
     """Refuse a web as thick as the part that it is in (mm)."""
     if web.thickness >= room:
         raise DesignError(
-            f"{name}.web.thickness", web.thickness, unit="mm", allowed=f"less than {what}, {at_most(room)} mm"
+            f"{name}.web.thickness", web.thickness, unit="mm", allowed=Allowed.less_than(room, "mm", f"{what}")
         )
 
 
@@ -108,7 +109,7 @@ def _web_radii(
     hub = hub if web.hub_diameter is None else web.hub_diameter
     if not 2.0 * bore < hub:
         raise DesignError(
-            f"{name}.web.hub_diameter", hub, unit="mm", allowed=f"more than the bore, {at_least(2.0 * bore)} mm"
+            f"{name}.web.hub_diameter", hub, unit="mm", allowed=Allowed.more_than(2.0 * bore, "mm", "the bore")
         )
     if not hub < rim:
         if web.rim_diameter is not None:
@@ -139,6 +140,6 @@ def _web_radii(
             f"{name}.web.rim_diameter",
             rim,
             unit="mm",
-            allowed=f"less than {most}, {at_most(2.0 * root)} mm",
+            allowed=Allowed.less_than(2.0 * root, "mm", f"{most}"),
         )
     return 0.5 * hub, 0.5 * rim

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gearmesh.allowed import Allowed
 from gearmesh.design.core import MemberTable
 from gearmesh.design.keys import Table
 from gearmesh.errors import DesignError, VagueError
@@ -247,7 +248,7 @@ def _keyway(spec: MemberBody, under: UnderTeeth) -> Slot | None:
             f"{name}.keyway.width",
             keyway.width,
             unit="mm",
-            allowed=f"less than the bore, {at_most(2.0 * body.bore_radius)} mm",
+            allowed=Allowed.less_than(2.0 * body.bore_radius, "mm", "the bore"),
         )
     # the depth is limited at the corners of the keyway
     room = _bore_room(under)
@@ -257,7 +258,7 @@ def _keyway(spec: MemberBody, under: UnderTeeth) -> Slot | None:
             f"{name}.keyway.depth",
             keyway.depth,
             unit="mm",
-            allowed=f"less than {at_most(limit)} mm (to the {_within(web)})",
+            allowed=Allowed.less_than(limit, "mm", note=f" (to the {_within(web)})"),
         )
     return keyway
 
@@ -276,8 +277,11 @@ def _bore_form(spec: MemberBody, under: UnderTeeth) -> BoreForm | None:
                 f"{name}.hex_bore.across_flats",
                 hexagon.across_flats,
                 unit="mm",
-                allowed=f"less than {at_most(hexagon.across_flats * room / hexagon.corner)} mm "
-                f"(corners to the {_within(under.body.web)})",
+                allowed=Allowed.less_than(
+                    hexagon.across_flats * room / hexagon.corner,
+                    "mm",
+                    note=f" (corners to the {_within(under.body.web)})",
+                ),
             )
         if not hexagon.across_flats <= bore < 2.0 * hexagon.corner:
             allowed = f"at least {at_least(hexagon.across_flats)} and less than {at_most(2.0 * hexagon.corner)} mm"
@@ -294,7 +298,7 @@ def _bore_form(spec: MemberBody, under: UnderTeeth) -> BoreForm | None:
             f"{name}.d_bore.height",
             spec.d_bore.height,
             unit="mm",
-            allowed=f"between {at_least(least)} and {at_most(bore)} mm (the bore)",
+            allowed=Allowed.between(least, bore, "mm", note=" (the bore)"),
         )
     return Flats(spec.d_bore.height, spec.d_bore.flats)
 
@@ -353,7 +357,7 @@ def _shaft(
                 f"{name}.{key}.{given}",
                 min(diameters),
                 unit="mm",
-                allowed=f"more than the {inner}, {at_least(2.0 * low)} mm",
+                allowed=Allowed.more_than(2.0 * low, "mm", f"the {inner}"),
             )
     if high is not None and 2.0 * high <= spec.diameters[0] <= 2.0 * wall:
         raise DesignError(
@@ -361,7 +365,7 @@ def _shaft(
             spec.diameters[0],
             unit="mm",
             reason="the first step is wider than the end face",
-            allowed=f"less than {at_most(2.0 * high)} mm"
+            allowed=Allowed.less_than(2.0 * high, "mm")
             + (f", or more than the tip diameter, {at_least(2.0 * wall)} mm" if math.isfinite(wall) else ""),
         )
     return tuple(
@@ -453,7 +457,9 @@ def _check_lengths(spec: MemberBody, under: UnderTeeth, body: Body) -> None:
             length,
             unit="mm",
             reason="together",
-            allowed=f"less than {at_most(room - others)} mm, the length of the {'rim' if body.around else 'bore'}",
+            allowed=Allowed.less_than(
+                room - others, "mm", note=f", the length of the {'rim' if body.around else 'bore'}"
+            ),
         )
 
 
@@ -515,7 +521,9 @@ def _check_beside_bore(under: UnderTeeth, features: BodyFeatures, key: str, valu
         value,
         unit="" if key.endswith("count") else "mm",
         reason=f"leaves {f'a wall of {left:.3g} mm' if left > 0.0 else 'no wall'} to the {form.name}",
-        allowed=f"at least {at_least(least)} mm, or another start_angle" if least else "another circle or start_angle",
+        allowed=Allowed.at_least(least, "mm", note=", or another start_angle")
+        if least
+        else "another circle or start_angle",
     )
 
 
@@ -629,7 +637,7 @@ def _bolts(name: str, spec: BoltHoles, room: tuple[float, float]) -> Drilling:
         if spec.circle is not None:
             allowed = f"more than bolts.diameter, {at_least(spec.diameter)} mm"
             raise DesignError(f"{name}.bolts.circle", circle, unit="mm", allowed=allowed)
-        raise DesignError(f"{name}.bolts.diameter", spec.diameter, unit="mm", allowed=f"less than {at_most(circle)} mm")
+        raise DesignError(f"{name}.bolts.diameter", spec.diameter, unit="mm", allowed=Allowed.less_than(circle, "mm"))
     if spec.count > 1 and spec.diameter >= circle * apart:
         most = math.ceil(math.pi / math.asin(spec.diameter / circle)) - 1
         raise DesignError(
@@ -677,7 +685,7 @@ def _spokes(spec: SpokeTable, under: UnderTeeth, room: tuple[float, float], leas
         deepest = 0.25 * (outer - inner)
         if corner >= deepest:
             raise DesignError(
-                f"{name}.spokes.corner_radius", corner, unit="mm", allowed=f"less than {at_most(deepest)} mm"
+                f"{name}.spokes.corner_radius", corner, unit="mm", allowed=Allowed.less_than(deepest, "mm")
             )
         angle = float(np.arctan2(spokes.corners[0, 1], spokes.corners[0, 0]))
         reason = "leaves no opening between the spokes"
@@ -736,7 +744,7 @@ def holes_in(name: str, spec: Holes, inner: float, outer: float, wall: float = 0
         here = 2.0 * min(0.5 * circle - inner - wall, outer - wall - 0.5 * circle)
         room = min(room, here) if here > 0.0 else room
         raise DesignError(
-            f"{name}.holes.diameter", diameter, unit="mm", allowed=f"less than the room for them, {at_most(room)} mm"
+            f"{name}.holes.diameter", diameter, unit="mm", allowed=Allowed.less_than(room, "mm", "the room for them")
         )
     size = max(diameter, 0.0) + 2.0 * wall
     if not (diameter > 0.0 and 2.0 * inner + size < circle < 2.0 * outer - size):
@@ -744,7 +752,7 @@ def holes_in(name: str, spec: Holes, inner: float, outer: float, wall: float = 0
             f"{name}.holes.circle",
             circle,
             unit="mm",
-            allowed=f"between {at_least(2.0 * inner + size)} and {at_most(2.0 * outer - size)} mm",
+            allowed=Allowed.between(2.0 * inner + size, 2.0 * outer - size, "mm"),
         )
     if spec.count > 1 and diameter >= circle * apart:
         most = math.ceil(math.pi / math.asin(diameter / circle)) - 1

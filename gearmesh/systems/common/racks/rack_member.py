@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError, VagueError
 from gearmesh.kernel.envelope.envelope import Envelope
 from gearmesh.kernel.motion.rolling import RackRoll
@@ -256,7 +257,7 @@ def _blank(
             spec.face_width,
             unit="mm",
             reason="the root cone passes the axis",
-            allowed=f"less than {at_most(limit)} mm",
+            allowed=Allowed.less_than(limit, "mm"),
         )
     if ground is not None:
         surface, middle = ground

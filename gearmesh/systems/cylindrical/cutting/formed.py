@@ -22,12 +22,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gearmesh.allowed import Allowed
 from gearmesh.design.keys import given_or
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.kernel.surface.surface import PlacedSurface
 from gearmesh.records import dataclass
-from gearmesh.systems.common.bounds import at_least, at_most
+from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.common.racks.ring_member import formed_surface
 from gearmesh.systems.cylindrical.cutting.last_cut import FixedCut
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
@@ -82,7 +83,7 @@ def with_rounding(name: str, radius: float, own: Toothing, sharp: Shaper) -> Sha
             f"{name}.tool_tip_radius",
             radius,
             reason="the spaces are too narrow for such root fillets",
-            allowed=f"at most {at_most(largest / own.module)}, with which a space has one round root",
+            allowed=Allowed.at_most(largest / own.module, "", note=", with which a space has one round root"),
         )
     return replace(sharp, tip_radius=radius * own.module)
 
@@ -99,7 +100,7 @@ def _check_spaces(name: str, spec: CylindricalMember, own: Toothing) -> None:
         own.shift if given is None else given.upper,
         unit="" if given is None else "mm",
         reason="leaves no spaces between the teeth",
-        allowed=f"less than {at_most(by_shift)}" if given is None else f"less than {at_most(given.upper - over)} mm",
+        allowed=Allowed.less_than(by_shift) if given is None else Allowed.less_than(given.upper - over, "mm"),
     )
 
 
@@ -125,7 +126,7 @@ def _check_root(name: str, spec: CylindricalMember, own: Toothing, root: float) 
         spec.root_diameter if by_diameter else given_or(spec.dedendum, math.nan),
         unit="mm" if by_diameter else "",
         reason="the spaces are pointed before the root" if deep else "the root is inside the base circle",
-        allowed=f"less than {at_most(values[0])}" if deep else f"more than {at_least(values[0])}",
+        allowed=Allowed.less_than(values[0]) if deep else Allowed.more_than(values[0]),
     )
 
 

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError
 from gearmesh.kernel.envelope.envelope import Envelope
 from gearmesh.kernel.motion.rolling import RackRoll
-from gearmesh.systems.common.bounds import at_least, at_most
+from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.common.racks.rack_tooth import RackTooth
 from gearmesh.systems.common.racks.way_out import WayOut
 from gearmesh.systems.common.tooth_edges import end_widths
@@ -67,7 +68,7 @@ def run_outs(gear: GearProportions, racks: tuple[RackTooth, RackTooth]) -> WayOu
             diameter,
             unit="mm",
             reason="teeth with modifications, turned tips or broken end edges cannot run out into a thicker shaft",
-            allowed=f"less than the root diameter, {at_most(2.0 * gear.root)} mm",
+            allowed=Allowed.less_than(2.0 * gear.root, "mm", "the root diameter"),
         )
     tools = [Envelope(RackSurface(rack.flank, own.beta, 0.0), RackRoll(own.radius)) for rack in racks]
     forms = [tool.jet(np.array(rack.form_point[0]), np.array(0.0)).r for tool, rack in zip(tools, racks, strict=True)]

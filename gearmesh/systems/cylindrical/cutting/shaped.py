@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError, VagueError
 from gearmesh.kernel.envelope.envelope import Envelope
 from gearmesh.kernel.motion.chain import Chain, Step
@@ -22,7 +23,7 @@ from gearmesh.kernel.surface.twisted import Twisted
 from gearmesh.records import dataclass
 from gearmesh.systems.common.bodies.body import bore_radius, disc_body
 from gearmesh.systems.common.bodies.features import UnderTeeth, body_features, ring_features
-from gearmesh.systems.common.bounds import at_least, at_most
+from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.common.racks.rack_member import prove
 from gearmesh.systems.common.racks.ring_member import prove_internal, ring_blank
 from gearmesh.systems.common.tooth_edges import tip_edge
@@ -183,7 +184,7 @@ def _check_flank(name: str, spec: CylindricalMember, cut: Shaping | Forming) -> 
         f"{name}.tool_tip_radius",
         spec.tool_tip_radius,
         reason="the root fillets leave no flank below the tips",
-        allowed=f"less than {at_most(sharp.largest_rounding(tip, cut.shaper.tip_radius) / own.module)}",
+        allowed=Allowed.less_than(sharp.largest_rounding(tip, cut.shaper.tip_radius) / own.module),
     )
 
 

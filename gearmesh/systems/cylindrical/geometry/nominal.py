@@ -6,9 +6,10 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError
 from gearmesh.records import dataclass
-from gearmesh.systems.common.bounds import at_least, at_most
+from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.cylindrical.geometry.allowances import made_allowance
 from gearmesh.systems.cylindrical.geometry.geometry import (
     MAX_WORKING_ANGLE,
@@ -97,12 +98,13 @@ def nominal_mesh(design: CylindricalDesign) -> InvolutePair:
     least = mesh.least_distance
     if given is not None and given <= least:
         between = "difference" if pinion.internal or gear.internal else "sum"
+        counts = ("pinion.teeth", pinion.teeth), ("gear.teeth", gear.teeth)
+        numbers = ", ".join(f"{design.name_in_texts(key)} = {count}" for key, count in counts)
         raise DesignError(
             "assembly.center_distance",
             given,
             unit="mm",
-            allowed=f"more than the {between} of the base radii, {at_least(least)} mm with "
-            f"{design.name_in_texts('pinion.teeth')} = {pinion.teeth}, {design.name_in_texts('gear.teeth')} = {gear.teeth}",
+            allowed=Allowed.more_than(least, "mm", f"the {between} of the base radii", note=f" with {numbers}"),
         )
     if math.isnan(mesh.distance):
         raise _no_working_angle(design, mesh)
@@ -118,7 +120,7 @@ def _no_working_angle(design: CylindricalDesign, mesh: InvolutePair) -> DesignEr
         design.name_in_texts(f"{first}.profile_shift"),
         own,
         reason=f"with {design.name_in_texts(second)}.profile_shift = {other:g} there is no working pressure angle",
-        allowed=f"between {at_least(ends[0] - other)} and {at_most(ends[1] - other)}",
+        allowed=Allowed.between(ends[0] - other, ends[1] - other),
     )
 
 
@@ -163,7 +165,7 @@ def refuse_thin(design: ToothingKeys, name: str, mesh: InvolutePair | RackMesh, 
         getattr(design, key),
         unit="mm",
         reason=f"leaves no tooth of the {design.name_in_texts(name)}",
-        allowed=f"less than {at_most(most)} mm",
+        allowed=Allowed.less_than(most, "mm"),
     )
 
 

@@ -8,6 +8,7 @@ from typing import Any, ClassVar, Self
 
 from pydantic import model_validator
 
+from gearmesh.allowed import Allowed
 from gearmesh.design import keys
 from gearmesh.design.core import (
     BODY_TABLES,
@@ -22,7 +23,6 @@ from gearmesh.design.measured import RackMeasured
 from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PinionRunout
 from gearmesh.member_names import MemberNames
-from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.cylindrical.allowance_keys import ThicknessAllowance, thickness_made_key
 from gearmesh.systems.cylindrical.design import CylindricalMember, HalvesKeys, accuracy_class_key
 from gearmesh.systems.kinds import OWN_KINDS
@@ -158,8 +158,11 @@ class RackKeys(HalvesKeys):
                 raise conflict(
                     "rack.length",
                     self.rack.length,
-                    must_be=f"at least {at_least(teeth * self.pitch)} {self.units}, the length of {teeth} "
-                    f"{'tooth' if teeth == 1 else 'teeth'}",
+                    must_be=Allowed.at_least(
+                        teeth * self.pitch,
+                        self.units,
+                        note=f", the length of {teeth} {'tooth' if teeth == 1 else 'teeth'}",
+                    ),
                 )
         return self
 

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.joint import Prismatic
 from gearmesh.kernel.motion.rigid import Rigid
@@ -234,7 +235,7 @@ def rack_member(name: str, spec: RackProportions, pinion: Toothing, table: RackT
             spec.height,
             unit="mm",
             reason="the root lies below the back of the bar",
-            allowed=f"more than the teeth's, {at_least(depth)} mm",
+            allowed=Allowed.more_than(depth, "mm", "the teeth's"),
         )
     # the rack slides: an angle of its coordinate is an arc of the pinion's reference cylinder
     joint, half = Prismatic(pinion.radius, 2.0 * math.pi / pinion.teeth), 0.5 * spec.face_width
@@ -299,7 +300,7 @@ def _bolt_row(member: Member, bolts: BoltRow) -> HoleRow:
             pitch,
             unit="mm",
             reason="the holes overlap",
-            allowed=f"more than {at_least(bolts.diameter)} mm",
+            allowed=Allowed.more_than(bolts.diameter, "mm"),
         )
     # the holes must leave a rim below the roots, and stay above the back
     low, high = row.reach
@@ -319,7 +320,7 @@ def _bolt_row(member: Member, bolts: BoltRow) -> HoleRow:
             height,
             unit="mm",
             reason="the holes break out of the back",
-            allowed=f"more than {at_least(0.5 * bolts.diameter)} mm",
+            allowed=Allowed.more_than(0.5 * bolts.diameter, "mm"),
         )
     # the outermost holes must stay between the ends of the bar
     reach = np.abs(row.centres[[0, -1], 1] - row.middle).max() + 0.5 * bolts.diameter
@@ -339,7 +340,7 @@ def _bolt_row(member: Member, bolts: BoltRow) -> HoleRow:
     width = float(np.ptp(member.plain_body.ends))
     if bolts.depth is not None and not bolts.depth < width:
         raise DesignError(
-            f"{key}.depth", bolts.depth, unit="mm", allowed=f"less than the face width, {at_most(width)} mm"
+            f"{key}.depth", bolts.depth, unit="mm", allowed=Allowed.less_than(width, "mm", "the face width")
         )
     return row
 

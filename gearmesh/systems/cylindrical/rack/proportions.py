@@ -10,10 +10,10 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from gearmesh.allowed import Allowed
 from gearmesh.design.keys import given_or
 from gearmesh.errors import DesignError
 from gearmesh.records import dataclass
-from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.defaults import straight_rounding
 from gearmesh.systems.cylindrical.cutting.cutter import sharp_shaper
 from gearmesh.systems.cylindrical.cutting.last_cut import LastCut
@@ -201,7 +201,7 @@ def _shift(design: RackDesign) -> float:
             mounted,
             unit="mm",
             reason=f"the pinion would need a profile shift of {shift:.4g}",
-            allowed=f"from {at_least(least)} to {at_most(most)} mm",
+            allowed=Allowed.from_to(least, most, "mm"),
         )
     return shift
 
@@ -244,7 +244,7 @@ def check_land(mesh: RackMesh) -> None:
             f"{RACK_NAME}.addendum",
             mesh.rack.addendum,
             reason="the rack's teeth are pointed",
-            allowed=f"less than {at_most(most)}",
+            allowed=Allowed.less_than(most),
         )
 
 

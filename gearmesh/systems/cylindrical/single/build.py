@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError
-from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.common.defaults import unusual_defaults
 from gearmesh.systems.cylindrical.build import gear_member, own_end, standard_rounding
 from gearmesh.systems.cylindrical.cutting.cutter import cut_addendum, other_cutters, trimming_warnings
@@ -84,7 +84,7 @@ def _refuse_thin(gear: GearProportions) -> None:
         f"{gear.name}.profile_shift",
         own.shift,
         reason="leaves no tooth",
-        allowed=f"more than {at_least(-0.5 * math.pi / own.both_tangents)}",
+        allowed=Allowed.more_than(-0.5 * math.pi / own.both_tangents),
     )
 
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError
-from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.spiral_bevel.design import BLADE_KEYS
 from gearmesh.tools.head_cutter import Blade, Toprem
 
@@ -69,7 +69,7 @@ def _toprem(name: str, blade: Blade, keys: dict[str, float | None], blank: Bevel
     straight, most = keys["toprem_angle"], 0.5 * blank.mean_depth
     if not high < most:
         raise DesignError(
-            f"{name}.toprem_height", high, unit="mm", allowed=f"less than half the depth, {at_most(most)} mm"
+            f"{name}.toprem_height", high, unit="mm", allowed=Allowed.less_than(most, "mm", "half the depth")
         )
     if (straight is None) == (arc == 0.0):
         raise DesignError(
@@ -84,7 +84,7 @@ def _toprem(name: str, blade: Blade, keys: dict[str, float | None], blank: Bevel
             f"{name}.toprem_angle",
             straight,
             unit="deg",
-            allowed=f"less than the blade's, {at_most(np.degrees(angle))} deg",
+            allowed=Allowed.less_than(np.degrees(angle), "deg", "the blade's"),
         )
     # the rounding touches the toprem, not the cutting edge above it
     most = high / (1.0 - float(np.sin(angle if straight is None else np.radians(straight))))
@@ -95,7 +95,7 @@ def _toprem(name: str, blade: Blade, keys: dict[str, float | None], blank: Bevel
             edge,
             unit="mm",
             reason="reaches beyond the toprem",
-            allowed=f"less than {at_most(most)} mm",
+            allowed=Allowed.less_than(most, "mm"),
         )
     # an arc with a smaller radius would make the blade concave
     least = (high - edge) / float(np.sin(angle))
@@ -105,6 +105,6 @@ def _toprem(name: str, blade: Blade, keys: dict[str, float | None], blank: Bevel
             arc,
             unit="mm",
             reason="the blade would be hollow",
-            allowed=f"more than {at_least(least)} mm",
+            allowed=Allowed.more_than(least, "mm"),
         )
     return {"toprem": Toprem(high, 0.0 if straight is None else float(np.radians(straight)), arc), "edge_radius": edge}

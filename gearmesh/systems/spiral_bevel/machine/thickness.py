@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError
 from gearmesh.systems.common.bevel.tooth_measures import PitchLines
-from gearmesh.systems.common.bounds import at_most
 from gearmesh.systems.spiral_bevel.machine.pair import Angles, Sides, beside_space
 
 if TYPE_CHECKING:
@@ -78,7 +78,7 @@ def cut_to(thickness: float, own: MemberBlank, module: float, cut_by: Callable[[
             thickness,
             unit="mm",
             reason="the cutter would have no point width",
-            allowed=f"at most {at_most(thickness + thin)} mm",
+            allowed=Allowed.at_most(thickness + thin, "mm"),
         )
     # secant steps from there; the first slope is that of a blade without lean
     width, slope = least, -1.0

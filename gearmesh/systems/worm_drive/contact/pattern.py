@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.allowed import Allowed
 from gearmesh.contact.assemblies import assembly_paths
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.path import ContactPath
@@ -25,7 +26,6 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.records import dataclass
-from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.common.pattern.meshing_place import MeshingPlace, Moves
 from gearmesh.systems.common.pattern.targets import HalfwayLevel, gear_targets
 from gearmesh.systems.system import PatternShift
@@ -136,7 +136,7 @@ class _Flank:
                 unit="mm",
                 shown=f"{self.own.hob.reference_diameter:.6g} mm (the default, the worm's)" if default else None,
                 reason="the wheel touches the worm along lines over all of its face, there is no pattern to be placed",
-                allowed=f"more than {at_least(self.own.reference_diameter)} mm",
+                allowed=Allowed.more_than(self.own.reference_diameter, "mm"),
             )
         if not (path.kind == "point").any():
             raise NoSolutionError("contact.flank", reason="without errors no flanks touch but on edges")

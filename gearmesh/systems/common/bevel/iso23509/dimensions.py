@@ -15,6 +15,7 @@ import math
 
 import numpy as np
 
+from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError
 from gearmesh.records import dataclass
 from gearmesh.systems.common.bevel.iso23509.blank_cones import BlankCones, blank_cones
@@ -30,7 +31,6 @@ from gearmesh.systems.common.bevel.iso23509.tooth_factors import (
     pressure_angles,
 )
 from gearmesh.systems.common.bevel.iso23509.tooth_line import FaceCutter, ToothLine, reaching
-from gearmesh.systems.common.bounds import at_most
 
 
 @dataclass(frozen=True)
@@ -255,7 +255,7 @@ def bevel_dimensions(
             pitch.face_width,
             unit="mm",
             reason="the wheel's face would reach the pinion's axis in the pitch plane",
-            allowed=f"less than {at_most(pitch.outer_cone_distance - abs(pitch.pitch_plane_offset))} mm",
+            allowed=Allowed.less_than(pitch.outer_cone_distance - abs(pitch.pitch_plane_offset), "mm"),
         )
     reaching(line, ends)
     drive, coast = pressure_angles(factors, pitch.limit_pressure_angle)

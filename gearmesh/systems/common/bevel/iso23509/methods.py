@@ -30,6 +30,7 @@ from typing import TypeAlias
 
 import numpy as np
 
+from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import bracketed_root
@@ -124,7 +125,7 @@ class OffsetPair:
                 unit="deg",
                 reason=f"with {self.teeth[0]} and {self.teeth[1]} teeth the wheel's pitch angle without offset is "
                 f"{np.degrees(wheel):.4g} deg",
-                allowed=f"less than {at_most(np.degrees(crown_shaft_angle(self.teeth)))} deg",
+                allowed=Allowed.less_than(np.degrees(crown_shaft_angle(self.teeth)), "deg"),
             )
         width = float(self.diameter / np.sin(self.estimate if self.method == 1 else wheel))
         if not 0.0 < self.face_width < 0.5 * width:

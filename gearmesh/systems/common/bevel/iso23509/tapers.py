@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError
 from gearmesh.systems.common.bevel.iso23509.pitch_cones import PitchCones
 from gearmesh.systems.common.bevel.iso23509.taper_names import TAPER_NAMES
-from gearmesh.systems.common.bounds import at_least
 
 #: largest sum of the dedendum angles with a tilted root line, over the sum of the standard taper
 MAX_TILT_RATIO = 1.3
@@ -72,7 +72,7 @@ def taper_angles(
             cutter_radius,
             unit="mm",
             reason=f"a {taper} taper would make the teeth deeper at the toe",
-            allowed=f"more than {at_least(float(least))} mm, or another taper",
+            allowed=Allowed.more_than(float(least), "mm", note=", or another taper"),
         )
     if taper == "tilted_root_line":
         angle_sum = min(angle_sum, MAX_TILT_RATIO * (pinion_angle + wheel_angle))
