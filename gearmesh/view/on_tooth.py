@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, every_nth, unit
+from gearmesh.kernel.numeric.lattice import bilinear
 from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.records import dataclass
 from gearmesh.view.palette import EDGE_COLOUR, LINE_COLOUR, PATH_COLOUR
@@ -299,7 +300,7 @@ def closest_gap(grid: Array, patches: Sequence[tuple[Array, Array]]) -> Array:
             near = np.flatnonzero(((places >= low) & (places <= high)).all(axis=1))
             index = _index_in(lattice, known, places[near])
             within = ((index >= 0.0) & (index <= np.array(known.shape) - 1.0)).all(axis=1)
-            here = _bilinear(np.where(known, gap, np.nan)[..., None], index[within])[:, 0]
+            here = bilinear(np.where(known, gap, np.nan)[..., None], index[within])[:, 0]
             smallest[near[within]] = np.fmin(smallest[near[within]], here)
     return np.where(np.isfinite(smallest), smallest, np.nan).reshape(grid.shape[:-1])
 
@@ -321,22 +322,11 @@ def _index_in(lattice: Array, known: NDArray[np.bool_], places: Array) -> Array:
     for _ in range(10):
         # Newton step with the bilinear values and slopes at the indices, held inside the lattice.
         base = np.clip(indices, 0.0, last)
-        x, y, x_i, x_j, y_i, y_j = _bilinear(planes, base).T
+        x, y, x_i, x_j, y_i, y_j = bilinear(planes, base).T
         dx, dy = places[:, 0] - x, places[:, 1] - y
         step = np.stack((dx * y_j - dy * x_j, dy * x_i - dx * y_i), axis=-1) / (x_i * y_j - x_j * y_i)[:, None]
         indices = base + step
     return indices
-
-
-def _bilinear(values: Array, index: Array) -> Array:
-    """Values (K, C) at fractional indices (K, 2) of a lattice (M, N, C); scipy.ndimage would take longer to load."""
-    first = np.clip(np.floor(index).astype(np.int64), 0, np.maximum(np.array(values.shape[:2]) - 2, 0))
-    (i, j), (u, v) = first.T, (index - first).T[..., None]
-    i_next, j_next = np.minimum(i + 1, values.shape[0] - 1), np.minimum(j + 1, values.shape[1] - 1)
-    low = (1.0 - v) * values[i, j] + v * values[i, j_next]
-    high = (1.0 - v) * values[i_next, j] + v * values[i_next, j_next]
-    mixed: Array = (1.0 - u) * low + u * high
-    return mixed
 
 
 def _last_inside(beyond: Callable[[Array, NDArray[np.intp]], Array], inside: Array, outside: Array) -> Array:

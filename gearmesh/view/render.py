@@ -15,9 +15,10 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.progress import tell
 from gearmesh.records import dataclass
 from gearmesh.view.lettering import MAX_TITLE_WIDTH_SHARE, break_lines
+from gearmesh.view.offscreen.colour_tables import colour_table
 from gearmesh.view.offscreen.finish import finish
 from gearmesh.view.offscreen.letters import Image, LetteredImage, PixelBox, ticks
-from gearmesh.view.offscreen.shapes import colour_table, drawing_order
+from gearmesh.view.offscreen.shapes import drawing_order
 from gearmesh.view.opengl import draw
 from gearmesh.view.palette import CURVE_COLOURS, MARKING_COLOUR, RUBBED_COLOUR
 from gearmesh.view.scene import BODIES_WIDTH_SHARE, Camera, Scene, ValueMap, beside_bar

@@ -46,6 +46,7 @@ from gearmesh.contact.hertz import Material
 from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, unit
+from gearmesh.kernel.numeric.lattice import numbers_at
 from gearmesh.loaded.compliance.half_space import point_displacements
 from gearmesh.loaded.compliance.incompatible_modes import UNIT_CORNERS, corner_stresses, stiffness, unknowns
 from gearmesh.loaded.compliance.layers import responses
@@ -779,11 +780,9 @@ class _Images:
 
 def _node_numbers(nodes: Array, places: Array) -> Index:
     """Return the numbers (...,) of the nodes (N, 3) at places (..., 3)."""
-    from scipy.spatial import cKDTree
-
-    distance, number = cKDTree(nodes).query(places)
-    assert distance.max() < NODE_TOLERANCE_MM, "the mesh has no nodes there"
-    return np.asarray(number, dtype=np.int64)
+    numbers = numbers_at(nodes, places, NODE_TOLERANCE_MM)
+    assert numbers.min() >= 0, "the mesh has no nodes there"
+    return numbers
 
 
 def _columns(rows: Index, values: Array, count: int) -> csr_array:

@@ -35,6 +35,7 @@ from functools import lru_cache
 import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.grid_spline import GridSpline
 
 #: steps of ln(k x); twice as many change `release` by 3e-3
 WAVE_STEPS = 160
@@ -70,11 +71,10 @@ def release(phi: Array, poisson_ratio: float) -> Array:
 @lru_cache(maxsize=8)
 def _table(poisson_ratio: float) -> Array:
     """Return coefficients (RELEASE_POWERS, TABLE_ANGLES) of `release` at equally spaced phi from 0 to a right angle."""
-    from scipy.interpolate import RectBivariateSpline
     from scipy.special import k0
 
     t, waves = _released_waves(poisson_ratio)
-    spline = RectBivariateSpline(t, t, waves)
+    spline = GridSpline.through(t, t, waves)
     m = np.linspace(0.0, 1.0, RELEASE_POWERS)
     # wave numbers k up to exp(MAX_LOG_DISTANCE), dense near 0
     u = (np.arange(WAVE_NUMBERS) + 0.5) / WAVE_NUMBERS
@@ -84,7 +84,7 @@ def _table(poisson_ratio: float) -> Array:
     near, far = (
         np.log(np.maximum(0.5 * k * (1.0 + way * m[:, None]), np.exp(MIN_LOG_DISTANCE))) for way in (-1.0, 1.0)
     )
-    without_wedge = spline.ev(near, np.minimum(far, MAX_LOG_DISTANCE)) - WEDGE_RELEASE * 2.0 / np.pi * k0(k)
+    without_wedge = spline.jet(near, np.minimum(far, MAX_LOG_DISTANCE)).f - WEDGE_RELEASE * 2.0 / np.pi * k0(k)
     # sum the waves along the edge, after subtraction of the wedge's limit, whose sum is known
     y = np.tan(0.5 * np.pi * np.arange(TABLE_ANGLES - 1) / (TABLE_ANGLES - 1))
     along_edge = (without_wedge * (2.0 * u * np.exp(MAX_LOG_DISTANCE) / WAVE_NUMBERS)) @ np.cos(np.outer(k, y))

@@ -8,6 +8,7 @@ import numpy as np
 
 from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.lattice import numbers_at
 from gearmesh.mesh.hexahedra.hexes import HexMesh
 
 #: largest distance of nodes of both cut faces, turned onto each other, as a share of the largest radius: rounding
@@ -19,12 +20,10 @@ def pair_cuts(mesh: HexMesh, turn: Rigid) -> HexMesh:
 
     Raises DesignError if the cut faces have different nodes.
     """
-    from scipy.spatial import cKDTree
-
     first, last = mesh.node_sets["cut_right"], mesh.node_sets["cut_left"]
     wanted = turn.point(mesh.nodes[first])
-    distance, nearest = cKDTree(mesh.nodes[last]).query(wanted)
-    if np.unique(nearest).size < len(last) or distance.max() > ROUNDING_SHARE * np.abs(wanted).max():
+    nearest = numbers_at(mesh.nodes[last], wanted, ROUNDING_SHARE * float(np.abs(wanted).max()))
+    if np.unique(nearest).size < len(last) or nearest.min() < 0:
         raise DesignError("sector", reason="the cut faces of the hexahedra are not alike")
     nodes, partners = mesh.nodes.copy(), last[nearest]
     nodes[partners] = wanted

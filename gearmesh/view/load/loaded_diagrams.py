@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.lattice import bilinear
 from gearmesh.loaded.sharing import LoadedMesh, whole_cycle
 from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import GearPair
@@ -74,11 +75,11 @@ class LoadedPanel:
 
     def at(self, places: Array) -> Array:
         """Largest pressure (...,), MPa, at places (..., 2), mm."""
-        from scipy.ndimage import map_coordinates
-
         low, high = self.bounds
-        index = (places - low) / (high - low) * self.pressure.shape[::-1] - 0.5
-        interpolated: Array = map_coordinates(self.pressure, index[..., ::-1].reshape(-1, 2).T, order=1)
+        index = ((places - low) / (high - low) * self.pressure.shape[::-1] - 0.5)[..., ::-1].reshape(-1, 2)
+        inside = ((index >= 0.0) & (index <= np.array(self.pressure.shape) - 1.0)).all(axis=1)
+        interpolated = np.zeros(len(index))
+        interpolated[inside] = bilinear(self.pressure[..., None], index[inside])[:, 0]
         return interpolated.reshape(places.shape[:-1])
 
 

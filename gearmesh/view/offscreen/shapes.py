@@ -17,6 +17,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.records import dataclass
+from gearmesh.view.offscreen.colour_tables import colour_table
 from gearmesh.view.offscreen.drawing_process import PLAIN_PRIMITIVE, Order, Primitive
 from gearmesh.view.offscreen.front_plane import cut_front, section_lines
 from gearmesh.view.palette import INK_COLOUR, MARKING_COLOUR, REGION_EDGE, RUBBED_COLOUR, rgb
@@ -443,14 +444,6 @@ def _map(value_map: ValueMap, viewer: Viewer) -> Iterator[Primitive]:
         points, limit = viewer.move_back(points, -0.5), value_map.limit
         table = colour_table(value_map.colours).tobytes()
         yield _primitive(points, cells, INK_COLOUR, values=_floats(values), limit=limit, table=table, cut=limit)
-
-
-def colour_table(name: str) -> NDArray[np.uint8]:
-    """Colours (256, 4) of a scale from zero to the largest, by matplotlib's name of the colours."""
-    from matplotlib import colormaps
-
-    table: NDArray[np.uint8] = (colormaps[name](np.linspace(0.0, 1.0, 256)) * 255.0).round().astype(np.uint8)
-    return table
 
 
 def _curve(curve: Curve, viewer: Viewer) -> Iterator[Primitive]:
