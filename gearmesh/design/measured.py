@@ -43,6 +43,18 @@ def pitch_list(member: str, flank: str) -> Any:
     )
 
 
+def radial_list(member: str) -> Any:
+    """Return the key of the distances by which pins are farther from the axis than their circle says."""
+    return keys.number(
+        f"how far outwards the pins of the {member} are out of place, um, from the one on x; all of it counts",
+        None,
+        low=-MAX_DEVIATION_UM,
+        high=MAX_DEVIATION_UM,
+        most=MAX_LISTED_TEETH,
+        default="none; of the member with pins alone",
+    )
+
+
 def runout_list(member: str) -> Any:
     """Return the key of the runout of all spaces."""
     return keys.number(
@@ -145,9 +157,11 @@ class CycloidalMeasured(Table):
     disc_pitch: str | None = pitch_file("disc")
     disc_pitch_right_um: tuple[float, ...] | None = pitch_list("disc", "right")
     disc_pitch_left_um: tuple[float, ...] | None = pitch_list("disc", "left")
+    disc_radial_um: tuple[float, ...] | None = radial_list("disc")
     ring_pitch: str | None = pitch_file("ring")
     ring_pitch_right_um: tuple[float, ...] | None = pitch_list("ring", "right")
     ring_pitch_left_um: tuple[float, ...] | None = pitch_list("ring", "left")
+    ring_radial_um: tuple[float, ...] | None = radial_list("ring")
 
 
 class RackMeasured(MeasuredTable):

@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.conditions.meshing import Flank
-from gearmesh.contact.engagement.pitch_turns import flanks_ahead
+from gearmesh.contact.engagement.pitch_turns import farther_out_ahead, flanks_ahead
 from gearmesh.contact.flanks import solver_pair, touching_jets
 from gearmesh.contact.hertz import line_contact, point_contact
 from gearmesh.contact.pair import MEMBER_NAMES, Pair
@@ -258,6 +258,12 @@ def near_pairs(gears: GearPair, phi1: Array, limit: float) -> NearPairs:
     pinion_ahead, gear_ahead = _ahead(gears, number)
     equivalent_phi1 = phi1[position] - gears.pitch * number + pinion_ahead
     paths = [contact_path(engagement.pair, equivalent_phi1[half == k]) for k, engagement in enumerate(engagements)]
+    if gears.uneven:
+        out = [
+            farther_out_ahead(row, path, number[half == k])
+            for k, (row, path) in enumerate(zip(rows, paths, strict=True))
+        ]
+        gear_ahead = gear_ahead + np.concatenate(out)
     touching = [touching_jets(row, path) for row, path in zip(rows, paths, strict=True)]
     jets = [_join(jets_of_rows) for jets_of_rows in zip(*touching, strict=True)]
     path = _join(paths)
@@ -374,6 +380,10 @@ class _Followed:
         pinion_ahead, gear_ahead = _ahead(self._gears, all_numbers)
         # pair k at phi1 is in the position of pair 0 at phi1 - k pitches; a pair without contact there has no advance
         path = contact_path(self.pair, (self._phi1[:, None] - self._pitch * all_numbers + pinion_ahead).ravel())
+        if self._gears.uneven:
+            gear_ahead = gear_ahead + farther_out_ahead(self._gears, path, all_numbers.ravel()).reshape(
+                gear_ahead.shape
+            )
         te = path.phi2 - self.pair.ratio * path.rotation + (self.pair.ratio * pinion_ahead - gear_ahead).ravel()
         advance = np.where(path.touching, self.pair.drive * te, -np.inf)
         lever = np.abs(dot(path.normal, self.pair.gear.mount.velocity(path.point)))

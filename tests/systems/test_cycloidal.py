@@ -202,9 +202,10 @@ def test_limits_of_lobes_have_no_undercut() -> None:
         (("disc_gap=1",), r"^disc_gap = 1 mm: there is one disc"),
         (("discs=2",), r"^ring\.face_width = 12 mm: 2 discs are wider; allowed is at least 25\.2 mm"),
         (
-            ("discs=2", "ring.face_width=28", "assembly.ring_eccentricity=0.01"),
-            r"^assembly\.ring_eccentricity = 0\.01 mm",
+            ("measured.disc_radial_um=[1, 2]",),
+            r'^measured\.disc_radial_um = "2 values": the disc has lobes; allowed is',
         ),
+        (("measured.ring_radial_um=[1, 2]",), r"^measured\.ring_radial_um = 2 values: must be 20 values"),
         (("output.pins=20",), r"^output\.pin_diameter = 8 mm: 20 holes of 11\.02 mm have no room"),
         (
             ("modification.tip_relief=0.1", "modification.tip_relief_start=80"),
@@ -262,6 +263,53 @@ def test_pins_out_of_place_turn_the_ring_as_the_first_pin_says() -> None:
         apart.append(np.abs(ahead - ahead[0] - te).max())
     assert min(apart) < 0.015 * np.ptp(te)
     assert sorted(apart)[1] > 0.1 * np.ptp(te)
+
+
+@pytest.mark.sweep
+def test_pins_set_too_far_out_turn_the_ring_as_the_first_pin_says() -> None:
+    """Both discs see the same pins, half a turn apart; a pin that is farther out opens its gap by the cosine of the lean."""
+    away, gap = np.round(np.random.default_rng(3).normal(0.0, 0.1, 20), 3), 0.0004
+    gears = gm.build(several(2, f"modification.equidistant={gap}", f"measured.ring_radial_um={away.tolist()}"))
+    own, seen = Drive(gears.design).curve, []
+    for pair in gears.pairs:
+        turns = whole_turns(pair)
+        apart = []
+        for first in range(20):
+            phi = (np.arange(20) + first + 0.5) * np.pi / 10 - turns.phi1[:, None] * 19 / 20
+            levers = -own.levers(phi)
+            with np.errstate(divide="ignore"):
+                gaps = gap + 1e-3 * away * np.cos(own.leans(phi))
+                ahead = np.where(levers > 1e-3, -gaps / levers, -np.inf).max(axis=-1)
+            apart.append(np.abs(ahead - ahead[0] - turns.te).max())
+        assert min(apart) < 0.01 * np.ptp(turns.te)
+        assert sorted(apart)[1] > 0.2 * np.ptp(turns.te)
+        seen.append(int(np.argmin(apart)))
+    assert (seen[0] - seen[1]) % 20 == 10
+
+
+@pytest.mark.sweep
+def test_an_eccentric_ring_has_two_discs_half_a_turn_apart() -> None:
+    first, second = (
+        gm.build(several(2, "assembly.ring_eccentricity=0.01", f"assembly.ring_phase={phase}")) for phase in (40, 220)
+    )
+    assert whole_turns(first.pairs[0]).te == pytest.approx(whole_turns(second.pairs[1]).te, abs=1e-12)
+
+
+@pytest.mark.sweep
+def test_pins_set_too_far_out_are_where_they_touch_under_a_small_load() -> None:
+    away = np.round(np.random.default_rng(3).normal(0.0, 5.0, 20), 2).tolist()
+    gears = gm.build(design("modification.equidistant=0.03", f"measured.ring_radial_um={away}"))
+    turns, places = whole_turns(gears.pairs[0]), [0, 6, 14, 34]
+    loaded = gears.loaded_contact([1e-3], np.degrees(turns.phi1[places]), level="quick").to_dict()
+    # 1 mNm turns the ring by a few thousandths of an arc second
+    assert loaded["te_arcsec"] == pytest.approx((np.degrees(turns.te[places]) * 3600.0).tolist(), abs=0.01)
+
+
+def test_solids_of_pins_out_of_place_are_nominal() -> None:
+    lists = [1.0] * 19 + [2.0], [float(k) for k in range(20)]
+    gears = gm.build(design(f"measured.ring_radial_um={lists[0]}", f"measured.ring_pitch_right_um={lists[1]}"))
+    for made in (gears.solid("ring", 0.05), gears.section("ring", tolerance=0.05)):
+        assert any("nominal places" in line for line in made.warnings)
 
 
 def several(discs: int, *overrides: str) -> Any:

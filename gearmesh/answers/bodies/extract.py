@@ -25,7 +25,11 @@ BOTH_FLANKS = "both"
 
 def at_nominal_places(member: Member) -> str:
     """Return the note on a body that repeats one tooth of a member with pitch deviations."""
+    from gearmesh.teeth.micro_geometry.placed_teeth import can_be_placed
+
     where = "its teeth are at their nominal places, as one is repeated"
+    if not can_be_placed(member):
+        return f"{member.name}: {where}; contact and load have pitch deviations"
     return f"{member.name}: {where}; meshes of whole solids and load have pitch deviations"
 
 
@@ -160,7 +164,7 @@ class Extract:
         from gearmesh.mesh.solid import gear_facets, some_teeth
         from gearmesh.mesh.tessellate import tessellate, tessellate_alike
         from gearmesh.mesh.turned_blank import blank_mesh
-        from gearmesh.teeth.micro_geometry.placed_teeth import placed_teeth
+        from gearmesh.teeth.micro_geometry.placed_teeth import can_be_placed, placed_teeth
         from gearmesh.teeth.space import Space
         from gearmesh.teeth.turned_blank import blank_of
 
@@ -169,7 +173,7 @@ class Extract:
             turned, bound = blank_mesh(blank, tolerance)
             return ExtractMesh(turned, bound, blank.genus, member)
         if member.index.uneven:
-            if self.space or self.flanks or self.sector is not None:
+            if self.space or self.flanks or self.sector is not None or not can_be_placed(member):
                 made = self.mesh(replace(member, index=NO_INDEX_ANGLES), tolerance, teeth)
                 return replace(made, warnings=(*made.warnings, at_nominal_places(member)))
             member = placed_teeth(member)

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from gearmesh.answers.bodies.extract import at_nominal_places
 from gearmesh.answers.gearset import GearSet
 from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, figures
@@ -176,7 +177,7 @@ def section_of(
     from gearmesh.cad.contours.paths import base_tolerance, drawn_section
     from gearmesh.cad.contours.redrawn import Curves
     from gearmesh.cad.section import member_section
-    from gearmesh.teeth.micro_geometry.placed_teeth import placed_teeth
+    from gearmesh.teeth.micro_geometry.placed_teeth import can_be_placed, placed_teeth
 
     if curves not in tuple(Curves):
         raise ArgumentError("curves", curves, must_be=f"one of {', '.join(Curves)}")
@@ -202,6 +203,8 @@ def section_of(
     )
     section = drawn_section(exact, kind, offset, tolerance)
     warnings = [*gears.warnings, *part.warnings]
+    if part.member.index.uneven and not can_be_placed(part.member):
+        warnings.append(at_nominal_places(part.member))
     stock = section.stock if section.stock > tolerance else 0.0
     if stock:
         warnings.append(

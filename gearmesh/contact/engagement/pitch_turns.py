@@ -6,12 +6,19 @@ phi2 count, so its transmission error is
 
     te_k(phi1) = te(phi1 + e1 - k pitch) + i e1 - e2
 
+A tooth that is r farther from its axis, as a pin that is set into a ring, moves along the normal n at the contact. The gear
+follows by an angle at which nothing moves along the normal, to first order in r. With the direction x of the tooth and the
+velocity v2 of the gear at a unit rotation, e2 has one of the terms more
+
+    r x n / (v2 n)  for teeth of the gear,      -r x n / (v2 n)  for teeth of the pinion
+
 The gears have the error of the most advanced tooth pair, edge contact included.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -33,8 +40,10 @@ from gearmesh.contact.engagement.turns import (
 from gearmesh.contact.fit.fit import play, reversed_pair
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.pair import Pair
+from gearmesh.contact.path import ContactPath
+from gearmesh.contact.tca import contact_path
 from gearmesh.errors import DesignError, NoSolutionError
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.progress import in_turn
 from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.region import Side
@@ -113,6 +122,8 @@ def shifted_advance(pair: GearPair, pitches: int, per_pitch: int) -> tuple[Array
     first, second = flanks_ahead(pair, number)
     there = (place + first).ravel()
     inside = (there >= followed.phi1[0]) & (there <= followed.phi1[-1])
+    if any(member.index.outwards for member in pair.both):
+        second = second + _farther_out_by_place(pair, followed, number, place + first)
     advance = np.full(there.shape, -np.inf)
     own_advance = of_pair.at(there[inside])[0]
     advance[inside] = np.where(np.isnan(own_advance), -np.inf, own_advance)
@@ -130,11 +141,55 @@ def flanks_ahead(pair: GearPair, number: NDArray[np.intp]) -> tuple[Array, Array
 
     `number` (...,) counts tooth pairs: pair k stands where pair 0 stood k pitches before.
     """
-    first, second = (
-        _index_angles(member, side)[np.mod(-int(member.mount.sign) * sense * number, member.tooth.teeth)]
-        for member, side, sense in zip(pair.both, pair.flanks, (1, int(np.sign(pair.ratio))), strict=True)
-    )
+    first, second = _of_pairs(pair, number, _index_angles)
     return first, second
+
+
+def _of_pairs(pair: GearPair, number: NDArray[np.intp], values: Callable[[Member, Side], Array]) -> list[Array]:
+    """Return values (N,) of the teeth of pinion and gear for tooth pairs `number` (...,)."""
+    return [
+        values(member, side)[np.mod(-int(member.mount.sign) * sense * number, member.tooth.teeth)]
+        for member, side, sense in zip(pair.both, pair.flanks, (1, int(np.sign(pair.ratio))), strict=True)
+    ]
+
+
+def farther_out_ahead(pair: GearPair, path: ContactPath, number: NDArray[np.intp]) -> Array:
+    """Return angles (M,), rad, by which the gear's flanks are ahead for teeth that are farther from their axes, as phi2 counts.
+
+    `path`: contacts (M,) of a tooth pair at its nominal place. `number` (M,) counts tooth pairs as `flanks_ahead` does.
+    """
+    found = np.zeros(len(path.phi1))
+    for rate, away in zip(_farther_out_rates(pair, path), _of_pairs(pair, number, _farther_out), strict=True):
+        found += rate * away
+    return found
+
+
+def _farther_out_rates(pair: GearPair, path: ContactPath) -> list[Array]:
+    """Return angles (M,), rad/mm, by which flanks of the gear are ahead for each mm that a tooth of either member is farther
+    out; 0 without contact."""
+    moved = dot(path.normal, pair.gear.mount.velocity(path.point))
+    rates = []
+    for member, turn, sense in zip(pair.both, (path.rotation, path.phi2), (-1.0, 1.0), strict=True):
+        x = member.mount.at(turn).vector(np.array([1.0, 0.0, 0.0]))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            rates.append(np.where(path.touching, sense * dot(path.normal, x) / moved, 0.0))
+    return rates
+
+
+def _farther_out_by_place(pair: GearPair, followed: Engagement, number: NDArray[np.intp], place: Array) -> Array:
+    """Return the angles of `farther_out_ahead` of tooth pairs `number` (...,) at rotations `place` (...,), rad, of pair 0."""
+    from scipy.interpolate import CubicSpline
+
+    nodes = followed.phi1
+    path = contact_path(solver_pair(pair), nodes)
+    found = np.zeros(np.broadcast_shapes(number.shape, place.shape))
+    for rate, away in zip(_farther_out_rates(pair, path), _of_pairs(pair, number, _farther_out), strict=True):
+        found += CubicSpline(nodes[path.touching], rate[path.touching])(place) * away
+    return found
+
+
+def _farther_out(member: Member, side: Side) -> Array:
+    return member.index.farther_out(member.tooth.teeth)
 
 
 def _index_angles(member: Member, side: Side) -> Array:

@@ -68,7 +68,20 @@ class MeasuredPlaces:
 
     def says(self, name: str) -> bool:
         """Return True if the design has pitch deviations or runout of a member."""
-        return any(value is not None for value in self._values(name).values())
+        return self.farther_out(name) is not None or any(value is not None for value in self._values(name).values())
+
+    def farther_out(self, name: str, teeth: int | None = None) -> Array | None:
+        """Return the distances (N,), mm, by which the teeth of a member are farther from its axis; None if none are given.
+
+        Raises DesignError for another number than that of the `teeth`.
+        """
+        key = f"{self._named(name)}_radial_um"
+        values = getattr(self._table, key, None)
+        if values is None:
+            return None
+        if teeth is not None and len(values) != teeth:
+            raise DesignError(f"measured.{key}", f"{len(values)} values", must_be=f"{teeth} values, one a tooth")
+        return np.asarray(MM_PER_UM * np.array(values))
 
     def _values(self, name: str) -> dict[str, Any]:
         table_name = self._named(name)
@@ -143,7 +156,9 @@ class MeasuredPlaces:
         tooth, basis = member.tooth, basis_of(member.name)
         of_runout = f"measured.{_list_keys(self._named(member.name))[-1]}"
         pitch = self.pitch(member.name, tooth.teeth, basis).complete(None if basis is None else basis.ball, of_runout)
-        return replace(member, index=index_angles(pitch, pitch_radius(tooth, basis)))
+        index = index_angles(pitch, pitch_radius(tooth, basis))
+        away = self.farther_out(member.name, tooth.teeth)
+        return replace(member, index=index if away is None else replace(index, outwards=tuple(away.tolist())))
 
 
 def _file_key(member: str) -> str:

@@ -246,7 +246,7 @@ class CycloidalDesign(Design):
 
     @model_validator(mode="after")
     def _several_discs(self) -> Self:
-        """Refuse a gap without a second disc, a ring that does not reach all discs, and deviations of a ring of several."""
+        """Refuse a gap without a second disc, and a ring that does not reach all discs."""
         if self.discs == 1:
             if self.disc_gap is not None:
                 raise conflict("disc_gap", self.disc_gap, reason="there is one disc", allowed="left out, or 2 discs")
@@ -259,12 +259,22 @@ class CycloidalDesign(Design):
                 reason=f"{self.discs} discs are wider",
                 allowed=Allowed.at_least(least, self.units),
             )
-        if self.assembly.ring_eccentricity:
-            reason = "is followed with one disc alone"
-            raise conflict("assembly.ring_eccentricity", self.assembly.ring_eccentricity, reason=reason, allowed="0")
-        for key, given in self.measured.plain().items() if self.measured else ():
-            if key.startswith(RING_NAME) and given is not None:
-                raise conflict("discs", self.discs, must_be=f"1: measured.{key} is followed with one disc alone")
+        return self
+
+    @model_validator(mode="after")
+    def _pins_out_of_place(self) -> Self:
+        """Refuse lobes that are farther out: pins alone are single parts."""
+        lobed = DISC_NAME if self.pins_in_ring else RING_NAME
+        key = f"{lobed}_radial_um"
+        given = None if self.measured is None else getattr(self.measured, key)
+        if given is not None:
+            other = RING_NAME if self.pins_in_ring else DISC_NAME
+            raise conflict(
+                f"measured.{key}",
+                f"{len(given)} values",
+                reason=f"the {lobed} has lobes",
+                allowed=f"measured.{other}_radial_um",
+            )
         return self
 
     @model_validator(mode="after")

@@ -1,5 +1,5 @@
 """Index deviations of a gear's teeth as angles about its axis, positive if a flank is ahead of its theoretical
-place.
+place; and distances by which whole teeth are farther from the axis.
 """
 
 from __future__ import annotations
@@ -19,11 +19,14 @@ class IndexAngles:
     """Angles, rad, about the member's z axis by which flanks are ahead of their theoretical places, by the number of
     the tooth.
 
-    `right`, `left`: angles (N,) of each side, empty if the side has no deviations.
+    - `right`, `left`: angles (N,) of each side, empty if the side has no deviations.
+    - `outwards`: distances (N,), mm, by which teeth are farther from the axis, as pins that are set into a ring; empty if
+      none are.
     """
 
     right: tuple[float, ...] = ()
     left: tuple[float, ...] = ()
+    outwards: tuple[float, ...] = ()
 
     @staticmethod
     def of_sides(angles: Mapping[Side, Array]) -> IndexAngles:
@@ -37,15 +40,15 @@ class IndexAngles:
 
     @property
     def uneven(self) -> bool:
-        """True if the deviations of a side differ from tooth to tooth."""
-        return any(np.ptp(values) > 0.0 for values in (self.right, self.left) if values)
+        """True if the deviations of a side differ from tooth to tooth, or teeth are farther from the axis."""
+        return any(np.ptp(values) > 0.0 for values in (self.right, self.left) if values) or any(self.outwards)
 
     def check(self, name: str, teeth: int) -> None:
         """Refuse a number of deviations that is not the number of teeth.
 
         `name`: the member's, which the refusal names. Raises DesignError for another number of deviations.
         """
-        for values in (self.right, self.left):
+        for values in (self.right, self.left, self.outwards):
             if values and len(values) != teeth:
                 raise DesignError(
                     f"{name} pitch deviations", len(values), must_be=f"{teeth}, one a tooth", topic="pitch deviations"
@@ -53,7 +56,7 @@ class IndexAngles:
 
     def from_tooth(self, first: int) -> IndexAngles:
         """Return the index deviations with the teeth counted from another tooth, `first`."""
-        return IndexAngles(*(values[first:] + values[:first] for values in (self.right, self.left)))
+        return IndexAngles(*(values[first:] + values[:first] for values in (self.right, self.left, self.outwards)))
 
     def of(self, side: Side, teeth: int) -> Array:
         """Return the index deviations of the flanks of one side.
@@ -62,6 +65,10 @@ class IndexAngles:
         """
         values = self.right if side is Side.RIGHT else self.left
         return np.array(values) if values else np.zeros(teeth)
+
+    def farther_out(self, teeth: int) -> Array:
+        """Return the distances (N,), mm, by which the teeth, N of them, are farther from the axis."""
+        return np.array(self.outwards) if self.outwards else np.zeros(teeth)
 
 
 #: index angles of teeth at their theoretical places

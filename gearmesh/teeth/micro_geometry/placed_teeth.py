@@ -35,11 +35,15 @@ def placed_teeth(member: Member) -> Member:
     """Return the member with teeth that differ by their places, and no index angles; the same member if all angles are
     equal.
 
+    Teeth with generated lands, as lobes and pins, stay at their nominal places: lands do not follow moved flanks.
+
     Raises DesignError if flanks cannot be moved, as flanks with corners.
     """
     index, teeth = member.index, member.tooth.teeth
     if not index.uneven:
         return member
+    if not can_be_placed(member):
+        return replace(member, index=NO_INDEX_ANGLES)
     angles = np.stack([index.of(side, teeth) for side in Side], axis=-1)
     kinds, which = np.unique(angles, axis=0, return_inverse=True)
     try:
@@ -49,6 +53,11 @@ def placed_teeth(member: Member) -> Member:
     return replace(member, index=NO_INDEX_ANGLES).with_teeth(
         {k: made[kind] for k, kind in enumerate(which.ravel().tolist())}
     )
+
+
+def can_be_placed(member: Member) -> bool:
+    """Return True if the flanks of a member can be moved: their lands are no generated surfaces."""
+    return member.tooth.crest is None
 
 
 def _turned_tooth(tooth: Tooth, angles: dict[Side, float]) -> Tooth:
