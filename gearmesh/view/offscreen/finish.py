@@ -7,6 +7,7 @@ darker; flat and raised parts stay as they are. Lines and areas on a body keep t
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,19 +46,28 @@ def finish(scene: Scene, order: Order, drawn: bytearray, size: tuple[int, int]) 
     # a pixel is the mean, weighted by distance, of four by four drawn pixels; RGBX tells Pillow to ignore the
     # transparency
     large = pillow.frombuffer("RGBX", (wide, high), pixels, "raw", "RGBX", 0, -1)
-    image = np.asarray(large.resize(size, pillow.Resampling.BILINEAR).convert("RGB"))
-    if light is None:
-        return image
-    share = np.asarray(pillow.fromarray(light[::-1]).resize(size, pillow.Resampling.BILINEAR))
-    # channel by channel: numpy takes ten times as long over a last axis of three
-    red, green, blue = np.moveaxis(image, -1, 0)
-    darkest = np.minimum(np.minimum(red, green), blue)
-    plain = darkest == 255
+    image = large.resize(size, pillow.Resampling.BILINEAR).convert("RGB")
+    if light is not None:
+        share = pillow.fromarray(np.rint(255.0 * light[::-1]).astype(np.uint8))
+        image = _lit(image, share.resize(size, pillow.Resampling.BILINEAR), scene)
+    return np.asarray(image)
+
+
+def _lit(image: Any, share: Any, scene: Scene) -> Any:
+    """Return Pillow's picture in a share (of 255) of its light; white, and colours that tell quantities, keep all.
+
+    Pillow takes a tenth of numpy's time for parts of one byte.
+    """
+    from PIL import Image as pillow
+    from PIL.ImageChops import darker, lighter, multiply, subtract
+
+    red, green, blue = image.split()
+    darkest = darker(darker(red, green), blue)
+    full = lighter(share, darkest.point([0] * 255 + [255]))
     if scene.maps or scene.areas or scene.curves or scene.dots:
-        plain |= np.maximum(np.maximum(red, green), blue) - darkest > MIN_COLOURED_RANGE
-    share = np.where(plain, np.float32(1.0), share)
-    lit: Image = np.rint(image * share[..., None]).astype(np.uint8)
-    return lit
+        colourful = subtract(lighter(lighter(red, green), blue), darkest)
+        full = lighter(full, colourful.point([255 * (part > MIN_COLOURED_RANGE) for part in range(256)]))
+    return multiply(image, pillow.merge("RGB", (full, full, full)))
 
 
 def _words(colours: Sequence[str], brightness: float = 1.0) -> NDArray[np.uint32]:
