@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import field, replace
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar, cast
+from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeAlias, TypeVar, cast
 
 from gearmesh.arguments import checks_arguments
 from gearmesh.design.unusual import unusual_settings
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from gearmesh.kernel.motion.rigid import Rigid
     from gearmesh.kernel.numeric.algebra import Array
     from gearmesh.metrology.measured_teeth import InspectionBasis
-    from gearmesh.teeth.gear_train import GearTrain, Member
+    from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
     from gearmesh.teeth.tooth import Tooth
 
 DesignT = TypeVar("DesignT", bound="Design")
@@ -254,6 +254,18 @@ class DrawnRows:
     measured: str = ""
 
 
+class NominalStresses(Protocol):
+    """Nominal stresses of a mesh by a standard, without load factors."""
+
+    def root_stress(self, torque: float) -> tuple[float, float]:
+        """Return root stresses, MPa, of pinion and gear under a torque on the pinion, N mm; NaN where unknown."""
+        ...
+
+    def contact_stress(self, torque: float, modulus: float) -> float:
+        """Return the contact stress, MPa, under a torque on the pinion, N mm; `modulus`: E*, MPa."""
+        ...
+
+
 @dataclass(frozen=True)
 class System(Generic[DesignT]):
     """A gear system: a kind with its designs and the functions for them. Only `build` is required.
@@ -285,6 +297,8 @@ class System(Generic[DesignT]):
     member_sheet: Callable[[DesignT, str], tuple[SheetTable, ...]] | None = None
     #: tables of the forces for a torque (Nm) on the pinion, with powers if its speed (1/min) is given
     forces: Callable[[DesignT, float, float | None], tuple[SheetTable, ...]] | None = None
+    #: factors of the nominal stresses of a mesh of a design
+    nominal: Callable[[DesignT, GearPair], NominalStresses | None] | None = None
     #: settings that compensate the assembly errors of a design in its own units
     compensate: Callable[[DesignT], list[Setting]] | None = None
     #: settings of the named member that compensate the assembly errors

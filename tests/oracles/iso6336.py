@@ -44,6 +44,10 @@ class Hobbed:
 
     def lever(self, tip: float, reference: float, ratio: float) -> float:
         """h_Fe in modules: of a force at the outer point of single contact; diameters of tip and reference circle, eps_alpha."""
+        return self.load(tip, reference, ratio)[0]
+
+    def load(self, tip: float, reference: float, ratio: float) -> tuple[float, float]:
+        """h_Fe in modules and the load angle alpha_Fen of this force."""
         inv = math.tan(self.alpha) - self.alpha
         d_n = self.virtual
         d_bn = d_n * math.cos(self.alpha)
@@ -62,4 +66,4 @@ class Hobbed:
         half = 0.5 * math.pi + 2.0 * self.shift * math.tan(self.alpha) + self.allowance
         gamma = half / self.virtual + inv - (math.tan(a_en) - a_en)
         a_fen = a_en - gamma
-        return 0.5 * (math.cos(gamma) - math.sin(gamma) * math.tan(a_fen)) * d_en - self.root()[2]
+        return 0.5 * (math.cos(gamma) - math.sin(gamma) * math.tan(a_fen)) * d_en - self.root()[2], a_fen

@@ -179,6 +179,15 @@ class LoadedTotals(Figures):
         optional=True,
     )
     fillets: Mapping[str, FilletFigures] = figure("largest stresses in the fillets", parts=FilletFigures)
+    nominal_contact_stress: float | None = figure(
+        "nominal contact stress of ISO 6336-2, without load factors", "MPa", "sigma_H0", optional=True
+    )
+    nominal_root_stress: Mapping[str, float] = figure(
+        "nominal root stress of ISO 6336-3, without load factors",
+        "MPa",
+        "sigma_F0",
+        key="{member}_nominal_root_stress_mpa",
+    )
     on_edge: bool = figure("whether there is edge contact at any position")
     edge_contact: bool = figure("whether the contact pressure is singular at an edge anywhere")
     edge_load_share: Mapping[str, float] = figure(

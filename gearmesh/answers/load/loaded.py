@@ -26,6 +26,7 @@ from gearmesh.answers.load.members import held_by_rim, materials_of, mounts_of
 from gearmesh.answers.result import Result, RunTime, columns, header
 from gearmesh.answers.tables import Listing, csv_text, round_to
 from gearmesh.contact.engagement.cycle import Cycle
+from gearmesh.contact.hertz import contact_modulus
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, Status
 from gearmesh.figures import Content, Entry, Figure, Summary, flat
@@ -47,6 +48,7 @@ from gearmesh.loaded.sharing import (
 )
 from gearmesh.progress import listening
 from gearmesh.records import dataclass
+from gearmesh.systems.system import NominalStresses, system_of
 from gearmesh.teeth.blank.features import BodyFeatures
 from gearmesh.teeth.gear_train import GearPair
 
@@ -348,6 +350,8 @@ class LoadedContact(Result):
             **self._per_width(torque, load),
             k_h_beta=self._face_load_factor(load),
             fillets=self._fillets(*(_most(in_fillet[torque]) for in_fillet in self._in_fillets())),
+            nominal_contact_stress=self._nominal_contact(torque),
+            nominal_root_stress=self._nominal_root(torque),
             on_edge=bool((load.on_edge & (load.force > 0.0)).any()),
             edge_contact=bool(load.edge_contact.any()),
             edge_load_share={
@@ -356,6 +360,26 @@ class LoadedContact(Result):
                 if edge_load.edge
             },
         )
+
+    @cached_property
+    def _nominal(self) -> NominalStresses | None:
+        """Nominal stresses of a standard; None of kinds without them."""
+        of_kind = system_of(self.design).nominal
+        return None if of_kind is None else of_kind(self.design, self.pair)
+
+    def _nominal_contact(self, torque: int) -> float | None:
+        """Return the nominal contact stress, MPa, under a torque; None if there is none."""
+        if self._nominal is None:
+            return None
+        modulus = contact_modulus(*materials_of(self.design, self.pair))
+        return self._nominal.contact_stress(float(self.mesh.torque[torque]), modulus)
+
+    def _nominal_root(self, torque: int) -> dict[str, float]:
+        """Return the nominal root stresses, MPa, of the members that have them under a torque."""
+        if self._nominal is None:
+            return {}
+        stresses = self._nominal.root_stress(float(self.mesh.torque[torque]))
+        return {name: value for name, value in zip(self.pair.members, stresses, strict=True) if np.isfinite(value)}
 
     def _per_width(self, torque: int, load: PairLoad) -> dict[str, float | None]:
         """Return the stiffness per mm of face under a torque: of the mesh, of the teeth, and the largest of a tooth
@@ -499,8 +523,24 @@ class LoadedContact(Result):
                 _FILLET_COLUMNS,
                 [_fillet_cells(total, name) for total in totals for name in self.pair.members],
             ),
+            *self._nominal_listing(),
             *([Listing("Most load next to edges", ["Nm", "edge", "% of the torque"], edges)] if edges else []),
         ]
+
+    def _nominal_listing(self) -> list[Listing]:
+        """Return the table of the nominal stresses; empty of kinds without them."""
+        if self._nominal is None:
+            return []
+        rows = [
+            [
+                total.torque,
+                round_to(total.nominal_contact_stress or np.nan, 4),
+                *(round_to(total.nominal_root_stress.get(name, np.nan), 4) for name in self.pair.members),
+            ]
+            for total in self.totals
+        ]
+        heads = ["Nm", "contact", *(f"{name} root" for name in self.pair.members)]
+        return [Listing("Nominal stresses of ISO 6336-2 and -3 without load factors, MPa", heads, rows)]
 
     def to_dict(self) -> dict[str, list[Any]]:
         return columns([row.row for row in self.rows])

@@ -47,6 +47,7 @@ from gearmesh.systems.cylindrical.geometry.line_of_action import (
     undercut_reserve,
 )
 from gearmesh.systems.cylindrical.geometry.nominal import MEMBER_NAMES
+from gearmesh.systems.cylindrical.geometry.nominal_stress import NominalFactors, nominal_factors
 from gearmesh.systems.cylindrical.geometry.proportions import (
     GearProportions,
     GearsProportions,
@@ -60,7 +61,7 @@ from gearmesh.systems.cylindrical.geometry.root import CriticalSection, critical
 from gearmesh.systems.cylindrical.measured import flanks_of
 from gearmesh.systems.system import Reserve, Sheet, SheetTable, complete_design
 from gearmesh.teeth.blank.moments import member_moments
-from gearmesh.teeth.gear_train import GearTrain, Member
+from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
 from gearmesh.teeth.micro_geometry.modified import modification_of
 from gearmesh.teeth.micro_geometry.radial_feed import FedCrowning, twist_of
 from gearmesh.teeth.region import Side
@@ -128,8 +129,28 @@ def pair_reserves(design: CylindricalDesign, train: GearTrain) -> tuple[Reserve,
 
 def _sheet_pair(own: CylindricalDesign, train: GearTrain) -> SheetPair:
     """Return the pair of a complete design in mm and the gear set built from it."""
+    return pair_of_members(own, tuple(train.members[name] for name in MEMBER_NAMES))
+
+
+def pair_of_members(own: CylindricalDesign, members: tuple[Member, ...]) -> SheetPair:
+    """Return the pair of a complete design in mm and its pinion and gear as built."""
     half = half_of(own)
-    return SheetPair(half, proportions(half), tuple(train.members[name] for name in MEMBER_NAMES))
+    return SheetPair(half, proportions(half), members)
+
+
+def pair_factors(design: CylindricalDesign, pair: GearPair) -> NominalFactors | None:
+    """Return the factors of the nominal stresses of a pair [ISO 6336-2, -3]; None for asymmetric teeth and gears apart."""
+    return factors_of(pair_of_members(complete_design(design).in_mm(), pair.both), pair)
+
+
+def factors_of(known: SheetPair, pair: GearPair) -> NominalFactors | None:
+    """Return the factors of the nominal stresses of a mesh; None for asymmetric teeth and gears apart."""
+    if known.asymmetric or not known.overlap > 0.0 or not known.line.contact_ratio > 0.0:
+        return None
+    first, second = (
+        critical_section(member.tooth, teeth) for member, teeth in zip(known.members, known.teeth, strict=True)
+    )
+    return nominal_factors(known.line, (first, second), known.overlap, len(pair.halves))
 
 
 def half_tables(design: HalvesKeys, members: tuple[Member, ...]) -> list[SheetTable]:

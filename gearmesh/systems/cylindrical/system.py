@@ -21,6 +21,7 @@ GEAR_SYSTEMS = (
         sheet=late("cylindrical.sheet:data_sheet"),
         reserves=late("cylindrical.sheet:pair_reserves"),
         forces=late("cylindrical.force_tables:pair_forces"),
+        nominal=late("cylindrical.sheet:pair_factors"),
         displacements=ASSEMBLY_DISPLACEMENTS,
         pinned=late("cylindrical.pinned:pair_values"),
         drawn=DRAWN_ROWS,

@@ -114,8 +114,26 @@ def _contour_radius(plane: SlantedLevel, jet: Jet) -> Array:
 def lever(line: LineOfAction, number: int, section: CriticalSection) -> float:
     """Return the lever h_F (mm) of a force at the outer point of single contact [ISO 6336-3 6.2, B].
 
-    The lever is measured from the chord of the critical section. The tooth's virtual spur gear has z_n = z /
-    (cos(beta_b)^2 cos(beta)) teeth. The active flank ends at the tip of its own gear or at the mating gear's fillet.
+    The lever is measured from the chord of the critical section.
+    """
+    teeth = line.members[number]
+    radius, base, angle = _load(line, number)
+    # the line of action through this point crosses the tooth's middle
+    crossing = base / math.cos(angle)
+    return teeth.sense * (crossing - radius + teeth.radius - section.radius)
+
+
+def load_angle(line: LineOfAction, number: int) -> float:
+    """Return the angle alpha_Fen, rad, of this force to the normal of the tooth's middle [ISO 6336-3 6.2]."""
+    return _load(line, number)[2]
+
+
+def _load(line: LineOfAction, number: int) -> tuple[float, float, float]:
+    """Return reference and base radius of the virtual spur gear, mm, and the angle of a force at its outer point of
+    single contact, rad.
+
+    The tooth's virtual spur gear has z_n = z / (cos(beta_b)^2 cos(beta)) teeth. The active flank ends at the tip of its
+    own gear or at the mating gear's fillet.
     """
     teeth = line.members[number]
     beta_b = teeth.beta_b
@@ -129,6 +147,4 @@ def lever(line: LineOfAction, number: int, section: CriticalSection) -> float:
     length = math.sqrt(max(0.0, tip**2 - base**2)) - teeth.sense * max(0.0, ratio - 1.0) * pitch
     pressure = math.atan2(length, base)
     half = 0.5 * teeth.thickness / radius + teeth.sense * (involute(teeth.alpha) - involute(pressure))
-    # the line of action through this point crosses the tooth's middle
-    crossing = base / math.cos(pressure - teeth.sense * half)
-    return teeth.sense * (crossing - radius + teeth.radius - section.radius)
+    return radius, base, pressure - teeth.sense * half

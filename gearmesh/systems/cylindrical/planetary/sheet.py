@@ -11,6 +11,7 @@ import numpy as np
 from gearmesh.systems.common.plain_sheet import plain_sheet
 from gearmesh.systems.common.symbol_table import Row, table, tables_of
 from gearmesh.systems.cylindrical.double_helical import half_of
+from gearmesh.systems.cylindrical.geometry.nominal_stress import NominalFactors
 from gearmesh.systems.cylindrical.geometry.proportions import proportions
 from gearmesh.systems.cylindrical.planetary.build import meshes
 from gearmesh.systems.cylindrical.planetary.design import PLANET_NAME, RING_NAME, SUN_NAME
@@ -23,9 +24,9 @@ from gearmesh.systems.cylindrical.planetary.motion import (
     ratio,
     speeds,
 )
-from gearmesh.systems.cylindrical.sheet import SheetPair, half_tables, pair_tables
+from gearmesh.systems.cylindrical.sheet import SheetPair, factors_of, half_tables, pair_of_members, pair_tables
 from gearmesh.systems.system import Reserve, Sheet, SheetTable, complete_design
-from gearmesh.teeth.gear_train import GearTrain, Member
+from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
 from gearmesh.teeth.region import Region, Side
 
 if TYPE_CHECKING:
@@ -78,6 +79,13 @@ def _sheet_members(train: GearTrain) -> dict[str, Member]:
         PLANET_NAME: train.members[f"{PLANET_NAME}_1"],
         RING_NAME: train.members[RING_NAME],
     }
+
+
+def set_factors(design: PlanetaryDesign, pair: GearPair) -> NominalFactors | None:
+    """Return the factors of the nominal stresses of a mesh of a set [ISO 6336-2, -3]."""
+    both = meshes(complete_design(design).in_mm())
+    mesh = both.inner if SUN_NAME in pair.members else both.outer
+    return factors_of(pair_of_members(mesh, pair.both), pair)
 
 
 def _sheet_pairs(own: PlanetaryDesign, train: GearTrain) -> tuple[SheetPair, SheetPair]:

@@ -5,7 +5,7 @@ from gearmesh.systems.cylindrical.inspection.basis import planetary_inspection
 from gearmesh.systems.cylindrical.pinned import planetary_values
 from gearmesh.systems.cylindrical.planetary.build import build, derived_values
 from gearmesh.systems.cylindrical.planetary.design import PlanetaryDesign
-from gearmesh.systems.cylindrical.planetary.sheet import planetary_reserves, planetary_sheet
+from gearmesh.systems.cylindrical.planetary.sheet import planetary_reserves, planetary_sheet, set_factors
 from gearmesh.systems.cylindrical.rexs.planets import PLANETARY_FORM
 from gearmesh.systems.cylindrical.single.drawn import DRAWN_ROWS
 from gearmesh.systems.system import System
@@ -19,6 +19,7 @@ GEAR_SYSTEMS = (
         sheet=planetary_sheet,
         reserves=planetary_reserves,
         forces=set_forces,
+        nominal=set_factors,
         pinned=planetary_values,
         drawn=DRAWN_ROWS,
         inspection=planetary_inspection,
