@@ -17,6 +17,8 @@ Sources:
 - Film: D. Dowson and G. R. Higginson, Elasto-Hydrodynamic Lubrication, 1966: h = 1.6 rho G^0.6 U^0.7 W^-0.13 with E' = 2 E*,
   G = alpha E', U = eta (u1 + u2) / (2 E' rho), W = w / (E' rho). ISO/TS 6336-22 has this film, and a factor for the heat of
   sliding that is not applied here.
+- Mean coefficient of friction: ISO/TR 14179-2:2001, mu = 0.048 (F_bt / (b v_sum rho))^0.2 eta^-0.05 Ra^0.25 at the pitch point, for
+  mineral oil (X_L = 1), with F_bt / b in N/mm, sum velocity in m/s, rho in mm, viscosity in mPa s, roughness in um.
 """
 
 from __future__ import annotations
@@ -33,6 +35,10 @@ STEEL_HEAT_CAPACITY = 3.8e6
 STEEL_THERMAL_CONTACT = float(np.sqrt(STEEL_CONDUCTIVITY * STEEL_HEAT_CAPACITY))
 #: largest flash temperature over that of the mean heat of a semi-elliptic band on a half-space, by sqrt(2 b / u) / B
 BLOK_FACTOR = 1.11
+#: least load per face width, N/mm, for the mean coefficient of friction: smaller loads count as this one
+LEAST_FACE_LOAD = 150.0
+#: largest circumferential speed, m/s, for it: faster gears count as slow as this one
+LARGEST_PITCH_SPEED = 50.0
 #: least Peclet number at which heat has no time to flow along the surface
 LEAST_PECLET = 5.0
 
@@ -88,3 +94,20 @@ def film_thickness(
     load = 1e3 * line_load / (stiffness * radius)
     film: Array = 1e6 * 1.6 * radius * material**0.6 * speed**0.7 * load**-0.13
     return film
+
+
+def mean_friction(
+    face_load: float, pitch_speed: float, working_angle: float, curvature: float, viscosity: float, roughness: float
+) -> float:
+    """Return the mean coefficient of friction of a mesh of parallel axes under mineral oil [ISO/TR 14179-2].
+
+    - `face_load`: transverse force at the base circle per face width, N/mm.
+    - `pitch_speed`: circumferential speed of the working pitch circles, m/s.
+    - `working_angle`: working transverse pressure angle, rad.
+    - `curvature`: relative curvature at the pitch point, across the contact, 1/mm.
+    - `viscosity`: dynamic viscosity at the temperature of the oil, mPa s.
+    - `roughness`: arithmetic mean roughness Ra of both flanks, um.
+    """
+    sum_velocity = 2.0 * min(pitch_speed, LARGEST_PITCH_SPEED) * np.sin(working_angle)
+    load = max(face_load, LEAST_FACE_LOAD) * curvature / sum_velocity
+    return float(0.048 * load**0.2 * viscosity**-0.05 * roughness**0.25)

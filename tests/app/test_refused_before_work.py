@@ -91,6 +91,7 @@ WRONG: dict[str, dict[str, Any]] = {
         "--friction": ("2", "--friction = 2: must be a coefficient", "--tribology", "out.csv"),
         "--viscosity": ("-1", "--viscosity = -1", "--tribology", "out.csv"),
         "--pressure-viscosity": ("20", "--pressure-viscosity = 20: a film needs", "--tribology", "out.csv"),
+        "--roughness": ("0.4", "--roughness = 0.4: the coefficient of friction", "--tribology", "out.csv"),
         "--pair": ("gear", "--pair = gear"),
     },
     "solid": {

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from oracles.loaded import loaded_contact
 from scipy.integrate import quad
 
+import gearmesh as gm
 from gearmesh.contact.hertz import STEEL, contact_modulus
 from gearmesh.errors import ArgumentError
 from gearmesh.loaded.lubrication import flash_temperature
@@ -80,10 +83,44 @@ def test_rows_have_the_film_of_the_standard_and_the_pressure_of_hertz() -> None:
     assert total.max_flash_temperature == max(row.flash_temperature or 0.0 for row in rows)
 
 
+@pytest.mark.parametrize("sample", ["spur", "helical"])
+def test_standard_friction_is_that_of_the_pitch_point(sample: str) -> None:
+    """ISO/TR 14179-2 from the sheet's geometry; the efficiency is that of this coefficient, and of its local sum velocity."""
+    oil, roughness, torque = 30.0, 0.4, {"spur": 400.0, "helical": 900.0}[sample]
+    loaded = loaded_contact(sample, (torque,), 3 if sample == "helical" else 9)
+    (total,) = loaded.tribology(SPEED, viscosity=oil, roughness=roughness).totals
+    tables = gm.build(loaded.design).sheet().plain_tables
+    of_pair = {key: values[1] for key, values in tables["Pair"].items() if len(values) == 2}
+    working, beta_b, u = np.radians(of_pair["alpha_wt"]), np.radians(of_pair["beta_b"]), of_pair["u"]
+    radius = of_pair["a"] / (1.0 + u)
+    pitch_speed = 1e-3 * radius * SPEED * np.pi / 30.0
+    width = min(tables["Members"]["b"][1:])
+    per_width = 1e3 * torque / (radius * np.cos(working)) / width
+    reduced = radius * np.sin(working) / np.cos(beta_b) * u / (u + 1.0)
+    wanted = 0.048 * (per_width / (2.0 * pitch_speed * np.sin(working) * reduced)) ** 0.2
+    wanted *= oil**-0.05 * roughness**0.25
+    assert per_width > 150.0
+    assert total.standard_friction == pytest.approx(wanted, rel=2e-3)
+    same = loaded.tribology(SPEED, friction=total.standard_friction).totals[0].efficiency
+    assert total.standard_efficiency == pytest.approx(same, rel=1e-9)
+    # loads below 150 N/mm count as 150 N/mm
+    light = replace(loaded, mesh=replace(loaded.mesh, torque=0.01 * loaded.mesh.torque))
+    least = light.tribology(SPEED, viscosity=oil, roughness=roughness).totals[0].standard_friction
+    assert least == pytest.approx(wanted * (150.0 / per_width) ** 0.2, rel=2e-3)
+
+
+def test_standard_friction_needs_parallel_axes() -> None:
+    loaded = loaded_contact("face_gear", (50.0,), 3)
+    with pytest.raises(ArgumentError, match=r"roughness = 0\.4 um: must be left out unless the axes are parallel"):
+        assert loaded.tribology(SPEED, viscosity=30.0, roughness=0.4).totals
+
+
 @pytest.mark.parametrize(
     ("given", "message"),
     [
         ({"friction": 1.0}, "friction = 1"),
+        ({"roughness": 0.4, "speed": 10.0}, "roughness = 0.4: the coefficient of friction of ISO/TR 14179-2 needs"),
+        ({"roughness": 0.4, "viscosity": 30.0}, "viscosity = 30: the coefficient of friction of ISO/TR 14179-2 needs"),
         ({"speed": 10.0, "viscosity": 0.0, "pressure_viscosity": 1.0}, "viscosity = 0"),
         ({"speed": 10.0, "viscosity": 5.0}, "viscosity = 5: a film needs"),
         ({"viscosity": 5.0, "pressure_viscosity": 20.0}, "viscosity = 5: a film needs speed"),

@@ -53,7 +53,7 @@ from gearmesh.teeth.blank.features import BodyFeatures
 from gearmesh.teeth.gear_train import GearPair
 
 if TYPE_CHECKING:
-    from gearmesh.answers.load.tribology import Tribology
+    from gearmesh.answers.load.tribology import PitchPoint, Tribology
 
 #: positions in a pitch
 POSITIONS_PER_PITCH = 21
@@ -286,6 +286,7 @@ class LoadedContact(Result):
         friction: float | None = None,
         viscosity: float | None = None,
         pressure_viscosity: float | None = None,
+        roughness: float | None = None,
     ) -> Tribology:
         """Load, curvature, sliding and rolling along every loaded contact; efficiency, flash temperature and film.
 
@@ -299,6 +300,9 @@ class LoadedContact(Result):
             Dynamic viscosity, mPa s, of the oil at the bulk temperature of the teeth: adds the film thickness.
         pressure_viscosity : float, optional
             Its pressure-viscosity coefficient, 1/GPa.
+        roughness : float, optional
+            Arithmetic mean roughness Ra of both flanks, um, on parallel axes: with speed and viscosity adds the mean coefficient
+            of friction of ISO/TR 14179-2 for mineral oil, and the efficiency with it.
 
         Returns
         -------
@@ -318,8 +322,27 @@ class LoadedContact(Result):
         """
         from gearmesh.answers.load.tribology import RunningConditions, Tribology
 
-        running = RunningConditions(speed, friction, viscosity, pressure_viscosity)
-        return Tribology(self.design, self.pair, self.mesh, self.warnings, running)
+        running = RunningConditions(speed, friction, viscosity, pressure_viscosity, roughness)
+        return Tribology(self.design, self.pair, self.mesh, self.warnings, running, self._pitch_point)
+
+    @property
+    def _pitch_point(self) -> PitchPoint | None:
+        """The pitch point; None unless the axes are parallel and both members turn."""
+        from gearmesh.answers.load.tribology import PitchPoint
+
+        if self._face is None or self.pair.output.travel is not None:
+            return None
+        low, high = self._face
+        first, second = self.pair.mounts
+        # speed of the gear over that of the pinion, below 0 if they turn in opposite senses
+        ratio = self.pair.ratio * float(first.spin @ second.spin)
+        distance = float(np.linalg.norm(np.cross(second.origin - first.origin, first.axis)))
+        radius = distance * abs(ratio) / abs(1.0 - ratio)
+        # radii of curvature in the transverse section are the distances from both base circles along the line of action
+        cosine = _base_cosine(self.pair, self.mesh.loads[-1])
+        reach = np.sqrt(radius**2 - self.lever**2)
+        curvature = cosine / reach * abs(1.0 - ratio)
+        return PitchPoint(self.lever, radius, (high - low) * len(self.pair.halves), float(curvature))
 
     @cached_property
     def totals(self) -> list[LoadedTotals]:
@@ -768,6 +791,13 @@ def _lever(pair: GearPair, load: PairLoad) -> float:
     if _has_parallel_axes(pair):
         across = np.sqrt(1.0 - (grid.normal @ pair.pinion.mount.axis) ** 2)
     return float((weight * grid.levers[0] / across).sum() / weight.sum())
+
+
+def _base_cosine(pair: GearPair, load: PairLoad) -> float:
+    """Return the cosine of the base helix angle of a pair on parallel axes, from the normals of loaded flanks."""
+    grid = load.separation
+    pressed = (load.pressure.sum(axis=2) > 0.0) & ~grid.edged
+    return float(np.median(np.sqrt(1.0 - (grid.normal[pressed] @ pair.pinion.mount.axis) ** 2)))
 
 
 #: remedies that reduce the load next to an edge

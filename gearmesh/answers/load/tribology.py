@@ -27,6 +27,7 @@ from gearmesh.loaded.lubrication import (
     film_thickness,
     flash_temperature,
     half_width,
+    mean_friction,
     peclet_number,
 )
 from gearmesh.loaded.rows import ContactRows, contact_rows
@@ -42,6 +43,8 @@ TOTAL_HEADINGS = {
     "max_sliding_at_speed": "sliding m/s",
     "max_pressure_velocity": "p v MPa m/s",
     "efficiency": "efficiency %",
+    "standard_friction": "mu of 14179-2",
+    "standard_efficiency": "efficiency %, mu of 14179-2",
     "friction_power": "friction W",
     "max_flash_temperature": "flash K",
     "min_film_thickness": "film um",
@@ -98,6 +101,12 @@ class TribologyTotals(Figures):
     efficiency: float | None = figure(
         "efficiency of the mesh with sliding friction alone, mean over the positions", "%", "eta", optional=True
     )
+    standard_friction: float | None = figure(
+        "mean coefficient of friction of ISO/TR 14179-2 for mineral oil", symbol="mu_m", optional=True
+    )
+    standard_efficiency: float | None = figure(
+        "efficiency of the mesh with this coefficient of friction", "%", "eta", optional=True
+    )
     friction_power: float | None = figure("friction power, mean over the positions", "W", "P_VZ", optional=True)
     max_flash_temperature: float | None = figure(
         "largest flash temperature by Blok, away from edges", "K", "Theta_fl", optional=True
@@ -122,24 +131,52 @@ class RunningConditions:
     viscosity: float | None = None
     #: pressure-viscosity coefficient of the oil there, 1/GPa
     pressure_viscosity: float | None = None
+    #: arithmetic mean roughness Ra of both flanks, um
+    roughness: float | None = None
 
     def __post_init__(self) -> None:
         refuse_speed(self.speed)
         if self.friction is not None and not 0.0 < self.friction < 1.0:
             raise ArgumentError("friction", self.friction, must_be="a coefficient above 0 and below 1")
-        oil = {"viscosity": ("mPa s", self.viscosity), "pressure_viscosity": ("1/GPa", self.pressure_viscosity)}
-        for name, (unit, value) in oil.items():
-            if value is not None and not 0.0 < value < math.inf:
-                raise ArgumentError(name, value, unit=unit, must_be="a finite number above 0")
-        given = [name for name, (_, value) in oil.items() if value is not None]
-        if len(given) == 1 or (given and self.speed is None):
-            value = oil[given[0]][1]
-            raise ArgumentError(given[0], value, reason="a film needs speed, viscosity and pressure_viscosity")
+        units = {"viscosity": "mPa s", "pressure_viscosity": "1/GPa", "roughness": "um"}
+        given = {name: value for name in units if (value := getattr(self, name)) is not None}
+        for name, value in given.items():
+            if not 0.0 < value < math.inf:
+                raise ArgumentError(name, value, unit=units[name], must_be="a finite number above 0")
+        reasons = {
+            "pressure_viscosity": "a film needs speed, viscosity and pressure_viscosity",
+            "roughness": "the coefficient of friction of ISO/TR 14179-2 needs speed, viscosity and roughness",
+        }
+        if "viscosity" in given and (len(given) == 1 or self.speed is None):
+            reason = reasons["roughness" if "roughness" in given else "pressure_viscosity"]
+            raise ArgumentError("viscosity", given["viscosity"], reason=reason)
+        for name, reason in reasons.items():
+            if name in given and "viscosity" not in given:
+                raise ArgumentError(name, given[name], reason=reason)
 
     @property
     def per_rad(self) -> float | None:
         """Velocity, m/s, of 1 mm per rad of the pinion; None without a speed."""
         return None if self.speed is None else velocity_per_rad(self.speed)
+
+
+@dataclass(frozen=True)
+class PitchPoint:
+    """Mesh of parallel axes at its pitch point."""
+
+    #: base radius of the pinion, mm
+    base_radius: float
+    #: radius of its working pitch circle, mm
+    radius: float
+    #: common face width, mm, of all halves
+    face: float
+    #: relative curvature across the contact, 1/mm
+    curvature: float
+
+    @property
+    def working_angle(self) -> float:
+        """Working transverse pressure angle, rad."""
+        return math.acos(self.base_radius / self.radius)
 
 
 @dataclass(frozen=True, repr=False)
@@ -156,6 +193,8 @@ class Tribology(Result):
     warnings: tuple[str, ...] = ()
     #: speed, friction and oil
     running: RunningConditions = RunningConditions()
+    #: the pitch point; None unless the axes are parallel
+    pitch_point: PitchPoint | None = None
 
     @property
     def suffixes(self) -> tuple[str, ...]:
@@ -226,9 +265,9 @@ class Tribology(Result):
         flash, film = heated.flash_temperature, heated.film_thickness
         # friction work over the work of the loads without friction, mean over the positions; under the given torque
         # friction reduces all loads to 1 / (1 + lost)
-        lost = None
-        if heated.friction_work is not None:
-            lost = 1e-3 * float(heated.friction_work.sum()) / len(self.mesh.phi1) / torque
+        slid = 1e-3 * float((contact.line_load * contact.length * sliding).sum()) / len(self.mesh.phi1) / torque
+        lost = None if self.running.friction is None else self.running.friction * slid
+        standard = self._standard_friction(torque)
         return TribologyTotals(
             torque,
             float(sliding.max()),
@@ -236,9 +275,30 @@ class Tribology(Result):
             None if per_rad is None else per_rad * float(sliding.max()),
             None if per_rad is None else per_rad * largest_known((contact.pressure * sliding)[inner]),
             None if lost is None else 100.0 / (1.0 + lost),
+            standard,
+            None if standard is None else 100.0 / (1.0 + standard * slid),
             None if lost is None or per_rad is None else 1e3 * per_rad * torque * lost / (1.0 + lost),
             None if flash is None else largest_known(flash[inner]),
             None if film is None else -largest_known(-film[inner]),
+        )
+
+    def _standard_friction(self, torque: float) -> float | None:
+        """Return the mean coefficient of friction [ISO/TR 14179-2] under a torque, Nm; None without a roughness."""
+        running = self.running
+        if running.roughness is None or running.viscosity is None or running.per_rad is None:
+            return None
+        point = self.pitch_point
+        if point is None:
+            raise ArgumentError(
+                "roughness", running.roughness, unit="um", must_be="left out unless the axes are parallel"
+            )
+        return mean_friction(
+            1e3 * torque / (point.base_radius * point.face),
+            running.per_rad * point.radius,
+            point.working_angle,
+            point.curvature,
+            running.viscosity,
+            running.roughness,
         )
 
     @property
@@ -291,6 +351,7 @@ class Tribology(Result):
             "friction": self.running.friction,
             "viscosity_mpa_s": self.running.viscosity,
             "pressure_viscosity_per_gpa": self.running.pressure_viscosity,
+            "roughness_um": self.running.roughness,
             **Summary(TribologyFigures(self.totals, self.rows)),
         }
 

@@ -70,6 +70,12 @@ def load(
     pressure_viscosity: Annotated[
         float | None, option("--pressure-viscosity N", "Pressure-viscosity coefficient of the oil, 1/GPa.")
     ] = None,
+    roughness: Annotated[
+        float | None,
+        option(
+            "--roughness RA", "Roughness Ra of the flanks, um: friction of ISO/TR 14179-2 and the efficiency with it."
+        ),
+    ] = None,
     pair: Pair = None,
     timing: Timing = True,
     settings: Set = None,
@@ -85,6 +91,7 @@ def load(
         "friction": friction,
         "viscosity": viscosity,
         "pressure_viscosity": pressure_viscosity,
+        "roughness": roughness,
     }
     for name, value in running.items():
         if tribology is None and value is not None:
