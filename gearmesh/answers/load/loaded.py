@@ -330,12 +330,12 @@ class LoadedContact(Result):
         """The pitch point; None unless the axes are parallel and both members turn."""
         from gearmesh.answers.load.tribology import PitchPoint
 
-        if self._face is None or self.pair.output.travel is not None:
+        first, second = self.pair.mounts
+        # speed of the gear over that of the pinion, below 0 if they turn in opposite senses, 0 if the gear slides
+        ratio = self.pair.ratio * float(first.spin @ second.spin)
+        if self._face is None or ratio == 0.0:
             return None
         low, high = self._face
-        first, second = self.pair.mounts
-        # speed of the gear over that of the pinion, below 0 if they turn in opposite senses
-        ratio = self.pair.ratio * float(first.spin @ second.spin)
         distance = float(np.linalg.norm(np.cross(second.origin - first.origin, first.axis)))
         radius = distance * abs(ratio) / abs(1.0 - ratio)
         # radii of curvature in the transverse section are the distances from both base circles along the line of action
