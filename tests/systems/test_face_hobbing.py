@@ -293,6 +293,23 @@ def test_conjugate_pinion_of_a_formed_gear_is_cut_in_the_cradle() -> None:
         assert np.abs(path.phi2 - mesh.ratio * path.phi1 - path.phi2[3]).max() < 1e-9
 
 
+@pytest.mark.parametrize("name", NAMES)
+def test_pinions_of_formed_gears_with_many_teeth_have_a_ratio_of_roll_of_their_own(name: str) -> None:
+    """Blades at the ratio of the teeth would be hollow by 17 working depths, and their flanks interfere by 25 um."""
+    values = {"kind": "spiral_bevel", "process": "face_hobbed_formate", "module": 2, "spiral_angle": 26.4}
+    teeth = {"pinion": {"teeth": 38}, "gear": {"teeth": 154}, "head": {"blade_groups": 6}}
+    gears = gm.build(gm.parse({**values, **teeth, "contact": {"side": f"pinion_{name}"}}))
+    made = bevel_teeth(gears.design.in_mm())
+    depth, sides = made.cut.blank.mean_working_depth, made.cut.pinion
+    assert 24.0 - 1e-9 < -sides[name].blade.blade_radius / depth < 36.0
+    assert abs(sides[name].settings.ratio_of_roll / (38 / 154) - 1.0) > 0.05
+    answer = gears.contact().summary
+    assert not answer["interference_um"]
+    assert not answer["te_breaks_phi1_deg"]
+    assert answer["mesh_te_peak_to_peak_arcsec"] == pytest.approx(10.0, rel=0.1)
+    assert answer["contact_ratio"] > 1.0
+
+
 @pytest.mark.parametrize("pair", SYNTHESISED)
 def test_synthesised_pinion_has_the_contact_that_its_design_asks_for(pair: str) -> None:
     """Local synthesis is exact: axis of the ellipse, and derivative of the ratio."""

@@ -16,12 +16,14 @@ g = a x (P - C). The edge sweeps the crown gear's surface with the velocity w = 
    K1 are the equations for the unknowns, solved by Newton steps.
 
 Where the cradle takes the place of a gear that is not generated, m is the ratio of the teeth, and the curvature of the
-blade is the third unknown: hollow blades crown the profile, and the machine stays near the gear's.
+blade is the third unknown: hollow blades crown the profile, and the machine stays near the gear's. Blades change only
+the curvature along the line that generates. On gears with many teeth this line is nearly along the tooth, and blades
+would be too hollow to touch in more than a point. They are then as hollow as they may be, and m is the third unknown.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -40,6 +42,12 @@ from gearmesh.systems.spiral_bevel.synthesis.local_synthesis import (
 
 #: largest residual of the operator (dimensionless: times the cone distance) that counts as solved
 OPERATOR_TOLERANCE = 1e-12
+#: curvature of the most hollow blade at the ratio of the teeth, over that of the most hollow blade
+MAX_HOLLOW_SHARE = 0.75
+#: curvature of a blade beside a sought ratio of roll, over that of the blade at the ratio of the teeth
+BLADE_SHARE = 0.9
+#: number of steps from the start's operator to the one asked for, where another root of the ratio of roll is near
+OPERATOR_STEPS = 6
 #: step of differences of the dimensionless unknowns
 DIFFERENCE_STEP = 1e-7
 
@@ -60,6 +68,18 @@ class IndexingHead:
     ratio: float
     #: 1/R of the blade, 1/mm, 0 straight, > 0 convex; None if it is sought at the ratio of roll
     blade_curvature: float | None
+    #: 1/R of the most hollow blade that is sought, 1/mm
+    hollowest: float = -np.inf
+
+
+@dataclass(frozen=True)
+class HeadStart:
+    """Head and unknowns of a machine from which the Newton steps to one nearby start."""
+
+    #: the head, with the curvature of the blade or without
+    head: IndexingHead
+    #: unknowns (3,)
+    unknowns: Array
 
 
 def head_settings(
@@ -68,32 +88,36 @@ def head_settings(
     planes: MachinePlanes,
     side: int,
     head: IndexingHead,
-    start: Array | None = None,
-) -> tuple[ToolSettings, Array]:
-    """Return the settings of the head whose flank has a given point, normal and shape operator, and its unknowns (3,).
+    start: HeadStart | None = None,
+) -> tuple[ToolSettings, HeadStart]:
+    """Return the settings of the head whose flank has a given point, normal and shape operator, and a start for others.
 
     - `operator`: shape operator (3, 3) of the pinion, 1/mm
     - `mean`: mean point (3,) and normal (3,)
     - `planes`: axes of cradle and cutter, and the plane in which the blade ends
     - `side`: +1 for outside, -1 for inside blades
-    - `start`: unknowns of a machine nearby
+    - `start`: that of a machine nearby
 
     Raises NoSolutionError if the steps do not converge.
     """
-    fit = _IndexingFit(mean[0], mean[1], planes, side, head)
-    with np.errstate(all="ignore"):
-        begin = fit.start if start is None else start
-        solution = newton.solve(fit.residual_of(operator), begin[None], tolerance=OPERATOR_TOLERANCE)
-    if not solution.converged[0]:
+    fit = _IndexingFit(mean[0], mean[1], planes, side, head if start is None else start.head)
+    solved = fit.solved(operator, fit.start if start is None else start.unknowns)
+    if fit.head.blade_curvature is None and (
+        solved is None or fit.curvature(solved) < MAX_HOLLOW_SHARE * head.hollowest
+    ):
+        flatter = -np.inf if solved is None else BLADE_SHARE * fit.curvature(solved)
+        fit = replace(fit, head=replace(fit.head, blade_curvature=max(flatter, head.hollowest)))
+        solved = fit.solved(operator, fit.start, OPERATOR_STEPS) if np.isfinite(head.hollowest) else None
+    if solved is None:
         raise NoSolutionError(
             reason="no face-hobbing machine gives this contact", remedy="change spiral_angle, offset or head.radius"
         )
-    made = fit.cut(solution.values)
+    made = fit.cut(solved[None])
     velocity, ratio = made.cradle_velocity[0], float(made.ratio[0])
     curvature = float(made.blade_curvature[0])
     blade = BladeAtMean(float(made.angle[0]), float(made.radius[0]), made.radial[0], made.down[0], curvature)
     arm = -np.cross(planes.cradle, velocity) / ratio
-    return placed_tool(mean[0], planes, blade, ratio, arm), solution.values[0]
+    return placed_tool(mean[0], planes, blade, ratio, arm), HeadStart(fit.head, solved)
 
 
 @dataclass(frozen=True)
@@ -168,6 +192,23 @@ class _IndexingFit:
         turned = -self.side * np.sqrt(self.head.radius**2 - cutter @ cutter)
         third = 0.0 if self.head.blade_curvature is None else self.head.ratio
         return np.array([moved @ cradle_free / self._size, turned / self._size, third])
+
+    def curvature(self, unknowns: Array) -> float:
+        """Return the curvature (1/mm) of the blade of unknowns (3,) where it is sought."""
+        return float(unknowns[2] / self._size)
+
+    def solved(self, operator: Array, start: Array, steps: int = 1) -> Array | None:
+        """Return the unknowns (3,) with the operator (3, 3), or None; in steps from the operator of the start (3,)."""
+        at = start
+        with np.errstate(all="ignore"):
+            own = self._basis.T @ self.cut(start[None]).operator[0] @ self._basis
+            for step in range(1, steps + 1):
+                target = operator if step == steps else own + step / steps * (operator - own)
+                solution = newton.solve(self.residual_of(target), at[None], tolerance=OPERATOR_TOLERANCE)
+                if not solution.converged[0]:
+                    return None
+                at = solution.values[0]
+        return at
 
     def residual_of(self, operator: Array) -> newton.Residual:
         """Return residuals (M, 3) of the operator (3, 3), and their derivatives (M, 3, 3) by differences."""

@@ -33,6 +33,8 @@ HOBBED_TAPER = "uniform"
 ECCENTRICITY_STEP_SHARE = 1e-4
 #: least difference of curvatures along the contact line, over the least one that has the transmission error
 MIN_CURVATURE_RATIO = 1.3
+#: radius of the most hollow blades that crown a pinion's profile, over the working depth; with 15 to 20 they interfere
+HOLLOWEST_BLADE_DEPTHS = 24.0
 #: table of the gear's blades by side of the gear
 BLADE_TABLES = {"concave": "outside", "convex": "inside"}
 
@@ -201,7 +203,9 @@ def indexing_head(design: FaceMilledDesign, blank: BevelBlank, name: str, cradle
         c, s = np.cos(own.pitch_angle), np.sin(own.pitch_angle)
         centre = np.array([0.0, 0.0, -own.pitch_apex])
         ratio = float(s / np.linalg.norm(np.cross(cradle, [s, 0.0, c])))
-    return IndexingHead(design.head.blade_groups / own.teeth, lead, blank.cutter_radius, centre, ratio, curvature)
+    hollowest = -1.0 / (HOLLOWEST_BLADE_DEPTHS * blank.mean_working_depth)
+    per_turn = design.head.blade_groups / own.teeth
+    return IndexingHead(per_turn, lead, blank.cutter_radius, centre, ratio, curvature, hollowest)
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,7 @@ from gearmesh.systems.spiral_bevel.design import (
     SpiralBevelDesign,
 )
 from gearmesh.systems.spiral_bevel.hobbing.head import check_head, head_radius
-from gearmesh.systems.spiral_bevel.hobbing.head_synthesis import head_settings
+from gearmesh.systems.spiral_bevel.hobbing.head_synthesis import HeadStart, head_settings
 from gearmesh.systems.spiral_bevel.hobbing.sides import (
     hobbed_cones,
     hobbed_gear,
@@ -384,14 +384,14 @@ def tool_values(
     operator = to_cut.rotation @ operator @ to_cut.rotation.T
     head = indexing_head(design, blank, name, cradle) if design.hobbed else None
 
-    unknowns: Array | None = None
+    nearby: HeadStart | None = None
 
     def solve(planes: MachinePlanes) -> ToolSettings:
-        nonlocal unknowns
+        nonlocal nearby
         if head is None:
             return tool_settings(operator, mean, planes, side, curvature)
         # the next lean is near the last one
-        settings, unknowns = head_settings(operator, mean, planes, side, head, unknowns)
+        settings, nearby = head_settings(operator, mean, planes, side, head, nearby)
         return settings
 
     def leaning(axis: Array) -> ToolSettings:
