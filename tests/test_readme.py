@@ -134,6 +134,13 @@ def test_the_page_of_commands_has_those_of_the_program() -> None:
 
 
 @pytest.mark.quick
+def test_pages_are_at_most_120_lines_long() -> None:
+    """READMEs say what it is, how, what comes out, and limits; evidence goes to the notes beside them."""
+    lines = {file: len(read(file).splitlines()) for file in FILES if file.endswith("README.md")}
+    assert {file: count for file, count in lines.items() if count > 120} == {}
+
+
+@pytest.mark.quick
 def test_the_readme_is_short_and_shows_the_result_first() -> None:
     assert len(README.splitlines()) <= 110
     assert re.match(
