@@ -915,6 +915,7 @@ class Gears(ModelledGears):
         criteria: Sequence[str] = ("contact_ratio>1",),
         *,
         torque: ArrayLike | None = None,
+        level: str = "full",
         pair: int | str = 0,
         progress: Progress | None = None,
     ) -> LargestErrors:
@@ -930,6 +931,8 @@ class Gears(ModelledGears):
             Criteria that must hold, as "contact_ratio>1".
         torque : array_like, optional
             Torques on the pinion, Nm, for criteria under load.
+        level : str
+            Model of contact under load: "full", or "quick".
         pair : int or str
             Number of the mesh, or its members as "sun-planet_1".
         progress : callable, optional
@@ -950,10 +953,12 @@ class Gears(ModelledGears):
         >>> gears.largest_errors({"assembly.dx": "0.2mm"}).ranges[0].key
         'assembly.dx'
         """
+        from gearmesh.answers.load.loaded import required_level
         from gearmesh.study.largest_errors import largest_errors
 
+        required_level(level)
         torques = None if torque is None else number_list("torque", torque, "Nm").tolist()
-        return largest_errors(self.design, keys, criteria, torque=torques, pair=pair, progress=progress)
+        return largest_errors(self.design, keys, criteria, torque=torques, level=level, pair=pair, progress=progress)
 
     def optimize(
         self,

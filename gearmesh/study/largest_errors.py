@@ -112,6 +112,7 @@ def largest_errors(
     criteria: Sequence[str] = ("contact_ratio>1",),
     *,
     torque: Sequence[float] | None = None,
+    level: str = "full",
     pair: int | str = 0,
     progress: Callable[[float, str], None] | None = None,
 ) -> LargestErrors:
@@ -124,7 +125,8 @@ def largest_errors(
         required_torques(torque)
     distances = {key: _reach(design, key, reach) for key, reach in reaches.items()}
     searched = {key: _ends(complete_design(design), key, distances[key]) for key in distances}
-    work, nominal = work_and_nominal(design, (), pair, tuple(dict.fromkeys(limit.figure for limit in limits)), torque)
+    figures = tuple(dict.fromkeys(limit.figure for limit in limits))
+    work, nominal = work_and_nominal(design, (), pair, figures, torque, level)
     for limit in limits:
         value = as_number(nominal[limit.figure])
         if not limit.holds(np.array([value]))[0]:

@@ -18,7 +18,7 @@ from oracles.places import SAMPLES
 import gearmesh as gm
 from gearmesh.answers.load import loaded
 from gearmesh.contact.hertz import STEEL, Material
-from gearmesh.errors import DesignError, OutputError, Status
+from gearmesh.errors import DesignError, NoSolutionError, OutputError, Status
 from gearmesh.loaded.compliance.compliance import FlankCompliance, flank_compliance
 from gearmesh.loaded.sharing import loaded_mesh
 from gearmesh.mesh.hexahedra.hexahedra import Cells
@@ -137,6 +137,25 @@ def test_the_command_records_loads_and_keeps_their_torques(tmp_path: Path, bodie
     assert bodies == ["pinion-gear"]
     with pytest.raises(DesignError, match=r"max_pressure_1_mpa < 1: the design itself does not meet it: \d"):
         gears.largest_errors(["assembly.gamma_v"], ["max_pressure_1_mpa<1"], torque=20.0)
+
+
+def test_limits_are_found_at_a_level(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[str] = []
+
+    def none(*given: object) -> None:
+        asked.append(str(given[-1]))
+        raise NoSolutionError(reason="not asked for")
+
+    monkeypatch.setattr(loaded, "compliances", none)
+    gears = gm.build(gm.load(SPUR))
+    for level in ("quick", "full"):
+        _build.cache_clear()
+        with pytest.raises(NoSolutionError, match="not asked for"):
+            gears.largest_errors(["assembly.gamma_v"], ["max_pressure_1_mpa<1"], torque=20.0, level=level)
+        assert set(asked) == {level}
+        asked.clear()
+    with pytest.raises(DesignError, match="level = fast"):
+        gears.largest_errors(["assembly.gamma_v"], level="fast")
 
 
 def test_what_does_not_converge_has_no_figures() -> None:

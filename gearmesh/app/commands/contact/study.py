@@ -124,7 +124,6 @@ def study(
             "--vary": vary,
             "--tolerance": tolerance,
             "--sample": sample,
-            "--level": None if level == "full" else level,
         }
         for option, value in rows_only.items():
             if value is not None:
@@ -135,7 +134,7 @@ def study(
 
         def find(gears: Gears, progress: Progress | None = None) -> LargestErrors:
             criteria, mesh = limit or ["contact_ratio>1"], chosen_pair(gears, pair)
-            return gears.largest_errors(wanted, criteria, torque=torques, pair=mesh, progress=progress)
+            return gears.largest_errors(wanted, criteria, torque=torques, level=level, pair=mesh, progress=progress)
 
         gears = load_gears(design_file, settings, find)
         with working("limits") as progress:
