@@ -16,7 +16,7 @@ from gearmesh.contact.conditions import refinement
 from gearmesh.contact.conditions.refinement import Trial, solve
 from gearmesh.contact.engagement.cycle import mesh_cycle
 from gearmesh.contact.engagement.engagement import whole_engagement
-from gearmesh.contact.first_touch import field
+from gearmesh.contact.first_touch import field, first_touch
 from gearmesh.contact.first_touch.first_touch import touches
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.pair import Pair
@@ -167,6 +167,41 @@ def test_fillets_and_tip_edges_are_sampled_near_contact_alone(monkeypatch: pytes
     np.testing.assert_array_equal(near.part, everywhere.part)
     np.testing.assert_allclose(near.advance, everywhere.advance, rtol=0, atol=1e-12)
     assert sampled[0] < 0.57 * sampled[1]
+
+
+@pytest.mark.parametrize(
+    ("name", "shift"),
+    [("spiral_bevel_basic", 0.05), ("zerol", 0.02), ("internal", 0.1), ("circular_arc", 0.1)],
+)
+def test_places_beside_a_solved_summit_need_no_solution(
+    name: str, shift: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The contact of members off their places is that of all places, solved at once from their samples."""
+    pair, rng, count = solver_pair(sample(name)), np.random.default_rng(5), 12
+    moved = [
+        Rigid(
+            np.broadcast_to(base.rotation, (count, 3, 3)),
+            base.translation + rng.normal(scale=shift, size=(count, 3)),
+        )
+        for base in (flank.mount.base for flank in pair.flanks)
+    ]
+    phi1, solved = np.linspace(-1.0, 1.0, 9) * pair.pitch, [0]
+
+    def counted(pair: Pair, phi1: Array, trial: Trial) -> None:
+        solved[-1] += len(trial.position)
+        solve(pair, phi1, trial)
+
+    monkeypatch.setattr(refinement, "solve", counted)
+    few = many_assemblies(pair, (moved[0], moved[1]), phi1)
+    monkeypatch.setattr(first_touch, "_priority", lambda pair, places, worth: None)
+    monkeypatch.setattr(field, "_may_rise", lambda advance, position, i, j: np.ones(len(position), dtype=bool))
+    monkeypatch.setattr(field, "_vertices", lambda advance, position, place: place)
+    monkeypatch.setattr(field, "_bends_along", lambda line: np.full(line.shape, np.inf))
+    solved.append(0)
+    every = many_assemblies(pair, (moved[0], moved[1]), phi1)
+    np.testing.assert_array_equal(few.edges, every.edges)
+    np.testing.assert_allclose(few.advance, every.advance, rtol=0, atol=1e-12)
+    assert solved[0] < 0.9 * solved[1]
 
 
 def test_a_pair_whose_drive_is_wrong_is_found_out() -> None:

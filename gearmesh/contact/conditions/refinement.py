@@ -42,6 +42,8 @@ REFINING_ROUNDS = 4
 EVALUATIONS_PER_ROUND = 12
 #: rounds in which a slow place is solved for, together with the new places
 MAX_ROUNDS_PER_PLACE = 4
+#: steps of the sampled grid within which a place inside the flanks belongs to the summit that is solved
+SAME_SUMMIT_STEPS = 2.0
 
 
 @dataclass
@@ -150,6 +152,14 @@ class Trial:
             goes=np.full(count, MAX_ROUNDS_PER_PLACE),
         )
 
+    def some(self, which: NDArray[np.intp]) -> Trial:
+        """Return some of the trials."""
+        return Trial(*(getattr(self, field.name)[which] for field in fields(self)))
+
+    def join(self, other: Trial) -> Trial:
+        """Return these trials and others after them."""
+        return Trial(*(np.concatenate([getattr(part, field.name) for part in (self, other)]) for field in fields(self)))
+
     def give(
         self, contacts: Contacts, position: NDArray[np.intp], which: NDArray[np.intp], part: int, advance: Array
     ) -> None:
@@ -158,6 +168,43 @@ class Trial:
         contacts.x[position], contacts.status[position] = self.x[which], int(Status.CONVERGED)
         contacts.residual[position], contacts.line[position] = self.residual[which], self.line[which]
         contacts.edges[position] = self.edges[which]
+
+
+@dataclass(frozen=True)
+class Priority:
+    """Order in which C places are solved."""
+
+    #: True (C,) for the most advanced place of each position
+    leads: NDArray[np.bool_]
+    #: changes (C, 2, 2) of the pinion's parameters by one step of rows and one step of columns of the sampled grid
+    steps: Array
+
+    def done(
+        self, begun: Trial, later: NDArray[np.intp], first: Trial, contacts: Contacts, number: int
+    ) -> NDArray[np.bool_]:
+        """Return True (L,) for places `later` (L,) that need no solution after the `first` trials of part `number`.
+
+        These are places that cannot be ahead of the solved contact, and places inside the flanks beside a solved summit: the
+        contact within SAME_SUMMIT_STEPS, inside the flanks or on an edge from which the advance falls inwards.
+        """
+        position = begun.position[later]
+        solved = contacts.touching & (contacts.part == number)
+        solved[first.position[first.rises]] = False
+        with np.errstate(all="ignore"):
+            apart = contacts.x[position, :2] - begun.x[later, :2]
+            rows, columns = np.moveaxis(self.steps[later], -1, 0)
+            area = rows[:, 0] * columns[:, 1] - rows[:, 1] * columns[:, 0]
+            away = np.stack(
+                (
+                    apart[:, 0] * columns[:, 1] - apart[:, 1] * columns[:, 0],
+                    rows[:, 0] * apart[:, 1] - rows[:, 1] * apart[:, 0],
+                )
+            )
+            beside = (np.abs(away) <= SAME_SUMMIT_STEPS * np.abs(area)).all(axis=0)
+        same = beside & solved[position] & (begun.edges[later, 0] < 0)
+        complete = contacts.line[position] & (contacts.part[position] == number)
+        done: NDArray[np.bool_] = same | complete | (begun.most[later] < contacts.advance[position])
+        return done
 
 
 def refine_candidates(
@@ -169,18 +216,24 @@ def refine_candidates(
     *,
     edges: bool = True,
     look: Callable[[NDArray[np.intp], Array], Array] | None = None,
+    priority: Priority | None = None,
 ) -> None:
     """Solve for all places of part `number` and keep the most advanced contact of each position.
 
     Solutions beyond edges lead to places on these edges, if `edges` count. `look` returns the greatest possible advance (M,), rad,
     near places inside the flanks, from their positions (M,) and unknowns (M, 5). It is called for places that were not found in the
-    first round and may be ahead. The given trials hold their own results afterwards, not the results of new places.
+    first round and may be ahead. With a `priority`, the most advanced place of each position is solved first, and others only if
+    they may be ahead of its solution. The given trials hold their own results afterwards, not the results of new places.
     """
     tried = TriedPlaces()
     begun = trial
     begun.first[:] = np.arange(len(begun.position))
-    for _ in range(REFINING_ROUNDS):
-        if not len(trial.position):
+    later = begun.first[:0]
+    if priority is not None:
+        later = np.flatnonzero(~priority.leads)
+        trial = begun.some(np.flatnonzero(priority.leads))
+    for k in range(REFINING_ROUNDS + (priority is not None)):
+        if not len(trial.position) and not later.size:
             break
         solve(pair, phi1, trial)
         own = np.flatnonzero(trial.first >= 0)
@@ -195,11 +248,17 @@ def refine_candidates(
         best[position], last[position], most[position] = ahead[order], good[order], advance[order]
         better = np.flatnonzero(best > _rank(contacts.advance, contacts.edges))
         trial.give(contacts, better, last[better], number, most[better])
-        if look is not None and trial is begun:
+        if look is not None and k == 0:
             unsolved = (trial.edges[:, 0] < 0) & ~trial.good & np.isfinite(trial.most)
             lost = np.flatnonzero(unsolved & (trial.most >= contacts.advance[trial.position]))
             trial.most[lost] = np.minimum(trial.most[lost], look(trial.position[lost], trial.start[lost]))
-        trial = _next(pair, phi1, trial, contacts, number, tried if edges else None)
+        following = _next(pair, phi1, trial, contacts, number, tried if edges else None)
+        if later.size:
+            assert priority is not None
+            done = priority.done(begun, later, trial, contacts, number)
+            begun.most[later[done]] = -np.inf
+            following, later = following.join(begun.some(later[~done])), later[:0]
+        trial = following
 
 
 def _rank(advance: Array, edges: NDArray[np.intp]) -> Array:

@@ -60,6 +60,8 @@ NEIGHBOUR_NODES = 2
 SLACK_MM = 1e-9
 #: least height of a second summit along an edge over its neighbours: the noise of tables
 SUMMIT_RISE_RAD = 1e-9
+#: largest distance in nodes from a sampled maximum to the vertex of the parabola through it
+VERTEX_STEPS = 1
 #: number in place of an edge for places inside both flanks
 NO_EDGE = -1
 #: limits of a flank in the order of `FlankHeights.beyond`; a fillet has its root in the place of the form point
@@ -74,8 +76,14 @@ class Candidates:
 
     #: positions (C,) of the places
     position: NDArray[np.intp]
-    #: unknowns (C, 5): parameters of both surfaces and rotation of the gear, rad
+    #: unknowns (C, 5) of the starts: parameters of both surfaces and rotation of the gear, rad
     x: Array
+    #: parameters (C, 2) of the pinion at the samples
+    sampled: Array
+    #: sampled advances (C,), rad
+    value: Array
+    #: advances (C,) at the starts, rad, -inf for starts inside the pinion's flank but beside the gear's
+    ahead: Array
     #: numbers (C, 2) of the edges on which the places lie, NO_EDGE for none
     edges: NDArray[np.intp]
     #: upper bounds (C,) of the advance at the places, rad
@@ -86,13 +94,30 @@ class Candidates:
     gain: Array
     #: candidate (N,) with the greatest advance of each position, -1 without candidates
     top: NDArray[np.intp]
+    #: changes (C, 2, 2) of the pinion's parameters by one step of rows and one step of columns of the sampled grid
+    steps: Array
+
+    def leading(self, worth: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Return True (C,) for the place that is farthest ahead of each position, of those that are `worth` it (C,)."""
+        last = np.full(len(self.best), -1)
+        order = np.argsort(self.ahead, kind="stable")
+        order = order[worth[order]]
+        last[self.position[order]] = order
+        leading = np.zeros(len(self.position), dtype=bool)
+        leading[last[last >= 0]] = True
+        return leading
 
     @staticmethod
     def nothing() -> Candidates:
         """Return candidates without places and positions."""
         none = np.zeros(0)
         whole = np.zeros(0, dtype=np.intp)
-        return Candidates(whole, np.zeros((0, 5)), np.zeros((0, 2), dtype=np.intp), none, none, none, whole)
+        edges, steps = np.zeros((0, 2), dtype=np.intp), np.zeros((0, 2, 2))
+        return Candidates(whole, np.zeros((0, 5)), np.zeros((0, 2)), none, none, edges, none, none, none, whole, steps)
+
+    def samples(self, pair: Pair, phi1: Array, which: NDArray[np.intp]) -> Array:
+        """Return the unknowns (M, 5) at the samples of candidates `which` (M,), not at their starts."""
+        return _starts(pair, self.sampled[which], phi1, self.position[which], self.value[which])[0]
 
 
 @dataclass(frozen=True)
@@ -137,17 +162,18 @@ def candidates(
     top, parts = np.full(len(every), -1), [Candidates.nothing()]
     worth = np.arange(len(every))
     if floor is not None:
-        ahead = [rows[_ahead(pair, phi1, nodes, floor)] for rows, nodes in _batches(pair, phi1, every, finer=finer)]
-        worth = np.concatenate([worth[:0], *ahead])
+        above = [rows[_ahead(pair, phi1, nodes, floor)] for rows, nodes in _batches(pair, phi1, every, finer=finer)]
+        worth = np.concatenate([worth[:0], *above])
     for kept, nodes in _batches(pair, phi1, every[worth], finer=finer):
         part = _candidates(pair, nodes, phi1, trimmed)
         rows, before = worth[kept], sum(len(earlier.position) for earlier in parts)
         best[rows], gain[rows], top[rows] = part.best, part.gain, np.where(part.top < 0, -1, part.top + before)
         parts.append(part)
-    position, x, edges, most = (
-        np.concatenate([getattr(part, name) for part in parts]) for name in ("position", "x", "edges", "most")
+    position, x, sampled, value, ahead, edges, most, steps = (
+        np.concatenate([getattr(part, name) for part in parts])
+        for name in ("position", "x", "sampled", "value", "ahead", "edges", "most", "steps")
     )
-    return Candidates(position, x, edges, most, best, gain, top)
+    return Candidates(position, x, sampled, value, ahead, edges, most, best, gain, top, steps)
 
 
 def _ahead(pair: Pair, phi1: Array, nodes: _Nodes, floor: Array) -> NDArray[np.intp]:
@@ -265,6 +291,15 @@ class _Nodes:
     def parameters(self, position: NDArray[np.intp], place: Array) -> Array:
         """Return the flank's parameters (C, 2) at places (C, 2), row and column, of positions (C,)."""
         return bilinear(self.grid, place + np.stack((np.zeros(len(position)), self.first[position]), axis=-1))
+
+    def steps(self, position: NDArray[np.intp], place: Array) -> Array:
+        """Return changes (C, 2, 2) of the parameters by one step of rows and one of columns, at places (C, 2)."""
+        last = np.array(self.grid.shape[:2]) - 2
+        cell = place.astype(np.intp)
+        cell[:, 1] += self.first[position]
+        i, j = np.clip(cell, 0, last).T
+        corner = self.grid[i, j]
+        return np.stack((self.grid[i + 1, j] - corner, self.grid[i, j + 1] - corner), axis=-1)
 
     def facing(self, pair: Pair, phi1: Array) -> tuple[NDArray[np.bool_], _Nodes]:
         """Return True (N,) for positions at which circles may meet the gear, and the nodes of these positions.
@@ -508,13 +543,13 @@ def _candidates(pair: Pair, nodes: _Nodes, phi1: Array, trimmed: bool) -> Candid
         most: Array,
         edges: tuple[int, int],
         around: int = NEIGHBOUR_NODES,
+        rise: Array | None = None,
     ) -> None:
         edge_pairs = np.tile(edges, (len(position), 1))
         place = np.stack((i, j), axis=-1)
-        places.append((position, place, edge_pairs, value, most + _local_gain(field.bends, position, place, around)))
-
-    def add_samples(position: NDArray[np.intp], i: Array, j: Array, edge: int, value: Array) -> None:
-        add(position, i, j, value, value, (edge, NO_EDGE))
+        if rise is None:
+            rise = _local_gain(field.bends, position, place, around)
+        places.append((position, place, edge_pairs, value, most + rise))
 
     # maxima inside both flanks; of nodes that touch alike, as along a line of contact, the middle one
     peaks = np.where(_is_peak(on), on - _off_middle(shape[1:]), -np.inf).reshape(len(index), -1)
@@ -530,18 +565,22 @@ def _candidates(pair: Pair, nodes: _Nodes, phi1: Array, trimmed: bool) -> Candid
             found = np.flatnonzero(heights[rows, k] > -np.inf)
             if not found.size:
                 break
+            heights[found, k[found]] = -np.inf
             i, j = np.divmod(k[found], shape[2])
+            if around == 1 and not pair.wound:
+                rising = _may_rise(field.advance, found, i, j)
+                found, i, j = found[rising], i[rising], j[rising]
             value = on[found, i, j]
             add(found, i.astype(float), j.astype(float), value, value, (NO_EDGE, NO_EDGE), around)
-            heights[found, k[found]] = -np.inf
 
     inside(peaks, NEIGHBOUR_NODES)
     inside(hidden, 1)
+    summits = [place if pair.wound else _vertices(field.advance, position, place) for position, place, *_ in places]
     # maxima along edges: edges of the gear between nodes, edges of the pinion along the rim of the grid
     for number, (member, name) in enumerate(NUMBERED_EDGES):
         if number in field.crossings:
             found, i, j, value = field.crossings[number]
-            add_samples(found, i, j, number, value)
+            add(found, i, j, value, value, (number, NO_EDGE))
         elif member == 0 and name in pair.pinion.edges:
             toe, heel = nodes.ends
             rim = {
@@ -551,10 +590,15 @@ def _candidates(pair: Pair, nodes: _Nodes, phi1: Array, trimmed: bool) -> Candid
                 FORM_POINT: on[:, 0, :],
                 ROOT_EDGE: on[:, 0, :],
             }[name]
+            # the advance between the nodes of a rim depends on its bends along the rim alone
+            side = -1 if name in ("tip", "heel") else 0
+            bends = _bends_along(field.advance[:, side] if along_face(number) else field.advance[..., side])
             for found, k in _summits(rim):
                 fixed = np.full(found.size, {"tip": shape[1] - 1.0, "heel": shape[2] - 1.0}.get(name, 0.0))
                 i, j = (fixed, k.astype(float)) if along_face(number) else (k.astype(float), fixed)
-                add_samples(found, i, j, number, rim[found, k])
+                near = np.clip(k[:, None] + np.arange(-NEIGHBOUR_NODES, NEIGHBOUR_NODES + 1), 0, rim.shape[1] - 1)
+                rise = bends[found[:, None], near].max(axis=1)
+                add(found, i, j, rim[found, k], rim[found, k], (number, NO_EDGE), rise=rise)
     sampled_count = sum(len(nodes_of[0]) for nodes_of in places)
     # a small overlap of two flanks may lie within one cell: only the signs at the nodes of the cell show it
     for edge_pair, cells in field.corners.items():
@@ -569,18 +613,23 @@ def _candidates(pair: Pair, nodes: _Nodes, phi1: Array, trimmed: bool) -> Candid
     small = _small_overlaps(pair, nodes, phi1, field).places
     for number in pair.ends:
         add(*small, (number, NO_EDGE))
+    starts = [*summits, *(nodes_of[1] for nodes_of in places[len(summits) :])]
     position, place, edges, value, most = (np.concatenate(column) for column in zip(*places, strict=True))
+    start = np.concatenate(starts)
     # drop places that cannot be ahead of the greatest sample; interpolated advances are too uncertain to drop others
     sure = on.max(axis=(1, 2))
     worth = np.flatnonzero(most >= sure[position])
-    position, place, edges, value = position[worth], place[worth], edges[worth], value[worth]
-    x = _starts(pair, nodes.parameters(position, place), phi1, index[position], value)
+    position, place, start, edges, value = position[worth], place[worth], start[worth], edges[worth], value[worth]
+    x, on_gear = _starts(pair, nodes.parameters(position, start), phi1, index[position], value)
+    ahead = pair.drive * (x[:, 4] - pair.ratio * phi1[index[position]])
+    ahead[(edges[:, 0] == NO_EDGE) & ~on_gear] = -np.inf
     # the last candidate written of a position is the most advanced one; guesses inside cells do not count
     order = np.argsort(value, kind="stable")
     order = order[worth[order] < sampled_count]
     top = np.full(len(index), -1)
     top[position[order]] = order
-    return Candidates(index[position], x, edges, most[worth], best, gain, top)
+    sampled, steps = nodes.parameters(position, place), nodes.steps(position, place)
+    return Candidates(index[position], x, sampled, value, ahead, edges, most[worth], best, gain, top, steps)
 
 
 def sharpen(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array) -> Array:
@@ -644,7 +693,7 @@ def _sharpen(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array, latt
         parameters = bilinear(grid, tried.reshape(-1, 2)).reshape(tried.shape)
         climb(tried, _advances_at(pair, phi1, position, parameters))
         reaches = reaches / 4.0
-    return _starts(pair, bilinear(grid, place), phi1, position, best)
+    return _starts(pair, bilinear(grid, place), phi1, position, best)[0]
 
 
 def seen_closely(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array) -> Array:
@@ -701,6 +750,48 @@ def _summits(rim: Array) -> Iterator[tuple[NDArray[np.intp], NDArray[np.intp]]]:
         yield positions, second[positions]
 
 
+def _vertices(advance: Array, position: NDArray[np.intp], place: Array) -> Array:
+    """Return places (C, 2) of the vertices of parabolas through 3 x 3 nodes about nodes (C, 2), at most a step from them.
+
+    `advance` (N, I, J) is read at positions (C,). The node itself is returned where the parabola has no vertex.
+    """
+    last = np.array(advance.shape[1:]) - 1
+    if (last < 2).any():
+        return place
+    node = place.astype(np.intp)
+    middle = np.clip(node, 1, last - 1)
+    f = {(a, b): advance[position, middle[:, 0] + a, middle[:, 1] + b] for a, b in product((-1, 0, 1), repeat=2)}
+    slope_i, slope_j = 0.5 * (f[1, 0] - f[-1, 0]), 0.5 * (f[0, 1] - f[0, -1])
+    bend_i, bend_j = f[1, 0] - 2.0 * f[0, 0] + f[-1, 0], f[0, 1] - 2.0 * f[0, 0] + f[0, -1]
+    twist = 0.25 * (f[1, 1] - f[1, -1] - f[-1, 1] + f[-1, -1])
+    area = bend_i * bend_j - twist**2
+    shift = np.stack((twist * slope_j - bend_j * slope_i, twist * slope_i - bend_i * slope_j), axis=-1) / area[:, None]
+    vertex = np.clip(np.clip(middle + shift, place - VERTEX_STEPS, place + VERTEX_STEPS), 0.0, last)
+    summit = (area > 0.0) & (bend_i < 0.0) & np.isfinite(shift).all(axis=1)
+    return np.where(summit[:, None], vertex, place)
+
+
+def _may_rise(
+    advance: Array, position: NDArray[np.intp], i: NDArray[np.intp], j: NDArray[np.intp]
+) -> NDArray[np.bool_]:
+    """Return True (C,) for nodes beside which the advance may be greatest, by `advance` (N, I, J).
+
+    Along a line of nodes slopes change by no more than twice the second differences at the node and beside it. A node is left out
+    if the advance rises for certain along a row, a column or a diagonal, from one neighbour over the node to the next.
+    """
+    may, last = np.ones(len(position), dtype=bool), np.array(advance.shape[1:])[:, None, None] - 1
+    for along in ((1, 0), (0, 1), (1, 1), (1, -1)):
+        nodes = np.stack((i, j))[:, None] + np.array(along)[:, None, None] * np.arange(-2, 3)[:, None]
+        there = np.asarray(((nodes >= 0) & (nodes <= last)).all(axis=0))
+        rise = np.diff(np.where(there, advance[position, *np.clip(nodes, 0, last)], np.nan), axis=0)
+        bend = np.abs(np.diff(rise, axis=0))
+        slopes = rise[1:3] / np.fmax(bend[:2], bend[1:])
+        # beyond the ends of a row or column nothing is known, and nothing is needed
+        beyond = np.logical_not(there[1:4:2]) & (0 in along)
+        may &= ~(((slopes >= 1.0) | beyond).all(axis=0) | ((slopes <= -1.0) | beyond).all(axis=0))
+    return may
+
+
 def _largest_beside(values: Array) -> Array:
     """Return the largest value (N, I, J) of every node and its neighbours."""
     largest = values.copy()
@@ -738,6 +829,13 @@ def _bends_and_gain(advance: Array) -> tuple[Array, Array]:
         bends[inner] += bend
         gain += 2.0 * bend.max(axis=(1, 2), initial=0.0)
     return bends, gain
+
+
+def _bends_along(line: Array) -> Array:
+    """Return the estimated rise (N, K), rad, of the advance (N, K) around every node of a line, as in `_bends`."""
+    bends = np.zeros(line.shape)
+    bends[:, 1:-1] = np.nan_to_num(0.25 * np.abs(np.diff(line, 2, axis=1)))
+    return bends
 
 
 def _local_gain(bends: Array, position: NDArray[np.intp], place: Array, around: int) -> Array:
@@ -896,10 +994,12 @@ def _best_crossing(
     return position[best], i[best], j[best], value[best]
 
 
-def _starts(pair: Pair, parameters: Array, phi1: Array, position: NDArray[np.intp], value: Array) -> Array:
+def _starts(
+    pair: Pair, parameters: Array, phi1: Array, position: NDArray[np.intp], value: Array
+) -> tuple[Array, NDArray[np.bool_]]:
     """Return unknowns (C, 5) where the pinion's points at `parameters` (C, 2) meet the gear at positions (C,).
 
-    Points whose circles do not meet the gear take the advances `value` (C,).
+    Points whose circles do not meet the gear take the advances `value` (C,). True (C,) marks points on the gear's flank.
     """
     x = np.empty((len(position), 5))
     x[:, :2] = parameters
@@ -909,7 +1009,7 @@ def _starts(pair: Pair, parameters: Array, phi1: Array, position: NDArray[np.int
     x[:, 4] = (
         pair.drive * np.where(np.isfinite(seen.advance[:, 0]), seen.advance[:, 0], value) + pair.ratio * phi1[position]
     )
-    return x
+    return x, np.asarray((seen.beyond[..., 0] <= SLACK_MM).all(axis=0))
 
 
 def _off_middle(shape: tuple[int, ...]) -> Array:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from gearmesh.contact.conditions.line_ends import touch_along_lines
 from gearmesh.contact.conditions.meshing import Conditions
-from gearmesh.contact.conditions.refinement import Contacts, Trial, advances_of, refine_candidates
+from gearmesh.contact.conditions.refinement import Contacts, Priority, Trial, advances_of, refine_candidates
 from gearmesh.contact.first_touch.field import NO_EDGE, Candidates, candidates, seen_closely, sharpen
 from gearmesh.contact.first_touch.search import UNSEEN_LEAD_RAD, circle_contacts, refine_missed
 from gearmesh.contact.pair import NUMBERED_EDGES, Pair
@@ -49,7 +49,8 @@ def touches(pair: Pair, phi1: Array, *, edges: bool = True) -> tuple[Contacts, C
             trial = Trial.of(places.position[worth], places.x[worth], places.edges[worth])
             trial.most = places.most[worth]
             look = partial(seen_closely, part, phi1)
-            refine_candidates(part, phi1, trial, contacts, number, edges=edges, look=look)
+            priority = _priority(part, places, worth)
+            refine_candidates(part, phi1, trial, contacts, number, edges=edges, look=look, priority=priority)
             if edges and number == 0 and part.wound:
                 _along_lines(part, phi1, trial, contacts)
             # peaks that are too sharp for Newton: search finer lattices around them and solve again
@@ -70,6 +71,13 @@ def touches(pair: Pair, phi1: Array, *, edges: bool = True) -> tuple[Contacts, C
             if number == 0:
                 flanks = contacts.at(np.arange(len(phi1)))
     return contacts, flanks
+
+
+def _priority(pair: Pair, places: Candidates, worth: NDArray[np.bool_]) -> Priority | None:
+    """Return the order in which the places are solved that are worth it (C,); None for teeth that wind, which have few summits."""
+    if pair.wound:
+        return None
+    return Priority(places.leading(worth)[worth], places.steps[worth])
 
 
 def _along_lines(pair: Pair, phi1: Array, trial: Trial, contacts: Contacts) -> None:
@@ -94,7 +102,8 @@ def _confirm_missed(
     unless the contact is along a line, which nothing can be ahead of.
     """
     top = coarse.top[missed]
-    advance = circle_contacts(pair, Conditions(pair.flanks, phi1, pair.length), missed, coarse.x[top])[1]
+    sampled = coarse.samples(pair, phi1, top)
+    advance = circle_contacts(pair, Conditions(pair.flanks, phi1, pair.length), missed, sampled)[1]
     of_table = (advance > -np.inf) & (advance <= contacts.advance[missed] + UNSEEN_LEAD_RAD)
     return missed[~of_table | (np.isin(coarse.edges[top, 0], OF_GEAR) & ~contacts.line[missed])]
 
@@ -118,8 +127,9 @@ def _on_finer_grid(
         return
     # the nodes of the coarse grid lie exactly on the ends of the pinion's flank, and nodes are certainly on both flanks; crossings
     # of grid lines with an edge of the gear are guesses
-    nodes = np.flatnonzero(~np.isin(coarse.edges[:, 0], OF_GEAR))
-    nodes = nodes[np.argsort(advances_of(pair, phi1, coarse.x[nodes], coarse.position[nodes]), kind="stable")]
+    nodes = np.flatnonzero(~np.isin(coarse.edges[:, 0], OF_GEAR) & np.isin(coarse.position, missed))
+    sampled = coarse.samples(pair, phi1, nodes)
+    nodes = nodes[np.argsort(advances_of(pair, phi1, sampled, coarse.position[nodes]), kind="stable")]
     sure = np.full(len(phi1), -1)
     sure[coarse.position[nodes]] = nodes
     for grid_places, best, top in (
@@ -129,7 +139,8 @@ def _on_finer_grid(
     ):
         still = np.flatnonzero((best > contacts.advance[missed] + UNSEEN_LEAD_RAD) & (top >= 0))
         if still.size:
-            refine_missed(pair, phi1, missed[still], grid_places.x[top[still]], contacts, number)
+            seen = grid_places.samples(pair, phi1, top[still])
+            refine_missed(pair, phi1, missed[still], seen, contacts, number)
 
 
 def _lost_candidates(pair: Pair, phi1: Array, trial: Trial, contacts: Contacts) -> NDArray[np.intp]:
