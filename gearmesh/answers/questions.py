@@ -157,13 +157,19 @@ class SolvedGears(GearSet):
         'load.json'
         """
         from gearmesh.answers.contact.fit import fitted_cycle
-        from gearmesh.answers.load.loaded import loaded_contact_of, required_level, required_torques
+        from gearmesh.answers.load.loaded import (
+            loaded_contact_of,
+            refuse_eccentric,
+            required_level,
+            required_torques,
+        )
 
         # invalid arguments are refused before anything is built
         model = required_level(level)
         torques = required_torques(number_list("torque", torque, "Nm").tolist())
         positions = None if phi1 is None else position_list(phi1)
         mesh, meshes = self.pair(pair), self.train.like(pair)
+        refuse_eccentric(mesh)
         note = f"{mesh.name} is one of {meshes} equally loaded meshes: the torque is that of this mesh alone"
         return loaded_contact_of(
             self.design,

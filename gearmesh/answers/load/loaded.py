@@ -638,14 +638,7 @@ def loaded_contact_of(
     Raises ArgumentError for torques that are not above 0, for eccentric members, and for mounts of unknown members.
     """
     started = time.perf_counter()
-    for member in pair.both:
-        if member.mount.eccentricity != (0.0, 0.0):
-            raise ArgumentError(
-                "pair",
-                pair.name,
-                reason=f"the {member.name} is eccentric, so every tooth pair is loaded differently; loaded contact needs "
-                "an eccentricity of 0",
-            )
+    refuse_eccentric(pair)
     places = pair.pitch * np.arange(POSITIONS_PER_PITCH) / POSITIONS_PER_PITCH if phi1 is None else phi1
     torques = 1e3 * np.array(required_torques(torque))
     if bodies is None:
@@ -676,6 +669,18 @@ def loaded_contact_of(
     return LoadedContact(
         design, pair, mesh, (*warnings, *_warnings(pair, mesh, unloaded)), time.perf_counter() - started, cycle
     )
+
+
+def refuse_eccentric(pair: GearPair) -> None:
+    """Raise ArgumentError for a pair with an eccentric member."""
+    for member in pair.both:
+        if member.mount.eccentricity != (0.0, 0.0):
+            raise ArgumentError(
+                "pair",
+                pair.name,
+                reason=f"the {member.name} is eccentric, so every tooth pair is loaded differently; loaded contact needs "
+                "an eccentricity of 0",
+            )
 
 
 #: smallest and largest torque: below, rounding exceeds the forces of mesh points; no gear has a larger torque

@@ -93,8 +93,10 @@ class TransmissionAdvance:
         advance, slope = c[:, degree].copy(), np.zeros(len(phi1))
         for j in range(degree - 1, -1, -1):
             away = phi1 - self.phi1[np.minimum(self._left[k] + j // 2, len(self.phi1) - 1)]
-            slope = slope * away + advance
-            advance = advance * away + c[:, j]
+            # intervals without a polynomial, whose values `at` solves for, have no finite coefficients
+            with np.errstate(invalid="ignore", over="ignore"):
+                slope = slope * away + advance
+                advance = advance * away + c[:, j]
         return advance, slope
 
 
@@ -167,12 +169,12 @@ def _polynomials(engagement: Engagement) -> tuple[NDArray[np.intp], Array, NDArr
             if order == 1:
                 column[:, ::2] = slope[at[:, ::2]]
             coefficients[intervals, order] = column[:, 0]
-        # the change by the last node, in the middle of the interval, measures the error
+        # the change by the last node, in the middle of the interval, measures the error; nodes of one rotation have none
         away = middle[intervals, None] - phi1[at[:, ::2]]
-        by_last = coefficients[intervals, 2 * m - 2] + coefficients[intervals, 2 * m - 1] * away[:, -1]
-        sure[intervals] = alike[intervals] | (
-            np.abs(by_last * (away[:, :-1] ** 2).prod(axis=1)) <= MAX_POLYNOMIAL_ERROR_RAD
-        )
+        with np.errstate(all="ignore"):
+            by_last = coefficients[intervals, 2 * m - 2] + coefficients[intervals, 2 * m - 1] * away[:, -1]
+            change = np.abs(by_last * (away[:, :-1] ** 2).prod(axis=1))
+        sure[intervals] = alike[intervals] | (change <= MAX_POLYNOMIAL_ERROR_RAD)
     return left, coefficients, sure
 
 
