@@ -12,6 +12,7 @@ from scipy.integrate import quad
 
 import gearmesh as gm
 from gearmesh.contact.engagement.pitch_turns import whole_turns
+from gearmesh.contact.engagement.train_turns import leading_turns
 from gearmesh.kernel.envelope.limiting_line import limiting_line
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.metrology.measured_teeth import pitch_radius
@@ -303,6 +304,19 @@ def test_pins_set_too_far_out_are_where_they_touch_under_a_small_load() -> None:
     loaded = gears.loaded_contact([1e-3], np.degrees(turns.phi1[places]), level="quick").to_dict()
     # 1 mNm turns the ring by a few thousandths of an arc second
     assert loaded["te_arcsec"] == pytest.approx((np.degrees(turns.te[places]) * 3600.0).tolist(), abs=0.01)
+
+
+@pytest.mark.sweep
+def test_torque_on_the_ring_is_that_of_virtual_work() -> None:
+    """At a small torque T2 / T1 is d phi1 / d phi2 without load; all normals pass near the pitch point with many pins."""
+    gears = gm.build(design("modification.equidistant=0.05", "modification.offset=0.05"))
+    degrees = [2.0, 6.0, 9.0, 14.0]
+    around = np.radians(degrees)[:, None] + 1e-4 * np.array([-1.0, 1.0])
+    turned, phi2 = (values.reshape(around.shape) for values in leading_turns(gears.pairs[0], around.ravel()))
+    ratios = np.diff(turned, axis=1)[:, 0] / np.diff(phi2, axis=1)[:, 0]
+    (total,) = gears.loaded_contact([1e-3], degrees, level="quick").totals
+    assert total.gear_torque_ripple == pytest.approx(100.0 * np.ptp(ratios) / ratios.mean(), rel=0.02)
+    assert total.gear_torque_ripple > 1e-4
 
 
 def test_solids_of_pins_out_of_place_are_nominal() -> None:

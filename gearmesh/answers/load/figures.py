@@ -153,6 +153,7 @@ class LoadedTotals(Figures):
     max_pressure_error: float = figure("estimate of the error of the largest contact pressure", "%")
     max_pressure_phi1: float = figure("rotation of the pinion at which the contact pressure is largest", "deg")
     max_pair_force: float = figure("largest normal force on one tooth pair", "N", "F_n")
+    gear_torque_ripple: float = figure("torque on the gear, peak to peak over the positions, of its mean", "%")
     mean_tangent_stiffness: float = figure("mean tangent mesh stiffness", "Nm/arcsec")
     mean_tangent_stiffness_per_width: float | None = figure(
         "mean tangent mesh stiffness along the line of action per mm of face, bodies included",

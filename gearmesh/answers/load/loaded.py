@@ -369,6 +369,7 @@ class LoadedContact(Result):
             max_pressure_error=100.0 * float(load.error[worst]),
             max_pressure_phi1=float(np.degrees(phi1_of_worst).round(12)),
             max_pair_force=float(load.force.max()),
+            gear_torque_ripple=100.0 * float(np.ptp(mesh.gear_torque[torque]) / abs(mesh.gear_torque[torque].mean())),
             mean_tangent_stiffness=1e-3 * float(mesh.tangent[torque].mean()) * ARCSEC,
             **self._per_width(torque, load),
             k_h_beta=self._face_load_factor(load),
