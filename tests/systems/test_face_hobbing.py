@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from oracles.overlap import overlap
 
 import gearmesh as gm
 from gearmesh.contact.flanks import analyse
@@ -501,6 +502,29 @@ def test_ease_off_of_hypoid_pairs_is_refused() -> None:
     with pytest.raises(gm.DesignError) as refusal:
         gm.parse({**BASIC, "kind": "hypoid", "offset": 20, "contact": {"ease_off": {"length_crowning": 0.02}}})
     assert refusal.value.key == "contact.ease_off"
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("sample", ["cyclo_palloid", pytest.param("hypoid_face_hobbed", marks=pytest.mark.sweep)])
+def test_solids_of_samples_touch_and_do_not_overlap(sample: str, name: str) -> None:
+    """Where surface contact says that they touch: slivers of the facets' error; none with the gear turned away, more turned on."""
+    tolerance, design = 0.01, gm.load(f"samples/{sample}.toml")
+    gears = gm.build(design.with_values({"contact.side": f"pinion_{name}"}))
+    (pair,) = gears.pairs
+    meshes = gears.solid("pinion", tolerance).mesh, gears.solid("gear", tolerance).mesh
+    turns, pairs = np.array([-0.35, 0.1]) * pair.pitch, np.arange(-2, 3)[:, None] * pair.pitch
+    touched = (
+        gears.contact(np.degrees(np.ravel(turns + pairs)), cycle=False).path.phi2.reshape(5, -1) - pairs * pair.ratio
+    )
+    blank = basic_blank(gears.design.in_mm()).gear
+    # the leading pair touches; normal distances are those along the pitch circle times cos(beta) cos(alpha_n), a quarter more
+    turn = 2.5 * tolerance / (blank.mean_radius * np.cos(blank.spiral_angle) * np.cos(np.radians(20.0)))
+    leading, away = (np.nanmax, turn) if name == "concave" else (np.nanmin, -turn)
+    for phi1, phi2 in zip(turns, leading(touched, axis=0), strict=True):
+        here, off, into = (overlap(pair, meshes, phi1, phi2 + k * away) for k in (0.0, 1.0, -1.0))
+        assert 0.0 < here.thickness < 0.5 * tolerance
+        assert off.volume == 0.0
+        assert into.thickness > tolerance
 
 
 def test_common_factors_of_blade_groups_and_teeth_are_noted() -> None:
