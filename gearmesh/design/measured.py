@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import inspect
 from typing import Any
 
 from gearmesh.design import keys
 from gearmesh.design.keys import Table
+from gearmesh.records import dataclass
 
 #: longest list of deviations of teeth
 MAX_LISTED_TEETH = 1000
@@ -92,7 +94,97 @@ def pitch_seed(member: str) -> Any:
     )
 
 
-class MeasuredTable(Table):
+@dataclass(frozen=True)
+class MeasuredMember:
+    """Keys of a member in the table `measured`."""
+
+    #: name of the member's table in the design
+    name: str
+    #: True if its flanks may be measured
+    flanks: bool = True
+    #: True if the positions of its teeth may be measured
+    positions: bool = True
+    #: True if its positions may be runout or drawn ones, too
+    drawn: bool = True
+    #: True if its teeth may be farther from the axis, as pins
+    radial: bool = False
+
+    def flank(self, side: str) -> str:
+        """Return the key of the file of the "right" or "left" flank."""
+        return f"{self.name}_{side}"
+
+    @property
+    def pitch_file(self) -> str:
+        """Key of the file of pitch deviations."""
+        return f"{self.name}_pitch"
+
+    def deviations(self, side: str) -> str:
+        """Return the key of the list of index deviations of the "right" or "left" flanks."""
+        return f"{self.name}_pitch_{side}_um"
+
+    @property
+    def runout(self) -> str:
+        """Key of the list of runout."""
+        return f"{self.name}_runout_um"
+
+    @property
+    def lists(self) -> tuple[str, str, str]:
+        """Keys of the lists: deviations of right and left flanks, runout."""
+        return self.deviations("right"), self.deviations("left"), self.runout
+
+    @property
+    def farther_out(self) -> str:
+        """Key of the list of distances from the axis."""
+        return f"{self.name}_radial_um"
+
+    @property
+    def drawn_class(self) -> str:
+        """Key of the tolerance class of random deviations."""
+        return f"{self.name}_pitch_class"
+
+    @property
+    def drawn_seed(self) -> str:
+        """Key of the seed of random deviations."""
+        return f"{self.name}_pitch_seed"
+
+    def flank_keys(self) -> dict[str, tuple[Any, Any]]:
+        """Return types and descriptions of the keys of the member's flanks."""
+        if not self.flanks:
+            return {}
+        return {self.flank(side): (str | None, measured_file(self.name, side)) for side in ("right", "left")}
+
+    def position_keys(self) -> dict[str, tuple[Any, Any]]:
+        """Return types and descriptions of the keys of the positions of the member's teeth."""
+        if not self.positions:
+            return {}
+        found: dict[str, tuple[Any, Any]] = {self.pitch_file: (str | None, pitch_file(self.name))}
+        for side in ("right", "left"):
+            found[self.deviations(side)] = tuple[float, ...] | None, pitch_list(self.name, side)
+        if self.radial:
+            found[self.farther_out] = tuple[float, ...] | None, radial_list(self.name)
+        if self.drawn:
+            found[self.runout] = tuple[float, ...] | None, runout_list(self.name)
+            found[self.drawn_class] = int | None, pitch_class(self.name)
+            found[self.drawn_seed] = int | None, pitch_seed(self.name)
+        return found
+
+
+class MeasuredMembersTable(Table):
+    """Keys of measured members, which a subclass names: flanks of all members first, then positions of teeth."""
+
+    def __init_subclass__(cls, members: tuple[MeasuredMember, ...] = (), **options: Any) -> None:
+        """Declare the keys of the members, before they are collected as those in a class body are."""
+        super().__init_subclass__(**options)
+        annotations = inspect.get_annotations(cls)
+        for keys_of in (MeasuredMember.flank_keys, MeasuredMember.position_keys):
+            for member in members:
+                for key, (kind, described) in keys_of(member).items():
+                    annotations[key] = kind
+                    setattr(cls, key, described)
+        cls.__annotations__ = annotations
+
+
+class MeasuredTable(MeasuredMembersTable):
     """Reading of files of measured flanks."""
 
     axial_position: str = keys.choice(
@@ -109,100 +201,26 @@ class MeasuredTable(Table):
     )
 
 
-class PairMeasured(MeasuredTable):
+class PairMeasured(MeasuredTable, members=(MeasuredMember("pinion"), MeasuredMember("gear"))):
     """Measured flanks and teeth of pinion and gear."""
 
-    pinion_right: str | None = measured_file("pinion", "right")
-    pinion_left: str | None = measured_file("pinion", "left")
-    gear_right: str | None = measured_file("gear", "right")
-    gear_left: str | None = measured_file("gear", "left")
-    pinion_pitch: str | None = pitch_file("pinion")
-    pinion_pitch_right_um: tuple[float, ...] | None = pitch_list("pinion", "right")
-    pinion_pitch_left_um: tuple[float, ...] | None = pitch_list("pinion", "left")
-    pinion_runout_um: tuple[float, ...] | None = runout_list("pinion")
-    pinion_pitch_class: int | None = pitch_class("pinion")
-    pinion_pitch_seed: int | None = pitch_seed("pinion")
-    gear_pitch: str | None = pitch_file("gear")
-    gear_pitch_right_um: tuple[float, ...] | None = pitch_list("gear", "right")
-    gear_pitch_left_um: tuple[float, ...] | None = pitch_list("gear", "left")
-    gear_runout_um: tuple[float, ...] | None = runout_list("gear")
-    gear_pitch_class: int | None = pitch_class("gear")
-    gear_pitch_seed: int | None = pitch_seed("gear")
 
-
-class WormDriveMeasured(MeasuredTable):
+class WormDriveMeasured(MeasuredTable, members=(MeasuredMember("worm"), MeasuredMember("wheel"))):
     """Measured flanks and teeth of worm and wheel."""
 
-    worm_right: str | None = measured_file("worm", "right")
-    worm_left: str | None = measured_file("worm", "left")
-    wheel_right: str | None = measured_file("wheel", "right")
-    wheel_left: str | None = measured_file("wheel", "left")
-    worm_pitch: str | None = pitch_file("worm")
-    worm_pitch_right_um: tuple[float, ...] | None = pitch_list("worm", "right")
-    worm_pitch_left_um: tuple[float, ...] | None = pitch_list("worm", "left")
-    worm_runout_um: tuple[float, ...] | None = runout_list("worm")
-    worm_pitch_class: int | None = pitch_class("worm")
-    worm_pitch_seed: int | None = pitch_seed("worm")
-    wheel_pitch: str | None = pitch_file("wheel")
-    wheel_pitch_right_um: tuple[float, ...] | None = pitch_list("wheel", "right")
-    wheel_pitch_left_um: tuple[float, ...] | None = pitch_list("wheel", "left")
-    wheel_runout_um: tuple[float, ...] | None = runout_list("wheel")
-    wheel_pitch_class: int | None = pitch_class("wheel")
-    wheel_pitch_seed: int | None = pitch_seed("wheel")
 
-
-class CycloidalMeasured(Table):
+class CycloidalMeasured(
+    MeasuredMembersTable,
+    members=tuple(MeasuredMember(name, flanks=False, drawn=False, radial=True) for name in ("disc", "ring")),
+):
     """Measured places of the lobes of a cycloidal drive and of its pins."""
 
-    disc_pitch: str | None = pitch_file("disc")
-    disc_pitch_right_um: tuple[float, ...] | None = pitch_list("disc", "right")
-    disc_pitch_left_um: tuple[float, ...] | None = pitch_list("disc", "left")
-    disc_radial_um: tuple[float, ...] | None = radial_list("disc")
-    ring_pitch: str | None = pitch_file("ring")
-    ring_pitch_right_um: tuple[float, ...] | None = pitch_list("ring", "right")
-    ring_pitch_left_um: tuple[float, ...] | None = pitch_list("ring", "left")
-    ring_radial_um: tuple[float, ...] | None = radial_list("ring")
 
-
-class RackMeasured(MeasuredTable):
+class RackMeasured(MeasuredTable, members=(MeasuredMember("pinion"), MeasuredMember("rack", positions=False))):
     """Measured flanks of pinion and rack, and teeth of the pinion."""
 
-    pinion_right: str | None = measured_file("pinion", "right")
-    pinion_left: str | None = measured_file("pinion", "left")
-    rack_right: str | None = measured_file("rack", "right")
-    rack_left: str | None = measured_file("rack", "left")
-    pinion_pitch: str | None = pitch_file("pinion")
-    pinion_pitch_right_um: tuple[float, ...] | None = pitch_list("pinion", "right")
-    pinion_pitch_left_um: tuple[float, ...] | None = pitch_list("pinion", "left")
-    pinion_runout_um: tuple[float, ...] | None = runout_list("pinion")
-    pinion_pitch_class: int | None = pitch_class("pinion")
-    pinion_pitch_seed: int | None = pitch_seed("pinion")
 
-
-class PlanetaryMeasured(MeasuredTable):
+class PlanetaryMeasured(
+    MeasuredTable, members=(MeasuredMember("sun"), MeasuredMember("planet"), MeasuredMember("ring"))
+):
     """Measured flanks and teeth of the members of a planetary gear set; all planets have the same."""
-
-    sun_right: str | None = measured_file("sun", "right")
-    sun_left: str | None = measured_file("sun", "left")
-    planet_right: str | None = measured_file("planet", "right")
-    planet_left: str | None = measured_file("planet", "left")
-    ring_right: str | None = measured_file("ring", "right")
-    ring_left: str | None = measured_file("ring", "left")
-    sun_pitch: str | None = pitch_file("sun")
-    sun_pitch_right_um: tuple[float, ...] | None = pitch_list("sun", "right")
-    sun_pitch_left_um: tuple[float, ...] | None = pitch_list("sun", "left")
-    sun_runout_um: tuple[float, ...] | None = runout_list("sun")
-    sun_pitch_class: int | None = pitch_class("sun")
-    sun_pitch_seed: int | None = pitch_seed("sun")
-    planet_pitch: str | None = pitch_file("planet")
-    planet_pitch_right_um: tuple[float, ...] | None = pitch_list("planet", "right")
-    planet_pitch_left_um: tuple[float, ...] | None = pitch_list("planet", "left")
-    planet_runout_um: tuple[float, ...] | None = runout_list("planet")
-    planet_pitch_class: int | None = pitch_class("planet")
-    planet_pitch_seed: int | None = pitch_seed("planet")
-    ring_pitch: str | None = pitch_file("ring")
-    ring_pitch_right_um: tuple[float, ...] | None = pitch_list("ring", "right")
-    ring_pitch_left_um: tuple[float, ...] | None = pitch_list("ring", "left")
-    ring_runout_um: tuple[float, ...] | None = runout_list("ring")
-    ring_pitch_class: int | None = pitch_class("ring")
-    ring_pitch_seed: int | None = pitch_seed("ring")

@@ -11,6 +11,7 @@ from zlib import crc32
 import numpy as np
 
 from gearmesh.design.core import Design
+from gearmesh.design.measured import MeasuredMember
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.metrology.drawn_pitch import drawn_pitch
@@ -44,7 +45,7 @@ class MeasuredMembers:
         """Return the member with its measured flanks, or the member itself without a file. Raises FileError and
         DesignError that name the key."""
         table_name = self._named(member.name)
-        keys = {side: f"{table_name}_{side}" for side in Side}
+        keys = {side: MeasuredMember(table_name).flank(side) for side in Side}
         files = {side: Path(file) for side, key in keys.items() if (file := getattr(self._table, key, None))}
         if not files:
             return member
@@ -75,7 +76,7 @@ class MeasuredPlaces:
 
         Raises DesignError for another number than that of the `teeth`.
         """
-        key = f"{self._named(name)}_radial_um"
+        key = self._keys(name).farther_out
         values = getattr(self._table, key, None)
         if values is None:
             return None
@@ -84,23 +85,24 @@ class MeasuredPlaces:
         return np.asarray(MM_PER_UM * np.array(values))
 
     def _values(self, name: str) -> dict[str, Any]:
-        table_name = self._named(name)
-        return {
-            key: getattr(self._table, key, None)
-            for key in (_file_key(table_name), *_list_keys(table_name), *_drawn_keys(table_name))
-        }
+        keys = self._keys(name)
+        known = (keys.pitch_file, *keys.lists, keys.drawn_class, keys.drawn_seed)
+        return {key: getattr(self._table, key, None) for key in known}
+
+    def _keys(self, name: str) -> MeasuredMember:
+        return MeasuredMember(self._named(name))
 
     def pitch(self, name: str, teeth: int, basis: InspectionBasis | None) -> MeasuredPitch:
         """Return the measured or drawn pitch deviations of a member with `teeth` teeth.
 
         `basis`: inspection basis of the member. Raises FileError and DesignError that name the key.
         """
-        table_name, given = self._named(name), self._values(name)
-        file, lists = given[_file_key(table_name)], dict[str, Array]()
-        self._refuse_together(table_name, given)
-        if any(given[key] is not None for key in _drawn_keys(table_name)):
-            return self._draw(table_name, teeth, basis)
-        for key in _list_keys(table_name):
+        keys, given = self._keys(name), self._values(name)
+        file, lists = given[keys.pitch_file], dict[str, Array]()
+        self._refuse_together(keys, given)
+        if given[keys.drawn_class] is not None or given[keys.drawn_seed] is not None:
+            return self._draw(keys, teeth, basis)
+        for key in keys.lists:
             values = given[key]
             if values is None:
                 continue
@@ -109,41 +111,36 @@ class MeasuredPlaces:
             lists[key] = MM_PER_UM * np.array(values)
         if file is not None:
             return read_pitch(Path(file), teeth)
-        *of_sides, of_runout = _list_keys(table_name)
-        sides = {side: PitchDeviations(lists[key]) for side, key in zip(Side, of_sides, strict=True) if key in lists}
-        return MeasuredPitch(sides, lists.get(of_runout))
+        found = {side: lists.get(keys.deviations(side)) for side in Side}
+        sides = {side: PitchDeviations(values) for side, values in found.items() if values is not None}
+        return MeasuredPitch(sides, lists.get(keys.runout))
 
     @staticmethod
-    def _refuse_together(table_name: str, values: dict[str, Any]) -> None:
+    def _refuse_together(keys: MeasuredMember, values: dict[str, Any]) -> None:
         """Raise DesignError if the positions of teeth are given in two ways."""
-        alternatives = ([_file_key(table_name)], _list_keys(table_name), _drawn_keys(table_name))
-        keys = [
-            key
-            for alternative in alternatives
-            for key in [next((key for key in alternative if values[key] is not None), None)]
-            if key
-        ]
-        if len(keys) > 1:
-            raise DesignError(f"measured.{keys[1]}", reason=f"cannot be given together with measured.{keys[0]}")
+        ways = ((keys.pitch_file,), keys.lists, (keys.drawn_class, keys.drawn_seed))
+        first_keys = [next((key for key in way if values[key] is not None), None) for way in ways]
+        given = [key for key in first_keys if key is not None]
+        if len(given) > 1:
+            raise DesignError(f"measured.{given[1]}", reason=f"cannot be given together with measured.{given[0]}")
 
-    def _draw(self, table_name: str, teeth: int, basis: InspectionBasis | None) -> MeasuredPitch:
+    def _draw(self, keys: MeasuredMember, teeth: int, basis: InspectionBasis | None) -> MeasuredPitch:
         """Draw a gear of the class that the table gives, or of the class that the design asks for."""
-        of_class, of_seed = _drawn_keys(table_name)
-        tolerance_class, seed = getattr(self._table, of_class), getattr(self._table, of_seed)
+        tolerance_class, seed = getattr(self._table, keys.drawn_class), getattr(self._table, keys.drawn_seed)
         if basis is None:
             raise DesignError(
-                f"measured.{of_class if tolerance_class is not None else of_seed}",
-                reason=f"pitch deviations of the {table_name} have no tolerances",
+                f"measured.{keys.drawn_class if tolerance_class is not None else keys.drawn_seed}",
+                reason=f"pitch deviations of the {keys.name} have no tolerances",
                 allowed="cylindrical and bevel gears",
             )
         finest, coarsest = basis.sizes.classes
         tolerance_class = basis.asked if tolerance_class is None else tolerance_class
         if not finest <= tolerance_class <= coarsest:
             raise DesignError(
-                f"measured.{of_class}", tolerance_class, must_be=f"a whole number from {finest} to {coarsest}"
+                f"measured.{keys.drawn_class}", tolerance_class, must_be=f"a whole number from {finest} to {coarsest}"
             )
         # members with the same seed differ by their name
-        return MeasuredPitch(drawn_pitch(basis, teeth, tolerance_class, (seed or 0, crc32(table_name.encode()))))
+        return MeasuredPitch(drawn_pitch(basis, teeth, tolerance_class, (seed or 0, crc32(keys.name.encode()))))
 
     def of_member(self, member: Member, basis_of: BasisOf) -> Member:
         """Return the member with its teeth at their measured positions, or the member itself without any.
@@ -154,20 +151,8 @@ class MeasuredPlaces:
         if not self.says(member.name):
             return member
         tooth, basis = member.tooth, basis_of(member.name)
-        of_runout = f"measured.{_list_keys(self._named(member.name))[-1]}"
+        of_runout = f"measured.{self._keys(member.name).runout}"
         pitch = self.pitch(member.name, tooth.teeth, basis).complete(None if basis is None else basis.ball, of_runout)
         index = index_angles(pitch, pitch_radius(tooth, basis))
         away = self.farther_out(member.name, tooth.teeth)
         return replace(member, index=index if away is None else replace(index, outwards=tuple(away.tolist())))
-
-
-def _file_key(member: str) -> str:
-    return f"{member}_pitch"
-
-
-def _drawn_keys(member: str) -> tuple[str, str]:
-    return f"{member}_pitch_class", f"{member}_pitch_seed"
-
-
-def _list_keys(member: str) -> tuple[str, ...]:
-    return (*(f"{member}_pitch_{side}_um" for side in Side), f"{member}_runout_um")
