@@ -135,7 +135,7 @@ teeth.section: Ends Grid Link Sections
 teeth.tooth: Tooth
 teeth.tooth_side: Bottom TipCorner ToothSide
 toolpath.motion: ToolMotion
-toolpath.toolpath: PathOrder
+toolpath.order: PathOrder
 tools.rack: Parabola RackLine
 """
 MODULE_OF_FORMER_NAME = {

@@ -22,6 +22,7 @@ from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.records import dataclass
 from gearmesh.toolpath.ball import BallCutter
+from gearmesh.toolpath.order import PathOrder
 from gearmesh.toolpath.passes import Passes
 from gearmesh.toolpath.space import CutSpace
 
@@ -66,18 +67,16 @@ class _Tried:
     clear: Array
 
 
-def choose_axes(
-    space: CutSpace, passes: Passes, ball: BallCutter, lead: float | None = None, tilt: float | None = None
-) -> Axes:
-    """Return the axes of all passes. `lead` and `tilt`, rad, are kept if given.
+def choose_axes(space: CutSpace, passes: Passes, ball: BallCutter, order: PathOrder) -> Axes:
+    """Return the axes of all passes. Lead and tilt are kept if the order gives them.
 
     Raises NoSolutionError, with the longest clear shank, if the shank is not clear of the teeth.
     """
     chosen = np.unique(np.linspace(0, len(passes.centres) - 1, MAX_CHOSEN_PASSES).round().astype(int))
-    if lead is not None and tilt is not None:
-        angles = np.full((2, chosen.size), [[lead], [tilt]])
+    if order.lead is not None and order.tilt is not None:
+        angles = np.full((2, chosen.size), [[order.lead], [order.tilt]])
     else:
-        angles = _choose(space, passes, ball, chosen, lead, tilt)
+        angles = _choose(space, passes, ball, chosen, order.lead, order.tilt)
     # angles are interpolated separately on either side of the root, because a tilt leans away from the wall of its side
     all_angles = np.empty((2, len(passes.centres)))
     for side in np.unique(passes.side):

@@ -32,6 +32,7 @@ from gearmesh.records import dataclass
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.section import Sections
 from gearmesh.toolpath.corners import InnerCorner, largest_between
+from gearmesh.toolpath.order import PathOrder
 from gearmesh.toolpath.space import CutSpace
 
 #: default length of a shank, in diameters of the ball
@@ -195,11 +196,11 @@ def _beside_no_corner(touched: _Spots, hit: _Spots, corners: Sequence[InnerCorne
 
 
 def largest_ball(
-    space: CutSpace, walls: Sequence[int], stock: float, corners: Sequence[InnerCorner] = (), left: float = 0.0
+    space: CutSpace, walls: Sequence[int], order: PathOrder, corners: Sequence[InnerCorner] = (), left: float = 0.0
 ) -> LargestBall:
     """Return the largest ball that finishes some walls of a space without gouging the other walls.
 
-    The ball leaves `stock` (mm) on the walls and no more than `left` (mm) in sharp inner corners.
+    The ball leaves the stock of the order on the walls and no more than `left` (mm) in sharp inner corners.
     """
     toe, heel = space.tooth.blank.extent
     beside = HIT_OFFSETS_DEPTHS * min(1.0, space.depth / abs(heel - toe))
@@ -220,10 +221,10 @@ def largest_ball(
     )
     touched, hit = (space.walls[k].region for k, _, _ in narrowest.places)
     # sharp corners may limit the ball further
-    radius, corner = largest_between(space, corners, narrowest.radius, stock, left)
+    radius, corner = largest_between(space, corners, narrowest.radius, order.stock, left)
     if corner is not None:
         touched, hit = (space.walls[k].region for k in (corner.before, corner.before + 1))
-    return LargestBall(radius - stock, touched, hit, corner=corner is not None)
+    return LargestBall(radius - order.stock, touched, hit, corner=corner is not None)
 
 
 def _everywhere(space: CutSpace) -> _Lines:
@@ -249,16 +250,16 @@ def _refine(
     return pair
 
 
-def refuse_too_large(ball: BallCutter, largest: LargestBall, stock: float) -> None:
-    """Raise DesignError for a ball larger than the largest that fits, or a stock (mm) without room for any ball."""
+def refuse_too_large(ball: BallCutter, largest: LargestBall, order: PathOrder) -> None:
+    """Raise DesignError for a ball larger than the largest that fits, or a stock without room for any ball."""
     most = 2.0 * largest.radius
     if most >= SHARP_CORNER_DIAMETER_MM and ball.diameter <= most * (1.0 + RELATIVE_ROOM):
         return
-    if most < SHARP_CORNER_DIAMETER_MM <= most + 2.0 * stock:
-        room = largest.radius + stock - 0.5 * SHARP_CORNER_DIAMETER_MM
+    if most < SHARP_CORNER_DIAMETER_MM <= most + 2.0 * order.stock:
+        room = largest.radius + order.stock - 0.5 * SHARP_CORNER_DIAMETER_MM
         raise ArgumentError(
             "stock",
-            stock,
+            order.stock,
             unit="mm",
             reason="it leaves no room for a ball",
             allowed=f"at most {np.floor(1e4 * room) / 1e4:.7g} mm, by {largest.why}",

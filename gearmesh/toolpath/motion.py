@@ -22,7 +22,9 @@ from gearmesh.kernel.numeric.algebra import Array, unit
 from gearmesh.records import dataclass
 from gearmesh.toolpath.axes import Axes
 from gearmesh.toolpath.ball import BallCutter
+from gearmesh.toolpath.order import PathOrder
 from gearmesh.toolpath.passes import Passes
+from gearmesh.toolpath.space import CutSpace
 
 #: passes alternate in direction
 ZIGZAG_ORDER = "zigzag"
@@ -38,6 +40,8 @@ WITHDRAWAL_DEPTHS = 1.25
 WITHDRAWAL_DIAMETERS = 0.5
 #: points along a return above the teeth
 POINTS_PER_RETURN = 9
+#: overrun beyond the ends of the face, in radii of the ball
+OVERRUN_RADII = 1.0
 #: points along an overrun
 POINTS_PER_OVERRUN = 4
 #: points of a pass that determine the curvature of its overrun
@@ -114,16 +118,16 @@ def join(motions: list[ToolMotion]) -> ToolMotion:
     return ToolMotion(**arrays, radius=motions[0].radius)
 
 
-def motion_of(passes: Passes, axes: Axes, ball: BallCutter, depth: float, order: str, overrun: float) -> ToolMotion:
-    """Return the motion through all passes, which begins and ends above the teeth; `depth` (mm) of the space."""
-    centres, contacts, vectors = _beyond_ends(passes, axes.vectors, overrun)
-    if order == ZIGZAG_ORDER:
+def motion_of(space: CutSpace, passes: Passes, axes: Axes, ball: BallCutter, order: PathOrder) -> ToolMotion:
+    """Return the motion through all passes, which begins and ends above the teeth."""
+    centres, contacts, vectors = _beyond_ends(passes, axes.vectors, OVERRUN_RADII * ball.radius)
+    if order.feed == ZIGZAG_ORDER:
         centres[1::2], contacts[1::2], vectors[1::2] = (a[1::2, ::-1] for a in (centres, contacts, vectors))
-    above = centres + (WITHDRAWAL_DEPTHS * depth + WITHDRAWAL_DIAMETERS * ball.diameter) * vectors
+    above = centres + (WITHDRAWAL_DEPTHS * space.depth + WITHDRAWAL_DIAMETERS * ball.diameter) * vectors
     pieces = [_Piece(above[0, :1], vectors[0, :1], True, 0)]
     for k in range(len(centres)):
         if k:
-            link = _across if order == ZIGZAG_ORDER else _back
+            link = _across if order.feed == ZIGZAG_ORDER else _back
             pieces.append(link(centres[k - 1 : k + 1], above[k - 1 : k + 1], vectors[k - 1 : k + 1], k))
         pieces.append(_Piece(centres[k], vectors[k], False, k, contacts[k]))
     pieces.append(_Piece(above[-1, -1:], vectors[-1, -1:], True, len(centres) - 1))

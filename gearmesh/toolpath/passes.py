@@ -30,6 +30,7 @@ from gearmesh.records import dataclass
 from gearmesh.teeth.section import Sections
 from gearmesh.toolpath.ball import BallCutter
 from gearmesh.toolpath.corners import InnerCorner, WallParts, wall_parts
+from gearmesh.toolpath.order import Budget, PathOrder
 from gearmesh.toolpath.space import CutSpace, SpaceFrames
 
 #: lines across a wall at which the step is computed
@@ -50,14 +51,6 @@ MAX_PASSES = 20_000
 MAX_POSITIONS = 1_000_000
 #: distance below which passes of neighbouring walls are the same
 MIN_PASS_DISTANCE_MM = 1e-6
-
-
-@dataclass(frozen=True)
-class Budget:
-    """Allowed material left, mm: `scallop` between passes and `chord` along them."""
-
-    scallop: float
-    chord: float
 
 
 @dataclass(frozen=True)
@@ -104,7 +97,7 @@ def plan_passes(
     space: CutSpace,
     walls: Sequence[int],
     ball: BallCutter,
-    stock: float,
+    order: PathOrder,
     budget: Budget,
     denser: Array,
     corners: Sequence[InnerCorner] = (),
@@ -114,19 +107,19 @@ def plan_passes(
     `denser` (W,) is the factor by which the passes of each wall are closer than the scallop requires. Raises
     NoSolutionError for too many passes, and where `wall_parts` does.
     """
-    within = wall_parts(space, corners, ball.radius + stock)
+    within = wall_parts(space, corners, ball.radius + order.stock)
     sections = space.tooth.sections(np.linspace(0.0, 1.0, STEP_STATIONS))
     lines = {}
     for k in walls:
         s = np.linspace(0.0, 1.0, STEP_LINES)
-        jet = space.walls[k].jet(within.s(k, s, sections), sections, stock)
+        jet = space.walls[k].jet(within.s(k, s, sections), sections, order.stock)
         per_unit = denser[k] * _passes_per_unit(jet, s, ball.radius, budget.scallop)
         lines[k] = _evenly(s, per_unit)
     if sum(map(len, lines.values())) > MAX_PASSES:
         raise NoSolutionError(
             reason=f"the scallop takes more than {MAX_PASSES} passes", remedy="allow a larger scallop or a larger ball"
         )
-    return _with_points(space, lines, within, ball, stock, budget.chord)
+    return _with_points(space, lines, within, ball, order.stock, budget.chord)
 
 
 def _passes_per_unit(jet: Jet, s: Array, radius: float, scallop: float) -> Array:

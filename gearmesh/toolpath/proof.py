@@ -33,6 +33,7 @@ from gearmesh.teeth.region import Region
 from gearmesh.teeth.section import Sections
 from gearmesh.toolpath.ball import BallCutter, ToolCylinder
 from gearmesh.toolpath.motion import ToolMotion
+from gearmesh.toolpath.order import PathOrder
 from gearmesh.toolpath.passes import Passes
 from gearmesh.toolpath.space import CutSpace
 
@@ -139,15 +140,14 @@ def measure_left(
     walls: Sequence[int],
     passes: Passes,
     motion: ToolMotion,
-    stock: float,
-    scallop: float,
+    order: PathOrder,
     chords: int = PROOF_CHORDS,
 ) -> Left:
     """Return the heights left on the walls of this space by a motion, and its gouges.
 
     Heights above two scallops count as infinite.
     """
-    ways, reach = _Ways.of(motion.cuts, motion.radius), stock + 2.0 * scallop
+    ways, reach = _Ways.of(motion.cuts, motion.radius), order.stock + 2.0 * order.scallop
     sections = space.tooth.sections(_stations(passes.sections.t, chords))
     largest, least, gouge, count = {}, {}, 0.0, 0
     # heights along the normals on all walls: gouges count on every wall, heights on the finished walls
@@ -155,9 +155,9 @@ def measure_left(
         shares = _lines(passes.line[passes.wall == k])
         jets = [wall.jet(s, sections) for s in _places(passes, k, shares, sections)]
         points, normals = (np.concatenate([getattr(jet, name).reshape(-1, 3) for jet in jets]) for name in ("r", "n"))
-        heights = _heights(points, normals, ways, reach) - stock
+        heights = _heights(points, normals, ways, reach) - order.stock
         count += heights.size
-        gouge = max(gouge, -float(heights.min()) - (0.0 if k in walls else stock))
+        gouge = max(gouge, -float(heights.min()) - (0.0 if k in walls else order.stock))
         if k in walls:
             largest[wall.region], least[wall.region] = float(heights.max()), float(heights.min())
     # distances of all other surfaces from the swept balls, rapid paths included

@@ -13,48 +13,19 @@ from gearmesh.toolpath.axes import Axes, choose_axes
 from gearmesh.toolpath.ball import BallCutter, LargestBall, largest_ball, refuse_too_large
 from gearmesh.toolpath.corners import inner_corners
 from gearmesh.toolpath.motion import ToolMotion, join, motion_of
-from gearmesh.toolpath.passes import Budget, Passes, plan_passes
+from gearmesh.toolpath.order import Budget, PathOrder
+from gearmesh.toolpath.passes import Passes, plan_passes
 from gearmesh.toolpath.proof import DRAFT_CHORDS, PROOF_CHORDS, Left, clear_of_teeth, measure_left, shank_clearance
 from gearmesh.toolpath.space import CutSpace, choose_walls
 
 #: depth of the deepest gouge that a path may have
 MAX_GOUGE_MM = 1e-4
-#: share of the scallop for chords if no tolerance is given
-DEFAULT_CHORD_SHARE = 0.1
-#: share of the scallop reserved for effects of higher order
-RESERVED_SCALLOP_SHARE = 0.05
 #: limit of the plans
 MAX_PLANS = 5
 #: factor by which passes are brought closer than the measured heights require
 PASS_DENSITY_MARGIN = 1.02
 #: factor of the chord tolerance after a gouge
 CHORD_REDUCTION = 0.4
-#: overrun beyond the ends of the face, in radii of the ball
-OVERRUN_RADII = 1.0
-
-
-@dataclass(frozen=True)
-class PathOrder:
-    """Order for a tool path; lengths in mm, angles in rad."""
-
-    #: largest height over the surface (or over the stock), chords included
-    scallop: float
-    #: part of the scallop for chords; None for a tenth
-    chord: float | None = None
-    #: material left along the normals on purpose
-    stock: float = 0.0
-    #: "left", "right" or "both"
-    flank: str = "both"
-    #: "all" (with fillets and root) or "flanks"
-    surfaces: str = "all"
-    #: number of the space to cut, which is the number of the tooth after it; None for all spaces of all rows
-    spaces: int | None = 0
-    #: "zigzag" or "one-way"
-    feed: str = "zigzag"
-    #: lead of the tool axis; None to choose it
-    lead: float | None = None
-    #: tilt of the tool axis; None to choose it
-    tilt: float | None = None
 
 
 @dataclass(frozen=True)
@@ -93,19 +64,19 @@ def tool_path(member: Member, ball: BallCutter, order: PathOrder) -> ToolPath:
     _refuse_number(space, order.spaces)
     space.refuse_threads()
     walls = choose_walls(space, order.flank, order.surfaces)
-    denser, budget, corners = np.ones(len(space.walls)), budget_of(order), inner_corners(space, walls)
-    largest = largest_ball(space, walls, order.stock, corners, budget.scallop)
-    refuse_too_large(ball, largest, order.stock)
+    denser, budget, corners = np.ones(len(space.walls)), order.budget, inner_corners(space, walls)
+    largest = largest_ball(space, walls, order, corners, budget.scallop)
+    refuse_too_large(ball, largest, order)
     tell(0.15)
     # plan and measure, first coarsely, until heights and gouges are within the order
     for _ in range(MAX_PLANS):
-        passes = plan_passes(space, walls, ball, order.stock, budget, denser, corners)
-        axes = choose_axes(space, passes, ball, order.lead, order.tilt)
-        motion = motion_of(passes, axes, ball, space.depth, order.feed, OVERRUN_RADII * ball.radius)
+        passes = plan_passes(space, walls, ball, order, budget, denser, corners)
+        axes = choose_axes(space, passes, ball, order)
+        motion = motion_of(space, passes, axes, ball, order)
         tell(0.4)
         # a coarse measurement first: it already finds most passes that are too far apart
         for chords in (DRAFT_CHORDS, PROOF_CHORDS):
-            left = measure_left(space, walls, passes, motion, order.stock, order.scallop, chords)
+            left = measure_left(space, walls, passes, motion, order, chords)
             if left.scallop > order.scallop or left.gouge > MAX_GOUGE_MM:
                 break
         else:
@@ -140,12 +111,6 @@ def tool_path(member: Member, ball: BallCutter, order: PathOrder) -> ToolPath:
         clearance,
         budget.chord,
     )
-
-
-def budget_of(order: PathOrder) -> Budget:
-    """Return the parts of the scallop for passes and chords."""
-    chord = DEFAULT_CHORD_SHARE * order.scallop if order.chord is None else order.chord
-    return Budget((1.0 - RESERVED_SCALLOP_SHARE) * order.scallop - chord, chord)
 
 
 def _factors(space: CutSpace, left: Left, scallop: float) -> Array:

@@ -16,9 +16,10 @@ from scipy.spatial import cKDTree
 import gearmesh as gm
 from gearmesh.toolpath.ball import BallCutter, largest_ball
 from gearmesh.toolpath.motion import ToolMotion
+from gearmesh.toolpath.order import PathOrder
 from gearmesh.toolpath.proof import Left, measure_left
 from gearmesh.toolpath.space import CutSpace, choose_walls
-from gearmesh.toolpath.toolpath import MAX_GOUGE_MM, PathOrder, tool_path
+from gearmesh.toolpath.toolpath import MAX_GOUGE_MM, tool_path
 
 #: points of every wall at which the file is judged
 POINTS = 400
@@ -97,7 +98,7 @@ def test_the_proof_reports_a_gouge_and_a_ridge() -> None:
     walls = choose_walls(path.space, "both", "all")
 
     def measured(motion: ToolMotion) -> Left:
-        return measure_left(path.space, walls, path.passes, motion, 0.0, 0.02)
+        return measure_left(path.space, walls, path.passes, motion, order)
 
     assert path.left.gouge < MAX_GOUGE_MM
     assert 0.7 * 0.02 < path.left.scallop <= 0.02
@@ -114,10 +115,14 @@ def test_the_largest_ball() -> None:
     """Of a rack it is its tip rounding, to the rounding of 100 mm over the height of an arc of 1 um; of a hypoid pinion's flank
     the one that touches at its form point and at the root beside it."""
     rack = CutSpace(gm.gear(20, module=4, rack=True).members["rack"])
-    assert largest_ball(rack, choose_walls(rack, "both", "all"), 0.0).radius == pytest.approx(0.38 * 4.0, abs=1e-7)
-    assert largest_ball(rack, choose_walls(rack, "both", "all"), 0.1).radius == pytest.approx(1.42, abs=1e-7)
+    assert largest_ball(rack, choose_walls(rack, "both", "all"), PathOrder(0.02)).radius == pytest.approx(
+        0.38 * 4.0, abs=1e-7
+    )
+    assert largest_ball(rack, choose_walls(rack, "both", "all"), PathOrder(0.02, stock=0.1)).radius == pytest.approx(
+        1.42, abs=1e-7
+    )
     space = CutSpace(sample("hypoid")().members["pinion"])
-    radius = largest_ball(space, choose_walls(space, "left", "flanks"), 0.0).radius
+    radius = largest_ball(space, choose_walls(space, "left", "flanks"), PathOrder(0.02)).radius
     # brute force: at the form point, from 0.8 to 1 of the face, what is farthest within a ball of that radius
     t = np.linspace(0.8, 1.0, 21)
     touched = space.walls[0].jet(np.array([1.0]), space.tooth.sections(t))

@@ -21,7 +21,8 @@ from gearmesh.lengths import Length, in_mm
 from gearmesh.records import dataclass
 from gearmesh.toolpath.ball import BallCutter
 from gearmesh.toolpath.motion import ONE_WAY_ORDER, ZIGZAG_ORDER, ToolMotion
-from gearmesh.toolpath.toolpath import PathOrder, ToolPath, budget_of, tool_path
+from gearmesh.toolpath.order import PathOrder
+from gearmesh.toolpath.toolpath import ToolPath, tool_path
 
 #: choices of the flanks to finish
 FLANK_CHOICES = ("right", "left", "both")
@@ -141,7 +142,7 @@ class ToolPathAnswer(Result):
     @property
     def measured(self) -> ToolPathFigures:
         """All figures."""
-        path, left, budget = self._path, self._path.left, budget_of(self.order)
+        path, left, budget = self._path, self._path.left, self.order.budget
         step_over, um = path.passes.step_over, 1e3
         tilt, lead = (np.degrees(angle) for angle in (path.axes.tilt, path.axes.lead))
         angles = PathAngles(*(float(f(angle)) + 0.0 for angle in (tilt, lead) for f in (np.min, np.max)))
