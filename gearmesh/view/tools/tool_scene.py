@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gearmesh.kernel.motion.motion import MachineAxis
 from gearmesh.kernel.motion.rigid import Rigid
@@ -27,12 +28,28 @@ WHOLE_MARGIN = 1.3
 MAX_WHOLE_GROWTH = 1.4
 #: factor up to which the picture of a tool with its axes may be larger than the picture of the tool
 MAX_TOOL_GROWTH = 2.0
-#: smallest distances of words across and up, as shares of the picture's height; one of them must hold
-MIN_WORD_DISTANCES = (0.35, 0.08)
+#: rows of the raster in which bodies, lines and words are looked for beneath a word
+RASTER_ROWS = 200
+#: points along each side of a small and of a large triangle that mark it in this raster
+MARKS_PER_SIDE = (12, 72)
+#: longest side, in rows of the raster, from which a triangle is large
+LARGE_SIDE_ROWS = 11.0
+#: height of a word and mean width of its letters, as shares of the picture's height
+WORD_SHARES = (0.034, 0.0122)
+#: distance of a word from the end of its axis, as a share of the picture's height
+WORD_GAP_SHARE = 0.012
+#: lengths, as shares of the picture's height, by which an axis may be drawn longer, so that its name is on the ground
+AXIS_STRETCHES = tuple(0.025 * step for step in range(13))
+#: length, as such a share, at which a name is rather at the other end of its axis
+OTHER_END_STRETCH = 0.06
+#: length, as such a share, that counts as much as a cell of the raster beneath a name or close to it
+COVERED_CELL_STRETCH = 0.01
 #: opacity of a tool's working surfaces
 SHEET_OPACITY = 0.55
 #: opacity of the mesh of a tool
 PART_OPACITY = 0.75
+#: smallest sine of the angle between an axis and the line of sight at which the axis is named
+MIN_AXIS_SINE = 0.05
 #: length of an axis beyond its body, relative to the body's size
 AXIS_OVERHANG = 0.12
 #: components of the direction of view: up the tooth, along it beyond the heel, and along the flank's normal
@@ -63,13 +80,12 @@ def tool_scene(
         SceneBody(mesh, tool.tool_to_own, TOOL_PAINT, opacity=opacity),
     )
     seen = np.concatenate((member.vertices, tool.tool_to_own.point(mesh.vertices)))
-    lines = [(axis, _along(axis, tool.tool_to_own.point(mesh.vertices))) for axis in tool.axes]
-    own = MachineAxis(f"axis of the {member.name}", np.zeros(3), Z_AXIS)
-    lines.append((own, _along(own, member.vertices)))
-    curves = [Curve(ends, colour=MEMBER_COLOUR if axis is own else MACHINE_COLOUR, width=2.5) for axis, ends in lines]
-    outline = [tool.tool_to_own.point(outline) for outline in tool.outlines]
-    curves += [Curve(line, "section of the tool at the middle of the flank", OUTLINE_COLOUR, 3.0) for line in outline]
     tool_points, look = tool.tool_to_own.point(mesh.vertices), _looking(tool, grid)
+    lines = [(axis, _along(axis, tool_points)) for axis in tool.axes]
+    # a member's axis tells something beside those of tool and machine only
+    if tool.axes:
+        own = MachineAxis(f"axis of the {member.name}", np.zeros(3), Z_AXIS)
+        lines.append((own, _along(own, member.vertices)))
     if tool.axes:
         whole = frame(*look, np.concatenate((seen, *(ends for _, ends in lines))), size, TOOL_MARGIN)
         most = MAX_TOOL_GROWTH
@@ -77,32 +93,131 @@ def tool_scene(
         whole, most = frame(*look, seen, size, WHOLE_MARGIN), MAX_WHOLE_GROWTH
     close = frame(*look, tool_points, size, CLOSE_MARGIN)
     camera = whole if whole.height < most * close.height else close
-    words = [_axis_name(*line, camera) for line in lines] if tool.axes else []
-    words = [word for word in words if _in_sight(word, camera, size)]
-    if any(_too_near(words[-1], word, camera) for word in words[:-1]):
-        words[-1] = replace(words[-1], point=words[-1].inside, inside=words[-1].point)
+    ground, words, curves = _Ground(camera, size), list[Word](), list[Curve]()
+    for body in bodies:
+        ground.mark_triangles(body.mesh.move(body.own_to_scene).corners())
+    for k, (axis, ends) in enumerate(lines):
+        others = [other for _, other in (*lines[:k], *lines[k + 1 :])]
+        ends, word = _named(axis, ends, ground.beside(others))
+        lines[k] = axis, ends
+        if word is not None:
+            ground.write(word)
+        colour = MEMBER_COLOUR if axis.direction is Z_AXIS else MACHINE_COLOUR
+        curves.append(Curve(ends, colour=colour, width=2.5))
+        words += [] if word is None else [word]
+    outline = [tool.tool_to_own.point(outline) for outline in tool.outlines]
+    curves += [Curve(line, "section of the tool at the middle of the flank", OUTLINE_COLOUR, 3.0) for line in outline]
     middle = Dots(tool.touching.r[None], "middle of the flank, being generated", PATH_COLOUR, 9.0)
     return Scene(bodies, camera, tuple(curves), (middle,), words=tuple(words), title=title, size=size)
 
 
-def _axis_name(axis: MachineAxis, ends: Array, camera: Camera) -> Word:
-    """Word with the name of an axis, at its upper end; the member's axis, which is z, has it at the end towards the
-    viewer.
+@dataclass(frozen=True)
+class _Ground:
+    """Raster of a picture: True where something is drawn that a word would cover."""
+
+    #: camera of the picture
+    camera: Camera
+    #: width and height of the picture, pixels
+    size: tuple[int, int]
+    #: cells (RASTER_ROWS, N), from below
+    taken: NDArray[np.bool_] = field(init=False)
+
+    def __post_init__(self) -> None:
+        columns = round(RASTER_ROWS * self.size[0] / self.size[1])
+        object.__setattr__(self, "taken", np.zeros((RASTER_ROWS, columns), dtype=bool))
+
+    def place(self, points: Array) -> Array:
+        """Places (..., 2) of points (..., 3), to the right and up from the middle, as shares of the picture's height."""
+        places: Array = (points - self.camera.focus) @ self.camera.axes[:2].T / self.camera.height
+        return places
+
+    def mark(self, points: Array) -> None:
+        """Mark what is at points (K, 3)."""
+        self._mark(self.place(points))
+
+    def mark_triangles(self, corners: Array) -> None:
+        """Mark triangles (T, 3, 3)."""
+        sides = np.roll(corners, -1, axis=1) - corners
+        large = np.linalg.norm(sides, axis=-1).max(axis=1) > LARGE_SIDE_ROWS / RASTER_ROWS * self.camera.height
+        for which, side in zip((~large, large), MARKS_PER_SIDE, strict=True):
+            self.mark(_marks(corners[which], side))
+
+    def _mark(self, places: Array) -> None:
+        rows, columns = self.taken.shape
+        across, up = np.floor(places * RASTER_ROWS + 0.5 * np.array([columns, rows])).astype(np.int64).T
+        inside = (across >= 0) & (across < columns) & (up >= 0) & (up < rows)
+        self.taken[up[inside], across[inside]] = True
+
+    def beside(self, lines: Sequence[Array]) -> _Ground:
+        """Return the ground with lines between ends (2, 3) marked."""
+        ground = _Ground(self.camera, self.size)
+        ground.taken[...] = self.taken
+        for ends in lines:
+            ground.mark(np.linspace(ends[0], ends[1], 2 * RASTER_ROWS))
+        return ground
+
+    def box(self, text: str, end: Array, way: Array) -> tuple[Array, Array]:
+        """Corners (2,) of the box of a word beyond a place `end` (2,) in the direction `way` (2,)."""
+        high, letter = WORD_SHARES
+        half = 0.5 * np.array([letter * len(text), high])
+        middle = end + (float((half / np.maximum(np.abs(way), 1e-9)).min()) + WORD_GAP_SHARE) * way
+        return middle - half, middle + half
+
+    def covered(self, low: Array, high: Array) -> int | None:
+        """Number of marked cells in a box and close around it; None if the box is not wholly in the picture."""
+        rows, columns = self.taken.shape
+        middle = 0.5 * np.array([columns, rows])
+        left, below = np.floor((low - WORD_GAP_SHARE) * RASTER_ROWS + middle).astype(int)
+        right, above = np.ceil((high + WORD_GAP_SHARE) * RASTER_ROWS + middle).astype(int)
+        if left < 0 or below < 0 or right > columns or above > rows:
+            return None
+        return int(np.count_nonzero(self.taken[below:above, left:right]))
+
+    def write(self, word: Word) -> None:
+        """Mark the box of a word."""
+        end, inside = self.place(word.point), self.place(word.inside)
+        way = (end - inside) / float(np.hypot(*(end - inside)))
+        x, y = (np.linspace(*ends, RASTER_ROWS) for ends in zip(*self.box(word.text, end, way), strict=True))
+        self._mark(np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2))
+
+
+def _named(axis: MachineAxis, ends: Array, ground: _Ground) -> tuple[Array, Word | None]:
+    """Return the ends (2, 3) of an axis and the word with its name, at the end where it covers least; None if the axis
+    is out of sight.
+
+    It is rather at the upper end; the member's axis, which is z, rather has it at the end towards the viewer. An axis is
+    drawn longer where its name would cover something.
     """
-    k = int(np.argmax(ends @ camera.axes[2 if axis.direction is Z_AXIS else 1]))
-    return Word(axis.name, ends[k], ends[1 - k])
+    camera = ground.camera
+    first = int(np.argmax(ends @ camera.axes[2 if axis.direction is Z_AXIS else 1]))
+    choices = []
+    for k in (first, 1 - first):
+        outwards = unit(ends[k] - ends[1 - k])
+        way = ground.place(outwards + camera.focus)
+        length = float(np.hypot(*way))
+        if length * camera.height < MIN_AXIS_SINE:
+            continue
+        for stretch in AXIS_STRETCHES:
+            end = ends[k] + stretch / length * outwards
+            low, high = ground.box(axis.name, ground.place(end), way / length)
+            covered = ground.covered(low, high)
+            if covered is not None:
+                cost = stretch + OTHER_END_STRETCH * (k != first) + COVERED_CELL_STRETCH * covered
+                choices.append((cost, k, end))
+    if not choices:
+        return ends, None
+    _, k, end = min(choices, key=lambda choice: choice[:2])
+    longer = ends.copy()
+    longer[k] = end
+    return longer, Word(axis.name, end, longer[1 - k])
 
 
-def _in_sight(word: Word, camera: Camera, size: tuple[int, int]) -> bool:
-    """True if the point of a word is in a picture of a size."""
-    place = camera.axes[:2] @ (word.point - camera.focus) / camera.height
-    return bool((np.abs(place) < 0.5 * np.array([size[0] / size[1], 1.0])).all())
-
-
-def _too_near(word: Word, other: Word, camera: Camera) -> bool:
-    """True if two words are too near to each other to be read."""
-    apart = np.abs(camera.axes[:2] @ (word.point - other.point)) / camera.height
-    return bool((apart < MIN_WORD_DISTANCES).all())
+def _marks(corners: Array, side: int) -> Array:
+    """Points (K, 3) that are spread over triangles (T, 3, 3), `side` of them along each side."""
+    a, b = (index.ravel() for index in np.indices((side, side)))
+    kept = a + b < side
+    weights = np.stack((a[kept], b[kept], side - 1 - a[kept] - b[kept]), axis=-1) / (side - 1)
+    return np.asarray(weights @ corners).reshape(-1, 3)
 
 
 def _along(axis: MachineAxis, points: Array) -> Array:
