@@ -21,6 +21,9 @@ from gearmesh.numerals import is_number, parse_number, with_point
 #: characters of a refused cell that messages show
 MAX_CELL_CHARACTERS = 40
 
+#: separators of columns that are refused by name: those of spreadsheets where numbers have decimal commas, and of copied cells
+OTHER_SEPARATORS = {";": "semicolons", "\t": "tabs"}
+
 #: beginning of a cell that a spreadsheet runs: also behind blanks that it ignores, and in wide forms of East Asian
 #: keyboards
 _FORMULA_START = re.compile(r"'*[\s\0]*[=+\-@\uff1d\uff0b\uff0d\uff20]|'*[\t\r\n\0]")
@@ -61,9 +64,9 @@ class _Lines(list[str]):
 
 def csv_rows(text: str, path: object) -> Iterator[tuple[int, list[str]]]:
     """Yield the texts of each line that is not empty, with the number of the line's last row. Raises FileError naming
-    file and line.
+    file and line, also for columns that are separated by something else than commas.
     """
-    reader = csv.reader(io.StringIO(text, newline=""))
+    reader, head = csv.reader(io.StringIO(text, newline="")), True
     while True:
         try:
             row = next(reader)
@@ -72,7 +75,20 @@ def csv_rows(text: str, path: object) -> Iterator[tuple[int, list[str]]]:
         except csv.Error as failure:
             raise FileError(str(path), reason=f"line {reader.line_num}: {failure}") from None
         if row:
+            if head and not row[0].lstrip().startswith("#"):
+                _refuse_separators(path, reader.line_num, row)
+                head = False
             yield reader.line_num, [_read(cell) for cell in row]
+
+
+def _refuse_separators(path: object, line: int, head: Sequence[str]) -> None:
+    """Refuse a head whose columns are separated as spreadsheets of many countries do."""
+    for mark, name in OTHER_SEPARATORS.items():
+        if len(head) == 1 and mark in head[0]:
+            raise FileError(
+                str(path),
+                reason=f"line {line}: columns are separated by {name}: must be by commas, and numbers have a decimal point",
+            )
 
 
 def _write_cell(value: Any) -> Any:

@@ -93,7 +93,7 @@ def gear_body(
     added = firsts[-1]
     for end, k in ((0, 0), (1, len(profile) - 1)):
         corner = first.vertices[first.end(ends[end])[0]]
-        per_tooth = counts[k] // teeth
+        per_tooth = counts[k] // teeth if counts[k] > 1 else 0  # a single centre is no ring, of one tooth either
         shift = round((float(np.arctan2(corner[1], corner[0])) - start) * counts[k] / (2.0 * np.pi))
         turns = (shift + np.arange(per_tooth, -1, -1)) if per_tooth else np.zeros(1, dtype=np.int64)
         for kind, tooth in enumerate(round_axis.kinds):
@@ -107,6 +107,8 @@ def gear_body(
             vertices.append(round_axis.turn(kind, sector.added))
             added += fresh.size
             face = np.concatenate((outer, inner, fresh), axis=1)[:, sector.triangles].reshape(-1, 3)
+            # one tooth follows itself: triangles at the cut from its rim to the axis have a vertex twice
+            face = face[(face != np.roll(face, 1, axis=1)).all(axis=1)]
             triangles.append(face if end else face[:, ::-1])
             regions.append(end_regions(level)[end])
     for k, name in enumerate(body.bands):

@@ -14,6 +14,7 @@ from oracles.command_line import run
 from oracles.examples import examples
 
 from gearmesh.answers import tables
+from gearmesh.errors import FileError
 from gearmesh.files.csv_table import csv_rows, csv_text
 from gearmesh.study import table
 
@@ -48,6 +49,17 @@ CELLS = st.text(st.sampled_from("'=+-@1.e \t\r\n\",;a\uff0b\0"), max_size=6) | s
 def test_what_is_written_is_read(rows: list[list[str]]) -> None:
     text = csv_text(["a", "b"], rows)
     assert [row for _, row in csv_rows(text, "t.csv")] == [["a", "b"], *rows]
+
+
+@pytest.mark.parametrize(("mark", "name"), [(";", "semicolons"), ("\t", "tabs")])
+def test_other_separators_are_refused_by_name(mark: str, name: str) -> None:
+    rows = f"# of a spreadsheet\n\nx_mm{mark}y_mm\n1,5{mark}2,5\n"
+    with pytest.raises(FileError) as refusal:
+        list(csv_rows(rows, "points.csv"))
+    says = f"points.csv: line 3: columns are separated by {name}: must be by commas, and numbers have a decimal point"
+    assert str(refusal.value) == says
+    # one column with such a mark in a later line is a table of commas
+    assert [row for _, row in csv_rows(f"a\n1{mark}2\n", "t.csv")] == [["a"], [f"1{mark}2"]]
 
 
 def test_reasons_of_a_study_are_texts(tmp_path: Path) -> None:
