@@ -373,7 +373,7 @@ class LoadedContact(Result):
             mean_tangent_stiffness=1e-3 * float(mesh.tangent[torque].mean()) * ARCSEC,
             **self._per_width(torque, load),
             k_h_beta=self._face_load_factor(load),
-            fillets=self._fillets(*(_most(in_fillet[torque]) for in_fillet in self._in_fillets())),
+            fillets=self.largest_in_fillets(torque),
             nominal_contact_stress=self._nominal_contact(torque),
             nominal_root_stress=self._nominal_root(torque),
             on_edge=bool((load.on_edge & (load.force > 0.0)).any()),
@@ -469,6 +469,26 @@ class LoadedContact(Result):
         worst = np.nan_to_num(mesh.bending, nan=-np.inf).argmax(axis=1)[:, None]
         error = np.take_along_axis(mesh.root_error, worst, axis=1)
         return mesh.bending, error, mesh.root_stress, mesh.tangent_stress, mesh.contact_stress
+
+    def largest_in_fillets(self, torque: int) -> dict[str, FilletFigures]:
+        """Largest stresses in the fillets over all positions.
+
+        Parameters
+        ----------
+        torque : int
+            Number of the torque.
+
+        Returns
+        -------
+        dict
+            Stresses by members.
+
+        Examples
+        --------
+        >>> list(gears.loaded_contact(20.0, [0.0]).largest_in_fillets(0))
+        ['pinion', 'gear']
+        """
+        return self._fillets(*(_most(in_fillet[torque]) for in_fillet in self._in_fillets()))
 
     def tooth_pairs_at(self, torque: int) -> NDArray[np.intp]:
         """Numbers of loaded tooth pairs.
