@@ -230,10 +230,43 @@ class MultistageTrain(Result):
         )
 
     def _torques(self) -> dict[str, Fraction]:
-        """Return the torque with which each shaft is driven per torque on the input, for a train without branches before it.
+        """Return the torque with which each shaft is driven per torque on the input.
 
-        A stage that closes a loop carries what the other way leaves, which is not known.
+        Where equilibrium does not tell how ways share the torque, it is that of the first way, all others being idle.
         """
+        return self._torques_in_equilibrium() or self._torques_of_first_ways()
+
+    def _torques_in_equilibrium(self) -> dict[str, Fraction] | None:
+        """Return the torques of `_torques` if the equilibrium of all shafts alone gives them; None otherwise.
+
+        Unknown is one torque for each stage, whose ports have torques in fixed ratios. The torques of a stage about the z
+        axes of its shafts, on the stage, add up to 0 on a shaft between stages, and to 1 on the input.
+        """
+        from gearmesh.kernel.numeric.fractions import solve_fractions
+
+        steps = self.layout.steps
+        # torques (stage, shaft) per unknown of the stage
+        loads: dict[str, dict[int, Fraction]] = {name: {} for name in self.layout.shafts}
+        for number, step in enumerate(steps):
+            torques = step.stage.torques(step.driver[1].port)
+            for shaft, seated in step.ends:
+                loads[shaft][number] = torques[seated.port] * seated.sense
+        given = {name for name, shaft in self.file.shafts.items() if shaft.keys.speed is not None}
+        balanced = [name for name, on in loads.items() if len(on) > 1 and name not in given | {self.file.output}]
+        rows = [name for name in balanced if name != self.file.input]
+        matrix = [[loads[name].get(k, Fraction(0)) for k in range(len(steps))] for name in (self.file.input, *rows)]
+        scale = solve_fractions(matrix, [Fraction(1), *[Fraction(0)] * len(rows)])
+        if scale is None:
+            return None
+        found = {}
+        for name, on in loads.items():
+            driving = [k for k, step in enumerate(steps) if step.driven[0] == name]
+            sums = sum((on[k] * scale[k] for k in driving or on), Fraction(0))
+            found[name] = -sums if driving else sums
+        return found
+
+    def _torques_of_first_ways(self) -> dict[str, Fraction]:
+        """Return the torques of `_torques` where all but the first way to a shaft are idle."""
         known = {self.file.input: Fraction(1)}
         waiting = [step for step in self.layout.steps if not step.closes_loop]
         while waiting:

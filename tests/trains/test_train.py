@@ -511,6 +511,36 @@ def test_speeds_of_differentials_are_asked_for(shafts: dict[str, Any], words: st
         _ = gm.load_train(differential(**shafts)).headline
 
 
+def power_split() -> dict[str, Any]:
+    """The input drives the sun of a set, and by a pair beside it the ring: the carrier is the output."""
+    back = {"design": str(SAMPLES / "spur_relieved.toml")}
+    tables = differential(
+        sun={"members": ["set.sun", {"member": "back.pinion", "position": 80}]},
+        ring={"members": [{"member": "set.ring"}, {"member": "last.gear", "position": 160}]},
+    )
+    tables["stages"] |= {"back": back, "last": back}
+    tables["shafts"]["side"] = {"members": ["back.gear", {"member": "last.pinion", "position": 80, "turn": 180}]}
+    tables["output"] = "carrier"
+    return tables
+
+
+@pytest.mark.quick
+def test_torques_of_a_split_of_power_are_in_equilibrium() -> None:
+    """By own equations: a loop that a differential closes is determined, its torques follow without stiffness."""
+    train = gm.load_train(power_split())
+    found = {shaft.shaft: shaft for shaft in train.shafts}
+    i = found["side"].speed
+    # torques on the set: sun s, ring 4 s, carrier -5 s; the side shaft gets 4 s / i from the ring and takes 4 s from the input
+    ring = found["ring"].speed
+    s = 1.0 / (1.0 + 4.0 * ring)
+    assert found["carrier"].torque == pytest.approx(5.0 * s)
+    assert found["ring"].torque == pytest.approx(4.0 * s)
+    assert found["side"].torque == pytest.approx(4.0 * s * ring / i)
+    # power in is power out
+    assert found["carrier"].torque * found["carrier"].speed == pytest.approx(1.0)
+    assert found["sun"].torque == 1.0
+
+
 def test_error_of_a_differential_is_that_of_both_branches() -> None:
     """A pair drives the ring of a set whose sun is the input: its error reaches the carrier by the ratio of ring and carrier."""
     pair = {"design": str(SAMPLES / "spur_relieved.toml")}
