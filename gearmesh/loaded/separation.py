@@ -300,6 +300,7 @@ def _over_whole_flanks(near: NearPairs) -> NearPairs:
     pinion = near.pair.pinion
     middle = pinion.grid[pinion.grid.shape[0] // 2, pinion.grid.shape[1] // 2]
     jet = pinion.surface.jet(middle[0], middle[1])
+    # tangent plane of the pinion's flank in its middle, x along the axis and y up the profile
     motions = [mount.at(turn) for mount, turn in zip(near.mounts, near.turns, strict=True)]
     origin, normal = motions[0].point(jet.r), motions[0].vector(jet.n)
     axis = np.broadcast_to(near.mounts[0].axis, normal.shape)
@@ -315,6 +316,7 @@ def _over_whole_flanks(near: NearPairs) -> NearPairs:
     (x_low, x_high), (y_low, y_high) = (
         (np.maximum(first[0], second[0]), np.minimum(first[1], second[1])) for first, second in zip(*ends, strict=True)
     )
+    # the origin moves to the middle of the common part
     origin = origin + 0.5 * ((x_low + x_high)[:, None] * along + (y_low + y_high)[:, None] * across)
     kind, edge = np.full(len(origin), "line"), np.full(len(origin), "", dtype=near.path.edge.dtype)
     return replace(

@@ -751,6 +751,7 @@ class Tooth:
             followed = follow(surface, p, stations, axial)
             return np.where(followed.converged[..., None], followed.jet.r, np.nan)
 
+        # edges of the surfaces as the kind states them: where two surfaces join, both must have the same points
         on_flank = points(side.flank, side.form_point[0], *(() if corner is None else corner.form_point[:1]))
         on_fillet = points(side.fillet, side.form_point[1], side.root)
         compared = []
@@ -764,16 +765,19 @@ class Tooth:
             end = self.crest.ends[0 if which is Side.RIGHT else 1]
             apart = points(side.flank, side.tip)[0] - points(self.crest.surface, end)[0]
             compared.append((f"{flank} and {Region.LAND}", "at the tip", apart))
+        # a fillet ends on the root surface of the blank, or on the end of a bottom that the tool cuts
         if self.bottom is None:
             below = self.blank.root.value(on_fillet[1])[:, None]
         else:
             end, ahead = (self.bottom.ends[1], 0.0) if which is Side.RIGHT else (self.bottom.ends[0], -self.pitch_angle)
             below = points(self.bottom.surface, end)[0] - self.joint.to(ahead).point(on_fillet[1])
         compared.append((f"{fillet} and {Region.ROOT}", "at the root", below))
+        # gaps count relative to the size of the tooth, so that rounding errors of its coordinates are none
         largest = float(np.fmax.reduce(np.abs(on_fillet), axis=None, initial=float(np.abs(stations).max())))
         for surfaces, place, apart in compared:
             gap = np.linalg.norm(apart, axis=-1)
             gap[~(gap > MAX_GAP_SHARE * largest)] = 0.0
+            # an undercut flank ends above the form point, where the trimmed surfaces cross: no gap of the real tooth
             if gap.any() and place == FORM_POINT_PLACE:
                 apart_at = np.flatnonzero(gap)
                 gap[apart_at[self._undercut_at(side, np.array(JOINED_STATIONS_T)[apart_at])]] = 0.0

@@ -63,7 +63,7 @@ PARTS_OF_GEARS = {
     *("Rigid", "FlexibleMount", "Summary", "StudySummary", "Explorer"),
 }
 #: what gears are built of: given back by `Gears`, internal all the same
-INTERNAL = {"MemberNames", "TriangleMesh", "Mapping"}
+INTERNAL = {"CarriedBody", "MemberNames", "TriangleMesh", "Mapping"}
 
 
 def own_classes() -> set[str]:

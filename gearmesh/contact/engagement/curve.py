@@ -301,6 +301,7 @@ class MeshCurve:
             np.concatenate(arc_weights),
             np.concatenate(phases),
         )
+        # Fourier integrals over one pitch of the curve, whose arcs belong to different tooth pairs
         order = np.arange(1, HARMONIC_COUNT + 1)[:, None]
         wave = np.exp(-2j * np.pi * order * phase / self.pitch)
         amplitudes: Array = 2.0 / self.pitch * np.abs((wave * (advance - advance.mean()) * weight).sum(axis=1))

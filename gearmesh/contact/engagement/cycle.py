@@ -96,6 +96,7 @@ def mesh_cycle(
     if curve is None:
         return None
     surface, followed = curve.surface, curve.engagement
+    # gears that overlap have an engagement of each pair alone, but no transmission error
     if jammed:
         return Cycle(
             phi1=np.arange(POSITIONS_PER_PITCH) * pitch / POSITIONS_PER_PITCH,
@@ -108,6 +109,7 @@ def mesh_cycle(
             curve=curve,
         )
     te, envelope = _sample(curve, pitch)
+    # phases within a pitch: equal steps, and the bends of the curve, which steps between would cut off
     reference = _reference(followed)
     phase = np.unique(
         np.concatenate((np.linspace(0.0, pitch, 4 * POSITIONS_PER_PITCH + 1), np.clip(curve.marks[0], 0.0, pitch)))

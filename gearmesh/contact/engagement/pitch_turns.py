@@ -68,10 +68,12 @@ def pitch_turns(pair: GearPair) -> FullTurns:
     refuse_too_many(pair)
     pitches = pitches_until_repeat(pair)
     per_pitch = max(MIN_POSITIONS_PER_PITCH, min(POSITIONS_PER_PITCH, MAX_POSITIONS // pitches))
+    # the drive flanks forwards, and the coast flanks as the drive flanks of the reversed pair: their sum is the backlash
     (forwards, carrier), (backwards, _) = (
         shifted_advance(own, pitches, per_pitch) for own in in_turn((pair, reversed_pair(pair)))
     )
     te, phi1 = pair.drive * forwards, np.arange(pitches * per_pitch, dtype=float) * (pair.pitch / per_pitch)
+    # closed forms hold for eccentric members alone
     waves = tuple(
         replace(wave, closed_amplitude=math.nan, closed_crest=math.nan)
         for wave in waves_of_turns(pair, pitches, phi1, te)

@@ -332,6 +332,7 @@ class _Ends:
 
     def _shrunk(self, pair: Pair, end: _End) -> float:
         """Solve for phi1 (rad) at which no point of a line is left on both flanks: the least margin of its points is 0."""
+        # start at the last node with contact on the flanks; the line moves on with the turning gears from there
         axial, start = pair.pinion.axial, self.flanks.x[[end.last]]
         low, high = self._sides(end)
         before = Conditions(pair.flanks, low, pair.length)
@@ -352,6 +353,7 @@ class _Ends:
                     (Bound(0, axial, station),),
                     np.repeat(across, LINE_STATIONS, axis=0),
                 )
+                # the point of the line in each station: tangency of both flanks, with the station in the place of first touch
                 solved = newton.solve(
                     conditions,
                     np.repeat(x, LINE_STATIONS, axis=0),
@@ -370,6 +372,7 @@ class _Ends:
                 first, last = station[k] - step, station[k] + step
             return np.array([least_margin])
 
+        # points are left at `low` and none at `high`: the bracket holds the rotation at which contact ends
         root = bracketed_root(least, low, high, tolerance=1e-12)
         return float(root.values[0]) if root.converged[0] else self._bisect(end)
 

@@ -39,6 +39,7 @@ def train_turns(
     waiting = [other for other in train.pairs if other is not pair]
     middle = len(rotation) // 2
     solved = np.array([middle]) if nominal else np.arange(len(rotation))
+    # pass the rotation on, mesh by mesh, from members whose rotation is known
     while waiting:
         known = [mesh for mesh in waiting if mesh.pinion.name in turns or mesh.gear.name in turns]
         if not known:

@@ -892,12 +892,14 @@ def _small_overlaps(pair: Pair, nodes: _Nodes, phi1: Array, field: _Field) -> _L
     for _ in range(CELL_DIVISIONS):
         if not numbers.size:
             break
+        # divide each cell into CELL_PARTS by CELL_PARTS parts and solve for the advance at their nodes
         offsets = np.stack(np.meshgrid(steps, steps, indexing="ij"), axis=-1)
         lattice = corners[:, None, None] + offsets
         position = cells.position[numbers]
         parameters = nodes.parameters(np.repeat(position, offsets[..., 0].size), lattice.reshape(-1, 2))
         seen = _advances_at(pair, phi1, nodes.index[position], parameters.reshape(len(numbers), -1, 2))
         shape = lattice.shape[:3]
+        # keep the parts with a node inside of every limit: only these may hold an overlap
         closer = _overlapping(seen.advance.reshape(shape), seen.beyond.reshape(4, *shape), ())
         corners, numbers, steps = (
             lattice[closer.position, closer.i, closer.j],

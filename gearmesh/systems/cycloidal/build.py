@@ -444,6 +444,7 @@ def _lobe_tip(drive: Drive) -> tuple[float, bool]:
             reason="the lobes do not reach it",
             allowed=Allowed.between(2.0 * low, 2.0 * high, "mm"),
         )
+    # the given radius is between the radii at both ends, which therefore bracket the root
     cut = given
     return _root(lambda phi: drive.lobe_radii(phi) - cut, FORM_ANGLE, end), False
 
@@ -452,9 +453,11 @@ def _pinned(name: str, spec: CycloidalMember, drive: Drive) -> Member:
     """Return the member with pins, each held by its support."""
     design, inwards = drive.design, name == RING_NAME
     circle, pin, support = drive.curve.circle, drive.pin, 0.5 * design.support_diameter
+    # angles on the profile of a pin: the tip faces the lobes, and the pin enters its support at the root
     tip = -0.5 * np.pi if inwards else 0.5 * np.pi
     root = _support_angle(drive, support, inwards)
     touching = tip - np.sign(tip) * drive.curve.largest_lean
+    # lobes touch the pin up to the largest lean of their normals; the form point lies between this place and the root
     form = root + PIN_FOOT_SHARE * (tip - root)
     if (touching - form) * np.sign(tip) <= 0.0:
         form = 0.5 * (touching + root)
@@ -502,6 +505,7 @@ def _support_angle(drive: Drive, support: float, inwards: bool) -> float:
     lobes = (
         drive.lobe_radius(np.pi) + design.eccentricity if inwards else drive.lobe_radius(np.pi) - design.eccentricity
     )
+    # law of cosines: the point of the pin's profile at the radius of the support
     sine = (support**2 - circle**2 - pin**2) / (2.0 * circle * pin)
     lean, neck = drive.curve.largest_lean, np.sin(MAX_NECK_ANGLE)
     # a pin is held behind the place where its normals lean most; it may be held farther back, by a neck

@@ -62,6 +62,7 @@ def pair_forces(design: CycloidalDesign, torque: float, speed: float | None) -> 
     shares = disc_shares(curve, own.arm_angles, phi)
     of_first = shares[:, 0]
     forces = of_first[:, None] * pin_forces(curve, on_pins, phi)
+    # sums of the forces along and across the line of both axes; across it they carry the torque at the pitch radius
     places = phi[:, None] + 2.0 * np.pi * np.arange(curve.pins) / curve.pins
     along = (forces * np.cos(places + curve.leans(places))).sum(axis=-1)
     across = 1e3 * of_first * on_pins / curve.pitch_radius

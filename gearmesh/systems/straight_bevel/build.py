@@ -136,6 +136,7 @@ def cut_side(design: StraightBevelDesign, blank: BevelBlank, number: int, side: 
         own.mean_cone_distance,
         own.depth_of(own.root, np.array([own.mean_cone_distance, own.outer_cone_distance])),
     )
+    # space of the crown gear: its depth is the dedendum in the mean section and grows to the heel as the root cone asks
     space = CrownSpace(
         crown_curve(design.form, blank.pressure_angle),
         blank.pressure_angle,
@@ -149,6 +150,7 @@ def cut_side(design: StraightBevelDesign, blank: BevelBlank, number: int, side: 
     if spec.disc is None:
         return CrownCut(space, own.pitch_angle, own.root, depth, TOOL_NAMES[design.form], free)
     radius = disc_radius(design, blank, number)
+    # a disc leaves a round root: its rim reaches the root line at both ends of the face, or beyond
     blade = DiscBlade(radius, float(np.radians(spec.disc.dish_angle)), land_angle(space), space.edge_radius)
     place, land_depth = disc_place(space, blade, (mean - own.inner_cone_distance, own.outer_cone_distance - mean))
     return DiscCut(blade, place, space.side, own.pitch_angle, own.root, land_depth, depth, free)

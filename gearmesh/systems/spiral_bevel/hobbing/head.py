@@ -67,6 +67,7 @@ def check_head(cones: ConeData) -> None:
     """Raise DesignError for a head that cannot cut the teeth of a pair from toe to heel."""
     pitch, line = cones.pitch, cones.pitch.tooth_line(cones.cutter)
     radius, groups = line.cutter.radius, line.cutter.blade_groups
+    # the lead angle, sin(nu) = groups R_m cos(beta_m) / (r z_P) [ISO 23509 (98)], limits the radius from below
     least = groups * line.mean_cone_distance * np.cos(line.spiral_angle) / line.crown_teeth / np.sin(MAX_LEAD_ANGLE)
     if not radius >= least:
         raise DesignError(
@@ -76,6 +77,7 @@ def check_head(cones: ConeData) -> None:
             reason=f"the lead angle of {groups} blade groups would be more than {np.degrees(MAX_LEAD_ANGLE):.3g} deg",
             allowed=f"{at_least(float(least))} mm or more, or a smaller head.blade_groups",
         )
+    # the blade's path on the crown gear is between two circles, which must enclose the face
     toe, heel = pitch.inner_cone_distance, pitch.outer_cone_distance
     if line.reaches(toe) and line.reaches(heel):
         return

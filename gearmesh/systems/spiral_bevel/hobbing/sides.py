@@ -249,6 +249,7 @@ def _side(
     """
     hand = HAND_SIGNS[design.hand] * (1 if own is blank.pinion else -1)
     nominal, angle = blank.tooth_line, blade.angle
+    # heads of both sides differ in radius by the eccentricity, which crowns the flanks along their length
     radius = nominal.cutter.radius + 0.5 * blade.side * contact.eccentricity
     line = ToothLine(
         FaceCutter(radius, nominal.cutter.blade_groups),
