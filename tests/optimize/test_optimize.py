@@ -83,7 +83,7 @@ def test_long_reliefs_of_exact_spur_flanks_are_found(monkeypatch: pytest.MonkeyP
         }
         for name, z, length in zip(("pinion", "gear"), teeth, tip, strict=True)
     }
-    positions = {"phi1": {"start": -22.5, "stop": 22.5 - 0.9, "count": 50}}
+    positions = {"phi1": {"start": -22.5, "stop": 22.5 - 1.8, "count": 25}}
     design = gm.parse({"kind": "cylindrical", "module": module, **tables, "contact": positions})
     replace_work_by_exact_flanks(monkeypatch)
     keys = [f"{name}.modifications.tip_relief.amount" for name in tables]
@@ -278,16 +278,20 @@ def test_bevel_pattern_stays_off_all_edges_in_a_wider_box() -> None:
     def corners(gears: gm.Gears, size: float) -> gm.Study:
         return gears.study({key: [-size, size] for key in keys}, record="contact_ratio,te_breaks", workers=1)
 
+    def worst(gears: gm.Gears, size: float) -> gm.Study:
+        vary = {key: [sign * size] for key, sign in zip(keys, (-1.0, 1.0, -1.0), strict=True)}
+        return gears.study(vary, record="contact_ratio,te_breaks", workers=1)
+
     gears = gm.build(gm.load(SAMPLES / "spiral_bevel_basic.toml"))
     # today the contact ratio is above 1 up to 0.115 mm, and tooth pairs change over without edges up to 0.009 mm
-    assert (corners(gears, 0.0125).numbers("te_breaks") > 0).any()
-    assert (corners(gears, 0.12).numbers("contact_ratio") < 1.0).any()
+    assert (worst(gears, 0.0125).numbers("te_breaks") > 0).all()
+    assert (worst(gears, 0.12).numbers("contact_ratio") < 1.0).all()
     found = gears.optimize(
         {"pinion.concave.semi_major_axis": "2.5:8", "pinion.concave.te_at_change": "5:60"},
         maximize="contact_ratio_estimate",
         robust=dict.fromkeys(keys, "-0.18,0.18"),
         robust_by="worst",
-        budget=20,
+        budget=12,
         workers=1,
     )
     best = gm.build(found.best_design)
