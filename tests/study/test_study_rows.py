@@ -104,6 +104,19 @@ def test_what_paths_alone_tell_is_near_what_the_cycle_does() -> None:
     assert study.rows["surface_te_peak_to_peak_arcsec"][row] > 0.0
 
 
+def test_contact_that_goes_on_at_an_edge_adds_nothing_to_the_estimate() -> None:
+    """Cubics from a line of contact to an edge rise above it: 270 arcsec where five or six pairs carry without error."""
+    wide = {"kind": "cylindrical", "module": 3, "helix_angle": 45, "backlash": 0.1}
+    pinion, gear = (
+        {"teeth": 3, "face_width": 80, "profile_shift": 0.7},
+        {"teeth": 30, "face_width": 70, "profile_shift": -0.1},
+    )
+    gears = gm.build(gm.parse({**wide, "pinion": pinion, "gear": gear}))
+    row = gears.study({"assembly.dz": [0.0]}, record="path,cycle", workers=1).columns
+    assert row["mesh_te_peak_to_peak_arcsec"][0] == pytest.approx(0.0, abs=1e-6)
+    assert row["mesh_te_estimate_arcsec"][0] == pytest.approx(0.0, abs=1e-6)
+
+
 @pytest.mark.sweep
 def test_what_cannot_be_known_from_the_positions_is_not_told() -> None:
     """Positions that end where the pair still carries say nothing of the gears; a line of contact does not end as points do."""

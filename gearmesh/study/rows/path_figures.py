@@ -159,11 +159,9 @@ def gears_advance(paths: AssemblyPaths, pitch: float) -> Array:
         rotation = phase + k * pitch
         known_phases = np.flatnonzero((rotation >= phi1[0]) & (rotation <= phi1[-1]))
         if known_phases.size:
-            best[:, known_phases] = np.fmax(
-                best[:, known_phases], _cubic(phi1, paths.advance, paths.slope, rotation[known_phases])
-            )
+            best[:, known_phases] = np.fmax(best[:, known_phases], _advance_at(paths, rotation[known_phases]))
     # at the first and last position the neighbouring pair should be ahead: if it is not, contact continues beyond them
-    neighbour_advance = _cubic(phi1, paths.advance, paths.slope, np.array([phi1[0] + pitch, phi1[-1] - pitch]))
+    neighbour_advance = _advance_at(paths, np.array([phi1[0] + pitch, phi1[-1] - pitch]))
     open_end = np.any(paths.advance[:, [0, -1]] > neighbour_advance + LEVEL_ADVANCE_RAD, axis=1, keepdims=True)
     return np.where(np.isfinite(best) & ~open_end, best, np.nan)
 
@@ -174,14 +172,18 @@ def carries(paths: AssemblyPaths, pitch: float) -> NDArray[np.bool_]:
     ahead = np.ones(paths.advance.shape, dtype=bool)
     for at in (phi1 - pitch, phi1 + pitch) if len(phi1) > 1 else ():
         known_positions = np.flatnonzero((at >= phi1[0]) & (at <= phi1[-1]))
-        ahead[:, known_positions] &= ~(
-            paths.advance[:, known_positions] < _cubic(phi1, paths.advance, paths.slope, at[known_positions])
-        )
+        ahead[:, known_positions] &= ~(paths.advance[:, known_positions] < _advance_at(paths, at[known_positions]))
     return ahead
 
 
-def _cubic(phi1: Array, value: Array, slope: Array, at: Array) -> Array:
-    """Return cubics (M, N) through values and slopes (M, P) at phi1 (P,); straight where a slope is not known."""
+def _advance_at(paths: AssemblyPaths, at: Array) -> Array:
+    """Return the advance (M, N), rad, at rotations `at` (N,), from values and slopes at the positions.
+
+    The advance is a cubic between two positions, straight where a slope is not known. Where contact moves from the
+    flanks to an edge the cubic may rise above its tangent on the flanks, which the advance of a pair never does: there
+    the advance is that tangent, and a parabola from the place where the edge takes over.
+    """
+    phi1, value, slope = paths.phi1, paths.advance, paths.slope
     k = np.clip(np.searchsorted(phi1, at, "right") - 1, 0, len(phi1) - 2)
     h = phi1[k + 1] - phi1[k]
     t = (at - phi1[k]) / h
@@ -189,7 +191,16 @@ def _cubic(phi1: Array, value: Array, slope: Array, at: Array) -> Array:
     chord = last - first
     begin, end = (np.where(np.isnan(slope[:, j]), chord, h * slope[:, j]) for j in (k, k + 1))
     cubic: Array = first + t * chord + t * (1.0 - t) * ((1.0 - t) * (begin - chord) - t * (end - chord))
-    return cubic
+    # from the end on the flanks on, with the slopes in this direction
+    forward = paths.surface[:, k]
+    start, way = np.where(forward, first, last), np.where(forward, t, 1.0 - t)
+    flank_slope, edge_slope = np.where(forward, begin, -end), np.where(forward, end, -begin)
+    below, steeper = np.where(forward, chord, -chord) - flank_slope, edge_slope - flank_slope
+    # the parabola is as long as its fall over half of its change of slope; a cubic is convex if it is shorter than 2/3
+    length = np.divide(2.0 * below, steeper, out=np.zeros_like(steeper), where=steeper < 0.0)
+    to_edge = (paths.surface[:, k] != paths.surface[:, k + 1]) & (length > 0.0) & (length < 2.0 / 3.0)
+    past = np.maximum(way - 1.0 + length, 0.0)
+    return np.where(to_edge, start + flank_slope * way + below * (past / np.where(to_edge, length, 1.0)) ** 2, cubic)
 
 
 def _means(places: Array, inside: NDArray[np.bool_]) -> Array:
