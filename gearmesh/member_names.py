@@ -11,12 +11,14 @@ class MemberNames:
     """Names of the members of a gear set.
 
     `pairs`: names of the members that mesh, that whose rotation phi1 counts first; `unpaired`: members that mesh with none;
-    `lacking`: what a design calls the member that these would mesh with.
+    `lacking`: what a design calls the member that these would mesh with; `carried`: bodies without teeth that turn with a
+    member.
     """
 
     pairs: tuple[tuple[str, str], ...] = ()
     unpaired: tuple[str, ...] = ()
     lacking: str = ""
+    carried: tuple[str, ...] = ()
 
     @property
     def members(self) -> tuple[str, ...]:

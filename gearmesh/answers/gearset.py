@@ -153,7 +153,7 @@ class GearSet(Picklable):
     @property
     def carried(self) -> Mapping[str, CarriedBody]:
         """Bodies without teeth that turn with a member, by their names, as the output pins of a cycloidal drive."""
-        return {} if self._alone is not None else {body.name: body for body in self.as_built.carried}
+        return {body.name: body for body in self.as_built.carried} if self.names.carried else {}
 
     @property
     def names(self) -> MemberNames:

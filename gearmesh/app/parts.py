@@ -88,7 +88,7 @@ class PartFile:
         if not self.is_folder(member):
             return {member: self}
         # bodies without teeth are no blanks
-        names = [*gears.members, *(() if self.blank else gears.carried)]
+        names = [*gears.members, *(() if self.blank else gears.names.carried)]
         return {name: replace(self, output=self.output / f"{name}{STL_SUFFIX}") for name in names}
 
     def refuse(self, member: str, others: tuple[str, ...] = ()) -> None:
@@ -222,7 +222,7 @@ class PartFile:
             )
         if every:
             return gears.solids(tolerance, offset=away, file=self.output, phi1=self.phi1 or 0.0)
-        if member in gears.carried:
+        if member in gears.names.carried:
             # surfaces of teeth alone are moved by an offset
             away = 0.0
         return gears.solid(

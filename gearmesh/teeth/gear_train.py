@@ -659,7 +659,8 @@ class GearTrain:
     def names(self) -> MemberNames:
         """Names of the members and of the pairs."""
         pairs = tuple((pair.pinion.name, pair.gear.name) for pair in self.pairs)
-        return MemberNames(pairs, tuple(member.name for member in self.unpaired), self.lacking)
+        unpaired, carried = ((part.name for part in parts) for parts in (self.unpaired, self.carried))
+        return MemberNames(pairs, tuple(unpaired), self.lacking, tuple(carried))
 
     def with_member(self, member: Member) -> GearTrain:
         """Return the gear set with another member of that name in all its pairs.

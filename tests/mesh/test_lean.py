@@ -13,6 +13,7 @@ from gearmesh.check.deviation import deviations
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
 from gearmesh.kernel.surface.curvature import gaussian_curvature, shape_operator, tangent_basis
 from gearmesh.mesh.deviation.bound import patch_bounds, tooth_bound
+from gearmesh.mesh.links.collapse import independent
 from gearmesh.mesh.tessellate import ToothMesh, tessellate
 from gearmesh.systems.system import worm
 from gearmesh.teeth.region import FILLET_REGIONS, FLANK_REGIONS, Region, Side
@@ -196,3 +197,12 @@ def test_chords_of_seams_that_turn_within_the_surface_stay_beside_them(sample: s
     """Beside the root a fillet's lines have no curvature across it, and all the more along it: chords left it by 0.2 mm."""
     mesh = tessellate(tooth_of(sample, member), 0.03)
     assert max(each.largest for each in deviations(mesh).values()) <= 0.03
+
+
+def test_changes_that_need_no_triangle_are_chosen() -> None:
+    """A link whose loose nodes had all gone was thinned without end: no turn was found for nodes without triangles."""
+    nothing = np.empty(0, dtype=np.int64)
+    assert independent(nothing, nothing, np.array([0.0, 1.0]), 3).tolist() == [0, 1]
+    # beside changes that share a triangle, of which the cheaper one is chosen
+    taken, taken_by = np.array([1, 1, 2]), np.array([0, 1, 1])
+    assert independent(taken, taken_by, np.array([2.0, 1.0, 3.0, np.inf]), 3).tolist() == [1, 2]

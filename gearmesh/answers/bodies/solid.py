@@ -405,7 +405,7 @@ def solid_of(
     With `teeth` these are open surfaces of the first teeth. Proof, deviation and number of triangles apply to the mesh as
     `file` holds it at its `place`, which may be in single precision. A body without teeth is always whole.
     """
-    body = None if name in gears.names.members else gears.carried.get(name)
+    body = gears.carried.get(name)
     if body is not None:
         if teeth is not None or extract != WHOLE_MEMBER:
             raise ArgumentError(

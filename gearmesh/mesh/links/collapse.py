@@ -186,6 +186,8 @@ def independent(taken: Index, taken_by: Index, cost: Array, triangles: int) -> I
         # a change is chosen if it has the least cost at all its triangles; then its triangles are gone for the others
         held = alive[taken_by]
         if not held.any():
+            # what needs no triangle is in nobody's way
+            chosen |= alive
             break
         claim = np.full(triangles, cost.size)
         np.minimum.at(claim, taken[held], rank[taken_by[held]])

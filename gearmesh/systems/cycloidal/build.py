@@ -243,8 +243,8 @@ def _output_pins(design: CycloidalDesign, pair: GearPair) -> tuple[CarriedBody, 
     ends = -0.5 * width - beyond, design.disc_places[-1] + 0.5 * width + beyond
     shift = pair.gear.mount.base.translation - pair.pinion.mount.base.translation
     made = []
-    for k, (x, y) in enumerate(holes.centres):
-        name, radius = f"output_pin_{k + 1}", 0.5 * design.output.pin_diameter
+    for name, (x, y) in zip(design.output_pin_names, holes.centres, strict=True):
+        radius = 0.5 * design.output.pin_diameter
         place = Rigid(np.eye(3), np.array([x, y, 0.0]))
         made.append(CarriedBody(name, pair.pinion.name, radius, ends, place, np.array([*shift[:2], 0.0])))
     return tuple(made)

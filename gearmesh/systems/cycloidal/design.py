@@ -181,13 +181,18 @@ class CycloidalDesign(Design):
 
     @property
     def member_names(self) -> MemberNames:
-        """Discs and ring, which mesh."""
-        return MemberNames(tuple((name, RING_NAME) for name in self.disc_names))
+        """Discs and ring, which mesh, and output pins."""
+        return MemberNames(tuple((name, RING_NAME) for name in self.disc_names), carried=self.output_pin_names)
 
     @property
     def disc_names(self) -> tuple[str, ...]:
         """Names of the discs: "disc", or "disc_1", "disc_2" and so on."""
         return (DISC_NAME,) if self.discs == 1 else tuple(f"{DISC_NAME}_{k + 1}" for k in range(self.discs))
+
+    @property
+    def output_pin_names(self) -> tuple[str, ...]:
+        """Names of the output pins: "output_pin_1" and so on."""
+        return () if self.output is None else tuple(f"output_pin_{k + 1}" for k in range(self.output.pins))
 
     @property
     def arm_angles(self) -> tuple[float, ...]:

@@ -121,7 +121,7 @@ def _refuse_member(gears: Gears, member: str) -> None:
     names = gears.names.members
     allowed = [
         *names,
-        *(() if member in names else gears.carried),
+        *gears.names.carried,
         BOTH_MEMBERS,
         ALL_MEMBERS,
         *([WORM_MEMBER] if ground and WORM_MEMBER not in names else []),
