@@ -188,6 +188,11 @@ WRONG: dict[str, tuple[str | Callable[[Array], Array], str]] = {
     "nothing": ("", "has no line with the names of columns"),
     "head alone": (HEAD, "has no points"),
     "unknown column": ("x_mm,y_mm,height\n1,2,3\n", 'column "height": allowed'),
+    "no names of columns": (
+        "40.5,1.2,3.3\n40.6,1.3,3.4\n",
+        'the first line "40.5 1.2 3.3" names no column: it must name each, as x_mm',
+    ),
+    "format of other points": ("ply\nformat ascii 1.0\n", 'the first line "ply" names no column'),
     "both units": (
         "s,t,deviation_um,deviation_mm\n0,0,1,1\n",
         "allowed is one of the columns deviation_um and deviation_mm",

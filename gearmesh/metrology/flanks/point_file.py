@@ -185,6 +185,14 @@ def _blank_rows(text: str) -> Iterable[tuple[int, list[str]]]:
 
 def _refuse_head(path: Path, head: Sequence[str]) -> None:
     unknown = next((name for name in head if name not in ALL_COLUMNS), None)
+    if not set(head) & set(ALL_COLUMNS):
+        # points without a head, or another format, as PLY
+        line, example = value_text(" ".join(head)), " ".join(POINT_COLUMNS)
+        raise FileError(
+            path,
+            reason=f"the first line {line} names no column: it must name each, as {example}",
+            remedy=f"allowed are {', '.join(ALL_COLUMNS)}",
+        )
     if unknown is not None or len(set(head)) < len(head):
         raise FileError(
             path,
