@@ -228,4 +228,4 @@ def test_output_pins_have_files_in_the_folder(tmp_path: Path) -> None:
     assert sorted(file.stem for file in (tmp_path / "blanks").iterdir()) == ["disc", "ring"]
     status, _, error = run("solid", design, "--member", "output_pin_3", "--teeth", "2", "-o", tmp_path / "a.stl")
     assert status == 2
-    assert "output_pin_3: has no teeth: leave out" in error
+    assert "--teeth = 2: must be left out for --member = output_pin_3, which is always made whole" in error

@@ -249,7 +249,8 @@ def test_command_goes_on_where_it_was_stopped(tmp_path: Path) -> None:
     design.write_text(SMALL)
     words = ("optimize", design, *WORDS, "-o", out)
     status, table, err = run(*words)
-    assert (status, messages(err)) == (0, "")
+    # crowning makes the transmission error of a pair without other modifications larger
+    assert (status, messages(err)) == (0, f"gearmesh: warning: {CROWNING} = 0.002 is at the end of its range\n")
     assert FIGURE in table
     assert CROWNING in table
     best = (out / "best.toml").read_text()

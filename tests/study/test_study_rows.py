@@ -117,6 +117,18 @@ def test_contact_that_goes_on_at_an_edge_adds_nothing_to_the_estimate() -> None:
     assert row["mesh_te_estimate_arcsec"][0] == pytest.approx(0.0, abs=1e-6)
 
 
+def test_estimate_of_crowned_spur_gears_is_that_of_the_cycle() -> None:
+    """Without crowning contact is a line up to the tips: cubics made 16 arcsec of nothing, and crowning seemed to help."""
+    teeth = {"pinion": {"teeth": 20, "face_width": 6}, "gear": {"teeth": 31, "face_width": 6}}
+    contact = {"phi1": {"start": -20, "stop": 20, "count": 15}}
+    gears = gm.build(gm.parse({"kind": "cylindrical", "module": 2, "backlash": 0.1, "contact": contact, **teeth}))
+    vary = {"pinion.modifications.profile_crowning": [0.0, 0.001, 0.004]}
+    rows = gears.study(vary, record="path,cycle", workers=1).columns
+    exact = rows["mesh_te_peak_to_peak_arcsec"]
+    assert exact[2] > 4.0
+    assert rows["mesh_te_estimate_arcsec"] == pytest.approx(exact, rel=0.03, abs=1e-6)
+
+
 @pytest.mark.sweep
 def test_what_cannot_be_known_from_the_positions_is_not_told() -> None:
     """Positions that end where the pair still carries say nothing of the gears; a line of contact does not end as points do."""
