@@ -99,9 +99,11 @@ JOINED_STATIONS_T = (0.0, 0.5, 1.0)
 FORM_POINT_PLACE = "at the form point"
 #: largest distance between neighbouring links where they meet, as a share of the largest coordinate
 MAX_GAP_SHARE = 1e-8
-#: rounds in which the interval with a beginning or end of undercut is divided
-BREAK_ROUNDS = 10
-#: parts of the interval in each round: 16 cost 0.4 of 256 in half as many rounds, and 0.5 of 4 in twice as many
+#: parts of the interval with a beginning or end of undercut at first: it may hold several, which fewer samples do not tell apart
+FIRST_BREAK_PARTS = 128
+#: rounds in which the part with the first one is divided then
+BREAK_ROUNDS = 8
+#: parts in each of these rounds, which cost less than 4 parts in twice as many rounds, or 256 in half as many
 BREAK_PARTS = 16
 
 #: what is called with every tooth that is proved, before it is trimmed: the proof of a kind compares its surfaces
@@ -1415,9 +1417,12 @@ def _changes(holds: Callable[[Array], NDArray[np.bool_]]) -> Array:
     samples = holds(t)
     change = np.flatnonzero(samples[:-1] != samples[1:])
     was = samples[change]
-    low, high = last_true(
-        lambda at, k: holds(at) == was[k], t[change], t[change + 1], rounds=BREAK_ROUNDS, split=BREAK_PARTS
-    )
+
+    def as_before(at: Array, k: NDArray[np.intp]) -> NDArray[np.bool_]:
+        return np.asarray(holds(at) == was[k])
+
+    low, high = last_true(as_before, t[change], t[change + 1], rounds=1, split=FIRST_BREAK_PARTS)
+    low, high = last_true(as_before, low, high, rounds=BREAK_ROUNDS, split=BREAK_PARTS)
     return np.where(was, high, low)
 
 
