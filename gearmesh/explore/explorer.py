@@ -35,7 +35,7 @@ LOOPBACK_ADDRESS = "127.0.0.1"
 MIN_PORT = 1024
 #: largest port
 MAX_PORT = 65535
-#: time in which the server must have started, s
+#: time in which the server and its process must have started or ended, s
 START_S = 30.0
 #: name of the extra with the server library
 EXTRA_NAME = "explore"
@@ -61,7 +61,7 @@ class Explorer:
         self._begun = asyncio.run_coroutine_threadsafe(self._worker.start(), self._loop)
         try:
             origin = opened() if callable(opened) else opened
-            self._begun.result(START_S)
+            _await(self._begun, "start")
             known = None if origin is None else Future[bool]()
             asyncio.run_coroutine_threadsafe(_opened(self._worker, origin, known), self._loop)
             import uvicorn
@@ -149,7 +149,7 @@ class Explorer:
         """End the process for heavy work and the loop."""
         # a process whose start is called off would leave its task without an end
         concurrent.futures.wait([self._begun], START_S)
-        asyncio.run_coroutine_threadsafe(_ended(self._worker), self._loop).result(START_S)
+        _await(asyncio.run_coroutine_threadsafe(_ended(self._worker), self._loop), "end")
         self._loop.call_soon_threadsafe(self._loop.stop)
         self._thread.join()
         self._loop.close()
@@ -252,6 +252,14 @@ def _bound(port: int) -> socket.socket:
             "port", port, reason=reason.lower(), remedy="choose another, or 0 for any free port"
         ) from None
     return made
+
+
+def _await(step: Future[None], what: str) -> None:
+    """Wait for a step of the process for heavy work. Raises OutputError if the step takes too long."""
+    try:
+        step.result(START_S)
+    except TimeoutError:
+        raise OutputError("explore", reason=f"the process for the gears did not {what} within {START_S:g} s") from None
 
 
 def _wait_for(server: uvicorn.Server, served: concurrent.futures.Future[None]) -> None:

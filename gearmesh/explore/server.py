@@ -204,7 +204,8 @@ class Pages:
     async def _enter(self, socket: WebSocket, number: int) -> bool:
         """Return True once the page has shown its token or secret; all others are told and closed."""
         try:
-            first = _parsed(await asyncio.wait_for(_received(socket), ENTRY_S))
+            async with asyncio.timeout(ENTRY_S):
+                first = _parsed(await _received(socket))
         except (TimeoutError, ValueError):
             first = None
         secret = self.gate.enter(first)

@@ -217,10 +217,10 @@ class Worker:
         self._job += 1
         self._write({**asked.request, "job": self._job})
         while True:
-            size = FRAME_LENGTH.unpack(
-                await asyncio.wait_for(process.stdout.readexactly(FRAME_LENGTH.size), self.hang_s)
-            )[0]
-            content = await asyncio.wait_for(process.stdout.readexactly(size), self.hang_s)
+            # asyncio.wait_for loses a cancellation that comes with the answer, before Python 3.12: `close` would wait for ever
+            async with asyncio.timeout(self.hang_s):
+                (size,) = FRAME_LENGTH.unpack(await process.stdout.readexactly(FRAME_LENGTH.size))
+                content = await process.stdout.readexactly(size)
             line, _, message = content.partition(b"\n")
             head = json.loads(line)
             if head["job"] != self._job:

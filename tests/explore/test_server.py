@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import http.client
 import json
 import os
@@ -22,6 +23,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
 from gearmesh.explore.explorer import Explorer, origin_of_file, origin_of_kind
+from gearmesh.explore.frames import frame
 from gearmesh.explore.server import MAX_FRAME_BYTES, MAX_MESSAGE_BYTES
 from gearmesh.explore.workers import HANG_S, NO_PAGE, Asked, Listener, Worker
 
@@ -271,6 +273,45 @@ def test_a_page_joins_work_that_is_done_already() -> None:
     worker.drop(2)
     worker.ask(dict(first), page(2, 8))
     assert [each.listeners[0].identity for each in worker.waiting] == [6, 8]
+
+
+class Still:
+    """Process that answers only what is fed to it."""
+
+    returncode: int | None = None
+    stdin = None
+
+    def __init__(self) -> None:
+        self.stdout = asyncio.StreamReader()
+
+    def kill(self) -> None:
+        self.returncode = 0
+
+    async def wait(self) -> None:
+        pass
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("turns", range(7))
+def test_a_page_closes_at_every_step_of_an_answer(turns: int) -> None:
+    """The last answer may come in any turn of the loop before the page is closed."""
+
+    async def closes() -> bool:
+        worker, process = Worker(), Still()
+        worker.process = process  # type: ignore[assignment]
+        worker.open(None)
+        worker.ask({"do": "show"}, Listener(1, 1, lambda content: None))
+        for _ in range(5):  # until the worker waits for the answer
+            await asyncio.sleep(0)
+        process.stdout.feed_data(frame(b'{"job":1,"type":"end"}\n{}'))
+        for _ in range(turns):
+            await asyncio.sleep(0)
+        closing = asyncio.create_task(worker.close())
+        for _ in range(50):
+            await asyncio.sleep(0)
+        return closing.done()
+
+    assert asyncio.run(closes())
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
