@@ -207,6 +207,11 @@ class LoadedMesh:
         return np.where(without_tangent, self.root_stress, self.tangent_stress)
 
     @property
+    def te_peak_to_peak(self) -> Array:
+        """Transmission error (T,), rad, under load, peak to peak over the positions."""
+        return np.asarray(np.ptp(self.te, axis=1))
+
+    @property
     def stiffness(self) -> Array:
         """Secant stiffness (T, P), N mm/rad: torque over rotation."""
         secants: Array = self.torque[:, None] / self.rotation

@@ -118,7 +118,7 @@ def picture(
 
         patches = roll_test(mesh, path).patches(mesh, name)
         return Picture(pictures.gap_picture(mesh, name, path, patches, size, title=title, whole=whole, look=look))
-    if view == "pair" and (len(gears.pairs) > 1 or gears.train.carried):
+    if view == "pair" and (len(gears.pairs) > 1 or gears.names.carried):
         from gearmesh.answers.bodies.solid import solids_of
 
         placed = {name: part.mesh for name, part in solids_of(gears, gears.within(None)).parts.items()}

@@ -227,7 +227,7 @@ def _overview(gears: GearSet, contacts: Mapping[int, Contact], meshes: Mapping[s
         axis = next(iter(gears.members.values())).mount.axis
         return pictures.members_picture(gears.place(meshes), axis, PICTURE_SIZE)
     first = contacts[0]
-    if len(gears.pairs) > 1 or gears.train.carried:
+    if len(gears.pairs) > 1 or gears.names.carried:
         return pictures.set_picture(first.pair, gears.place(meshes), PICTURE_SIZE)
     return pictures.pair_picture(first.pair, dict(meshes), first.path, PICTURE_SIZE)
 

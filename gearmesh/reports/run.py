@@ -292,10 +292,10 @@ class RunFolder:
             scenes = pictures.all_pictures(
                 contact.pair, contact.path, patches, meshes, self.gears.title, self.teeth, contact.whole
             )
-            if self.several or self.gears.train.carried:
+            if self.several or self.gears.names.carried:
                 del scenes["pair.png"]
             images += [(scene.title, render(scene, self.file(file, contact.pair))) for file, scene in scenes.items()]
-        if self.several or self.gears.train.carried or not images:
+        if self.several or self.gears.names.carried or not images:
             overview = pictures.set_picture(contacts[0].pair, self.gears.place(meshes), title=self.gears.title)
             images.append((overview.title, render(overview, self.file("pair.png"))))
         return images[-1:] + images[:-1]

@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from gearmesh.design.core import Design
-from gearmesh.design.measured import MAX_SEED
+from gearmesh.design.measured import MAX_SEED, MeasuredMember
 from gearmesh.errors import ArgumentError
 from gearmesh.metrology.measured_teeth import InspectionBasis, InvoluteFlank
 from gearmesh.numerals import parse_whole_number
@@ -62,9 +62,10 @@ def class_spreads(design: Design, pair: int | str, text: Any) -> dict[str, Sprea
             )
         if member.index.uneven:
             continue
+        positions = MeasuredMember(name)
         if number != basis.asked:
-            spreads[f"measured.{name}_pitch_class"] = Spread(WHOLE_NUMBERS, (number, number + 1))
-        spreads[f"measured.{name}_pitch_seed"] = Spread(WHOLE_NUMBERS, (0, MAX_SEED + 1))
+            spreads[f"measured.{positions.drawn_class}"] = Spread(WHOLE_NUMBERS, (number, number + 1))
+        spreads[f"measured.{positions.drawn_seed}"] = Spread(WHOLE_NUMBERS, (0, MAX_SEED + 1))
     return spreads
 
 

@@ -22,14 +22,10 @@ from gearmesh.kernel.numeric.algebra import Array, unit
 from gearmesh.records import dataclass
 from gearmesh.toolpath.axes import Axes
 from gearmesh.toolpath.ball import BallCutter
-from gearmesh.toolpath.order import PathOrder
+from gearmesh.toolpath.order import ZIGZAG_ORDER, PathOrder
 from gearmesh.toolpath.passes import Passes
 from gearmesh.toolpath.space import CutSpace
 
-#: passes alternate in direction
-ZIGZAG_ORDER = "zigzag"
-#: all passes go from toe to heel
-ONE_WAY_ORDER = "one-way"
 #: decimals of coordinates (mm) in files: 0.01 um
 COORDINATE_DECIMALS = 5
 #: decimals of unit vectors in files: 0.01 um at the end of a shank of 100 mm

@@ -267,7 +267,7 @@ def test_pins_out_of_place_turn_the_ring_as_the_first_pin_says() -> None:
 
 
 @pytest.mark.sweep
-def test_pins_set_too_far_out_turn_the_ring_as_the_first_pin_says() -> None:
+def test_ring_turns_as_the_first_of_pins_set_outwards_says() -> None:
     """Both discs see the same pins, half a turn apart; a pin that is farther out opens its gap by the cosine of the lean."""
     away, gap = np.round(np.random.default_rng(3).normal(0.0, 0.1, 20), 3), 0.0004
     gears = gm.build(several(2, f"modification.equidistant={gap}", f"measured.ring_radial_um={away.tolist()}"))
@@ -297,7 +297,7 @@ def test_an_eccentric_ring_has_two_discs_half_a_turn_apart() -> None:
 
 
 @pytest.mark.sweep
-def test_pins_set_too_far_out_are_where_they_touch_under_a_small_load() -> None:
+def test_pins_set_outwards_are_where_they_touch_under_small_load() -> None:
     away = np.round(np.random.default_rng(3).normal(0.0, 5.0, 20), 2).tolist()
     gears = gm.build(design("modification.equidistant=0.03", f"measured.ring_radial_um={away}"))
     turns, places = whole_turns(gears.pairs[0]), [0, 6, 14, 34]

@@ -295,7 +295,7 @@ def test_conjugate_pinion_of_a_formed_gear_is_cut_in_the_cradle() -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_pinions_of_formed_gears_with_many_teeth_have_a_ratio_of_roll_of_their_own(name: str) -> None:
+def test_pinion_of_many_toothed_formed_gear_has_own_ratio_of_roll(name: str) -> None:
     """Blades at the ratio of the teeth would be hollow by 17 working depths, and their flanks interfere by 25 um."""
     values = {"kind": "spiral_bevel", "process": "face_hobbed_formate", "module": 2, "spiral_angle": 26.4}
     teeth = {"pinion": {"teeth": 38}, "gear": {"teeth": 154}, "head": {"blade_groups": 6}}

@@ -370,7 +370,7 @@ def _carried_occurrences(
     from gearmesh.teeth.turned_blank import cylinder
 
     occurrences, figures = list[Occurrence](), dict[str, CadFigures]()
-    for body in gears.train.carried if places else ():
+    for body in gears.carried.values() if places else ():
         started = time.perf_counter()
         blank = cylinder(body)
         part, deviation = turned_part(blank, tolerance)

@@ -493,11 +493,9 @@ class ModelledGears(SolvedGears):
         'pinion.cls'
         """
         from gearmesh.answers.bodies.toolpath import tool_path_of
+        from gearmesh.toolpath.order import PathOrder
 
-        return tool_path_of(
-            self,
-            member,
-            tool,
+        asked = PathOrder.of(
             scallop,
             stock=stock,
             tolerance=tolerance,
@@ -507,8 +505,8 @@ class ModelledGears(SolvedGears):
             order=order,
             lead=lead,
             tilt=tilt,
-            feed=feed,
         )
+        return tool_path_of(self, member, tool, asked, feed)
 
     # ---------------------------------------------------------------- finite elements
 

@@ -17,29 +17,16 @@ from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError
 from gearmesh.figures import Content, Figures, Summary, figure
 from gearmesh.formats import CLS_SUFFIX, CSV_SUFFIX, JSON_SUFFIX, TOOL_PATH_SUFFIXES, VTP_SUFFIX
-from gearmesh.lengths import Length, in_mm
 from gearmesh.records import dataclass
 from gearmesh.toolpath.ball import BallCutter
-from gearmesh.toolpath.motion import ONE_WAY_ORDER, ZIGZAG_ORDER, ToolMotion
+from gearmesh.toolpath.motion import ToolMotion
 from gearmesh.toolpath.order import PathOrder
 from gearmesh.toolpath.toolpath import ToolPath, tool_path
 
-#: choices of the flanks to finish
-FLANK_CHOICES = ("right", "left", "both")
-#: choices of the surfaces to finish
-SURFACE_CHOICES = ("all", "flanks")
-#: choices of the feed order
-FEED_ORDERS = (ZIGZAG_ORDER, ONE_WAY_ORDER)
-#: smallest and largest scallop
-SCALLOP_RANGE_MM = (1e-4, 1.0)
-#: smallest and largest lead and tilt
-AXIS_ANGLE_RANGE_DEG = (-85.0, 85.0)
 #: smallest and largest feed, mm/min
 FEED_RANGE = (1e-3, 1e6)
 #: default feed, mm/min
 DEFAULT_FEED = 500.0
-#: largest part of the scallop that chords may use
-MAX_CHORD_SHARE = 0.5
 #: columns that repeat x, y and z with their meaning and unit: the lowest point of the ball
 TIP_COLUMNS = ("tip_x_mm", "tip_y_mm", "tip_z_mm")
 #: columns of a CSV file
@@ -264,56 +251,10 @@ class ToolPathAnswer(Result):
 
 
 def tool_path_of(
-    gears: GearSet,
-    member: str,
-    tool: str,
-    scallop: Length,
-    *,
-    stock: Length = 0.0,
-    tolerance: Length | None = None,
-    flank: str = "both",
-    surfaces: str = "all",
-    spaces: int | str = 0,
-    order: str = ZIGZAG_ORDER,
-    lead: float | None = None,
-    tilt: float | None = None,
-    feed: float = DEFAULT_FEED,
+    gears: GearSet, member: str, tool: str, order: PathOrder, feed: float = DEFAULT_FEED
 ) -> ToolPathAnswer:
-    """Return the tool path; arguments as for `Gears.toolpath`."""
-    for name, value, allowed in (
-        ("flank", flank, FLANK_CHOICES),
-        ("surfaces", surfaces, SURFACE_CHOICES),
-        ("order", order, FEED_ORDERS),
-    ):
-        if value not in allowed:
-            raise ArgumentError(name, value, must_be=f"one of {', '.join(allowed)}")
-    for name, angle in (("lead", lead), ("tilt", tilt)):
-        if angle is not None and not AXIS_ANGLE_RANGE_DEG[0] <= angle <= AXIS_ANGLE_RANGE_DEG[1]:
-            raise ArgumentError(
-                name, angle, must_be=f"an angle from {AXIS_ANGLE_RANGE_DEG[0]:g} to {AXIS_ANGLE_RANGE_DEG[1]:g} deg"
-            )
+    """Return the tool path of an order; `tool` and `feed` (mm/min) as for `Gears.toolpath`."""
     if not (math.isfinite(feed) and FEED_RANGE[0] <= feed <= FEED_RANGE[1]):
         raise ArgumentError("feed", feed, must_be=f"a feed from {FEED_RANGE[0]:g} to {FEED_RANGE[1]:g} mm/min")
-    if spaces != "all" and not (isinstance(spaces, int) and not isinstance(spaces, bool)):
-        raise ArgumentError("spaces", spaces, must_be="all, or the number of one")
-    height = in_mm("scallop", scallop, *SCALLOP_RANGE_MM, "10um, 0.01mm or 0.0004in")
-    chord = (
-        None
-        if tolerance is None
-        else in_mm("tolerance", tolerance, 1e-2 * SCALLOP_RANGE_MM[0], MAX_CHORD_SHARE * height, "1um or 0.001mm")
-    )
-    asked = PathOrder(
-        scallop=height,
-        chord=chord,
-        stock=in_mm("stock", stock, 0.0, 100.0, "0.1, 100um or 0.004in"),
-        flank=flank,
-        surfaces=surfaces,
-        spaces=None if spaces == "all" else int(spaces),
-        feed=order,
-        lead=None if lead is None else math.radians(lead),
-        tilt=None if tilt is None else math.radians(tilt),
-    )
-    cutter = BallCutter.of(tool)
-    return ToolPathAnswer(
-        gears.design, member, tool_path(gears.stocked_part(member).member, cutter, asked), asked, float(feed)
-    )
+    path = tool_path(gears.stocked_part(member).member, BallCutter.of(tool), order)
+    return ToolPathAnswer(gears.design, member, path, order, float(feed))

@@ -11,8 +11,8 @@ from gearmesh.design.measured import MeasuredTable
 from gearmesh.errors import ArgumentError
 from gearmesh.files.reading import refuse_missing
 from gearmesh.metrology.flanks.measured_field import MeasuredField
-from gearmesh.metrology.flanks.measured_flank import MeasuredFlank, MeasuringMode, measured_flanks
-from gearmesh.metrology.flanks.measured_members import MeasuredPlaces
+from gearmesh.metrology.flanks.measured_flank import MeasuredFlank, measured_flanks
+from gearmesh.metrology.flanks.measured_members import MeasuredPlaces, flank_files, flank_keys, measuring_mode
 from gearmesh.metrology.flanks.point_file import read_points
 from gearmesh.metrology.measured_teeth import MeasuredTeeth
 from gearmesh.metrology.pitch_file import read_pitch
@@ -66,25 +66,20 @@ def flanks_of_files(
     if nominal.member_names is not None:
         nominal.member_names.refuse_other_member(name)
     table_name = design.table_named(name)
-    files = _of_table(design, table_name) if flanks is None else dict.fromkeys(_sides(flanks, flank), flanks)
+    keys = flank_keys(table_name)
+    files = flank_files(design, table_name) if flanks is None else dict.fromkeys(_sides(flanks, flank), flanks)
     if not files and needed:
         raise ArgumentError(
             "measured",
             reason="missing",
-            allowed=f"a file, or measured.{table_name}_right and measured.{table_name}_left of the design",
+            allowed=f"a file, or {keys[Side.RIGHT]} and {keys[Side.LEFT]} of the design",
         )
     train = systems.build(nominal)
     train.names.refuse_other_member(name)
-    mode = MeasuringMode() if table is None else MeasuringMode(table.axial_position == "free", table.stiffness)
-    keys = {side: "measured" if flanks else f"measured.{table_name}_{side}" for side in Side}
-    made = measured_flanks(train.members[name].one_tooth, files, mode, keys) if files else {}
+    sources = dict.fromkeys(Side, "measured") if flanks else keys
+    tooth = train.members[name].one_tooth
+    made = measured_flanks(tooth, files, measuring_mode(table), sources) if files else {}
     return nominal, train, made
-
-
-def _of_table(design: Design, own: str) -> dict[Side, Path]:
-    """Return the files of a member's flanks that a design names."""
-    named = {side: getattr(getattr(design, "measured", None), f"{own}_{side}", None) for side in Side}
-    return {side: Path(file) for side, file in named.items() if file}
 
 
 def _sides(path: Path, flank: str) -> list[Side]:

@@ -361,7 +361,7 @@ class LoadedContact(Result):
         phi1_of_worst = self.mesh.phi1[load.position[worst]] if np.isfinite(load.peak[worst]) else np.nan
         return LoadedTotals(
             torque=1e-3 * float(mesh.torque[torque]),
-            te_peak_to_peak=float(np.ptp(mesh.te[torque])) / ARCSEC,
+            te_peak_to_peak=float(mesh.te_peak_to_peak[torque]) / ARCSEC,
             unloaded_te_peak_to_peak=self.unloaded_peak_to_peak / ARCSEC,
             mean_tooth_pairs=float(pair_counts.mean()),
             tooth_pairs=[int(pair_counts.min()), int(pair_counts.max())],
@@ -878,7 +878,7 @@ def _error_warning(pair: GearPair, mesh: LoadedMesh, peak_to_peak: float) -> lis
 
     `peak_to_peak` is the unloaded error over a whole mesh cycle, rad; NaN if unknown.
     """
-    swings, unloaded = np.ptp(mesh.te, axis=1) / ARCSEC, peak_to_peak / ARCSEC
+    swings, unloaded = mesh.te_peak_to_peak / ARCSEC, peak_to_peak / ARCSEC
     worst = int(swings.argmax())
     deflection = float(np.abs(mesh.unloaded - mesh.te[worst]).mean()) / ARCSEC
     if (

@@ -11,7 +11,7 @@ from zlib import crc32
 import numpy as np
 
 from gearmesh.design.core import Design
-from gearmesh.design.measured import MeasuredMember
+from gearmesh.design.measured import MeasuredMember, MeasuredTable
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.metrology.drawn_pitch import drawn_pitch
@@ -26,34 +26,47 @@ from gearmesh.teeth.region import Side
 BasisOf = Callable[[str], InspectionBasis | None]
 
 
+def flank_keys(table_name: str) -> dict[Side, str]:
+    """Return the keys of a design that name the files of a member's flanks, with the name of their table."""
+    return {side: f"measured.{MeasuredMember(table_name).flank(side)}" for side in Side}
+
+
+def flank_files(design: Design, table_name: str) -> dict[Side, Path]:
+    """Return the files of a member's flanks that a design names."""
+    flanks, table = MeasuredMember(table_name), getattr(design, "measured", None)
+    return {side: Path(file) for side in Side if (file := getattr(table, flanks.flank(side), None))}
+
+
+def measuring_mode(table: MeasuredTable | None) -> MeasuringMode:
+    """Return the settings of the table `measured` for reading files of flanks."""
+    return MeasuringMode() if table is None else MeasuringMode(table.axial_position == "free", table.stiffness)
+
+
 class MeasuredMembers:
     """Builds the measured members of a design; members with one shape, as planets, share it. `warnings` collects
     remarks on the files."""
 
     def __init__(self, design: Design) -> None:
-        self._table = getattr(design, "measured", None)
-        self._named = design.table_named
+        self._design = design
         self._known: dict[tuple[str, int], Member] = {}
         self.warnings: tuple[str, ...] = ()
 
     @property
     def any(self) -> bool:
         """True if the design has files of measured flanks."""
-        return any(name.endswith(tuple(Side)) for name in getattr(self._table, "model_fields_set", ()))
+        given = getattr(getattr(self._design, "measured", None), "model_fields_set", ())
+        return any(name.endswith(tuple(Side)) for name in given)
 
     def of_member(self, member: Member) -> Member:
         """Return the member with its measured flanks, or the member itself without a file. Raises FileError and
         DesignError that name the key."""
-        table_name = self._named(member.name)
-        keys = {side: MeasuredMember(table_name).flank(side) for side in Side}
-        files = {side: Path(file) for side, key in keys.items() if (file := getattr(self._table, key, None))}
+        table_name = self._design.table_named(member.name)
+        files = flank_files(self._design, table_name)
         if not files:
             return member
         if (table_name, id(member.tooth)) not in self._known:
-            assert self._table is not None
-            mode = MeasuringMode(self._table.axial_position == "free", self._table.stiffness)
-            dotted = {side: f"measured.{key}" for side, key in keys.items()}
-            measured_member, notes = with_measured_flanks(member, files, mode, dotted)
+            mode = measuring_mode(getattr(self._design, "measured", None))
+            measured_member, notes = with_measured_flanks(member, files, mode, flank_keys(table_name))
             self._known[table_name, id(member.tooth)] = measured_member
             self.warnings += notes
         known_member = self._known[table_name, id(member.tooth)]

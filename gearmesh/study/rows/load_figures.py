@@ -61,7 +61,7 @@ def load_figures(loaded: LoadedContact) -> Summary:
 
     return Summary(
         LoadFigures(
-            loaded_te_peak_to_peak=if_converged((np.ptp(mesh.te, axis=1) / ARCSEC).tolist()),
+            loaded_te_peak_to_peak=if_converged((mesh.te_peak_to_peak / ARCSEC).tolist()),
             max_pressure=if_converged(largest_known(load.peak) for load in mesh.loads),
             root_stress=of_members(lambda fillet: fillet.root_stress),
             root_stress_30=of_members(lambda fillet: fillet.root_stress_30),

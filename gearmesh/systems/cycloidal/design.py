@@ -16,7 +16,7 @@ from gearmesh.allowed import Allowed
 from gearmesh.design import keys
 from gearmesh.design.core import Design, FlankContact, MemberTable
 from gearmesh.design.keys import DERIVED_VALUE, Table, conflict
-from gearmesh.design.measured import CycloidalMeasured
+from gearmesh.design.measured import CycloidalMeasured, MeasuredMember
 from gearmesh.design.runout import eccentricity, phase
 from gearmesh.member_names import MemberNames
 from gearmesh.systems.common.bounds import at_most
@@ -269,16 +269,15 @@ class CycloidalDesign(Design):
     @model_validator(mode="after")
     def _pins_out_of_place(self) -> Self:
         """Refuse lobes that are farther out: pins alone are single parts."""
-        lobed = DISC_NAME if self.pins_in_ring else RING_NAME
-        key = f"{lobed}_radial_um"
+        lobed, pinned = (DISC_NAME, RING_NAME) if self.pins_in_ring else (RING_NAME, DISC_NAME)
+        key = MeasuredMember(lobed).farther_out
         given = None if self.measured is None else getattr(self.measured, key)
         if given is not None:
-            other = RING_NAME if self.pins_in_ring else DISC_NAME
             raise conflict(
                 f"measured.{key}",
                 f"{len(given)} values",
                 reason=f"the {lobed} has lobes",
-                allowed=f"measured.{other}_radial_um",
+                allowed=f"measured.{MeasuredMember(pinned).farther_out}",
             )
         return self
 

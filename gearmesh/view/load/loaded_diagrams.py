@@ -271,7 +271,7 @@ def plot_loaded_errors(
         axes.set(xlabel="pinion rotation φ₁ (deg)", ylabel=f"{what} ({word})")
     if wide > 2:
         order = np.argsort(mesh.torque)
-        peaks = np.ptp(mesh.te, axis=1)[order] / rad
+        peaks = mesh.te_peak_to_peak[order] / rad
         axes = places[2]
         axes.plot(np.r_[0.0, 1e-3 * mesh.torque[order]], np.r_[unloaded / rad, peaks], "o-", color=INK_COLOUR)
         axes.set(xlabel="torque on the pinion (Nm)", ylabel=f"peak to peak ({word})")
