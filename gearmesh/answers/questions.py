@@ -89,7 +89,8 @@ class SolvedGears(GearSet):
             from gearmesh.answers.load.loaded import loaded_contact_of
 
             # for double helical gears `contact` takes the torque of one half, loaded contact the torque of both halves
-            loaded = loaded_contact_of(self.design, mesh, [len(mesh.halves) * (torque or 0.0)], cycle=whole)
+            torques = [len(mesh.halves) * (torque or 0.0)]
+            loaded = loaded_contact_of(self.design, self.train.sharing(pair), torques, cycle=whole)
             return loaded.share_at(path.rotation), [*loaded.warnings, *loaded.complaints]
 
         return contact_of(
@@ -122,7 +123,7 @@ class SolvedGears(GearSet):
         ----------
         torque : array_like
             One torque or several, Nm, on the pinion. In a planetary set this is the torque of one mesh: the torque of the
-            sun is N times as large for N equal planets.
+            sun is N times as large for N equal planets. Of a cycloidal drive with several discs it is that of all discs.
         phi1 : array_like, (P,), optional
             Rotations of the pinion, deg; by default 21 in a pitch.
         pair : int or str
@@ -168,7 +169,7 @@ class SolvedGears(GearSet):
         model = required_level(level)
         torques = required_torques(number_list("torque", torque, "Nm").tolist())
         positions = None if phi1 is None else position_list(phi1)
-        mesh, meshes = self.pair(pair), self.train.like(pair)
+        mesh, meshes = self.train.sharing(pair), 1 if self.train.shared else self.train.like(pair)
         refuse_eccentric(mesh)
         note = f"{mesh.name} is one of {meshes} equally loaded meshes: the torque is that of this mesh alone"
         return loaded_contact_of(
@@ -231,7 +232,7 @@ class SolvedGears(GearSet):
         from gearmesh.answers.load.loaded import required_torques
 
         torques = np.array(required_torques(number_list("torque", torque, "Nm").tolist()))
-        numbers = list(self.train.different) if pair is None else [self.train.names.pair_number(pair)]
+        numbers = list(self.train.loaded) if pair is None else [self.train.names.pair_number(pair)]
         if phi1 is not None:
             for number in numbers:
                 whole_pitches(self.pairs[number], np.radians(position_list(phi1)))
@@ -317,7 +318,7 @@ def loaded_meshes(
     first, torques = gears.pairs[0], number_list("torque", torque, "Nm")
     torque_ratios = transmitted_torques(gears.pairs)
     by_pair: dict[int, LoadedContact] = {}
-    different = gears.train.different
+    different = gears.train.loaded
     for done, k in enumerate(different):
         pair, ratio, of_mesh = gears.pairs[k], torque_ratios[k], stage_of(progress, done, len(different))
         under_load = gears.loaded_contact(ratio * torques, pair=k, progress=of_mesh, contact=contacts[k])

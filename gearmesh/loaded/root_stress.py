@@ -63,6 +63,10 @@ class RootStress:
         """Bending stress (M, 2), MPa; the largest stress in the fillet for a member without a tangent at 30 deg."""
         return np.where(np.isnan(self.bending).all(axis=0), self.largest, self.bending)
 
+    def some(self, rows: NDArray[np.intp]) -> RootStress:
+        """Return the stresses of some tooth pairs, `rows` (N,)."""
+        return RootStress(*(values[rows] for values in vars(self).values()))
+
     @staticmethod
     def join(pinion: RootStress, gear: RootStress) -> RootStress:
         """Return the stresses of both members as one record.

@@ -16,7 +16,7 @@ Units: mm, rad; the fixed frame.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from itertools import chain
@@ -39,6 +39,7 @@ from gearmesh.kernel.numeric.algebra import Array, dot, unit
 from gearmesh.kernel.surface.curvature import contact_ellipse, principal, relative_curvature, tangent_basis
 from gearmesh.kernel.surface.surface import Jet
 from gearmesh.teeth.gear_train import GearPair
+from gearmesh.teeth.micro_geometry.index_angles import NO_INDEX_ANGLES
 from gearmesh.teeth.mount import Mount
 
 Record = TypeVar("Record", ContactPath, Jet)
@@ -113,8 +114,8 @@ class NearPairs:
     position: NDArray[np.intp]
     #: number (M,) of each pair: at phi1, pair k does what pair 0 does at phi1 - k pitches, pitch deviations apart
     number: NDArray[np.intp]
-    #: half (M,) of a double helical gear, 0 or 1; points of half 1 are stored in the frame that `images` maps to the
-    #: fixed frame
+    #: half (M,) of a double helical gear, 0 or 1, or number of a pair that shares the torque; points of all but 0 are stored
+    #: in the frame that `images` maps to the fixed frame
     half: NDArray[np.intp]
     #: rotations of both members, rad, (M,) each, counted like those of pair 0
     turns: tuple[Array, Array]
@@ -126,7 +127,7 @@ class NearPairs:
     axes: Array
     #: relative curvatures (M, 2), 1/mm, along x and y
     kappa: Array
-    #: motion of each half to its place: reflections at the pinion's plane of symmetry
+    #: motion of each half to its place: reflections at the pinion's plane of symmetry; of each pair that shares the torque
     images: tuple[Rigid, ...]
     #: half heights (M,), mm, of whole flanks that may touch, with their middle in the origin; None if contacts are narrow
     heights: Array | None = None
@@ -241,7 +242,9 @@ def near_pairs(gears: GearPair, phi1: Array, limit: float) -> NearPairs:
     Raises NoSolutionError where no teeth touch.
     """
     rows = gears.halves
-    engagements = [_Followed(row, phi1) for row in rows]
+    # pinions of pairs that share the torque are ahead, and have rotations of their own
+    turned = [phi1 + phase for phase in gears.phases]
+    engagements = [_Followed(row, own) for row, own in zip(rows, turned, strict=True)]
     # the gear rests on the tooth pair that is farthest ahead: the largest advance of all halves is its position without
     # load
     advance = np.max([followed.advance for followed in engagements], axis=0)
@@ -255,10 +258,11 @@ def near_pairs(gears: GearPair, phi1: Array, limit: float) -> NearPairs:
     # pairs of all halves in one list; each is solved at the rotation at which it does what pair 0 does
     position, number = (np.concatenate(column) for column in zip(*near, strict=True))
     half = np.repeat(np.arange(len(rows)), [len(numbers[0]) for numbers in near])
-    pinion_ahead, gear_ahead = _ahead(gears, number)
-    equivalent_phi1 = phi1[position] - gears.pitch * number + pinion_ahead
+    ahead = [_ahead(row, number[half == k]) for k, row in enumerate(rows)]
+    pinion_ahead, gear_ahead = (np.concatenate(parts) for parts in zip(*ahead, strict=True))
+    equivalent_phi1 = np.stack(turned)[half, position] - gears.pitch * number + pinion_ahead
     paths = [contact_path(engagement.pair, equivalent_phi1[half == k]) for k, engagement in enumerate(engagements)]
-    if gears.uneven:
+    if any(row.uneven for row in rows):
         out = [
             farther_out_ahead(row, path, number[half == k])
             for k, (row, path) in enumerate(zip(rows, paths, strict=True))
@@ -330,7 +334,9 @@ def _over_whole_flanks(near: NearPairs) -> NearPairs:
 
 def _ahead(gears: GearPair, number: NDArray[np.intp]) -> tuple[Array, Array]:
     """Return angles, rad, by which the flanks of tooth pairs lead their nominal places; 0 for equal teeth."""
-    return flanks_ahead(gears, number) if gears.uneven else (np.zeros(number.shape), np.zeros(number.shape))
+    if all(member.index == NO_INDEX_ANGLES for member in gears.both):
+        return np.zeros(number.shape), np.zeros(number.shape)
+    return flanks_ahead(gears, number)
 
 
 class _Followed:
@@ -345,6 +351,9 @@ class _Followed:
         searched = int(np.ceil(np.pi / gears.pitch)) if self.pair.coupled else SEARCHED_PAIRS
         self._numbers = np.arange(-searched, searched + 1)
         self._advances, self._levers = self._solve(self._numbers)
+        if gears.uneven:
+            # any pair in engagement may be ahead of its neighbours
+            self._search_on(lambda: np.isfinite(self._advances))
 
     @property
     def advance(self) -> Array:
@@ -354,9 +363,13 @@ class _Followed:
 
     def widen(self, advance: Array, limit: float) -> None:
         """Add pairs further out until the outermost pairs are not within `limit`, mm, of `advance` (P,)."""
+        self._search_on(lambda: self._near(advance, limit))
+
+    def _search_on(self, wanted: Callable[[], NDArray[np.bool_]]) -> None:
+        """Add pairs further out until none of the outermost pairs is `wanted` at a position, (P, K)."""
         for direction in () if self.pair.coupled else (-1, 1):
             outermost = self._numbers[::direction][-1]
-            while self._near(advance, limit)[:, ::direction][:, -1].any() and abs(outermost) < MAX_PAIRS:
+            while wanted()[:, ::direction][:, -1].any() and abs(outermost) < MAX_PAIRS:
                 new_numbers = outermost + direction * np.arange(1, MORE_PAIRS + 1)
                 advances, levers = self._solve(new_numbers)
                 self._numbers = np.append(self._numbers, new_numbers)
@@ -468,6 +481,16 @@ class Separation:
         """Return grids whose arrays `put` changes without an effect on these."""
         arrays = {f.name: getattr(self, f.name).copy() for f in fields(self) if f.name != "own_to_fixed"}
         return replace(self, **arrays)
+
+    def some(self, rows: NDArray[np.intp]) -> Separation:
+        """Return the grids of some pairs, `rows` (N,)."""
+        arrays = {
+            f.name: np.take(getattr(self, f.name), rows, axis=PAIR_AXES.get(f.name, 0))
+            for f in fields(self)
+            if f.name != "own_to_fixed"
+        }
+        first, second = (Rigid(own.rotation[rows], own.translation[rows]) for own in self.own_to_fixed)
+        return replace(self, **arrays, own_to_fixed=(first, second))
 
     def narrowed(self, rows: NDArray[np.intp], share: Array) -> None:
         """Make the grids of some pairs, `rows` (N,), narrower, to a `share` (N,) of their width: their gaps are those of

@@ -13,7 +13,7 @@ transmission error.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from itertools import chain
 from typing import Any, Literal
@@ -156,6 +156,31 @@ class PairLoad:
         moments: Array = (line * grid.levers[0]).sum(axis=1)
         return moments
 
+    def some(self, rows: NDArray[np.intp]) -> PairLoad:
+        """Return the load on some pairs, `rows` (N,)."""
+        parts = {f.name: getattr(self, f.name) for f in fields(self)}
+        arrays: dict[str, Any] = {name: part[rows] for name, part in parts.items() if isinstance(part, np.ndarray)}
+        return replace(self, **arrays, separation=self.separation.some(rows), roots=self.roots.some(rows))
+
+
+@dataclass(frozen=True)
+class MeshShare:
+    """Load on one of several pairs that share a torque."""
+
+    #: part (T, P) of the pinions' torque, N mm
+    moment: Array
+    #: peak pressure (T, P), MPa, as `PairLoad.peak`; NaN without load away from edges
+    peak: Array
+    #: largest normal force (T, P) on a tooth pair, N
+    force: Array
+
+    def put(self, torque: int, load: PairLoad, rows: NDArray[np.intp]) -> None:
+        """Enter the load on the tooth pairs `rows` (N,) under a torque."""
+        position, count = load.position[rows], self.moment.shape[1]
+        self.moment[torque] = np.bincount(position, load.moment[rows], count)
+        for most, values in ((self.peak, load.peak), (self.force, load.force)):
+            np.fmax.at(most[torque], position, values[rows])
+
 
 @dataclass(frozen=True)
 class LoadedMesh:
@@ -198,6 +223,9 @@ class LoadedMesh:
     #: codes (T, P) of `errors.Status`; also not converged if the contact reaches beyond its grid or the mounts do not
     #: converge
     status: NDArray[np.int64]
+    #: load on each of several pairs that share the torque, the own pair first; `loads` and stresses are those of the
+    #: own pair, all else that of all of them
+    shares: tuple[MeshShare, ...] = ()
 
     @property
     def bending(self) -> Array:
@@ -316,6 +344,8 @@ def loaded_mesh(
     )
     largest_place, displacement = np.empty((*shape, 2, 3)), np.zeros((*shape, 2, 6))
     loads: dict[int, PairLoad] = {}
+    own = len(gears.halves) - len(gears.fellows)
+    shares = [MeshShare(*(np.full(shape, np.nan) for _ in range(3))) for _ in range(len(gears.fellows) + 1)]
     ratio = abs(near.pair.ratio)
     unloaded = near.phi2 - near.pair.ratio * phi1 - near.pair.drive * ratio * free
     # the largest torque first: the grids of smaller ones follow from its grids
@@ -340,15 +370,24 @@ def loaded_mesh(
         status[k, moved.position[(problem.fill() > FILL_RANGE[1]) | problem.reaches_ends().any(axis=0)]] = (
             Status.MAX_ITERATIONS
         )
-        loads[k] = problem.loads()
+        loads[k], at = problem.loads(), moved.position
+        if gears.fellows:
+            for pair, share in enumerate(shares):
+                share.put(k, loads[k], np.flatnonzero(np.maximum(loads[k].half - own + 1, 0) == pair))
+            loads[k] = loads[k].some(np.flatnonzero(loads[k].half < own))
+            if not loads[k].force.any():
+                raise NoSolutionError(
+                    reason=f"{gears.name} carries nothing of {1e-3 * applied_torque:g} Nm: other meshes carry all of it",
+                    remedy="a larger torque, or the figures of another mesh (--pair)",
+                )
+            at = loads[k].position
         gear_torque[k] = problem.gear_torque()
         tangent[k], tangent_status = problem.tangent_stiffness()
         status[k] = np.where(tangent_status == Status.CONVERGED, status[k], tangent_status)
         # root stress at each position, from the tooth pair with the largest stress
         roots, members = loads[k].roots, np.arange(2)
         worst_bending, worst_largest, worst_contact = (
-            (roots.worst(values, moved.position, len(phi1)), members)
-            for values in (roots.nominal, roots.largest, roots.contact)
+            (roots.worst(values, at, len(phi1)), members) for values in (roots.nominal, roots.largest, roots.contact)
         )
         at_tangent[k], error[k], contact_stress[k] = (
             roots.bending[worst_bending],
@@ -356,6 +395,10 @@ def loaded_mesh(
             roots.contact[worst_contact],
         )
         largest_stress[k], largest_place[k] = roots.largest[worst_largest], roots.place[worst_largest]
+        # the own pair has no tooth pair near where other pairs carry the torque
+        apart = np.bincount(at, minlength=len(phi1)) == 0
+        for of_roots in (at_tangent, error, contact_stress, largest_stress, largest_place):
+            of_roots[k, apart] = np.nan
     # under load the gear lags by the pinion's rotation times the ratio
     te = unloaded - near.pair.drive * ratio * rotation
     return LoadedMesh(
@@ -375,6 +418,7 @@ def loaded_mesh(
         displacement,
         residual,
         status,
+        tuple(shares) if gears.fellows else (),
     )
 
 

@@ -33,11 +33,23 @@ def displaced_bases(
             factor = design.mm_per_unit if meant is not None and meant.unit == "length" else 1.0
             values[key] = factor * errors[dotted]
         bases = known.displaced(design.in_mm(), train, values)
+        if pair.name != train.pairs[0].name:
+            bases = _as_first(pair, train.pairs[0], bases)
     first, second = (
         Rigid(np.broadcast_to(base.rotation, (count, 3, 3)), np.broadcast_to(base.translation, (count, 3)))
         for base in bases
     )
     return first, second
+
+
+def _as_first(pair: GearPair, first: GearPair, bases: tuple[Rigid, ...]) -> tuple[Rigid, ...]:
+    """Return the bases of a pair whose members are displaced as those of the first pair, each seen from its own pinion."""
+    image = pair.pinion.mount.base @ first.pinion.mount.base.inverse
+    from_first = image.inverse
+    return tuple(
+        image @ base @ old.base.inverse @ from_first @ own.base
+        for base, old, own in zip(bases, first.mounts, pair.mounts, strict=True)
+    )
 
 
 def displaced_pair(pair: GearPair, bases: tuple[Rigid, Rigid], m: int = 0) -> GearPair:

@@ -475,6 +475,18 @@ def _mismatch(tooth: Tooth, nominal: Tooth) -> str:
 
 
 @dataclass(frozen=True)
+class Fellow:
+    """A pair that shares the torque of another one: both pinions turn as one, and so do both gears."""
+
+    #: the pair, seen in the image in which its pinion is mounted as that of the other pair
+    pair: GearPair
+    #: motion of this image to its place
+    image: Rigid
+    #: rotation (rad) of its pinion at rotation 0 of the other one
+    phase: float
+
+
+@dataclass(frozen=True)
 class GearPair:
     """Two members that mesh, and the flanks that touch."""
 
@@ -495,6 +507,8 @@ class GearPair:
     generation: Callable[[Array, Array], Array] | None = None
     #: figures of the gear system for the pair, apart from its contact
     figures: Figures | None = None
+    #: further pairs that share its torque
+    fellows: tuple[Fellow, ...] = ()
 
     @property
     def eccentric(self) -> bool:
@@ -512,20 +526,59 @@ class GearPair:
 
     @property
     def images(self) -> tuple[Rigid, ...]:
-        """Motion in the fixed frame from the first half to each half of the pair: a reflection in the pinion's plane of
-        symmetry.
+        """Motion in the fixed frame from the first half to each half of the pair, a reflection in the pinion's plane of
+        symmetry, and to each pair that shares its torque.
         """
         base = self.pinion.mount.base
         further = zip(self.pinion.halves[1:], self.gear.halves[1:], strict=False)
-        return (Rigid.identity(), *(base @ half.motion @ base.inverse for half, _ in further))
+        mirrored = (base @ half.motion @ base.inverse for half, _ in further)
+        return (Rigid.identity(), *mirrored, *(fellow.image for fellow in self.fellows))
 
     @property
     def halves(self) -> tuple[GearPair, ...]:
-        """The pair of the first halves, then the pairs of the others, seen in their images: pairs of the same teeth."""
+        """The pair of the first halves, the pairs of the others, and those that share its torque, all seen in their images:
+        pairs of the same teeth."""
         mount = self.gear.mount
         further = zip(self.images[1:], self.gear.halves[1:], strict=False)
         mounts = [replace(mount, base=image @ mount.base @ half.motion) for image, half in further]
-        return (self, *(replace(self, gear=replace(self.gear, mount=half_mount)) for half_mount in mounts))
+        mirrored = (replace(self, gear=replace(self.gear, mount=half_mount)) for half_mount in mounts)
+        return (self, *mirrored, *(fellow.pair for fellow in self.fellows))
+
+    @property
+    def phases(self) -> tuple[float, ...]:
+        """Rotations (rad) of the pinions of all `halves` at rotation 0 of the pinion."""
+        own = len(self.halves) - len(self.fellows)
+        return (*(0.0,) * own, *(fellow.phase for fellow in self.fellows))
+
+    def sees(self, other: GearPair) -> Fellow:
+        """Return another pair whose pinion and gear turn as those of this one.
+
+        Parameters
+        ----------
+        other : GearPair
+            Pair of the same teeth, anywhere about the gear's axis.
+
+        Returns
+        -------
+        Fellow
+
+        Examples
+        --------
+        >>> pair = gears.train.pair(0)
+        >>> pair.sees(pair).phase
+        0.0
+        """
+        image = other.pinion.mount.base @ self.pinion.mount.base.inverse
+        seen = replace(other.gear.mount, base=image.inverse @ other.gear.mount.base)
+        # the gear is turned back to where it faces the pinion as in this pair; the pinion is ahead instead
+        turned = seen.turn_from(self.gear.mount)
+        facing = replace(seen, base=seen.base @ Rigid.about_z(-turned))
+        pair = replace(
+            other,
+            pinion=replace(other.pinion, mount=replace(other.pinion.mount, base=self.pinion.mount.base)),
+            gear=replace(other.gear, mount=facing),
+        )
+        return Fellow(pair, image, seen.sign * turned / self.ratio)
 
     @property
     def name(self) -> str:
@@ -639,11 +692,45 @@ class GearTrain:
     lacking: str = ""
     #: bodies without teeth that turn with members
     carried: tuple[CarriedBody, ...] = field(default=())
+    #: True if the pinions of all pairs turn as one, as discs on the same output pins, and share the torque
+    shared: bool = field(default=False)
 
     @property
     def different(self) -> tuple[int, ...]:
         """Numbers of the pairs that are not like an earlier pair."""
         return tuple(dict.fromkeys(self.alike or range(len(self.pairs))))
+
+    @property
+    def loaded(self) -> tuple[int, ...]:
+        """Numbers of the pairs whose contact under load is that of the gear set: one of those that share the torque."""
+        return self.different[:1] if self.shared else self.different
+
+    def sharing(self, which: int | str) -> GearPair:
+        """Return a pair with those that share its torque, if there are some.
+
+        Parameters
+        ----------
+        which : int or str
+            Number of the pair, or its members as "disc_1-ring".
+
+        Returns
+        -------
+        GearPair
+
+        Raises
+        ------
+        DesignError
+            For another pair, and where no members mesh.
+
+        Examples
+        --------
+        >>> gears.train.sharing(0).fellows
+        ()
+        """
+        pair = self.pair(which)
+        if not self.shared:
+            return pair
+        return replace(pair, fellows=tuple(pair.sees(other) for other in self.pairs if other is not pair))
 
     @property
     def members(self) -> dict[str, Member]:

@@ -9,17 +9,20 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from scipy.optimize import brentq
 
 import gearmesh as gm
 from gearmesh.contact.engagement.pitch_turns import whole_turns
 from gearmesh.contact.engagement.train_turns import leading_turns
 from gearmesh.kernel.envelope.limiting_line import limiting_line
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.loaded.separation import near_pairs
 from gearmesh.metrology.measured_teeth import pitch_radius
 from gearmesh.systems.cycloidal.build import Drive
 from gearmesh.systems.cycloidal.forces import disc_shares, pin_forces
 from gearmesh.systems.cycloidal.geometry import PinCurve
 from gearmesh.systems.cycloidal.sheet import lobe_area
+from gearmesh.systems.displaced import displaced_bases
 from gearmesh.teeth.limits import member_limits
 from gearmesh.teeth.offset import offset_tooth
 from gearmesh.teeth.region import Region, Side
@@ -200,6 +203,7 @@ def test_limits_of_lobes_have_no_undercut() -> None:
         (("module=3",), r"^module: follows from eccentricity"),
         (("disc.tip_chamfer=0.2",), r"^disc\.tip_chamfer: the lobes"),
         (("output.circle=85",), r"^output\.circle = 85 mm: .* allowed is from 43\.224 to 73\.776 mm"),
+        (("assembly.disc_ahead=[0, 0.01]",), r"^assembly\.disc_ahead = \"?2 values\"?: there is one disc"),
         (("disc_gap=1",), r"^disc_gap = 1 mm: there is one disc"),
         (("discs=2",), r"^ring\.face_width = 12 mm: 2 discs are wider; allowed is at least 25\.2 mm"),
         (
@@ -385,6 +389,79 @@ def test_discs_share_the_torque_as_their_pins_do() -> None:
     ]
     assert rate[0] == pytest.approx(rate[1])
     assert disc_shares(PinCurve(50.0, 1.5, 20, 19), (0.0, np.pi), phi) == pytest.approx(0.5)
+
+
+def two_discs(*overrides: str) -> Any:
+    """Two discs of 20 lobes, half a turn and half a pitch of the lobes apart."""
+    keys = "disc.teeth=20", "ring.teeth=21", "output.pins=5", "output.pin_diameter=6"
+    return gm.build(several(2, *keys, *overrides))
+
+
+@pytest.mark.sweep
+def test_the_disc_whose_pin_touches_first_carries_a_small_torque() -> None:
+    places = np.round(np.random.default_rng(3).normal(0.0, 5.0, 21), 2).tolist()
+    gears = two_discs("modification.equidistant=0.03", f"measured.ring_pitch_left_um={places}")
+    degrees = np.array([2.0, 50.0, 100.0, 200.0, 300.0])
+    # rotation of the second disc by hand: lobes half a pitch beside those of the first
+    turns = [near_pairs(pair, np.radians(degrees + k * 9.0), 1e-3).phi2 for k, pair in enumerate(gears.pairs)]
+    first = np.argmax(turns, axis=0)
+    assert set(first.tolist()) == {0, 1}
+    rows = gears.loaded_contact([1e-3], degrees, level="quick").rows
+    shares = np.array([[mesh.share for mesh in row.meshes.values()] for row in rows])
+    assert shares == pytest.approx(np.eye(2)[first], abs=1e-6)
+    ring = np.degrees(np.max(turns, axis=0) - np.radians(degrees) * 20 / 21) * 3600.0
+    assert [row.unloaded_te for row in rows] == pytest.approx(ring - ring[0], abs=1e-3)
+
+
+def test_a_study_moves_the_second_disc_as_its_design_does() -> None:
+    errors = {"assembly.dx": 0.1, "assembly.dy": -0.2, "assembly.dz": 0.3}
+    aligned, moved = two_discs(), two_discs(*(f"{key}={value}" for key, value in errors.items()))
+    given = {key: np.array([value]) for key, value in errors.items()}
+    found = displaced_bases(aligned.design, aligned.train, aligned.pairs[1], given)
+    for base, mount in zip(found, moved.pairs[1].mounts, strict=True):
+        assert base.translation[0] == pytest.approx(mount.base.translation, abs=1e-12)
+        assert base.rotation[0] == pytest.approx(mount.base.rotation, abs=1e-12)
+
+
+@pytest.mark.sweep
+def test_a_disc_that_is_turned_carries_more_by_its_stiffness() -> None:
+    """Both discs are springs of k each: turned by a, the shares are 1/2 -+ k a / (2 T)."""
+    torque, turned = 50.0, 0.001
+    (even,) = two_discs().loaded_contact([torque], [2.0], level="quick").rows
+    (row,) = two_discs(f"assembly.disc_ahead=[0, {turned}]").loaded_contact([torque], [2.0], level="quick").rows
+    moved = 0.5 * even.tangent_stiffness * 3600.0 * turned / (2.0 * torque)
+    before, after = ([mesh.share for mesh in each.meshes.values()] for each in (even, row))
+    assert moved > 0.05
+    assert np.subtract(after, before) == pytest.approx([-moved, moved], rel=0.02)
+
+
+@pytest.mark.sweep
+def test_discs_share_the_torque_as_rigid_discs_on_springs() -> None:
+    """Pins out of place: pin i of stiffness c pushes with c (A_i - x) l_i, A_i the ring's rotation at which it touches."""
+    places, gap, torque = np.round(np.random.default_rng(3).normal(0.0, 3.0, 20), 3), 0.01, 60.0
+    gears = gm.build(several(2, f"modification.equidistant={gap}", f"measured.ring_pitch_left_um={places.tolist()}"))
+    degrees = np.array([1.0, 9.0, 60.0, 100.0, 150.0])
+    rows = gears.loaded_contact([torque], degrees, level="quick").rows
+    shares = np.array([[mesh.share for mesh in row.meshes.values()] for row in rows])
+    angles = 1e-3 * (places - places.mean()) / pitch_radius(gears.members["ring"].tooth, None)
+    own, apart = Drive(gears.design).curve, []
+    for first in range(20):
+        found = []
+        for phi1 in np.radians(degrees):
+            pins = np.arange(20) + first + np.array([[0], [10]])
+            levers = np.maximum(-own.levers((pins + 0.5) * np.pi / 10 - phi1 * 19 / 20), 1e-9)
+            touching = angles - gap / levers
+
+            def carried(x: float, touching: Array = touching, levers: Array = levers) -> Array:
+                return np.asarray((3.4e5 * levers**2 * np.maximum(touching - x, 0.0)).sum(axis=1))
+
+            rest = brentq(lambda x: float(carried(x).sum()) - 1e3 * torque * 20 / 19, -0.1, touching.max())
+            found.append(carried(rest) / carried(rest).sum())
+        apart.append(np.abs(np.array(found) - shares).max())
+    # pins are up to a tenth softer where lobes are hollow
+    assert np.ptp(shares) > 0.5
+    assert min(apart) < 0.08
+    assert sorted(apart)[1] > 0.15
 
 
 def test_a_disc_that_fits_as_its_copy_is_told() -> None:

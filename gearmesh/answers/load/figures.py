@@ -50,6 +50,30 @@ class MemberDisplacement(Figures):
 
 
 @dataclass(frozen=True)
+class MeshShareFigures(Figures):
+    """Load on one of several meshes that share a torque, at one position."""
+
+    share: float = figure("share of the torque on the mesh", key="{member}_share")
+    peak_pressure: float = figure(
+        "largest contact pressure of the mesh away from singular edges", "MPa", key="{member}_peak_pressure_mpa"
+    )
+
+
+@dataclass(frozen=True)
+class MeshShareTotals(Figures):
+    """Load on one of several meshes that share a torque, over all positions."""
+
+    least_share: float = figure("least share of the torque on the mesh", key="{member}_least_share")
+    largest_share: float = figure("largest share of the torque on the mesh", key="{member}_largest_share")
+    max_pressure: float = figure(
+        "largest contact pressure of the mesh away from singular edges", "MPa", key="{member}_max_pressure_mpa"
+    )
+    max_pair_force: float = figure(
+        "largest normal force on a tooth pair of the mesh", "N", key="{member}_max_pair_force_n"
+    )
+
+
+@dataclass(frozen=True)
 class ToothPairFigures(Figures):
     """The load on one tooth pair at a position."""
 
@@ -116,6 +140,7 @@ class LoadedPosition(Figures):
     displacements: Mapping[str, MemberDisplacement] = figure(
         "displacements of members on elastic mounts", parts=MemberDisplacement
     )
+    meshes: Mapping[str, MeshShareFigures] = figure("meshes that share the torque", parts=MeshShareFigures)
     tooth_pairs: tuple[ToothPairFigures, ...] = figure("load on each tooth pair", shown=False)
     residual: float = figure("largest residual of the contact conditions", "mm", rounding=True)
     status: str = figure("whether the solver converged")
@@ -189,6 +214,7 @@ class LoadedTotals(Figures):
         "sigma_F0",
         key="{member}_nominal_root_stress_mpa",
     )
+    meshes: Mapping[str, MeshShareTotals] = figure("meshes that share the torque", parts=MeshShareTotals)
     on_edge: bool = figure("whether there is edge contact at any position")
     edge_contact: bool = figure("whether the contact pressure is singular at an edge anywhere")
     edge_load_share: Mapping[str, float] = figure(

@@ -18,6 +18,8 @@ from gearmesh.answers.load.figures import (
     LoadedPosition,
     LoadedTotals,
     MemberDisplacement,
+    MeshShareFigures,
+    MeshShareTotals,
     ToothPairFigures,
     ToothPairPosition,
     stroke,
@@ -40,6 +42,7 @@ from gearmesh.loaded.sharing import (
     LOAD_LEVELS,
     Level,
     LoadedMesh,
+    MeshShare,
     PairLoad,
     Reference,
     compliances,
@@ -69,6 +72,8 @@ QUICK_WARNING = (
     "level quick: coarse elements and cells, no estimates of errors; transmission error and load shares are within 3 % of level "
     "full, pressures within 6 %, stresses in fillets within 15 %"
 )
+#: reason to refuse elastic shafts and bearings of meshes that share a torque
+SHARED_MOUNTS_REASON = "members of several meshes that share a torque are held rigidly"
 #: largest acute angle between axes that counts as an assembly error of parallel axes
 MAX_PARALLEL_ANGLE_RAD = 0.01
 
@@ -123,7 +128,10 @@ class LoadedContact(Result):
     def _row(self, torque: int, position: int) -> LoadedPosition:
         mesh, load, at = self.mesh, self.mesh.loads[torque], (torque, position)
         loaded_pairs = np.flatnonzero((load.position == position) & (load.force > 0.0))
-        worst = loaded_pairs[np.nan_to_num(load.peak[loaded_pairs]).argmax()]
+        # where other meshes carry the torque, no tooth pair of this one is loaded
+        idle = not loaded_pairs.size
+        worst = 0 if idle else loaded_pairs[np.nan_to_num(load.peak[loaded_pairs]).argmax()]
+        peak, peak_error = (np.nan, np.nan) if idle else (float(load.peak[worst]), 100.0 * float(load.error[worst]))
         te, unloaded = (float(error - mesh.unloaded[0]) for error in (mesh.te[at], mesh.unloaded[position]))
         output, gear_torque = self.pair.output, float(mesh.gear_torque[at])
         return LoadedPosition(
@@ -139,10 +147,10 @@ class LoadedContact(Result):
             stiffness=1e-3 * float(mesh.stiffness[at]) * ARCSEC,
             tangent_stiffness=1e-3 * float(mesh.tangent[at]) * ARCSEC,
             tangent_stiffness_per_width=None if self._width is None else float(mesh.tangent[at]) / self._width,
-            peak_pressure=float(load.peak[worst]),
-            peak_pressure_error=100.0 * float(load.error[worst]),
-            peak_pressure_pair=int(load.number[worst]) if np.isfinite(load.peak[worst]) else None,
-            peak_pressure_point=load.place[worst].tolist(),
+            peak_pressure=peak,
+            peak_pressure_error=peak_error,
+            peak_pressure_pair=int(load.number[worst]) if np.isfinite(peak) else None,
+            peak_pressure_point=[np.nan] * 3 if idle else load.place[worst].tolist(),
             edge_contact=bool(load.edge_contact[loaded_pairs].any()),
             fillets=self._fillets(
                 mesh.bending[at],
@@ -153,10 +161,20 @@ class LoadedContact(Result):
             ),
             root_stress_point={name: mesh.root_place[at][n].tolist() for n, name in enumerate(self.pair.members)},
             displacements=self._displacements(at),
+            meshes={
+                name: MeshShareFigures(float(share.moment[at] / mesh.torque[torque]), float(share.peak[at]))
+                for name, share in self._shares
+            },
             tooth_pairs=tuple(self._tooth_pair(torque, m) for m in loaded_pairs),
             residual=float(mesh.residual[at]),
             status=Status(int(mesh.status[at])).name.lower(),
         )
+
+    @property
+    def _shares(self) -> list[tuple[str, MeshShare]]:
+        """Meshes that share the torque, by their names in the order of the gear set; none of a single mesh."""
+        names = [self.pair.name, *(fellow.pair.name for fellow in self.pair.fellows)]
+        return sorted(zip(names, self.mesh.shares, strict=False), key=lambda item: item[0])
 
     def _tooth_pair(self, torque: int, m: np.intp) -> ToothPairFigures:
         """Return the figures of the m-th tooth pair under a torque."""
@@ -376,6 +394,15 @@ class LoadedContact(Result):
             fillets=self.largest_in_fillets(torque),
             nominal_contact_stress=self._nominal_contact(torque),
             nominal_root_stress=self._nominal_root(torque),
+            meshes={
+                name: MeshShareTotals(
+                    float(share.moment[torque].min() / mesh.torque[torque]),
+                    float(share.moment[torque].max() / mesh.torque[torque]),
+                    largest_known(share.peak[torque]),
+                    float(np.nanmax(share.force[torque], initial=0.0)),
+                )
+                for name, share in self._shares
+            },
             on_edge=bool((load.on_edge & (load.force > 0.0)).any()),
             edge_contact=bool(load.edge_contact.any()),
             edge_load_share={
@@ -449,9 +476,9 @@ class LoadedContact(Result):
     def twist(self) -> float | None:
         """Rotation of the pinion over its torque, rad/(N mm), by the twist of both bodies; an idler does not twist.
 
-        None unless the axes are parallel.
+        None unless the axes are parallel, and for meshes that share the torque.
         """
-        if not _has_parallel_axes(self.pair):
+        if not _has_parallel_axes(self.pair) or self.pair.fellows:
             return None
         materials, held = materials_of(self.design, self.pair), held_by_rim(self.design, self.pair)
         first, second = (
@@ -567,9 +594,27 @@ class LoadedContact(Result):
                 _FILLET_COLUMNS,
                 [_fillet_cells(total, name) for total in totals for name in self.pair.members],
             ),
+            *self._shares_listing(),
             *self._nominal_listing(),
             *([Listing("Most load next to edges", ["Nm", "edge", "% of the torque"], edges)] if edges else []),
         ]
+
+    def _shares_listing(self) -> list[Listing]:
+        """Return the table of meshes that share the torque; empty of a single mesh."""
+        rows = [
+            [
+                total.torque,
+                name,
+                round_to(100.0 * mesh.least_share, 2),
+                round_to(100.0 * mesh.largest_share, 2),
+                round_to(mesh.max_pressure, 3),
+                round_to(mesh.max_pair_force, 3),
+            ]
+            for total in self.totals
+            for name, mesh in total.meshes.items()
+        ]
+        heads = ["Nm", "mesh", "least share %", "largest share %", "MPa", "pair N"]
+        return [Listing("Meshes that share the torque", heads, rows)] if rows else []
 
     def _nominal_listing(self) -> list[Listing]:
         """Return the table of the nominal stresses; empty of kinds without them."""
@@ -670,6 +715,8 @@ def loaded_contact_of(
     if unknown := [name for name in mounts or {} if name not in pair.members]:
         raise ArgumentError("mounts", unknown[0], must_be=f"{' or '.join(pair.members)}")
     given = {**mounts_of(design, pair), **(mounts or {})}
+    if given and pair.fellows:
+        raise ArgumentError("mounts", next(iter(given)), reason=SHARED_MOUNTS_REASON, allowed="left out")
     flexible = given.get(pair.pinion.name), given.get(pair.gear.name)
     with listening(lambda done: progress(0.2 + 0.8 * done, doing)):
         mesh = loaded_mesh(

@@ -168,4 +168,6 @@ class MeasuredPlaces:
         pitch = self.pitch(member.name, tooth.teeth, basis).complete(None if basis is None else basis.ball, of_runout)
         index = index_angles(pitch, pitch_radius(tooth, basis))
         away = self.farther_out(member.name, tooth.teeth)
-        return replace(member, index=index if away is None else replace(index, outwards=tuple(away.tolist())))
+        index = index if away is None else replace(index, outwards=tuple(away.tolist()))
+        # teeth that a kind has turned keep their rotation
+        return replace(member, index=member.index.beside(index, tooth.teeth) if any(member.index.right) else index)

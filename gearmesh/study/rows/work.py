@@ -238,7 +238,7 @@ class StudyWork:
             reference = self._reference(variant, phi1) if self.level == "quick" else None
             loaded = loaded_contact_of(
                 variant.design,
-                variant.pair,
+                variant.sharing,
                 self.torque,
                 cycle=cycle,
                 phi1=phi1,
@@ -258,7 +258,7 @@ class StudyWork:
         known = _reference_of(own, self.pair, max(self.torque), self.level)
         if known is None or known.held != _held(variant.design, variant.pair):
             return None
-        return known.mesh if known.mesh.serves(variant.pair, phi1, variant.bodies.outlines) else None
+        return known.mesh if known.mesh.serves(variant.sharing, phi1, variant.bodies.outlines) else None
 
     def _bodies(self, variant: Variant) -> Bodies:
         """Return the bodies of the unchanged design if they serve a variant; else its own."""
@@ -345,6 +345,16 @@ class Variant:
         given = {key: np.full(count, own) for key, own in self.errors.items()}
         return displaced_bases(self.design, self.train, self.pair, {**given, **errors})
 
+    @property
+    def sharing(self) -> GearPair:
+        """The pair with those that share its torque, whose members stand as its own."""
+        nominal, pinion = self.train.sharing(self.pair.name), self.pair.pinion.mount
+        fellows = tuple(
+            replace(each, pair=replace(each.pair, pinion=replace(each.pair.pinion, mount=pinion)))
+            for each in nominal.fellows
+        )
+        return replace(self.pair, fellows=fellows)
+
     def standing(self, bases: tuple[Rigid, Rigid], m: int) -> Variant:
         """Return the design with its members mounted as in the m-th of M assemblies."""
         pair = displaced_pair(self.pair, bases, m)
@@ -429,7 +439,7 @@ def _reference_of(text: str, which: int | str, torque: float, level: Level) -> _
         if held[-1]:
             return None
         phi1 = variant.pair.pitch * np.arange(POSITIONS_PER_PITCH) / POSITIONS_PER_PITCH
-        mesh = Reference.of(variant.pair, phi1, 1e3 * torque, variant.bodies.of(level), held[0], level)
+        mesh = Reference.of(variant.sharing, phi1, 1e3 * torque, variant.bodies.of(level), held[0], level)
         return _SolvedReference(mesh, held)
     except GearmeshError:
         return None

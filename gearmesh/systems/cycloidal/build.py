@@ -39,6 +39,7 @@ from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.carried_body import CarriedBody
 from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
 from gearmesh.teeth.micro_geometry.flank_field import LevelField
+from gearmesh.teeth.micro_geometry.index_angles import IndexAngles
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Region, Side
 from gearmesh.teeth.source_parameters import NamedParameters, SourceParameter
@@ -218,11 +219,17 @@ def build(design: CycloidalDesign) -> GearTrain:
     }
     flank = Side(design.contact.flank)
     pairs = []
-    for name, arm, along in zip(design.disc_names, design.arm_angles, design.disc_places, strict=True):
+    ahead = design.assembly.disc_ahead or (0.0,) * design.discs
+    for name, arm, along, turned in zip(design.disc_names, design.arm_angles, design.disc_places, ahead, strict=True):
         disc, ring = _mounts(design, arm, along)
         pairs.append(
             GearPair(
-                pinion=replace(_turned_holes(members[DISC_NAME], hole_angle(design, arm)), name=name, mount=disc),
+                pinion=replace(
+                    _turned_holes(members[DISC_NAME], hole_angle(design, arm)),
+                    name=name,
+                    mount=disc,
+                    index=IndexAngles.turned(disc.sign * np.radians(turned), design.disc.teeth),
+                ),
                 gear=replace(members[RING_NAME], mount=ring),
                 flanks=(flank, flank.other),
                 drive=flank.sign,
@@ -230,8 +237,10 @@ def build(design: CycloidalDesign) -> GearTrain:
                 delta=design.contact.delta,
             )
         )
-    alike = (0,) * len(pairs) if len(pairs) > 1 else ()
-    return GearTrain(design.kind, tuple(pairs), alike=alike, carried=_output_pins(design, pairs[0]))
+    alike = (0,) * len(pairs) if len(pairs) > 1 and not any(ahead) else ()
+    return GearTrain(
+        design.kind, tuple(pairs), alike=alike, carried=_output_pins(design, pairs[0]), shared=len(pairs) > 1
+    )
 
 
 def _output_pins(design: CycloidalDesign, pair: GearPair) -> tuple[CarriedBody, ...]:

@@ -41,6 +41,8 @@ DISC_GAP_WIDTHS = 0.1
 FACE_ROUNDING = 1e-9
 #: largest number of discs
 MAX_DISCS = 3
+#: largest rotation (deg) of lobes against the output holes
+MAX_AHEAD_DEG = 1.0
 
 _NO_EDGE = "the lobes of a cycloidal drive pass smoothly from flank to flank, and pins are round"
 _NO_OFFSET = "follows from eccentricity and tooth numbers: twice the eccentricity over their difference"
@@ -126,6 +128,13 @@ class CycloidalAssembly(Table):
     disc_phase: float = phase(DISC_NAME)
     ring_eccentricity: float = eccentricity(RING_NAME)
     ring_phase: float = phase(RING_NAME)
+    disc_ahead: tuple[float, ...] = keys.angle(
+        "rotation of the lobes of each disc against its output holes, as phi1 grows, one a disc: they share the torque by it",
+        (),
+        low=-MAX_AHEAD_DEG,
+        high=MAX_AHEAD_DEG,
+        most=MAX_DISCS,
+    )
 
 
 class CycloidalDesign(Design):
@@ -251,7 +260,12 @@ class CycloidalDesign(Design):
 
     @model_validator(mode="after")
     def _several_discs(self) -> Self:
-        """Refuse a gap without a second disc, and a ring that does not reach all discs."""
+        """Refuse a gap without a second disc, a ring that does not reach all discs, and rotations of other discs."""
+        ahead = self.assembly.disc_ahead
+        if ahead and (self.discs == 1 or len(ahead) != self.discs):
+            reason = "there is one disc" if self.discs == 1 else f"there are {self.discs} discs"
+            allowed = "left out, or 2 discs" if self.discs == 1 else f"{self.discs} values"
+            raise conflict("assembly.disc_ahead", f"{len(ahead)} values", reason=reason, allowed=allowed)
         if self.discs == 1:
             if self.disc_gap is not None:
                 raise conflict("disc_gap", self.disc_gap, reason="there is one disc", allowed="left out, or 2 discs")

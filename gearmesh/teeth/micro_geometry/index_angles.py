@@ -5,6 +5,7 @@ place; and distances by which whole teeth are farther from the axis.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -37,6 +38,16 @@ class IndexAngles:
         return IndexAngles(
             **{str(side): tuple(np.asarray(values, dtype=float).tolist()) for side, values in angles.items()}
         )
+
+    @staticmethod
+    def turned(angle: float, teeth: int) -> IndexAngles:
+        """Return index deviations of teeth that are all turned by an angle, rad; none for 0."""
+        return IndexAngles(*((angle,) * teeth,) * 2) if angle else NO_INDEX_ANGLES
+
+    def beside(self, other: IndexAngles, teeth: int) -> IndexAngles:
+        """Return these deviations and, in addition, those of another cause."""
+        angles = {side: self.of(side, teeth) + other.of(side, teeth) for side in Side}
+        return replace(IndexAngles.of_sides(angles), outwards=self.outwards or other.outwards)
 
     @property
     def uneven(self) -> bool:
