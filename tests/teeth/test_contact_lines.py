@@ -167,3 +167,13 @@ def test_the_picture_shows_the_lines_and_refuses_what_does_not_roll() -> None:
         DesignError, match="view = contact_lines: the planing tool that cuts this flank cannot be shown"
     ):
         gm.build(gm.load(SAMPLES / "rack.toml")).picture("contact_lines", "rack")
+
+
+def test_the_tool_is_whole_where_its_tip_undercuts_the_tooth() -> None:
+    """Flank and tip rounding of the hob do not meet in the form point of an undercut pinion: the rest of the flank joins them."""
+    tool = tool_contact(gm.build(gm.load(SAMPLES / "hob_protuberance.toml")).members["pinion"].tooth, Side.RIGHT)
+    flank, rest, tip = (sheet.points for sheet in tool.sheets)
+    assert np.linalg.norm(tip[0] - flank[-1], axis=-1).min() > 0.1
+    assert np.array_equal(rest, [flank[-1], tip[0]])
+    whole = gm.build(gm.load(SAMPLES / "helical.toml")).members["pinion"].tooth
+    assert len(tool_contact(whole, Side.RIGHT).sheets) == 2

@@ -391,6 +391,13 @@ def test_letters_are_where_they_were_measured_to_be():
 
 
 @pytest.mark.quick
+def test_letters_of_small_pictures_are_legible():
+    """Letters keep their share of the height down to 432 pixels, and their size in pixels below."""
+    heights = {high: LetteredImage((4 * high // 3, high)).height("x", 10.0) for high in (1080, 540, 300, 200)}
+    assert heights[1080] == pytest.approx(2.0 * heights[540], rel=0.1)
+    assert heights[300] == heights[200] >= 8.0
+
+
 def test_marks_cover_the_share_of_pixels_that_they_take():
     """A turned square, a disc and a line cut off by the edge of the picture."""
     middle, side = np.array([100.25, 80.5]), np.array([10.0, 0.0])
@@ -634,6 +641,17 @@ def test_no_side_of_a_body_is_black_and_nothing_covers_the_silhouette():
         seen = dot(facing, camera.axes[2]) > 0.2
         assert colour_at(image, camera, centre[seen]).min() > 70
         assert image[20, SIZE[0] // 2].min() == 255
+
+
+def test_a_flank_is_as_bright_on_either_side_of_the_viewer():
+    """Two flanks that are turned away to the left and to the right are images of each other, and so is their light."""
+    seen = []
+    for side in (-1.0, 1.0):
+        normal = unit(np.array([0.6 * side, 0.2, 1.0]))
+        camera = Camera(np.array([0.0, 0.0, 50.0]), np.zeros(3), np.array([0.0, 1.0, 0.0]), 10.0, front_normal=normal)
+        viewer = Viewer(camera, 10.0 / SIZE[1])
+        seen.append(viewer.light(np.zeros((1, 3)), normal[None], np.full((1, 3), 200, dtype=np.uint8)))
+    assert np.array_equal(*seen)
 
 
 @pytest.mark.usefixtures("needs_opengl")

@@ -35,6 +35,8 @@ FLANK_POINTS_ACROSS = 25
 TIP_POINTS_ACROSS = 17
 #: points along both
 POINTS_ALONG = 361
+#: distance of the tool's flank from its tip rounding, as a share of the rounding's size, from which they do not meet
+MEETING_SHARE = 1e-3
 #: length of the tool that is shown beyond the generating part, in flank heights
 MARGIN_HEIGHTS = 0.35
 
@@ -132,11 +134,16 @@ def _sheets(
         along(surface, np.full_like(stations, p), stations, tooth.blank.axial)[0]
         for surface, p in zip((side.flank, side.fillet), side.form_point, strict=True)
     ]
+    last: Jet | None = None
     for region, surface, p, surface_v in (
         ("flank", flank, np.linspace(top, side.form_point[0], FLANK_POINTS_ACROSS), v),
         ("fillet", fillet, np.linspace(side.form_point[1], side.root, TIP_POINTS_ACROSS), _interpolate(v, *meeting)),
     ):
         jet = surface.tool.jet(p[:, None], surface_v)
+        if last is not None and np.abs(jet.r[0] - last.r[-1]).max() > MEETING_SHARE * np.ptp(jet.r):
+            # what of the tool's flank touches nothing that stays: the tip has cut the tooth away there
+            yield ToolSheet("flank", np.stack((last.r[-1], jet.r[0])), np.stack((last.n[-1], last.n[-1])))
+        last = jet
         yield ToolSheet(region, jet.r, jet.n)
 
 

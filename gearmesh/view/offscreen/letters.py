@@ -22,6 +22,8 @@ Image = NDArray[np.uint8]
 
 #: height of every picture in points, so that letters keep their share of it
 PICTURE_HEIGHT_POINTS = 540.0
+#: pixels of a point of letters in small pictures: those of 10 points, the smallest, stay legible
+MIN_POINT_PIXELS = 0.8
 #: letters that reach farthest above and below a line
 _TALLEST_LETTERS = "lp"
 #: distance of lines of a text, in heights of the tallest letters
@@ -172,7 +174,7 @@ class LetteredImage:
         return (covered, letters), margin
 
     def _font(self, points: float) -> Any:
-        return _font(points * self.point)
+        return _font(points * max(self.point, MIN_POINT_PIXELS))
 
     def _reach(self, points: float) -> tuple[float, float]:
         """Heights of the tallest letters above and below their line, pixels."""

@@ -190,8 +190,11 @@ class Viewer:
         facing = right_up_back * np.where(right_up_back[:, 2:] < 0.0, -1.0, 1.0)
         towards = unit((self.camera.position - points) @ self.camera.axes.T)
         bright, shine = np.full(len(points), AMBIENT_SHARE), np.zeros(len(points))
+        # a flank that is looked at is turned towards the strongest lamps
+        front = self.camera.front_normal
+        side = -1.0 if front is not None and front @ self.camera.axes[0] > 0.0 else 1.0
         for direction, strength in _CAMERA_LAMPS:
-            lamp = unit(np.array(direction))
+            lamp = unit(np.array(direction)) * np.array([side, 1.0, 1.0])
             falls = facing @ lamp
             bright += strength * np.maximum(falls, 0.0)
             mirrored = 2.0 * falls * dot(facing, towards) - towards @ lamp

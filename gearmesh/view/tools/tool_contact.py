@@ -22,16 +22,18 @@ from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.generation.contact_lines import ContactLine, ToolContact
 from gearmesh.tools.drawing import ToolSheet
 from gearmesh.view.palette import CURVE_COLOURS, INK_COLOUR
-from gearmesh.view.scene import STEEL_PAINT, TOOL_PAINT, Curve, Scene, SceneBody, Word
+from gearmesh.view.scene import STEEL_PAINT, TOOL_PAINT, Camera, Curve, Scene, SceneBody, Word
 from gearmesh.view.tools.tool_scene import sheet_mesh
 from gearmesh.view.views import MAX_TURN_RAD, frame
 
-#: size of the picture relative to its content
-CONTACT_MARGIN = 1.22
+#: largest share of the picture's width that tool and tooth take
+FILLED_WIDTH_SHARE = 0.88
+#: shares of the picture's height above tool and tooth, for a legend of two rows, and below them, for the scale
+HEIGHTS_AROUND = (0.14, 0.07)
 #: distance between tool and tooth, in heights of the generating surface
-GAP_HEIGHTS = 0.45
+GAP_HEIGHTS = 0.22
 #: smallest share of the picture's height that tool and tooth take; longer ones are turned away from the viewer
-MIN_FILLED_HEIGHT = 0.45
+MIN_FILLED_HEIGHT = 0.62
 #: distance from the middle of a line of contact up to which a thread is shown, relative to the size of the tooth
 VISIBLE_THREAD_SHARE = 0.5
 #: height of lines above the generating surface, relative to its size
@@ -45,7 +47,7 @@ def tool_contact_scene(
     tool = _part_in_sight(tool)
     mesh, active = sheet_mesh(tool.sheets, tool.name), tool.active
     lift = LIFT_SIZE_SHARE * float(np.linalg.norm(np.ptp(active.points.reshape(-1, 3), axis=0)))
-    seen = _axes(active, -1.0)
+    seen = _axes(active, -1.0, tool.sheets[0].points)
     placed = _open(tool, seen, tooth)
     # rim of the generating surface; along a thread only the contact lines are drawn
     rim = _rim(active.points - lift * active.normals)
@@ -56,12 +58,20 @@ def tool_contact_scene(
         curves.append(Curve(placed.point(points + lift * normals), colour=colour, width=4.0))
     shown = placed.point(tooth.vertices)
     both = np.concatenate((_near(tool).reshape(-1, 3), shown))
-    camera = replace(frame(_turned(seen, both, size), seen[1], both, size, CONTACT_MARGIN), measured=seen[0])
+    camera = replace(_filled(_turned(seen, both, size), seen[1], both, size), measured=seen[0])
     grid = placed.point(tool.flank.points)
     i, j = (n // 2 for n in grid.shape[:2])
     words = tuple(Word(word, grid[i, k], grid[i, j]) for word, k in zip(tool.ends, (0, -1), strict=True))
     bodies = (SceneBody(mesh, Rigid.identity(), TOOL_PAINT), SceneBody(tooth, placed, STEEL_PAINT))
     return Scene(bodies, camera, tuple(curves), words=words, title=title, size=size)
+
+
+def _filled(back: Array, up: Array, points: Array, size: tuple[int, int]) -> Camera:
+    """Return the camera with directions (3,) back and upwards in which points (K, 3) fill the room below the heading."""
+    camera, (above, below) = frame(back, up, points, size, 1.0), HEIGHTS_AROUND
+    wide, high = np.ptp(points @ camera.axes[:2].T, axis=0)
+    height = float(max(high / (1.0 - above - below), wide * size[1] / size[0] / FILLED_WIDTH_SHARE))
+    return camera.moved(0.5 * (above - below) * height * camera.axes[1], height)
 
 
 def _turned(seen: Array, points: Array, size: tuple[int, int]) -> Array:
@@ -70,7 +80,7 @@ def _turned(seen: Array, points: Array, size: tuple[int, int]) -> Array:
     It is turned about the direction upwards, as far as flanks are at most, until the points take `MIN_FILLED_HEIGHT`.
     """
     length, height = np.ptp(points @ seen[:2].T, axis=0)
-    filled = CONTACT_MARGIN * MIN_FILLED_HEIGHT * length * size[1] / size[0]
+    filled = MIN_FILLED_HEIGHT * length * size[1] / size[0] / FILLED_WIDTH_SHARE
     turn = np.arccos(np.clip(height / max(filled, height), np.cos(MAX_TURN_RAD), 1.0))
     return np.asarray(np.cos(turn) * seen[2] + np.sin(turn) * seen[0])
 
@@ -98,15 +108,16 @@ def _part_in_sight(tool: ToolContact) -> ToolContact:
     return replace(tool, sheets=tuple(map(part, tool.sheets)), active=part(tool.active), lines=(short,))
 
 
-def _axes(sheet: ToolSheet, sense: float) -> Array:
+def _axes(sheet: ToolSheet, sense: float, level_as: Array | None = None) -> Array:
     """Rows (3, 3): directions to the right, up and towards the viewer of a grid from root to tip and from toe to heel.
 
     The viewer is on the side of `sense` times the normals. The tool, seen against its normals, has its tip at the
-    tooth's root.
+    tooth's root. A grid `level_as` (K, L, 3) is level instead if it is given: a tapered tooth touches its tool aslant.
     """
     i, j = (n // 2 for n in sheet.points.shape[:2])
     back, rise = sense * sheet.normals[i, j], sense * (sheet.points[-1, j] - sheet.points[0, j])
-    level = unit(cross(back, sheet.points[i, -1] - sheet.points[i, 0]))
+    rows = sheet.points if level_as is None else level_as
+    level = unit(cross(back, rows[len(rows) // 2, -1] - rows[len(rows) // 2, 0]))
     up = level * np.sign(level @ rise)
     return np.stack((cross(up, back), up, back))
 

@@ -26,6 +26,8 @@ CLOSE_MARGIN = 2.2
 WHOLE_MARGIN = 1.3
 #: factor up to which this picture may be larger than the picture of the tool, so that the whole member is shown
 MAX_WHOLE_GROWTH = 1.4
+#: room beside a member in a picture that does not hold all of it, and the heading, as shares of the picture's height
+ROOM_SHARES = (0.04, 0.11)
 #: factor up to which the picture of a tool with its axes may be larger than the picture of the tool
 MAX_TOOL_GROWTH = 2.0
 #: rows of the raster in which bodies, lines and words are looked for beneath a word
@@ -92,7 +94,7 @@ def tool_scene(
     else:
         whole, most = frame(*look, seen, size, WHOLE_MARGIN), MAX_WHOLE_GROWTH
     close = frame(*look, tool_points, size, CLOSE_MARGIN)
-    camera = whole if whole.height < most * close.height else close
+    camera = whole if whole.height < most * close.height else _slid(close, seen, size)
     ground, words, curves = _Ground(camera, size), list[Word](), list[Curve]()
     for body in bodies:
         ground.mark_triangles(body.mesh.move(body.own_to_scene).corners())
@@ -109,6 +111,16 @@ def tool_scene(
     curves += [Curve(line, "section of the tool at the middle of the flank", OUTLINE_COLOUR, 3.0) for line in outline]
     middle = Dots(tool.touching.r[None], "middle of the flank, being generated", PATH_COLOUR, 9.0)
     return Scene(bodies, camera, tuple(curves), (middle,), words=tuple(words), title=title, size=size)
+
+
+def _slid(camera: Camera, points: Array, size: tuple[int, int]) -> Camera:
+    """Return the camera moved so that no side is blank while points (K, 3) are cut off at the side across."""
+    places, (room, heading) = (points - camera.focus) @ camera.axes[:2].T / camera.height, ROOM_SHARES
+    edge = 0.5 * np.array([size[0] / size[1], 1.0]) - room
+    # lengths of what is blank, below zero of what is cut off: at the left and below, at the right and above
+    first, last = edge + places.min(axis=0), edge - np.array([0.0, heading]) - places.max(axis=0)
+    shift = np.where(first > 0.0, np.clip(-last, 0.0, first), -np.clip(-first, 0.0, np.maximum(last, 0.0)))
+    return camera.moved(camera.height * shift @ camera.axes[:2], camera.height)
 
 
 @dataclass(frozen=True)
