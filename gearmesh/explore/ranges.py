@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from typing import Any
 
 from gearmesh.design.core import Design
 from gearmesh.design.keys import Key
@@ -37,10 +38,10 @@ class BuildRange:
     high_known: bool
 
 
-def builds(design: Design, dotted: str, value: float) -> bool:
-    """True if the gears can be built with a value of a key."""
+def builds(design: Design, changes: Mapping[str, Any]) -> bool:
+    """True if the gears can be built with other values of some keys."""
     try:
-        try_build(design.with_values({dotted: value}))
+        try_build(design.with_values(changes) if changes else design)
     except (DesignError, NoSolutionError):
         return False
     return True
@@ -55,7 +56,7 @@ def key_range(design: Design, dotted: str, value: float, works: Callable[[float]
     assert key is not None
     scale = design.mm_per_unit**key.power
     low, high = key.low / scale, key.high / scale
-    works = works or (lambda tried: builds(design, dotted, tried))
+    works = works or (lambda tried: builds(design, {dotted: tried}))
     whole, step = key.unit == "count", _first_step(design, key, value)
     ends = []
     for sign, bound in ((-1, low), (1, high)):

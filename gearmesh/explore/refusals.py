@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from gearmesh.allowed import Bounds
@@ -14,6 +15,8 @@ from gearmesh.errors import GearmeshError
 INSIDE_SHARE = 1e-5
 #: significant digits of offered values
 OFFERED_DIGITS = 6
+#: rounds that halve the gap between a value that builds and a refused one
+OFFER_ROUNDS = 7
 
 
 def refusal(error: GearmeshError, design: type[Design], mm_per_unit: float) -> dict[str, Any]:
@@ -22,6 +25,55 @@ def refusal(error: GearmeshError, design: type[Design], mm_per_unit: float) -> d
     offers = [offer for each in errors if (offer := _offer(each, design, mm_per_unit)) is not None]
     line = str(error)
     return {"line": " ".join(line.split()), "key": error.key, "offers": offers}
+
+
+def offers_that_build(
+    offers: Sequence[dict[str, Any]],
+    request: Mapping[str, Any],
+    design: type[Design],
+    works: Callable[[Mapping[str, Any]], bool],
+) -> list[dict[str, Any]]:
+    """Return those of the offers with which the gears build, else the value of the changed key nearest to the refused one.
+
+    `request` has the key that was changed `last`, and its `good` value, which built; `works`: True for changes with which the
+    gears build. If the refused value builds itself, something else failed, and the offers stay as they are.
+    """
+    dotted, good = request.get("last"), request.get("good")
+    known = [offer for offer in offers if works({offer["key"]: offer["value"]})]
+    key = design.key_at(dotted) if isinstance(dotted, str) else None
+    refused = request["keys"].get(dotted) if isinstance(request.get("keys"), dict) else None
+    if known or key is None or not key.is_numeric or not (_is_number(good) and _is_number(refused)):
+        return known
+    if works({}):
+        return list(offers)
+    nearest = _nearest(good, refused, lambda tried: works({dotted: tried}), whole=key.unit == "count")
+    return [] if nearest is None else [_offered(str(dotted), nearest)]
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def _nearest(good: float, refused: float, works: Callable[[float], bool], *, whole: bool) -> float | None:
+    """Return a value that works between a good one and a refused one, near to where values cease to work; None without any."""
+    best, far, step = None, refused, 10.0 ** math.floor(math.log10(abs(refused - good) / 50.0 or 1.0))
+    near = good
+    for _ in range(OFFER_ROUNDS):
+        middle = (near + far) / 2.0
+        tried = math.trunc(middle) if whole else float(f"{round(middle / step) * step:.{OFFERED_DIGITS}g}")
+        if tried in (near, far):
+            break
+        if works(tried):
+            best = near = tried
+        else:
+            far = tried
+    return best
+
+
+def _offered(key: str, value: float) -> dict[str, Any]:
+    """Return a value of a key as an offer."""
+    shown = f"{value:g}" if isinstance(value, int) else f"{value:.{OFFERED_DIGITS}g}"
+    return {"key": key, "value": value, "text": f"set {key} to {shown}"}
 
 
 def _offer(error: GearmeshError, design: type[Design], mm_per_unit: float) -> dict[str, Any] | None:
@@ -51,8 +103,7 @@ def _offer(error: GearmeshError, design: type[Design], mm_per_unit: float) -> di
     if not included:
         end += inwards * (1.0 if key.unit == "count" else INSIDE_SHARE * (abs(end) or 1.0))
     offered = round(end) if key.unit == "count" else _rounded(end, inwards)
-    shown = f"{offered:g}" if isinstance(offered, int) else f"{offered:.{OFFERED_DIGITS}g}"
-    return {"key": error.key, "value": offered, "text": f"set {error.key} to {shown}"}
+    return _offered(error.key, offered)
 
 
 def _limits(key: Key, value: float) -> Bounds | None:

@@ -234,7 +234,7 @@ class Pages:
 
 
 #: fields of a question of a page; others are dropped
-REQUEST_FIELDS = ("do", "from", "keys", "last", "have", "rows", "key", "suffix", "member")
+REQUEST_FIELDS = ("do", "from", "keys", "last", "good", "have", "rows", "key", "suffix", "member")
 
 
 def _identity(request: dict[str, Any]) -> int | None:

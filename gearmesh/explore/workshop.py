@@ -26,7 +26,7 @@ from gearmesh.design.keys import MM_PER
 from gearmesh.errors import ArgumentError, GearmeshError
 from gearmesh.explore.keys import error_keys, key_rows, plain_values
 from gearmesh.explore.ranges import builds, key_range
-from gearmesh.explore.refusals import refusal
+from gearmesh.explore.refusals import offers_that_build, refusal
 from gearmesh.explore.saving import ALL_MEMBERS, design_file, file_name, gear_file, refuse_file
 from gearmesh.explore.state import OPENED_NAME, Origin, as_stated, design_class_of, refuse_keys
 from gearmesh.figures import Summary, at_resolution
@@ -191,17 +191,42 @@ class Workshop:
                 raise ArgumentError("do", must_be=f"one of {', '.join(questions)}")
             # work ends where it reports progress, and wherever a surface is evaluated
             with listening(job.progress), ending_when(job.is_stale):
-                question(request, job)
+                try:
+                    question(request, job)
+                except GearmeshError as error:
+                    self._refuse(request, job, error)
         except CancelledError:
             raise Stale from None
-        except GearmeshError as error:
-            design, unit = Design, "mm"
+
+    def _refuse(self, request: Mapping[str, Any], job: Job, error: GearmeshError) -> None:
+        """Send a refusal; of gears that were to be shown at once, then again with offers that build."""
+        design, unit = Design, "mm"
+        try:
+            design = design_class_of(request["keys"])
+            unit = "inch" if request["keys"].get("units") == "inch" else "mm"
+        except (GearmeshError, LookupError, TypeError, AttributeError):
+            pass
+        told = refusal(error, design, MM_PER[unit])
+        if request.get("do") != "show":
+            job.say("refused", **told)
+            return
+        job.say("refused", **{**told, "offers": []})
+        try:
+            keys, origin = refuse_keys(request.get("keys")), self._origin(request.get("from"))
+        except GearmeshError:
+            return
+        job.begin("which values build", 0.0, 1.0)
+
+        def works(changes: Mapping[str, Any]) -> bool:
+            job.check()
             try:
-                design = design_class_of(request["keys"])
-                unit = "inch" if request["keys"].get("units") == "inch" else "mm"
-            except (GearmeshError, LookupError, TypeError, AttributeError):
-                pass
-            job.say("refused", **refusal(error, design, MM_PER[unit]))
+                return builds(as_stated({**keys, **changes}, origin), {})
+            except GearmeshError:
+                return False
+
+        offers = offers_that_build(told["offers"], request, design, works)
+        if offers:
+            job.say("refused", **{**told, "offers": offers})
 
     # ---------------------------------------------------------------- questions
 
@@ -245,7 +270,7 @@ class Workshop:
 
         def works(tried: float) -> bool:
             job.check()
-            return builds(design, str(dotted), tried)
+            return builds(design, {str(dotted): tried})
 
         found = key_range(whole, str(dotted), value, works)
         job.say("range", key=dotted, value=value, **vars(found))

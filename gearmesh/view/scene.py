@@ -367,9 +367,10 @@ def contact_on(
     return replace(own, curve=(np.insert(points, after, np.nan, axis=0), np.insert(normals, after, np.nan, axis=0)))
 
 
-def jumps(points: Array, edge: NDArray[np.bool_], rotation: Array) -> NDArray[np.intp]:
+def jumps(points: Array, edge: NDArray[np.bool_] | NDArray[np.str_], rotation: Array) -> NDArray[np.intp]:
     """Indices of the points (P, 3) of a path after which it jumps: from flank contact to `edge` contact (P,) or back.
 
+    `edge` has True for edge contact, or the names of edges: a path may then jump from one edge to another, too.
     A path that continues along an edge has a velocity (per `rotation` (P,), rad) between the velocities before and
     after the change. At a jump the velocity is farther from this interval than both velocities together are from zero.
     """

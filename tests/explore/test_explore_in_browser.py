@@ -214,6 +214,18 @@ def test_slider_of_an_error_and_pinned_state(browser: Any) -> None:
     change = browser.find_element("css selector", '[data-figure="tip_clearance_gear_mm"] .change').text
     assert change == "+0.03 mm"
     assert "assembly.dx" in browser.find_element("id", "compared").text
+    # both states side by side, and no change that is rounding
+    def pictures() -> Any:
+        return browser.execute_script("return [...document.querySelectorAll('#compared img')].map((each) => each.src)")
+
+    pinned, moved_apart = pictures()
+    put(browser, "pinion.teeth", "26")
+    (again, other), back = pictures(), press(browser, "#undo")
+    assert pinned == again
+    assert pictures() == [pinned, moved_apart] != [pinned, other]
+    assert back["state"] == after["state"]
+    changes = [each.text for each in browser.find_elements("css selector", "#figures .change")]
+    assert "e-" not in " ".join(changes)
 
 
 def test_range_of_a_key_is_found_and_its_slider_turns_the_gear(browser: Any) -> None:
@@ -318,6 +330,12 @@ def test_distance_of_two_points_and_other_gears(browser: Any) -> None:
     before = page_state(browser)["scene"]["camera"]
     press(browser, "#other")
     wait_for(lambda: browser.find_elements("css selector", "#kinds button"))
+    title = browser.title
+    press(browser, "#other")
+    assert browser.find_element("id", "view").is_displayed()
+    assert (title, browser.title) == ("gearmesh explore", browser.find_element("id", "title").text)
+    press(browser, "#other")
+    wait_for(lambda: browser.find_element("id", "start").is_displayed())
     assert len(browser.find_elements("css selector", "#kinds img")) == len(gm.kinds())
     browser.execute_script(
         "[...document.querySelectorAll('#kinds button')].find((each) => each.textContent.startsWith('rack')).click()"

@@ -40,6 +40,16 @@ def ask(
     return [message for message in found if message["type"] != "progress"]
 
 
+def first_answer(workshop: Workshop, changes: dict[str, Any]) -> str:
+    """Type of the first answer to changes of the opened design, after which the work ends."""
+    found: list[dict[str, Any]] = []
+    job = Job(found.append, lambda: any(message["type"] != "progress" for message in found))
+    request = {"do": "show", "from": "opened", "keys": {**workshop.origins["opened"].shown, **changes}}
+    with pytest.raises(Stale):
+        workshop.answer(request, job)
+    return str(found[-1]["type"])
+
+
 def of(messages: list[dict[str, Any]], kind: str) -> list[dict[str, Any]]:
     return [message for message in messages if message["type"] == kind]
 
@@ -161,38 +171,44 @@ def test_work_ends_at_the_next_surface_and_leaves_gears_as_they_were() -> None:
 
 
 @pytest.mark.parametrize(
-    ("changes", "key", "units"),
+    ("changes", "key", "good", "units"),
     [
-        ({"pressure_angle": 44}, "pressure_angle", "mm"),
-        pytest.param({"gear.bore": 400}, "gear.bore", "mm", marks=pytest.mark.sweep),
-        ({"gear.bore": 16}, "gear.bore", "inch"),
+        ({"pressure_angle": 44}, "pressure_angle", 20, "mm"),
+        # the limit of the key is 45, with which nothing builds either
+        ({"pressure_angle": 60}, "pressure_angle", 20, "mm"),
+        ({"module": -2.5}, "module", 5, "mm"),
+        ({"gear.teeth": 2}, "gear.teeth", 48, "mm"),
+        pytest.param({"gear.bore": 400}, "gear.bore", None, "mm", marks=pytest.mark.sweep),
+        ({"gear.bore": 16}, "gear.bore", None, "inch"),
     ],
 )
-def test_offer_of_a_refusal_builds(changes: dict[str, Any], key: str, units: str) -> None:
+def test_offer_of_a_refusal_builds(changes: dict[str, Any], key: str, good: float | None, units: str) -> None:
     origin = origin_of(
         gm.load(SAMPLES / "helical.toml").with_values(
             {"units": units, "module": 5 if units == "mm" else 0.2, "pinion.face_width": 2, "gear.face_width": 2}
         )
     )
-    workshop = Workshop(origin)
-    (message,) = ask(workshop, changes=changes, last=key)
+    workshop, (last,) = Workshop(origin), changes
+    at_once, message = ask(workshop, changes=changes, last=last, good=good)
+    assert at_once == {**message, "offers": []}
     assert message["type"] == "refused"
     assert message["key"] == key
-    assert message["line"].startswith(f"{key} = {changes[key]}")
-    offer = next(offer for offer in message["offers"] if offer["key"] == key)
-    assert ask(workshop, changes={key: offer["value"]})[0]["type"] == "design"
+    assert message["line"].startswith(key)
+    (offer,) = message["offers"]
+    assert offer["key"] == last
+    assert first_answer(workshop, {last: offer["value"]}) == "design"
+    # the offer lies at the border of what builds, not only beside the good value
+    if good is not None and last != "gear.teeth":
+        beyond = offer["value"] + (changes[last] - good) / 50.0
+        assert first_answer(workshop, {last: beyond}) == "refused"
 
 
 @pytest.mark.quick
-def test_limits_of_a_key_are_offered(workshop: Workshop) -> None:
-    def offers(changes: dict[str, Any]) -> list[Any]:
-        (message,) = ask(workshop, changes=changes)
-        return [offer["value"] for offer in message["offers"]]
-
-    assert offers({"pressure_angle": 60}) == [45.0]
-    assert offers({"gear.teeth": 2}) == [3]
-    # a length above 0 has no least value
-    assert offers({"gear.face_width": -1}) == []
+def test_offers_that_do_not_build_are_not_made(workshop: Workshop) -> None:
+    """Without a value that built there is none from which to search."""
+    for changes in ({"pressure_angle": 60}, {"gear.face_width": -1}):
+        (message,) = ask(workshop, changes=changes, last=next(iter(changes)))
+        assert message["offers"] == []
 
 
 def test_range_is_what_builds(workshop: Workshop) -> None:

@@ -83,3 +83,7 @@ def test_path_is_cut_where_contact_jumps_to_an_edge_elsewhere() -> None:
     elsewhere = along + np.where(edge[:, None], (0.0, 8.0, 0.0), 0.0)
     assert jumps(elsewhere, edge, rotation).tolist() == [3]
     assert jumps(elsewhere[::-1], edge[::-1], 0.8 - rotation[::-1]).tolist() == [2]
+    # from the tip of one member to that of the other, but not where it goes on round a corner of edges
+    tips = np.where(edge, "gear_tip", "pinion_tip")
+    assert jumps(along, tips, rotation).tolist() == []
+    assert jumps(elsewhere, tips, rotation).tolist() == [3]

@@ -25,13 +25,13 @@ window.gearmeshCurves = function (parent, moveTo) {
   const digits = (low, high) => Math.max(0, Math.min(6, 2 - Math.floor(Math.log10(Math.max(high - low, 1e-6)))));
   const shown = (value, count) => (Number(value.toFixed(count)) || 0).toFixed(count).replace("-", "−");
 
-  function chart(title, label) {
+  function chart(title) {
     const figure = document.createElement("figure"), caption = document.createElement("figcaption");
     const svg = made("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: "img", "aria-label": title });
     caption.textContent = title;
     figure.append(svg, caption);
     parent.append(figure);
-    return { svg, caption, label };
+    return { svg };
   }
 
   function axes(svg, [x0, x1], [y0, y1], across, upwards) {
@@ -48,12 +48,13 @@ window.gearmeshCurves = function (parent, moveTo) {
     return { x, y };
   }
 
-  function path(xs, ys, scale) {
+  // `jumps`: positions from which the next one is not reached along the curve
+  function path(xs, ys, scale, jumps = []) {
     let text = "", open = false;
     for (let k = 0; k < xs.length; k++) {
       const known = Number.isFinite(xs[k]) && Number.isFinite(ys[k]);
       if (known) text += `${open ? "L" : "M"}${scale.x(xs[k]).toFixed(2)},${scale.y(ys[k]).toFixed(2)}`;
-      open = known;
+      open = known && !jumps.includes(k);
     }
     return text;
   }
@@ -87,11 +88,29 @@ window.gearmeshCurves = function (parent, moveTo) {
 
   let now = null;
 
-  function seek(svg, xs, scale, event) {
-    const box = svg.getBoundingClientRect(), at = (event.clientX - box.left) / box.width * WIDTH;
-    let best = 0;
-    xs.forEach((value, k) => { if (Math.abs(scale.x(value) - at) < Math.abs(scale.x(xs[best]) - at)) best = k; });
-    moveTo(xs.length > 1 ? best / (xs.length - 1) : 0);
+  // the position nearest to where a chart is pressed; `away`: distance of each position from there, in units of the chart
+  function seek(svg, count, away, event) {
+    const box = svg.getBoundingClientRect();
+    const [x, y] = [(event.clientX - box.left) / box.width * WIDTH, (event.clientY - box.top) / box.height * HEIGHT];
+    let best = 0, least = Infinity;
+    for (let k = 0; k < count; k++) {
+      const here = away(k, x, y);
+      if (here < least) [best, least] = [k, here];
+    }
+    moveTo(count > 1 ? best / (count - 1) : 0);
+  }
+
+  // distance of a point from a curve, in units of the chart
+  function distance(xs, ys, scale, x, y) {
+    let least = Infinity;
+    for (let k = 0; k < xs.length; k++) {
+      const [ax, ay] = [scale.x(xs[k]), scale.y(ys[k])], last = Math.min(k + 1, xs.length - 1);
+      const [dx, dy] = [scale.x(xs[last]) - ax, scale.y(ys[last]) - ay], size = dx * dx + dy * dy;
+      const part = size > 0 ? Math.min(Math.max(((x - ax) * dx + (y - ay) * dy) / size, 0), 1) : 0;
+      const here = Math.hypot(ax + part * dx - x, ay + part * dy - y);
+      if (here < least) least = here;
+    }
+    return least;
   }
 
   function show(pair, members, pinned) {
@@ -99,15 +118,15 @@ window.gearmeshCurves = function (parent, moveTo) {
     now = null;
     if (!pair) return;
     const phi1 = degrees(floats(pair.phi1)), te = Array.from(floats(pair.te)), flank = pair.flanks[0];
-    const before = pinned && { phi1: degrees(floats(pinned.phi1)), te: Array.from(floats(pinned.te)), flank: pinned.flanks[0] };
+    const before = pinned && { phi1: degrees(floats(pinned.phi1)), te: Array.from(floats(pinned.te)), flank: pinned.flanks[0], jumps: pinned.jumps };
 
     const first = chart(`Transmission error of a tooth pair, ${pair.name}`);
     const every = before ? [...te, ...before.te] : te;
     const scale = axes(first.svg, ends(before ? [...phi1, ...before.phi1] : phi1, 1e-3), ends(every, 0.01), "φ₁ (°)", pair.te_unit);
     if (before) first.svg.append(made("path", { d: path(before.phi1, before.te, scale), class: "pinned" }));
     first.svg.append(made("path", { d: path(phi1, te, scale), class: "line" }));
-    const line = made("line", { y1: TOP, y2: HEIGHT - BOTTOM, class: "cursor" });
-    first.svg.append(line);
+    const line = made("line", { y1: TOP, y2: HEIGHT - BOTTOM, class: "cursor" }), reading = made("text", { x: WIDTH - RIGHT, y: 16, "text-anchor": "end", class: "reading" });
+    first.svg.append(line, reading);
 
     const member = members[pair.members[0]];
     const lines = ownLines(pair, pair.members[0], member).map((line) => onFlank(line, Boolean(member.travel)));
@@ -129,17 +148,21 @@ window.gearmeshCurves = function (parent, moveTo) {
     }
     if (before && !isLine) {
       const [bx, by] = onFlank(floats(before.flank.contact), Boolean(member.travel));
-      second.svg.append(made("path", { d: path(bx, by, places), class: "pinned" }));
+      second.svg.append(made("path", { d: path(bx, by, places, before.jumps), class: "pinned" }));
     }
-    if (!isLine) second.svg.append(made("path", { d: path(px, py, places), class: "line" }));
+    if (!isLine) second.svg.append(made("path", { d: path(px, py, places, pair.jumps), class: "line" }));
     const spot = made("circle", { r: 5, class: "spot" }), touched = made("path", { class: "now" });
     second.svg.append(touched, spot);
 
-    for (const [svg, xs, of] of [[first.svg, phi1, scale], [second.svg, px, places]]) {
-      svg.addEventListener("pointerdown", (event) => { svg.setPointerCapture(event.pointerId); seek(svg, xs, of, event); });
-      svg.addEventListener("pointermove", (event) => { if (event.buttons) seek(svg, xs, of, event); });
+    const touching = (k) => Number.isFinite(lines[k]?.[0][0]) ? lines[k] : [[px[k]], [py[k]]];
+    for (const [svg, away] of [
+      [first.svg, (k, x) => Math.abs(scale.x(phi1[k]) - x)],
+      [second.svg, (k, x, y) => distance(...touching(k), places, x, y)],
+    ]) {
+      svg.addEventListener("pointerdown", (event) => { svg.setPointerCapture(event.pointerId); seek(svg, phi1.length, away, event); });
+      svg.addEventListener("pointermove", (event) => { if (event.buttons) seek(svg, phi1.length, away, event); });
     }
-    now = { pair, phi1, te, scale, line, lines, touched, px, py, places, spot, caption: first.caption, title: first.caption.textContent };
+    now = { pair, phi1, te, scale, line, lines, touched, px, py, places, spot, reading };
   }
 
   function follow(share) {
@@ -148,7 +171,7 @@ window.gearmeshCurves = function (parent, moveTo) {
     const x = now.scale.x(now.phi1[k]);
     now.line.setAttribute("x1", x);
     now.line.setAttribute("x2", x);
-    now.caption.textContent = `${now.title}: ${Number.isFinite(now.te[k]) ? `${shown(now.te[k], 3)} ${now.pair.te_unit}` : "no contact"} at φ₁ = ${shown(now.phi1[k], 2)}°`;
+    now.reading.textContent = `${Number.isFinite(now.te[k]) ? `${shown(now.te[k], 3)} ${now.pair.te_unit}` : "no contact"} at ${shown(now.phi1[k], 2)}°`;
     const [lx, ly] = now.lines[k] ?? [[], []], isLine = Number.isFinite(lx[0]), known = !isLine && Number.isFinite(now.px[k]);
     now.touched.setAttribute("d", isLine ? path(lx, ly, now.places) : "");
     now.spot.setAttribute("visibility", known ? "visible" : "hidden");

@@ -6,7 +6,7 @@
   const element = (id) => document.getElementById(id);
   const create = (name, fields = {}) => Object.assign(document.createElement(name), fields);
   const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
-  const STORED = "gearmesh-explore", MAX_HISTORY = 200, SLOW_MS = 500, AGAIN_MS = 1000, DIGITS = 4, SET_DIGITS = 10, DERIVED_DIGITS = 6;
+  const STORED = "gearmesh-explore", MAX_HISTORY = 200, SLOW_MS = 500, AGAIN_MS = 1000, DIGITS = 4, CHANGE_DIGITS = 5, SET_DIGITS = 10, DERIVED_DIGITS = 6;
   const UNITS = { um: "µm", deg: "°", arcsec: "arcsec" };
 
   // ---------------------------------------------------------------- the program
@@ -40,7 +40,10 @@
     return id;
   }
 
+  // a trouble that is not `lasting` is over with the next change
+  let lasting = true;
   function trouble(line) {
+    lasting = true;
     element("trouble").textContent = line;
     element("trouble").hidden = !line;
   }
@@ -93,7 +96,7 @@
 
   // ---------------------------------------------------------------- state, history, link
 
-  let state = null, anew = true, latest = null, busy = null, filing = null, past = [], place = -1, merging = null;
+  let state = null, title = "gearmesh explore", anew = true, latest = null, busy = null, filing = null, past = [], place = -1, merging = null;
 
   const encode = (value) => btoa(String.fromCharCode(...new TextEncoder().encode(JSON.stringify(value))))
     .replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");
@@ -140,19 +143,29 @@
 
   function step(by) {
     if (!past[place + by]) return;
+    if (!lasting) trouble("");
     place += by;
     state = past[place];
     merging = null;
     show(null);
   }
 
+  // kinds and samples in the place of the gears, to which a button leads back
+  function starting(begun) {
+    element("start").hidden = !begun;
+    element("work").hidden = begun;
+    element("tools").hidden = begun && !state;
+    for (const id of ["undo", "redo", "pin", "unpin", "save", "saved-member"]) (element(id).closest("label") ?? element(id)).classList.toggle("away", begun);
+    element("other").textContent = begun ? "Back to the gears" : "Other gears";
+    element("title").textContent = document.title = begun ? "gearmesh explore" : title;
+  }
+
   function show(last) {
-    element("start").hidden = true;
-    element("work").hidden = element("tools").hidden = false;
+    starting(false);
     element("undo").disabled = place <= 0;
     element("redo").disabled = place >= past.length - 1;
     history.replaceState(null, "", `${location.pathname}#${encode(state)}`);
-    latest = ask("show", { from: state.from, keys: state.keys, last, have: scene ? held : [], rows: rowsOf });
+    latest = ask("show", { from: state.from, keys: state.keys, last, good: typeof values[last] === "number" ? values[last] : undefined, have: scene ? held : [], rows: rowsOf });
     if (latest === null) return;
     busy = { id: latest, doing: "", since: performance.now() };
   }
@@ -166,6 +179,7 @@
     if (value === undefined) delete keys[key];
     else keys[key] = value;
     if (JSON.stringify(keys) === JSON.stringify(state.keys)) return;
+    if (!lasting) trouble("");
     commit({ ...state, keys }, key, live);
   }
 
@@ -174,7 +188,8 @@
   let rowsOf = null, rows = [], values = {}, members = [], errorKeys = [], shownRows = new Map(), chosen = null, ranges = new Map(), rangeAsked = null;
 
   function takeDesign(message) {
-    element("title").textContent = document.title = message.title;
+    title = message.title;
+    if (!element("work").hidden) element("title").textContent = document.title = title;
     values = message.values;
     members = message.members;
     errorKeys = message.errors;
@@ -363,12 +378,12 @@
     if (about === undefined || about === "range") return;
     if (about !== "show") {
       trouble(message.line);
+      lasting = false;
       return;
     }
     if (message.id !== latest) return;
     grey(true);
     refuse(message);
-    if (!rows.length) element("title").textContent = "gearmesh explore";
   }
 
   // the last good gears stay, greyed
@@ -377,12 +392,13 @@
   }
 
   function refuse(message) {
-    document.querySelectorAll(".key .refusal").forEach((each) => each.remove());
+    const inUse = document.activeElement?.closest(".refusal");
+    document.querySelectorAll(".key .refusal, .error .refusal").forEach((each) => each.remove());
     const general = element("refusal");
     general.hidden = true;
     general.replaceChildren();
     if (!message) return;
-    const row = shownRows.get(message.key);
+    const row = shownRows.get(message.key) ?? errorRows.get(message.key);
     const target = row ? create("div", { className: "refusal" }) : general;
     target.append(message.line);
     for (const offer of message.offers) {
@@ -400,8 +416,12 @@
     if (row) {
       target.setAttribute("role", "alert");
       row.item.append(target);
-      row.item.closest("details").open = true;
+      const details = row.item.closest("details");
+      if (details) details.open = true;
     }
+    target.scrollIntoView({ block: "nearest" });
+    // the buttons are made anew when their offers have been tried
+    if (inUse) target.querySelector("button")?.focus({ preventScroll: true });
   }
 
   // ---------------------------------------------------------------- figures
@@ -414,6 +434,8 @@
     const sign = value < 0 && Number(whole) ? "−" : signed && Number(whole) ? "+" : "";
     return sign + whole;
   }
+  // a change without what is rounding beside the values
+  const changeOf = (before, now) => amount(Number(((now - before) / Math.max(Math.abs(before), Math.abs(now), 1e-12)).toFixed(CHANGE_DIGITS)) && now - before, true);
   const unitOf = (unit) => UNITS[unit] ?? unit;
 
   // figures that come later keep their earlier values until then, greyed
@@ -473,7 +495,8 @@
     if (before && before.value !== null && figure.value !== null) {
       const change = create("span");
       change.className = "change";
-      change.textContent = before.value === figure.value ? "as pinned" : `${amount(figure.value - before.value, true)} ${unitOf(figure.unit)}`.trim();
+      const by = changeOf(before.value, figure.value);
+      change.textContent = by === "0" ? "as pinned" : `${by} ${unitOf(figure.unit)}`.trim();
       said.append(change);
     }
     item.append(term, said);
@@ -520,7 +543,7 @@
       const about = create("small", { className: "hint", textContent: row.about });
       about.style.gridColumn = "1 / -1";
       item.append(label, input, unit, back, range, about);
-      errorRows.set(key, { input, range, back });
+      errorRows.set(key, { item, input, range, back });
       return item;
     }));
     updateErrors();
@@ -584,6 +607,8 @@
       anew = false;
     }
     if (drawn === null) drawCurves(scene?.state.pair ?? shown.pairs[0]?.name);
+    const present = element("compared").querySelector("img.present");
+    if (present) present.src = scene.picture();
   }
 
   // ---------------------------------------------------------------- pinned state
@@ -626,7 +651,7 @@
       const pinnedMesh = pinned.figures.find((each) => each.name === mesh.name);
       const lines = mesh.figures.filter((each) => each.main).map((each) => {
         const then = pinnedMesh?.figures.find((figure) => figure.key === each.key)?.value ?? null;
-        const change = then === null || each.value === null ? "" : amount(each.value - then, true) || "0";
+        const change = then === null || each.value === null ? "" : changeOf(then, each.value);
         return [nameOf(each), amount(then), amount(each.value), change, unitOf(each.unit)];
       });
       parts.push(table(`Figures of ${mesh.name}`, ["figure", "pinned", "present", "change", "unit"], lines));
@@ -636,7 +661,7 @@
       pictures.className = "pictures";
       for (const [caption, source] of [["pinned", pinned.picture], ["present", scene.picture()]]) {
         const figure = create("figure");
-        figure.append(create("img", { src: source, alt: `The view, ${caption}` }),
+        figure.append(create("img", { src: source, className: caption, alt: `The view, ${caption}` }),
           create("figcaption", { textContent: caption }));
         pictures.append(figure);
       }
@@ -658,7 +683,10 @@
     element("save").value = "";
     if (!state || !what) return;
     if (what === "picture") {
-      if (!scene || !shown) trouble("Without WebGL there is no picture.");
+      if (!scene || !shown) {
+        trouble("Without WebGL there is no picture.");
+        lasting = false;
+      }
       else save("view.png", bytes(scene.picture().split(",")[1]), "image/png");
       return;
     }
@@ -670,9 +698,7 @@
   // ---------------------------------------------------------------- kinds and samples
 
   function showStart(message) {
-    element("work").hidden = true;
-    element("tools").hidden = !state;
-    element("start").hidden = false;
+    starting(true);
     const card = (name, about, from, picture) => {
       const item = create("li"), button = create("button", { type: "button" });
       if (picture) {
@@ -687,7 +713,6 @@
     };
     element("kinds").replaceChildren(...message.kinds.map((kind) => card(kind.name.replaceAll("_", " "), kind.about, `kind:${kind.name}`, `/kinds/${kind.name}.jpg`)));
     element("samples").replaceChildren(...message.samples.map((sample) => card(sample.name.replaceAll("_", " "), sample.about, `sample:${sample.name}`)));
-    element("title").textContent = document.title = "gearmesh explore";
   }
 
   // ---------------------------------------------------------------- controls
@@ -700,7 +725,7 @@
     drawFigures();
     drawCurves(drawn);
   });
-  element("other").addEventListener("click", () => ask("start"));
+  element("other").addEventListener("click", () => element("start").hidden ? ask("start") : starting(false));
   element("search").addEventListener("input", () => { listKeys(); updateKeys(); });
   element("every").addEventListener("change", () => { listKeys(); updateKeys(); });
   element("groups").addEventListener("submit", (event) => event.preventDefault());

@@ -202,7 +202,7 @@ def _in_space(shown: ZoneOfContact) -> _ZoneLines:
     lines = [None if line is None else places(line) for line in whole.lines]
     path = places(whole.point)
     path[[line is not None for line in lines]] = np.nan
-    path = np.insert(path, jumps(whole.point1, whole.kind == "edge", whole.rotation) + 1, np.nan, axis=0)
+    path = np.insert(path, jumps(whole.point1, whole.edge, whole.rotation) + 1, np.nan, axis=0)
     made = _ZoneLines(
         [line for line in lines if line is not None],
         strips(lines),

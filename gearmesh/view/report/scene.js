@@ -432,7 +432,7 @@ window.gearmeshScene = function () {
     // which points of contact lines a solver reports means nothing
     const stride = current.lines.length / current.phi1.length, steps = [];
     const alone = (k) => !Number.isNaN(current.point[3 * k]) && Number.isNaN(current.lines[k * stride]);
-    for (let k = 0; k + 1 < current.phi1.length; k++) if (alone(k) && alone(k + 1)) steps.push(k, k + 1);
+    for (let k = 0; k + 1 < current.phi1.length; k++) if (alone(k) && alone(k + 1) && !current.jumps.includes(k)) steps.push(k, k + 1);
     action.geometry.dispose();
     action.geometry = new THREE.BufferGeometry();
     action.geometry.setAttribute("position", new THREE.BufferAttribute(current.point, 3));

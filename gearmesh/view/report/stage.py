@@ -84,7 +84,7 @@ def pair_data(train: GearTrain, staged: StagedPair, names: list[str]) -> dict[st
         "members": [names.index(name) for name in pair.members],
         "phi1": pack(path.phi1),
         # positions from which contact jumps to the next
-        "jumps": jumps(path.point1, path.kind == "edge", path.rotation).tolist(),
+        "jumps": jumps(path.point1, path.edge, path.rotation).tolist(),
         "turns": [pack(turns[name]) for name in names],
         "te": pack(path.te / rad),
         "te_unit": unit.replace("um", "\u00b5m"),

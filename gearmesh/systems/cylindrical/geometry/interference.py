@@ -83,7 +83,7 @@ def _trochoid(distance: float, tips: tuple[float, float], beyond: tuple[float, f
     negative.
     """
     tip, ring_tip = tips
-    if tip + distance <= ring_tip:
+    if tip + distance <= ring_tip or tip + ring_tip <= distance:
         return math.inf
     # each tip circle's angle from the line between the axes to the point where the circles meet
     cosines = (
