@@ -214,6 +214,7 @@ def test_slider_of_an_error_and_pinned_state(browser: Any) -> None:
     change = browser.find_element("css selector", '[data-figure="tip_clearance_gear_mm"] .change').text
     assert change == "+0.03 mm"
     assert "assembly.dx" in browser.find_element("id", "compared").text
+
     # both states side by side, and no change that is rounding
     def pictures() -> Any:
         return browser.execute_script("return [...document.querySelectorAll('#compared img')].map((each) => each.src)")
