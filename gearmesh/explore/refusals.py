@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import Any, TypeGuard
 
 from gearmesh.allowed import Bounds
 from gearmesh.design.core import Design
@@ -38,19 +38,19 @@ def offers_that_build(
     `request` has the key that was changed `last`, and its `good` value, which built; `works`: True for changes with which the
     gears build. If the refused value builds itself, something else failed, and the offers stay as they are.
     """
-    dotted, good = request.get("last"), request.get("good")
+    dotted, good = str(request.get("last")), request.get("good")
     known = [offer for offer in offers if works({offer["key"]: offer["value"]})]
-    key = design.key_at(dotted) if isinstance(dotted, str) else None
+    key = design.key_at(dotted)
     refused = request["keys"].get(dotted) if isinstance(request.get("keys"), dict) else None
     if known or key is None or not key.is_numeric or not (_is_number(good) and _is_number(refused)):
         return known
     if works({}):
         return list(offers)
     nearest = _nearest(good, refused, lambda tried: works({dotted: tried}), whole=key.unit == "count")
-    return [] if nearest is None else [_offered(str(dotted), nearest)]
+    return [] if nearest is None else [_offered(dotted, nearest)]
 
 
-def _is_number(value: Any) -> bool:
+def _is_number(value: Any) -> TypeGuard[float]:
     return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
 
 
