@@ -10,6 +10,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -42,9 +43,45 @@ def chunks(out: Path) -> list[int]:
 
 #: hundredths of a second of CPU time in which a worker has begun to load, and has not ended
 LOADING = 20
+#: seconds after which something that never comes is given up: no load of a machine makes it so late
+NEVER_S = 900.0
+#: the command with words of its own, which waits for a line when it has kept rows, so that no process is ahead of another
+HELD = """
+import signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)  # of a job in the background it is ignored
+from gearmesh.study.store import StudyStore
+keep = StudyStore.add
+def add(store, chunk, rows):
+    if {kept}:
+        keep(store, chunk, rows)
+    print("held", flush=True)
+    sys.stdin.readline()
+    if not {kept}:
+        keep(store, chunk, rows)
+StudyStore.add = add
+sys.argv[0] = "gearmesh"
+from gearmesh.__main__ import main
+sys.exit(main())
+"""
 
 
-def ticks(process: str) -> int:
+def held_study(out: Path, *more: str, kept: bool = True, **pipes: Any) -> subprocess.Popen[str]:
+    """A study in a process of its own, held as soon as the rows of a chunk are kept, or before they are."""
+    command = [sys.executable, "-c", HELD.format(kept=kept), *map(str, WORDS), *more, "-o", str(out)]
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL, **pipes}
+    return subprocess.Popen(command, env=ENVIRONMENT, text=True, **pipes)
+
+
+def is_held(process: subprocess.Popen[str]) -> bool:
+    assert process.stdout is not None
+    return process.stdout.readline() == "held\n"
+
+
+def children(process: subprocess.Popen[str]) -> list[int]:
+    return [int(own) for own in Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()]
+
+
+def ticks(process: int) -> int:
     """CPU time that a process has taken, in hundredths of a second."""
     return sum(map(int, Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[11:13]))
 
@@ -57,56 +94,40 @@ def alive(process: int) -> bool:
         return False
 
 
-def killed(out: Path, kept: int, *more: str) -> list[int]:
-    """Begin the study in a process of its own and kill it when so many chunks are kept; the processes that it had begun."""
-    command = [sys.executable, "-m", "gearmesh", *map(str, WORDS), "-o", str(out), *more]
-    with subprocess.Popen(command, env=ENVIRONMENT, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL) as process:
-        until = time.monotonic() + 120.0
-        while not ((out / "rows.jsonl").exists() and len((out / "rows.jsonl").read_bytes().splitlines()) >= kept):
-            assert process.poll() is None
-            assert time.monotonic() < until
-            time.sleep(0.005)
-        begun = [int(p) for p in Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()]
-        process.send_signal(signal.SIGKILL)
-    return begun
-
-
 @pytest.mark.sweep
 @pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_stopped_it_ends_at_once_with_one_line(tmp_path: Path, number: int, status: int) -> None:
     """Ctrl-C goes to all processes of a terminal: even while the workers load they say nothing of their own, and nobody waits for
     what they have in work."""
     out = tmp_path / "out"
-    # of a job in the background the signal is ignored
-    begin = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); import sys; sys.argv[0] = 'gearmesh'\n"
-    command = [sys.executable, "-c", f"{begin}from gearmesh.__main__ import main; sys.exit(main())", *map(str, WORDS)]
-    command += ["--workers", "2", "-o", str(out)]
-    pipes = {"stderr": subprocess.PIPE, "stdout": subprocess.DEVNULL, "text": True, "start_new_session": True}
-    with subprocess.Popen(command, env=ENVIRONMENT, **pipes) as process:
-        until, children = time.monotonic() + 120.0, Path(f"/proc/{process.pid}/task/{process.pid}/children")
-        while min(map(ticks, begun := children.read_text().split()[1:]), default=0) < LOADING or len(begun) < 2:
+    with held_study(out, "--workers", "2", kept=False, stderr=subprocess.PIPE, start_new_session=True) as process:
+        until = time.monotonic() + NEVER_S
+        while min(map(ticks, begun := children(process)[1:]), default=0) < LOADING or len(begun) < 2:
             assert process.poll() is None
             assert time.monotonic() < until
             time.sleep(0.005)
         os.killpg(process.pid, number)
-        _, said = process.communicate(timeout=60.0)
+        _, said = process.communicate(timeout=NEVER_S)
     assert process.returncode == status
     assert said.splitlines() == [f"gearmesh: error: stopped: kept in {out}, each of them whole: plan.json"]
-    assert [own for own in begun if alive(int(own))] == []
+    assert [own for own in begun if alive(own)] == []
 
 
 @pytest.mark.sweep
 def test_killed_it_goes_on_where_it_was(whole: Path, tmp_path: Path) -> None:
     """On two workers, which end with it, though nothing tells them to: they wait for rows for as long as the machine runs."""
     out = tmp_path / "out"
-    begun = killed(out, 1, "--workers", "2")
+    with held_study(out, "--workers", "2") as process:
+        assert is_held(process)
+        begun = children(process)
+        process.send_signal(signal.SIGKILL)
     assert len(begun) >= 2
-    until = time.monotonic() + 20.0
+    until = time.monotonic() + NEVER_S
     while left := [process for process in begun if alive(process)]:
         assert time.monotonic() < until, left
         time.sleep(0.05)
     before = chunks(out)
-    assert 1 <= len(before) < 5
+    assert len(before) == 1
     # a line that was being written, one byte short, and one that the disk spoiled
     line = (whole / "rows.jsonl").read_bytes().splitlines(keepends=True)[-1]
     with open(out / "rows.jsonl", "ab") as file:
@@ -201,24 +222,22 @@ def test_a_cluster_that_loses_a_worker_finds_the_same(whole: Path, tmp_path: Pat
             start("worker", "--nthreads", "1", "--no-nanny", "--local-directory", str(tmp_path / f"w{k}"))
             for k in (0, 1)
         ]
-        until = time.monotonic() + 60.0
+        until = time.monotonic() + NEVER_S
         while not file.exists() or not file.read_text().strip():
             assert time.monotonic() < until
             time.sleep(0.05)
         address = json.loads(file.read_text())["address"]
         from distributed import Client
 
-        with Client(address, set_as_default=False, timeout=30) as client:
-            client.wait_for_workers(2, timeout=60)
+        with Client(address, set_as_default=False, timeout=NEVER_S) as client:
+            client.wait_for_workers(2, timeout=NEVER_S)
         out = tmp_path / "out"
-        command = [sys.executable, "-m", "gearmesh", *map(str, WORDS), "--scheduler", address, "-o", str(out)]
-        with subprocess.Popen(command, env=ENVIRONMENT, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL) as study:
-            while not ((out / "rows.jsonl").exists() and (out / "rows.jsonl").stat().st_size):
-                assert study.poll() is None
-                time.sleep(0.005)
-            assert len(chunks(out)) < 5
+        with held_study(out, "--scheduler", address) as study:
+            assert is_held(study)
+            assert len(chunks(out)) == 1
             workers[0].kill()
-            assert study.wait(timeout=120) == 0
+            study.communicate("\n" * 5, timeout=NEVER_S)
+            assert study.returncode == 0
     finally:
         for process in started:
             process.kill()
@@ -266,7 +285,7 @@ def test_a_scheduler_with_tls_takes_clients_of_its_authority_alone(
     whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     distributed = pytest.importorskip("distributed")
-    monkeypatch.setattr("gearmesh.study.runners.SCHEDULER_TIMEOUT_S", 5)
+    monkeypatch.setattr("gearmesh.study.runners.SCHEDULER_TIMEOUT_S", NEVER_S)
     (tmp_path / "other").mkdir()
     own, other = certificates(tmp_path), certificates(tmp_path / "other")
     security = distributed.Security(
@@ -287,6 +306,7 @@ def test_a_scheduler_with_tls_takes_clients_of_its_authority_alone(
         status, _, told = run(*WORDS, *address, *options, "-o", tmp_path / "out")
         assert status == 0, told
         wrong = [word for name, file in other.items() for word in (f"--tls-{name.replace('_', '-')}", str(file))]
+        monkeypatch.setattr("gearmesh.study.runners.SCHEDULER_TIMEOUT_S", 1)
         for refused_options in (wrong, []):
             assert "no Dask scheduler answers there" in refused(*WORDS, *address, *refused_options)
     assert (tmp_path / "out" / "study.csv").read_bytes() == (whole / "study.csv").read_bytes()
