@@ -354,3 +354,35 @@ def test_torque_of_a_tilted_hub_is_shared_as_its_gaps_say() -> None:
     assert shares[:6] == pytest.approx(shares[6:], rel=1e-3)
     assert shares.max() > 1.2 * shares.min()
     assert np.corrcoef(shares, gaps)[0, 1] < -0.8
+
+
+@pytest.mark.parametrize(
+    ("pitch", "teeth", "machining", "variation"),
+    [
+        (3, 20, 17.6, 27.0),
+        (5, 10, 14.5, 20.3),
+        (8, 30, 15.5, 21.0),
+        (12, 60, 17.0, 24.2),
+        (20, 50, 14.5, 19.0),
+        (48, 20, 12.4, 13.4),
+    ],
+)
+def test_tolerances_of_b92_1_are_rows_of_its_table(pitch: int, teeth: int, machining: float, variation: float) -> None:
+    """Rows of class 5, 0.0001 inch; the effective sizes at the maximum of material are the basic ones."""
+    for number, factor in ((4, 0.71), (5, 1.0), (6, 1.4), (7, 2.0)):
+        gears = spline(designation=f"ANSI B92.1 {teeth}T {pitch}/{2 * pitch}P 30 flat {number}")
+        for column in ("shaft", "hub"):
+            assert cell(gears, "max_v", column) == pytest.approx(cell(gears, "s, e", column), abs=1e-12)
+            assert cell(gears, "T", column) == pytest.approx(factor * machining * 2.54e-3)
+            assert cell(gears, "lambda", column) == pytest.approx(factor * variation * 2.54e-3)
+
+
+@pytest.mark.parametrize(("pitch", "teeth"), [(2, 20), (160, 20), (12, 101)])
+def test_sizes_outside_of_b92_1_have_no_tolerance(pitch: int, teeth: int) -> None:
+    given = gm.parse({**DIN, "designation": f"ANSI B92.1 {teeth}T {pitch}/{2 * pitch}P 30 flat 5"})
+    assert given.member_tolerance("hub") is None
+
+
+def test_a_class_that_b92_1_does_not_have_is_refused() -> None:
+    with pytest.raises(DesignError, match=r'^shaft\.tolerance = "?8"?: must be a class from 4 to 7'):
+        spline(designation="ANSI B92.1 24T 12/24P 30 flat", shaft={"tolerance": "8"})

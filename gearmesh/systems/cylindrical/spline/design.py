@@ -15,7 +15,7 @@ from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import eccentricity, phase
 from gearmesh.member_names import MemberNames
 from gearmesh.systems.common.internal_keys import NOT_INSIDE
-from gearmesh.systems.common.standards import din5480, iso4156
+from gearmesh.systems.common.standards import ansi_b92_1, din5480, iso4156
 from gearmesh.systems.cylindrical.allowance_keys import BallMeasurement, ThicknessAllowance, thickness_made_key
 from gearmesh.systems.cylindrical.design import FORMED_MANUFACTURE, ShaperCutter
 from gearmesh.systems.cylindrical.spline.designation import DESIGNATION_FORMS, Designation, parse_designation
@@ -85,11 +85,11 @@ class SplineMember(PlaneFaces, MemberBody):
         default="by profile, or what a space has room for",
     )
     tolerance: str | None = keys.text(
-        'class and deviation, as "5f" of a shaft and "5H" of a hub; those of ISO 4156 and DIN 5480 give thickness_allowance '
+        'class and deviation, as "5f" of a shaft and "5H" of a hub, "5" by ANSI B92.1; gives thickness_allowance '
         "and effective_variation",
         None,
         default="by designation",
-        source="ISO 4156-1, DIN 5480-1",
+        source="ISO 4156-1, DIN 5480-1, ANSI B92.1",
     )
     thickness_allowance: ThicknessAllowance | None = None
     effective_variation: float | None = keys.length(
@@ -253,7 +253,11 @@ class SplineDesign(Design):
     def _known_tolerances(self) -> Self:
         for name in MEMBER_NAMES:
             given = getattr(self, name).tolerance
-            if given is None or not (self._by_iso4156 or self._by_din5480):
+            if given is None:
+                continue
+            if self._by_ansi:
+                if ansi_b92_1.parse(given) is None:
+                    raise conflict(f"{name}.tolerance", given, must_be="a class from 4 to 7")
                 continue
             letters, classes = _letters(name), iso4156.CLASS_FACTORS
             parse, numbers = iso4156.parse, f"{min(classes)} to {max(classes)}"
@@ -280,6 +284,11 @@ class SplineDesign(Design):
     def _by_din5480(self) -> bool:
         """True if the profile is of DIN 5480, whose tolerances are known."""
         return self.profile == "DIN 5480"
+
+    @property
+    def _by_ansi(self) -> bool:
+        """True if the profile is of ANSI B92.1, whose tolerances are known."""
+        return self.profile.startswith("ANSI B92.1")
 
     @property
     def member_names(self) -> MemberNames:
@@ -354,9 +363,13 @@ class SplineDesign(Design):
                 return None
             modules = self.counted_teeth + 2.0 * self.profile_shift + REFERENCE_MODULES
             return din5480.tolerance(*grade, module, round(module * modules, 6))
+        if self._by_ansi:
+            number = ansi_b92_1.parse(self.tolerance(name))
+            pitch = round(MM_PER["inch"] / module, 6)
+            return None if number is None else ansi_b92_1.tolerance(number, pitch, self.counted_teeth)
         parsed = iso4156.parse(self.tolerance(name), _letters(name))
         too_large = module * self.counted_teeth > iso4156.LARGEST_DIAMETER_MM
-        if parsed is None or not self._by_iso4156 or too_large:
+        if parsed is None or too_large:
             return None
         return iso4156.tolerance(*parsed, module, self.counted_teeth, getattr(self, name).face_width * self.mm_per_unit)
 
