@@ -59,7 +59,7 @@ GAP_NODES = 5
 #: steps of the secant method to the ridge: gaps across are nearly parabolas
 RIDGE_STEPS = 6
 #: step, mm, below which all places are on the ridge: the gap changes by its square
-RIDGE_TOLERANCE_MM = 1e-6
+RIDGE_TOLERANCE_MM = 1e-4
 #: largest ratio, either way, of the gap's curvature to the curvature at first touch
 MAX_CURVATURE_RATIO = 5.0
 #: gap, mm, of the largest step to the ridge
@@ -72,6 +72,8 @@ GRID_MARGIN = 1.4
 CORNER_MARGIN = 2.0
 #: distance, mm, within which a point of a surface is solved for
 POINT_TOLERANCE_MM = 1e-9
+#: plain Newton steps to a point; from a place next to it one to three are usual
+POINT_STEPS = 5
 #: least length of a grid, mm: a contact at a corner of a flank has nearly no length
 MIN_GRID_LENGTH_MM = 0.05
 #: change of the distance outside a flank over the distance of places; beyond it the surface turns back at a cusp
@@ -553,11 +555,13 @@ def separation(
     dx, dy = (high - low) / cells[0], 2.0 * half / cells[1]
     # exact gaps at Chebyshev nodes across the ridge, gap along the common normal at the ridge
     x = low[:, None] + dx[:, None] * (np.arange(cells[0]) + 0.5)
-    ridge, bent, _ = surfaces.ridge_and_edge(x)
+    ridge, bent, _, on_ridge = surfaces.ridge_and_edge(x)
+    surfaces.known = on_ridge
     nodes = _chebyshev_nodes()
     x_nodes = np.repeat(x[:, :, None], GAP_NODES, axis=2)
-    seen = surfaces.at(x_nodes, ridge[:, :, None] + half[:, None, None] * nodes)
-    middle = surfaces.at(x, ridge)
+    seen = surfaces.at(x_nodes, ridge[:, :, None] + half[:, None, None] * nodes, beside=on_ridge)
+    # the node in the middle is on the ridge
+    middle = seen.node(GAP_NODES // 2)
     normal = _common(near, middle, bent)
     normal_slant = dot(normal, near.axes[:, None, :, 2])
     edged = (near.path.kind == "edge")[:, None] | bent
@@ -692,7 +696,8 @@ def _range(surfaces: _Surfaces, near: NearPairs) -> tuple[Array, Array]:
     low, high = surfaces.extent
     share = np.linspace(0.0, 1.0, SCAN_PLACES)
     x = low[:, None] + (high - low)[:, None] * share
-    margin = surfaces.at(x, surfaces.ridge(x)).margin
+    _, on_ridge = surfaces.ridge(x)
+    surfaces.known, margin = on_ridge, on_ridge.margin
     edge = near.path.kind == "edge"
     on = np.where(np.isfinite(margin), margin, np.inf) <= np.where(edge, EDGE_TOLERANCE_MM, 0.0)[:, None]
     # start from the place nearest to first touch, and go outward while places lie on the flanks
@@ -724,7 +729,7 @@ def _edge_share(surfaces: _Surfaces, inside: Array, beyond: Array) -> Array:
     """
     share = np.linspace(0.0, 1.0, EDGE_PLACES)
     x = inside[:, None] + (beyond - inside)[:, None] * share
-    margin = surfaces.at(x, surfaces.ridge(x)).margin
+    margin = surfaces.ridge(x)[1].margin
     off = ~(np.where(np.isfinite(margin), margin, np.inf) <= EDGE_TOLERANCE_MM)
     off[:, 0] = False
     return share[np.where(off.any(axis=1), off.argmax(axis=1) - 1, EDGE_PLACES - 1)]
@@ -736,7 +741,7 @@ def _beyond(surfaces: _Surfaces, ends: tuple[Array, Array]) -> tuple[Array, Arra
     lengths, bends = [], []
     for end, far in zip(ends, surfaces.extent, strict=True):
         x = end[:, None] + (far - end)[:, None] * np.linspace(0.0, 1.0, SCAN_PLACES)[1:]
-        y, bent, ridge = surfaces.ridge_and_edge(x)
+        y, bent, ridge, _ = surfaces.ridge_and_edge(x)
         # the edge counts only up to the first place at which the ridge has left it
         last_on_edge = np.where(bent.all(axis=1), bent.shape[1], bent.argmin(axis=1)) - 1
         pairs = np.arange(len(x))
@@ -761,6 +766,56 @@ class _Seen:
     points: tuple[Array, Array]
     #: outward normals (..., 3) of both flanks, fixed frame
     normals: tuple[Array, Array]
+    #: the places x, y (...,), mm
+    places: tuple[Array, Array]
+    #: surface parameters (..., 2) of both flanks
+    parameters: tuple[Array, Array]
+    #: change (..., 2, 2) of these parameters (first index) per mm along x and y (second)
+    rates: tuple[Array, Array]
+
+    def node(self, k: int) -> _Seen:
+        """Return the flanks at index k of the third axis of the places."""
+        return self._chosen(lambda values: values[:, :, k])
+
+    def some(self, rows: NDArray[np.intp]) -> _Seen:
+        """Return some rows of the places."""
+        return self._chosen(lambda values: values[rows])
+
+    def next_to(self, x: Array) -> tuple[_Seen, Array]:
+        """Return the places next to x (M, L) of these (M, K), which have equal steps in x, and y at x between these."""
+        own_x, own_y = self.places
+        last = own_x.shape[1] - 1
+        step = np.clip((x - own_x[:, :1]) * (last / (own_x[:, -1:] - own_x[:, :1])), 0.0, last)
+        low = np.minimum(step.astype(np.intp), last - 1)
+        below, above = (np.take_along_axis(own_y, low + k, axis=1) for k in (0, 1))
+        row, nearest = np.arange(len(x))[:, None], np.round(step).astype(np.intp)
+        return self._chosen(lambda values: values[row, nearest]), below + (step - low) * (above - below)
+
+    def guess(self, member: int, x: Array, y: Array) -> Array:
+        """Return parameters (..., 2) of a member's flank over places x, y (...,) beside these, by their rates.
+
+        Several places beside each of these have one axis more.
+        """
+        parameters, rates, (own_x, own_y) = self.parameters[member], self.rates[member], self.places
+        if x.ndim > own_x.ndim:
+            own_x, own_y, parameters, rates = (
+                own_x[..., None],
+                own_y[..., None],
+                parameters[..., None, :],
+                rates[..., None, :, :],
+            )
+        away = np.stack((x - own_x, y - own_y), axis=-1)
+        return np.asarray(parameters + (rates @ away[..., None])[..., 0])
+
+    def _chosen(self, choose: Callable[[NDArray[Any]], NDArray[Any]]) -> _Seen:
+        """Return the record of those values that a function takes from each array."""
+        pairs = self.points, self.normals, self.places, self.parameters, self.rates
+        return _Seen(
+            choose(self.gap),
+            choose(self.margin),
+            choose(self.over),
+            *((choose(first), choose(second)) for first, second in pairs),
+        )
 
 
 class _Surfaces:
@@ -782,6 +837,21 @@ class _Surfaces:
         self._edge = near.path.kind == "edge"
         # the middle of whole flanks, or the edge that touches first, is where the grid is
         self._fixed = self._edge | (near.heights is not None)
+        self._known: _Seen | None = None
+
+    @property
+    def known(self) -> _Seen | None:
+        """Places (M, K) on the ridge, in equal steps of x, from which others begin; those of all pairs if there are none
+        of these."""
+        if self._known is None and self._near.chosen_from is not None:
+            every_pair, rows = self._near.chosen_from
+            known = every_pair.surfaces.known
+            self._known = None if known is None else known.some(rows)
+        return self._known
+
+    @known.setter
+    def known(self, seen: _Seen) -> None:
+        self._known = seen
 
     @cached_property
     def extent(self) -> tuple[Array, Array]:
@@ -796,21 +866,24 @@ class _Surfaces:
             ends.append((np.nanmin(x, axis=1), np.nanmax(x, axis=1)))
         return np.maximum(ends[0][0], ends[1][0]), np.minimum(ends[0][1], ends[1][1])
 
-    def ridge(self, x: Array) -> Array:
-        """Return y (M, K) of the least gap at x (M, K).
+    def ridge(self, x: Array) -> tuple[Array, _Seen]:
+        """Return y (M, K) of the least gap at x (M, K), and the flanks there, within the tolerance of the ridge.
 
         Where whole flanks or an edge touch first, y is 0; if this edge runs along x, y is on the edge.
         """
-        y = np.zeros_like(x)
-        kappa = np.maximum(self._near.kappa[:, 1:], LEAST_KAPPA)
+        kappa, fixed = np.maximum(self._near.kappa[:, 1:], LEAST_KAPPA), self._fixed[:, None]
         max_step, curvature = np.sqrt(2.0 * MAX_STEP_GAP_MM / kappa), np.broadcast_to(kappa, x.shape)
+        y, beside = np.zeros_like(x), None
+        if self.known is not None:
+            beside, known_y = self.known.next_to(x)
+            y = np.where(fixed, 0.0, known_y)
         last_step, last_slope = np.zeros_like(y), np.zeros_like(y)
         for k in range(RIDGE_STEPS):
-            seen = self.at(x, y)
+            beside = self.at(x, y, beside=beside)
             # secant method for slope of the gap = 0 along y. The curvature stays positive and near the curvature at
             # first touch: steps then lead to the minimum of the gap next to first touch, never to a maximum
             slopes = [
-                -dot(n, self._near.axes[:, None, :, 1]) / dot(n, self._near.axes[:, None, :, 2]) for n in seen.normals
+                -dot(n, self._near.axes[:, None, :, 1]) / dot(n, self._near.axes[:, None, :, 2]) for n in beside.normals
             ]
             slope = slopes[1] - slopes[0]
             if k:
@@ -824,20 +897,24 @@ class _Surfaces:
                     kappa * MAX_CURVATURE_RATIO,
                 )
             step = np.clip(-slope / curvature, -max_step, max_step)
-            last_step, last_slope = np.where(np.isfinite(step) & ~self._fixed[:, None], step, 0.0), slope
+            last_step, last_slope = np.where(np.isfinite(step) & ~fixed, step, 0.0), slope
             y = y + last_step
             if np.abs(last_step).max(initial=0.0) < RIDGE_TOLERANCE_MM:
                 break
-        return self._on_edge(x, y) if self.along_edge.any() else y
+        if self.along_edge.any():
+            y = self._on_edge(x, y)
+        same = np.abs(y - beside.places[1]).max(initial=0.0) < RIDGE_TOLERANCE_MM
+        return y, beside if same else self.at(x, y, beside=beside)
 
-    def ridge_and_edge(self, x: Array) -> tuple[Array, NDArray[np.bool_], Array]:
-        """Return y (M, K) of the least gap at x (M, K), True where it lies on an edge, and y of the ridge alone.
+    def ridge_and_edge(self, x: Array) -> tuple[Array, NDArray[np.bool_], Array, _Seen]:
+        """Return y (M, K) of the least gap at x (M, K), True where it lies on an edge, y of the ridge alone, and the
+        flanks on the ridge.
 
         Where the ridge has left a flank over an edge, the least gap lies on this edge. Edges that run across x, as end
         faces, do not count.
         """
-        ridge = self.ridge(x)
-        margin = self.at(x, ridge).margin
+        ridge, on_ridge = self.ridge(x)
+        margin = on_ridge.margin
         outside = (margin > 0.0) & ~self.along_edge[:, None]
         rows = np.flatnonzero(outside.any(axis=1))
         y, bent = ridge.copy(), np.zeros_like(outside)
@@ -853,7 +930,7 @@ class _Surfaces:
                     edge_margin = self.at(x_outside, y_edge, rows).margin
                 bent[rows] = steep & (np.abs(edge_margin) < EDGE_TOLERANCE_MM)
             y[rows] = np.where(bent[rows], y_edge, ridge[rows])
-        return y, bent, ridge
+        return y, bent, ridge, on_ridge
 
     @cached_property
     def along_edge(self) -> NDArray[np.bool_]:
@@ -890,20 +967,32 @@ class _Surfaces:
             y = y + np.where(self.along_edge[:, None] & same_edge, step, 0.0)
         return y
 
-    def at(self, x: Array, y: Array, rows: NDArray[np.intp] | None = None) -> _Seen:
-        """Return both flanks over places x, y (M, ...); `rows` (M,) selects some of the pairs."""
-        heights, margins, points, normals = [], [], [], []
+    def at(self, x: Array, y: Array, rows: NDArray[np.intp] | None = None, beside: _Seen | None = None) -> _Seen:
+        """Return both flanks over places x, y (M, ...); `rows` (M,) selects some of the pairs. The search begins from
+        the places `beside` these."""
+        heights, margins, points, normals, parameters, rates = [], [], [], [], [], []
         selected = slice(None) if rows is None else rows
-        for flank, whole, plane in zip(self._near.pair.flanks, self.own_to_fixed, self._frames, strict=True):
+        for member, (flank, whole, plane) in enumerate(
+            zip(self._near.pair.flanks, self.own_to_fixed, self._frames, strict=True)
+        ):
             own, frame = (Rigid(motion.rotation[selected], motion.translation[selected]) for motion in (whole, plane))
-            seen = _over(flank, frame, x, y)
+            seen = _over(flank, frame, x, y, None if beside is None else beside.guess(member, x, y))
+            parameters.append(seen[4])
+            rates.append(seen[5])
             heights.append(seen[0])
             margins.append(seen[1])
             points.append(_each(own.rotation, seen[2]) + own.translation.reshape(-1, *(1,) * (x.ndim - 1), 3))
             normals.append(_each(own.rotation, seen[3]))
         over = (margins[1] > margins[0]).astype(np.intp)
         return _Seen(
-            heights[1] - heights[0], np.maximum(*margins), over, (points[0], points[1]), (normals[0], normals[1])
+            heights[1] - heights[0],
+            np.maximum(*margins),
+            over,
+            (points[0], points[1]),
+            (normals[0], normals[1]),
+            (x, y),
+            (parameters[0], parameters[1]),
+            (rates[0], rates[1]),
         )
 
 
@@ -913,33 +1002,92 @@ def _each(rotation: Array, vectors: Array) -> Array:
     return rotated
 
 
-def _over(flank: Flank, frame: Rigid, x: Array, y: Array) -> tuple[Array, Array, Array, Array]:
+def _over(
+    flank: Flank, frame: Rigid, x: Array, y: Array, guess: Array | None = None
+) -> tuple[Array, Array, Array, Array, Array, Array]:
     """Return a flank over places x, y (M, ...) of planes `frame` (M,), own frame.
 
     Values are the heights along the third axis, distances outside the flank in mm, (M, ...), points and normals
-    (M, ..., 3). They are NaN where the surface has no point.
+    (M, ..., 3), surface parameters (M, ..., 2) and their change (M, ..., 2, 2) per mm along x and y. The first two are
+    NaN where the surface has no point. `guess` (M, ..., 2): parameters next to those.
     """
-    plane_index = np.broadcast_to(np.arange(len(x)).reshape(-1, *(1,) * (x.ndim - 1)), x.shape).ravel()
+    shape, count = x.shape, x.size
+    plane_index = np.broadcast_to(np.arange(len(x)).reshape(-1, *(1,) * (x.ndim - 1)), shape).ravel()
     axes, origin = frame.rotation[plane_index], frame.translation[plane_index]
     xy = np.stack((x.ravel(), y.ravel()), axis=-1)
-    place = origin + np.einsum("kij,kj->ki", axes[:, :, :2], xy)
-    start = flank.heights.parameters_at(flank.mount.joint.radius(place), place[:, 2])
+    spans = np.abs(np.ptp(flank.grid.reshape(-1, 2), axis=0))
 
     # Newton's method for the surface parameters (u, v) of the point over (x, y). The start has the same radius and z,
-    # so that the root lies on the sheet of the flank; without a root the surface has no point there
+    # or is next to the place, so that the root lies on the sheet of the flank; without a root the surface has no point
+    # there
     def residual(p: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
         jet = flank.surface.jet(p[:, 0], p[:, 1])
-        plane = axes[index, :, :2]
-        f = np.einsum("ki,kij->kj", jet.r - origin[index], plane) - xy[index]
-        rows = np.stack([np.einsum("ki,kij->kj", d, plane) for d in (jet.r_u, jet.r_v)], axis=-1)
-        return f, rows
+        return _beside_plane(jet, axes[index], origin[index], xy[index])
 
     with np.errstate(all="ignore"):
-        spans = np.abs(np.ptp(flank.grid.reshape(-1, 2), axis=0))
-        root = newton.solve(residual, start, tolerance=POINT_TOLERANCE_MM, max_step=0.5 * spans, max_iterations=15)
-        jet = flank.surface.jet(root.values[:, 0], root.values[:, 1])
-        converged = root.converged
-        height = np.where(converged, dot(jet.r - origin, axes[:, :, 2]), np.nan)
-        margin = np.where(converged, flank.margin(root.values, jet.r), np.nan)
-    shape = x.shape
-    return height.reshape(shape), margin.reshape(shape), jet.r.reshape(*shape, 3), jet.n.reshape(*shape, 3)
+        values, known, rows = np.empty((count, 2)), np.ones(count, dtype=bool), np.arange(count)
+        if guess is not None:
+            values[rows] = found = _stepped(residual, guess.reshape(count, 2), 0.5 * spans)
+            rows = np.flatnonzero(np.isnan(found[:, 0]))
+        if rows.size:
+            place = origin[rows] + np.einsum("kij,kj->ki", axes[rows][:, :, :2], xy[rows])
+            start = flank.heights.parameters_at(flank.mount.joint.radius(place), place[:, 2])
+            values[rows] = found = _stepped(lambda p, index: residual(p, rows[index]), start, 0.5 * spans)
+            hard = np.isnan(found[:, 0])
+            if hard.any():
+                rows = rows[hard]
+                root = newton.solve(
+                    lambda p, index: residual(p, rows[index]),
+                    start[hard],
+                    tolerance=POINT_TOLERANCE_MM,
+                    max_step=0.5 * spans,
+                    max_iterations=15,
+                )
+                values[rows], known[rows] = root.values, root.converged
+        jet = flank.surface.jet(values[:, 0], values[:, 1])
+        height = np.where(known, dot(jet.r - origin, axes[:, :, 2]), np.nan)
+        margin = np.where(known, flank.margin(values, jet.r), np.nan)
+        rates = _inverse(_beside_plane(jet, axes, origin, xy)[1])
+    return (
+        height.reshape(shape),
+        margin.reshape(shape),
+        jet.r.reshape(*shape, 3),
+        jet.n.reshape(*shape, 3),
+        values.reshape(*shape, 2),
+        rates.reshape(*shape, 2, 2),
+    )
+
+
+def _beside_plane(jet: Jet, axes: Array, origin: Array, xy: Array) -> tuple[Array, Array]:
+    """Return the way (N, 2), mm, from places `xy` in planes to the feet of points, and its change (N, 2, 2) with the
+    surface parameters."""
+    plane = axes[:, :, :2]
+    rates = [np.einsum("ki,kij->kj", d, plane) for d in (jet.r_u, jet.r_v)]
+    return np.einsum("ki,kij->kj", jet.r - origin, plane) - xy, np.stack(rates, axis=-1)
+
+
+def _inverse(matrices: Array) -> Array:
+    """Return the inverse of matrices (N, 2, 2)."""
+    (a, b), (c, d) = np.moveaxis(matrices, 0, -1)
+    inverse: Array = np.array([[d, -b], [-c, a]]) / (a * d - b * c)
+    return np.moveaxis(inverse, -1, 0)
+
+
+def _stepped(residual: newton.Residual, start: Array, max_step: Array) -> Array:
+    """Return surface parameters (N, 2) after plain Newton steps; NaN where `POINT_STEPS` do not suffice, where the
+    residual rises, and where a step is longer than `max_step` (2,)."""
+    values, solved = start.copy(), np.full_like(start, np.nan)
+    active, size = np.arange(len(start)), np.full(len(start), np.inf)
+    for _ in range(POINT_STEPS):
+        f, matrix = residual(values[active], active)
+        norm = np.abs(f).max(axis=1)
+        met = norm < POINT_TOLERANCE_MM
+        solved[active[met]] = values[active[met]]
+        step = -(_inverse(matrix) @ f[..., None])[..., 0]
+        on = ~met & (norm < size[active]) & (np.abs(step) <= max_step).all(axis=1)
+        size[active] = norm
+        active = active[on]
+        values[active] += step[on]
+        if not active.size:
+            break
+    return solved
