@@ -110,19 +110,26 @@ class Pressed:
 
     def field(self, body: FilletStress, places: Array, stress: Array) -> NDArray[np.bool_]:
         """Return the places (F, 3) with stresses (M, F), MPa, that lie in the contact's own field, (M, F)."""
-        along, min_distance = unit(self.places[:, -1] - self.places[:, 0]), body.eighth
-        tension_sum, near = np.zeros(stress.shape, dtype=complex), np.zeros(stress.shape, dtype=bool)
+        own_field = np.zeros(stress.shape, dtype=bool)
+        loaded = self.line.any(axis=1)
+        line, forces, min_distance = self.line[loaded], self.places[loaded], body.eighth
+        along = unit(forces[:, -1] - forces[:, 0])
+        cosines, sines = np.zeros((2, len(line), len(places)))
+        near = np.zeros(cosines.shape, dtype=bool)
         # the forces, and their images behind both end faces
-        for forces_at, axis in ((self.places, along), *(end.images(self.places, along) for end in body.ends)):
-            offset = places[None, :, None] - forces_at[:, None]
-            x, square = np.einsum("mfxi,mi->mfx", offset, axis), (offset**2).sum(axis=-1)
-            # (r cos phi + i r sin phi)^2 = r^2 exp(2 i phi)
-            doubled_angle = (x + 1j * np.sqrt(np.maximum(square - x**2, 0.0))) ** 2
-            tension_sum += (self.line[:, None] * doubled_angle / np.maximum(square, min_distance**2) ** 2).sum(axis=2)
-            near |= ((square < min_distance**2) & (self.line[:, None] > 0.0)).any(axis=2)
+        for forces_at, axis in ((forces, along), *(end.images(forces, along) for end in body.ends)):
+            # square of the distance r, and x = r cos phi, (M, F, X)
+            square = (places**2).sum(axis=1)[:, None] + (forces_at**2).sum(axis=2)[:, None]
+            square = np.maximum(square - 2.0 * places @ forces_at.swapaxes(1, 2), 0.0)
+            x = (axis @ places.T)[:, :, None] - np.einsum("mxi,mi->mx", forces_at, axis)[:, None]
+            # r^2 exp(2 i phi) over r^4
+            weight = line[:, None] / np.maximum(square, min_distance**2) ** 2
+            cosines += (weight * (2.0 * x**2 - square)).sum(axis=2)
+            sines += (weight * (2.0 * x * np.sqrt(np.maximum(square - x**2, 0.0)))).sum(axis=2)
+            near |= ((square < min_distance**2) & (line[:, None] > 0.0)).any(axis=2)
         # tension of a half-space beside the forces, not closer to them than an eighth of the flank
-        tension = (1.0 - 2.0 * self.poisson_ratio) / (2.0 * np.pi) * np.abs(tension_sum)
-        own_field: NDArray[np.bool_] = near | (tension > OWN_FIELD_SHARE * np.maximum(stress, 0.0))
+        tension = (1.0 - 2.0 * self.poisson_ratio) / (2.0 * np.pi) * np.hypot(cosines, sines)
+        own_field[loaded] = near | (tension > OWN_FIELD_SHARE * np.maximum(stress[loaded], 0.0))
         return own_field
 
 
@@ -132,7 +139,10 @@ def root_stress(body: FilletStress, coarser: FilletStress | None, pressed: Press
     by_mesh = _by_mesh(body, pressed)
     if coarser is None:
         return by_mesh
-    change, unknown = np.abs(by_mesh.nominal - _by_mesh(coarser, pressed).nominal), np.full(len(pressed.line), np.nan)
+    other, unknown = _bending(coarser, *_stresses(coarser, pressed)), np.full(len(pressed.line), np.nan)
+    if np.isnan(by_mesh.bending).all():
+        other = _by_mesh(coarser, pressed).largest
+    change = np.abs(by_mesh.nominal - other)
     # a tooth that is only compressed has no bending stress
     share = np.divide(change, by_mesh.nominal, out=unknown, where=by_mesh.nominal != 0.0)
     return replace(by_mesh, error=MESH_ERROR_SHARE * share)
@@ -146,17 +156,25 @@ def _by_mesh(body: FilletStress, pressed: Pressed) -> RootStress:
     contact = np.where(field.any(axis=1), np.where(field, whole, -np.inf).max(axis=1), np.nan)
     # beside a force, where its own field is compressive, the whole stress is the smaller one and counts
     counted = np.minimum(whole, without_contact)
-    # bending: the largest at the tangents of all stations
-    bending = np.full(len(counted), np.nan)
-    if len(body.tangent):
-        tangent_stress = (
-            principal_stresses(np.einsum("kf,mfs->mks", body.tangent, part))[..., 2]
-            for part in (stress, stress - contact_part)
-        )
-        bending = np.minimum(*tangent_stress).max(axis=1)
+    bending = _bending(body, stress, contact_part)
     return RootStress(
         bending, np.full_like(bending, np.nan), counted.max(axis=1), body.fillet[counted.argmax(axis=1)], contact
     )
+
+
+def _bending(body: FilletStress, stress: Array, contact_part: Array) -> Array:
+    """Return the largest stress (M,) at the tangents of all stations; NaN without such a tangent.
+
+    `stress` (M, F, 6): stresses at the nodes of the fillet. `contact_part`: their part that is the contact's own field.
+    """
+    if not len(body.tangent):
+        return np.full(len(stress), np.nan)
+    tangent_stress = (
+        principal_stresses(np.einsum("kf,mfs->mks", body.tangent, part))[..., 2]
+        for part in (stress, stress - contact_part)
+    )
+    bending: Array = np.minimum(*tangent_stress).max(axis=1)
+    return bending
 
 
 def _stresses(body: FilletStress, pressed: Pressed) -> tuple[Array, Array]:

@@ -258,12 +258,10 @@ def near_pairs(gears: GearPair, phi1: Array, limit: float) -> NearPairs:
     pair = engagements[0].pair
     near = [followed.near(advance, limit) for followed in engagements]
     # pairs of all halves in one list; each is solved at the rotation at which it does what pair 0 does
-    position, number = (np.concatenate(column) for column in zip(*near, strict=True))
-    half = np.repeat(np.arange(len(rows)), [len(numbers[0]) for numbers in near])
+    position, number = (np.concatenate(column) for column in zip(*(found[:2] for found in near), strict=True))
+    half, paths = np.repeat(np.arange(len(rows)), [len(found[0]) for found in near]), [found[2] for found in near]
     ahead = [_ahead(row, number[half == k]) for k, row in enumerate(rows)]
     pinion_ahead, gear_ahead = (np.concatenate(parts) for parts in zip(*ahead, strict=True))
-    equivalent_phi1 = np.stack(turned)[half, position] - gears.pitch * number + pinion_ahead
-    paths = [contact_path(engagement.pair, equivalent_phi1[half == k]) for k, engagement in enumerate(engagements)]
     if any(row.uneven for row in rows):
         out = [
             farther_out_ahead(row, path, number[half == k])
@@ -352,7 +350,9 @@ class _Followed:
         # any tooth pair of coupled members may be the first to touch
         searched = int(np.ceil(np.pi / gears.pitch)) if self.pair.coupled else SEARCHED_PAIRS
         self._numbers = np.arange(-searched, searched + 1)
-        self._advances, self._levers = self._solve(self._numbers)
+        self._advances, self._levers, self._path = self._solve(self._numbers)
+        # rows of the path, one for each position and number
+        self._rows = np.arange(self._advances.size).reshape(self._advances.shape)
         if gears.uneven:
             # any pair in engagement may be ahead of its neighbours
             self._search_on(lambda: np.isfinite(self._advances))
@@ -373,26 +373,29 @@ class _Followed:
             outermost = self._numbers[::direction][-1]
             while wanted()[:, ::direction][:, -1].any() and abs(outermost) < MAX_PAIRS:
                 new_numbers = outermost + direction * np.arange(1, MORE_PAIRS + 1)
-                advances, levers = self._solve(new_numbers)
+                advances, levers, path = self._solve(new_numbers)
                 self._numbers = np.append(self._numbers, new_numbers)
                 order = np.argsort(self._numbers)
                 self._numbers, outermost = self._numbers[order], new_numbers[-1]
                 self._advances = np.concatenate((self._advances, advances), axis=1)[:, order]
                 self._levers = np.concatenate((self._levers, levers), axis=1)[:, order]
+                added = self._rows.size + np.arange(advances.size).reshape(advances.shape)
+                self._rows = np.concatenate((self._rows, added), axis=1)[:, order]
+                self._path = _join((self._path, path))
 
-    def near(self, advance: Array, limit: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        """Return positions and numbers (M,) of the pairs that lag `advance` (P,) by less than `limit`, mm."""
+    def near(self, advance: Array, limit: float) -> tuple[NDArray[np.intp], NDArray[np.intp], ContactPath]:
+        """Return positions, numbers and contacts (M,) of the pairs that lag `advance` (P,) by less than `limit`, mm."""
         position, column = np.nonzero(self._near(advance, limit))
-        return position, self._first[position] + self._numbers[column]
+        return position, self._first[position] + self._numbers[column], _rows(self._path, self._rows[position, column])
 
     def _near(self, advance: Array, limit: float) -> NDArray[np.bool_]:
         with np.errstate(invalid="ignore"):
             is_near: NDArray[np.bool_] = (advance[:, None] - self._advances) * self._levers < limit
         return is_near
 
-    def _solve(self, numbers: NDArray[np.intp]) -> tuple[Array, Array]:
+    def _solve(self, numbers: NDArray[np.intp]) -> tuple[Array, Array, ContactPath]:
         """Return advances, and levers at the gear in mm, (P, K), of the pairs `numbers` (K,) counted from the pair next
-        to phi1."""
+        to phi1, and their contacts (P K,)."""
         all_numbers = self._first[:, None] + numbers
         pinion_ahead, gear_ahead = _ahead(self._gears, all_numbers)
         # pair k at phi1 is in the position of pair 0 at phi1 - k pitches; a pair without contact there has no advance
@@ -405,7 +408,7 @@ class _Followed:
         advance = np.where(path.touching, self.pair.drive * te, -np.inf)
         lever = np.abs(dot(path.normal, self.pair.gear.mount.velocity(path.point)))
         shape = len(self._phi1), len(numbers)
-        return advance.reshape(shape), lever.reshape(shape)
+        return advance.reshape(shape), lever.reshape(shape), path
 
 
 def _join(parts: Sequence[Record]) -> Record:

@@ -1027,9 +1027,8 @@ class _Problem:
             for moved, loaded, tooth_step in zip(*self._couples(member), strict=True):
                 table = body.of_tooth(teeth[loaded]).smooth[tooth_step + body.reach]
                 node_compliance = table[nodes[moved][:, :, None, None], nodes[loaded][None, None]]
-                row_compliance = np.einsum(
-                    "xa,xayb,yb->xy", share[moved], node_compliance, share[loaded], optimize=True
-                )
+                of_nodes = np.einsum("xayb,yb->xay", node_compliance, share[loaded])
+                row_compliance = np.einsum("xay,xa->xy", of_nodes, share[moved])
                 compliance[self.near.position[moved], self.slot[moved], :, self.slot[loaded]] += row_compliance
         size = self.most * x
         return compliance.reshape(count, size, size)
