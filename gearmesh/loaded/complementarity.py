@@ -11,7 +11,8 @@ pressure falls below zero or when bodies overlap. Three things are added to [PK9
 batch of independent problems. Cells of one problem may differ in size by a factor of 20, and w is proportional to the
 cell size. Steps therefore use w divided by the deflection of a cell under its own pressure.
 
-Source: [PK99] I. A. Polonsky, L. M. Keer, Wear 231 (1999) 206.
+Sources: [PK99] I. A. Polonsky, L. M. Keer, Wear 231 (1999) 206. [PR69] E. Polak, G. Ribiere, Rev. Fr. Inform. Rech. Oper.
+16 (1969) 35.
 """
 
 from __future__ import annotations
@@ -34,6 +35,8 @@ MAX_STEPS = 600
 #: convergence of the tangent: residual over the levers; the error of the stiffness is its square
 TANGENT_TOLERANCE = 1e-4
 
+#: least square of a descent that gives a conjugate direction: smaller ones are mere rounding
+LEAST_DESCENT = 1e-100
 #: smallest normal number: keeps divisions finite
 SMALLEST_FLOAT = np.finfo(float).tiny
 #: Displacements (B, N) under pressures (B, N) of the problems with these indices (B,)
@@ -108,7 +111,8 @@ def pressures(
     # initial pressures, scaled to the torque
     p = np.where(on, start, 0.0)
     p *= (torque / (weight * levers * p).sum(axis=1))[:, None]
-    direction, last_size, restarts = np.zeros_like(p), np.ones(len(p)), np.ones(len(p), dtype=bool)
+    direction, last_size, restarts = np.zeros_like(p), np.zeros(len(p)), np.ones(len(p), dtype=bool)
+    last_gap = np.zeros_like(p)
     # pressures of touching cells for a unit rotation, by the estimate
     of_levers = np.zeros_like(p)
     status = np.full(len(p), int(Status.MAX_ITERATIONS))
@@ -130,14 +134,13 @@ def pressures(
         theta = (inner * lv * estimate).sum(axis=1) / (inner * lv * lever_estimate).sum(axis=1)
         w = w - lv * theta[:, None]
         descent = estimate - lever_estimate * theta[:, None]
-        # conjugate direction d; the share of the last direction is 0 after the touching cells have changed
+        # conjugate direction d: the share of the last one [PR69] falls to 0 by itself where the touching cells have changed
+        # much
         descent_size = (inner * w * descent).sum(axis=1)
-        conjugate_share = np.where(
-            restarts[active] | (last_size[active] == 0.0),
-            0.0,
-            descent_size / np.maximum(last_size[active], SMALLEST_FLOAT),
-        )
-        last_size[active] = descent_size
+        gained = descent_size - (inner * last_gap[active] * descent).sum(axis=1)
+        known = last_size[active] > LEAST_DESCENT
+        conjugate_share = np.divide(np.maximum(gained, 0.0), last_size[active], out=np.zeros_like(gained), where=known)
+        last_size[active], last_gap[active] = descent_size, w
         d = np.where(touching, descent + conjugate_share[:, None] * direction[active], 0.0)
         response = moved(d, active)
         curvature = (inner * response * d).sum(axis=1)
@@ -155,14 +158,17 @@ def pressures(
         separated = carried_torque <= 0.0
         stride[active[separated]] *= 0.5
         scale = (torque[active] / np.where(separated, 1.0, carried_torque))[:, None]
+        # what cells that begin or cease to touch add to the step
+        excess = new - (pressure - step * d)
         new = np.where(separated[:, None], pressure, new * scale)
         opened = touching & (new == 0.0)
         changed = (overlap | opened).any(axis=1) | separated
         restarts[active], direction[active], p[active] = changed, d, new
-        # displacements are linear in the step if no cell began or ceased to touch
-        u[active] = scale * (u[active] - step * response)
-        if changed.any():
-            u[active[changed]] = moved(new[changed], active[changed])
+        # displacements are linear in the step
+        u[active] = np.where(separated[:, None], u[active], scale * (u[active] - step * response))
+        mended = np.flatnonzero(changed & ~separated)
+        if mended.size:
+            u[active[mended]] += scale[mended] * moved(excess[mended], active[mended])
         change = (a * np.abs(new - pressure)).sum(axis=1) / (a * new).sum(axis=1)
         converged = (change < tolerance) & ~overlap.any(axis=1) & ~separated
         status[active[converged]] = Status.CONVERGED

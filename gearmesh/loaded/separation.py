@@ -169,6 +169,16 @@ class NearPairs:
     def at_positions(self, positions: NDArray[np.bool_]) -> NearPairs:
         """Return the pairs at some of the positions (P,) of the pinion."""
         rows = np.flatnonzero(positions[self.position])
+        return self._taken(rows, (np.cumsum(positions) - 1)[self.position[rows]], np.flatnonzero(positions))
+
+    def repeated(self, times: int) -> NearPairs:
+        """Return the same pairs at the same positions several times, one after the other."""
+        count, every = len(self.phi1), np.arange(len(self.position))
+        position = (np.arange(times)[:, None] * count + self.position).ravel()
+        return self._taken(np.tile(every, times), position, np.tile(np.arange(count), times))
+
+    def _taken(self, rows: NDArray[np.intp], position: NDArray[np.intp], positions: NDArray[np.intp]) -> NearPairs:
+        """Return the pairs `rows` at other numbers `position` of the positions `positions`."""
         pinion, gear = self.mounts
         if gear.base.rotation.ndim > 2:
             gear = replace(gear, base=Rigid(gear.base.rotation[rows], gear.base.translation[rows]))
@@ -176,7 +186,7 @@ class NearPairs:
             self.pair,
             self.phi1[positions],
             self.phi2[positions],
-            (np.cumsum(positions) - 1)[self.position[rows]],
+            position,
             self.number[rows],
             self.half[rows],
             (self.turns[0][rows], self.turns[1][rows]),

@@ -13,6 +13,7 @@ transmission error.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from itertools import chain
@@ -54,9 +55,11 @@ CONTACT_CELLS = (40, 24)
 QUICK_CELLS = (20, 12)
 #: tolerance of the pressures (`complementarity`) at level "quick"
 QUICK_TOLERANCE = 1e-6
+#: the same of variants that take grids and bodies of another design: rotations err by 1e-6 of themselves
+VARIANT_TOLERANCE = 1e-5
 #: largest difference of teeth over their whole depth up to which a variant takes bodies and grids of another design
 MAX_VARIANT_SHIFT = 0.01
-#: the same up to which a variant takes bodies alone at level "full": largest bending stress then errs by less than 2e-3
+#: the same at level "full": largest bending stress then errs by less than 2e-3
 MAX_BODY_SHIFT = 0.001
 #: deflection of teeth, mm, over force / (face width E*): estimates how near tooth pairs come under load
 UNIT_DEFLECTION_MM = 25.0
@@ -162,6 +165,18 @@ class PairLoad:
         arrays: dict[str, Any] = {name: part[rows] for name, part in parts.items() if isinstance(part, np.ndarray)}
         return replace(self, **arrays, separation=self.separation.some(rows), roots=self.roots.some(rows))
 
+    def share(self, count: int) -> Array:
+        """Return part of the torque, peak pressure and largest force (P, 3), as in `MeshShare`, at `count` positions."""
+        most = np.full((2, count), np.nan)
+        for row, values in zip(most, (self.peak, self.force), strict=True):
+            np.fmax.at(row, self.position, values)
+        return np.column_stack((np.bincount(self.position, self.moment, count), *most))
+
+    def at(self, first: int, count: int) -> PairLoad:
+        """Return the load at `count` positions from the position `first` on."""
+        part = self.some(np.flatnonzero((self.position >= first) & (self.position < first + count)))
+        return replace(part, position=part.position - first)
+
 
 @dataclass(frozen=True)
 class MeshShare:
@@ -173,13 +188,6 @@ class MeshShare:
     peak: Array
     #: largest normal force (T, P) on a tooth pair, N
     force: Array
-
-    def put(self, torque: int, load: PairLoad, rows: NDArray[np.intp]) -> None:
-        """Enter the load on the tooth pairs `rows` (N,) under a torque."""
-        position, count = load.position[rows], self.moment.shape[1]
-        self.moment[torque] = np.bincount(position, load.moment[rows], count)
-        for most, values in ((self.peak, load.peak), (self.force, load.force)):
-            np.fmax.at(most[torque], position, values[rows])
 
 
 @dataclass(frozen=True)
@@ -324,81 +332,47 @@ def loaded_mesh(
     if wrong.any():
         raise ArgumentError("torque", 0.001 * torque[wrong][0], unit="Nm", allowed="a finite number above 0")
     model = _Model(bodies, materials, cells or (CONTACT_CELLS if level == "full" else QUICK_CELLS), level)
-    free, limit, rigid = np.zeros(len(phi1)), np.inf, None
-    if reference is None:
-        reached, limit = _reached(gears, phi1, torque.max(), model)
-        near = reached.near
-    else:
+    free, displacement = np.zeros(len(phi1)), np.zeros((len(torque), len(phi1), 2, 6))
+    results: dict[int, _Results] = {}
+    if reference is not None:
         assert flexible == (None, None)
-        reached = reference.problem.of_flanks(gears)
+        near = reference.near.of_flanks(gears)
+        problem = reference.problem.of_near(near.repeated(len(reference.torque)))
+        at_once = _Results.of(problem, gears, reference.errors).parts(len(reference.torque))
+        results = {k: at_once[int(np.argmax(reference.torque == value))] for k, value in enumerate(torque)}
         # cells have the same error on both
-        near, free = reached.near, reached.free_rotation() - reference.problem.free_rotation()
-    supports = None
-    if flexible != (None, None):
-        supports = Supports.of(gears, flexible, len(phi1), both_hands=bool(near.half.any()))
-    shape = (len(torque), len(phi1))
-    rotation, tangent, gear_torque, residual = (np.empty(shape) for _ in range(4))
-    status, largest_stress, at_tangent, error, contact_stress = (
-        np.empty(shape, dtype=np.int64),
-        *np.empty((4, *shape, 2)),
-    )
-    largest_place, displacement = np.empty((*shape, 2, 3)), np.zeros((*shape, 2, 6))
-    loads: dict[int, PairLoad] = {}
-    own = len(gears.halves) - len(gears.fellows)
-    shares = [MeshShare(*(np.full(shape, np.nan) for _ in range(3))) for _ in range(len(gears.fellows) + 1)]
-    ratio = abs(near.pair.ratio)
+        free = problem.free_rotation() - reference.problem.free_rotation()
+        free = free.reshape(len(reference.torque), -1)[reference.torque.argmax()]
+    else:
+        reached, limit = _reached(gears, phi1, torque.max(), model)
+        near, rigid, supports = reached.near, None, None
+        if flexible != (None, None):
+            supports = Supports.of(gears, flexible, len(phi1), both_hands=bool(near.half.any()))
+        # the largest torque first: the grids of smaller ones follow from its grids
+        for k in in_turn(np.argsort(-torque, kind="stable")):
+            applied_torque, mounts_converged = float(torque[k]), True
+            # one problem per torque; members on elastic mounts are displaced until they have converged
+            if supports is not None:
+                problem, mounts_converged = _solve_on_mounts(gears, near, applied_torque, model, supports, limit)
+                displacement[k] = problem.displacement()
+            elif rigid is None:
+                problem = rigid = reached.finished(applied_torque)
+            else:
+                problem = rigid
+                problem.press(applied_torque)
+            tell(0.6)
+            results[k] = _Results.of(problem, gears)
+            if not mounts_converged:
+                results[k].status[:] = Status.MAX_ITERATIONS
+    ratio, every = abs(near.pair.ratio), [results[k] for k in range(len(torque))]
     unloaded = near.phi2 - near.pair.ratio * phi1 - near.pair.drive * ratio * free
-    # the largest torque first: the grids of smaller ones follow from its grids
-    for k in in_turn(np.argsort(-torque, kind="stable")):
-        applied_torque, mounts_converged = torque[k], True
-        # one problem per torque; members on elastic mounts are displaced until they have converged
-        if supports is not None:
-            problem, mounts_converged = _solve_on_mounts(gears, near, float(applied_torque), model, supports, limit)
-            displacement[k] = problem.displacement()
-        elif rigid is None:
-            problem = rigid = reached.finished(float(applied_torque))
-        else:
-            problem = rigid
-            problem.press(float(applied_torque))
-        tell(0.6)
-        solution, moved = problem.solution, problem.near
-        # displaced gears begin to touch at another rotation, which counts as part of the rotation under load
-        behind = unloaded - (moved.phi2 - moved.pair.ratio * phi1)
-        rotation[k] = solution.rotation + moved.pair.drive * behind / ratio
-        # status: contact must neither fill its grid to the sides nor reach its open ends
-        residual[k], status[k] = solution.residual, solution.status if mounts_converged else Status.MAX_ITERATIONS
-        status[k, moved.position[(problem.fill() > FILL_RANGE[1]) | problem.reaches_ends().any(axis=0)]] = (
-            Status.MAX_ITERATIONS
-        )
-        loads[k], at = problem.loads(), moved.position
-        if gears.fellows:
-            for pair, share in enumerate(shares):
-                share.put(k, loads[k], np.flatnonzero(np.maximum(loads[k].half - own + 1, 0) == pair))
-            loads[k] = loads[k].some(np.flatnonzero(loads[k].half < own))
-            if not loads[k].force.any():
-                raise NoSolutionError(
-                    reason=f"{gears.name} carries nothing of {1e-3 * applied_torque:g} Nm: other meshes carry all of it",
-                    remedy="a larger torque, or the figures of another mesh (--pair)",
-                )
-            at = loads[k].position
-        gear_torque[k] = problem.gear_torque()
-        tangent[k], tangent_status = problem.tangent_stiffness()
-        status[k] = np.where(tangent_status == Status.CONVERGED, status[k], tangent_status)
-        # root stress at each position, from the tooth pair with the largest stress
-        roots, members = loads[k].roots, np.arange(2)
-        worst_bending, worst_largest, worst_contact = (
-            (roots.worst(values, at, len(phi1)), members) for values in (roots.nominal, roots.largest, roots.contact)
-        )
-        at_tangent[k], error[k], contact_stress[k] = (
-            roots.bending[worst_bending],
-            roots.error[worst_bending],
-            roots.contact[worst_contact],
-        )
-        largest_stress[k], largest_place[k] = roots.largest[worst_largest], roots.place[worst_largest]
-        # the own pair has no tooth pair near where other pairs carry the torque
-        apart = np.bincount(at, minlength=len(phi1)) == 0
-        for of_roots in (at_tangent, error, contact_stress, largest_stress, largest_place):
-            of_roots[k, apart] = np.nan
+    # displaced gears begin to touch at another rotation, which counts as part of the rotation under load
+    rotation = np.stack(
+        [
+            found.rotation + near.pair.drive * (unloaded - (found.phi2 - near.pair.ratio * phi1)) / ratio
+            for found in every
+        ]
+    )
     # under load the gear lags by the pinion's rotation times the ratio
     te = unloaded - near.pair.drive * ratio * rotation
     return LoadedMesh(
@@ -407,67 +381,175 @@ def loaded_mesh(
         unloaded,
         te,
         rotation,
-        tangent,
-        gear_torque,
-        tuple(loads[k] for k in range(len(torque))),
-        largest_stress,
-        largest_place,
-        at_tangent,
-        error,
-        contact_stress,
+        np.stack([found.tangent for found in every]),
+        np.stack([found.gear_torque for found in every]),
+        tuple(found.load for found in every),
+        np.stack([found.root_stress for found in every]),
+        np.stack([found.root_place for found in every]),
+        np.stack([found.tangent_stress for found in every]),
+        np.stack([found.root_error for found in every]),
+        np.stack([found.contact_stress for found in every]),
         displacement,
-        residual,
-        status,
-        tuple(shares) if gears.fellows else (),
+        np.stack([found.residual for found in every]),
+        np.stack([found.status for found in every]),
+        tuple(
+            MeshShare(*np.moveaxis(np.stack([found.shares[:, pair] for found in every]), -1, 0))
+            for pair in range(every[0].shares.shape[1])
+        ),
     )
+
+
+@dataclass(frozen=True)
+class _Results:
+    """What a solved problem tells at P positions, as in `LoadedMesh`."""
+
+    #: rotations (P,) of the gear at first touch, rad
+    phi2: Array
+    #: rotation (P,) of the pinion from there, rad
+    rotation: Array
+    #: tangent stiffness (P,)
+    tangent: Array
+    #: torque (P,) on the gear
+    gear_torque: Array
+    #: largest stress (P, 2) in the fillets
+    root_stress: Array
+    #: its places (P, 2, 3)
+    root_place: Array
+    #: stress (P, 2) at tangents of 30 deg
+    tangent_stress: Array
+    #: estimated relative error (P, 2) of bending stress
+    root_error: Array
+    #: largest stress (P, 2) within the contact's own field
+    contact_stress: Array
+    #: residual (P,)
+    residual: Array
+    #: status (P,)
+    status: NDArray[np.int64]
+    #: values (P, K, 3) of `MeshShare` of K pairs that share the torque, the own pair first; none for a single pair
+    shares: Array
+    #: load on the tooth pairs of the own pair
+    load: PairLoad
+
+    @staticmethod
+    def of(problem: _Problem, gears: GearPair, errors: tuple[Array, Array] | None = None) -> _Results:
+        """Return the results of a problem of gears; `errors` as of `loads`.
+
+        Raises NoSolutionError if other pairs carry all of the torque.
+        """
+        near, solution, load = problem.near, problem.solution, problem.loads(errors)
+        own, shares = len(gears.halves) - len(gears.fellows), np.empty((len(near.phi1), 0, 3))
+        if gears.fellows:
+            parts = [
+                load.some(np.flatnonzero(np.maximum(load.half - own + 1, 0) == k))
+                for k in range(len(gears.fellows) + 1)
+            ]
+            shares = np.stack([part.share(len(near.phi1)) for part in parts], axis=1)
+            load = parts[0]
+            if not load.force.any():
+                raise NoSolutionError(
+                    reason=f"{gears.name} carries nothing of {1e-3 * problem.torque.max():g} Nm: other meshes carry all of it",
+                    remedy="a larger torque, or the figures of another mesh (--pair)",
+                )
+        # status: contact must neither fill its grid to the sides nor reach its open ends
+        status = solution.status.copy()
+        status[near.position[(problem.fill() > FILL_RANGE[1]) | problem.reaches_ends().any(axis=0)]] = (
+            Status.MAX_ITERATIONS
+        )
+        tangent, tangent_status = problem.tangent_stiffness()
+        # root stress at each position, from the tooth pair with the largest stress
+        roots, members = load.roots, np.arange(2)
+        worst_bending, worst_largest, worst_contact = (
+            (roots.worst(values, load.position, len(near.phi1)), members)
+            for values in (roots.nominal, roots.largest, roots.contact)
+        )
+        return _Results(
+            near.phi2,
+            solution.rotation,
+            tangent,
+            problem.gear_torque(),
+            roots.largest[worst_largest],
+            roots.place[worst_largest],
+            roots.bending[worst_bending],
+            roots.error[worst_bending],
+            roots.contact[worst_contact],
+            solution.residual,
+            np.where(tangent_status == Status.CONVERGED, status, tangent_status),
+            shares,
+            load,
+        )
+
+    def parts(self, count: int) -> list[_Results]:
+        """Return the results of `count` equal parts of the positions."""
+        size = len(self.phi2) // count
+        arrays = [np.split(values, count) for name, values in vars(self).items() if name != "load"]
+        return [_Results(*(values[k] for values in arrays), self.load.at(k * size, size)) for k in range(count)]
 
 
 @dataclass(frozen=True)
 class Reference:
     """A solved mesh whose grids and bodies serve nearly equal gears at the same positions."""
 
-    gears: GearPair
-    #: the mesh under the largest torque
+    #: torques (T,) on the pinion, N mm
+    torque: Array
+    #: the mesh at P positions under all torques, one after the other, as T P positions
     problem: _Problem
-    #: outlines of both members
-    outlines: tuple[BodyOutline, BodyOutline]
+    #: tooth pairs at the positions
+    near: NearPairs
+    #: relative errors of peak pressures (T M,) and of bending stresses (T M, 2), estimated; those of the variants are
+    #: taken to be the same
+    errors: tuple[Array, Array]
 
     @staticmethod
     def of(
         gears: GearPair,
         phi1: Array,
-        torque: float,
+        torque: Array,
         bodies: tuple[FlankCompliance, FlankCompliance],
         materials: tuple[Material, Material],
         level: Level,
     ) -> Reference:
-        """Solve a mesh at P rotations under the largest torque, N mm, of its variants."""
-        cells = CONTACT_CELLS if level == "full" else QUICK_CELLS
-        reached, _ = _reached(gears, phi1, torque, _Model(bodies, materials, cells, level))
-        return Reference(gears, reached.finished(torque), outlines_of(gears))
+        """Solve a mesh at P rotations under the torques (T,), N mm, of its variants."""
+        model = _Model(bodies, materials, CONTACT_CELLS if level == "full" else QUICK_CELLS, level)
+        applied = np.unique(torque)[::-1]
+        reached, _ = _reached(gears, phi1, applied[0], model)
+        problem = reached.finished(float(applied[0]))
+        grids = [problem.grids.copy()]
+        for smaller in applied[1:]:
+            problem.press(float(smaller))
+            grids.append(problem.grids.copy())
+        near = problem.near.repeated(len(applied))
+        at_once = _Problem(near, np.repeat(applied, len(phi1)), model, _Grids.join(grids), tolerance=model.tolerance)
+        at_once.fit(WIDENING_FACTOR, ends=True)
+        load = at_once.loads()
+        return Reference(applied, at_once, problem.near, (load.error, load.roots.error))
 
     @property
     def bodies(self) -> tuple[FlankCompliance, FlankCompliance]:
         """Compliance of the working flanks of pinion and gear."""
         return self.problem.bodies
 
-    def serves(self, gears: GearPair, phi1: Array, outlines: tuple[BodyOutline, BodyOutline]) -> bool:
-        """Return True for gears with nearly the same teeth in nearly the same places at the same positions (P,), rad;
-        `outlines` are those of their members."""
-        own = self.problem.near.phi1
-        if (
-            len(own) != len(phi1)
-            or not np.allclose(own, phi1, rtol=0.0, atol=1e-9)
-            or gears.flanks != self.gears.flanks
-        ):
-            return False
-        shifts = [
-            mine.shift(other) + mine.moved(*(each.at(0.0) for each in mounts))
-            for mine, other, mounts in zip(
-                self.outlines, outlines, zip(self.gears.mounts, gears.mounts, strict=True), strict=True
-            )
-        ]
-        return max(shifts) < MAX_VARIANT_SHIFT
+    def at_positions(self, phi1: Array) -> bool:
+        """Return True if the mesh is solved at these rotations (P,), rad."""
+        own = self.near.phi1
+        return len(own) == len(phi1) and bool(np.allclose(own, phi1, rtol=0.0, atol=1e-9))
+
+
+def largest_shift(
+    first: GearPair,
+    second: GearPair,
+    outlines: tuple[BodyOutline, BodyOutline],
+    other_outlines: tuple[BodyOutline, BodyOutline],
+) -> float:
+    """Return the largest distance between the same places of two mounted pairs over the depth of the teeth; infinite for
+    other flanks or bodies. `outlines` and `other_outlines` are those of their members."""
+    if first.flanks != second.flanks:
+        return np.inf
+    return max(
+        mine.shift(other) + mine.moved(*(each.at(0.0) for each in mounts))
+        for mine, other, mounts in zip(
+            outlines, other_outlines, zip(first.mounts, second.mounts, strict=True), strict=True
+        )
+    )
 
 
 def outlines_of(gears: GearPair) -> tuple[BodyOutline, BodyOutline]:
@@ -550,6 +632,22 @@ class _Grids:
         """Return the grids of some pairs."""
         pressure = None if self.pressure is None else self.pressure[rows]
         return _Grids(self.torque, self.widen[rows], self.part[:, rows], pressure)
+
+    def copy(self) -> _Grids:
+        """Return the grids with arrays of their own."""
+        pressure = None if self.pressure is None else self.pressure.copy()
+        return _Grids(self.torque, self.widen.copy(), self.part.copy(), pressure)
+
+    @staticmethod
+    def join(grids: Sequence[_Grids]) -> _Grids:
+        """Return grids of the same torque, one after the other."""
+        pressures_before = [each.pressure for each in grids if each.pressure is not None]
+        return _Grids(
+            grids[0].torque,
+            np.concatenate([each.widen for each in grids]),
+            np.concatenate([each.part for each in grids], axis=1),
+            np.concatenate(pressures_before),
+        )
 
     def with_halved_cells(self) -> _Grids:
         """Return the grids with their pressures on cells half as long and half as wide."""
@@ -652,15 +750,16 @@ def _settle(
 
 
 class _Problem:
-    """Contact problem of all positions under one torque: tooth pairs (M,), each with a grid of cells (X, Y).
+    """Contact problem of all positions: tooth pairs (M,), each with a grid of cells (X, Y).
 
+    The torque is one for all, or one for each position (P,).
     Arrays by position have slots (P, K) for the pairs: K is the largest number of pairs at a position.
     """
 
     def __init__(
         self,
         near: NearPairs,
-        torque: float,
+        torque: float | Array,
         model: _Model,
         grids: _Grids,
         supports: Supports | None = None,
@@ -669,9 +768,10 @@ class _Problem:
     ) -> None:
         bodies, materials, cells = model.bodies, model.materials, model.cells
         self.whole_model = model
-        self.near, self.torque, self.model, self.supports, self.tolerance = near, torque, model, supports, tolerance
+        self.near, self.model, self.supports, self.tolerance = near, model, supports, tolerance
         self.bodies, self.materials = bodies, materials
         count = len(near.phi1)
+        self.torque = np.broadcast_to(torque, count)
         self.slot, self.most = slots or _slots_of(near)
         # gaps on grids whose size is estimated from the whole torque on each pair alone
         self.lever = near.levers(0, near.path.point, near.axes[:, :, 2])
@@ -741,7 +841,7 @@ class _Problem:
             self.levers[which],
             self.areas[which],
             self.on[which].reshape(flat),
-            np.full(len(which), self.torque),
+            self.torque[which],
             start,
             self._ease(grid.dx, grid.dy, self.gap.shape)[which],
             self._estimate(which),
@@ -771,7 +871,7 @@ class _Problem:
         model = self.whole_model
         if model is not self.model:
             return _fit_grids(self.near, torque, model, grids=model.fine(self.grids))
-        if torque != self.torque:
+        if torque != self.torque[0]:
             self.press(torque)
         if self.tolerance == model.tolerance:
             return self
@@ -785,10 +885,11 @@ class _Problem:
         self.fit(WIDENING_FACTOR, ends=True)
         return self
 
-    def of_flanks(self, gears: GearPair) -> _Problem:
-        """Return the problem of nearly equal gears, from the grids and pressures of these, with the same bodies."""
-        near, slots = self.near.of_flanks(gears), (self.slot, self.most)
-        problem = _Problem(near, self.torque, self.model, self.grids, slots=slots, tolerance=self.model.tolerance)
+    def of_near(self, near: NearPairs) -> _Problem:
+        """Return the problem of the same pairs of nearly equal gears, from the grids and pressures of these, with the same
+        bodies."""
+        slots = self.slot, self.most
+        problem = _Problem(near, self.torque, self.model, self.grids, slots=slots, tolerance=VARIANT_TOLERANCE)
         problem.fit(WIDENING_FACTOR, ends=True)
         return problem
 
@@ -807,10 +908,10 @@ class _Problem:
 
         Results of the last torque keep their arrays.
         """
-        ratio = min(torque / self.torque, 1.0)
+        ratio = min(torque / float(self.torque[0]), 1.0)
         share = np.full(len(self.widen), ratio**WIDTH_EXPONENT)
         (start, length), loaded = self.used_part(), self._counting()
-        self.torque, self.grid = torque, self.grid.copy()
+        self.torque, self.grid = np.full(len(self.torque), torque), self.grid.copy()
         self.pressure, self.line = self.pressure.copy(), self.line.copy()
         self.solution = self.solution.copy()
         self.filled = np.where(self.filled > 0.0, self.filled, length)
@@ -919,7 +1020,7 @@ class _Problem:
         rows = np.flatnonzero(positions[self.near.position])
         part = _Problem(
             near,
-            self.torque,
+            self.torque[positions],
             self.model,
             grids.some(rows),
             None if self.supports is None else replace(self.supports, anchor=self.supports.anchor[positions]),
@@ -1076,8 +1177,12 @@ class _Problem:
         moments = (self.line * self.grid.levers[1]).sum(axis=1)
         return np.bincount(self.near.position, moments, len(self.near.phi1)).astype(float)
 
-    def loads(self) -> PairLoad:
-        """Return the load on every tooth pair, with peak pressure, its error, and root stress."""
+    def loads(self, errors: tuple[Array, Array] | None = None) -> PairLoad:
+        """Return the load on every tooth pair, with peak pressure, its error, and root stress.
+
+        `errors`: known relative errors of peak pressures (M,) and of bending stresses (M, 2); by default at level "full"
+        they are estimated.
+        """
         blunt = alike(self.grid)
         on_edge, sharp = (
             np.asarray(((self.pressure > 0.0) & ~inside(self.grid.on, 1, 1, rounded)).any(axis=(1, 2)))
@@ -1090,8 +1195,8 @@ class _Problem:
         rows = RowGrid(self.pressure, grid.on, grid.edged, grid.dx, ends, blunt_ends)
         zone = min(edge_zone(body.points) for body in self.bodies)
         largest = peaks(rows, zone)
-        error = np.full(len(largest.pressure), np.nan)
-        if self.model.level == "full":
+        error = np.full(len(largest.pressure), np.nan) if errors is None else errors[0]
+        if errors is None and self.model.level == "full":
             of_coarser = peaks(coarser(rows, self.by_coarser_cells()), zone).pressure
             error = CELL_ERROR_SHARE * np.abs(largest.pressure - of_coarser) / largest.pressure
         place = self.near.in_place(self.grid.middle[np.arange(len(largest.row)), largest.row])
@@ -1106,7 +1211,7 @@ class _Problem:
             sharp,
             self.pressure,
             self.grid,
-            self.root_stress(),
+            self.root_stress() if errors is None else replace(self.root_stress(estimate=False), error=errors[1]),
             error,
         )
 
@@ -1141,7 +1246,7 @@ class _Problem:
             mean(self.levers.reshape(fine_shape)).reshape(flat_shape),
             np.broadcast_to(area[..., None, None], slot_shape).reshape(flat_shape),
             on.reshape(flat_shape),
-            np.full(count, self.torque),
+            self.torque,
             start.reshape(flat_shape),
             self._ease(dx, dy, slot_shape),
             half_space_pressures(self._slots(dx, 1.0), self._slots(dy, 1.0), cells),
@@ -1149,8 +1254,9 @@ class _Problem:
         pressure = np.where(idle[:, None], np.nan, solution.pressure).reshape(slot_shape)
         return pressure[self.near.position, self.slot]
 
-    def root_stress(self) -> RootStress:
-        """Return the root stress of pinion and gear, with its places in the fixed frame."""
+    def root_stress(self, *, estimate: bool = True) -> RootStress:
+        """Return the root stress of pinion and gear, with its places in the fixed frame; errors are NaN without an
+        `estimate`."""
         mounts, stresses = self.near.mounts, []
         for member, body in enumerate(self.bodies):
             pressed = Pressed(
@@ -1160,7 +1266,7 @@ class _Problem:
                 self._couples(member),
                 self.materials[member].poisson_ratio,
             )
-            member_stress = root_stress(body, body.coarser, pressed)
+            member_stress = root_stress(body, body.coarser if estimate else None, pressed)
             fixed_place = (
                 mounts[member]
                 .at(self.near.turns[member])

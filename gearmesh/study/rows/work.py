@@ -46,7 +46,7 @@ from gearmesh.figures import Figures, Summary, figure
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.compliance.compliance import BodyOutline, FlankCompliance
-from gearmesh.loaded.sharing import MAX_BODY_SHIFT, Level, Reference, outlines_of
+from gearmesh.loaded.sharing import MAX_BODY_SHIFT, MAX_VARIANT_SHIFT, Level, Reference, largest_shift, outlines_of
 from gearmesh.records import dataclass
 from gearmesh.study.rows.load_figures import POSITIONS_PER_PITCH, load_figures
 from gearmesh.study.rows.path_figures import PathShift, path_figures
@@ -235,7 +235,7 @@ class StudyWork:
             figures = Summary(figures, turns_figures(variant.design, variant.train, variant.pair))
         if LOAD_GROUP in self.groups:
             phi1 = variant.pair.pitch * np.arange(POSITIONS_PER_PITCH) / POSITIONS_PER_PITCH
-            reference = self._reference(variant, phi1) if self.level == "quick" else None
+            reference = self._reference(variant, phi1)
             loaded = loaded_contact_of(
                 variant.design,
                 variant.sharing,
@@ -255,10 +255,17 @@ class StudyWork:
         It is the same in every process, so that rows do not depend on which rows were computed before.
         """
         own = json.dumps(self.own, sort_keys=True)
-        known = _reference_of(own, self.pair, max(self.torque), self.level)
-        if known is None or known.held != _held(variant.design, variant.pair):
+        base = _standing(own, self.pair)
+        if base is None or _held(base.design, base.pair) != _held(variant.design, variant.pair):
             return None
-        return known.mesh if known.mesh.serves(variant.sharing, phi1, variant.bodies.outlines) else None
+        if mounts_of(base.design, base.pair):
+            return None
+        # at level "full" the design itself is solved on its own
+        shift = largest_shift(base.sharing, variant.sharing, base.bodies.outlines, variant.bodies.outlines)
+        if shift > MAX_VARIANT_SHIFT if self.level == "quick" else not 0.0 < shift < MAX_BODY_SHIFT:
+            return None
+        known = _reference_of(own, self.pair, self.torque, self.level)
+        return known if known is not None and known.at_positions(phi1) else None
 
     def _bodies(self, variant: Variant) -> Bodies:
         """Return the bodies of the unchanged design if they serve a variant; else its own."""
@@ -401,15 +408,6 @@ def _build(text: str, which: int | str) -> Variant:
     return Variant(aligned, train, pair, flanks, frame, errors, phi1, Bodies(aligned, pair))
 
 
-@dataclass(frozen=True)
-class _SolvedReference:
-    """A solved mesh that serves nearly equal designs."""
-
-    mesh: Reference
-    #: what the compliance depends on beside the shape of the members
-    held: tuple[Any, ...]
-
-
 def _held_bodies(design: Design, pair: GearPair) -> tuple[Any, ...]:
     """Return materials and places at which bodies of a pair are held."""
     return materials_of(design, pair), held_by_rim(design, pair)
@@ -428,19 +426,25 @@ def _bodies_of(text: str, which: int | str) -> Bodies | None:
         return None
 
 
-@lru_cache(maxsize=2)
-def _reference_of(text: str, which: int | str, torque: float, level: Level) -> _SolvedReference | None:
-    """Return the mesh of the design of a JSON text under the largest torque, Nm; None on elastic mounts, or if it has no
-    contact."""
+def _standing(text: str, which: int | str) -> Variant | None:
+    """Return the design of a JSON text with its own errors of assembly; None if it cannot be built."""
     try:
         variant = _build(text, which)
-        variant = variant.standing(variant.bases({"": np.zeros(1)}), 0)
-        held = _held(variant.design, variant.pair)
-        if held[-1]:
-            return None
-        phi1 = variant.pair.pitch * np.arange(POSITIONS_PER_PITCH) / POSITIONS_PER_PITCH
-        mesh = Reference.of(variant.sharing, phi1, 1e3 * torque, variant.bodies.of(level), held[0], level)
-        return _SolvedReference(mesh, held)
+        return variant.standing(variant.bases({"": np.zeros(1)}), 0)
+    except GearmeshError:
+        return None
+
+
+@lru_cache(maxsize=2)
+def _reference_of(text: str, which: int | str, torque: tuple[float, ...], level: Level) -> Reference | None:
+    """Return the mesh of the design of a JSON text on rigid mounts under torques, Nm; None if it has no contact."""
+    variant = _standing(text, which)
+    if variant is None:
+        return None
+    phi1 = variant.pair.pitch * np.arange(POSITIONS_PER_PITCH) / POSITIONS_PER_PITCH
+    materials = materials_of(variant.design, variant.pair)
+    try:
+        return Reference.of(variant.sharing, phi1, 1e3 * np.array(torque), variant.bodies.of(level), materials, level)
     except GearmeshError:
         return None
 
