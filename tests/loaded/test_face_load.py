@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 from oracles.loaded import loaded_contact
 
+from gearmesh.answers.load.loaded import face_exponent
+
 MISALIGNED = "assembly.gamma_v=0.02"
 
 
@@ -26,10 +28,22 @@ def test_the_face_load_factor_is_largest_over_mean_load_of_slices() -> None:
         (total,) = loaded.totals
         assert total.k_h_beta == pytest.approx(slices.max() / slices.mean(), rel=5e-3)
         factors.append(total.k_h_beta)
+        # gear: 28 mm over 2.25 modules of 3 mm
+        ratio = 28.0 / (2.25 * 3.0)
+        assert total.k_f_beta == pytest.approx(total.k_h_beta ** (1.0 / (1.0 + 1.0 / ratio + 1.0 / ratio**2)), rel=1e-6)
         lean = slices[0] / slices[-1]
         assert lean > 1.2 if keys else lean == pytest.approx(1.0, rel=1e-3)
     # the ends of the narrower gear bear more than its middle, the misaligned end more still
     assert 1.05 < factors[0] < factors[1] - 0.05
+
+
+def test_the_exponent_is_that_of_the_standard() -> None:
+    """ISO/TR 6336-30, example 1 (17/103 teeth, module 8, face 100 mm): K_Hbeta 1.16 gives K_Fbeta 1.12803."""
+    # tip 1.145 and root 1.4 - 0.145 modules from the reference circle; the gear is as deep
+    assert 1.16 ** face_exponent((100.0, 100.0), (19.2, 19.2)) == pytest.approx(1.12803, rel=5e-4)
+    # narrow faces count as three whole depths, and the smaller ratio counts: 9 / (1 + 3 + 9)
+    assert face_exponent((10.0, 50.0), (10.0, 10.0)) == pytest.approx(9.0 / 13.0, rel=1e-12)
+    assert face_exponent((80.0, 50.0), (10.0, 10.0)) == pytest.approx(25.0 / 31.0, rel=1e-12)
 
 
 def test_parts_of_a_mesh_cycle_have_no_face_load_factor() -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -19,6 +18,7 @@ import gearmesh as gm
 from gearmesh.answers.load import loaded
 from gearmesh.contact.hertz import STEEL, Material
 from gearmesh.errors import DesignError, NoSolutionError, OutputError, Status
+from gearmesh.loaded import sharing
 from gearmesh.loaded.compliance.compliance import FlankCompliance, flank_compliance
 from gearmesh.loaded.sharing import loaded_mesh
 from gearmesh.mesh.hexahedra.hexahedra import Cells
@@ -47,7 +47,7 @@ def bodies(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         return first, second
 
     monkeypatch.setattr(loaded, "compliances", few)
-    monkeypatch.setattr(loaded, "loaded_mesh", partial(loaded_mesh, cells=(24, 14)))
+    monkeypatch.setattr(sharing, "CONTACT_CELLS", (24, 14))
     _build.cache_clear()
     return asked
 

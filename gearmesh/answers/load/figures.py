@@ -204,6 +204,11 @@ class LoadedTotals(Figures):
         symbol="K_Hbeta",
         optional=True,
     )
+    k_f_beta: float | None = figure(
+        "face load factor of root stress by ISO 6336-1, from K_Hbeta, face widths and whole depths",
+        symbol="K_Fbeta",
+        optional=True,
+    )
     fillets: Mapping[str, FilletFigures] = figure("largest stresses in the fillets", parts=FilletFigures)
     nominal_contact_stress: float | None = figure(
         "nominal contact stress of ISO 6336-2, without load factors", "MPa", "sigma_H0", optional=True

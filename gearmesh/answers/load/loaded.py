@@ -49,6 +49,7 @@ from gearmesh.loaded.sharing import (
     loaded_mesh,
     whole_cycle,
 )
+from gearmesh.mesh.hexahedra.hexahedra import whole_depth
 from gearmesh.progress import listening
 from gearmesh.records import dataclass
 from gearmesh.systems.system import NominalStresses, system_of
@@ -62,6 +63,8 @@ if TYPE_CHECKING:
 POSITIONS_PER_PITCH = 21
 #: slices of the common face in which the load is summed for the face load factor
 FACE_SLICES = 20
+#: least face width over whole depth that counts for the face load factor of root stress [ISO 6336-1]
+LEAST_WIDTH_DEPTHS = 3.0
 #: warning of gears with pitch deviations
 UNEQUAL_PAIRS_WARNING = (
     "pitch deviations: every tooth pair is loaded differently; figures are for those in contact at these positions, with their "
@@ -377,6 +380,7 @@ class LoadedContact(Result):
         pair_counts = self._carrying(load)
         worst = np.nan_to_num(load.peak).argmax()
         phi1_of_worst = self.mesh.phi1[load.position[worst]] if np.isfinite(load.peak[worst]) else np.nan
+        face_load_factor = self._face_load_factor(load)
         return LoadedTotals(
             torque=1e-3 * float(mesh.torque[torque]),
             te_peak_to_peak=float(mesh.te_peak_to_peak[torque]) / ARCSEC,
@@ -390,7 +394,8 @@ class LoadedContact(Result):
             gear_torque_ripple=100.0 * float(np.ptp(mesh.gear_torque[torque]) / abs(mesh.gear_torque[torque].mean())),
             mean_tangent_stiffness=1e-3 * float(mesh.tangent[torque].mean()) * ARCSEC,
             **self._per_width(torque, load),
-            k_h_beta=self._face_load_factor(load),
+            k_h_beta=face_load_factor,
+            k_f_beta=None if face_load_factor is None else face_load_factor**self._face_exponent,
             fillets=self.largest_in_fillets(torque),
             nominal_contact_stress=self._nominal_contact(torque),
             nominal_root_stress=self._nominal_root(torque),
@@ -465,6 +470,16 @@ class LoadedContact(Result):
             return None
         loads = load_along_face(load, self.pair.pinion.mount.axis, np.linspace(*self._face, FACE_SLICES + 1))
         return float(loads.max() / loads.mean())
+
+    @cached_property
+    def _face_exponent(self) -> float:
+        """Exponent N_F of K_Fbeta over K_Hbeta, from face widths of one half and whole depths of both members."""
+        widths, depths = [], []
+        for member, side in zip(self.pair.both, self.pair.flanks, strict=True):
+            ends = member.tooth.flank_grid(side, np.array([0.5]), np.array([0.0, 1.0])).points[0, :, 2]
+            widths.append(abs(float(ends[1] - ends[0])))
+            depths.append(whole_depth(member.one_tooth, np.array([0.0, 0.5, 1.0])))
+        return face_exponent(widths, depths)
 
     @cached_property
     def lever(self) -> float:
@@ -844,6 +859,16 @@ def _common_face(pair: GearPair, turns: tuple[float, float]) -> tuple[float, flo
         for member, side, turn in zip(pair.both, pair.flanks, turns, strict=True)
     ]
     return float(max(low for low, _ in ends)), float(min(high for _, high in ends))
+
+
+def face_exponent(widths: Sequence[float], depths: Sequence[float]) -> float:
+    """Return N_F of K_Fbeta = K_Hbeta^N_F [ISO 6336-1], from face widths b and whole depths h of both members.
+
+    A root bears its load over a length of about h along the face: narrow faces even it out. The smaller b/h counts, and
+    3 at least.
+    """
+    ratio = max(LEAST_WIDTH_DEPTHS, min(b / h for b, h in zip(widths, depths, strict=True)))
+    return ratio**2 / (1.0 + ratio + ratio**2)
 
 
 def _has_parallel_axes(pair: GearPair) -> bool:
