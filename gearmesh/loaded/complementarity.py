@@ -30,8 +30,10 @@ from gearmesh.kernel.numeric.algebra import Array
 PRESSURE_TOLERANCE = 1e-7
 #: residual over the largest displacement; a larger residual means no convergence
 MAX_RELATIVE_RESIDUAL = 1e-4
-#: largest number of steps; 40 to 150 are usual
+#: largest number of steps; 30 to 60 are usual
 MAX_STEPS = 600
+#: steps after which directions begin anew whenever cells begin or cease to touch: a cell may do both in turns for ever
+FREE_STEPS = 40
 #: convergence of the tangent: residual over the levers; the error of the stiffness is its square
 TANGENT_TOLERANCE = 1e-4
 
@@ -140,6 +142,8 @@ def pressures(
         gained = descent_size - (inner * last_gap[active] * descent).sum(axis=1)
         known = last_size[active] > LEAST_DESCENT
         conjugate_share = np.divide(np.maximum(gained, 0.0), last_size[active], out=np.zeros_like(gained), where=known)
+        if steps > FREE_STEPS:
+            conjugate_share[restarts[active]] = 0.0
         last_size[active], last_gap[active] = descent_size, w
         d = np.where(touching, descent + conjugate_share[:, None] * direction[active], 0.0)
         response = moved(d, active)

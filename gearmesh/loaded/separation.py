@@ -886,13 +886,14 @@ class _Surfaces:
         """
         kappa, fixed = np.maximum(self._near.kappa[:, 1:], LEAST_KAPPA), self._fixed[:, None]
         max_step, curvature = np.sqrt(2.0 * MAX_STEP_GAP_MM / kappa), np.broadcast_to(kappa, x.shape)
-        y, beside = np.zeros_like(x), None
+        y, known = np.zeros_like(x), None
         if self.known is not None:
-            beside, known_y = self.known.next_to(x)
+            known, known_y = self.known.next_to(x)
             y = np.where(fixed, 0.0, known_y)
+        beside = self.at(x, y, beside=known)
         last_step, last_slope = np.zeros_like(y), np.zeros_like(y)
         for k in range(RIDGE_STEPS):
-            beside = self.at(x, y, beside=beside)
+            beside = self.at(x, y, beside=beside) if k else beside
             # secant method for slope of the gap = 0 along y. The curvature stays positive and near the curvature at
             # first touch: steps then lead to the minimum of the gap next to first touch, never to a maximum
             slopes = [

@@ -481,8 +481,11 @@ class _Results:
     def parts(self, count: int) -> list[_Results]:
         """Return the results of `count` equal parts of the positions."""
         size = len(self.phi2) // count
-        arrays = [np.split(values, count) for name, values in vars(self).items() if name != "load"]
-        return [_Results(*(values[k] for values in arrays), self.load.at(k * size, size)) for k in range(count)]
+        arrays = {name: np.split(values, count) for name, values in vars(self).items() if name != "load"}
+        return [
+            replace(self, **{name: parts[k] for name, parts in arrays.items()}, load=self.load.at(k * size, size))
+            for k in range(count)
+        ]
 
 
 @dataclass(frozen=True)

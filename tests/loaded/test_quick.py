@@ -12,7 +12,7 @@ from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh.contact.hertz import STEEL
-from gearmesh.errors import DesignError
+from gearmesh.errors import DesignError, Status
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.loaded.sharing import (
     MAX_VARIANT_SHIFT,
@@ -98,6 +98,17 @@ def test_a_variant_on_grids_and_bodies_of_another_design() -> None:
     np.testing.assert_allclose(found.rotation, own.rotation, rtol=5e-3)
     other = pair_with(sample, "pinion.modifications.helix_crowning=200um")
     assert largest_shift(pair, other, outlines_of(pair), outlines_of(other)) > MAX_VARIANT_SHIFT
+
+
+@pytest.mark.sweep
+def test_contact_that_opens_and_closes_in_turns_converges() -> None:
+    """A cell of a variant of the helical sample did so for 600 steps, until directions began anew there."""
+    sample = "helical"
+    pair, variant = pair_with(sample), pair_with(sample, "pinion.modifications.profile_crowning=7um")
+    phi1, torque, bodies = positions(pair), 1e3 * np.array(TORQUES[sample]), compliances(pair, level="quick")
+    reference = Reference.of(pair, phi1, torque, bodies, (STEEL, STEEL), "quick")
+    found = loaded_mesh(variant, phi1, torque, bodies, level="quick", reference=reference)
+    assert (found.status == Status.CONVERGED).all()
 
 
 def test_other_levels_are_refused() -> None:
