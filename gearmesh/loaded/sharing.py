@@ -401,7 +401,7 @@ def loaded_mesh(
 
 @dataclass(frozen=True)
 class _Results:
-    """What a solved problem tells at P positions, as in `LoadedMesh`."""
+    """Figures of a solved problem at P positions, as in `LoadedMesh`."""
 
     #: rotations (P,) of the gear at first touch, rad
     phi2: Array
