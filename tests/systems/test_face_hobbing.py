@@ -22,8 +22,16 @@ from gearmesh.systems.spiral_bevel.hobbing.sides import HobbedContact
 from gearmesh.systems.spiral_bevel.machine.generated import Generated, Indexing
 from gearmesh.systems.spiral_bevel.machine.pair import MATING_SIDES, nominal_base
 from gearmesh.systems.spiral_bevel.synthesis.contact_choice import contact_said
+from gearmesh.systems.spiral_bevel.synthesis.contact_preview import ContactPreviews
 from gearmesh.systems.spiral_bevel.synthesis.local_synthesis import conjugate_operator
-from gearmesh.systems.spiral_bevel.synthesis.settings import basic_blank, gear_sides, mean_point, tool_values
+from gearmesh.systems.spiral_bevel.synthesis.settings import (
+    ContactChoice,
+    basic_blank,
+    contact_asked,
+    gear_sides,
+    mean_point,
+    tool_values,
+)
 from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import BevelTeeth, bevel_teeth
 from gearmesh.teeth.generation.tool_in_place import tool_in_place
 from gearmesh.teeth.region import Side
@@ -49,6 +57,15 @@ PAIRS: dict[str, dict[str, Any]] = {
 }
 #: no crowning at all
 CONJUGATE = {"length_crowning": 0, "profile_crowning": 0}
+#: pairs of gears with many teeth that are not generated, and pairs with a large offset
+MANY_TEETH: dict[str, Any] = {
+    **{"kind": "spiral_bevel", "module": 2, "spiral_angle": 26.4, "head": {"blade_groups": 6}},
+    **{"pinion": {"teeth": 38}, "gear": {"teeth": 154}},
+}
+LARGE_OFFSET: dict[str, Any] = {
+    **{"kind": "hypoid", "module": 5, "offset": 80, "spiral_angle": 43, "head": {"blade_groups": 12}},
+    **{"pinion": {"teeth": 20}, "gear": {"teeth": 110}},
+}
 #: a design of face milling with all settings
 MILLED = "samples/spiral_bevel_abdullah_curved.toml"
 NAMES = ("concave", "convex")
@@ -294,16 +311,39 @@ def test_conjugate_pinion_of_a_formed_gear_is_cut_in_the_cradle() -> None:
         assert np.abs(path.phi2 - mesh.ratio * path.phi1 - path.phi2[3]).max() < 1e-9
 
 
+def test_crowned_gear_head_cuts_pinion_in_place_of_gear() -> None:
+    """Local synthesis of its contact finds the gear's place again, with both crownings, and the lag and ellipse asked for."""
+    design_mm: Any = gm.build(
+        gm.parse({**BASIC, "process": "face_hobbed_formate", "depth_factor": 1.85})
+    ).design.in_mm()
+    blank = basic_blank(design_mm)
+    for name in NAMES:
+        previews, plain = ContactPreviews(design_mm, blank, name), ContactChoice(contact_asked(design_mm, blank, name))
+        for lengthwise in (True, False):
+            choice = previews.crowned(plain, lengthwise=lengthwise)
+            assert choice.asked.ratio_derivative == pytest.approx(plain.asked.ratio_derivative, rel=1e-4)
+            assert choice.asked.semi_major_axis < 1.08 * plain.asked.semi_major_axis
+            path = previews.of(choice)
+            assert path is not None
+            settings, gear = path.pinion.settings, gear_sides(design_mm, blank)[MATING_SIDES[name]]
+            assert settings.ratio_of_roll == pytest.approx(14 / 39, rel=1e-9)
+            # 0 where both crownings vanish; the sweep of the crowned head is not exactly that of a wider one
+            assert abs(settings.machining_offset) < 0.003 * blank.gear.mean_cone_distance
+            assert path.pinion.blade.blade_angle == pytest.approx(gear.blade.blade_angle, abs=0.01)
+            # the path's mean point is not centred here: its ends are not where the teeth change
+            assert previews.apart(path) > -0.15
+
+
 @pytest.mark.parametrize("name", NAMES)
-def test_pinion_of_many_toothed_formed_gear_has_own_ratio_of_roll(name: str) -> None:
-    """Blades at the ratio of the teeth would be hollow by 17 working depths, and their flanks interfere by 25 um."""
-    values = {"kind": "spiral_bevel", "process": "face_hobbed_formate", "module": 2, "spiral_angle": 26.4}
-    teeth = {"pinion": {"teeth": 38}, "gear": {"teeth": 154}, "head": {"blade_groups": 6}}
-    gears = gm.build(gm.parse({**values, **teeth, "contact": {"side": f"pinion_{name}"}}))
+@pytest.mark.parametrize("values", [MANY_TEETH, LARGE_OFFSET], ids=["many_teeth", "large_offset"])
+def test_pinion_of_formed_gear_has_ratio_of_roll_of_teeth(values: dict[str, Any], name: str) -> None:
+    """By other contacts blades would be hollow by 17 working depths, with interference of 25 um, or there is no machine."""
+    gears = gm.build(gm.parse({**values, "process": "face_hobbed_formate", "contact": {"side": f"pinion_{name}"}}))
     made = bevel_teeth(gears.design.in_mm())
     depth, sides = made.cut.blank.mean_working_depth, made.cut.pinion
-    assert 24.0 - 1e-9 < -sides[name].blade.blade_radius / depth < 36.0
-    assert abs(sides[name].settings.ratio_of_roll / (38 / 154) - 1.0) > 0.05
+    assert 20.0 < -sides[name].blade.blade_radius / depth < 100.0
+    teeth = values["pinion"]["teeth"] / values["gear"]["teeth"]
+    assert sides[name].settings.ratio_of_roll == pytest.approx(teeth, rel=1e-9)
     answer = gears.contact().summary
     assert not answer["interference_um"]
     assert not answer["te_breaks_phi1_deg"]

@@ -36,7 +36,7 @@ STRAIGHT_KEY = "gear.cutter.tip_radius"
 #: largest cutter radius that is tried, in mean cone distances
 MAX_RADIUS_SHARE = 100.0
 #: largest tilt (deg) of a cutter, that of the key
-MAX_TILT_DEG = 40.0
+MAX_TILT_DEG = 60.0
 #: number of halvings of the range of possible radii
 RADIUS_HALVINGS = 12
 #: share of the largest possible radius that is used: at the limit the chosen contact may have no pinion

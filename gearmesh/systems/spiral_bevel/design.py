@@ -106,7 +106,7 @@ class Machine(Table):
     modified_roll_c4: float = keys.number("modified roll, fourth order", 0.0, low=-1, high=1)
     modified_roll_c5: float = keys.number("modified roll, fifth order", 0.0, low=-1, high=1)
     modified_roll_c6: float = keys.number("modified roll, sixth order", 0.0, low=-1, high=1)
-    tilt: float = keys.angle(_TILT_TEXT, 0.0, low=-40, high=40, source="[LF04] 21")
+    tilt: float = keys.angle(_TILT_TEXT, 0.0, low=-60, high=60, source="[LF04] 21")
     swivel: float = keys.angle(
         "swivel j: direction of the tilt, 0 = towards growing cradle angle, 90 = towards the machine centre",
         0.0,
@@ -218,8 +218,8 @@ class PinionSide(Machine):
     tilt: float = keys.angle(
         _TILT_TEXT,
         DERIVED_VALUE,
-        low=-40,
-        high=40,
+        low=-60,
+        high=60,
         default="0; where the gear is not generated the cutter is upright on the root line",
         source="[LF04] 21",
     )

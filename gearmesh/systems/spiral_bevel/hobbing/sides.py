@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import ARCSEC, Array
+from gearmesh.kernel.numeric.algebra import ARCSEC, Array, unit
 from gearmesh.kernel.surface.curvature import shape_operator
 from gearmesh.systems.common.bevel.blank import BevelBlank, MemberBlank, basic_data
 from gearmesh.systems.common.bevel.cone_blank import ConeData
 from gearmesh.systems.common.bevel.iso23509.tooth_line import FaceCutter, ToothLine
+from gearmesh.systems.spiral_bevel.hobbing.crowning import crown_curvatures
 from gearmesh.systems.spiral_bevel.hobbing.head import HeadLines, head_radius
 from gearmesh.systems.spiral_bevel.hobbing.head_synthesis import IndexingHead
 from gearmesh.systems.spiral_bevel.machine.blades import blade_keys, made_blade
@@ -31,10 +32,8 @@ if TYPE_CHECKING:
 HOBBED_TAPER = "uniform"
 #: eccentricity, over the cutter radius, whose effect on the curvatures is measured
 ECCENTRICITY_STEP_SHARE = 1e-4
-#: least difference of curvatures along the contact line, over the least one that has the transmission error
-MIN_CURVATURE_RATIO = 1.3
-#: radius of the most hollow blades that crown a pinion's profile, over the working depth; with 15 to 20 they interfere
-HOLLOWEST_BLADE_DEPTHS = 24.0
+#: radius of the most hollow blades that crown a pinion's profile, over the working depth
+HOLLOWEST_BLADE_DEPTHS = 10.0
 #: table of the gear's blades by side of the gear
 BLADE_TABLES = {"concave": "outside", "convex": "inside"}
 
@@ -92,11 +91,8 @@ class HobbedContact:
 def _asked(design: FaceMilledDesign, blank: BevelBlank, name: str) -> tuple[float, float]:
     """Return the crownings (mm) lengthwise and along the profile with the ellipse and transmission error of a design.
 
-    On the crown gear x is along the tooth, and y up the blade from the middle of the working depth. The flanks part by
-    (k_x x^2 + 2 c k_x x y + k_y y^2) / 2; the eccentricity gives the first two terms, hollow blades the last one. They
-    touch where the gap is least on the line that generates at the roll phi, g_x x + g_y y = phi. With T = k_x (g_y^2 - 2 c
-    g_x g_y) + k_y g_x^2, the gap there is phi^2 (k_x k_y - c^2 k_x^2) / (2 T). The difference of curvatures along the line
-    is T / (g_x^2 + g_y^2).
+    Both follow from the gap on the crown gear at the change of tooth pairs, half a pitch from the middle, and from the
+    ellipse (`crown_curvatures`); the eccentricity gives the terms of k_x, hollow blades those of k_y.
     """
     spec, angle = design.pinion.side(name), blade_angle(design, blank, MATING_SIDES[name])
     ratio, teeth = blank.pinion.teeth / blank.gear.teeth, float(blank.tooth_line.crown_teeth)
@@ -106,15 +102,9 @@ def _asked(design: FaceMilledDesign, blank: BevelBlank, name: str) -> tuple[floa
     axis = default_semi_major_axis(design, blank) if spec.semi_major_axis is None else spec.semi_major_axis
     # gap along the normal at the change of tooth pairs, half a pitch from the middle
     gap = lag * blank.gear.mean_radius * np.cos(blank.gear.spiral_angle) * np.cos(angle)
-    half_pitch, (g_x, g_y, twist) = np.pi / teeth, _crown_slopes(design, blank, name)
-    total = (g_x**2 + g_y**2) * 2.0 * design.contact.delta / axis**2
-    stiffness, sheared = 2.0 * gap / half_pitch**2, g_y - twist * g_x
-    # a shorter ellipse where this one leaves no such transmission error, or only with a path along the face
-    least = 4.0 * g_x**2 * sheared**2 * stiffness
-    total = max(total, MIN_CURVATURE_RATIO * least)
-    root = np.sqrt(total**2 - least * total)
-    k_x = (total + root) / (2.0 * sheared**2)
-    k_y = (total - k_x * (g_y**2 - 2.0 * twist * g_x * g_y)) / g_x**2
+    half_pitch, slopes = np.pi / teeth, _crown_slopes(design, blank, name)
+    total = (slopes[0] ** 2 + slopes[1] ** 2) * 2.0 * design.contact.delta / axis**2
+    k_x, k_y = crown_curvatures(slopes, 2.0 * gap / half_pitch**2, total)
     return (
         float(0.125 * k_x * (blank.gear.face_width / np.cos(blank.gear.spiral_angle)) ** 2),
         float(0.5 * k_y * (0.5 * blank.mean_working_depth / np.cos(angle)) ** 2),
@@ -139,8 +129,29 @@ def _crown_slopes(design: FaceMilledDesign, blank: BevelBlank, name: str) -> tup
     tangents = np.array([[jet.r_u @ x, jet.r_u @ y], [jet.r_v @ x, jet.r_v @ y]])
     g_x, g_y = np.linalg.solve(tangents, np.array([by_p, by_v]))
     more, less = (shape_operator(side.envelope(side.blade.flank).tool.jet(*at), x, y) for side in (wider, narrower))
-    added = more - less
-    return float(g_x), float(g_y), float(added[0, 1] / added[0, 0])
+    return float(g_x), float(g_y), _twist(more - less)
+
+
+def _twist(added: Array) -> float:
+    """Return the curvature by x and y over the curvature by x of an operator (2, 2) that an eccentricity adds."""
+    return float(added[0, 1] / added[0, 0])
+
+
+def formate_twist(design: FaceMilledDesign, blank: BevelBlank, name: str) -> float:
+    """Return the curvature by x and y over the curvature by x that an eccentricity adds to a gear that is not generated.
+
+    x is along the tooth, in the sweep of the blade. `name`: side of the gear.
+    """
+    blade, share = _blade(design, blank, "gear", name), ECCENTRICITY_STEP_SHARE * blank.cutter_radius
+    wider, narrower = (
+        _side(design, blank, blank.gear, blade, HobbedContact(apart, 0.0, 0.0)) for apart in (share, -share)
+    )
+    operators = []
+    for side in (wider, narrower):
+        jet = side.side(0.0).flank.jet(np.array(side.blade.at_height(0.5 * blank.mean_depth)), np.zeros(()))
+        along = unit(jet.r_v)
+        operators.append(shape_operator(jet, along, np.cross(jet.n, along)))
+    return _twist(operators[0] - operators[1])
 
 
 def blade_angle(design: FaceMilledDesign, blank: BevelBlank, name: str) -> float:

@@ -12,13 +12,17 @@ middle. The choice uses `ContactPreviews`, the paths of contact of possible requ
 
 4. The ellipse is shortened until no other point of the flanks touches before the path does.
 
-5. If that gives no good pair, modified roll removes the third and higher orders from the parabola.
+5. The pinion of a face-hobbed gear that is not generated can be cut by the gear's own head, crowned. Its contact, which
+   follows the directions of the head, is tried first: its flanks part from the path to all sides.
+
+6. If none of these gives a good pair, modified roll removes the third and higher orders from the parabola.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -58,6 +62,8 @@ LAG_TOLERANCE = 2e-3
 MAX_SHIFT_SHARES = (0.25, 0.35)
 #: numbers of contact previews after which no other direction is tried: without modified roll, and in all with it
 MAX_PREVIEW_COUNTS = (45, 70)
+#: keys of a contact that follow where the gear's own head cuts the pinion
+CROWNED_KEYS = ("path_angle", "semi_major_axis")
 #: largest coefficient of modified roll
 MAX_ROLL_COEFFICIENT = 1.0
 
@@ -70,7 +76,10 @@ def contact_said(design: FaceMilledDesign, blank: BevelBlank, name: str) -> Cont
     if target is not None:
         return form_choice(design, blank, name, target)
     spec = design.pinion.side(name)
-    return ContactChoice(contact_asked(design, blank, name), spec.mean_offset, spec.mean_shift)
+    said = ContactChoice(contact_asked(design, blank, name), spec.mean_offset, spec.mean_shift)
+    previews = ContactPreviews(design, blank, name)
+    left_open = not any(design.sets(f"pinion.{name}.{key}") for key in CROWNED_KEYS)
+    return previews.crowned(said) if previews.by_gear_head and left_open else said
 
 
 def contact_choice(design: FaceMilledDesign, blank: BevelBlank, name: str) -> ContactChoice:
@@ -111,7 +120,7 @@ class _Search:
 
     def best(self, first: ContactChoice) -> ContactChoice:
         """Return the first good choice, or else the best one."""
-        best, best_score = first, (-np.inf, -np.inf)
+        best, best_score = self._best_crowned(first)
         for rolled in (False, True) if "roll" in self.free else (False,):
             # modified roll makes no path longer: it is not tried if a path is only too short
             if sum(best_score) >= 1.0 or (rolled and best_score[1] >= 0.0):
@@ -128,6 +137,28 @@ class _Search:
                 if sum(best_score) >= 1.0:
                     break
         return best
+
+    def _best_crowned(self, first: ContactChoice) -> tuple[ContactChoice, tuple[float, float]]:
+        """Return the best choice by the gear's own head, crowned, with its measures; `first` if there is none."""
+        best, best_score = first, (-np.inf, -np.inf)
+        if not (self.previews.by_gear_head and self.free.issuperset(CROWNED_KEYS)):
+            return best, best_score
+        for lengthwise in (True, False):
+            aligned, last = partial(self.previews.crowned, lengthwise=lengthwise), None
+            for share in ELLIPSE_SHARES:
+                axis = share * first.asked.semi_major_axis
+                choice = aligned(replace(first, asked=replace(first.asked, semi_major_axis=axis)))
+                if choice == last:
+                    continue
+                last, refined = choice, self._refine(choice, aligned=aligned)
+                if refined is None:
+                    continue
+                score = self._good(refined[1])
+                if sum(score) > sum(best_score):
+                    best, best_score = refined[0], score
+                if sum(best_score) >= 1.0:
+                    return best, best_score
+        return best, best_score
 
     def _good(self, path: ContactPreview) -> tuple[float, float]:
         """Return two measures of a path: its length (1 if long enough), and its faults (0 if there are none, else < 0).
@@ -181,8 +212,17 @@ class _Search:
                 return
             least = apart
 
-    def _refine(self, choice: ContactChoice, *, rolled: bool) -> tuple[ContactChoice, ContactPreview] | None:
-        """Return the choice with centred path and requested parabola, and its path; None if it has no path."""
+    def _refine(
+        self,
+        choice: ContactChoice,
+        *,
+        rolled: bool = False,
+        aligned: Callable[[ContactChoice], ContactChoice] | None = None,
+    ) -> tuple[ContactChoice, ContactPreview] | None:
+        """Return the choice with centred path and requested parabola, and its path; None if it has no path.
+
+        `aligned`: returns a choice with the direction of the path that it keeps.
+        """
         path = self.previews.of(choice)
         for _ in range(MAX_REFINE_ROUNDS):
             if path is None:
@@ -191,6 +231,8 @@ class _Search:
             better = self._scale(self._centre(choice, path), path)
             if rolled:
                 better = self._roll(better, path)
+            if aligned is not None and better != choice:
+                better = aligned(better)
             preview = None if better == choice else self.previews.of(better)
             if preview is None:
                 break

@@ -6,6 +6,7 @@ both directions.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
@@ -21,6 +22,8 @@ from gearmesh.kernel.surface.stations import along, follow
 from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.records import dataclass
 from gearmesh.systems.common.bevel.blank import BevelBlank, MemberBlank
+from gearmesh.systems.spiral_bevel.hobbing.crowning import crowned_contact
+from gearmesh.systems.spiral_bevel.hobbing.sides import formate_twist
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
 from gearmesh.systems.spiral_bevel.machine.pair import BLADE_SIDES, HAND_SIGNS, MATING_SIDES, nominal_base
 from gearmesh.systems.spiral_bevel.synthesis.settings import (
@@ -156,6 +159,32 @@ class ContactPreviews:
     def count(self) -> int:
         """Number of choices whose paths have been computed."""
         return len(self._cache)
+
+    @property
+    def by_gear_head(self) -> bool:
+        """True if the gear's own head can cut the pinion: of face-hobbed gears that are not generated."""
+        return self.design.hobbed and self.design.formate
+
+    def crowned(self, choice: ContactChoice, *, lengthwise: bool = True) -> ContactChoice:
+        """Return a choice with the path of the gear's own head, crowned, and an ellipse of about the choice's length at most.
+
+        A choice whose mean point never meets the pinion is returned as it is.
+
+        `lengthwise`: with more crowning lengthwise than along the profile.
+        """
+        try:
+            mean = mean_point(self.design, self.blank, self._gear, self._base, choice)
+        except NoSolutionError:
+            return choice
+        flank, position = mean.mating
+        jet = flank.jet(*(np.array(x) for x in mean.parameters)).move(position)
+        asked = crowned_contact(mean.contact, jet, self._twist, choice.asked, lengthwise=lengthwise)
+        return replace(choice, asked=asked)
+
+    @cached_property
+    def _twist(self) -> float:
+        """Curvature by both directions, over that along the tooth, of length crowning by the gear's head."""
+        return formate_twist(self.design, self.blank, MATING_SIDES[self.name])
 
     @property
     def wanted_lag(self) -> float:

@@ -136,7 +136,7 @@ def pinion_operator(gear: MeanContact, asked: ContactAsked) -> Array:
     Raises NoSolutionError if the flanks would have to cut into each other.
     """
     operator, n = gear.gear_operator, gear.normal
-    v12, turning, rest = _relative_motion(gear)
+    v12, turning, rest = relative_motion(gear)
     direction = np.cos(asked.path_angle) * gear.lengthwise + np.sin(asked.path_angle) * gear.profilewise
     # m2' is normalised because axis2 x (B - O2) is scaled with the gear's speed
     rest -= float(asked.ratio_derivative * (n @ np.cross(gear.spin2, gear.point - gear.origin2)))
@@ -159,7 +159,7 @@ def pinion_operator(gear: MeanContact, asked: ContactAsked) -> Array:
 
 def conjugate_operator(gear: MeanContact) -> Array:
     """Shape operator K1 (3, 3) of the pinion that is conjugate to the gear: K1 - K2 = b b^T / (b . u1), for any u1."""
-    v12, turning, rest = _relative_motion(gear)
+    v12, turning, rest = relative_motion(gear)
     conjugate_operator: Array = gear.gear_operator + np.outer(turning, turning) / (rest - turning @ v12)
     return conjugate_operator
 
@@ -191,7 +191,7 @@ def contact_of(operator: Array, gear: MeanContact, delta: float) -> ContactAsked
     """
     basis = np.stack((gear.lengthwise, gear.profilewise))
     difference = basis @ (operator - gear.gear_operator) @ basis.T
-    v12, turning, rest = _relative_motion(gear)
+    v12, turning, rest = relative_motion(gear)
     over_gear = np.linalg.solve(difference, basis @ turning) @ basis + v12
     moved = gear.normal @ np.cross(gear.spin2, gear.point - gear.origin2)
     flat = np.abs(np.linalg.eigvalsh(difference)).min()
@@ -203,7 +203,7 @@ def contact_of(operator: Array, gear: MeanContact, delta: float) -> ContactAsked
     )
 
 
-def _relative_motion(gear: MeanContact) -> tuple[Array, Array, float]:
+def relative_motion(gear: MeanContact) -> tuple[Array, Array, float]:
     """Return v12, b = w12 x n + K2 v12, and the known part of d/dt (n . v12) = 0.
 
     The known part excludes the motion of the contact point and the derivative of the ratio.
