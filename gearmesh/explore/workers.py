@@ -17,6 +17,8 @@ from gearmesh.records import dataclass
 
 #: time without any answer after which a job counts as hung, s; reports of progress are answers
 HANG_S = 60.0
+#: time in which a process that has closed its output must be gone, s
+ENDING_S = 5.0
 #: number of processes that a job may end before it is given up
 MAX_LOST_PER_JOB = 2
 #: questions of which only the newest of a page counts
@@ -163,12 +165,20 @@ class Worker:
         if self.first is not None:
             self._write(self.first)
 
-    async def _end(self) -> None:
+    async def _end(self, *, ended: bool = False) -> None:
+        """End the process, or wait for one that has `ended` by itself."""
         process, self.process = self.process, None
-        if process is not None and process.returncode is None:
-            with contextlib.suppress(ProcessLookupError):
-                process.kill()
-            await process.wait()
+        if process is None or process.returncode is not None:
+            return
+        if ended:
+            # `kill` asks after the process and so takes its status away from asyncio, which would then complain on standard error
+            with contextlib.suppress(TimeoutError):
+                async with asyncio.timeout(ENDING_S):
+                    await process.wait()
+                    return
+        with contextlib.suppress(ProcessLookupError):
+            process.kill()
+        await process.wait()
 
     def _write(self, message: dict[str, Any]) -> None:
         process = self.process
@@ -193,7 +203,7 @@ class Worker:
 
     async def _lose(self, asked: Asked, *, hung: bool) -> None:
         """Replace the process, and ask again what it was working on, unless that ended too many."""
-        await self._end()
+        await self._end(ended=not hung)
         why = f"gave no answer for {self.hang_s:g} s" if hung else "ended"
         self.report(False, f"the process for the gears {why}; a new one takes over, and nothing that was set is lost")
         await self.start()
