@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from gearmesh.contact.conditions.edge_places import EdgePlaces, TriedPlaces, places_beyond, places_upwards
 from gearmesh.contact.conditions.meshing import Conditions, Touch
+from gearmesh.contact.first_touch.windows import Windows
 from gearmesh.contact.pair import EDGE_CORNER, NUMBERED_EDGES, Pair
 from gearmesh.errors import Status
 from gearmesh.kernel.numeric import newton
@@ -178,6 +179,8 @@ class Priority:
     leads: NDArray[np.bool_]
     #: changes (C, 2, 2) of the pinion's parameters by one step of rows and one step of columns of the sampled grid
     steps: Array
+    #: nodes about the places
+    windows: Windows
 
     def done(
         self, begun: Trial, later: NDArray[np.intp], first: Trial, contacts: Contacts, number: int
@@ -204,6 +207,9 @@ class Priority:
         same = beside & solved[position] & (begun.edges[later, 0] < 0)
         complete = contacts.line[position] & (contacts.part[position] == number)
         done: NDArray[np.bool_] = same | complete | (begun.most[later] < contacts.advance[position])
+        left = np.flatnonzero(~done)
+        begun.most[later[left]] = np.minimum(begun.most[later[left]], self.windows[later[left]].most(EDGE_SLACK))
+        done[left] = begun.most[later[left]] < contacts.advance[position[left]]
         return done
 
 

@@ -21,6 +21,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.first_touch.heights import Circles, FlankHeights, bilinear
+from gearmesh.contact.first_touch.windows import (
+    FIRST_COLUMN,
+    FIRST_ROW,
+    INSIDE_LINE,
+    LAST_COLUMN,
+    LAST_ROW,
+    NO_LINE,
+    Windows,
+)
 from gearmesh.contact.pair import (
     FLANK_EDGES,
     FORM_POINT,
@@ -66,6 +75,9 @@ VERTEX_STEPS = 1
 NO_EDGE = -1
 #: limits of a flank in the order of `FlankHeights.beyond`; a fillet has its root in the place of the form point
 FLANK_LIMITS = (FORM_POINT, *FLANK_EDGES)
+#: lines of places on the limits of the gear's flank, and on the edges of the pinion's grid, in the words of `windows`
+LIMIT_LINES = {name: FLANK_LIMITS.index(name) for name in FLANK_LIMITS} | {ROOT_EDGE: 0}
+RIM_LINES = {"tip": LAST_ROW, "toe": FIRST_COLUMN, "heel": LAST_COLUMN, FORM_POINT: FIRST_ROW, ROOT_EDGE: FIRST_ROW}
 #: corners of a flank, as the limits that meet there
 FLANK_CORNERS = (("tip", "toe"), ("tip", "heel"))
 
@@ -96,6 +108,8 @@ class Candidates:
     top: NDArray[np.intp]
     #: changes (C, 2, 2) of the pinion's parameters by one step of rows and one step of columns of the sampled grid
     steps: Array
+    #: nodes about the places
+    windows: Windows
 
     def leading(self, worth: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Return True (C,) for the place that is farthest ahead of each position, of those that are `worth` it (C,)."""
@@ -113,7 +127,10 @@ class Candidates:
         none = np.zeros(0)
         whole = np.zeros(0, dtype=np.intp)
         edges, steps = np.zeros((0, 2), dtype=np.intp), np.zeros((0, 2, 2))
-        return Candidates(whole, np.zeros((0, 5)), np.zeros((0, 2)), none, none, edges, none, none, none, whole, steps)
+        windows = Windows(np.zeros((0, 25)), np.zeros((0, 4, 25)), np.zeros((0, 2)), whole, whole)
+        return Candidates(
+            whole, np.zeros((0, 5)), np.zeros((0, 2)), none, none, edges, none, none, none, whole, steps, windows
+        )
 
     def samples(self, pair: Pair, phi1: Array, which: NDArray[np.intp]) -> Array:
         """Return the unknowns (M, 5) at the samples of candidates `which` (M,), not at their starts."""
@@ -173,7 +190,8 @@ def candidates(
         np.concatenate([getattr(part, name) for part in parts])
         for name in ("position", "x", "sampled", "value", "ahead", "edges", "most", "steps")
     )
-    return Candidates(position, x, sampled, value, ahead, edges, most, best, gain, top, steps)
+    windows = Windows.join([part.windows for part in parts])
+    return Candidates(position, x, sampled, value, ahead, edges, most, best, gain, top, steps, windows)
 
 
 def _ahead(pair: Pair, phi1: Array, nodes: _Nodes, floor: Array) -> NDArray[np.intp]:
@@ -533,7 +551,9 @@ def _candidates(pair: Pair, nodes: _Nodes, phi1: Array, trimmed: bool) -> Candid
     field = _Field.of(pair, nodes, advances(pair, phi1, nodes.r, nodes.n, index), trimmed)
     on, best, gain = field.on, field.best, field.gain
     shape = on.shape
-    places: list[tuple[NDArray[np.intp], Array, NDArray[np.intp], Array, Array]] = []
+    places: list[
+        tuple[NDArray[np.intp], Array, NDArray[np.intp], Array, Array, NDArray[np.intp], NDArray[np.intp]]
+    ] = []
 
     def add(
         position: NDArray[np.intp],
@@ -544,12 +564,14 @@ def _candidates(pair: Pair, nodes: _Nodes, phi1: Array, trimmed: bool) -> Candid
         edges: tuple[int, int],
         around: int = NEIGHBOUR_NODES,
         rise: Array | None = None,
+        line: int = NO_LINE,
     ) -> None:
         edge_pairs = np.tile(edges, (len(position), 1))
         place = np.stack((i, j), axis=-1)
         if rise is None:
             rise = _local_gain(field.bends, position, place, around)
-        places.append((position, place, edge_pairs, value, most + rise))
+        bounded = np.full(len(position), around), np.full(len(position), line)
+        places.append((position, place, edge_pairs, value, most + rise, *bounded))
 
     # maxima inside both flanks; of nodes that touch alike, as along a line of contact, the middle one
     peaks = np.where(_is_peak(on), on - _off_middle(shape[1:]), -np.inf).reshape(len(index), -1)
@@ -571,7 +593,7 @@ def _candidates(pair: Pair, nodes: _Nodes, phi1: Array, trimmed: bool) -> Candid
                 rising = _may_rise(field.advance, found, i, j)
                 found, i, j = found[rising], i[rising], j[rising]
             value = on[found, i, j]
-            add(found, i.astype(float), j.astype(float), value, value, (NO_EDGE, NO_EDGE), around)
+            add(found, i.astype(float), j.astype(float), value, value, (NO_EDGE, NO_EDGE), around, line=INSIDE_LINE)
 
     inside(peaks, NEIGHBOUR_NODES)
     inside(hidden, 1)
@@ -580,7 +602,7 @@ def _candidates(pair: Pair, nodes: _Nodes, phi1: Array, trimmed: bool) -> Candid
     for number, (member, name) in enumerate(NUMBERED_EDGES):
         if number in field.crossings:
             found, i, j, value = field.crossings[number]
-            add(found, i, j, value, value, (number, NO_EDGE))
+            add(found, i, j, value, value, (number, NO_EDGE), line=LIMIT_LINES.get(name, NO_LINE))
         elif member == 0 and name in pair.pinion.edges:
             toe, heel = nodes.ends
             rim = {
@@ -598,7 +620,7 @@ def _candidates(pair: Pair, nodes: _Nodes, phi1: Array, trimmed: bool) -> Candid
                 i, j = (fixed, k.astype(float)) if along_face(number) else (k.astype(float), fixed)
                 near = np.clip(k[:, None] + np.arange(-NEIGHBOUR_NODES, NEIGHBOUR_NODES + 1), 0, rim.shape[1] - 1)
                 rise = bends[found[:, None], near].max(axis=1)
-                add(found, i, j, rim[found, k], rim[found, k], (number, NO_EDGE), rise=rise)
+                add(found, i, j, rim[found, k], rim[found, k], (number, NO_EDGE), rise=rise, line=RIM_LINES[name])
     sampled_count = sum(len(nodes_of[0]) for nodes_of in places)
     # a small overlap of two flanks may lie within one cell: only the signs at the nodes of the cell show it
     for edge_pair, cells in field.corners.items():
@@ -614,12 +636,16 @@ def _candidates(pair: Pair, nodes: _Nodes, phi1: Array, trimmed: bool) -> Candid
     for number in pair.ends:
         add(*small, (number, NO_EDGE))
     starts = [*summits, *(nodes_of[1] for nodes_of in places[len(summits) :])]
-    position, place, edges, value, most = (np.concatenate(column) for column in zip(*places, strict=True))
+    position, place, edges, value, most, around_each, lines = (
+        np.concatenate(column) for column in zip(*places, strict=True)
+    )
     start = np.concatenate(starts)
     # drop places that cannot be ahead of the greatest sample; interpolated advances are too uncertain to drop others
     sure = on.max(axis=(1, 2))
     worth = np.flatnonzero(most >= sure[position])
     position, place, start, edges, value = position[worth], place[worth], start[worth], edges[worth], value[worth]
+    lines = np.full(len(worth), NO_LINE) if pair.wound else lines[worth]
+    windows = Windows.of(field.advance, field.beyond, position, place, around_each[worth], lines)
     x, on_gear = _starts(pair, nodes.parameters(position, start), phi1, index[position], value)
     ahead = pair.drive * (x[:, 4] - pair.ratio * phi1[index[position]])
     ahead[(edges[:, 0] == NO_EDGE) & ~on_gear] = -np.inf
@@ -629,7 +655,7 @@ def _candidates(pair: Pair, nodes: _Nodes, phi1: Array, trimmed: bool) -> Candid
     top = np.full(len(index), -1)
     top[position[order]] = order
     sampled, steps = nodes.parameters(position, place), nodes.steps(position, place)
-    return Candidates(index[position], x, sampled, value, ahead, edges, most[worth], best, gain, top, steps)
+    return Candidates(index[position], x, sampled, value, ahead, edges, most[worth], best, gain, top, steps, windows)
 
 
 def sharpen(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array) -> Array:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from gearmesh.contact.conditions.line_ends import touch_along_lines
 from gearmesh.contact.conditions.meshing import Conditions
 from gearmesh.contact.conditions.refinement import Contacts, Priority, Trial, advances_of, refine_candidates
-from gearmesh.contact.first_touch.field import NO_EDGE, Candidates, candidates, seen_closely, sharpen
+from gearmesh.contact.first_touch.field import NO_EDGE, SLACK_MM, Candidates, candidates, seen_closely, sharpen
 from gearmesh.contact.first_touch.search import UNSEEN_LEAD_RAD, circle_contacts, refine_missed
 from gearmesh.contact.pair import NUMBERED_EDGES, Pair
 from gearmesh.kernel.numeric.algebra import Array
@@ -44,6 +44,9 @@ def touches(pair: Pair, phi1: Array, *, edges: bool = True) -> tuple[Contacts, C
             floor = contacts.advance if edges and number else None
             places = candidates(part, phi1, trimmed=edges, floor=floor)
             worth = places.most > contacts.advance[places.position]
+            if floor is not None and not part.wound:
+                kept = np.flatnonzero(worth)
+                worth[kept] = places.windows[kept].most(SLACK_MM) > contacts.advance[places.position[kept]]
             if not edges:
                 worth &= (places.edges == NO_EDGE).all(axis=1)
             trial = Trial.of(places.position[worth], places.x[worth], places.edges[worth])
@@ -77,7 +80,7 @@ def _priority(pair: Pair, places: Candidates, worth: NDArray[np.bool_]) -> Prior
     """Return the order in which the places are solved that are worth it (C,); None for teeth that wind, which have few summits."""
     if pair.wound:
         return None
-    return Priority(places.leading(worth)[worth], places.steps[worth])
+    return Priority(places.leading(worth)[worth], places.steps[worth], places.windows[np.flatnonzero(worth)])
 
 
 def _along_lines(pair: Pair, phi1: Array, trial: Trial, contacts: Contacts) -> None:
