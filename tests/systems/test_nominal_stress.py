@@ -31,6 +31,23 @@ def design_of(helix_angle: float, **keys: object) -> gm.Design:
     )
 
 
+def test_contact_stress_of_a_published_example() -> None:
+    """ISO/TR 6336-30, example 1: F_t = 127.352 kN, Z_H = 2.3953, Z_eps = 0.803, Z_beta = 1.0194, sigma_H0 = 1206.58 MPa."""
+    members = {"pinion": {"teeth": 17, "profile_shift": 0.145}, "gear": {"teeth": 103, "profile_shift": 0.0}}
+    example: dict[str, object] = {"kind": "cylindrical", "module": 8, "helix_angle": 15.8}
+    example |= {name: {**keys, "face_width": 100} for name, keys in members.items()}
+    gears = gm.build(gm.parse({**example, "assembly": {"center_distance": 500}}))
+    factors = pair_factors(gears.design, gears.pairs[0])
+    assert factors is not None
+    assert factors.tangential_force(9e6) == pytest.approx(127352.0, rel=1e-5)
+    assert factors.zone == pytest.approx(2.3953, abs=5e-5)
+    # its tips are rounded
+    assert factors.contact_ratio == pytest.approx(0.803, abs=1e-3)
+    assert factors.flank_helix == pytest.approx(1.0194, abs=5e-5)
+    steel = Material(206000.0, 0.3)
+    assert factors.contact_stress(9e6, contact_modulus(steel, steel)) == pytest.approx(1206.58, rel=1e-3)
+
+
 @pytest.mark.parametrize("helix_angle", [0.0, 12.0])
 def test_root_stress_by_the_formulas_of_the_hob(helix_angle: float) -> None:
     gears = gm.build(design_of(helix_angle))
