@@ -112,45 +112,11 @@ class Key:
         return core_schema.with_info_plain_validator_function(check)
 
     def unit_in(self, units: str) -> str:
-        """Return the unit of the key in a design file.
-
-        Parameters
-        ----------
-        units : str
-            Unit of lengths in the file, "mm" or "inch".
-
-        Returns
-        -------
-        str
-            Empty for keys without a unit.
-
-        Examples
-        --------
-        >>> key = gm.Key("length", "face width", low=0.0, above=True)
-        >>> key.unit_in("inch")
-        'inch'
-        """
+        """Return the unit of the key in a design file whose lengths are in `units`, "mm" or "inch"; "" for none."""
         return _UNIT_TEXTS.get(self.unit, "").split("|")[-1 if units == "inch" else 0]
 
     def allowed_values(self, units: str) -> str:
-        """Return the allowed values of the key, in words.
-
-        Parameters
-        ----------
-        units : str
-            Unit of lengths in the file, "mm" or "inch".
-
-        Returns
-        -------
-        str
-
-        Examples
-        --------
-        >>> key = gm.Key("length", "face width", low=0.0, above=True)
-        >>> key.allowed_values("mm")
-        'a length in mm above 0 and up to 1000000'
-
-        """
+        """Return the allowed values of the key, in words, for a file whose lengths are in `units`, "mm" or "inch"."""
         if self.unit == "choice":
             return "one of " + ", ".join(f'"{choice}"' for choice in self.choices)
         if self.unit == "text":
@@ -178,24 +144,8 @@ class Key:
         return f", or a length with its unit, as {lengths.LENGTH_EXAMPLES}" if self.power == 1 else ""
 
     def least(self, units: str) -> str:
-        """Return the smallest size of a value but 0, in words, for the refusal of a smaller number.
-
-        Parameters
-        ----------
-        units : str
-            Unit of lengths in the file, "mm" or "inch".
-
-        Returns
-        -------
-        str
-
-        Examples
-        --------
-        >>> key = gm.Key("length", "face width", low=0.0, above=True)
-        >>> key.least("mm")
-        '; at least 1e-09 in size'
-
-        """
+        """Return the smallest size of a value but 0, in words, for the refusal of a smaller number; `units` as in
+        `unit_in`."""
         zero = "" if self.above and self.low == 0.0 else "0 or "
         return f"; {zero}at least {self._least / self._factor(MM_PER[units]):.7g} in size"
 
@@ -215,30 +165,12 @@ class Key:
         return f"{low}, <= {self.high:.7g}{unit}" if self.above else f"{self.low:g} .. {self.high:.7g}{unit}"
 
     def check(self, value: Any, mm_per_unit: float) -> Any:
-        """Return a value as the key's type.
+        """Return a value as the key's type, with lengths in mm.
 
-        Parameters
-        ----------
-        value : object
-            A number, a length with its unit, or a value of the key's other types.
-        mm_per_unit : float
-            Length in mm of the file's unit.
+        - value: a number, a length with its unit, or a value of the key's other types.
+        - mm_per_unit: length (mm) of the file's unit.
 
-        Returns
-        -------
-        object
-            Lengths in mm.
-
-        Raises
-        ------
-        PydanticCustomError
-            Of the type "refused", for a value that is not allowed.
-
-        Examples
-        --------
-        >>> key = gm.Key("length", "face width", low=0.0, above=True)
-        >>> key.check("0.5in", 1.0)
-        12.7
+        Raises PydanticCustomError of the type "refused" for a value that is not allowed.
         """
         if self.most:
             if not isinstance(value, (list, tuple)) or len(value) > self.most:

@@ -193,34 +193,13 @@ class Displacements(Generic[ForD]):
                 )
 
     def displaced(self, design: Any, train: GearTrain, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
-        """Return the result of `bases`.
+        """Return the bases of the mounts of pinion and gear with errors of assembly, from `bases`.
 
-        Parameters
-        ----------
-        design : Design
-            In mm, without errors of assembly.
-        train : GearTrain
-            Its gear set.
-        errors : mapping of str to ndarray
-            Values (M,), mm or deg, of every error in `keys`.
+        - design: in mm, without errors of assembly.
+        - train: its gear set.
+        - errors: values (M,), mm or deg, of every error in `keys`.
 
-        Returns
-        -------
-        tuple of Rigid
-            Bases of the mounts of pinion and gear.
-
-        Raises
-        ------
-        KindError
-            Where `bases` asks for another key.
-
-        Examples
-        --------
-        >>> system = gm.system("cylindrical")
-        >>> errors = {key: np.zeros(1) for key in system.displacements.keys}
-        >>> bases = system.displacements.displaced(gears.design.in_mm(), gears.train, errors)
-        >>> len(bases)
-        2
+        Raises KindError if `bases` asks for another key.
         """
         try:
             return self.bases(design, train, errors)

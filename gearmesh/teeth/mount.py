@@ -34,24 +34,8 @@ class Mount:
     joint: Joint = REVOLUTE_JOINT
 
     def at(self, phi: ArrayLike) -> Rigid:
-        """Return the transform of the member at a rotation.
-
-        Parameters
-        ----------
-        phi : (...,)
-            Rotation, rad; mm of travel for a rack.
-
-        Returns
-        -------
-        Rigid
-            Own frame to fixed frame, `rotation` (..., 3, 3) and `translation` (..., 3), mm.
-
-        Examples
-        --------
-        >>> mount = gears.members["pinion"].mount
-        >>> mount.at(np.radians([0.0, 10.0])).rotation.shape
-        (2, 3, 3)
-        """
+        """Return the transform from the member's own frame to the fixed frame at rotations phi (...,), rad; mm of a
+        rack."""
         turned = self._turn(phi)
         if self.eccentricity == (0.0, 0.0):
             return turned
@@ -62,24 +46,8 @@ class Mount:
         return self.base @ self.joint.to(self.sign * (np.asarray(phi, dtype=float) - self.zero))
 
     def rows(self, index: NDArray[np.intp]) -> Mount:
-        """Return some of the mounts of many assemblies.
-
-        Parameters
-        ----------
-        index : (K,) of int
-            Numbers of assemblies.
-
-        Returns
-        -------
-        Mount
-            The same where `base` holds one transform for all.
-
-        Examples
-        --------
-        >>> mount = gears.members["pinion"].mount
-        >>> mount.rows(np.array([0, 2])) is mount
-        True
-        """
+        """Return some of the mounts of many assemblies, by their numbers (K,); the same mount if `base` is one
+        transform."""
         if self.base.rotation.ndim == 2:
             return self
         return replace(self, base=Rigid(self.base.rotation[index], self.base.translation[index]))
@@ -92,24 +60,8 @@ class Mount:
         return Rigid(np.eye(3), np.array([*self.eccentricity, 0.0]))
 
     def turn_from(self, other: Mount) -> float:
-        """Return the angle about the member's axis by which this unrotated member is turned from another mount of it.
-
-        Parameters
-        ----------
-        other : Mount
-            Mount of the same member in another pair.
-
-        Returns
-        -------
-        float
-            rad, from -pi to pi.
-
-        Examples
-        --------
-        >>> mount = gears.members["pinion"].mount
-        >>> mount.turn_from(mount)
-        0.0
-        """
+        """Return the angle (rad, -pi to pi) about the axis by which this unrotated member is turned from another mount
+        of it."""
         if self.base is other.base:
             return 0.0
         x, y = (other.base.rotation.T @ self.base.rotation)[:2, 0]
@@ -121,67 +73,17 @@ class Mount:
         return replace(self, eccentricity=(0.0, 0.0))
 
     def off(self, phi: ArrayLike) -> Array:
-        """Return the displacement of the teeth by the eccentricity.
-
-        Parameters
-        ----------
-        phi : (...,)
-            Rotation, rad; mm of travel for a rack.
-
-        Returns
-        -------
-        (..., 3)
-            mm, fixed frame.
-
-        Examples
-        --------
-        >>> mount = gears.members["pinion"].mount
-        >>> mount.off([0.0, 0.1]).tolist()
-        [[0.0, 0.0, 0.0], [0.0, 0.0, 0.0]]
-        """
+        """Return the displacement (..., 3), mm, fixed frame, of the teeth by the eccentricity at rotations phi (...,),
+        rad."""
         return self._turn(phi).vector(np.array([*self.eccentricity, 0.0]))
 
     def displace(self, phi: float) -> Mount:
-        """Return a mount whose teeth keep the displacement of one rotation and turn about their own axis.
-
-        Parameters
-        ----------
-        phi : float
-            Rotation, rad; mm of travel for a rack.
-
-        Returns
-        -------
-        Mount
-            Without eccentricity.
-
-        Examples
-        --------
-        >>> mount = gears.members["pinion"].mount
-        >>> mount.displace(0.5) == mount.concentric
-        True
-        """
+        """Return a mount whose teeth keep the displacement of one rotation phi (rad) and turn about their own axis."""
         base = Rigid(self.base.rotation, self.base.translation + self.off(phi))
         return replace(self, base=base, eccentricity=(0.0, 0.0)) if self.eccentricity != (0.0, 0.0) else self
 
     def shift(self, shift: Array) -> Mount:
-        """Return the mounts of displaced assemblies.
-
-        Parameters
-        ----------
-        shift : (N, 3)
-            Displacements, mm, fixed frame.
-
-        Returns
-        -------
-        Mount
-            Of N assemblies.
-
-        Examples
-        --------
-        >>> mount = gears.members["pinion"].mount
-        >>> mount.shift(np.zeros((5, 3))).base.translation.shape
-        (5, 3)
-        """
+        """Return the mounts of N assemblies, displaced by `shift` (N, 3), mm, fixed frame."""
         rotation = np.broadcast_to(self.base.rotation, (len(shift), 3, 3))
         return replace(self, base=Rigid(rotation, self.base.translation + shift))
 
@@ -201,22 +103,6 @@ class Mount:
         return self.sign * self.joint.spin(self.base)
 
     def velocity(self, r: Array) -> Array:
-        """Return the velocity of points of the member with respect to phi.
-
-        Parameters
-        ----------
-        r : (..., 3)
-            Points, mm, fixed frame.
-
-        Returns
-        -------
-        (..., 3)
-            mm/rad.
-
-        Examples
-        --------
-        >>> mount = gears.members["pinion"].mount
-        >>> np.abs(mount.velocity(np.array([10.0, 0.0, 0.0]))).tolist()
-        [0.0, 10.0, 0.0]
-        """
+        """Return the velocity (..., 3), mm/rad, of points r (..., 3), mm, of the member, with respect to phi; fixed
+        frame."""
         return self.sign * self.joint.velocity(self.base, r)

@@ -142,23 +142,7 @@ class Tooth:
         return self.joint.pitch(self.teeth)
 
     def side(self, side: Side) -> ToothSide:
-        """Return the surfaces of one side.
-
-        Parameters
-        ----------
-        side : Side
-            "right" or "left".
-
-        Returns
-        -------
-        ToothSide
-
-        Examples
-        --------
-        >>> tooth = gears.members["pinion"].tooth
-        >>> tooth.side("right") is tooth.right
-        True
-        """
+        """Return the surfaces of the "right" or "left" side."""
         return self.right if Side(side) is Side.RIGHT else self.left
 
     @cached_property
@@ -194,24 +178,9 @@ class Tooth:
         return surfaces
 
     def tip_edge_grid(self, which: Side, s: Array) -> Grid | None:
-        """Return points of one side's tip edge at the even stations, with the parameters of its surface.
+        """Return points (S, T, 3), mm, of one side's tip edge at the even stations, with the parameters of its surface.
 
-        Parameters
-        ----------
-        which : Side
-            "right" or "left".
-        s : numpy.ndarray
-            Shares (S,) of the way from the flank to the land, ascending.
-
-        Returns
-        -------
-        Grid or None
-            Points and normals (S, T, 3), own frame, mm; None where the tip is sharp.
-
-        Examples
-        --------
-        >>> gears.members["pinion"].tooth.tip_edge_grid(gm.Side.RIGHT, np.array([0.0, 1.0])) is None
-        True
+        `s` (S,): shares of the way from the flank to the land, ascending. None if the tip is sharp.
         """
         link = self.chain.get(TIP_EDGES[which])
         if link is None:
@@ -333,23 +302,7 @@ class Tooth:
         return self._inner([*self.right.face_breaks, *self.left.face_breaks, *self.blank.corners])
 
     def creases(self, region: Region) -> Array:
-        """Return the stations where the surface of a link has a corner along the face.
-
-        Parameters
-        ----------
-        region : Region
-            Region of the link: a flank, a fillet, the land or the root.
-
-        Returns
-        -------
-        numpy.ndarray
-            t (K,) inside (0, 1), ascending.
-
-        Examples
-        --------
-        >>> gears.members["pinion"].tooth.creases("land").size
-        0
-        """
+        """Return the stations t (K,) inside (0, 1), ascending, where the surface of a link has a corner along the face."""
         blank, sides = self.blank, (*self.right.face_breaks, *self.left.face_breaks)
         ends = {Region.LAND: blank.tip.corners(blank.axial), Region.ROOT: blank.root.corners(blank.axial)}
         return self._inner([*sides, *ends.get(region, ())])
@@ -383,24 +336,7 @@ class Tooth:
         return replace(self, right=right, left=left, crest=crest)
 
     def breaks_of(self, which: Side) -> Array:
-        """Return the stations where undercut of one side begins or ends.
-
-        Parameters
-        ----------
-        which : Side
-            "right" or "left".
-
-        Returns
-        -------
-        numpy.ndarray
-            t (K,) inside (0, 1), ascending.
-
-        Examples
-        --------
-        >>> tooth = gears.members["pinion"].tooth
-        >>> tooth.breaks_of("right").size
-        0
-        """
+        """Return the stations t (K,) inside (0, 1), ascending, where undercut of one side begins or ends."""
         side = self.side(which)
         return _changes(lambda t: self._cut_off(side, t))
 
@@ -450,44 +386,17 @@ class Tooth:
     def find_undercut(self) -> None:
         """Find where the flanks are undercut, unless that is known.
 
-        Later sections start from the result, which changes their rounding errors.
-
-        Raises
-        ------
-        TrimError
-            Where the tooth cannot be trimmed.
-
-        Examples
-        --------
-        >>> tooth = gears.members["pinion"].tooth
-        >>> tooth.find_undercut()
+        Later sections start from the result, which changes their rounding errors. Raises TrimError if the tooth cannot be
+        trimmed.
         """
         for which in Side:
             if which not in self._undercut:
                 self.ends(which, np.linspace(0.0, 1.0, PROOF_STATIONS))
 
     def near_tips(self, which: Side, t: Array) -> Array:
-        """Return profile parameters of points near the tip at which the flank is sound.
+        """Return profile parameters (T,) of points near the tip at which the flank is sound, at stations t (T,).
 
         They are those of the nominal tip, or of the true tip where the nominal one cannot be used, as on steep flanks.
-
-        Parameters
-        ----------
-        which : Side
-            "right" or "left".
-        t : numpy.ndarray
-            Stations (T,) from 0 at the toe to 1 at the heel.
-
-        Returns
-        -------
-        numpy.ndarray
-            Profile parameters (T,).
-
-        Examples
-        --------
-        >>> tooth = gears.members["pinion"].tooth
-        >>> tooth.near_tips("right", np.array([0.5])).shape
-        (1,)
         """
         side, odd = self.side(which), self._nominal_tip(self.side(which), t)[1]
         p = np.full(t.shape, side.tip)
@@ -518,50 +427,18 @@ class Tooth:
         return self._folded_sides[which]
 
     def stations(self, t: ArrayLike) -> Array:
-        """Return the coordinates of stations between toe and heel.
+        """Return the coordinates (T,), mm, of stations t (T,) from 0 at the toe to 1 at the heel.
 
-        Parameters
-        ----------
-        t : array_like
-            Stations (T,) from 0 at the toe to 1 at the heel.
-
-        Returns
-        -------
-        numpy.ndarray
-            (T,), mm: z, of conical teeth the distance along the cone.
-
-        Examples
-        --------
-        >>> tooth = gears.members["pinion"].tooth
-        >>> tooth.stations([0.0, 0.5, 1.0]).round(6).tolist()
-        [-5.0, 0.0, 5.0]
+        They are z, or the distance along the cone of conical teeth.
         """
         toe, heel = self.blank.extent
         return toe + (heel - toe) * np.asarray(t, dtype=float)
 
     def sections(self, t: ArrayLike) -> Sections:
-        """Trim both sides at given stations.
+        """Trim both sides at stations t (T,), from 0 at the toe to 1 at the heel.
 
-        Parameters
-        ----------
-        t : array_like
-            Stations (T,) from 0 at the toe to 1 at the heel.
-
-        Returns
-        -------
-        Sections
-            Where fillets, flanks and tips end, and the polar angles of tips and roots, rad.
-
-        Raises
-        ------
-        TrimError
-            Where the tooth cannot be trimmed there.
-
-        Examples
-        --------
-        >>> tooth = gears.members["pinion"].tooth
-        >>> tooth.sections([0.5]).right.tip_angle.shape
-        (1,)
+        The result has the ends of fillets, flanks and tips, and the polar angles of tips and roots (rad). Raises TrimError
+        if the tooth cannot be trimmed at a station.
         """
         t = np.atleast_1d(np.asarray(t, dtype=float))
         return self._sections(t, self._tips(t))
@@ -581,30 +458,9 @@ class Tooth:
         return Sections(t, stations, right, left)
 
     def ends(self, which: Side, t: Array) -> Ends:
-        """Trim fillet and flank of one side; the other side is not evaluated.
+        """Trim fillet and flank of one side at stations t (T,), without the angle of the root (NaN).
 
-        Parameters
-        ----------
-        which : Side
-            "right" or "left".
-        t : numpy.ndarray
-            Stations (T,) from 0 at the toe to 1 at the heel.
-
-        Returns
-        -------
-        Ends
-            Without the angle of the root (NaN).
-
-        Raises
-        ------
-        TrimError
-            Where the tooth cannot be trimmed there.
-
-        Examples
-        --------
-        >>> tooth = gears.members["pinion"].tooth
-        >>> tooth.ends("right", np.array([0.5])).tip_angle.shape
-        (1,)
+        The other side is not evaluated. Raises TrimError if the tooth cannot be trimmed at a station.
         """
         return self._ends(which, t, self._tip_of(which, t), root=False)
 
@@ -689,17 +545,7 @@ class Tooth:
     def prove(self) -> None:
         """Trim the tooth at many stations from toe to heel, and near the ends of loops with two cusps.
 
-        Raises
-        ------
-        TrimError
-            Where it cannot be trimmed, naming the station.
-        KindError
-            Where its surfaces do not join, naming them and the station.
-
-        Examples
-        --------
-        >>> tooth = gears.members["pinion"].tooth
-        >>> tooth.prove()
+        Raises TrimError if it cannot be trimmed at a station, and KindError if its surfaces do not join there.
         """
         self.prove_joined()
         compare = before_trimming.get()
@@ -718,18 +564,8 @@ class Tooth:
     def prove_joined(self) -> None:
         """Compare neighbouring surfaces of each side where their parameters say that they meet, at toe, mid face and heel.
 
-        Where the flank is undercut, flank and fillet end at their intersection, which is solved. A tooth is compared
-        once.
-
-        Raises
-        ------
-        KindError
-            Where they are apart, naming both surfaces and the station.
-
-        Examples
-        --------
-        >>> tooth = gears.members["pinion"].tooth
-        >>> tooth.prove_joined()
+        Where the flank is undercut, flank and fillet end at their intersection, which is solved. A tooth is compared once.
+        Raises KindError naming both surfaces and the station if they are apart.
         """
         if not self._joined:
             for which in Side:
@@ -812,24 +648,10 @@ class Tooth:
         return any(self._folds(self.side(which)) for which in Side)
 
     def prove_land(self, t: Array) -> None:
-        """Trim only the flanks at the tip, in a fiftieth of the time of a section.
+        """Trim only the flanks at the tip, at stations t (T,), in a fiftieth of the time of a section.
 
-        Chamfers and roundings of the tip are not tested: only `sections` includes them.
-
-        Parameters
-        ----------
-        t : numpy.ndarray
-            Stations (T,) from 0 at the toe to 1 at the heel.
-
-        Raises
-        ------
-        TrimError
-            Where the tooth is pointed, or a flank turns back along the face near its tip.
-
-        Examples
-        --------
-        >>> tooth = gears.members["pinion"].tooth
-        >>> tooth.prove_land(np.array([0.0, 1.0]))
+        Chamfers and roundings of the tip are not tested: only `sections` includes them. Raises TrimError for a pointed
+        tooth, and for a flank that turns back along the face near its tip.
         """
         self._prove_land(t, self._tips(t))
 
@@ -852,22 +674,9 @@ class Tooth:
         self._prove_tips(t, tips)
 
     def prove_root(self, t: Array) -> None:
-        """Follow only the ends of the fillets at the root, in a tenth of the time of a section.
+        """Follow only the ends of the fillets at the root, at stations t (T,), in a tenth of the time of a section.
 
-        Parameters
-        ----------
-        t : numpy.ndarray
-            Stations (T,) from 0 at the toe to 1 at the heel.
-
-        Raises
-        ------
-        TrimError
-            Where the fillets of a space overlap.
-
-        Examples
-        --------
-        >>> tooth = gears.members["pinion"].tooth
-        >>> tooth.prove_root(np.array([0.0, 1.0]))
+        Raises TrimError if the fillets of a space overlap.
         """
         right, left = (self._root_angle(self.side(side), self.stations(t)) for side in Side)
         self._width_of_root(right, self.joint.running(left) - self.pitch_angle, t)
@@ -880,109 +689,34 @@ class Tooth:
         return np.array([self._root_jet(side, stations).r for side in sides])
 
     def root_middle(self, z: Array) -> Array:
-        """Return y of the middle of the root before a rack's tooth, as its tools leave it; a bar ends there.
+        """Return y (...,), mm, of the middle of the root before a rack's tooth, as its tools leave it; a bar ends there.
 
-        Parameters
-        ----------
-        z : numpy.ndarray
-            Places (...,) along the face, mm.
-
-        Returns
-        -------
-        numpy.ndarray
-            y (...,), mm.
-
-        Examples
-        --------
-        >>> tooth = gears.members["pinion"].tooth
-        >>> tooth.root_middle(np.zeros(1)).shape
-        (1,)
+        `z` (...,): positions along the face, mm.
         """
         right, left = self.unmodified_tooth.sharp_ends.root_ends
         middle = 0.5 * (right + left - self.joint.to(self.pitch_angle).translation)
         return np.asarray(np.interp(z, middle[:, 2], middle[:, 1]))
 
     def grid(self, region: Region, s: ArrayLike, sections: Sections) -> Grid:
-        """Return exact points and normals of one link.
+        """Return exact points and normals (S, T, 3), mm, own frame, of one link.
 
-        Parameters
-        ----------
-        region : Region
-            Region of the link, as "flank_right".
-        s : array_like
-            Shares (S,) or (S, T) of the way along the link.
-        sections : Sections
-            Ends of the links at T stations.
-
-        Returns
-        -------
-        Grid
-            Points and normals (S, T, 3), own frame, mm.
-
-        Examples
-        --------
-        >>> tooth = gears.members["pinion"].tooth
-        >>> tooth.grid(next(iter(tooth.chain)), [0.0, 1.0], tooth.sections([0.5])).points.shape
-        (2, 1, 3)
+        - region: region of the link, as "flank_right".
+        - s: shares (S,) or (S, T) of the way along the link.
+        - sections: ends of the links at T stations.
         """
         return self.chain[region].grid(s, sections)
 
     def flank_grid(self, which: Side, s: ArrayLike, t: ArrayLike) -> Grid:
-        """Return exact points and normals of a trimmed flank; the other side is not evaluated.
+        """Return exact points and normals (S, T, 3), mm, own frame, of a trimmed flank; the other side is not evaluated.
 
-        Parameters
-        ----------
-        which : Side
-            "right" or "left".
-        s : array_like
-            Shares (S,) of the way from the form point to the tip.
-        t : array_like
-            Stations (T,) from 0 at the toe to 1 at the heel.
-
-        Returns
-        -------
-        Grid
-            Points and normals (S, T, 3), own frame, mm.
-
-        Raises
-        ------
-        TrimError
-            Where the tooth cannot be trimmed there.
-
-        Examples
-        --------
-        >>> tooth = gears.members["pinion"].tooth
-        >>> tip = tooth.flank_grid("right", [1.0], [0.5]).points[0, 0]
-        >>> print(f"{np.hypot(*tip[:2]):.3f}")
-        20.000
+        `s` (S,) are shares of the way from the form point to the tip, `t` (T,) stations from 0 at the toe to 1 at the heel.
+        Raises TrimError if the tooth cannot be trimmed at a station.
         """
         return self.flank_grids(which, (s, t))[0]
 
     def flank_grids(self, which: Side, *grids: tuple[ArrayLike, ArrayLike]) -> list[Grid]:
-        """Return several grids of a trimmed flank, which is trimmed once for all of them.
-
-        Parameters
-        ----------
-        which : Side
-            "right" or "left".
-        *grids : tuple of array_like
-            Shares s (S,) and stations t (T,) of each grid, as in `flank_grid`.
-
-        Returns
-        -------
-        list of Grid
-
-        Raises
-        ------
-        TrimError
-            Where the tooth cannot be trimmed there.
-
-        Examples
-        --------
-        >>> tooth = gears.members["pinion"].tooth
-        >>> [grid.points.shape for grid in tooth.flank_grids("right", ([1.0], [0.5]), ([0.0, 1.0], [0.5]))]
-        [(1, 1, 3), (2, 1, 3)]
-        """
+        """Return several grids of a flank, each for its s (S,) and t (T,) as in `flank_grid`, trimmed once for all of
+        them."""
         which = Side(which)
         wanted = [(np.asarray(s, dtype=float)[:, None], np.atleast_1d(np.asarray(t, dtype=float))) for s, t in grids]
         stations, place = np.unique(np.concatenate([t for _, t in wanted]), return_inverse=True)
@@ -994,29 +728,12 @@ class Tooth:
         ]
 
     def volume(self, order: int = 24) -> float:
-        """Return the volume of all teeth and the body, by Gauss quadrature of exact section areas.
+        """Return the volume (mm^3) of all teeth and the body, by Gauss quadrature of exact section areas.
 
         The section of a station lies on a plane, cone or cylinder. It reaches from the tooth's outline down to a floor,
         the straight line between the ends of the body's profile. With u along the generatrix, its area is the integral
         of rho du over the polar angle. The volume of the teeth is the integral of the area over the station coordinate.
-        Floor and profile enclose the rest, a solid of revolution.
-
-        Parameters
-        ----------
-        order : int
-            Gauss nodes in each direction.
-
-        Returns
-        -------
-        float
-            mm^3.
-
-        Examples
-        --------
-        >>> tooth = gears.members["pinion"].tooth
-        >>> volume = tooth.volume()
-        >>> abs(volume - tooth.volume(order=32)) < 1e-6 * volume
-        True
+        Floor and profile enclose the rest, a solid of revolution. `order`: Gauss nodes in each direction.
         """
         return self.teeth * self._swept(order) - self.blank.body.enclosed_volume()
 
@@ -1050,28 +767,10 @@ class Tooth:
         return abs(way) * float(np.sign(self.blank.extent[1] - self.blank.extent[0])) * total
 
     def quadrature(self, order: int = 24) -> tuple[Array, Array]:
-        """Return a Gauss rule over one tooth, down to the floor that `volume` uses.
+        """Return a Gauss rule over one tooth, down to the floor that `volume` uses: points (N, 3), mm, and weights (N,), mm^3.
 
-        The rule is exact along the generatrices for products of up to three coordinates.
-
-        Parameters
-        ----------
-        order : int
-            Gauss nodes in each direction.
-
-        Returns
-        -------
-        points : numpy.ndarray
-            (N, 3), mm.
-        weights : numpy.ndarray
-            (N,), mm^3.
-
-        Examples
-        --------
-        >>> tooth = gears.members["pinion"].tooth
-        >>> points, weights = tooth.quadrature()
-        >>> bool(weights.sum() > 0.0)
-        True
+        The rule is exact along the generatrices for products of up to three coordinates. `order`: Gauss nodes in each
+        direction.
         """
         (nodes, weights), (depths, shares) = (np.polynomial.legendre.leggauss(n) for n in (order, GENERATRIX_NODES))
         nodes, weights, depths, shares = 0.5 * (nodes + 1.0), 0.5 * weights, 0.5 * (depths + 1.0), 0.5 * shares

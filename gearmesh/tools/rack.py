@@ -62,45 +62,12 @@ class RackLine:
         return 0.0
 
     def at_height(self, x: float) -> float:
-        """Return the parameter of the point at a height.
-
-        Parameters
-        ----------
-        x : float
-            mm.
-
-        Returns
-        -------
-        float
-            p, mm.
-
-        Examples
-        --------
-        >>> line = gm.RackLine(np.radians(20.0), 0.0, 3.0)
-        >>> round(float(line.section(np.array(line.at_height(1.5)))[0][0]), 9)
-        1.5
-        """
+        """Return the parameter p (mm) of the point at a height x, mm."""
         p: float = (x + self.a - self.shift) / np.cos(self.alpha)
         return p
 
     def bend_limit(self, x: float) -> float:
-        """Coefficient of a parabola from which on it bends back before a height; a line is none.
-
-        Parameters
-        ----------
-        x : float
-            mm.
-
-        Returns
-        -------
-        float
-            Infinity.
-
-        Examples
-        --------
-        >>> gm.RackLine(np.radians(20.0), 0.0, 3.0).bend_limit(1.5)
-        inf
-        """
+        """Return the coefficient from which on a parabola bends back before a height: infinity, as a line is none."""
         return np.inf
 
 
@@ -126,25 +93,8 @@ class Parabola:
         return points - self.coefficient * away**2 * normals, tangents, (normals + slope * along) * shorter, turned
 
     def at_height(self, x: float) -> float:
-        """Return the parameter of the parabola's point at a height.
-
-        Parameters
-        ----------
-        x : float
-            mm, x of `section`.
-
-        Returns
-        -------
-        float
-            p, mm; NaN if the parabola bends back before this height.
-
-        Examples
-        --------
-        >>> parabola = gm.Parabola(gm.RackLine(np.radians(20.0), 0.0, 3.0), 0.001, 0.0)
-        >>> p = parabola.at_height(1.5)
-        >>> round(float(parabola.section(np.array(p))[0][0]), 9)
-        1.5
-        """
+        """Return the parameter p (mm) of the parabola's point at a height x, mm; NaN if it bends back before this
+        height."""
         c, s = np.cos(self.line.alpha), np.sin(self.line.alpha)
         rise = (self.line.at_height(x) - self.vertex) * c
         with np.errstate(invalid="ignore"):
@@ -152,24 +102,7 @@ class Parabola:
         return float(self.vertex + 2.0 * rise / (c + root))
 
     def bend_limit(self, x: float) -> float:
-        """Size of the coefficient from which on the parabola bends back before a height.
-
-        Parameters
-        ----------
-        x : float
-            mm, as of `section`.
-
-        Returns
-        -------
-        float
-            1/mm.
-
-        Examples
-        --------
-        >>> parabola = gm.Parabola(gm.RackLine(np.radians(20.0), 0.0, 3.0), 0.001, 0.0)
-        >>> round(parabola.bend_limit(1.5), 6)
-        0.430297
-        """
+        """Return the size (1/mm) of the coefficient from which on the parabola bends back before a height x, mm."""
         c, s = np.cos(self.line.alpha), np.sin(self.line.alpha)
         rise = (self.line.at_height(x) - self.vertex) * c
         return float(c**2 / (4.0 * s * abs(rise)))

@@ -55,480 +55,85 @@ class Joint(Protocol):
         """Units in which the motion is given."""
 
     def way(self, angle: Quantity) -> Quantity | None:
-        """Return the displacement, mm, for an angle; None for a revolute joint.
-
-        Parameters
-        ----------
-        angle : float or ndarray
-            rad.
-
-        Returns
-        -------
-        float or ndarray or None
-            mm.
-
-        Examples
-        --------
-        >>> joint = gears.members["pinion"].tooth.joint
-        >>> joint.way(0.1) is None
-        True
-        """
+        """Return the displacement (mm) for an angle (rad); None for a revolute joint."""
 
     def force(self, torque: Quantity) -> Quantity | None:
-        """Return the force, N, that does the same work as a torque (N mm) about the angle; None for a revolute joint.
-
-        Parameters
-        ----------
-        torque : float or ndarray
-            N mm.
-
-        Returns
-        -------
-        float or ndarray or None
-            N.
-
-        Examples
-        --------
-        >>> joint = gears.members["pinion"].tooth.joint
-        >>> joint.force(1000.0) is None
-        True
-        """
+        """Return the force (N) that does the same work as a torque (N mm) about the angle; None for a revolute joint."""
 
     def diameter(self, radius: Quantity) -> Quantity | None:
-        """Return the diameter at a radius, mm; None for a prismatic joint.
-
-        Parameters
-        ----------
-        radius : float or ndarray
-            mm.
-
-        Returns
-        -------
-        float or ndarray or None
-            mm.
-
-        Examples
-        --------
-        >>> joint = gears.members["pinion"].tooth.joint
-        >>> joint.diameter(20.0)
-        40.0
-        """
+        """Return the diameter (mm) at a radius (mm); None for a prismatic joint."""
 
     def height(self, radius: Quantity) -> Quantity | None:
-        """Return the height over x = 0 at a radius, mm; None for a revolute joint.
-
-        Parameters
-        ----------
-        radius : float or ndarray
-            mm.
-
-        Returns
-        -------
-        float or ndarray or None
-            mm.
-
-        Examples
-        --------
-        >>> joint = gears.members["pinion"].tooth.joint
-        >>> joint.height(20.0) is None
-        True
-        """
+        """Return the height (mm) over x = 0 at a radius (mm); None for a revolute joint."""
 
     def spin(self, base: Rigid) -> Array:
         """Return the angular velocity (..., 3), rad/rad, in the frame to which `base` takes the member's frame.
 
-        Parameters
-        ----------
-        base : Rigid
-            From the member's frame to the one asked for.
-
-        Returns
-        -------
-        ndarray
-            (..., 3), rad per rad of the angle: the axis of a revolute joint, 0 for a prismatic joint.
-
-        Examples
-        --------
-        >>> joint = gears.members["pinion"].tooth.joint
-        >>> joint.spin(gm.Rigid.identity()).tolist()
-        [0.0, 0.0, 1.0]
+        It is the axis of a revolute joint, and 0 for a prismatic joint.
         """
 
     def velocity(self, base: Rigid, r: Array) -> Array:
-        """Return the velocity (..., 3), mm/rad, of points r (..., 3) in the frame to which `base` takes the member.
-
-        Parameters
-        ----------
-        base : Rigid
-            From the member's frame to the one asked for.
-        r : ndarray
-            Points (..., 3) there, mm.
-
-        Returns
-        -------
-        ndarray
-            (..., 3), mm/rad.
-
-        Examples
-        --------
-        >>> joint = gears.members["pinion"].tooth.joint
-        >>> joint.velocity(gm.Rigid.identity(), np.array([20.0, 0.0, 5.0])).tolist()
-        [0.0, 20.0, 0.0]
-        """
+        """Return the velocity (..., 3), mm/rad, of points r (..., 3) in the frame to which `base` takes the member's
+        frame."""
 
     def pitch(self, teeth: int) -> float:
-        """Return the angle, rad, from one tooth to the next.
-
-        Parameters
-        ----------
-        teeth : int
-            How many there are.
-
-        Returns
-        -------
-        float
-            rad.
-
-        Examples
-        --------
-        >>> joint = gears.members["pinion"].tooth.joint
-        >>> round(float(np.degrees(joint.pitch(18))), 9)
-        20.0
-        """
+        """Return the angle (rad) from one tooth to the next."""
 
     def places(self, teeth: int) -> NDArray[np.int64]:
-        """Return the numbers (teeth,) of all teeth, counted in the direction of motion from the tooth at angle 0.
-
-        Parameters
-        ----------
-        teeth : int
-            How many there are.
-
-        Returns
-        -------
-        ndarray of int
-            (teeth,).
-
-        Examples
-        --------
-        >>> joint = gears.members["pinion"].tooth.joint
-        >>> joint.places(4).tolist()
-        [0, 1, 2, 3]
-        """
+        """Return the numbers (teeth,) of all teeth, counted in the direction of motion from the tooth at angle 0."""
 
     def cycle(self, teeth: int) -> float:
-        """Return the number of pitches after which the first tooth returns; inf if it never does.
-
-        Parameters
-        ----------
-        teeth : int
-            How many there are.
-
-        Returns
-        -------
-        float
-            Pitches; inf for a prismatic joint.
-
-        Examples
-        --------
-        >>> joint = gears.members["pinion"].tooth.joint
-        >>> int(joint.cycle(18))
-        18
-        """
+        """Return the number of pitches after which the first tooth returns; inf for a prismatic joint, in which it
+        never does."""
 
     def rotation_angle(self, rotation: Array, tolerance: float) -> float | None:
-        """Return the angle, rad, of the joint's motion with a rotation matrix (3, 3), within `tolerance`; None without
-        one.
+        """Return the angle (rad) of the joint's motion with a rotation matrix (3, 3); None if there is none.
 
-        Parameters
-        ----------
-        rotation : ndarray
-            (3, 3).
-        tolerance : float
-            Largest difference of its entries from those of the joint's motion.
-
-        Returns
-        -------
-        float or None
-            rad.
-
-        Examples
-        --------
-        >>> joint = gears.members["pinion"].tooth.joint
-        >>> round(joint.rotation_angle(joint.to(0.25).rotation, 1e-9), 12)
-        0.25
+        `tolerance`: largest difference of the matrix from the rotation of that motion.
         """
 
     def to(self, angle: ArrayLike) -> Rigid:
-        """Return the motion by an angle.
-
-        Parameters
-        ----------
-        angle : array_like
-            (...,), rad.
-
-        Returns
-        -------
-        Rigid
-            In the member's frame, of shape (...,).
-
-        Examples
-        --------
-        >>> joint = gears.members["pinion"].tooth.joint
-        >>> joint.to(0.5 * np.pi).point(np.array([20.0, 0.0, 5.0])).round(12).tolist()
-        [0.0, 20.0, 5.0]
-        """
+        """Return the motion by angles (...,), rad, in the member's frame."""
 
     def angle(self, r: Array) -> Array:
-        """Return the angle of points: their polar angle, or y over the `travel`.
-
-        Parameters
-        ----------
-        r : ndarray
-            Points (..., 3) in the member's frame, mm.
-
-        Returns
-        -------
-        ndarray
-            (...,), rad.
-
-        Examples
-        --------
-        >>> joint = gears.members["pinion"].tooth.joint
-        >>> float(joint.angle(np.array([20.0, 0.0, 5.0])))
-        0.0
-        """
+        """Return the angle (...,), rad, of points r (..., 3): their polar angle, or y over the `travel`."""
 
     def place(self, angle: Array, radius: Array) -> Array:
-        """Return x and y (..., 2), mm, of points at an angle and a radius.
-
-        Parameters
-        ----------
-        angle : ndarray
-            (...,), rad.
-        radius : ndarray
-            (...,), mm.
-
-        Returns
-        -------
-        ndarray
-            (..., 2), mm.
-
-        Examples
-        --------
-        >>> joint = gears.members["pinion"].tooth.joint
-        >>> joint.place(np.array(0.0), np.array(20.0)).tolist()
-        [20.0, 0.0]
-        """
+        """Return x and y (..., 2), mm, of points at an angle (...,), rad, and a radius (...,), mm."""
 
     def angle_gradient(self, r: Array) -> Array:
-        """Return the gradient of the points' angle.
-
-        Parameters
-        ----------
-        r : ndarray
-            Points (..., 3) in the member's frame, mm.
-
-        Returns
-        -------
-        ndarray
-            (..., 3), 1/mm.
-
-        Examples
-        --------
-        >>> joint = gears.members["pinion"].tooth.joint
-        >>> joint.angle_gradient(np.array([20.0, 0.0, 5.0])).tolist()
-        [-0.0, 0.05, 0.0]
-        """
+        """Return the gradient (..., 3), 1/mm, of the angle of points r (..., 3)."""
 
     def angle_hessian(self, r: Array, w: Array) -> Array:
-        """Return the Hessian of the points' angle, applied to vectors.
-
-        Parameters
-        ----------
-        r : ndarray
-            Points (..., 3) in the member's frame, mm.
-        w : ndarray
-            Vectors (..., 3).
-
-        Returns
-        -------
-        ndarray
-            (..., 3).
-
-        Examples
-        --------
-        >>> joint = gears.members["pinion"].tooth.joint
-        >>> r, along = np.array([20.0, 0.0, 5.0]), np.array([0.0, 0.0, 1.0])
-        >>> bool((joint.angle_hessian(r, along) == 0.0).all())
-        True
-        """
+        """Return the Hessian of the angle of points r (..., 3), applied to vectors w (..., 3)."""
 
     def radius(self, r: Array) -> Array:
-        """Return the coordinate at right angles to motion and z, which grows out of the body: the polar radius, or x.
-
-        Parameters
-        ----------
-        r : ndarray
-            Points (..., 3) in the member's frame, mm.
-
-        Returns
-        -------
-        ndarray
-            (...,), mm.
-
-        Examples
-        --------
-        >>> joint = gears.members["pinion"].tooth.joint
-        >>> float(joint.radius(np.array([12.0, 16.0, 5.0])))
-        20.0
-        """
+        """Return the radius (...,), mm, of points r (..., 3), which grows out of the body: the polar radius, or x."""
 
     def outward(self, r: Array) -> Array:
-        """Return the gradient of the radius over x and y.
-
-        Parameters
-        ----------
-        r : ndarray
-            Points (..., 3) in the member's frame, mm.
-
-        Returns
-        -------
-        ndarray
-            (..., 2).
-
-        Examples
-        --------
-        >>> joint = gears.members["pinion"].tooth.joint
-        >>> joint.outward(np.array([12.0, 16.0, 5.0])).tolist()
-        [0.6, 0.8]
-        """
+        """Return the gradient (..., 2) of the radius of points r (..., 3) over x and y."""
 
     def arm(self, r: Array) -> Array:
-        """Return the speed of points.
-
-        Parameters
-        ----------
-        r : ndarray
-            Points (..., 3) in the member's frame, mm.
-
-        Returns
-        -------
-        ndarray
-            (...,), mm/rad: the radius in a revolute joint, the `travel` in a prismatic joint.
-
-        Examples
-        --------
-        >>> joint = gears.members["pinion"].tooth.joint
-        >>> float(joint.arm(np.array([12.0, 16.0, 5.0])))
-        20.0
-        """
+        """Return the speed (...,), mm/rad, of points r (..., 3): the radius in a revolute joint, else the `travel`."""
 
     def along(self, r: Array, w: Array) -> Array:
-        """Return the scalar product of vectors with the velocity of points.
-
-        Parameters
-        ----------
-        r : ndarray
-            Points (..., 3) in the member's frame, mm.
-        w : ndarray
-            Vectors (..., 3).
-
-        Returns
-        -------
-        ndarray
-            (...,), mm/rad times the unit of w.
-
-        Examples
-        --------
-        >>> joint = gears.members["pinion"].tooth.joint
-        >>> float(joint.along(np.array([20.0, 0.0, 5.0]), np.array([0.0, 3.0, 1.0])))
-        60.0
-        """
+        """Return the scalar product (...,) of vectors w (..., 3) with the velocity (mm/rad) of points r (..., 3)."""
 
     def within(self, angle: Array) -> Array:
-        """Remove full turns from differences of angles, so that they are next to zero.
+        """Return differences of angles (...,), rad, without full turns, so that they are next to zero.
 
         Differences that are already next to zero stay to the last digit.
-
-        Parameters
-        ----------
-        angle : ndarray
-            (...,), rad.
-
-        Returns
-        -------
-        ndarray
-            (...,), rad, from -pi to pi; unchanged for a prismatic joint.
-
-        Examples
-        --------
-        >>> joint = gears.members["pinion"].tooth.joint
-        >>> round(float(joint.within(np.array(2.0 * np.pi + 0.1))), 12)
-        0.1
         """
 
     def wrap(self, angle: Array) -> Array:
-        """Bring angles to the range from -pi/2 to 3 pi/2 by full turns.
-
-        Parameters
-        ----------
-        angle : ndarray
-            (...,), rad.
-
-        Returns
-        -------
-        ndarray
-            (...,), rad; unchanged for a prismatic joint.
-
-        Examples
-        --------
-        >>> joint = gears.members["pinion"].tooth.joint
-        >>> round(float(joint.wrap(np.array(-0.75 * np.pi)) / np.pi), 12)
-        1.25
-        """
+        """Return angles (...,), rad, moved to the range from -pi/2 to 3 pi/2 by full turns; unchanged for a prismatic
+        joint."""
 
     def running(self, angle: Array) -> Array:
-        """Remove jumps by full turns from angles in a row.
-
-        Parameters
-        ----------
-        angle : ndarray
-            (N,), rad.
-
-        Returns
-        -------
-        ndarray
-            (N,), rad.
-
-        Examples
-        --------
-        >>> joint = gears.members["pinion"].tooth.joint
-        >>> joint.running(np.array([3.0, 3.1, 3.2 - 2.0 * np.pi])).round(12).tolist()
-        [3.0, 3.1, 3.2]
-        """
+        """Return angles (N,), rad, in a row without their jumps by full turns."""
 
     def nearest(self, angle: float, guess: float) -> float:
-        """Return the angle nearest to `guess` among all angles equivalent to `angle`, which differ by full turns.
-
-        Parameters
-        ----------
-        angle : float
-            rad.
-        guess : float
-            rad.
-
-        Returns
-        -------
-        float
-            rad.
-
-        Examples
-        --------
-        >>> joint = gears.members["pinion"].tooth.joint
-        >>> round(joint.nearest(0.1, 6.0) - 2.0 * np.pi, 12)
-        0.1
-        """
+        """Return the angle (rad) nearest to `guess` among all angles that differ from `angle` by full turns."""
 
 
 @dataclass(frozen=True)

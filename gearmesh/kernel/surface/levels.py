@@ -21,66 +21,13 @@ class Level(Protocol):
     """A function g(r) with gradient and Hessian, whose zero level bounds a body (g < 0 inside)."""
 
     def value(self, r: Array) -> Array:
-        """Return g at points.
-
-        Parameters
-        ----------
-        r : ndarray
-            Points (..., 3), mm.
-
-        Returns
-        -------
-        ndarray
-            g (...,), negative inside.
-
-        Examples
-        --------
-        >>> tip = gears.members["pinion"].tooth.chain[gm.Region.LAND].cone
-        >>> float(tip.value(np.array([19.0, 0.0, 0.0])))
-        -1.0
-        """
+        """Return g (...,) at points r (..., 3), mm, negative inside."""
 
     def gradient(self, r: Array) -> Array:
-        """Return the gradient of g.
-
-        Parameters
-        ----------
-        r : ndarray
-            Points (..., 3), mm.
-
-        Returns
-        -------
-        ndarray
-            (..., 3).
-
-        Examples
-        --------
-        >>> tip = gears.members["pinion"].tooth.chain[gm.Region.LAND].cone
-        >>> tip.gradient(np.array([19.0, 0.0, 0.0])).tolist()
-        [1.0, 0.0, 0.0]
-        """
+        """Return the gradient (..., 3) of g at points r (..., 3)."""
 
     def hessian(self, r: Array, w: Array) -> Array:
-        """Return the Hessian of g, applied to vectors.
-
-        Parameters
-        ----------
-        r : ndarray
-            Points (..., 3), mm.
-        w : ndarray
-            Vectors (..., 3).
-
-        Returns
-        -------
-        ndarray
-            (..., 3).
-
-        Examples
-        --------
-        >>> tip = gears.members["pinion"].tooth.chain[gm.Region.LAND].cone
-        >>> tip.hessian(np.array([20.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])).tolist()
-        [-0.0, 0.05, 0.0]
-        """
+        """Return the Hessian of g at points r (..., 3), applied to vectors w (..., 3)."""
 
 
 class LandSurface(Surface, Protocol):
@@ -106,82 +53,16 @@ class LandLevel(Level, Protocol):
         """The surface g = 0."""
 
     def corners(self, axial: Level) -> tuple[float, ...]:
-        """Return the corners of the meridian.
-
-        Parameters
-        ----------
-        axial : Level
-            The coordinate along the face.
-
-        Returns
-        -------
-        tuple of float
-            Values of the coordinate along the face, mm, ascending.
-
-        Examples
-        --------
-        >>> blank = gears.members["pinion"].tooth.blank
-        >>> blank.tip.corners(blank.axial)
-        ()
-        """
+        """Return the corners of the meridian: values (mm) of the `axial` coordinate along the face, ascending."""
 
     def at(self, z: float | Array) -> Array:
-        """Return the distance from the axis, or from a rack's reference plane.
-
-        Parameters
-        ----------
-        z : float or ndarray
-            (...,), mm, along the axis.
-
-        Returns
-        -------
-        ndarray
-            (...,), mm.
-
-        Examples
-        --------
-        >>> float(gears.members["pinion"].tooth.blank.tip.at(0.0))
-        20.0
-        """
+        """Return the distance (...,), mm, from the axis, or from a rack's reference plane, at z (...,), mm."""
 
     def across(self, axial: Level) -> Level:
-        """Return the coordinate at right angles to the coordinate along the face.
-
-        Parameters
-        ----------
-        axial : Level
-            The coordinate along the face.
-
-        Returns
-        -------
-        Level
-            Coordinate across the face, mm.
-
-        Examples
-        --------
-        >>> blank = gears.members["pinion"].tooth.blank
-        >>> across = blank.tip.across(blank.axial)
-        >>> across.gradient(np.array([19.0, 0.0, 0.0])).tolist()
-        [1.0, 0.0, 0.0]
-        """
+        """Return the coordinate (mm) at right angles to the `axial` coordinate along the face."""
 
     def parallel(self, distance: float) -> LandLevel:
-        """Return the level of the parallel surface.
-
-        Parameters
-        ----------
-        distance : float
-            mm, positive out of the body.
-
-        Returns
-        -------
-        LandLevel
-
-        Examples
-        --------
-        >>> float(gears.members["pinion"].tooth.blank.tip.parallel(0.5).at(0.0))
-        20.5
-        """
+        """Return the level of the parallel surface at a distance (mm), positive out of the body."""
 
 
 @dataclass(frozen=True)
@@ -235,24 +116,7 @@ class ConeLevel:
 
     @staticmethod
     def of(radius: float, slope: float = 0.0) -> ConeLevel:
-        """Return the cone rho = radius + slope z, with the axis inside.
-
-        Parameters
-        ----------
-        radius : float
-            At z = 0, mm.
-        slope : float
-            d rho / dz.
-
-        Returns
-        -------
-        ConeLevel
-
-        Examples
-        --------
-        >>> gm.ConeLevel.of(20.0).radius
-        20.0
-        """
+        """Return the cone rho = radius + slope z (mm), with the axis inside."""
         length = float(np.hypot(1.0, slope))
         return ConeLevel(float(np.arctan2(1.0, -slope)), radius / length)
 
@@ -279,23 +143,7 @@ class ConeLevel:
         return perpendicular(axial)
 
     def at(self, z: float | Array) -> Array:
-        """Return the radius at some z; undefined for a plane.
-
-        Parameters
-        ----------
-        z : float or ndarray
-            (...,), mm.
-
-        Returns
-        -------
-        ndarray
-            (...,), mm.
-
-        Examples
-        --------
-        >>> round(float(gm.ConeLevel.of(20.0, 0.1).at(10.0)), 12)
-        21.0
-        """
+        """Return the radius (...,), mm, at z (...,), mm; undefined for a plane."""
         return np.asarray(self.radius + self.slope * z)
 
     def parallel(self, distance: float) -> ConeLevel:

@@ -40,98 +40,22 @@ class Jet:
         return Jet(*(getattr(self, field.name)[which] for field in fields(Jet)))
 
     def where(self, condition: NDArray[np.bool_], other: Jet) -> Jet:
-        """Return points of this jet where a condition holds, and points of another jet elsewhere.
-
-        Parameters
-        ----------
-        condition : ndarray of bool
-            (N,).
-        other : Jet
-            Jet at N points.
-
-        Returns
-        -------
-        Jet
-
-        Examples
-        --------
-        >>> tooth = gears.members["pinion"].tooth
-        >>> jet = tooth.chain[gm.Region.FLANK_RIGHT].grid([0.5], tooth.sections([0.0, 1.0])).jet
-        >>> row = jet.where(np.array([True]), jet)
-        >>> bool((row.r == jet.r).all())
-        True
-        """
+        """Return points of this jet where a condition (N,) holds, and points of another jet elsewhere."""
         chosen = condition[:, None]
         return Jet(*(np.where(chosen, getattr(self, field.name), getattr(other, field.name)) for field in fields(Jet)))
 
     def move(self, transform: Rigid) -> Jet:
-        """Return the jet of the same surface in another frame.
-
-        Parameters
-        ----------
-        transform : Rigid
-            From this frame to the other one.
-
-        Returns
-        -------
-        Jet
-
-        Examples
-        --------
-        >>> tooth = gears.members["pinion"].tooth
-        >>> jet = tooth.chain[gm.Region.FLANK_RIGHT].grid([0.5], tooth.sections([0.0, 1.0])).jet
-        >>> moved = jet.move(gm.Rigid(np.eye(3), np.array([0.0, 0.0, 3.0])))
-        >>> (moved.r - jet.r)[0, 0].round(12).tolist()
-        [0.0, 0.0, 3.0]
-        """
+        """Return the jet of the same surface in the frame to which `transform` takes this frame."""
         r, *turned = transform.vectors(self.r, self.n, self.r_u, self.r_v, self.n_u, self.n_v)
         return Jet(r + transform.translation, *turned)
 
     def parallel(self, distance: float) -> Jet:
-        """Return the jet of the parallel surface, with unchanged parameters.
-
-        Parameters
-        ----------
-        distance : float
-            Along the normal, mm.
-
-        Returns
-        -------
-        Jet
-
-        Examples
-        --------
-        >>> tooth = gears.members["pinion"].tooth
-        >>> jet = tooth.chain[gm.Region.FLANK_RIGHT].grid([0.5], tooth.sections([0.0, 1.0])).jet
-        >>> (np.linalg.norm(jet.parallel(0.1).r - jet.r, axis=-1)).round(12).tolist()
-        [[0.1, 0.1]]
-        """
+        """Return the jet of the parallel surface at a distance (mm) along the normals, with unchanged parameters."""
         r, r_u, r_v = (a + distance * b for a, b in ((self.r, self.n), (self.r_u, self.n_u), (self.r_v, self.n_v)))
         return Jet(r, self.n, r_u, r_v, self.n_u, self.n_v)
 
     def along(self, du: Array, dv: Array) -> tuple[Array, Array]:
-        """Return differentials of point and normal for differentials of the parameters.
-
-        Parameters
-        ----------
-        du : ndarray
-            (...,).
-        dv : ndarray
-            (...,).
-
-        Returns
-        -------
-        tuple of ndarray
-            dr, mm, and dn, (..., 3) each.
-
-        Examples
-        --------
-        >>> tooth = gears.members["pinion"].tooth
-        >>> jet = tooth.chain[gm.Region.FLANK_RIGHT].grid([0.5], tooth.sections([0.0, 1.0])).jet
-        >>> dr, dn = jet.along(np.ones((1, 2)), np.zeros((1, 2)))
-        >>> bool((dr == jet.r_u).all())
-        True
-        """
+        """Return differentials dr (mm) and dn (..., 3) of point and normal for differentials of the parameters (...,)."""
         du, dv = du[..., None], dv[..., None]
         return self.r_u * du + self.r_v * dv, self.n_u * du + self.n_v * dv
 
@@ -140,25 +64,7 @@ class Surface(Protocol):
     """A surface with an exact jet."""
 
     def jet(self, u: Array, v: Array) -> Jet:
-        """Return point, unit normal and their first partial derivatives.
-
-        Parameters
-        ----------
-        u : ndarray
-            First parameter, (...,).
-        v : ndarray
-            Second parameter, (...,).
-
-        Returns
-        -------
-        Jet
-
-        Examples
-        --------
-        >>> jet = gears.members["pinion"].tooth.right.flank.jet(np.array([0.1, 0.2]), np.array([0.0, 0.0]))
-        >>> jet.r.shape
-        (2, 3)
-        """
+        """Return point, unit normal and their first partial derivatives at parameters u and v (...,)."""
 
 
 class GeneratedSurface(Surface, Protocol):
@@ -176,115 +82,27 @@ class GeneratedSurface(Surface, Protocol):
         """Number of the motion's parameters."""
 
     def on_tool(self, u: Array, v: Array) -> tuple[Array, Array]:
-        """Return the tool's parameters at the points that generate the surface.
-
-        Parameters
-        ----------
-        u : ndarray
-            First parameter, (...,).
-        v : ndarray
-            Second parameter, (...,).
-
-        Returns
-        -------
-        tuple of ndarray
-            Both parameters of the tool's surface, (...,) each.
-
-        Examples
-        --------
-        >>> flank, fillet = gears.members["pinion"].tooth.right.generation
-        >>> p, s = flank.on_tool(np.array([0.1]), np.array([0.0]))
-        >>> p.shape
-        (1,)
-        """
+        """Return both parameters (...,) of the tool's surface at the points that generate the surface at u and v
+        (...,)."""
 
     def generating(self, u: Array, v: Array) -> tuple[Array, ...]:
-        """Return the motion's parameters at which the points are generated.
+        """Return the motion's parameters (...,) at which the points at u and v (...,) are generated.
 
-        Parameters
-        ----------
-        u : ndarray
-            First parameter, (...,).
-        v : ndarray
-            Second parameter, (...,).
-
-        Returns
-        -------
-        tuple of ndarray
-            The motion's parameters, (...,) each: none, roll (rad), or roll and feed (mm).
-
-        Examples
-        --------
-        >>> flank, fillet = gears.members["pinion"].tooth.right.generation
-        >>> (roll,) = flank.generating(np.array([0.1]), np.array([0.0]))
-        >>> roll.shape
-        (1,)
+        There is none, roll (rad), or roll and feed (mm).
         """
 
     def tool_to_blank(self, *motion: Array) -> Rigid:
-        """Return the transform from the tool's frame to the blank's frame.
-
-        Parameters
-        ----------
-        motion : ndarray
-            Parameters of the motion, (...,) each, as returned by `generating`.
-
-        Returns
-        -------
-        Rigid
-            Transform from tool to blank.
-
-        Examples
-        --------
-        >>> flank, fillet = gears.members["pinion"].tooth.right.generation
-        >>> u, v = np.array([0.1]), np.array([0.0])
-        >>> tool = flank.tool.jet(*flank.on_tool(u, v)).r
-        >>> made = flank.tool_to_blank(*flank.generating(u, v)).point(tool)
-        >>> bool(np.abs(made - flank.jet(u, v).r).max() < 1e-9)
-        True
-        """
+        """Return the transform from the tool's frame to the blank's frame at parameters (...,) of the motion, as from
+        `generating`."""
 
     def axes(self, *motion: Array) -> tuple[MachineAxis, ...]:
-        """Return the axes of the machine, in the blank's frame.
-
-        Parameters
-        ----------
-        motion : ndarray
-            Parameters of the motion at one instant.
-
-        Returns
-        -------
-        tuple of MachineAxis
-            Without the axes of blank and tool.
-
-        Examples
-        --------
-        >>> flank, fillet = gears.members["pinion"].tooth.right.generation
-        >>> [axis.name for axis in flank.axes(np.array(0.0))]
-        []
-        """
+        """Return the axes of the machine in the blank's frame at one instant of the motion, without those of blank and
+        tool."""
 
     def progress(self, u: Array, v: Array) -> tuple[Array, Array, Array]:
-        """Return the parameter that is constant along a line of contact with the tool: the roll, or else the feed.
+        """Return the parameter that is constant along a line of contact with the tool, and its partial derivatives (...,).
 
-        Parameters
-        ----------
-        u : ndarray
-            First parameter, (...,).
-        v : ndarray
-            Second parameter, (...,).
-
-        Returns
-        -------
-        tuple of ndarray
-            Value, rad or mm, and partial derivatives, (...,) each.
-
-        Examples
-        --------
-        >>> flank, fillet = gears.members["pinion"].tooth.right.generation
-        >>> roll, by_u, by_v = flank.progress(np.array([0.1]), np.array([0.0]))
-        >>> roll.shape
-        (1,)
+        It is the roll (rad), or else the feed (mm).
         """
 
 

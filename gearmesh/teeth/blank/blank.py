@@ -79,24 +79,7 @@ class Blank:
         return self if self.ends == SHARP_ENDS else replace(self, extent=self.faces, ends=SHARP_ENDS)
 
     def with_ends(self, ends: EndChamfers) -> Blank:
-        """Return the blank with chamfers at its end faces, which do not move.
-
-        Parameters
-        ----------
-        ends : tuple of EndChamfer or None
-            At toe and heel; None for a sharp edge.
-
-        Returns
-        -------
-        Blank
-
-        Examples
-        --------
-        >>> blank = gears.members["pinion"].tooth.blank
-        >>> broken = blank.with_ends((gm.EndChamfer(0.5, 0.5), None))
-        >>> round(broken.extent[0] - blank.extent[0], 9)
-        0.5
-        """
+        """Return the blank with chamfers at its end faces at toe and heel, which do not move; None for a sharp edge."""
         (toe, heel), (first, last) = self.faces, (0.0 if end is None else end.depth for end in ends)
         extent = (toe + first, heel - last) if heel > toe else (toe - first, heel + last)
         return replace(self, extent=extent, ends=ends)

@@ -75,29 +75,10 @@ class Body:
 
     @staticmethod
     def disk(bore: float, toe: tuple[float, float], heel: tuple[float, float], *faces: float) -> Body:
-        """Return a disk with a bore.
+        """Return a disk with a bore of a radius (mm; 0: none).
 
-        The bore's ends lie at z of toe and heel unless `faces` says otherwise.
-
-        Parameters
-        ----------
-        bore : float
-            Radius, mm; 0: none.
-        toe : tuple of float
-            (rho, z), mm, where the end face meets the teeth.
-        heel : tuple of float
-            The same at the other end.
-        faces : float
-            z of the bore's ends, mm: none, or two.
-
-        Returns
-        -------
-        Body
-
-        Examples
-        --------
-        >>> gm.Body.disk(6.0, (15.0, -5.0), (15.0, 5.0)).bore_diameter
-        12.0
+        `toe` and `heel` are (rho, z), mm, where the end faces meet the teeth. The ends of the bore lie at their z, or at the
+        two z of `faces`, mm.
         """
         low, high = faces or (toe[1], heel[1])
         profile = [toe, (bore, low), (bore, high), heel]
@@ -105,55 +86,18 @@ class Body:
 
     @staticmethod
     def tube(radius: float, toe: float, heel: float, band: Region = Region.BORE) -> Body:
-        """Return the body between toothed end faces at z = toe and heel and a cylinder: a bore, or the rim of an
-        internal gear.
+        """Return the body between toothed end faces at z = toe and heel (mm) and a cylinder.
 
-        Parameters
-        ----------
-        radius : float
-            Radius of the cylinder, mm.
-        toe : float
-            z of an end face, mm.
-        heel : float
-            z of an end face, mm.
-        band : Region
-            Region of the cylinder: the bore, or the rim.
-
-        Returns
-        -------
-        Body
-
-        Examples
-        --------
-        >>> gm.Body.tube(6.0, -5.0, 5.0).ends
-        (-5.0, 5.0)
+        - radius: radius of the cylinder, mm.
+        - band: region of the cylinder: the bore, or the rim of an internal gear.
         """
         return Body(((radius, toe), (radius, heel)), (band,))
 
     @staticmethod
     def hub_and_rim(bore: float, web: Disc, toe: float, heel: float) -> Body:
-        """Return a hub and a rim between end faces at z = toe and heel, with a web between them; the rim bears the
-        teeth.
+        """Return a hub with a bore of a radius (mm), a web, and a rim that bears the teeth.
 
-        Parameters
-        ----------
-        bore : float
-            Radius, mm.
-        web : Disc
-            Radii and faces of the web.
-        toe : float
-            z of an end face, mm.
-        heel : float
-            z of an end face, mm.
-
-        Returns
-        -------
-        Body
-
-        Examples
-        --------
-        >>> gm.Body.hub_and_rim(6.0, gm.Disc(10.0, 14.0, -2.0, 2.0), -5.0, 5.0).web
-        Disc(inner=10.0, outer=14.0, low=-2.0, high=2.0)
+        Hub and rim are between end faces at z = toe and heel, mm.
         """
         profile = [
             (web.outer, toe),
@@ -171,70 +115,18 @@ class Body:
         return Body(tuple(profile), (*recess, Region.FACE_TOE, Region.BORE, Region.FACE_HEEL, *recess))
 
     def with_recess(self, web: Disc) -> Body:
-        """Return a disk with a recess in its heel face, between the radii of a web that reaches to its toe face.
-
-        Parameters
-        ----------
-        web : Disc
-            Radii and faces of the web.
-
-        Returns
-        -------
-        Body
-
-        Examples
-        --------
-        >>> disk = gm.Body.disk(6.0, (15.0, -5.0), (15.0, 5.0))
-        >>> disk.with_recess(gm.Disc(8.0, 13.0, -5.0, 2.0)).web.high
-        2.0
-        """
+        """Return a disk with a recess in its heel face, between the radii of a web that reaches to its toe face."""
         last, (_, high) = self.bore_band + 1, self.profile[self.bore_band + 1]
         recess = [(web.inner, high), (web.inner, web.high), (web.outer, web.high), (web.outer, high)]
         bands = (*self.bands[: last + 1], *(Region.WEB,) * 3, *self.bands[last:])
         return Body((*self.profile[: last + 1], *recess, *self.profile[last + 1 :]), bands)
 
     def shift(self, rise: float) -> Body:
-        """Return the body moved along z.
-
-        Parameters
-        ----------
-        rise : float
-            mm.
-
-        Returns
-        -------
-        Body
-
-        Examples
-        --------
-        >>> body = gears.members["pinion"].body
-        >>> body.shift(2.0).ends
-        (-3.0, 7.0)
-        """
+        """Return the body moved along z by `rise`, mm."""
         return Body(tuple((rho, z + rise) for rho, z in self.profile), self.bands)
 
     def with_steps(self, toe: Sequence[TurnedStep], heel: Sequence[TurnedStep]) -> Body:
-        """Return the body with steps of hub or shaft on its end faces, round the bore; steps are in order from the body
-        outwards.
-
-        Parameters
-        ----------
-        toe : sequence of TurnedStep
-            On the toe's side.
-        heel : sequence of TurnedStep
-            On the heel's side.
-
-        Returns
-        -------
-        Body
-
-        Examples
-        --------
-        >>> body = gears.members["pinion"].body
-        >>> step = gm.TurnedStep(10.0, 10.0, 4.0, gm.Region.HUB)
-        >>> body.with_steps([], [step]).ends
-        (-5.0, 9.0)
-        """
+        """Return the body with steps of hub or shaft on its end faces, round the bore, from the body outwards."""
         points, names = list(self.profile), list(self.bands)
         for steps, heelward in ((heel, True), (toe, False)):
             if not steps:
@@ -253,27 +145,7 @@ class Body:
         return Body(tuple(points), tuple(names))
 
     def with_stepped_bore(self, toe: Sequence[TurnedStep], heel: Sequence[TurnedStep]) -> Body:
-        """Return the body with steps of its bore, or of the outside of a ring; steps are in order from the ends
-        inwards.
-
-        Parameters
-        ----------
-        toe : sequence of TurnedStep
-            On the toe's side.
-        heel : sequence of TurnedStep
-            On the heel's side.
-
-        Returns
-        -------
-        Body
-
-        Examples
-        --------
-        >>> body = gears.members["pinion"].body
-        >>> wide = gm.TurnedStep(8.0, 8.0, 3.0, gm.Region.BORE)
-        >>> body.with_stepped_bore([wide], []).profile[0]
-        (8.0, -5.0)
-        """
+        """Return the body with steps of its bore, or of the outside of a ring, from the ends inwards."""
         points, names, band = list(self.profile), list(self.bands), Region.RIM if self.around else Region.BORE
         # the end of the profile first: its steps of a ring have the region of its outside
         for steps, heelward in ((heel, True), (toe, False))[:: self.rise]:
@@ -298,22 +170,9 @@ class Body:
         return -1 if self.around else 1
 
     def plane_faces(self, flat_ends: bool) -> list[PlaneFace]:
-        """Return the plane faces of the body, and those of the teeth if these end on planes.
+        """Return the plane faces of the body, and those of the teeth if these end on planes (`flat_ends`).
 
-        Parameters
-        ----------
-        flat_ends : bool
-            Whether the teeth end on planes, which have no bound at the teeth then.
-
-        Returns
-        -------
-        list of PlaneFace
-
-        Examples
-        --------
-        >>> body = gears.members["pinion"].body
-        >>> [face.z for face in body.plane_faces(flat_ends=True)]
-        [-5.0, 5.0]
+        Faces of teeth have no bound at the teeth.
         """
         made = [
             PlaneFace(z, min(rho, other), max(rho, other), other > rho)
@@ -326,32 +185,10 @@ class Body:
         return made
 
     def levels(self, reach: tuple[float, float], flat_ends: bool, depth: float | None = None) -> tuple[float, float]:
-        """Return the two z between which an opening between two radii cuts the body, through it or to a depth.
+        """Return the two z (mm) between which an opening cuts the body, all through or to a depth (mm) from the heel's face.
 
-        Parameters
-        ----------
-        reach : tuple of float
-            Smallest and largest radius of the opening, mm.
-        flat_ends : bool
-            Whether the teeth end on planes, which have no bound at the teeth then.
-        depth : float, optional
-            From the heel's face, mm; without it all through.
-
-        Returns
-        -------
-        tuple of float
-            z, mm.
-
-        Raises
-        ------
-        ValueError
-            Where it does not begin and end on one plane each.
-
-        Examples
-        --------
-        >>> body = gears.members["pinion"].body
-        >>> body.levels((8.0, 12.0), flat_ends=True)
-        (-5.0, 5.0)
+        `reach`: smallest and largest radius of the opening, mm. `flat_ends` as in `plane_faces`. Raises ValueError if the
+        opening does not begin and end on one plane each.
         """
         faces = sorted((face for face in self.plane_faces(flat_ends) if face.covers(reach)), key=lambda face: face.z)
         through = len(faces) == 2
@@ -429,35 +266,12 @@ class Body:
         return Body(tuple(filled), self.bands)
 
     def cut_off(self) -> float:
-        """Return the volume between profile and axis, signed by the direction of z from toe to heel.
-
-        Returns
-        -------
-        float
-            mm^3.
-
-        Examples
-        --------
-        >>> body = gears.members["pinion"].body
-        >>> round(body.cut_off() / (np.pi * 6.2**2 * 10.0), 12)
-        1.0
-        """
+        """Return the volume (mm^3) between profile and axis, signed by the direction of z from toe to heel."""
         rho, z = np.array(self.profile).T
         return float(np.pi / 3.0 * (np.diff(z) @ (rho[1:] ** 2 + rho[1:] * rho[:-1] + rho[:-1] ** 2)))
 
     def enclosed_volume(self) -> float:
-        """Return the volume enclosed by the profile and the straight line from heel to toe, signed by its sense.
-
-        Returns
-        -------
-        float
-            mm^3.
-
-        Examples
-        --------
-        >>> gm.Body.disk(0.0, (1.0, 0.0), (1.0, 2.0)).enclosed_volume() < 0.0
-        True
-        """
+        """Return the volume (mm^3) between the profile and the straight line from heel to toe, signed by its sense."""
         closed = np.array((*self.profile, self.profile[0]))
         rho, rise = closed[:, 0], np.diff(closed[:, 1])
         return float(np.pi / 3.0 * (rise @ (rho[1:] ** 2 + rho[1:] * rho[:-1] + rho[:-1] ** 2)))

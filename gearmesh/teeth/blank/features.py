@@ -265,24 +265,7 @@ class BodyFeatures:
         return replace(self, keyway=None, bore=None)
 
     def without(self, pattern: Pattern) -> BodyFeatures:
-        """Return the features without one of the patterns.
-
-        Parameters
-        ----------
-        pattern : Pattern
-            One of `patterns`.
-
-        Returns
-        -------
-        BodyFeatures
-            The remaining features.
-
-        Examples
-        --------
-        >>> holes = gm.Drilling(count=4, diameter=3.0, circle=20.0)
-        >>> gm.BodyFeatures(holes=holes).without(holes).is_cut
-        False
-        """
+        """Return the features without one of their `patterns`."""
         return replace(
             self,
             holes=None if self.holes is pattern else self.holes,
@@ -315,48 +298,13 @@ class BodyFeatures:
         return any(steps) or self.bolts is not None or self.spokes is not None
 
     def turn(self, plain: Body) -> Body:
-        """Return a body with hubs, shafts and steps of the bore, or of the outside of a ring.
-
-        Parameters
-        ----------
-        plain : Body
-            The body without them.
-
-        Returns
-        -------
-        Body
-            With them.
-
-        Examples
-        --------
-        >>> body = gears.members["pinion"].tooth.blank.body
-        >>> gm.BodyFeatures().turn(body).profile == body.profile
-        True
-        """
+        """Return a plain body with hubs, shafts and steps of the bore, or of the outside of a ring."""
         hubs = [() if boss is None else (boss.step,) for boss in (self.toe_hub, self.hub)]
         body = plain.with_steps((*hubs[0], *self.toe_shaft), (*hubs[1], *self.heel_shaft))
         return body.with_stepped_bore(self.toe_bore, self.heel_bore)
 
     def openings(self, body: Body, flat_ends: bool) -> tuple[Opening, ...]:
-        """Return the openings that the features cut out of a turned body.
-
-        Parameters
-        ----------
-        body : Body
-            The turned body.
-        flat_ends : bool
-            Whether its end faces are planes, as `Body.levels` has it.
-
-        Returns
-        -------
-        tuple of Opening
-            One for each opening.
-
-        Examples
-        --------
-        >>> gm.BodyFeatures().openings(gears.members["pinion"].tooth.blank.body, True)
-        ()
-        """
+        """Return the openings that the features cut out of a turned body; `flat_ends` as in `Body.levels`."""
         made: list[Opening] = []
         for pattern in self.patterns:
             low, high = body.levels(pattern.reach, flat_ends, pattern.depth)
