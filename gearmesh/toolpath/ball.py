@@ -23,6 +23,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.allowed import Allowed
 from gearmesh.errors import ArgumentError
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.surface.curvature import principal, shape_operator, tangent_basis
@@ -262,7 +263,7 @@ def refuse_too_large(ball: BallCutter, largest: LargestBall, order: PathOrder) -
             order.stock,
             unit="mm",
             reason="it leaves no room for a ball",
-            allowed=f"at most {np.floor(1e4 * room) / 1e4:.7g} mm, by {largest.why}",
+            allowed=Allowed.at_most(np.floor(1e4 * room) / 1e4, "mm", note=f", by {largest.why}"),
         )
     if most < SHARP_CORNER_DIAMETER_MM:
         raise ArgumentError(

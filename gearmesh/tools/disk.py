@@ -24,6 +24,7 @@ from functools import cached_property
 
 import numpy as np
 
+from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError
 from gearmesh.kernel.envelope.envelope import Envelope
 from gearmesh.kernel.envelope.feed_envelope import FeedEnvelope
@@ -66,7 +67,10 @@ class Disk:
     def __post_init__(self) -> None:
         if not self.radius > self.module:
             raise DesignError(
-                "disk.pitch_radius", self.radius, unit="mm", must_be=f"above the normal module, {self.module:g} mm"
+                "disk.pitch_radius",
+                self.radius,
+                unit="mm",
+                must_be=Allowed.more_than(self.module, "mm", "the normal module"),
             )
 
     @property

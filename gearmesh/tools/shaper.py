@@ -22,6 +22,7 @@ from functools import cached_property
 
 import numpy as np
 
+from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError, VagueError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
@@ -94,7 +95,7 @@ class Shaper:
                 "shaper.addendum",
                 self.addendum / self.module,
                 unit="modules with the shift",
-                allowed=f"more than {limit:.4g}",
+                allowed=Allowed.more_than(limit),
             )
         beyond = self._half_space(0.0) - np.pi / self.teeth
         if beyond > 0.0:
@@ -111,7 +112,7 @@ class Shaper:
                 "shaper.tip_radius",
                 self.tip_radius / self.module,
                 reason="the shaper's tooth is too narrow for the fillet",
-                allowed=f"at most {self.largest_tip_radius / self.module:.4f}",
+                allowed=Allowed.at_most(self.largest_tip_radius / self.module),
             )
 
     @property

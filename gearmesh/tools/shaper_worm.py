@@ -34,6 +34,7 @@ from functools import cached_property
 
 import numpy as np
 
+from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError
 from gearmesh.kernel.envelope.envelope import Envelope
 from gearmesh.kernel.motion.chain import Chain, Step
@@ -73,7 +74,7 @@ class ShaperWorm:
                 "worm.pitch_radius",
                 self.radius,
                 unit="mm",
-                must_be=f"above the shaper's pitch radius and threads m / 2, {least:g} mm",
+                must_be=Allowed.more_than(least, "mm", "the shaper's pitch radius and threads m / 2"),
             )
 
     @property

@@ -22,6 +22,7 @@ from functools import cached_property
 
 import numpy as np
 
+from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError
 from gearmesh.kernel.envelope.envelope import Envelope
 from gearmesh.kernel.envelope.feed_envelope import FeedEnvelope
@@ -57,7 +58,7 @@ class Worm:
         if not 0.5 * self.threads * self.module < self.radius:
             least = 0.5 * self.threads * self.module
             raise DesignError(
-                "worm.pitch_radius", self.radius, unit="mm", must_be=f"above threads m_n / 2 = {least:g} mm"
+                "worm.pitch_radius", self.radius, unit="mm", must_be=Allowed.more_than(least, "mm", "threads m_n / 2")
             )
 
     @property

@@ -375,7 +375,7 @@ def test_inches_and_millimetres_are_the_same_pair() -> None:
         pytest.param(
             "novikov",
             "worm.pitch_radius=2",
-            r"worm.pitch_radius = 2 mm: .*must be above threads m_n / 2 = 2.54 mm",
+            r"worm.pitch_radius = 2 mm: .*must be more than threads m_n / 2, 2.54 mm",
             marks=pytest.mark.sweep,
         ),
         pytest.param(

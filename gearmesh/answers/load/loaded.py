@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.allowed import Allowed
 from gearmesh.answers.contact.figures import shown_edge
 from gearmesh.answers.load.figures import (
     FilletFigures,
@@ -779,9 +780,7 @@ def required_torques(torque: Sequence[float]) -> list[float]:
         )
     beyond = [value for value in torque if not TORQUE_RANGE_NM[0] <= value <= TORQUE_RANGE_NM[1]]
     if beyond:
-        raise ArgumentError(
-            "torque", beyond[0], unit="Nm", allowed=f"from {TORQUE_RANGE_NM[0]:g} to {TORQUE_RANGE_NM[1]:g} Nm"
-        )
+        raise ArgumentError("torque", beyond[0], unit="Nm", allowed=Allowed.from_to(*TORQUE_RANGE_NM, "Nm"))
     return list(torque)
 
 

@@ -13,6 +13,7 @@ from dataclasses import field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
@@ -378,7 +379,10 @@ def rim_of(sections: Layers, rim: float | None) -> tuple[Chart, Array]:
     base = sections.base
     if rim is not None and rim > base.room.max() * (1.0 + 1e-9):
         raise DesignError(
-            "rim", rim, unit="mm", must_be=f"at most {base.room.max():.6g} mm, the depth of the body under the teeth"
+            "rim",
+            rim,
+            unit="mm",
+            must_be=Allowed.at_most(float(base.room.max()), "mm", note=", the depth of the body under the teeth"),
         )
     wanted = _usual(base) if rim is None else rim
     return base.chart, base.root - np.minimum(wanted, base.room)

@@ -24,7 +24,6 @@ from gearmesh.systems.beveloid.sheet import involute
 from gearmesh.systems.common.axes import shifts, tilts
 from gearmesh.systems.common.backlash import thin
 from gearmesh.systems.common.bodies.tip_surface import with_tip_surface
-from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.defaults import unusual_defaults
 from gearmesh.systems.common.micro_geometry import with_modifications
 from gearmesh.systems.common.racks.rack_member import Roll, member, rack_parameters
@@ -181,8 +180,8 @@ def _no_working_angle(
         shifts if "profile_shift" in design.pinion.model_fields_set else shifts[::-1]
     )
     reason_begin = f"with {other_member}.profile_shift = {other_shift:g}"
-    allowed = "" if least is None else f"more than {at_least(least - other_shift)}"
-    allowed = allowed if most is None else f"less than {at_most(most - other_shift)}"
+    allowed = "" if least is None else Allowed.more_than(least - other_shift)
+    allowed = allowed if most is None else Allowed.less_than(most - other_shift)
     return DesignError(f"{named}.profile_shift", shift, reason=f"{reason_begin} {reason}", allowed=allowed)
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import Protocol
 
+from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError
-from gearmesh.systems.common.bounds import at_least
 from gearmesh.tools.shaper import Shaper, ShaperFlank
 
 #: radius by which a root is outside the base circle at least, in modules
@@ -50,7 +50,7 @@ def form_tools(
         ("dedendum", spec.dedendum, "") if spec.root_diameter is None else ("root_diameter", spec.root_diameter, "mm")
     )
     if root <= base + MIN_ROOT_MARGIN_MODULES * module:
-        least = f"at least {at_least(2.0 * base)} mm" if unit else "more"
+        least = Allowed.at_least(2.0 * base, "mm") if unit else "more"
         raise DesignError(f"{name}.{key}", value, unit=unit, reason="the root is inside the base circle", allowed=least)
     # the tool is as thick as the member's spaces: its shift is opposite, and backlash makes it thicker
     shifts = [-spec.profile_shift + reduction / module / math.tan(math.radians(angle)) for angle in angles]

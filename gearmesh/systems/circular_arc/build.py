@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError, VagueError
 from gearmesh.kernel.envelope.envelope import Envelope
 from gearmesh.kernel.motion.rigid import Rigid
@@ -177,7 +178,7 @@ def _check_tip(name: str, spec: CircularArcPinion | CircularArcGear, rack: ArcRa
         f"{name}.addendum",
         spec.addendum,
         reason="no point of the arc has this height",
-        allowed=f"more than {low / module:.5g} and less than {high / module:.5g}",
+        allowed=Allowed.between(low / module, high / module),
     )
 
 
@@ -188,4 +189,4 @@ def _misfit(name: str, spec: CircularArcPinion | CircularArcGear, rack: ArcRack,
     if room is None:
         return VagueError(key, spec.fillet_radius, reason=f"{misfit}, and no other does")
     low, high = np.ceil(1e4 * room[0]) / 1e4, np.floor(1e4 * room[1]) / 1e4
-    return DesignError(key, spec.fillet_radius, reason=misfit, allowed=f"from {low:.4f} to {high:.4f}")
+    return DesignError(key, spec.fillet_radius, reason=misfit, allowed=Allowed.from_to(low, high))

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from gearmesh.allowed import Allowed
 from gearmesh.design.modifications import EndRelief, Modifications, Modified, ProfileRelief, TriangularRelief
 from gearmesh.design.topography_file import TopographyGrid, read_topography
 from gearmesh.errors import DesignError
@@ -202,7 +203,7 @@ def _check_length(key: str, length: float, e: Extent) -> None:
     """Refuse a length not below the face width."""
     width = abs(e.heel - e.toe)
     if length >= width:
-        raise DesignError(f"{key}.length", length, unit="mm", allowed=f"less than the face width, {width:g} mm")
+        raise DesignError(f"{key}.length", length, unit="mm", allowed=Allowed.less_than(width, "mm", "the face width"))
 
 
 def _shape(name: str) -> fields.Shape:
@@ -237,7 +238,7 @@ def _prove(key: str, value: float | str, field: FlankField, e: Extent) -> None:
     if isinstance(value, str):
         raise DesignError(key, value, reason=f"{reason}, above {MAX_AMOUNT_SLOPE:g} mm/mm", allowed=remedy)
     bound = value * MAX_AMOUNT_SLOPE / steepest
-    allowed = f"at most {at_most(bound)}" if value > 0.0 else f"at least {at_least(bound)}"
+    allowed = Allowed.at_most(bound) if value > 0.0 else Allowed.at_least(bound)
     raise DesignError(
         key,
         value,

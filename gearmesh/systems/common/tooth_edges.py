@@ -17,7 +17,6 @@ from gearmesh.kernel.numeric.effort import EffortSpentError
 from gearmesh.kernel.numeric.excess import Division, Refused
 from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.kernel.surface.stations import TrimError
-from gearmesh.systems.common.bounds import at_most
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.body import end_names
 from gearmesh.teeth.blank.end_edge import EndChamfer, EndChamfers
@@ -126,7 +125,7 @@ def with_end_chamfers(member: Member, spec: BrokenEdges) -> Member:
         return tuple(share if keys[own] == key else beside for own in (0, 1))
 
     limit = largest(lambda share: fits_ends(*shares(share)))
-    larger, most = "larger than teeth, face width or rim allow", f"at most {at_most(limit * width)} mm"
+    larger, most = "larger than teeth, face width or rim allow", Allowed.at_most(limit * width, "mm")
     raise DesignError(f"{member.name}.{key}", width, unit="mm", reason=larger, allowed=most)
 
 
@@ -237,7 +236,7 @@ def edge_refusal(name: str, tooth: Tooth, failure: TrimError) -> DesignError | N
         return None
     key = "tip_rounding" if edge.rounded else "tip_chamfer"
     try:
-        most = f"at most {at_most(_largest_edge(tooth, edge, failure))} mm"
+        most: str = Allowed.at_most(_largest_edge(tooth, edge, failure), "mm")
     except EffortSpentError:
         most = ""
     return DesignError(f"{name}.{key}", edge.size, unit="mm", reason="larger than the tooth's tip allows", allowed=most)

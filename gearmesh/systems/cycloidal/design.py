@@ -19,7 +19,6 @@ from gearmesh.design.keys import DERIVED_VALUE, Table, conflict
 from gearmesh.design.measured import CycloidalMeasured, MeasuredMember
 from gearmesh.design.runout import eccentricity, phase
 from gearmesh.member_names import MemberNames
-from gearmesh.systems.common.bounds import at_most
 from gearmesh.systems.kinds import OWN_KINDS
 
 #: name of the disc's table in a design
@@ -305,7 +304,7 @@ class CycloidalDesign(Design):
                 "eccentricity",
                 self.eccentricity,
                 reason="the curve of the pins' centres has loops",
-                allowed=f"less than pin_circle (ring.teeth - disc.teeth) / (2 pins), {at_most(most)} {self.units}",
+                allowed=Allowed.less_than(most, self.units, "pin_circle (ring.teeth - disc.teeth) / (2 pins)"),
             )
         return self
 

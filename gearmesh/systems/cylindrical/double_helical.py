@@ -14,7 +14,6 @@ from gearmesh.design.core import BODY_TABLES
 from gearmesh.errors import DesignError
 from gearmesh.systems.common.bodies.body import disc_body
 from gearmesh.systems.common.bodies.features import UnderTeeth, body_features, ring_features
-from gearmesh.systems.common.bounds import at_most
 from gearmesh.systems.common.tooth_edges import check_beside_holes
 from gearmesh.systems.cylindrical.geometry.proportions import GearProportions
 from gearmesh.teeth.blank.body import Body
@@ -148,7 +147,7 @@ def _bar_groove(design: RackKeys, half: Member, back: float) -> float | None:
             f"{half.name}.gap_height",
             given,
             unit="mm",
-            allowed=f"between 0 and {at_most(root - back)} mm, back and root of the bar",
+            allowed=Allowed.between(0.0, root - back, "mm", ", back and root of the bar"),
         )
     return back + given
 

@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from pydantic import model_validator
 
+from gearmesh.allowed import Allowed
 from gearmesh.design import keys
 from gearmesh.design.core import FlankContact, MemberTable, PairDesign, TurnedTip
 from gearmesh.design.keys import DERIVED_VALUE, Table, conflict, given_or
 from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PairRunout
-from gearmesh.systems.common.bounds import at_most
 from gearmesh.systems.common.defaults import ROOM_SHARE, deepest
 from gearmesh.systems.common.worm_keys import WormTool
 from gearmesh.systems.kinds import OWN_KINDS
@@ -204,7 +204,7 @@ class ParabolicHelicalDesign(PairDesign):
         m, reach = self.given_module, (0.5 * self.pinion.face_width) ** 2
         # a rotation by an angle is an arc of the pitch cylinder
         plunge, roll = m / reach, m / reach / self._pitch_radius
-        limits = {"plunge_coefficient": (plunge, f" 1/{self.units}"), "roll_coefficient": (roll, "")}
+        limits = {"plunge_coefficient": (plunge, f"1/{self.units}"), "roll_coefficient": (roll, "")}
         for key, (limit, unit) in limits.items():
             value = getattr(self.pinion, key)
             if abs(value) > limit:
@@ -212,7 +212,7 @@ class ParabolicHelicalDesign(PairDesign):
                     f"pinion.{key}",
                     value,
                     reason="moves the tool by more than a module at the ends of the face",
-                    allowed=f"at most {at_most(limit)}{unit} either way",
+                    allowed=Allowed.at_most(limit, unit, note=" either way"),
                 )
         return self
 

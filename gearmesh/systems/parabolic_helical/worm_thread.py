@@ -20,6 +20,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError
 from gearmesh.figures import Figures, Summary, figure
 from gearmesh.kernel.envelope.envelope import Envelope
@@ -221,7 +222,7 @@ def _refuse_singular(worm: Worm, racks: tuple[RackTooth, RackTooth]) -> None:
         worm.radius,
         unit="mm",
         reason=f"the thread has singular points at the radius {radii.max():.4g} mm, between root and tip",
-        allowed=f"at least {np.ceil(1000.0 * _least_radius(worm, racks)) / 1000.0:g} mm",
+        allowed=Allowed.at_least(np.ceil(1000.0 * _least_radius(worm, racks)) / 1000.0, "mm"),
     )
 
 

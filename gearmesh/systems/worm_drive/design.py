@@ -8,13 +8,13 @@ from typing import Any, ClassVar, Self
 
 from pydantic import model_validator
 
+from gearmesh.allowed import Allowed
 from gearmesh.design import keys
 from gearmesh.design.core import Design, FlankContact, MemberBody, MemberTable, RexsSource
 from gearmesh.design.keys import DERIVED_VALUE, Table, conflict, given_or
 from gearmesh.design.measured import WormDriveMeasured
 from gearmesh.design.runout import eccentricity, phase
 from gearmesh.member_names import MemberNames
-from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.standards.iso10828 import ThreadForm, lead_angle
 from gearmesh.systems.kinds import OWN_KINDS
 
@@ -488,7 +488,9 @@ class WormDriveDesign(Design):
             least = self.given_module * self.worm.threads
             if self.worm.reference_diameter <= least:
                 raise conflict(
-                    "worm.reference_diameter", self.worm.reference_diameter, must_be=f"more than m_n z1, {least:.6g}"
+                    "worm.reference_diameter",
+                    self.worm.reference_diameter,
+                    must_be=Allowed.more_than(least, limit="m_n z1"),
                 )
         return self
 
@@ -511,7 +513,7 @@ class WormDriveDesign(Design):
             middle = self._zero_shift_distance
             if abs(distance - middle) > far * (1.0 + SHIFT_TOLERANCE):
                 reason = f"makes wheel.profile_shift {(distance - middle) / self.axial_module:.4g}"
-                allowed = f"from {at_least(middle - far)} to {at_most(middle + far)} {self.units}"
+                allowed = Allowed.from_to(middle - far, middle + far, self.units)
                 raise conflict("center_distance", distance, reason=reason, allowed=allowed)
         return self
 

@@ -40,6 +40,8 @@ if TYPE_CHECKING:
 NOMINAL_CUTTER_DIAMETERS_INCH = (1.1, 1.5, 2.0, 2.75, 3.5, 4.5, 5.0, 6.0, 7.5, 9.0, 10.5, 12.0, 14.0, 16.0, 18.0, 21.0)
 #: face width over outer cone distance above which the blank has a warning
 MAX_USUAL_FACE_SHARE = 0.35
+#: largest face angle, deg: a tip cone that is nearly a plane has no apex near the teeth
+MAX_FACE_ANGLE_DEG = 89.5
 #: face width over outer cone distance at and above which a design is refused
 MAX_FACE_SHARE = 0.6
 #: face width over outer cone distance at and below which a design is refused
@@ -264,14 +266,18 @@ class BasicData:
                 "face_width",
                 self.face_width,
                 unit="mm",
-                allowed=f"less than {at_most(MAX_FACE_SHARE * outer)} mm, {MAX_FACE_SHARE:g} of the outer cone distance",
+                allowed=Allowed.less_than(
+                    MAX_FACE_SHARE * outer, "mm", note=f", {MAX_FACE_SHARE:g} of the outer cone distance"
+                ),
             )
         if not self.face_width > MIN_FACE_SHARE * outer:
             raise DesignError(
                 "face_width",
                 self.face_width,
                 unit="mm",
-                allowed=f"more than {at_least(MIN_FACE_SHARE * outer)} mm, {MIN_FACE_SHARE:g} of the outer cone distance",
+                allowed=Allowed.more_than(
+                    MIN_FACE_SHARE * outer, "mm", note=f", {MIN_FACE_SHARE:g} of the outer cone distance"
+                ),
             )
         if not outer - self.face_width < self.mean_cone_distance < outer:
             raise DesignError(
@@ -561,13 +567,14 @@ def _member(pitch: PitchCones, k: int, depths: _Depths, thickness: float, line: 
     angle, given_face, dedendum = pitch.pitch_angles[k], depths.faces[k], depths.dedenda[k]
     mean, outer = pitch.mean_cone_distances[k], pitch.outer_cone_distance
     face = depths.cones(pitch).face_angles[k] if given_face is None else given_face
-    if not face < np.radians(89.5):
+    if not face < np.radians(MAX_FACE_ANGLE_DEG):
         raise DesignError(
             "shaft_angle",
             np.degrees(pitch.shaft_angle),
             unit="deg",
             reason=f"the face angle of the {('pinion', 'gear')[k]} would be {np.degrees(face):.4g} deg",
-            allowed="less than 89.5 deg",
+            allowed=f"a face angle of less than {MAX_FACE_ANGLE_DEG:g} deg",
+            excess=float(np.degrees(face)) - MAX_FACE_ANGLE_DEG,
         )
     addendum = depths.addenda(pitch)[k]
     # the tip cone passes through the tip at the mean cone distance

@@ -233,7 +233,7 @@ def _check_ring_step(under: UnderTeeth, key: str, step: TurnedStep) -> None:
     """Refuse a step of a ring's outside that leaves too thin a rim."""
     ends = under.body.ends
     under.check_rim(
-        f"{key}.diameters", 2.0 * step.radius, (step.radius,), ends, lambda r: f"at least {at_least(2.0 * r)} mm"
+        f"{key}.diameters", 2.0 * step.radius, (step.radius,), ends, lambda r: Allowed.at_least(2.0 * r, "mm")
     )
 
 
@@ -415,7 +415,9 @@ def _bore_steps(spec: MemberBody, under: UnderTeeth, features: BodyFeatures) -> 
             fault = _bore_step_fault(under, turned, step.radius, reach)
             if fault:
                 most = _widest_bore_step(under, turned, (least, step.radius), reach)
-                allowed = "a shorter step" if most is None else f"at most {at_most(2.0 * most)} mm, {under.rim_words}"
+                allowed = (
+                    "a shorter step" if most is None else Allowed.at_most(2.0 * most, "mm", note=f", {under.rim_words}")
+                )
                 key, value = f"{name}.{key}.diameters", 2.0 * step.radius
                 raise DesignError(key, value, unit="mm", reason=fault, allowed=allowed)
             z += sense * step.length
@@ -542,14 +544,14 @@ def _up_to(key: str, pattern: Pattern, under: UnderTeeth, radius: float) -> str:
     named = key.rpartition(".")[2]
     if named == "circle":
         return (
-            f"at least {at_least(2.0 * radius + outer - inner)} mm"
+            Allowed.at_least(2.0 * radius + outer - inner, "mm")
             if around
-            else f"at most {at_most(2.0 * radius - outer + inner)} mm"
+            else Allowed.at_most(2.0 * radius - outer + inner, "mm")
         )
     if named == "diameter" and (most := abs(2.0 * radius - outer - inner)) and (2.0 * radius > outer + inner) != around:
-        return f"at most {at_most(most)} mm"
+        return Allowed.at_most(most, "mm")
     if named == "outer_diameter":
-        return f"at most {at_most(2.0 * radius)} mm"
+        return Allowed.at_most(2.0 * radius, "mm")
     return f"openings {f'from {at_least(2.0 * radius)}' if around else f'up to {at_most(2.0 * radius)}'} mm"
 
 
@@ -571,7 +573,7 @@ def _levels(key: str, value: float, pattern: Pattern, body: Body, under: UnderTe
         if pattern.depth is not None and _goes_deeper(pattern, body, under.flat):
             low, high = body.levels(pattern.reach, under.flat)
             key = f"{under.name}.{key.partition('.')[0]}.depth"
-            most = f"less than {at_most(high - low)} mm, or none"
+            most = Allowed.less_than(high - low, "mm", note=", or none")
             why = "the holes do not end in the body"
             raise DesignError(key, pattern.depth, unit="mm", reason=why, allowed=most) from None
         why = f"openings from {2.0 * inner:.6g} to {2.0 * outer:.6g} mm do not begin and end on one plane face each"
@@ -635,7 +637,7 @@ def _bolts(name: str, spec: BoltHoles, room: tuple[float, float]) -> Drilling:
     apart = math.sin(math.pi / spec.count)
     if spec.diameter >= circle:
         if spec.circle is not None:
-            allowed = f"more than bolts.diameter, {at_least(spec.diameter)} mm"
+            allowed = Allowed.more_than(spec.diameter, "mm", "bolts.diameter")
             raise DesignError(f"{name}.bolts.circle", circle, unit="mm", allowed=allowed)
         raise DesignError(f"{name}.bolts.diameter", spec.diameter, unit="mm", allowed=Allowed.less_than(circle, "mm"))
     if spec.count > 1 and spec.diameter >= circle * apart:
@@ -644,7 +646,7 @@ def _bolts(name: str, spec: BoltHoles, room: tuple[float, float]) -> Drilling:
             f"{name}.bolts.count",
             spec.count,
             reason=f"holes of {spec.diameter:g} mm overlap on {circle:.6g} mm",
-            allowed=f"at most {most}",
+            allowed=Allowed.at_most(most),
         )
     return Drilling(spec.count, spec.diameter, circle, math.radians(spec.start_angle), spec.depth, Region.BOLT)
 
@@ -690,14 +692,14 @@ def _spokes(spec: SpokeTable, under: UnderTeeth, room: tuple[float, float], leas
         angle = float(np.arctan2(spokes.corners[0, 1], spokes.corners[0, 0]))
         reason = "leaves no opening between the spokes"
         if widest > 0.0 or angle <= 0.0:
-            most = f"less than {at_most(widest)} mm" if widest > 0.0 else "thinner spokes or a smaller corner_radius"
+            most = Allowed.less_than(widest, "mm") if widest > 0.0 else "thinner spokes or a smaller corner_radius"
             raise DesignError(f"{name}.spokes.width", spec.width, unit="mm", reason=reason, allowed=most)
         fewer = max(math.ceil(math.pi / angle) - 1, 1)
         raise DesignError(
             f"{name}.spokes.count",
             spec.count,
             reason=reason,
-            allowed=f"at most {fewer}",
+            allowed=Allowed.at_most(fewer),
             remedy="or a smaller corner_radius",
         )
     return spokes
@@ -760,7 +762,7 @@ def holes_in(name: str, spec: Holes, inner: float, outer: float, wall: float = 0
             f"{name}.holes.count",
             spec.count,
             reason=f"holes of {diameter:g} mm overlap",
-            allowed=f"at most {most}",
+            allowed=Allowed.at_most(most),
         )
     return Drilling(spec.count, diameter, circle)
 

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.effort import EffortSpentError
 from gearmesh.kernel.surface.levels import ConeLevel, LandLevel
@@ -87,7 +88,7 @@ def _throated_tooth(member: Member, radius: float, tip: float) -> Tooth:
 
     def allowed() -> str:
         share = largest_trimmed(trim)
-        return f"at least {at_least(radius / share)} mm" if share > 0.0 else "left out"
+        return Allowed.at_least(radius / share, "mm") if share > 0.0 else "left out"
 
     if goes(lambda: trim(1.0)):
         return tooth(1.0)

@@ -28,7 +28,6 @@ from gearmesh.kernel.surface.surface import GeneratedSurface, Surface
 from gearmesh.records import dataclass
 from gearmesh.systems.common.bodies.body import bore_radius, disc_body
 from gearmesh.systems.common.bodies.features import UnderTeeth, body_features
-from gearmesh.systems.common.bounds import at_most
 from gearmesh.systems.common.racks.rack_tooth import RackTooth
 from gearmesh.systems.common.racks.way_out import WayOut
 from gearmesh.systems.common.tooth_edges import edge_refusal, fits, goes, largest_trimmed, stations_on, tip_edge
@@ -322,7 +321,7 @@ def _refusal_with_bound(name: str, tooth: Tooth, spec: MemberTable, tip_key: str
     if goes(lambda: tooth.prove_land(stations_on(0.0))):
         limit = largest_trimmed(lambda share: tooth.prove_land(stations_on(share)))
         if fits(tooth, limit):
-            most = f"at most {at_most(limit * spec.face_width)} mm with this tip"
+            most = Allowed.at_most(limit * spec.face_width, "mm", note=" with this tip")
             return DesignError(f"{name}.face_width", spec.face_width, unit="mm", reason=pointed, allowed=most)
     lowest = float(tooth.blank.root.at(0.0))
     highest = float(tooth.blank.tip.at(0.0))
@@ -332,7 +331,7 @@ def _refusal_with_bound(name: str, tooth: Tooth, spec: MemberTable, tip_key: str
     radius = lowest + limit * height
     if not fits(_with_tip(tooth, radius), 1.0):
         return DesignError(f"{name}.{tip_key}", reason=f"{asked}; no other tip diameter leaves a tooth")
-    most = f"at most {at_most(2.0 * radius)} mm"
+    most = Allowed.at_most(2.0 * radius, "mm")
     if tip_key != "tip_diameter":
         return DesignError(f"{name}.{tip_key}", reason=asked, allowed=f"a tip diameter of {most}")
     return DesignError(f"{name}.{tip_key}", reason=asked, allowed=most)

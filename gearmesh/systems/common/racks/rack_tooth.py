@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError, VagueError
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array
@@ -103,7 +103,7 @@ def round_tips(
             f"{name}.tool_tip_radius",
             spec.tool_tip_radius,
             reason="the cutter's tooth is too narrow for the fillet",
-            allowed=f"at most {math.floor(10000.0 * largest / module) / 10000.0:.4f}",
+            allowed=Allowed.at_most(np.floor(10000.0 * largest / module) / 10000.0),
         )
     right, left = (_side(name, spec, flank, radius, heights, module) for flank in flanks)
     return right, left
@@ -121,7 +121,7 @@ def _check_bend(name: str, flanks: tuple[RackLine | Parabola, RackLine | Parabol
                     abs(flank.coefficient),
                     unit="1/mm",
                     reason="the profile bends back before the tip or the root",
-                    allowed=f"less than {limit:.4g} 1/mm",
+                    allowed=Allowed.less_than(limit, "1/mm"),
                 )
 
 

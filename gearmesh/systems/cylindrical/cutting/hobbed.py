@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError, VagueError
 from gearmesh.kernel.envelope.envelope import Envelope
 from gearmesh.kernel.motion.rolling import RackRoll
@@ -179,7 +180,7 @@ class _Hobbing:
                 f"{self.name}.hob.protuberance_angle",
                 math.degrees(angle),
                 unit="deg",
-                allowed=f"less than the pressure angle, {math.degrees(own.alpha):g} deg",
+                allowed=Allowed.less_than(math.degrees(own.alpha), "deg", "the pressure angle"),
             )
         if hob.protuberance <= -arc.radius * (1.0 - math.cos(own.alpha - angle)):
             # the protuberance is so small that the rounding itself meets the hob's flank
@@ -262,7 +263,7 @@ class _Hobbing:
                 f"{self.name}.hob.chamfer_angle",
                 math.degrees(angle),
                 unit="deg",
-                allowed=f"more than the pressure angle, {math.degrees(own.alpha):g} deg",
+                allowed=Allowed.more_than(math.degrees(own.alpha), "deg", "the pressure angle"),
             )
         key = f"{self.name}.hob.chamfer_diameter"
         lowest = self._radius(own.alpha, float(flank.section(np.array(begins))[0][0]))

@@ -11,7 +11,6 @@ from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError
 from gearmesh.kernel.envelope.envelope import Envelope
 from gearmesh.kernel.motion.rolling import RackRoll
-from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.common.racks.rack_tooth import RackTooth
 from gearmesh.systems.common.racks.way_out import WayOut
 from gearmesh.systems.common.tooth_edges import end_widths
@@ -89,6 +88,6 @@ def run_outs(gear: GearProportions, racks: tuple[RackTooth, RackTooth]) -> WayOu
     if way_out.rise <= 0.0:
         raise DesignError(f"{name}.{key}.diameters", diameter, unit="mm", reason="the flanks are too low to run out")
     if way_out.fault:
-        allowed = f"more than {at_least(gear.tip - gear.root)} mm, and a run-out shorter than the face width"
+        allowed = Allowed.more_than(gear.tip - gear.root, "mm", note=", and a run-out shorter than the face width")
         raise DesignError(f"{name}.run_out_radius", radius, unit="mm", reason=way_out.fault, allowed=allowed)
     return way_out

@@ -97,7 +97,7 @@ class Shaping(LastCut):
         if spec.shaper is None:
             none = f"{why}, and no cutter with more teeth does"
             if spec.tip_diameter is not None:
-                most = f"at least {at_least(2.0 * least)} mm"
+                most = Allowed.at_least(2.0 * least, "mm")
                 raise DesignError(f"{name}.{tip_key}", spec.tip_diameter, unit="mm", reason=none, allowed=most)
             none += (
                 f"; it needs a tip diameter of {at_least(2.0 * least)} mm or more, instead of {2.0 * self.tip:.7g} mm"

@@ -6,9 +6,9 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError
 from gearmesh.records import dataclass
-from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.cylindrical.allowance_keys import BallMeasurement, SpanMeasurement
 from gearmesh.systems.cylindrical.geometry import measures
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
@@ -115,4 +115,4 @@ def _possible(key: str, table: SpanMeasurement | BallMeasurement, own: Toothing)
     if not all(ends):
         return ""
     low, high = sorted(end[0] for end in ends)
-    return f"from {at_least(low)} to {at_most(high)} mm"
+    return Allowed.from_to(low, high, "mm")

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError
 from gearmesh.records import dataclass
-from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.cylindrical.geometry.allowances import made_allowance
 from gearmesh.systems.cylindrical.geometry.geometry import (
     MAX_WORKING_ANGLE,
@@ -177,5 +176,5 @@ def refuse_thin_allowance(name: str, spec: CylindricalMember | RackTable, thickn
     key = spec.thickness_key
     if key is not None:
         given = getattr(spec, key).upper
-        more = f"more than {at_least(given - thickness)} mm" if key == "thickness_allowance" else "more"
+        more = Allowed.more_than(given - thickness, "mm") if key == "thickness_allowance" else "more"
         raise DesignError(f"{name}.{key}.upper", given, unit="mm", reason="leaves no tooth", allowed=more)

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.records import dataclass
@@ -111,7 +112,7 @@ def _check_ring(design: PlanetaryDesign, mesh: InvolutePair) -> None:
             design.ring.teeth,
             reason="no working pressure angle with the planet at the centre distance of sun and planet, "
             f"{mesh.distance:.7g} mm",
-            allowed=f"at most {most}",
+            allowed=Allowed.at_most(most),
         )
 
 

@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.common.axes import shifts, tilts
-from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.defaults import straight_rounding
 from gearmesh.systems.cylindrical.build import gear_member
 from gearmesh.systems.cylindrical.cutting.cutter import sharp_shaper, trimming_warnings
@@ -132,7 +132,7 @@ def gears_of(design: SplineDesign) -> GearsProportions:
         if gear.own.thickness <= 0.0:
             refuse_thin_allowance(gear.name, gear.spec, gear.own.thickness)
             shift = 0.25 * math.pi / math.tan(gear.own.alpha)
-            allowed = f"less than {at_most(shift)}" if gear.own.internal else f"more than {at_least(-shift)}"
+            allowed = Allowed.less_than(shift) if gear.own.internal else Allowed.more_than(-shift)
             raise DesignError(
                 "profile_shift", design.profile_shift, reason=f"leaves the {gear.name} no tooth", allowed=allowed
             )

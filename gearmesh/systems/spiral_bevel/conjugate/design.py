@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 
 from pydantic import model_validator
 
+from gearmesh.allowed import Allowed
 from gearmesh.design import keys
 from gearmesh.design.keys import conflict
 from gearmesh.systems.common.bevel.design import BevelBody, edge_radius_key
@@ -72,6 +73,6 @@ class ConjugateDesign(HandedDesign):
             raise conflict(
                 "pinion.r_d",
                 first,
-                must_be=f"less than gear.r_d, {second:g} {self.units}, for contact in a point (Geometry I)",
+                must_be=Allowed.less_than(second, self.units, "gear.r_d", ", for contact in a point (Geometry I)"),
             )
         return self

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import bracketed_root
@@ -128,7 +129,7 @@ class HeadLines:
                 crowning,
                 unit="mm",
                 reason="no eccentricity of the head crowns the teeth so much",
-                allowed=f"between 0 and {at_most(float(np.nan_to_num(self.crowning(most)[0])))} mm",
+                allowed=Allowed.between(0.0, float(np.nan_to_num(self.crowning(most)[0])), "mm"),
             )
         return float(root.values[0])
 

@@ -42,7 +42,7 @@ from gearmesh.systems.common.bevel.iso23509.pitch_cones import (
     crown_shaft_angle,
 )
 from gearmesh.systems.common.bevel.iso23509.tooth_line import FaceCutter, ToothLine
-from gearmesh.systems.common.bounds import at_least, at_most
+from gearmesh.systems.common.bounds import at_most
 
 #: wheel pitch angles of the table (rad); two roots closer than their distance, 0.2 deg, are both overlooked
 WHEEL_ANGLES = np.radians(np.linspace(0.5, 89.9, 448))
@@ -268,7 +268,7 @@ def with_offset(pair: OffsetPair) -> PitchCones:
     """
     wheel, reached = _follow(pair)
     if reached != pair.offset:
-        bound = f"at most {at_most(reached)}" if pair.offset > 0.0 else f"at least {at_least(reached)}"
+        bound = Allowed.at_most(reached, "mm") if pair.offset > 0.0 else Allowed.at_least(reached, "mm")
         key = "head.radius" if pair.cutter.blade_groups else "gear.cutter.tip_radius"
         raise DesignError(
             "offset",
@@ -276,7 +276,7 @@ def with_offset(pair: OffsetPair) -> PitchCones:
             unit="mm",
             reason=f"method {pair.method} has no pitch cones with this {key}, {pair.cutter.radius:g} mm, "
             f"and spiral_angle, {np.degrees(pair.spiral_angle):g} deg",
-            allowed=f"{bound} mm",
+            allowed=bound,
         )
     return _place(pair, pair.touching(np.array([wheel])))
 
