@@ -75,6 +75,7 @@ COMMANDS = {
     "render spiral_bevel_basic, pair": Command("render samples/spiral_bevel_basic.toml --view pair -o {out}/pair.png"),
     "render helical, loaded": Command("render samples/helical.toml --view loaded --torque 500 -o {out}/loaded.png"),
     "load helical, 500 Nm": Command("load samples/helical.toml --torque 500 --json -", ""),
+    "fe beveloid_crossed, three teeth": Command("fe samples/beveloid_crossed.toml --torque 50 -o {out}/pair.inp"),
     "study spiral_bevel_basic, 25 assemblies": Command(
         "study samples/spiral_bevel_basic.toml --vary assembly.dV=-0.05:0.05:5 --vary assembly.dA=-0.05:0.05:5 --workers 1"
         " --no-pictures -o {out}/study",

@@ -11,6 +11,9 @@ _ESCAPED_CHARACTERS = str.maketrans(
     {"&": "&amp;", "<": "&lt;", ">": "&gt;", "\n": "&#10;", "\r": "&#13;", "\t": "&#9;"}
 )
 
+#: rows of a table that become one text: more numbers at once are no longer in the processor's memory when they are written
+CHUNK_ROWS = 4_000
+
 
 def quote(text: str) -> str:
     """Return the text quoted and escaped, the same as xml.sax.saxutils.quoteattr, which imports modules that read the web."""
@@ -20,7 +23,7 @@ def quote(text: str) -> str:
     return f"'{text}'" if "'" not in text else '"{}"'.format(text.replace('"', "&quot;"))
 
 
-def lines(template: str, table: NDArray[np.generic], chunk: int = 50_000) -> Iterator[str]:
+def lines(template: str, table: NDArray[np.generic], chunk: int = CHUNK_ROWS) -> Iterator[str]:
     """Yield the rows of `table` (N, K) as text, `chunk` rows at a time; `template` is the %-template of one line, K fields.
 
     With %r a float has the fewest digits that read back exactly.

@@ -21,7 +21,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.surface.nearest import nearest
 from gearmesh.mesh.hexahedra.grading import Spacing
-from gearmesh.mesh.hexahedra.hex_quality import scaled_jacobian, volumes
+from gearmesh.mesh.hexahedra.hex_quality import CHUNK_ELEMENTS, CORNER_PLACES, scaled_jacobian, volumes
 from gearmesh.mesh.hexahedra.hexahedra import Cells, hex_mesh, plain_grid, rim_of
 from gearmesh.mesh.hexahedra.hexes import HEX_EDGES, HEX_FACES, HexMesh, join
 from gearmesh.mesh.hexahedra.layers import layers
@@ -450,3 +450,22 @@ def test_quality_of_known_hexahedra() -> None:
     assert scaled_jacobian(sheared, element)[0] == pytest.approx(np.sqrt(0.5), abs=1e-15)
     assert scaled_jacobian(cube[[4, 5, 6, 7, 0, 1, 2, 3]], element)[0] == pytest.approx(-1.0, abs=1e-15)
     assert volumes(frustum, element)[0] == pytest.approx((1.0 + 0.5 + 0.25) / 3.0, abs=1e-15)
+
+
+def test_measures_of_many_twisted_elements_are_those_of_each() -> None:
+    """The closed form of a volume is the flux of x / 3 through the six bilinear faces; chunks of elements leave none out."""
+    count = CHUNK_ELEMENTS + 5
+    rng = np.random.default_rng(3)
+    corners = CORNER_PLACES + 0.3 * rng.uniform(-1.0, 1.0, (count, 8, 3))
+    nodes, elements = corners.reshape(-1, 3), np.arange(8 * count).reshape(-1, 8)
+    found, quality = volumes(nodes, elements), scaled_jacobian(nodes, elements)
+    assert len(found) == len(quality) == count
+    for k in (0, CHUNK_ELEMENTS - 1, CHUNK_ELEMENTS, count - 1):
+        flux = 0.0
+        for face in HEX_FACES:
+            p, q, r, s = corners[k, list(face)]
+            # of a bilinear face: the mean over both ways of dividing it into triangles
+            halves = ((p, q, r), (p, r, s), (q, r, s), (q, s, p))
+            flux += sum(np.linalg.det(np.stack(half)) for half in halves) / 2.0
+        assert abs(flux) / 6.0 == pytest.approx(found[k], rel=1e-12)
+        assert scaled_jacobian(corners[k], np.arange(8)[None])[0] == pytest.approx(quality[k], abs=1e-15)

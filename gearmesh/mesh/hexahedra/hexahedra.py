@@ -488,11 +488,13 @@ class _Layout:
         face_sets = {key: np.concatenate(faces) for key, faces in parts.items()}
         if bore:
             face_sets["bore"] = face_sets["rim"]
-        used, renumbered = np.unique(np.concatenate(elements), return_inverse=True)
-        mesh = HexMesh(nodes.reshape(-1, 3)[used], renumbered.reshape(count, -1), {}, element_sets, face_sets)
-        mesh = replace(mesh, node_sets={name: mesh.face_nodes(name) for name in face_sets})
+        table = np.concatenate(elements)
         numbers = np.full(nodes.shape[:2], -1).ravel()
+        numbers[table] = 0
+        used = np.flatnonzero(numbers == 0)
         numbers[used] = np.arange(len(used))
+        mesh = HexMesh(nodes.reshape(-1, 3)[used], numbers[table], {}, element_sets, face_sets)
+        mesh = replace(mesh, node_sets={name: mesh.face_nodes(name) for name in face_sets})
         inner = self._inner_line()
         return ToothedRim(mesh, numbers.reshape(nodes.shape[:2])[:, inner], nodes[:, inner], self._closed, self._step)
 
