@@ -131,7 +131,7 @@ WRONG: dict[str, dict[str, Any]] = {
         "--torque": ("-1", "fe.torque = -1"),
         "--rotation": ("5", "--rotation = 5"),
         "--friction": ("2", "--friction = 2"),
-        "--for": ("ansys", "Invalid value for '--for'"),
+        "--for": ("sap", "Invalid value for '--for'"),
         "--member": ("wheel", "--member = wheel"),
         "--pair": ("a-b", "--pair = a-b"),
         "--picture": ("out.png", "--picture = out.png"),

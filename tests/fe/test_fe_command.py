@@ -221,6 +221,8 @@ def test_other_formats_hold_the_same_mesh(tmp_path: Path, suffix: str) -> None:
             "unknown suffix .stl; allowed for finite-element models are .bdf, .cdb, .inp, .k, .med, .msh, .vtu",
         ),
         (["-o", "x.msh", "--for", "abaqus"], "the suffix of abaqus files is .inp"),
+        (["-o", "x.inp", "--for", "nastran"], "the suffix of nastran files is .bdf"),
+        (["-o", "x", "--for", "nastran", "--phi1", "0:2:2"], "--for = nastran: must be calculix or abaqus for several"),
         (["-o", "nowhere/x.inp"], "the folder nowhere does not exist"),
     ],
 )

@@ -40,10 +40,14 @@ if TYPE_CHECKING:
 
 
 class FiniteElementProgram(StrEnum):
-    """Program for which an .inp file is written."""
+    """Program for which a file is written: the suffix tells it for all but the first two."""
 
     calculix = "calculix"
     abaqus = "abaqus"
+    ansys = "ansys"
+    aster = "aster"
+    lsdyna = "lsdyna"
+    nastran = "nastran"
 
 
 #: suffixes of the files that hold a solution
@@ -77,7 +81,10 @@ def fe(
         option("--rotation DEG", "Rotate the pinion by this angle, instead of a torque."),
     ] = None,
     friction: Annotated[float | None, option("--friction MU", "Coefficient of friction on the flanks.")] = None,
-    program: Annotated[FiniteElementProgram | None, option("--for", "Whose .inp.", show_default="calculix")] = None,
+    program: Annotated[
+        FiniteElementProgram | None,
+        option("--for", "Program; the suffix tells all but whose .inp.", show_default="calculix"),
+    ] = None,
     member: Annotated[str, option("--member pinion|gear|both", "One member, or both in mesh.")] = BOTH_MEMBERS,
     pair: Pair = None,
     solve: Annotated[bool, option("--solve", "Run CalculiX and read back stress and pressure.")] = False,
@@ -98,7 +105,7 @@ def fe(
     _refuse_fe_options(output, picture, keep, solve, frequencies)
     folder = output is not None and not output.suffix and (solve or len(positions) > 1)
     if len(positions) > 1:
-        _refuse_for_several(str(phi1), output, solve)
+        _refuse_for_several(str(phi1), output, solve, program)
     elif output is not None and output.suffix.lower() != JSON_SUFFIX and not folder:
         from gearmesh.fe.decks import format_of
 
@@ -243,10 +250,12 @@ def _require_programs(picture: Path | None) -> None:
             raise OutputError(reason=missing)
 
 
-def _refuse_for_several(phi1: str, output: Path | None, solve: bool) -> None:
+def _refuse_for_several(phi1: str, output: Path | None, solve: bool, program: FiniteElementProgram | None) -> None:
     """Refuse options that exclude several positions."""
     if solve:
         raise ArgumentError("phi1", phi1, must_be="one position with --solve; run.sh in the folder -o solves several")
+    if program not in (None, FiniteElementProgram.calculix, FiniteElementProgram.abaqus):
+        raise ArgumentError("program", program.value, must_be="calculix or abaqus for several positions")
     if output is not None and (output.suffix or output.is_file()):
         raise ArgumentError("output", output, must_be="a folder for several positions, a name without suffix")
 
