@@ -313,9 +313,8 @@ def test_conjugate_pinion_of_a_formed_gear_is_cut_in_the_cradle() -> None:
 
 def test_crowned_gear_head_cuts_pinion_in_place_of_gear() -> None:
     """Local synthesis of its contact finds the gear's place again, with both crownings, and the lag and ellipse asked for."""
-    design_mm: Any = gm.build(
-        gm.parse({**BASIC, "process": "face_hobbed_formate", "depth_factor": 1.85})
-    ).design.in_mm()
+    values = {**BASIC, "process": "face_hobbed_formate", "depth_factor": 1.85}
+    design_mm: Any = gm.build(gm.parse(values)).design.in_mm()
     blank = basic_blank(design_mm)
     for name in NAMES:
         previews, plain = ContactPreviews(design_mm, blank, name), ContactChoice(contact_asked(design_mm, blank, name))
@@ -325,6 +324,10 @@ def test_crowned_gear_head_cuts_pinion_in_place_of_gear() -> None:
             assert choice.asked.semi_major_axis < 1.08 * plain.asked.semi_major_axis
             path = previews.of(choice)
             assert path is not None
+            # these blades would be hollow by less than 32 working depths: another machine is sought
+            assert previews.in_gear_place(path) == ((name, lengthwise) != ("convex", False))
+            if not previews.in_gear_place(path):
+                continue
             settings, gear = path.pinion.settings, gear_sides(design_mm, blank)[MATING_SIDES[name]]
             assert settings.ratio_of_roll == pytest.approx(14 / 39, rel=1e-9)
             # 0 where both crownings vanish; the sweep of the crowned head is not exactly that of a wider one
@@ -335,15 +338,18 @@ def test_crowned_gear_head_cuts_pinion_in_place_of_gear() -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
-@pytest.mark.parametrize("values", [MANY_TEETH, LARGE_OFFSET], ids=["many_teeth", "large_offset"])
-def test_pinion_of_formed_gear_has_ratio_of_roll_of_teeth(values: dict[str, Any], name: str) -> None:
-    """By other contacts blades would be hollow by 17 working depths, with interference of 25 um, or there is no machine."""
+@pytest.mark.parametrize(
+    ("values", "own"), [(MANY_TEETH, True), (LARGE_OFFSET, False)], ids=["many_teeth", "large_offset"]
+)
+def test_pinion_of_formed_gear_is_good(values: dict[str, Any], own: bool, name: str) -> None:
+    """By the gear's head, crowned; with a ratio of roll of its own where that head's blades would be too hollow."""
     gears = gm.build(gm.parse({**values, "process": "face_hobbed_formate", "contact": {"side": f"pinion_{name}"}}))
     made = bevel_teeth(gears.design.in_mm())
     depth, sides = made.cut.blank.mean_working_depth, made.cut.pinion
-    assert 20.0 < -sides[name].blade.blade_radius / depth < 100.0
-    teeth = values["pinion"]["teeth"] / values["gear"]["teeth"]
-    assert sides[name].settings.ratio_of_roll == pytest.approx(teeth, rel=1e-9)
+    least, most = (24.0 - 1e-9, 36.0) if own else (36.0, 100.0)
+    assert least < -sides[name].blade.blade_radius / depth < most
+    off = abs(sides[name].settings.ratio_of_roll * values["gear"]["teeth"] / values["pinion"]["teeth"] - 1.0)
+    assert off > 0.01 if own else off < 1e-9
     answer = gears.contact().summary
     assert not answer["interference_um"]
     assert not answer["te_breaks_phi1_deg"]

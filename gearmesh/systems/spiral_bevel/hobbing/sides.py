@@ -32,8 +32,8 @@ if TYPE_CHECKING:
 HOBBED_TAPER = "uniform"
 #: eccentricity, over the cutter radius, whose effect on the curvatures is measured
 ECCENTRICITY_STEP_SHARE = 1e-4
-#: radius of the most hollow blades that crown a pinion's profile, over the working depth
-HOLLOWEST_BLADE_DEPTHS = 10.0
+#: radius of the most hollow blades that crown a pinion's profile, over the working depth; with 15 to 20 many interfere
+HOLLOWEST_BLADE_DEPTHS = 24.0
 #: table of the gear's blades by side of the gear
 BLADE_TABLES = {"concave": "outside", "convex": "inside"}
 

@@ -79,7 +79,10 @@ def contact_said(design: FaceMilledDesign, blank: BevelBlank, name: str) -> Cont
     said = ContactChoice(contact_asked(design, blank, name), spec.mean_offset, spec.mean_shift)
     previews = ContactPreviews(design, blank, name)
     left_open = not any(design.sets(f"pinion.{name}.{key}") for key in CROWNED_KEYS)
-    return previews.crowned(said) if previews.by_gear_head and left_open else said
+    if not (previews.by_gear_head and left_open):
+        return said
+    crowned = previews.crowned(said)
+    return crowned if previews.in_gear_place(previews.of(crowned)) else said
 
 
 def contact_choice(design: FaceMilledDesign, blank: BevelBlank, name: str) -> ContactChoice:
@@ -151,7 +154,7 @@ class _Search:
                 if choice == last:
                     continue
                 last, refined = choice, self._refine(choice, aligned=aligned)
-                if refined is None:
+                if refined is None or not self.previews.in_gear_place(refined[1]):
                     continue
                 score = self._good(refined[1])
                 if sum(score) > sum(best_score):

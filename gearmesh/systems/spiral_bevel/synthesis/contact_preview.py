@@ -62,6 +62,9 @@ LAG_FIT_DEGREE = 6
 #: number of points in which the change of tooth pairs is sought
 CHANGE_POINTS = 401
 
+#: relative difference up to which a ratio of roll is that of the teeth
+RATIO_TOLERANCE = 1e-6
+
 _NO_GRID = np.zeros((1, 1, 2))
 
 
@@ -180,6 +183,10 @@ class ContactPreviews:
         jet = flank.jet(*(np.array(x) for x in mean.parameters)).move(position)
         asked = crowned_contact(mean.contact, jet, self._twist, choice.asked, lengthwise=lengthwise)
         return replace(choice, asked=asked)
+
+    def in_gear_place(self, path: ContactPreview | None) -> bool:
+        """Return True for a path of a head in the place of the gear: the ratio of roll is that of the teeth."""
+        return path is not None and abs(path.pinion.settings.ratio_of_roll / self._ratio - 1.0) < RATIO_TOLERANCE
 
     @cached_property
     def _twist(self) -> float:
