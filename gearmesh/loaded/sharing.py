@@ -253,6 +253,11 @@ class LoadedMesh:
         secants: Array = self.torque[:, None] / self.rotation
         return secants
 
+    @property
+    def carried(self) -> Array:
+        """Torque (T,) on the pinion of the own pair, N mm, mean over the positions: all of it unless pairs share it."""
+        return np.asarray(self.shares[0].moment.mean(axis=1)) if self.shares else self.torque
+
 
 def compliances(
     gears: GearPair,

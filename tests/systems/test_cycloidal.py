@@ -451,6 +451,16 @@ def test_a_disc_that_is_turned_carries_more_by_its_stiffness() -> None:
 
 
 @pytest.mark.sweep
+def test_two_discs_lose_as_one_under_half_of_the_torque() -> None:
+    one, both = (gm.build(given) for given in (design("ring.face_width=28"), several(2)))
+    lost = [
+        100.0 - gears.loaded_contact([torque], [3.0], level="quick").tribology(friction=0.05).totals[0].efficiency
+        for gears, torque in ((one, 25.0), (both, 50.0))
+    ]
+    assert lost[1] == pytest.approx(lost[0], rel=0.01)
+
+
+@pytest.mark.sweep
 def test_discs_share_the_torque_as_rigid_discs_on_springs() -> None:
     """Pins out of place: pin i of stiffness c pushes with c (A_i - x) l_i, A_i the ring's rotation at which it touches."""
     places, gap, torque = np.round(np.random.default_rng(3).normal(0.0, 3.0, 20), 3), 0.01, 60.0

@@ -364,7 +364,8 @@ class LoadedContact(Result):
         cosine = _base_cosine(self.pair, self.mesh.loads[-1])
         reach = np.sqrt(radius**2 - self.lever**2)
         curvature = cosine / reach * abs(1.0 - ratio)
-        return PitchPoint(self.lever, radius, (high - low) * len(self.pair.halves), float(curvature))
+        rows = len(self.pair.halves) - len(self.pair.fellows)
+        return PitchPoint(self.lever, radius, (high - low) * rows, float(curvature))
 
     @cached_property
     def totals(self) -> list[LoadedTotals]:

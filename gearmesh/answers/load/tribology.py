@@ -254,20 +254,22 @@ class Tribology(Result):
     def totals(self) -> list[TribologyTotals]:
         """Extremes over all rows, one per torque."""
         return [
-            self._total(float(torque), heated)
-            for torque, heated in zip(1e-3 * self.mesh.torque, self._contacts, strict=True)
+            self._total(float(torque), float(carried), heated)
+            for torque, carried, heated in zip(
+                1e-3 * self.mesh.torque, 1e-3 * self.mesh.carried, self._contacts, strict=True
+            )
         ]
 
-    def _total(self, torque: float, heated: _Heated) -> TribologyTotals:
-        """Return the extremes under a torque, Nm."""
+    def _total(self, torque: float, carried: float, heated: _Heated) -> TribologyTotals:
+        """Return the extremes under a torque, Nm; `carried` is the part of it on this pair, others lose alike."""
         contact, per_rad = heated.rows, self.running.per_rad
         sliding, inner = contact.motion.sliding_speed, ~contact.on_edge
         flash, film = heated.flash_temperature, heated.film_thickness
         # friction work over the work of the loads without friction, mean over the positions; under the given torque
         # friction reduces all loads to 1 / (1 + lost)
-        slid = 1e-3 * float((contact.line_load * contact.length * sliding).sum()) / len(self.mesh.phi1) / torque
+        slid = 1e-3 * float((contact.line_load * contact.length * sliding).sum()) / len(self.mesh.phi1) / carried
         lost = None if self.running.friction is None else self.running.friction * slid
-        standard = self._standard_friction(torque)
+        standard = self._standard_friction(carried)
         return TribologyTotals(
             torque,
             float(sliding.max()),
