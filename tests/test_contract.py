@@ -30,6 +30,7 @@ SHARED = {
     "member_names",
     "numerals",
     "pickling",
+    "pipes",
     "progress",
     "records",
 }
@@ -43,6 +44,7 @@ MAY_IMPORT: dict[str, str] = {
     "member_names": "",
     "numerals": "",
     "pickling": "",
+    "pipes": "",
     "arguments": "",
     "figures": "",
     "formats": "",

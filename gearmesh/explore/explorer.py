@@ -23,6 +23,7 @@ from gearmesh.errors import ArgumentError, OutputError
 from gearmesh.explore.state import KIND_PREFIX, OPENED_NAME, Origin
 from gearmesh.explore.workers import NO_PAGE, Listener, Worker
 from gearmesh.formats import JSON_SUFFIX
+from gearmesh.pipes import closed_pipes_raise
 from gearmesh.systems.designs import parse_as_stated
 from gearmesh.systems.system import try_build
 
@@ -55,7 +56,7 @@ class Explorer:
         self._socket = _bound(port)
         self.port = int(self._socket.getsockname()[1])
         self._worker, self._loop = Worker(), asyncio.new_event_loop()
-        self._thread = threading.Thread(target=self._loop.run_forever, daemon=True)
+        self._thread = threading.Thread(target=_run, args=(self._loop,), daemon=True)
         self._thread.start()
         # the process for heavy work loads its libraries while the design is read here
         self._begun = asyncio.run_coroutine_threadsafe(self._worker.start(), self._loop)
@@ -165,6 +166,12 @@ class Explorer:
 
     def __repr__(self) -> str:
         return f"<Explorer: http://{LOOPBACK_ADDRESS}:{self.port}>"
+
+
+def _run(loop: asyncio.AbstractEventLoop) -> None:
+    """Run a loop until it is stopped; a process or a page that has gone is an error of its connection alone."""
+    with closed_pipes_raise():
+        loop.run_forever()
 
 
 async def _opened(worker: Worker, origin: Origin | None, known: Future[bool] | None) -> None:

@@ -20,6 +20,7 @@ from threading import Lock, Timer
 from typing import IO, Any, cast
 
 from gearmesh.errors import OutputError
+from gearmesh.pipes import closed_pipes_raise
 from gearmesh.records import dataclass
 from gearmesh.view.offscreen import drawing_process
 from gearmesh.view.offscreen.drawing_process import PLAIN_PRIMITIVE, Order, Primitive, receive, send
@@ -78,7 +79,8 @@ class _DrawingProcess:
     def ask(self, order: Order | None) -> None:
         """Send an order, or None to end the process. Raises OSError if the process has ended."""
         assert self.child.stdin is not None
-        send(self.child.stdin, marshal.dumps(cast("Any", order)))
+        with closed_pipes_raise():
+            send(self.child.stdin, marshal.dumps(cast("Any", order)))
 
     def answer(self) -> bytearray:
         """Return the pixels of the oldest unanswered order. Raises EOFError if the process ends before."""
@@ -96,7 +98,7 @@ class _DrawingProcess:
             code = self.child.wait()
         for stream in (self.child.stdin, self.child.stdout):
             # an order that was not sent in full is dropped
-            with suppress(OSError):
+            with suppress(OSError), closed_pipes_raise():
                 stream.close()  # type: ignore[union-attr]
         with self.complaints:
             self.complaints.seek(0)

@@ -530,6 +530,33 @@ def test_a_process_that_ends_at_a_picture_is_replaced(program):
     assert len(opengl.draw(opengl._TRIAL_ORDER)) == 16384
 
 
+#: program in which a library has restored the default action of SIGPIPE, as gmsh 4.15.2 does in `gmsh.initialize`
+PIPE_SIGNAL = """
+import os, signal
+from gearmesh.pipes import closed_pipes_raise
+
+signal.signal(signal.SIGPIPE, signal.SIG_DFL)
+reading, writing = os.pipe()
+os.close(reading)
+for _ in range(2):
+    try:
+        with closed_pipes_raise():
+            os.write(writing, b"order")
+    except BrokenPipeError:
+        print("raised", flush=True)
+os.write(writing, b"order")
+"""
+
+
+@pytest.mark.quick
+@pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="signals of POSIX")
+def test_a_closed_pipe_is_an_error_whatever_the_action_of_its_signal():
+    done = subprocess.run([sys.executable, "-c", PIPE_SIGNAL], capture_output=True, text=True)
+    assert done.stdout.split() == ["raised", "raised"], done.stderr
+    # outside of the block the action is the library's again
+    assert done.returncode == -signal.SIGPIPE
+
+
 @pytest.mark.quick
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
 def test_a_forked_process_has_a_drawing_process_of_its_own(program):

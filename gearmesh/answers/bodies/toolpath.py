@@ -256,5 +256,6 @@ def tool_path_of(
     """Return the tool path of an order; `tool` and `feed` (mm/min) as for `Gears.toolpath`."""
     if not (math.isfinite(feed) and FEED_RANGE[0] <= feed <= FEED_RANGE[1]):
         raise ArgumentError("feed", feed, must_be=f"a feed from {FEED_RANGE[0]:g} to {FEED_RANGE[1]:g} mm/min")
-    path = tool_path(gears.stocked_part(member).member, BallCutter.of(tool), order)
+    cutter = BallCutter.of(tool)
+    path = tool_path(gears.stocked_part(member).member, cutter, order)
     return ToolPathAnswer(gears.design, member, path, order, float(feed))
