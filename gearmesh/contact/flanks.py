@@ -220,6 +220,7 @@ def contact_flank(member: Member, side: Side) -> Flank:
     Raises TrimError where the tooth cannot be trimmed, DesignError where teeth of the member differ.
     """
     tooth = member.one_tooth
+    own = tooth.side(side)
     grid = tooth.grid(FLANK_REGIONS[side], rows_of(tooth.chain[FLANK_REGIONS[side]], side), tooth.even)
     axial, (toe, heel) = tooth.blank.axial, tooth.blank.extent
     form_point = FormPoints(tooth, side, grid)
@@ -231,7 +232,7 @@ def contact_flank(member: Member, side: Side) -> Flank:
         # a generated land continues the flank
         smooth.add("tip")
     return Flank(
-        surface=tooth.side(side).flank,
+        surface=own.flank,
         mount=member.mount,
         edges={
             "tip": tip_of(tooth, grid),
@@ -245,8 +246,9 @@ def contact_flank(member: Member, side: Side) -> Flank:
         beyond_ends=form_point,
         smooth=frozenset(smooth),
         creases=_creases(tooth, side),
-        smooth_surface=tooth.side(side).smooth_flank,
+        smooth_surface=own.smooth_flank,
         tip_corners=_tip_corners(tooth),
+        unbroken=not (own.flank_breaks or own.face_breaks or own.face_bends or own.tabulated),
     )
 
 
@@ -281,11 +283,12 @@ def contact_fillet(member: Member, side: Side) -> Flank:
     Raises TrimError where the tooth cannot be trimmed, DesignError where teeth of the member differ.
     """
     tooth = member.one_tooth
+    own = tooth.side(side)
     axial, (toe, heel) = tooth.blank.axial, tooth.blank.extent
     s = np.linspace(0.0, 1.0, FILLET_ROWS)
     grid = tooth.grid(FILLET_REGIONS[side], s if side is Side.RIGHT else s[::-1], tooth.even)
     return Flank(
-        surface=tooth.side(side).fillet,
+        surface=own.fillet,
         mount=member.mount,
         edges={
             "toe": Shifted(axial, toe, -1.0),
@@ -297,6 +300,7 @@ def contact_fillet(member: Member, side: Side) -> Flank:
         grid=grid.parameters,
         beyond_ends=Between(grid, axial, tooth.even.stations),
         smooth=frozenset({ROOT_EDGE}),
+        unbroken=not (own.fillet_breaks or own.face_breaks or own.face_bends or own.tabulated),
     )
 
 

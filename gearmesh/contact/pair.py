@@ -132,6 +132,11 @@ class Pair:
         """True if the pinion's tooth winds so far round its axis that only part of its face is near the gear in any position."""
         return self.pinion.winding > WOUND_AZIMUTH_RAD and self.gear.mount.eccentricity == (0.0, 0.0)
 
+    @property
+    def unbroken(self) -> bool:
+        """True if no derivative of either surface jumps, so that polynomials through samples of the advance bound it."""
+        return self.pinion.unbroken and self.gear.unbroken
+
     @cached_property
     def nested(self) -> bool:
         """True if one member turns inside the other, about axes that are nearly parallel."""

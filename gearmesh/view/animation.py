@@ -26,6 +26,8 @@ LAST_TIME_MS = 1500
 GIF_COLOURS = 160
 #: colours among them, whatever their share of the pictures
 NAMED_COLOURS = ("#ffffff", PATH_COLOUR, LINE_COLOUR, OUTLINE_COLOUR, COMPOUND_COLOUR, INK_COLOUR)
+#: levels within which Pillow takes any of several colours: no others are there about the named ones
+NAMED_COLOUR_REACH = 8
 #: shortest MP4: players do not repeat it
 MIN_FILM_MS = 6000
 #: program that writes MP4 files
@@ -67,9 +69,11 @@ def _write_gif(file: Path, images: Sequence[Image], times: list[int]) -> None:
     shown = pillow.fromarray(np.concatenate([images[k] for k in (0, len(images) // 2, -1)]))
     # thin lines have few pixels: their colours are named
     mixed = shown.quantize(GIF_COLOURS - len(NAMED_COLOURS), dither=pillow.Dither.NONE).getpalette() or []
-    named = [part for colour in NAMED_COLOURS for part in rgb(colour)]
+    named = np.array([rgb(colour) for colour in NAMED_COLOURS])
+    others_mixed = np.reshape(mixed[: 3 * (GIF_COLOURS - len(named))], (-1, 3))
+    apart = np.abs(others_mixed[:, None] - named).max(axis=2).min(axis=1) >= NAMED_COLOUR_REACH
     palette = pillow.new("P", (1, 1))
-    palette.putpalette(named + mixed[: 3 * GIF_COLOURS - len(named)])
+    palette.putpalette(np.concatenate((named, others_mixed[apart])).ravel().tolist())
     first, *others = (pillow.fromarray(image).quantize(palette=palette, dither=pillow.Dither.NONE) for image in images)
     first.save(file, format="GIF", save_all=True, append_images=others, duration=times, loop=0)
 

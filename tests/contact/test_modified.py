@@ -81,6 +81,23 @@ def mesh_peak_to_peak(pair: GearPair) -> float:
     return cycle.peak_to_peak
 
 
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("table", "unbroken"),
+    [
+        ({"profile_crowning": "2um", "helix_crowning": "5um"}, True),
+        ({"tip_relief": {"amount": "4um", "start_roll_length": 14.0, "shape": "linear"}}, False),
+        ({"tip_relief": {"amount": "4um", "start_roll_length": 14.0, "shape": "parabolic"}}, False),
+        ({"end_relief_toe": {"amount": "20um", "length": "2mm", "shape": "parabolic"}}, False),
+    ],
+    ids=["crowned", "linear", "parabolic", "ends"],
+)
+def test_breaks_of_slope_and_curvature_are_known(table: dict[str, Any], unbroken: bool) -> None:
+    """Polynomials through samples bound no advance across such a break: at the start of a linear relief 1e-8 rad were lost."""
+    for pair in (built(table), built({}, table)):
+        assert solver_pair(pair).unbroken is unbroken
+
+
 @pytest.mark.sweep_cases("right")
 @pytest.mark.parametrize("flank", ["right", "left"])
 def test_profile_crowning(flank: str) -> None:

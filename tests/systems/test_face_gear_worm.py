@@ -140,7 +140,7 @@ def test_worm_is_a_closed_body_whose_sections_are_whole() -> None:
     [
         (
             ["worm.pitch_radius=80"],
-            "worm.pitch_radius = 80 mm: must be above the shaper's pitch radius and threads m / 2, 88.9",
+            "worm.pitch_radius = 80 mm: must be more than the shaper's pitch radius and threads m / 2, 88.9",
         ),
         (["worm.length=190"], "worm.length = 190 mm: the thread has singular points there; allowed is at most 161."),
         (["worm.bore=500"], "worm.bore = 500 mm"),

@@ -189,7 +189,7 @@ def test_vertex_of_the_plunge() -> None:
 
 @pytest.mark.quick
 def test_disk_that_reaches_its_axis_is_refused() -> None:
-    with pytest.raises(DesignError, match=r"disk.pitch_radius = 4 mm: must be above the normal module, 4 mm"):
+    with pytest.raises(DesignError, match=r"disk.pitch_radius = 4 mm: must be more than the normal module, 4 mm"):
         Disk(4.0, TEETH, MODULE, 0.35)
 
 

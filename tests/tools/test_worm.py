@@ -229,5 +229,5 @@ def test_plunge_and_modified_roll_crown_the_tooth() -> None:
 
 
 def test_worm_that_has_no_lead_angle_is_refused() -> None:
-    with pytest.raises(DesignError, match=r"worm.pitch_radius = 5 mm: must be above threads m_n / 2 = 6 mm"):
+    with pytest.raises(DesignError, match=r"worm.pitch_radius = 5 mm: must be more than threads m_n / 2, 6 mm"):
         worm(0.35, threads=3, radius=5.0)

@@ -57,6 +57,8 @@ class Flank:
     smooth_surface: Callable[[float, float], Surface] | None = None
     #: stations (level 0) at which the tip line has corners, by name
     tip_corners: dict[str, Level] = field(default_factory=dict)
+    #: True if no derivative of the surface jumps, as it does where a relief begins and between the points of a table
+    unbroken: bool = False
     #: the same flank with its first mount; `replace` drops it, so that a different flank gets its own tables
     _unmoved: Flank | None = field(default=None, init=False, repr=False, compare=False)
 

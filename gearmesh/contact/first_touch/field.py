@@ -644,7 +644,7 @@ def _candidates(pair: Pair, nodes: _Nodes, phi1: Array, trimmed: bool) -> Candid
     sure = on.max(axis=(1, 2))
     worth = np.flatnonzero(most >= sure[position])
     position, place, start, edges, value = position[worth], place[worth], start[worth], edges[worth], value[worth]
-    lines = np.full(len(worth), NO_LINE) if pair.wound else lines[worth]
+    lines = lines[worth] if pair.unbroken and not pair.wound else np.full(len(worth), NO_LINE)
     windows = Windows.of(field.advance, field.beyond, position, place, around_each[worth], lines)
     x, on_gear = _starts(pair, nodes.parameters(position, start), phi1, index[position], value)
     ahead = pair.drive * (x[:, 4] - pair.ratio * phi1[index[position]])

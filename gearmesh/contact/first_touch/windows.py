@@ -1,8 +1,9 @@
 """Close upper bounds of the advance about sampled places, from polynomials through 5 x 5 nodes of the sampled field.
 
 Second differences bound the advance between nodes, but too high by far where the flanks nearly touch along a line: the advance
-bends much across this ridge and rises slowly along it. A polynomial knows both. A place inside the flanks is bounded by the
-summits of its polynomial, if there are any, and a place on an edge by the highest points along this edge.
+bends much across this ridge and rises slowly along it. A polynomial knows both. It knows nothing of a jump of slope or curvature
+between nodes: flanks with such breaks have no windows. A place inside the flanks is bounded by the summits of its polynomial, if
+there are any, and a place on an edge by the highest points along this edge.
 """
 
 from __future__ import annotations

@@ -24,6 +24,8 @@ Image = NDArray[np.uint8]
 PICTURE_HEIGHT_POINTS = 540.0
 #: pixels of a point of letters in small pictures: those of 10 points, the smallest, stay legible
 MIN_POINT_PIXELS = 0.8
+#: largest share by which letters of small pictures are larger than their share of the height: others would leave no room
+MAX_LETTER_GROWTH = 1.5
 #: letters that reach farthest above and below a line
 _TALLEST_LETTERS = "lp"
 #: distance of lines of a text, in heights of the tallest letters
@@ -174,7 +176,7 @@ class LetteredImage:
         return (covered, letters), margin
 
     def _font(self, points: float) -> Any:
-        return _font(points * max(self.point, MIN_POINT_PIXELS))
+        return _font(points * max(self.point, min(MIN_POINT_PIXELS, MAX_LETTER_GROWTH * self.point)))
 
     def _reach(self, points: float) -> tuple[float, float]:
         """Heights of the tallest letters above and below their line, pixels."""
