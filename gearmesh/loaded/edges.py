@@ -9,9 +9,12 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.sharing import PairLoad, inside
 from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import GearPair
+from gearmesh.teeth.region import END_FACES
 
 #: largest distance, in cells, from the end of a grid to an edge that lies at that end
 EDGE_DISTANCE_CELLS = 2.0
+#: level by which the first and last line of cells lie at toe and heel, rather than at an edge that is as near, as at a corner
+END_ADVANTAGE_MM = 1e-6
 #: least half length along the axis over which the load of a row is spread
 MIN_AXIAL_REACH_MM = 1e-6
 
@@ -53,7 +56,10 @@ def edge_loads(gears: GearPair, load: PairLoad, positions: int) -> list[EdgeLoad
         for name, level in flank.edges.items():
             if name not in flank.smooth:
                 names.append(f"{member.name}_{flank.edge_name(name)}")
-                outside.append(level.value(member_places))
+                levels = np.array(level.value(member_places))
+                if name in END_FACES:
+                    levels[:, [0, -1]] += END_ADVANTAGE_MM
+                outside.append(levels)
     # a line of cells lies at the edge with the largest level: negative inside the flank, positive outside
     nearest = np.argmax(outside, axis=0)
     loads = []

@@ -308,7 +308,7 @@ def test_top_land_at_the_outer_radius_is_the_one_asked_for() -> None:
         (["gear.outer_radius=400"], "must be larger than gear.inner_radius"),
         (["shaper.teeth=24"], "shaper.teeth = 24: must be at least those of the pinion, 25"),
         (["gear.teeth=27"], "gear.teeth = 27: must be at least those of the shaper, 28"),
-        (["shaper.tip_radius=0.4"], "shaper.tip_radius = 0.4: allowed is at most 0.206"),
+        (["shaper.tip_radius=0.4"], "0.4: the shaper's tooth is too narrow for the fillet; allowed is at most 0.206"),
         (["shaper.addendum=2"], "shaper.addendum = 2: allowed is at most 1.41"),
         (
             ["gear.inner_radius=470", "gear.addendum=1.6"],
