@@ -24,8 +24,8 @@ Image = NDArray[np.uint8]
 PICTURE_HEIGHT_POINTS = 540.0
 #: pixels of a point of letters in small pictures: those of 10 points, the smallest, stay legible
 MIN_POINT_PIXELS = 0.8
-#: largest share by which letters of small pictures are larger than their share of the height: others would leave no room
-MAX_LETTER_GROWTH = 1.5
+#: largest ratio by which letters of small pictures exceed their share of the height: larger ones would leave no room
+MAX_LETTER_GROWTH = 2.2
 #: letters that reach farthest above and below a line
 _TALLEST_LETTERS = "lp"
 #: distance of lines of a text, in heights of the tallest letters
