@@ -442,7 +442,7 @@ class _Results:
         Raises NoSolutionError if other pairs carry all of the torque.
         """
         near, solution, load = problem.near, problem.solution, problem.loads(errors)
-        own, shares = len(gears.halves) - len(gears.fellows), np.empty((len(near.phi1), 0, 3))
+        own, shares = gears.own_halves, np.empty((len(near.phi1), 0, 3))
         if gears.fellows:
             parts = [
                 load.some(np.flatnonzero(np.maximum(load.half - own + 1, 0) == k))

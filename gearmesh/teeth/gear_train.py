@@ -545,10 +545,14 @@ class GearPair:
         return (self, *mirrored, *(fellow.pair for fellow in self.fellows))
 
     @property
+    def own_halves(self) -> int:
+        """Number of the first `halves` that are its own, not those of pairs that share its torque."""
+        return len(self.halves) - len(self.fellows)
+
+    @property
     def phases(self) -> tuple[float, ...]:
         """Rotations (rad) of the pinions of all `halves` at rotation 0 of the pinion."""
-        own = len(self.halves) - len(self.fellows)
-        return (*(0.0,) * own, *(fellow.phase for fellow in self.fellows))
+        return (*(0.0,) * self.own_halves, *(fellow.phase for fellow in self.fellows))
 
     def sees(self, other: GearPair) -> Fellow:
         """Return another pair whose pinion and gear turn as those of this one.

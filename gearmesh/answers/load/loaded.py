@@ -364,8 +364,7 @@ class LoadedContact(Result):
         cosine = _base_cosine(self.pair, self.mesh.loads[-1])
         reach = np.sqrt(radius**2 - self.lever**2)
         curvature = cosine / reach * abs(1.0 - ratio)
-        rows = len(self.pair.halves) - len(self.pair.fellows)
-        return PitchPoint(self.lever, radius, (high - low) * rows, float(curvature))
+        return PitchPoint(self.lever, radius, (high - low) * self.pair.own_halves, float(curvature))
 
     @cached_property
     def totals(self) -> list[LoadedTotals]:
