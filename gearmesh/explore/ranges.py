@@ -47,6 +47,18 @@ def builds(design: Design, changes: Mapping[str, Any]) -> bool:
     return True
 
 
+def halved(
+    good: float, bad: float, works: Callable[[float], bool], rounds: int, rounded: Callable[[float], float]
+) -> float:
+    """Return the value nearest to a bad one that works, by halving the gap to a good one; tried values are `rounded`."""
+    for _ in range(rounds):
+        middle = rounded((good + bad) / 2.0)
+        if middle in (good, bad):
+            break
+        good, bad = (middle, bad) if works(middle) else (good, middle)
+    return good
+
+
 def key_range(design: Design, dotted: str, value: float, works: Callable[[float], bool] | None = None) -> BuildRange:
     """Return the range of a numeric key around its `value`, in the design's units.
 
@@ -72,12 +84,8 @@ def key_range(design: Design, dotted: str, value: float, works: Callable[[float]
                 break
             good, distance = tried, 2.0 * distance
         known = not math.isnan(bad)
-        for _ in range(HALVING_ROUNDS if known and good != bound else 0):
-            middle = (good + bad) / 2.0
-            middle = math.trunc(middle) if whole else middle
-            if middle in (good, bad):
-                break
-            good, bad = (middle, bad) if works(middle) else (good, middle)
+        if known and good != bound:
+            good = halved(good, bad, works, HALVING_ROUNDS, math.trunc if whole else float)
         ends.append((good, known))
     return BuildRange(ends[0][0], ends[1][0], ends[0][1], ends[1][1])
 

@@ -10,6 +10,7 @@ from gearmesh.allowed import Bounds
 from gearmesh.design.core import Design
 from gearmesh.design.keys import Key
 from gearmesh.errors import GearmeshError
+from gearmesh.explore.ranges import halved
 
 #: distance from a bound that is excluded itself, over the bound
 INSIDE_SHARE = 1e-5
@@ -56,18 +57,13 @@ def _is_number(value: Any) -> TypeGuard[float]:
 
 def _nearest(good: float, refused: float, works: Callable[[float], bool], *, whole: bool) -> float | None:
     """Return a value that works between a good one and a refused one, near to where values cease to work; None without any."""
-    best, far, step = None, refused, 10.0 ** math.floor(math.log10(abs(refused - good) / 50.0 or 1.0))
-    near = good
-    for _ in range(OFFER_ROUNDS):
-        middle = (near + far) / 2.0
-        tried = math.trunc(middle) if whole else float(f"{round(middle / step) * step:.{OFFERED_DIGITS}g}")
-        if tried in (near, far):
-            break
-        if works(tried):
-            best = near = tried
-        else:
-            far = tried
-    return best
+    step = 10.0 ** math.floor(math.log10(abs(refused - good) / 50.0 or 1.0))
+
+    def rounded(value: float) -> float:
+        return math.trunc(value) if whole else float(f"{round(value / step) * step:.{OFFERED_DIGITS}g}")
+
+    nearest = halved(good, refused, works, OFFER_ROUNDS, rounded)
+    return None if nearest == good else nearest
 
 
 def _offered(key: str, value: float) -> dict[str, Any]:
