@@ -15,10 +15,10 @@ from oracles.places import SAMPLES
 from oracles.sources import parsed
 
 import gearmesh as gm
-from gearmesh import samples
+from gearmesh import DesignError, GearmeshError, OutputError, samples
 from gearmesh.allowed import Allowed, Bounds, in_unit, stated_bounds
 from gearmesh.app.cli import main
-from gearmesh.errors import DesignError, GearmeshError, OutputError, VagueError
+from gearmesh.kinds import VagueError
 
 PACKAGE = Path(gm.__file__).parent
 #: errors whose fields are key, value, reason and what is allowed, by keyword after the first two

@@ -12,8 +12,7 @@ from pathlib import Path
 import pytest
 from oracles.places import PACKAGE, ROOT, SAMPLES
 
-from gearmesh import samples
-from gearmesh.errors import DesignError, OutputError
+from gearmesh import DesignError, OutputError, samples
 
 PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 TOP = {"README.md", "findings", "gearmesh", "pyproject.toml", "samples", "scripts", "tests"}

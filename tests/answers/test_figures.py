@@ -14,12 +14,11 @@ import pytest
 from oracles.places import PACKAGE
 
 import gearmesh
+from gearmesh import DesignSheet, Summary, parse
 from gearmesh.answers.result import times_apart
-from gearmesh.answers.sheet import DesignSheet
 from gearmesh.answers.tables import Listing, align, figures
-from gearmesh.figures import KEY_ENDINGS, MEMBER_PLACE, Entry, Figures, Summary, figure
-from gearmesh.systems.designs import parse
-from gearmesh.systems.system import SheetTable
+from gearmesh.figures import KEY_ENDINGS, MEMBER_PLACE, Entry, Figures, figure
+from gearmesh.kinds import SheetTable
 
 pytestmark = pytest.mark.quick
 

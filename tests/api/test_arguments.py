@@ -19,10 +19,10 @@ import pytest
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh import pickling
+from gearmesh import OutputError, pickling
 from gearmesh.arguments import checks_arguments
-from gearmesh.errors import ArgumentError, OutputError
-from gearmesh.teeth.region import Side
+from gearmesh.errors import ArgumentError
+from gearmesh.kinds import Side
 
 #: a narrow pair and coarse elements: answers in a moment
 SMALL: dict[str, Any] = {

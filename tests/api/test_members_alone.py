@@ -12,11 +12,10 @@ from oracles.command_line import messages, run
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.errors import GearmeshError
+from gearmesh import GearmeshError, Member
+from gearmesh.kinds import Side
 from gearmesh.systems import diagnosis
 from gearmesh.systems.spiral_bevel.synthesis import teeth_choice
-from gearmesh.teeth.gear_train import Member
-from gearmesh.teeth.region import Side
 
 #: all settings of both members given
 GIVEN = SAMPLES / "spiral_bevel_abdullah_straight.toml"

@@ -24,8 +24,7 @@ from oracles.places import PACKAGE, ROOT, SAMPLES
 from oracles.sources import CLASSES, nodes
 
 import gearmesh as gm
-from gearmesh import former_names
-from gearmesh.answers.result import Result
+from gearmesh import Result, former_names
 from gearmesh.view.opengl import missing_opengl_message
 
 needs_ccx = pytest.mark.skipif(shutil.which("ccx") is None, reason="apt-get install calculix-ccx")

@@ -29,25 +29,34 @@ from oracles.examples import examples
 from oracles.places import ROOT, SAMPLES
 
 import gearmesh as gm
-from gearmesh.answers.bodies.solid import Solid, SolidFigures
-from gearmesh.answers.check import Check, RollRow, RollTest
-from gearmesh.answers.contact.contact import Contact
+from gearmesh import (
+    Check,
+    Compensation,
+    Contact,
+    NoSolutionError,
+    OutputError,
+    Report,
+    RollTest,
+    Solid,
+    Summary,
+    load,
+    system,
+)
+from gearmesh.answers.bodies.solid import SolidFigures
+from gearmesh.answers.check import RollRow
 from gearmesh.answers.contact.figures import PathSummary
-from gearmesh.answers.sheet import Compensation
 from gearmesh.answers.tables import Listing
 from gearmesh.app import cli
 from gearmesh.app.terminal import show
 from gearmesh.contact.path import ContactPath
 from gearmesh.design import files
-from gearmesh.errors import NoSolutionError, OutputError, Status
-from gearmesh.figures import Summary
+from gearmesh.errors import Status
 from gearmesh.io import atomic
 from gearmesh.kernel.numeric.algebra import ARCSEC
+from gearmesh.kinds import Setting
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.progress import Progress
-from gearmesh.reports.run import Report
-from gearmesh.systems.designs import load
-from gearmesh.systems.system import Setting, kinds, system
+from gearmesh.systems.system import kinds
 
 INTERSECTED, CIRCULAR_ARC = str(SAMPLES / "beveloid_intersected.toml"), str(SAMPLES / "circular_arc.toml")
 
@@ -837,7 +846,7 @@ print('went on')
 """,
     # as modules in C do that are stopped while they load
     "a module": """
-from gearmesh.errors import OutputError
+from gearmesh import OutputError
 try:
     press()
 except KeyboardInterrupt:

@@ -16,10 +16,9 @@ from oracles.examples import some
 from oracles.places import ROOT, SAMPLES
 
 import gearmesh as gm
-from gearmesh import io
+from gearmesh import io, system
 from gearmesh.answers.contact import contact
 from gearmesh.answers.contact.sides import side_contacts
-from gearmesh.systems.system import system
 from gearmesh.view.opengl import missing_opengl_message
 
 needs_opengl = pytest.mark.skipif(missing_opengl_message() is not None, reason="off-screen OpenGL")

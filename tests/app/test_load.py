@@ -20,10 +20,10 @@ from oracles.loaded import few_elements
 from oracles.places import PACKAGE, SAMPLES
 
 import gearmesh as gm
+from gearmesh import DesignError, LoadedContact
 from gearmesh.answers.load.figures import LoadedTotals
-from gearmesh.answers.load.loaded import LoadedContact, _error_warning
+from gearmesh.answers.load.loaded import _error_warning
 from gearmesh.app.options import positions_in_degrees
-from gearmesh.errors import DesignError
 from gearmesh.view.load import loaded_diagrams
 from gearmesh.view.load.loaded_pictures import LoadedPictures
 

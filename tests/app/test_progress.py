@@ -12,11 +12,11 @@ from oracles.command_line import run
 from oracles.places import ROOT, SAMPLES
 
 import gearmesh as gm
+from gearmesh import load
+from gearmesh.kinds import Tooth
 from gearmesh.loaded import sharing
 from gearmesh.loaded.compliance.compliance import FlankCompliance, flank_compliance
 from gearmesh.progress import in_turn, listening, part, tell
-from gearmesh.systems.designs import load
-from gearmesh.teeth.tooth import Tooth
 
 
 @pytest.mark.quick

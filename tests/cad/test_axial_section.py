@@ -10,10 +10,10 @@ from oracles.command_line import refused, run
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh import Member
 from gearmesh.cad.contours.axial import axial_section
 from gearmesh.cad.contours.curves import PlaneSpline
 from gearmesh.kernel.numeric.algebra import Array, plane_cross
-from gearmesh.teeth.gear_train import Member
 
 #: tolerance of the sections, mm
 WITHIN = 1e-4

@@ -18,12 +18,12 @@ from oracles.command_line import refused
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh import Rigid
 from gearmesh.answers.bodies.face_names import face_names
 from gearmesh.app.cli import main
 from gearmesh.cad.step import NamedFace, Occurrence, Part, PartAssembly, write_step
 from gearmesh.io.palette import region_colours
-from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.teeth.region import Region
+from gearmesh.kinds import Region
 
 #: few teeth, which differ
 PAIR = ["pinion.teeth=12", "gear.teeth=13"]

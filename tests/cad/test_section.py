@@ -16,15 +16,14 @@ from oracles.places import SAMPLES
 from oracles.plane_curves import evenly, from_polylines
 
 import gearmesh as gm
+from gearmesh import Member, load
 from gearmesh.cad.brep import Piece, exact_volume
 from gearmesh.cad.contours.curves import PlaneSpline
 from gearmesh.cad.section import member_section
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.plane.curves import PlaneArc, PlaneLine
+from gearmesh.kinds import Region
 from gearmesh.mesh.solid import gear_solid
-from gearmesh.systems.designs import load
-from gearmesh.teeth.gear_train import Member
-from gearmesh.teeth.region import Region
 
 #: case -> sample, changes, member, share of the face: keyway and rounded edges, undercut and chamfers at the toe's end face, no
 #: bore, a ground root that is no arc of the blank's

@@ -22,6 +22,7 @@ from oracles import built, internal, ring
 from oracles.examples import some
 from oracles.places import SAMPLES
 
+from gearmesh import GearPair, Member, NoSolutionError, Rigid, load
 from gearmesh.app.cli import main
 from gearmesh.cad import brep
 from gearmesh.cad.brep import DEFAULT_TOLERANCE_MM, Piece, SplineTooth, exact_volume, spline_tooth
@@ -30,17 +31,13 @@ from gearmesh.cad.part21 import condense
 from gearmesh.cad.solid_part import solid_part, volume
 from gearmesh.cad.step import write_step
 from gearmesh.contact.flanks import analyse
-from gearmesh.errors import NoSolutionError
 from gearmesh.io.digits import points_on_grid
 from gearmesh.io.palette import region_colours
-from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.surface.levels import ConeLevel
 from gearmesh.kernel.surface.nearest import nearest
+from gearmesh.kinds import ConeLevel, Region
 from gearmesh.mesh.solid import gear_solid
-from gearmesh.systems.designs import load
 from gearmesh.teeth.blank.body import end_regions
-from gearmesh.teeth.gear_train import GearPair, Member
-from gearmesh.teeth.region import BODY_REGIONS, Region
+from gearmesh.teeth.region import BODY_REGIONS
 from gearmesh.teeth.section import breaks
 
 KEYED = [

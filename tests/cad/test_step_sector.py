@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 from oracles.built import built
 
+from gearmesh import DesignError, Rigid
 from gearmesh.cad.brep import exact_volume
-from gearmesh.errors import DesignError
-from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.teeth.region import Region
+from gearmesh.kinds import Region
 
 pytest.importorskip("OCP")
 gmsh = pytest.importorskip("gmsh")

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from oracles.built import built_sample
 
+from gearmesh import DesignError
 from gearmesh.answers.bodies.extract import Extract
-from gearmesh.errors import DesignError
-from gearmesh.teeth.region import Region
+from gearmesh.kinds import Region
 
 pytest.importorskip("OCP")
 gmsh = pytest.importorskip("gmsh")

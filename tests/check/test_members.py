@@ -11,15 +11,15 @@ from oracles.overlap import Overlap, overlap
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh import GearPair, load
 from gearmesh.check.members import MemberRoll, ToothTouch, roll_members, root_clearance
 from gearmesh.check.roll import roll
 from gearmesh.kernel.numeric.algebra import ARCSEC
+from gearmesh.kinds import Region, Side
 from gearmesh.mesh.solid import gear_solid, teeth_mesh
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.mesh.triangles import TriangleMesh
-from gearmesh.systems.designs import load
-from gearmesh.teeth.gear_train import GearPair
-from gearmesh.teeth.region import FILLET_REGIONS, FLANK_REGIONS, Region, Side
+from gearmesh.teeth.region import FILLET_REGIONS, FLANK_REGIONS
 
 CELLS = 20
 

@@ -12,6 +12,7 @@ from oracles.built import pair_of
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh import GearPair, load
 from gearmesh.answers import check
 from gearmesh.answers.check import flank_meshes
 from gearmesh.check.roll import RollContact, roll
@@ -21,8 +22,6 @@ from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
 from gearmesh.kernel.numeric.algebra import ARCSEC
 from gearmesh.mesh.triangles import TriangleMesh
-from gearmesh.systems.designs import load
-from gearmesh.teeth.gear_train import GearPair
 
 CORPUS = Path(__file__).parents[1] / "corpus"
 OFFSET = ["assembly.dx=0.3", "assembly.dy=0.3", "assembly.dz=0.3"]

@@ -11,6 +11,7 @@ from oracles.examples import some
 from oracles.places import SAMPLES
 from scipy.interpolate import CubicSpline
 
+from gearmesh import GearPair, Rigid, load
 from gearmesh.check.heightfield import (
     Arcs,
     GridFlank,
@@ -24,11 +25,8 @@ from gearmesh.check.heightfield import (
 from gearmesh.check.members import flank_patches, roll_flanks
 from gearmesh.check.touch import FirstTouch, first_touch
 from gearmesh.contact.flanks import analyse
-from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
-from gearmesh.systems.designs import load
-from gearmesh.teeth.gear_train import GearPair
-from gearmesh.teeth.region import Side
+from gearmesh.kinds import Side
 
 ARCS = Arcs(1.0, 0.0)
 

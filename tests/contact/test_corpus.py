@@ -11,6 +11,7 @@ from oracles.built import pair_of
 from oracles.examples import some
 
 import gearmesh as gm
+from gearmesh import GearPair, load
 from gearmesh.check.members import roll_flanks, roll_members
 from gearmesh.contact.conditions.refinement import Contacts, Trial, refine_candidates
 from gearmesh.contact.engagement.cycle import mesh_cycle
@@ -20,8 +21,6 @@ from gearmesh.contact.fit.fit import fit, reversed_pair
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.tca import contact_path
 from gearmesh.kernel.numeric.algebra import ARCSEC
-from gearmesh.systems.designs import load
-from gearmesh.teeth.gear_train import GearPair
 
 CORPUS = sorted((Path(__file__).parents[1] / "corpus").glob("contact_*.toml"))
 CYCLES = sorted((Path(__file__).parents[1] / "corpus").glob("cycle_*.toml"))

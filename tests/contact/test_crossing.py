@@ -13,7 +13,7 @@ import gearmesh as gm
 from gearmesh.contact.first_touch.crossing import crossing, crossing_over_a_pitch
 from gearmesh.contact.first_touch.field import advances
 from gearmesh.contact.flanks import solver_pair
-from gearmesh.teeth.region import Region
+from gearmesh.kinds import Region
 
 STEEP = Path(__file__).parents[1] / "corpus" / "crossing_worm_drive_87.toml"
 

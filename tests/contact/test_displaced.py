@@ -10,12 +10,12 @@ import pytest
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh import GearPair
 from gearmesh.contact.engagement.engagement import whole_engagement
 from gearmesh.contact.engagement.transmission_advance import TransmissionAdvance
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.kernel.numeric.algebra import ARCSEC
-from gearmesh.teeth.gear_train import GearPair
-from gearmesh.teeth.mount import Mount
+from gearmesh.kinds import Mount
 
 #: normal backlash, mm, and centre distance, mm, of the spur pair
 PLAY, APART = 0.1, 60.0

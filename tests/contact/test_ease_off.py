@@ -11,12 +11,11 @@ import pytest
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh import GearPair, Rigid
 from gearmesh.check.heightfield import Arcs, GridFlank
 from gearmesh.contact.engagement import ease_off as ease_off_module
 from gearmesh.contact.first_touch.field import Advances
 from gearmesh.contact.pair import Pair
-from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.teeth.gear_train import GearPair
 
 
 def turn_of_first_touch(pair: GearPair, field: object, sense: float, point: np.ndarray, phi1: np.ndarray) -> np.ndarray:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from oracles.built import pair_of
 from oracles.places import SAMPLES
 
+from gearmesh import DesignError, GearPair, Rigid, load
 from gearmesh.check.members import roll_flanks, roll_members
 from gearmesh.contact.assemblies import many_assemblies
 from gearmesh.contact.conditions import refinement
@@ -21,11 +22,7 @@ from gearmesh.contact.first_touch.first_touch import touches
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.pair import Pair
 from gearmesh.contact.tca import contact_path
-from gearmesh.errors import DesignError
-from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array, rotation_about
-from gearmesh.systems.designs import load
-from gearmesh.teeth.gear_train import GearPair
 
 #: designs whose contact was once on a wrong branch, missed, or none: keys, positions in pitches
 HARD = {

@@ -15,8 +15,9 @@ from oracles.overlap import overlap
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh import Contact, GearPair, Rigid, load
 from gearmesh.answers.contact import fit as warned
-from gearmesh.answers.contact.contact import Contact, total_ratio
+from gearmesh.answers.contact.contact import total_ratio
 from gearmesh.app.cli import main
 from gearmesh.check.members import roll_members
 from gearmesh.contact.engagement.cycle import mesh_cycle
@@ -27,11 +28,8 @@ from gearmesh.contact.fit.fit import fit, reversed_pair
 from gearmesh.contact.fit.freeing import EFFORT_OF_SLACK, MAX_EFFORT, FreeingShift, freeing_shift, shift_gear
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.tca import contact_path
-from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import ARCSEC
 from gearmesh.mesh.solid import gear_solid
-from gearmesh.systems.designs import load
-from gearmesh.teeth.gear_train import GearPair
 
 CORPUS = Path(__file__).parents[1] / "corpus"
 BEVEL = {

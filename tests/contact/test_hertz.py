@@ -13,13 +13,12 @@ from oracles.hertz import at_peak, squared_ratio
 from oracles.places import SAMPLES
 from scipy.special import ellipe, ellipkm1, elliprd
 
+from gearmesh import DesignError, load
 from gearmesh.answers import tables
 from gearmesh.contact import hertz
 from gearmesh.contact.flanks import hertz_path, separation_curvatures
 from gearmesh.contact.hertz import Material, PointContact, contact_modulus, line_contact, normal_force, point_contact
-from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.systems.designs import load
 
 MODULUS = 113000.0
 #: F(rho) = (kappa_y - kappa_x) / (kappa_y + kappa_x), a*, b*, delta*: T. A. Harris, Rolling Bearing Analysis, table of

@@ -13,14 +13,13 @@ from oracles.built import pair_of
 from oracles.drawn import zero_or_more
 from oracles.examples import examples
 
+from gearmesh import Rigid, parse
 from gearmesh.contact.engagement.cycle import gears_curve
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.pair import Pair
 from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
-from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import rotation_about
-from gearmesh.systems.designs import parse
 
 PHI1 = np.radians([-4.0, 0.0, 3.0])
 few = examples(5)

@@ -9,14 +9,13 @@ import pytest
 from oracles.built import pair_of
 from oracles.modified_involute import SpurPair, pair_curve, peak_to_peak
 
+from gearmesh import GearPair, parse
 from gearmesh.contact.engagement.cycle import mesh_cycle
 from gearmesh.contact.engagement.engagement import whole_engagement
 from gearmesh.contact.first_touch.first_touch import first_touch
 from gearmesh.contact.flanks import separation_curvatures, solver_pair
 from gearmesh.contact.tca import contact_path
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.systems.designs import parse
-from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.micro_geometry.screw_involute import ScrewInvolute
 
 #: largest error of a transmission error, mm: rounding of what is solved to 1e-11 mm

@@ -10,9 +10,9 @@ from oracles.built import pair_of
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh import Rigid
 from gearmesh.contact.conditions import meshing
 from gearmesh.contact.flanks import solver_pair
-from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import rotation_about
 
 

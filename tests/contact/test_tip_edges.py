@@ -10,12 +10,11 @@ import pytest
 from oracles.built import pair_of
 from scipy.optimize import brentq
 
+from gearmesh import GearPair, parse
 from gearmesh.check.members import roll_teeth
 from gearmesh.contact.flanks import separation_curvatures, solver_pair
 from gearmesh.contact.tca import contact_path
 from gearmesh.kernel.numeric.algebra import ARCSEC
-from gearmesh.systems.designs import parse
-from gearmesh.teeth.gear_train import GearPair
 
 #: keys of cylindrical pairs, and rotations (deg) at which a chamfer or a rounding touches
 TIP_CONTACTS = {

@@ -13,14 +13,13 @@ import pytest
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh import GearmeshError, GearPair
 from gearmesh.app.cli import main
 from gearmesh.contact.engagement.cycle import gears_curve
 from gearmesh.contact.engagement.tip_passing import tip_meetings
 from gearmesh.contact.fit.fit import Fit, fit
 from gearmesh.contact.flanks import solver_pair
-from gearmesh.errors import GearmeshError
-from gearmesh.teeth.gear_train import GearPair
-from gearmesh.teeth.region import Side
+from gearmesh.kinds import Side
 
 #: 38/-40 at a working pressure angle of 40 deg, whose tips are free from a tip diameter of the ring of 79.4645 mm on
 LIMIT = {

@@ -11,15 +11,14 @@ from oracles.built import pair_of
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh import GearPair, load, system
 from gearmesh.check.roll import roll
 from gearmesh.contact.engagement.turns import FullTurns, full_turns, pitches_until_repeat
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.tca import contact_path
 from gearmesh.kernel.numeric.algebra import ARCSEC
-from gearmesh.systems.designs import load
-from gearmesh.systems.system import kinds, system
-from gearmesh.teeth.gear_train import GearPair
-from gearmesh.teeth.mount import Mount
+from gearmesh.kinds import Mount
+from gearmesh.systems.system import kinds
 
 SPUR = ("spur", "pinion.teeth=16", "gear.teeth=24", "assembly.center_distance=60")
 #: the pattern of both members repeats with a turn of the gear

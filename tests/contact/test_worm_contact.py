@@ -9,6 +9,7 @@ import pytest
 from oracles.built import pair_of
 from oracles.places import SAMPLES
 
+from gearmesh import load
 from gearmesh.contact.conditions.bent_lines import line_over_face, pieces
 from gearmesh.contact.conditions.lines import trace
 from gearmesh.contact.conditions.meshing import Bound, Conditions, Flank
@@ -20,8 +21,7 @@ from gearmesh.contact.first_touch.search import circle_contacts
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.tca import contact_path
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.kernel.surface.surface import Jet
-from gearmesh.systems.designs import load
+from gearmesh.kinds import Jet
 from gearmesh.teeth.generation.tool_in_place import generation
 
 CORPUS = SAMPLES.parent / "tests" / "corpus"

@@ -9,9 +9,9 @@ import pytest
 from oracles.built import pair_of
 from oracles.worm_drives import BASE, DRIVES
 
+from gearmesh import parse
 from gearmesh.contact.flanks import analyse
 from gearmesh.contact.path import ContactPath
-from gearmesh.systems.designs import parse
 
 PHI1 = np.radians([-100.0, -35.0, 0.0, 20.0, 85.0])
 ERRORS = {"da": 0.03, "dz1": 0.1, "dz2": 0.2, "d_sigma": 0.05}

@@ -8,6 +8,7 @@ from oracles.built import built
 from oracles.worm_drives import BASE, drive
 
 import gearmesh as gm
+from gearmesh import GearPair
 from gearmesh.answers.contact.rolling import rolling_contact
 from gearmesh.contact.zone import contact_zone, limit_lines
 from gearmesh.kernel.numeric.algebra import Array
@@ -15,7 +16,6 @@ from gearmesh.systems.system import complete_design
 from gearmesh.systems.worm_drive.build import worm_thread
 from gearmesh.systems.worm_drive.contact.conjugate import ContactField
 from gearmesh.systems.worm_drive.force_tables import thread_mesh
-from gearmesh.teeth.gear_train import GearPair
 
 #: a worm too short on one side for the zone of its wheel, by an error of its place
 SHORT = {"worm": {"length": 36.0}, "assembly": {"dz1": 4.0}}

@@ -15,12 +15,10 @@ from oracles.drawn import zero_or_more
 from oracles.examples import examples, some
 from oracles.places import SAMPLES
 
+from gearmesh import DesignError, load, parse, system, toml
 from gearmesh.design import files
-from gearmesh.design.files import toml
-from gearmesh.design.keys import Table
-from gearmesh.errors import DesignError
-from gearmesh.systems.designs import load, parse
-from gearmesh.systems.system import build, kinds, system
+from gearmesh.kinds import Table
+from gearmesh.systems.system import build, kinds
 
 BEVELOID: dict[str, Any] = {
     "kind": "beveloid",

@@ -16,7 +16,7 @@ from oracles.same_gears import places
 
 import gearmesh as gm
 from gearmesh.answers.load.members import mounts_of
-from gearmesh.design.keys import Table
+from gearmesh.kinds import Table
 
 #: keys whose values face hobbing derives
 HOBBED_RESULT = re.compile(r"(pinion\.con|gear\.cutter|(pinion|gear)\.root_angle|head\.eccentricity)")

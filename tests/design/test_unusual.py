@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 import gearmesh as gm
-from gearmesh.errors import DesignError
+from gearmesh import DesignError
 from gearmesh.systems.kinds import FIELD_WORDS, OWN_KINDS
 from gearmesh.systems.system import design_class
 

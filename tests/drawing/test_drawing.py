@@ -11,9 +11,9 @@ from oracles.command_line import refused, run
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh import WorkshopDrawing
 from gearmesh.cad.section import member_section
 from gearmesh.drawing.canvas import HATCH_SPACING_MM, Box, Canvas, Pen
-from gearmesh.drawing.drawing import WorkshopDrawing
 from gearmesh.drawing.facts import number
 from gearmesh.drawing.gear_data import drawn_symbol, facts_of
 from gearmesh.drawing.outline import bar_faces, outline_of

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import gearmesh as gm
-from gearmesh.errors import DesignError
+from gearmesh import DesignError
 from gearmesh.exchange.model import READ_VERSIONS
 from gearmesh.exchange.rexs_file import MAX_FILE_BYTES, read_rexs, rexs_bytes
 

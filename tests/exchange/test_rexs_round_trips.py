@@ -12,7 +12,7 @@ import pytest
 from exchange.rexs_validation import faults
 
 import gearmesh as gm
-from gearmesh.errors import DesignError
+from gearmesh import DesignError
 from gearmesh.exchange.model import OWN_PREFIX
 from gearmesh.exchange.rexs_file import read_rexs, rexs_bytes
 

@@ -13,11 +13,11 @@ from exchange.gearboxes import Gearbox, add_gear, add_tool, helical_pair
 from exchange.rexs_validation import faults
 
 import gearmesh as gm
-from gearmesh.errors import DesignError
+from gearmesh import DesignError, system
 from gearmesh.exchange.model import READ_VERSIONS
 from gearmesh.exchange.rexs_file import read_rexs, rexs_bytes
 from gearmesh.exchange.stage import StageReader
-from gearmesh.systems.system import kinds, system
+from gearmesh.systems.system import kinds
 
 SERIES = "tooth_thickness_deviation_tolerance_series_din_3967_1978"
 FIELD = "center_distance_tolerance_field_din_3964_1980"

@@ -17,7 +17,8 @@ from matplotlib.image import imread
 from oracles.browser import chromium, needs_chromium, requests, resize
 
 import gearmesh as gm
-from gearmesh.explore.explorer import Explorer, origin_of_file
+from gearmesh import Explorer
+from gearmesh.explore.explorer import origin_of_file
 
 pytestmark = [needs_chromium, pytest.mark.sweep]
 DESIGN = """# a pair

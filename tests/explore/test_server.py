@@ -22,7 +22,8 @@ from oracles.places import SAMPLES
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
-from gearmesh.explore.explorer import Explorer, origin_of_file, origin_of_kind
+from gearmesh import Explorer
+from gearmesh.explore.explorer import origin_of_file, origin_of_kind
 from gearmesh.explore.frames import frame
 from gearmesh.explore.server import MAX_FRAME_BYTES, MAX_MESSAGE_BYTES
 from gearmesh.explore.workers import HANG_S, NO_PAGE, Asked, Listener, Worker

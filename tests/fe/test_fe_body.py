@@ -13,8 +13,8 @@ import pytest
 from oracles.built import built, built_sample
 
 import gearmesh as gm
+from gearmesh import DesignError, Member
 from gearmesh.answers.bodies.finite_element_model import omissions
-from gearmesh.errors import DesignError
 from gearmesh.fe import ccx
 from gearmesh.fe.gear_model import MeshRequest, held_mesh
 from gearmesh.fe.model import NodeForces
@@ -24,7 +24,6 @@ from gearmesh.mesh.hexahedra.hexahedra import Cells, plain_grid
 from gearmesh.mesh.hexahedra.hexes import HEX_FACES, HexMesh
 from gearmesh.mesh.hexahedra.turned_body import core_radius, whole_mesh
 from gearmesh.teeth.blank.moments import Moments, member_moments
-from gearmesh.teeth.gear_train import Member
 
 needs_ccx = pytest.mark.skipif(shutil.which("ccx") is None, reason="apt-get install calculix-ccx")
 COARSE = Cells(flank=3, fillet=4, thickness=2, rim=1, face=5)

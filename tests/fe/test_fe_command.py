@@ -20,12 +20,11 @@ from oracles.examples import some
 from oracles.places import SAMPLES
 from scipy.special import ellipk
 
-from gearmesh.answers.bodies.finite_elements import FiniteElements
+from gearmesh import FiniteElements, load
 from gearmesh.fe.gear_model import ELEMENTS_PER_SEMI_AXIS
 from gearmesh.fe.placing import major_axis, minor_axis
 from gearmesh.fe.results import ContactTotal, NodalSolution, ReferenceNode
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.systems.designs import load
 from gearmesh.view.load.fe_views import STRESS_SHARE, pressure_scene, stress_scene
 from gearmesh.view.opengl import missing_opengl_message
 from gearmesh.view.palette import RESULT_COLOUR_MAP

@@ -23,8 +23,8 @@ from oracles.fe_files import (
 )
 
 import gearmesh as gm
+from gearmesh import OutputError
 from gearmesh.contact.hertz import Material
-from gearmesh.errors import OutputError
 from gearmesh.fe.decks import formats, write_model
 from gearmesh.fe.decks.hdf5_times import checksum
 from gearmesh.fe.decks.vtu import write_mesh

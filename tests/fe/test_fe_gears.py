@@ -11,6 +11,7 @@ from oracles.built import model_of, pair_of
 from oracles.examples import some
 from oracles.fe_cases import SAMPLES, crossed_beveloids, fillet_stress, iso_root_stress, one_pair, spur_slice
 
+from gearmesh import load
 from gearmesh.contact.hertz import STEEL
 from gearmesh.fe import ccx
 from gearmesh.fe.gear_model import Request, gear_model
@@ -20,7 +21,6 @@ from gearmesh.loaded.separation import near_pairs
 from gearmesh.mesh.hexahedra import hexahedra as hexmesh
 from gearmesh.mesh.hexahedra.hexahedra import Cells
 from gearmesh.mesh.hexahedra.hexes import HexMesh
-from gearmesh.systems.designs import load
 
 needs_ccx = pytest.mark.skipif(shutil.which("ccx") is None, reason="apt-get install calculix-ccx")
 

@@ -15,12 +15,10 @@ from oracles.built import built
 from scipy.spatial import cKDTree
 
 import gearmesh as gm
-from gearmesh.answers.bodies.finite_elements import FiniteElements
-from gearmesh.errors import DesignError
+from gearmesh import DesignError, FiniteElements, Rigid
 from gearmesh.fe import ccx
 from gearmesh.fe.gear_model import held_mesh
 from gearmesh.fe.model import Model, NodeForces, Support
-from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.mesh.hexahedra.hexahedra import plain_grid
 from gearmesh.mesh.hexahedra.hexes import join
 

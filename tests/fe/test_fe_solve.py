@@ -12,13 +12,12 @@ import pyvista
 from oracles.fe_blocks import CORNERS, block, graded, pressed, rounded
 from oracles.fe_cases import crossed_cylinders
 
+from gearmesh import NoSolutionError, OutputError, Rigid
 from gearmesh.contact.hertz import STEEL, Material
-from gearmesh.errors import NoSolutionError, OutputError
 from gearmesh.fe import ccx
 from gearmesh.fe.decks.vtu import write_mesh
 from gearmesh.fe.model import ContactPair, Model, NodeForces, RigidTie, Support
 from gearmesh.fe.results import contact_figures, largest_principal
-from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import rotation_about
 from gearmesh.mesh.hexahedra.hex_quality import volumes
 from gearmesh.mesh.hexahedra.hexes import join

@@ -10,9 +10,8 @@ import pytest
 from oracles.fe_cases import worm_pair
 
 import gearmesh as gm
-from gearmesh.answers.bodies.finite_elements import FiniteElements
+from gearmesh import FiniteElements, Rigid
 from gearmesh.fe.placing import major_axis, minor_axis
-from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 
 needs_ccx = pytest.mark.skipif(shutil.which("ccx") is None, reason="apt-get install calculix-ccx")

@@ -13,10 +13,9 @@ from oracles.command_line import refused
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh import io
+from gearmesh import DesignError, GearmeshError, OutputError, io
 from gearmesh.app.options import positions_in_degrees, torques_in_nm
 from gearmesh.design.topography_file import read_topography
-from gearmesh.errors import DesignError, GearmeshError, OutputError
 from gearmesh.files.reading import json_value, toml_value
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.metrology.flanks.point_file import read_points

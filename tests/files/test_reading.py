@@ -13,15 +13,14 @@ import pytest
 from oracles.command_line import refused, run
 from oracles.places import SAMPLES
 
+from gearmesh import DesignError, GearmeshError, OutputError, load
 from gearmesh.design import files
 from gearmesh.design.topography_file import read_topography
-from gearmesh.errors import DesignError, GearmeshError, OutputError
 from gearmesh.files.reading import BYTES_PER_MIB, file_text
 from gearmesh.io import read as read_mesh
 from gearmesh.study.plan import KeyReader
 from gearmesh.study.spreads import read_spreads
 from gearmesh.study.store import StudyStore
-from gearmesh.systems.designs import load
 
 pytestmark = pytest.mark.quick
 

@@ -8,8 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from gearmesh import io
-from gearmesh.errors import OutputError
+from gearmesh import OutputError, io
 from gearmesh.mesh.triangles import TriangleMesh
 
 pytestmark = pytest.mark.quick

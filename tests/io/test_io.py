@@ -20,11 +20,9 @@ import pytest
 from scipy.spatial import cKDTree
 
 import gearmesh
-from gearmesh import io
-from gearmesh.errors import OutputError
+from gearmesh import OutputError, Rigid, io
 from gearmesh.io.rebuild import merge
 from gearmesh.io.texts import quote
-from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.mesh.triangles import TriangleMesh
 
 pytestmark = pytest.mark.quick

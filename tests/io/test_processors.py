@@ -19,7 +19,7 @@ from gearmesh.kernel.numeric.grid import on_grid, significant
 #: writes members of a sample within a tolerance: meshes, and sections where there are any
 PROGRAM = """
 import sys
-from gearmesh.errors import DesignError
+from gearmesh import DesignError
 import gearmesh as gm
 sample, tolerance, *members = sys.argv[1:]
 gears = gm.build(gm.load(sample))

@@ -8,9 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from gearmesh.errors import DesignError, GearmeshError, OutputError
+from gearmesh import DesignError, Diagram, GearmeshError, OutputError
 from gearmesh.io.atomic import SCRATCH_FILE_WORDS, scratch_folder, whole_file, whole_folder
-from gearmesh.view.picture import Diagram
 
 pytestmark = pytest.mark.quick
 

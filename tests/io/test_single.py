@@ -19,9 +19,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 import gearmesh as gm
-from gearmesh import io
-from gearmesh.errors import DesignError
-from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh import DesignError, Rigid, io
 from gearmesh.mesh.solid import gear_solid
 from gearmesh.mesh.triangles import TriangleMesh
 

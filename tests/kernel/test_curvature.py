@@ -12,14 +12,10 @@ from numpy.typing import ArrayLike
 from oracles.curvature import ellipse_from_principal, from_principal, generated_operator, mean_curvature, meshing_terms
 from oracles.examples import examples
 
-from gearmesh.kernel.envelope.envelope import Envelope
-from gearmesh.kernel.motion.chain import Chain, Step
-from gearmesh.kernel.motion.motion import MotionState
-from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.motion.rolling import RackRoll
+from gearmesh import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, rotation_about
 from gearmesh.kernel.surface import curvature
-from gearmesh.kernel.surface.surface import Jet
+from gearmesh.kinds import Chain, Envelope, Jet, MotionState, RackRoll, Step
 
 pytestmark = pytest.mark.quick
 

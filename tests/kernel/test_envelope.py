@@ -12,18 +12,10 @@ from oracles.curvature import generated_operator, undercut_indicator
 from oracles.motions import as_chain
 from oracles.places import SAMPLES
 
-from gearmesh.errors import NoSolutionError
-from gearmesh.kernel.envelope.envelope import Envelope
-from gearmesh.kernel.motion.chain import Chain, Step
-from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.motion.rolling import CradleRoll, RackRoll
+from gearmesh import GearPair, NoSolutionError, Rigid, load
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.surface.curvature import in_plane, principal, shape_operator, tangent_basis
-from gearmesh.kernel.surface.surface import Jet
-from gearmesh.systems.designs import load
-from gearmesh.teeth.gear_train import GearPair
-from gearmesh.teeth.region import Region, Side
-from gearmesh.tools.rack import Arc, RackLine, RackSurface
+from gearmesh.kinds import Arc, Chain, CradleRoll, Envelope, Jet, RackLine, RackRoll, RackSurface, Region, Side, Step
 
 RADIUS = 60.0
 ALPHA = np.radians(20.0)

@@ -11,10 +11,9 @@ from hypothesis import strategies as st
 from oracles.examples import examples
 from oracles.motions import as_chain
 
-from gearmesh.kernel.motion.chain import Chain, Step
-from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.motion.rolling import CradleRoll, RackRoll
+from gearmesh import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, every_nth, rotation_about, turn, unit
+from gearmesh.kinds import Chain, CradleRoll, RackRoll, Step
 
 many = examples(50)
 #: step of central differences, and how far away chains of four steps may go in between

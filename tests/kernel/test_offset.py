@@ -7,15 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from gearmesh.kernel.envelope.envelope import Envelope
-from gearmesh.kernel.motion.rolling import RackRoll
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.surface.curvature import principal, shape_operator, tangent_basis
 from gearmesh.kernel.surface.meridian import Meridian, Series
 from gearmesh.kernel.surface.offset import FieldJet, Offset
-from gearmesh.kernel.surface.surface import Jet, Surface
+from gearmesh.kinds import Envelope, Jet, RackLine, RackRoll, RackSurface, Surface
 from gearmesh.teeth.micro_geometry.screw_involute import ScrewInvolute
-from gearmesh.tools.rack import RackLine, RackSurface
 
 pytestmark = pytest.mark.quick
 

@@ -7,15 +7,12 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 import pytest
 
-from gearmesh.kernel.envelope.envelope import Envelope
 from gearmesh.kernel.envelope.limiting_line import area_density
-from gearmesh.kernel.motion.rolling import RackRoll
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.surface.curvature import principal, shape_operator, tangent_basis
-from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.kernel.surface.twisted import Twisted
+from gearmesh.kinds import Envelope, Jet, RackLine, RackRoll, RackSurface, Surface
 from gearmesh.teeth.micro_geometry.screw_involute import AmountJet, ScrewInvolute
-from gearmesh.tools.rack import RackLine, RackSurface
 
 pytestmark = pytest.mark.quick
 

@@ -15,31 +15,38 @@ from oracles.built import pair_of
 from oracles.motions import as_chain
 from oracles.places import SAMPLES
 
+from gearmesh import GearmeshError, Rigid, load, parse
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.pair import Pair
 from gearmesh.contact.tca import contact_path
-from gearmesh.errors import GearmeshError, Solution, Status
-from gearmesh.kernel.envelope.envelope import Envelope
-from gearmesh.kernel.envelope.feed_envelope import FeedEnvelope
+from gearmesh.errors import Solution, Status
 from gearmesh.kernel.envelope.limiting_line import zeros
-from gearmesh.kernel.motion.chain import Chain
-from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.motion.rolling import CradleRoll, RackRoll
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, polar_angle, rotation_about
 from gearmesh.kernel.numeric.roots import bracketed_root, last_true
-from gearmesh.kernel.surface.levels import ConeLevel
 from gearmesh.kernel.surface.nearest import nearest
-from gearmesh.kernel.surface.stations import along, follow
-from gearmesh.kernel.surface.surface import Jet, Surface
+from gearmesh.kernel.surface.stations import follow
+from gearmesh.kinds import (
+    Arc,
+    Chain,
+    ConeLevel,
+    CradleRoll,
+    Envelope,
+    FeedEnvelope,
+    Jet,
+    Parabola,
+    RackLine,
+    RackRoll,
+    RackSurface,
+    Surface,
+    TipEdge,
+    Tooth,
+    along,
+)
 from gearmesh.mesh.hexahedra.grading import Spacing
 from gearmesh.systems.common.racks.rack_tooth import Heights, round_tips
-from gearmesh.systems.designs import load, parse
 from gearmesh.systems.spiral_bevel.synthesis.settings import basic_blank, gear_sides
-from gearmesh.teeth.blank.tip_edge import TipEdge
 from gearmesh.teeth.limits import land_of_width
-from gearmesh.teeth.tooth import Tooth
-from gearmesh.tools.rack import Arc, Parabola, RackLine, RackSurface
 from gearmesh.tools.worm import Worm
 
 Index = NDArray[np.intp]

@@ -7,9 +7,8 @@ import pytest
 
 from gearmesh.errors import Status
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.kernel.surface.levels import PlaneLevel
 from gearmesh.kernel.surface.stations import follow
-from gearmesh.kernel.surface.surface import Jet
+from gearmesh.kinds import Jet, PlaneLevel
 
 pytestmark = pytest.mark.quick
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from gearmesh.kernel.numeric.algebra import Array, dot
-from gearmesh.kernel.surface.levels import ConeLevel, Level, PlaneLevel
 from gearmesh.kernel.surface.strip import Strip
+from gearmesh.kinds import ConeLevel, Level, PlaneLevel
 
 pytestmark = pytest.mark.quick
 

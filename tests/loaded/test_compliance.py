@@ -13,10 +13,10 @@ from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
 import gearmesh as gm
+from gearmesh import DesignError, GearPair, Rigid, parse
 from gearmesh.contact.hertz import STEEL, Material
-from gearmesh.errors import DesignError
-from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kinds import Side
 from gearmesh.loaded.compliance import compliance
 from gearmesh.loaded.compliance.compliance import FlankCompliance, assemble, flank_compliance, held_teeth
 from gearmesh.loaded.compliance.half_space import point_displacements, rectangle_influence
@@ -24,9 +24,6 @@ from gearmesh.loaded.compliance.incompatible_modes import corner_stresses, elast
 from gearmesh.loaded.compliance.sector_grid import crowd
 from gearmesh.loaded.compliance.twist import twist_compliance
 from gearmesh.mesh.hexahedra.hexahedra import Cells, hex_mesh, plain_grid
-from gearmesh.systems.designs import parse
-from gearmesh.teeth.gear_train import GearPair
-from gearmesh.teeth.region import Side
 
 
 @lru_cache

@@ -12,7 +12,8 @@ from oracles.places import SAMPLES
 from scipy.integrate import solve_ivp
 
 import gearmesh as gm
-from gearmesh.answers.load.dynamics import Dynamics, mesh_phases, whole_pitches
+from gearmesh import Dynamics
+from gearmesh.answers.load.dynamics import mesh_phases, whole_pitches
 from gearmesh.contact.pitch_point import pitch_point_phi1
 from gearmesh.errors import ArgumentError
 

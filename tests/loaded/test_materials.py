@@ -10,9 +10,9 @@ from oracles.loaded import few_elements
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh import DesignError
 from gearmesh.answers.load.members import assumed_densities
 from gearmesh.contact.hertz import Material, contact_modulus
-from gearmesh.errors import DesignError
 
 PLASTIC = ("gear.material.youngs_modulus=3000", "gear.material.poisson_ratio=0.4", "pinion.material.youngs_modulus=2e5")
 

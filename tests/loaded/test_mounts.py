@@ -14,17 +14,15 @@ from oracles.loaded import SMALL, few_elements, geared
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh import DesignError, FlexibleMount, Rigid
 from gearmesh.answers.load.members import held_by_rim, mounts_of
 from gearmesh.contact.hertz import Material
-from gearmesh.errors import DesignError, Status
-from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.errors import Status
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kinds import Region, Side, Tooth
 from gearmesh.loaded.compliance.compliance import FlankCompliance, flank_compliance
-from gearmesh.loaded.mounts import FlexibleMount
 from gearmesh.loaded.sharing import LoadedMesh, loaded_mesh
 from gearmesh.mesh.hexahedra.hexahedra import Cells
-from gearmesh.teeth.region import Region, Side
-from gearmesh.teeth.tooth import Tooth
 
 INF = np.inf
 BASE = 30.0 * np.cos(np.radians(20.0))

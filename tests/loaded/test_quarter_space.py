@@ -9,8 +9,8 @@ import pytest
 from oracles.fe_blocks import block, graded
 from scipy.sparse import csr_array
 
+from gearmesh import NoSolutionError
 from gearmesh.contact.hertz import STEEL, Material
-from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.compliance.compliance import assemble
 from gearmesh.loaded.compliance.contact_compliance import ContactCompliance

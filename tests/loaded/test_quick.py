@@ -11,8 +11,9 @@ from oracles.examples import some
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh import DesignError, GearPair
 from gearmesh.contact.hertz import STEEL
-from gearmesh.errors import DesignError, Status
+from gearmesh.errors import Status
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.loaded.sharing import (
     MAX_VARIANT_SHIFT,
@@ -24,7 +25,6 @@ from gearmesh.loaded.sharing import (
     loaded_mesh,
     outlines_of,
 )
-from gearmesh.teeth.gear_train import GearPair
 
 #: torques, Nm, at which samples run
 TORQUES = {

@@ -15,6 +15,7 @@ from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
 import gearmesh as gm
+from gearmesh import GearPair
 from gearmesh.contact.hertz import STEEL
 from gearmesh.fe.results import principal_stresses
 from gearmesh.loaded.compliance.compliance import COARSER_CELLS, SECTOR_CELLS, FilletStress, assemble
@@ -22,7 +23,6 @@ from gearmesh.loaded.compliance.incompatible_modes import corner_stresses, unkno
 from gearmesh.loaded.compliance.sector_grid import crowd, sector_grid
 from gearmesh.loaded.root_stress import MESH_ERROR_SHARE, OWN_FIELD_SHARE, Pressed
 from gearmesh.mesh.hexahedra.hexahedra import Cells, hex_mesh, plain_grid, whole_rim
-from gearmesh.teeth.gear_train import GearPair
 
 #: places of the load on the flank: the elements next to it do not reach a large fillet, but one that is small beside them
 HEIGHT, LOW, HIGH = 0.55, 0.3, 0.8

@@ -12,11 +12,10 @@ from oracles.loaded import geared
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.answers.load.loaded import LoadedContact
+from gearmesh import DesignError, LoadedContact, Rigid
 from gearmesh.contact.flanks import analyse, separation_curvatures
 from gearmesh.contact.hertz import STEEL, contact_modulus, line_contact, point_contact
-from gearmesh.errors import DesignError, Status
-from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.errors import Status
 from gearmesh.loaded import sharing
 from gearmesh.loaded.separation import near_pairs
 from gearmesh.loaded.sharing import LoadedMesh, inside, loaded_mesh, reach_of

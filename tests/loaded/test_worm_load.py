@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import gearmesh as gm
+from gearmesh import GearPair, WormDriveDesign
 from gearmesh.contact.hertz import STEEL, Material, contact_modulus
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.compliance.compliance import FlankCompliance, flank_compliance
@@ -16,8 +17,6 @@ from gearmesh.loaded.sharing import LoadedMesh, loaded_mesh, reach_of
 from gearmesh.mesh.hexahedra.hexahedra import Cells
 from gearmesh.systems.worm_drive.build import worm_thread
 from gearmesh.systems.worm_drive.contact.conjugate import ThreadMesh
-from gearmesh.systems.worm_drive.design import WormDriveDesign
-from gearmesh.teeth.gear_train import GearPair
 
 BRONZE = Material(95000.0, 0.35)
 COARSE = Cells(flank=6, fillet=6, thickness=3, rim=3, face=9)

@@ -19,7 +19,7 @@ import gearmesh as gm
 from gearmesh.formats import DXF_VERSION_WITHOUT_SPLINES, DXF_VERSIONS
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.plane.curves import PlaneLine
-from gearmesh.teeth.region import Region
+from gearmesh.kinds import Region
 
 #: mm
 TOLERANCE = 0.02

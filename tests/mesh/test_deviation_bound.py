@@ -13,11 +13,10 @@ from oracles.places import SAMPLES
 from scipy.spatial import cKDTree
 
 import gearmesh as gm
-from gearmesh import io
+from gearmesh import Member, io
 from gearmesh.check.deviation import deviations
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.kernel.surface.levels import ConeLevel
-from gearmesh.kernel.surface.surface import Jet
+from gearmesh.kinds import ConeLevel, Jet
 from gearmesh.mesh.deviation.bound import DeviationBound, patch_bounds, solid_bound, tooth_bound
 from gearmesh.mesh.deviation.edges import between_wedges
 from gearmesh.mesh.deviation.facets import facet_bounds
@@ -26,7 +25,6 @@ from gearmesh.mesh.solid import gear_solid
 from gearmesh.mesh.tessellate import tessellate, tessellate_alike
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.systems.system import worm
-from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.offset import offset_member
 
 CORPUS = Path(__file__).parents[1] / "corpus"

@@ -11,22 +11,16 @@ from oracles.places import SAMPLES
 from oracles.plane_curves import from_polylines
 
 import gearmesh as gm
+from gearmesh import DesignError, Member
 from gearmesh.contact.flanks import analyse
-from gearmesh.errors import DesignError
-from gearmesh.kernel.motion.joint import REVOLUTE_JOINT
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import station_normal
+from gearmesh.kinds import REVOLUTE_JOINT, BodyFeatures, EndChamfer, Region, TipEdge, Tooth
 from gearmesh.mesh.deviation.bound import CHAMFER_BOUND_FACTOR
 from gearmesh.mesh.ends import end_mesh
 from gearmesh.mesh.solid import gear_solid, prove
 from gearmesh.mesh.tessellate import tessellate
-from gearmesh.teeth.blank.end_edge import EndChamfer
-from gearmesh.teeth.blank.features import BodyFeatures
 from gearmesh.teeth.blank.moments import member_moments
-from gearmesh.teeth.blank.tip_edge import TipEdge
-from gearmesh.teeth.gear_train import Member
-from gearmesh.teeth.region import Region
-from gearmesh.teeth.tooth import Tooth
 
 #: width and depth, mm, and whether it is a rounding
 End = tuple[float, float] | tuple[float, float, bool]

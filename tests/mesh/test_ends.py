@@ -10,10 +10,10 @@ import pytest
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh import Member
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kinds import Tooth
 from gearmesh.mesh.solid import gear_solid
-from gearmesh.teeth.gear_train import Member
-from gearmesh.teeth.tooth import Tooth
 
 
 def member_of(sample: str, name: str) -> Member:

@@ -12,14 +12,12 @@ import pytest
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh import io
+from gearmesh import Member, Rigid, io
 from gearmesh.answers.bodies import solid as solids
-from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.mesh.gear_mesh import GearMesh
 from gearmesh.mesh.pitch import Pitch
 from gearmesh.mesh.solid import BEYOND_SECTOR, gear_facets, prove, prove_pitch
 from gearmesh.mesh.triangles import Facets
-from gearmesh.teeth.gear_train import Member
 
 #: members with all that a gear between two ends may have; worms have fewer teeth than one pitch stands for
 CASES = {

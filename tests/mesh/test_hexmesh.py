@@ -12,24 +12,20 @@ from oracles.places import SAMPLES
 from scipy.interpolate import griddata
 
 import gearmesh as gm
+from gearmesh import DesignError, GearPair, Member, Rigid, load
 from gearmesh.check.roll import roll
 from gearmesh.contact.flanks import analyse
-from gearmesh.errors import DesignError
 from gearmesh.fe.gear_model import Request, gear_model, grid_of, member_mesh
 from gearmesh.fe.placing import focus_on, major_axis, minor_axis, place
-from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.surface.nearest import nearest
+from gearmesh.kinds import Region, Tooth
 from gearmesh.mesh.hexahedra.grading import Spacing
 from gearmesh.mesh.hexahedra.hex_quality import CHUNK_ELEMENTS, CORNER_PLACES, scaled_jacobian, volumes
 from gearmesh.mesh.hexahedra.hexahedra import Cells, hex_mesh, plain_grid, rim_of
 from gearmesh.mesh.hexahedra.hexes import HEX_EDGES, HEX_FACES, HexMesh, join
 from gearmesh.mesh.hexahedra.layers import layers
 from gearmesh.mesh.triangles import TriangleMesh
-from gearmesh.systems.designs import load
-from gearmesh.teeth.gear_train import GearPair, Member
-from gearmesh.teeth.region import Region
-from gearmesh.teeth.tooth import Tooth
 
 NAMES = sorted(path.stem for path in SAMPLES.glob("*.toml"))
 COARSE = Cells(flank=5, fillet=4, thickness=2, rim=2, face=7)

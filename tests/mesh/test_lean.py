@@ -12,12 +12,12 @@ import gearmesh as gm
 from gearmesh.check.deviation import deviations
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
 from gearmesh.kernel.surface.curvature import gaussian_curvature, shape_operator, tangent_basis
+from gearmesh.kinds import Region, Side, Tooth
 from gearmesh.mesh.deviation.bound import patch_bounds, tooth_bound
 from gearmesh.mesh.links.collapse import independent
 from gearmesh.mesh.tessellate import ToothMesh, tessellate
 from gearmesh.systems.system import worm
-from gearmesh.teeth.region import FILLET_REGIONS, FLANK_REGIONS, Region, Side
-from gearmesh.teeth.tooth import Tooth
+from gearmesh.teeth.region import FILLET_REGIONS, FLANK_REGIONS
 
 CURVED = {*FLANK_REGIONS.values(), *FILLET_REGIONS.values()}
 

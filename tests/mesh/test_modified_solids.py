@@ -9,20 +9,19 @@ import numpy as np
 import pytest
 from oracles.built import pair_of
 
+from gearmesh import Member, parse
 from gearmesh.cad.brep import exact_volume, spline_tooth
 from gearmesh.cad.solid_part import solid_part, volume
 from gearmesh.check.deviation import deviations
 from gearmesh.design.modifications import Modifications, Modified
+from gearmesh.kinds import Region, Side
 from gearmesh.mesh.hexahedra.hex_quality import volumes
 from gearmesh.mesh.hexahedra.hexahedra import Cells, hex_mesh, plain_grid
 from gearmesh.mesh.solid import gear_solid, prove
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.systems.common.micro_geometry import with_modifications
-from gearmesh.systems.designs import parse
-from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.micro_geometry.modified import TrueInvolute
 from gearmesh.teeth.micro_geometry.screw_involute import ScrewInvolute
-from gearmesh.teeth.region import Region, Side
 
 FIELDS: dict[str, Any] = {
     "tip_relief": {"amount": "20um", "start_roll_length": 13.0},

@@ -12,11 +12,10 @@ from oracles.places import SAMPLES
 from scipy.spatial import cKDTree
 
 import gearmesh as gm
-from gearmesh.errors import DesignError
-from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh import DesignError, Rigid
+from gearmesh.kinds import Region
 from gearmesh.mesh.extracts.sector import cyclic, genus_of, sector
 from gearmesh.mesh.solid import gear_solid, prove
-from gearmesh.teeth.region import Region
 
 #: mm; coarse, and fine enough for a row of nodes in the middles of the roots
 WITHIN, FINE = 0.05, 0.0005

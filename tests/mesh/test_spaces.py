@@ -14,18 +14,15 @@ from oracles.examples import some
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh import Member
 from gearmesh.kernel.envelope.limiting_line import area_density
 from gearmesh.kernel.numeric.algebra import unit
 from gearmesh.kernel.surface.meridian import CircularMeridian, Joined, Meridian, ParallelMeridian
 from gearmesh.kernel.surface.nearest import nearest
-from gearmesh.kernel.surface.stations import along
+from gearmesh.kinds import Body, Region, Tooth, along
 from gearmesh.mesh.triangles import TriangleMesh
-from gearmesh.teeth.blank.body import Body
-from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.offset import OFFSET_ACCURACY, offset_member, offset_tooth
-from gearmesh.teeth.region import Region
 from gearmesh.teeth.space import Space
-from gearmesh.teeth.tooth import Tooth
 
 SADDLE = Path(__file__).parents[1] / "corpus" / "saddle_spiral_bevel_tilted.toml"
 #: flanks that begin so near their base circle that moved inwards they cross the fillet beyond its own end

@@ -13,7 +13,8 @@ from scipy.spatial import cKDTree
 
 import gearmesh as gm
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.teeth.region import FLANK_REGIONS, Region, Side
+from gearmesh.kinds import Region, Side
+from gearmesh.teeth.region import FLANK_REGIONS
 from gearmesh.teeth.stock import stock_tooth
 
 #: mm, of the meshes

@@ -8,15 +8,14 @@ import numpy as np
 import pytest
 
 import gearmesh as gm
+from gearmesh import WormDriveDesign
 from gearmesh.kernel.numeric.algebra import about_z
+from gearmesh.kinds import Side, Tooth
 from gearmesh.mesh.hexahedra.hex_quality import scaled_jacobian, volumes
 from gearmesh.mesh.hexahedra.hexahedra import Cells, hex_mesh, plain_grid
 from gearmesh.mesh.hexahedra.hexes import HexMesh
 from gearmesh.mesh.hexahedra.layers import HALF_ARC, layers, running_angle
 from gearmesh.systems.worm_drive.build import worm_thread
-from gearmesh.systems.worm_drive.design import WormDriveDesign
-from gearmesh.teeth.region import Side
-from gearmesh.teeth.tooth import Tooth
 
 COARSE = Cells(flank=6, fillet=5, thickness=2, rim=3, face=12)
 

@@ -13,8 +13,9 @@ from scipy.spatial import cKDTree
 import gearmesh as gm
 from gearmesh.check import deviation
 from gearmesh.check.deviation import deviations
+from gearmesh.kinds import Region
 from gearmesh.mesh.tessellate import tessellate
-from gearmesh.teeth.region import FLANK_REGIONS, Region
+from gearmesh.teeth.region import FLANK_REGIONS
 
 #: triangles of a tooth that any of the corpus takes at most
 MOST = 100_000

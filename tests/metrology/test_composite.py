@@ -11,21 +11,19 @@ from oracles.built import pair_of
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh import DesignError, GearPair, Member, load
 from gearmesh.answers.inspection.composite import composite_test
 from gearmesh.contact.engagement.pitch_turns import pitch_turns
 from gearmesh.contact.engagement.turns import FullTurns, full_turns
 from gearmesh.contact.fit.tight_mesh import tight_mesh
-from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
+from gearmesh.kinds import Side
 from gearmesh.metrology.measured_teeth import MeasuredTeeth
 from gearmesh.metrology.pitch import PitchDeviations
 from gearmesh.systems.cylindrical.geometry.line_of_action import tight_distance
 from gearmesh.systems.cylindrical.geometry.proportions import proportions
-from gearmesh.systems.designs import load
 from gearmesh.systems.system import complete_design
-from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.micro_geometry.index_angles import IndexAngles
-from gearmesh.teeth.region import Side
 
 SPUR = ("spur", "pinion.teeth=16", "gear.teeth=32", "assembly.center_distance=72")
 

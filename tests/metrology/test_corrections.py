@@ -15,14 +15,12 @@ from oracles.measuring import along_normals, flanks_cut_once
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh import Design, GearmeshError
 from gearmesh.answers.inspection.correction import correct_settings, residual_text
-from gearmesh.design.core import Design
-from gearmesh.errors import GearmeshError
+from gearmesh.kinds import Side, Tooth
 from gearmesh.metrology.correction import setting_changes
 from gearmesh.systems import system as systems
 from gearmesh.teeth.micro_geometry.deviations import DeviationGrid
-from gearmesh.teeth.region import Side
-from gearmesh.teeth.tooth import Tooth
 
 COMMON = ("sliding_base", "machine_root_angle")
 SECONDS = 20.0 / 3600.0

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gearmesh.errors import DesignError
+from gearmesh import DesignError
+from gearmesh.kinds import Side
 from gearmesh.metrology.evaluation import evaluate_trace, helix_range, helix_sign, profile_range
 from gearmesh.metrology.pitch import BallInSpace, PitchDeviations
 from gearmesh.metrology.second_order import flank_coordinates, second_order
-from gearmesh.teeth.region import Side
 
 UM = 1e-3
 

@@ -15,13 +15,11 @@ from oracles.measuring import along_normals, flanks_cut_once
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.answers.inspection.correction import Correction, correct_settings, residual_text
-from gearmesh.design.core import Design
-from gearmesh.errors import GearmeshError
+from gearmesh import Correction, Design, GearmeshError
+from gearmesh.answers.inspection.correction import correct_settings, residual_text
+from gearmesh.kinds import Side, Tooth
 from gearmesh.systems import system as systems
 from gearmesh.systems.face_gear.build import middle, shaped_gear
-from gearmesh.teeth.region import Side
-from gearmesh.teeth.tooth import Tooth
 
 SECONDS = 20.0 / 3600.0
 CHANGES = {

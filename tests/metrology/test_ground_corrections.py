@@ -14,16 +14,15 @@ from oracles.command_line import refused, run
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh import DesignError, load
 from gearmesh.answers.inspection.correction import correct_settings, residual_text
 from gearmesh.answers.inspection.inspection import inspect
 from gearmesh.answers.inspection.machine_settings import GRINDER_SETTINGS
-from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kinds import Side
 from gearmesh.metrology.measured_teeth import InvoluteFlank, MeasuredTeeth
-from gearmesh.systems.designs import load
 from gearmesh.systems.system import system_of
 from gearmesh.teeth.micro_geometry.deviations import DeviationGrid
-from gearmesh.teeth.region import Side
 
 #: what was ground too much, mm, by flanks
 OFF = {

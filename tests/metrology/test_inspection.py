@@ -13,17 +13,16 @@ from oracles.command_line import refused, run
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.answers.inspection.inspection import Inspection, inspect
-from gearmesh.errors import DesignError
+from gearmesh import DesignError, Inspection, Member
+from gearmesh.answers.inspection.inspection import inspect
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
+from gearmesh.kinds import Side
 from gearmesh.metrology.evaluation import helix_sign
 from gearmesh.metrology.flanks.measuring_grid import MeasuringGrid
 from gearmesh.metrology.flanks.point_file import point_text
 from gearmesh.metrology.measured_teeth import GridDeviations, MeasuredTeeth
 from gearmesh.metrology.pitch import PitchDeviations
-from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.micro_geometry.screw_involute import ScrewInvolute
-from gearmesh.teeth.region import Side
 from gearmesh.view.diagrams.inspection_chart import plot_inspection
 
 

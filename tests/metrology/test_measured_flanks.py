@@ -11,14 +11,13 @@ import pytest
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.errors import GearmeshError
+from gearmesh import GearmeshError, Member
 from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.kinds import Side
 from gearmesh.metrology.flanks.measuring_grid import MeasuringGrid
 from gearmesh.metrology.flanks.point_file import point_text, read_points
 from gearmesh.metrology.flanks.projection import FlankProjection
 from gearmesh.metrology.flanks.smoothing import smooth_deviations
-from gearmesh.teeth.gear_train import Member
-from gearmesh.teeth.region import Side
 
 HEAD = "flank,row,column,x_mm,y_mm,z_mm,nx,ny,nz,deviation_um\n"
 

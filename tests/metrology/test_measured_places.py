@@ -14,14 +14,13 @@ from oracles.command_line import refused, run
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh import DesignError, load
 from gearmesh.contact.engagement.pitch_turns import whole_turns
-from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
+from gearmesh.kinds import Side
 from gearmesh.metrology.pitch import BallInSpace, MeasuredPitch, PitchDeviations
-from gearmesh.systems.designs import load
 from gearmesh.systems.system import system_of
 from gearmesh.teeth.micro_geometry.placed_teeth import turned_grid
-from gearmesh.teeth.region import Side
 
 SPUR = ("pinion.teeth=16", "gear.teeth=32", "assembly.center_distance=72")
 #: an eccentricity, mm, and its direction, rad

@@ -15,7 +15,7 @@ from oracles.constant_stiffness import BEST_RELIEF_UM, peak_to_peak, replace_wor
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.errors import NoSolutionError
+from gearmesh import NoSolutionError
 from gearmesh.optimize.lockstep import Ask, in_lockstep
 
 SMALL = """# a small pair

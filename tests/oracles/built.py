@@ -8,10 +8,7 @@ from functools import lru_cache
 from typing import Any
 
 import gearmesh as gm
-from gearmesh.answers.bodies.finite_elements import FiniteElements
-from gearmesh.answers.contact.contact import Contact
-from gearmesh.design.core import Design
-from gearmesh.teeth.gear_train import GearPair
+from gearmesh import Contact, Design, FiniteElements, GearPair
 from oracles.places import SAMPLES
 
 

@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from gearmesh import Summary
 from gearmesh.contact.assemblies import assembly_paths
-from gearmesh.figures import Summary
 from gearmesh.study.rows.work import StudyWork, Variant
 
 #: contact ratio, force (N), stiffness of a tooth pair (N/um): the best long relief is 1000 / 80 = 12.5 um

@@ -8,11 +8,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearmesh.kernel.envelope.envelope import Envelope
-from gearmesh.kernel.motion.motion import MotionState
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
 from gearmesh.kernel.surface.curvature import in_plane, principal, shape_operator
-from gearmesh.kernel.surface.surface import Jet, area_normal
+from gearmesh.kernel.surface.surface import area_normal
+from gearmesh.kinds import Envelope, Jet, MotionState
 
 
 def from_principal(k1: Array, k2: Array, angle: Array) -> Array:

@@ -7,14 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from gearmesh.answers.bodies.finite_elements import FiniteElements
+from gearmesh import FiniteElements, Rigid, load, parse
 from gearmesh.contact.hertz import STEEL, PointContact, contact_modulus
 from gearmesh.fe.model import Model, RigidTie
 from gearmesh.fe.results import NodalSolution, principal_stresses
-from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.hexahedra.hexes import HexMesh
-from gearmesh.systems.designs import load, parse
 from oracles.built import model_of
 from oracles.fe_blocks import block, graded, pressed, rounded
 from oracles.hertz import at_peak

@@ -7,19 +7,23 @@ from dataclasses import replace
 import numpy as np
 
 import gearmesh as gm
-from gearmesh.kernel.envelope.envelope import Envelope
-from gearmesh.kernel.motion.chain import Chain, Step
-from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh import GearPair, GearTrain, Member, Rigid
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.kernel.surface.levels import ConeLevel, PlaneLevel
-from gearmesh.teeth.blank.blank import Blank
-from gearmesh.teeth.blank.body import Body
-from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
-from gearmesh.teeth.mount import Mount
-from gearmesh.teeth.region import Region, Side
-from gearmesh.teeth.tooth import Tooth
-from gearmesh.teeth.tooth_side import ToothSide
-from gearmesh.tools.rack import RackSurface
+from gearmesh.kinds import (
+    Blank,
+    Body,
+    Chain,
+    ConeLevel,
+    Envelope,
+    Mount,
+    PlaneLevel,
+    RackSurface,
+    Region,
+    Side,
+    Step,
+    Tooth,
+    ToothSide,
+)
 from gearmesh.tools.shaper import Shaper
 
 #: teeth of pinion, shaper and ring, module (mm), pressure angle (deg), face width and outer diameter of the ring (mm)

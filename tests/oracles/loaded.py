@@ -8,13 +8,12 @@ from typing import Any
 import numpy as np
 
 import gearmesh as gm
+from gearmesh import GearPair, LoadedContact
 from gearmesh.answers.contact.fit import fitted_cycle
-from gearmesh.answers.load.loaded import LoadedContact
 from gearmesh.contact.hertz import STEEL
 from gearmesh.loaded.compliance.compliance import FlankCompliance, flank_compliance
 from gearmesh.loaded.sharing import loaded_mesh
 from gearmesh.mesh.hexahedra.hexahedra import Cells
-from gearmesh.teeth.gear_train import GearPair
 from oracles.built import pair_of
 from oracles.places import SAMPLES
 

@@ -13,12 +13,11 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq, root
 
+from gearmesh import Member
 from gearmesh.answers.inspection.machine_settings import CutFlanks
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.teeth.gear_train import Member
+from gearmesh.kinds import Side, Tooth
 from gearmesh.teeth.micro_geometry.deviations import DeviationGrid
-from gearmesh.teeth.region import Side
-from gearmesh.teeth.tooth import Tooth
 
 #: largest residual of a measurement, mm and rad, and steps that it may take
 TOLERANCE, STEPS = 1e-11, 60

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from gearmesh.kernel.motion.chain import Chain, Step
-from gearmesh.kernel.motion.feed_motion import FeedMotion
-from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.motion.rolling import CradleRoll, RackRoll
+from gearmesh import Rigid
 from gearmesh.kernel.numeric.algebra import rotation_about
+from gearmesh.kinds import Chain, CradleRoll, FeedMotion, RackRoll, Step
 
 
 def as_chain(motion: RackRoll | CradleRoll | FeedMotion) -> Chain:

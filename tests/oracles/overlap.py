@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from gearmesh import GearPair
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.triangles import TriangleMesh
-from gearmesh.teeth.gear_train import GearPair
 
 
 @dataclass(frozen=True)

@@ -9,12 +9,11 @@ from scipy.sparse.linalg import splu
 
 from gearmesh.contact.hertz import Material
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kinds import Side, Tooth
 from gearmesh.loaded.root_tangent import tangent_weights
 from gearmesh.mesh.hexahedra.hexahedra import HexGrid, hex_mesh, whole_rim
 from gearmesh.mesh.hexahedra.hexes import HexMesh
 from gearmesh.teeth.blank.body import end_names
-from gearmesh.teeth.region import Side
-from gearmesh.teeth.tooth import Tooth
 
 #: nodes of a quadrilateral, corners first
 NODES = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [0, -1], [1, 0], [0, 1], [-1, 0]], dtype=float)

@@ -21,10 +21,9 @@ import numpy as np
 from pydantic_core import PydanticCustomError
 
 import gearmesh as gm
-from gearmesh.design.core import Design
+from gearmesh import Design, GearmeshError
 from gearmesh.design.dotted import with_keys
-from gearmesh.design.keys import Key, Table
-from gearmesh.errors import GearmeshError
+from gearmesh.kinds import Key, Table
 from gearmesh.systems import diagnosis
 from gearmesh.systems.system import complete_design, design_class
 

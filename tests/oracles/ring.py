@@ -6,16 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gearmesh import Member
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.kernel.surface.levels import ConeLevel, PlaneLevel
-from gearmesh.kernel.surface.surface import Jet
-from gearmesh.teeth.blank.blank import Blank
-from gearmesh.teeth.blank.body import Body
-from gearmesh.teeth.gear_train import Member
-from gearmesh.teeth.region import Region
-from gearmesh.teeth.tooth import Tooth
-from gearmesh.teeth.tooth_side import ToothSide
-from gearmesh.tools.description import ToolDescription
+from gearmesh.kinds import Blank, Body, ConeLevel, Jet, PlaneLevel, Region, ToolDescription, Tooth, ToothSide
 
 #: teeth, radii of tip, root and rim, half the face width, mm
 TEETH, TIP, ROOT, RIM, HALF = 20, 40.0, 46.0, 60.0, 10.0

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from gearmesh import GearTrain
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.teeth.gear_train import GearTrain
-from gearmesh.teeth.region import Region
+from gearmesh.kinds import Region
 
 REGIONS = (
     Region.ROOT,

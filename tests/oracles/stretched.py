@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from gearmesh.kernel.surface.levels import station_normal
-from gearmesh.teeth.tooth import Tooth
+from gearmesh.kinds import Tooth
 
 
 def stretched(tooth: Tooth, toe: float, heel: float) -> Tooth:

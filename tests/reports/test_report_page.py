@@ -17,8 +17,8 @@ from oracles.command_line import refused, run
 from oracles.places import PACKAGE, ROOT, SAMPLES
 
 import gearmesh as gm
-from gearmesh.answers.check import Check, RollTest, Verdict
-from gearmesh.errors import OutputError
+from gearmesh import Check, OutputError, RollTest
+from gearmesh.answers.check import Verdict
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.reports.report import PagePlots, draw_plots, report_page, study_section
 from gearmesh.view.report import card

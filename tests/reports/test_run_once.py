@@ -10,7 +10,7 @@ import pytest
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.answers.check import RollTest
+from gearmesh import RollTest
 from gearmesh.answers.contact.sides import whole_path
 from gearmesh.answers.sheet import sheet_of
 from gearmesh.mesh import tessellate

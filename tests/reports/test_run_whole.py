@@ -8,8 +8,7 @@ from pathlib import Path
 import pytest
 
 import gearmesh as gm
-from gearmesh import io
-from gearmesh.errors import NoSolutionError, OutputError
+from gearmesh import NoSolutionError, OutputError, io
 from gearmesh.io.atomic import files_together, written_whole
 
 GEAR = {"kind": "cylindrical", "module": 2, "gear": {"teeth": 12, "face_width": 10}}

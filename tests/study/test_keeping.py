@@ -18,7 +18,7 @@ from oracles.command_line import refused, run
 from oracles.places import ROOT, SAMPLES
 
 import gearmesh as gm
-from gearmesh.errors import OutputError
+from gearmesh import OutputError
 from gearmesh.study.rows import work as work_module
 
 CROSSED = SAMPLES / "beveloid_crossed.toml"

@@ -12,10 +12,9 @@ from oracles.places import SAMPLES
 from scipy import stats
 
 import gearmesh as gm
-from gearmesh.errors import DesignError
+from gearmesh import DesignError, load
 from gearmesh.study.plan import KeyReader, grid, key_and_value, sample_plan
 from gearmesh.study.spreads import Spread, read_spreads, spread_of
-from gearmesh.systems.designs import load
 
 pytestmark = pytest.mark.quick
 

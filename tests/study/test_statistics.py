@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gearmesh.errors import DesignError
+from gearmesh import DesignError
 from gearmesh.study.rows.largest import SEARCH_STEPS, largest
 from gearmesh.study.statistics import REPORTED_PERCENTILES, effects, limit_of, percentiles
 from gearmesh.view.diagrams.study_plots import percentile_marks

@@ -15,16 +15,16 @@ from oracles.command_line import refused, run
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh import DesignError, GearPair, NoSolutionError, OutputError
 from gearmesh.answers.load import loaded
 from gearmesh.contact.hertz import STEEL, Material
-from gearmesh.errors import DesignError, NoSolutionError, OutputError, Status
+from gearmesh.errors import Status
 from gearmesh.loaded import sharing
 from gearmesh.loaded.compliance.compliance import FlankCompliance, flank_compliance
 from gearmesh.loaded.sharing import loaded_mesh
 from gearmesh.mesh.hexahedra.hexahedra import Cells
 from gearmesh.study.rows.load_figures import POSITIONS_PER_PITCH, load_figures, loaded_contact_ratio
 from gearmesh.study.rows.work import Bodies, StudyWork, _build
-from gearmesh.teeth.gear_train import GearPair
 
 SMALL = Cells(flank=6, fillet=4, thickness=3, rim=4, face=8)
 SPUR = SAMPLES / "spur_relieved.toml"

@@ -15,13 +15,12 @@ from oracles.command_line import refused, run
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh import NoSolutionError, system
 from gearmesh.contact.assemblies import AssemblyPaths
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.tca import contact_path
-from gearmesh.errors import NoSolutionError
 from gearmesh.study.rows.path_figures import gears_advance
 from gearmesh.study.rows.work import StudyWork, own_keys
-from gearmesh.systems.system import system
 
 BEVEL, CROSSED = SAMPLES / "spiral_bevel_basic.toml", SAMPLES / "beveloid_crossed.toml"
 #: one sample of each way that errors move members, with an error (mm, deg) of every key

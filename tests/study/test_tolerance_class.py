@@ -12,16 +12,15 @@ from oracles.command_line import refused
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh import Member, load
 from gearmesh.answers.inspection.inspection import inspect
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kinds import Side
 from gearmesh.metrology.drawn_pitch import drawn_pitch
 from gearmesh.metrology.measured_teeth import MeasuredTeeth
 from gearmesh.study.study import plan_of
 from gearmesh.study.tolerance_class import class_spreads
-from gearmesh.systems.designs import load
 from gearmesh.systems.system import system_of
-from gearmesh.teeth.gear_train import Member
-from gearmesh.teeth.region import Side
 
 #: deviations by the keys that make them
 MEASURED = {"profile_slope": "f_Ha", "profile_crowning": "f_fa", "helix_slope": "f_Hb", "helix_crowning": "f_fb"}

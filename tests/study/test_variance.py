@@ -12,7 +12,7 @@ from oracles.places import SAMPLES
 from scipy.stats import sobol_indices
 
 import gearmesh as gm
-from gearmesh.errors import DesignError
+from gearmesh import DesignError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.reports.report import study_section
 from gearmesh.reports.study_pictures import sensitivity_bars

@@ -8,10 +8,10 @@ from oracles import swept_cones
 from oracles.built import pair_of
 from oracles.places import SAMPLES
 
+from gearmesh import load
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.tca import contact_path
 from gearmesh.kernel.numeric.algebra import ARCSEC
-from gearmesh.systems.designs import load
 
 
 @pytest.mark.parametrize("axial", [0.0, -0.05])

@@ -10,9 +10,10 @@ import pytest
 from oracles.built import built
 
 import gearmesh as gm
-from gearmesh.errors import DesignError
+from gearmesh import DesignError
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.teeth.region import FILLET_REGIONS, FLANK_REGIONS, Region, Side
+from gearmesh.kinds import Region, Side
+from gearmesh.teeth.region import FILLET_REGIONS, FLANK_REGIONS
 
 DRIVE, COAST = 25.0, 17.0
 SPUR: dict[str, Any] = {

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from oracles.examples import examples
 
-from gearmesh.errors import DesignError
+from gearmesh import DesignError
 from gearmesh.systems.common.bevel.blank import (
     BasicData,
     BevelBlank,

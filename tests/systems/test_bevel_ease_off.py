@@ -9,8 +9,8 @@ import pytest
 from oracles.examples import in_turn
 
 import gearmesh as gm
+from gearmesh.kinds import Side
 from gearmesh.systems.spiral_bevel.synthesis.settings import basic_blank
-from gearmesh.teeth.region import Side
 
 #: basic data of pairs that have little in common
 PAIRS: dict[str, dict[str, Any]] = {

@@ -9,11 +9,11 @@ import pytest
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh import Design
 from gearmesh.contact.fit.fit import fit
-from gearmesh.design.core import Design
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
+from gearmesh.kinds import Side
 from gearmesh.systems.spiral_bevel.sheet.sheet import settings_sheet
-from gearmesh.teeth.region import Side
 
 #: all settings printed, and a backlash of 0.05 mm
 GIVEN = SAMPLES / "spiral_bevel_abdullah_straight.toml"

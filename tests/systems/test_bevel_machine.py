@@ -13,20 +13,17 @@ from oracles.places import SAMPLES
 from oracles.swept_cutter import along_to_cone, power_series, shift, turn
 
 import gearmesh as gm
+from gearmesh import GearmeshError, parse
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.tca import contact_path
-from gearmesh.errors import GearmeshError
-from gearmesh.kernel.envelope.envelope import Envelope
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.systems.common.axes import gear_base
+from gearmesh.kinds import Envelope, Region, Side, gear_base
 from gearmesh.systems.common.bevel.blank import BevelBlank
-from gearmesh.systems.designs import parse
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
 from gearmesh.systems.spiral_bevel.machine.pair import BLADE_SIDES, HAND_SIGNS, MATING_SIDES
 from gearmesh.systems.spiral_bevel.synthesis.contact_choice import contact_said
 from gearmesh.systems.spiral_bevel.synthesis.settings import basic_blank, gear_sides, mean_point, pinion_side
 from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import bevel_teeth
-from gearmesh.teeth.region import Region, Side
 from gearmesh.tools.head_cutter import Revolved
 
 BASIC: dict[str, Any] = {"kind": "spiral_bevel", "module": 4.0, "pinion": {"teeth": 15}, "gear": {"teeth": 38}}

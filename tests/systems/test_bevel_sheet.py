@@ -18,19 +18,17 @@ from scipy.interpolate import LinearNDInterpolator
 from scipy.optimize import brentq
 
 import gearmesh as gm
+from gearmesh import load, parse
 from gearmesh.drawing.gear_data import facts_of
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.kernel.surface.stations import along
-from gearmesh.systems.common.axes import gear_base
+from gearmesh.kinds import Side, along, gear_base
 from gearmesh.systems.common.bevel.blank import BevelBlank
-from gearmesh.systems.designs import load, parse
 from gearmesh.systems.spiral_bevel.machine.maker_settings import maker_table
 from gearmesh.systems.spiral_bevel.sheet.thrusts import along_normal, by_formula
 from gearmesh.systems.spiral_bevel.synthesis import teeth_choice
 from gearmesh.systems.spiral_bevel.synthesis.contact_choice import contact_choice
 from gearmesh.systems.spiral_bevel.synthesis.settings import ContactChoice, basic_blank, gear_sides
 from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import bevel_teeth
-from gearmesh.teeth.region import Side
 
 TAPERED = "Dimensions [ISO 23509]"
 CUT = "Teeth as cut, measured on their flanks"

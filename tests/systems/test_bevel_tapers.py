@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import gearmesh as gm
+from gearmesh.kinds import Side
 from gearmesh.systems.spiral_bevel.synthesis.settings import basic_blank
-from gearmesh.teeth.region import Side
 
 PAIR: dict[str, Any] = {
     "kind": "spiral_bevel",

@@ -9,12 +9,12 @@ import pytest
 from oracles.examples import some
 
 import gearmesh as gm
-from gearmesh.errors import NoSolutionError
+from gearmesh import NoSolutionError
+from gearmesh.kinds import Side
 from gearmesh.systems.spiral_bevel.synthesis import teeth_choice
 from gearmesh.systems.spiral_bevel.synthesis.settings import basic_blank
 from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import bevel_teeth
 from gearmesh.teeth.limits import member_limits
-from gearmesh.teeth.region import Side
 
 #: what the standard suggests is undercut: pinion alone, so that addendum helps; both; or has no room for the pinion's roots
 OPEN: dict[str, dict[str, Any]] = {

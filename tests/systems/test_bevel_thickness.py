@@ -9,8 +9,7 @@ import pytest
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.design.core import Design
-from gearmesh.errors import DesignError
+from gearmesh import Design, DesignError
 
 GIVEN = SAMPLES / "spiral_bevel_abdullah_straight.toml"
 BASIC = {"kind": "spiral_bevel", "units": "inch", "module": 0.18, "pinion": {"teeth": 10}, "gear": {"teeth": 41}}

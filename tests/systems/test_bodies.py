@@ -13,12 +13,13 @@ from oracles.examples import some
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh import Member
 from gearmesh.cad.brep import exact_volume
 from gearmesh.cad.section import member_section
+from gearmesh.kinds import BodyFeatures
 from gearmesh.mesh.solid import gear_solid, prove
 from gearmesh.systems.common.standards.din6885 import keyway_in_hub
-from gearmesh.teeth.blank.features import BodyFeatures, Drilling
-from gearmesh.teeth.gear_train import Member
+from gearmesh.teeth.blank.features import Drilling
 from gearmesh.teeth.region import BODY_REGIONS
 
 #: Ganter, technical information "DIN 6885 keyway, key details", extract page 1: bores, width, depth in the hub, mm

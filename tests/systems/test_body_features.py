@@ -15,14 +15,13 @@ from _pytest.mark import ParameterSet
 from scipy.integrate import quad
 
 import gearmesh as gm
+from gearmesh import DesignError, Member
 from gearmesh.cad.brep import exact_volume, spline_tooth
 from gearmesh.cad.section import member_section
-from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.solid import gear_solid, prove
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.blank.moments import Moments, member_moments
-from gearmesh.teeth.gear_train import Member
 
 SAMPLES = Path(__file__).parents[2] / "samples"
 

@@ -7,17 +7,14 @@ import pytest
 from oracles.built import contact_of, pair_of
 from oracles.places import SAMPLES
 
+from gearmesh import DesignError, GearPair, Rigid, load
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
-from gearmesh.errors import DesignError
-from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array, cross, dot
 from gearmesh.kernel.surface.curvature import principal, relative_curvature, shape_operator
-from gearmesh.systems.designs import load
 from gearmesh.systems.spiral_bevel.conjugate.build import conjugate_blank, conjugate_geometry
 from gearmesh.systems.spiral_bevel.conjugate.geometry import ConjugateGeometry
-from gearmesh.teeth.gear_train import GearPair
 
 CASES = [
     (geometry, hand, side)

@@ -16,6 +16,7 @@ from gearmesh.contact.engagement.pitch_turns import whole_turns
 from gearmesh.contact.engagement.train_turns import leading_turns
 from gearmesh.kernel.envelope.limiting_line import limiting_line
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kinds import Arc, RackSurface, Region, Side
 from gearmesh.loaded.separation import near_pairs
 from gearmesh.metrology.measured_teeth import pitch_radius
 from gearmesh.systems.cycloidal.build import Drive
@@ -25,8 +26,6 @@ from gearmesh.systems.cycloidal.sheet import lobe_area
 from gearmesh.systems.displaced import displaced_bases
 from gearmesh.teeth.limits import member_limits
 from gearmesh.teeth.offset import offset_tooth
-from gearmesh.teeth.region import Region, Side
-from gearmesh.tools.rack import Arc, RackSurface
 
 SAMPLES = Path(__file__).parents[2] / "samples"
 #: both forms with a difference of one and of two teeth

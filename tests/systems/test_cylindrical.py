@@ -11,14 +11,13 @@ import numpy as np
 import pytest
 
 import gearmesh as gm
+from gearmesh import DesignError
 from gearmesh.app.cli import main
-from gearmesh.errors import DesignError
-from gearmesh.kernel.surface.stations import along
+from gearmesh.kinds import Side, along
 from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair, Toothing, distance_of
 from gearmesh.systems.cylindrical.geometry.interference import reserves
 from gearmesh.systems.cylindrical.geometry.proportions import proportions
 from gearmesh.systems.system import complete_design
-from gearmesh.teeth.region import Side
 
 ARCSEC = math.pi / 180.0 / 3600.0
 

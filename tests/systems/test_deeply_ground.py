@@ -12,10 +12,10 @@ from oracles.examples import some
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh import DesignError
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.tca import contact_path
-from gearmesh.errors import DesignError
-from gearmesh.teeth.region import Side
+from gearmesh.kinds import Side
 
 CORPUS = sorted((Path(__file__).parents[1] / "corpus").glob("ground_*.toml"))
 

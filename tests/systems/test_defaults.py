@@ -8,10 +8,10 @@ from oracles.examples import some
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh import GearPair, SpiralBevelDesign
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.systems.spiral_bevel.design import SpiralBevelDesign
-from gearmesh.teeth.gear_train import GearPair
-from gearmesh.teeth.region import FILLET_REGIONS, Side
+from gearmesh.kinds import Side
+from gearmesh.teeth.region import FILLET_REGIONS
 
 # sample, what is set, the key whose default gives way, its standard value
 ADAPTED = [

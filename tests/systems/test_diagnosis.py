@@ -10,11 +10,10 @@ from oracles.examples import some
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh import DesignError, GearmeshError, system
 from gearmesh.design.dotted import with_keys
-from gearmesh.errors import DesignError, GearmeshError
 from gearmesh.kernel.numeric.effort import Effort, count_effort
 from gearmesh.systems import diagnosis, trials
-from gearmesh.systems.system import system
 
 # what is set, and the key and the side of the bound that the refusal begins with; none of them names what was noticed
 REFUSED = [

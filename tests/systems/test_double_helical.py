@@ -11,9 +11,8 @@ from oracles.examples import some
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh import DesignError, Rigid
 from gearmesh.cad.brep import exact_volume
-from gearmesh.errors import DesignError
-from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.blank.moments import member_moments
 

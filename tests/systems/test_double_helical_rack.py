@@ -11,8 +11,8 @@ import pytest
 from oracles.built import built
 
 import gearmesh as gm
+from gearmesh import DesignError
 from gearmesh.cad.brep import exact_volume
-from gearmesh.errors import DesignError
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.blank.moments import member_moments
 from gearmesh.teeth.turned_blank import blank_of

@@ -13,17 +13,13 @@ from oracles.places import SAMPLES
 from oracles.stretched import stretched
 from scipy.optimize import root
 
-from gearmesh import build
+from gearmesh import DesignError, GearPair, build, load, parse
 from gearmesh.contact.flanks import analyse
-from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.kernel.surface.stations import TrimError
-from gearmesh.systems.designs import load, parse
+from gearmesh.kinds import Tooth, TrimError
 from gearmesh.systems.face_gear.build import middle, shaped_gear
 from gearmesh.systems.face_gear.limits import ShapedGear
-from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.limits import pointed_station, undercut_station
-from gearmesh.teeth.tooth import Tooth
 from gearmesh.tools.shaper import Shaper
 
 ARCSEC = np.degrees(1.0) * 3600.0

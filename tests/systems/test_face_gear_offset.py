@@ -9,19 +9,15 @@ from oracles.overlap import overlap
 from oracles.places import SAMPLES
 from oracles.stretched import stretched
 
+from gearmesh import DesignError, FaceGearDesign, load
 from gearmesh.check.members import roll_flanks
 from gearmesh.contact.flanks import analyse
-from gearmesh.errors import DesignError
-from gearmesh.kernel.surface.stations import TrimError
+from gearmesh.kinds import Side, Tooth, TrimError
 from gearmesh.mesh.solid import gear_solid
 from gearmesh.systems import system
-from gearmesh.systems.designs import load
 from gearmesh.systems.face_gear.build import shaped_gear
-from gearmesh.systems.face_gear.design import FaceGearDesign
 from gearmesh.systems.face_gear.sheet import data_sheet
 from gearmesh.teeth.limits import pointed_station, undercut_station
-from gearmesh.teeth.region import Side
-from gearmesh.teeth.tooth import Tooth
 
 PHI1 = np.radians([-8.0, -4.0, 0.0, 4.0, 8.0])
 

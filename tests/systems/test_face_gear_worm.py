@@ -10,18 +10,16 @@ import pytest
 from oracles.curvature import undercut_indicator
 from oracles.places import SAMPLES
 
+from gearmesh import DesignError, Member, load
 from gearmesh.check.deviation import deviations
-from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kinds import Region, Side
 from gearmesh.mesh.patch import LinkNodes
 from gearmesh.mesh.solid import gear_solid
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.systems import system
-from gearmesh.systems.designs import load
 from gearmesh.systems.face_gear.grinding import Grinding
 from gearmesh.systems.face_gear.worm_thread import grinding_in_place
-from gearmesh.teeth.gear_train import Member
-from gearmesh.teeth.region import Region, Side
 
 KAPPA, THETA = np.radians(np.linspace(4.0, 50.0, 6))[:, None], np.linspace(0.2, 0.65, 5)
 

@@ -13,10 +13,11 @@ import pytest
 from oracles.overlap import overlap
 
 import gearmesh as gm
+from gearmesh import HypoidDesign
 from gearmesh.contact.flanks import analyse
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array, rotation_about
+from gearmesh.kinds import Side
 from gearmesh.systems.common.bevel.machine_frame import own_axes
-from gearmesh.systems.spiral_bevel.design import HypoidDesign
 from gearmesh.systems.spiral_bevel.hobbing.head_sheet import tooth_line
 from gearmesh.systems.spiral_bevel.hobbing.sides import HobbedContact
 from gearmesh.systems.spiral_bevel.machine.generated import Generated, Indexing
@@ -34,7 +35,6 @@ from gearmesh.systems.spiral_bevel.synthesis.settings import (
 )
 from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import BevelTeeth, bevel_teeth
 from gearmesh.teeth.generation.tool_in_place import tool_in_place
-from gearmesh.teeth.region import Side
 
 ISO_SAMPLES = Path(__file__).parents[1] / "data" / "iso23509_samples.json"
 BASIC: dict[str, Any] = {

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 import gearmesh as gm
+from gearmesh import DesignError
 from gearmesh.cad.brep import exact_volume
-from gearmesh.errors import DesignError
+from gearmesh.kinds import Side
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing, involute
 from gearmesh.systems.cylindrical.geometry.proportions import PairProportions, proportions
-from gearmesh.teeth.region import Side
 
 PAIRS: dict[str, dict[str, Any]] = {
     "spur": {"backlash": 0.08},

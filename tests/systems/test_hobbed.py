@@ -10,15 +10,15 @@ import pytest
 from oracles.examples import some
 
 import gearmesh as gm
+from gearmesh import DesignError
 from gearmesh.cad.brep import exact_volume, spline_tooth
 from gearmesh.cad.solid_part import solid_part, volume
 from gearmesh.contact.flanks import contact_flank
-from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kinds import Region, Side
 from gearmesh.mesh.hexahedra.hex_quality import scaled_jacobian
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.systems.cylindrical.geometry.proportions import proportions
-from gearmesh.teeth.region import Region, Side
 
 MODULE, ALPHA = 2.0, math.radians(20.0)
 #: positions of the tools, points of a rounding, and mm between those of a straight line

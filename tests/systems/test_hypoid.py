@@ -13,14 +13,12 @@ from oracles.examples import some
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh import DesignError, GearPair, Rigid, load
 from gearmesh.check.members import roll_flanks
 from gearmesh.contact.flanks import analyse, solver_pair
 from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
-from gearmesh.errors import DesignError
-from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array, cross, unit
-from gearmesh.systems.designs import load
 from gearmesh.systems.spiral_bevel.build import build
 from gearmesh.systems.spiral_bevel.machine.pair import (
     BLADE_SIDES,
@@ -39,7 +37,6 @@ from gearmesh.systems.spiral_bevel.synthesis.settings import (
     mean_point,
     pinion_side,
 )
-from gearmesh.teeth.gear_train import GearPair
 
 HYPOID: dict[str, Any] = {
     "kind": "hypoid",

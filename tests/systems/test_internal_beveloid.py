@@ -10,9 +10,9 @@ import pytest
 from oracles.built import built
 
 import gearmesh as gm
+from gearmesh import DesignError
 from gearmesh.cad.brep import exact_volume
-from gearmesh.errors import DesignError
-from gearmesh.teeth.region import Side
+from gearmesh.kinds import Side
 
 CROSSED: dict[str, Any] = {
     "kind": "beveloid",

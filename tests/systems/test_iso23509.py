@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from gearmesh.errors import DesignError
+from gearmesh import DesignError
 from gearmesh.kernel.numeric.algebra import Array, cross, unit
 from gearmesh.systems.common.bevel.iso23509 import methods
 from gearmesh.systems.common.bevel.iso23509.blank_cones import MatingPlane, blank_cones

@@ -14,14 +14,10 @@ from oracles.places import SAMPLES
 from oracles.registry import keep_registry
 
 import gearmesh as gm
-from gearmesh.errors import KindError
+from gearmesh import CylindricalDesign
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.kernel.surface.levels import ConeLevel
-from gearmesh.kernel.surface.surface import GeneratedSurface, Jet, PlacedSurface, Surface
+from gearmesh.kinds import ConeLevel, Displacements, GeneratedSurface, Jet, KindError, PlacedSurface, Surface, ToothSide
 from gearmesh.mesh.body import split_long
-from gearmesh.systems.cylindrical.design import CylindricalDesign
-from gearmesh.systems.system import Displacements
-from gearmesh.teeth.tooth_side import ToothSide
 
 CORPUS = Path(__file__).parents[1] / "corpus"
 #: changes a side of a tooth

@@ -17,6 +17,7 @@ from oracles.places import SAMPLES
 from scipy.optimize import fsolve
 
 import gearmesh as gm
+from gearmesh import GearPair, Rigid, load
 from gearmesh.check.roll import roll
 from gearmesh.contact.conditions.meshing import Flank
 from gearmesh.contact.first_touch.field import candidates
@@ -24,9 +25,8 @@ from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.pair import Pair
 from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
-from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array, rotation_about
-from gearmesh.systems.designs import load
+from gearmesh.kinds import Mount
 from gearmesh.systems.spiral_bevel.conjugate.build import conjugate_blank, conjugate_geometry
 from gearmesh.systems.spiral_bevel.errors.kinematic_errors import (
     NominalContact,
@@ -34,8 +34,6 @@ from gearmesh.systems.spiral_bevel.errors.kinematic_errors import (
     harmonics,
     parallel_axes_eccentricity,
 )
-from gearmesh.teeth.gear_train import GearPair
-from gearmesh.teeth.mount import Mount
 
 PHI1 = np.radians([-3.0, 0.0, 2.0])
 SIZES = np.array([0.04, 0.02, 0.01])

@@ -12,9 +12,7 @@ from oracles.swept_cutter import along_to_cone, power_series, shift, turn
 
 import gearmesh as gm
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.kernel.surface.stations import along
-from gearmesh.teeth.region import Side
-from gearmesh.teeth.tooth import Tooth
+from gearmesh.kinds import Side, Tooth, along
 
 ENTERED = Path(__file__).parents[1] / "designs" / "maker_summary_13_42.toml"
 TEETH, BACKLASH = 13, 0.12

@@ -12,9 +12,9 @@ from oracles.examples import some
 from scipy.optimize import brentq
 
 import gearmesh as gm
+from gearmesh.kinds import Region
 from gearmesh.systems.cylindrical.geometry import measures
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
-from gearmesh.teeth.region import Region
 
 #: mm: the sheet has nine decimals
 EXACT = 1e-9

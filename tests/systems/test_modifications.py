@@ -11,14 +11,12 @@ import pytest
 from oracles.examples import some
 
 import gearmesh as gm
+from gearmesh import Design, DesignError, load, parse
 from gearmesh.answers.bodies.topography import flank_topography
-from gearmesh.design.core import Design
 from gearmesh.design.topography_file import TopographyGrid, read_topography, topography_text
-from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.systems.designs import load, parse
+from gearmesh.kinds import Side
 from gearmesh.teeth.micro_geometry.screw_involute import ScrewInvolute
-from gearmesh.teeth.region import Side
 
 PLAIN: dict[str, Any] = {
     "kind": "beveloid",

@@ -8,7 +8,7 @@ import pytest
 from oracles.built import built
 
 import gearmesh as gm
-from gearmesh.errors import DesignError
+from gearmesh import DesignError
 from gearmesh.teeth.blank.moments import member_moments
 
 GEAR = {"teeth": 60, "face_width": 20, "bore": 30, "hub": {"diameter": 80, "length": 6}}

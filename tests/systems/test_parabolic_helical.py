@@ -13,21 +13,15 @@ from oracles.built import contact_of, pair_of
 from oracles.examples import some
 from oracles.places import SAMPLES
 
+from gearmesh import DesignError, GearPair, load, parse
 from gearmesh.contact.engagement.cycle import mesh_cycle
 from gearmesh.contact.flanks import analyse, solver_pair
 from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
-from gearmesh.errors import DesignError
-from gearmesh.kernel.envelope.envelope import Envelope
-from gearmesh.kernel.envelope.feed_envelope import FeedEnvelope
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array, cross, dot, unit
 from gearmesh.kernel.surface.meridian import Meridian
-from gearmesh.kernel.surface.surface import Jet, PlacedSurface
-from gearmesh.systems.designs import load, parse
-from gearmesh.teeth.gear_train import GearPair
-from gearmesh.teeth.region import Side
+from gearmesh.kinds import Envelope, FeedEnvelope, Jet, PlacedSurface, RackSurface, Side
 from gearmesh.tools.disk import Disk
-from gearmesh.tools.rack import RackSurface
 from gearmesh.tools.worm import Worm
 
 KINDS = ("novikov", "modified_involute")

@@ -11,7 +11,7 @@ import pytest
 from oracles.command_line import refused, run
 
 import gearmesh as gm
-from gearmesh.answers.planetary_sizing import PlanetarySizing
+from gearmesh import PlanetarySizing
 
 Numbers = tuple[int, int, int]
 

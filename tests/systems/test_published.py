@@ -10,10 +10,8 @@ from oracles.built import built_sample
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.answers.contact.contact import Contact
-from gearmesh.errors import NoSolutionError
+from gearmesh import Contact, NoSolutionError, load
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
-from gearmesh.systems.designs import load
 
 OFFSET = ["assembly.dx=0.3", "assembly.dy=0.3", "assembly.dz=0.3"]
 TILT = ["assembly.gamma_h=0.5", "assembly.gamma_v=-0.5"]

@@ -10,22 +10,20 @@ import numpy as np
 import pytest
 
 import gearmesh as gm
+from gearmesh import DesignError, GearPair, Rigid
 from gearmesh.check.deviation import deviations
 from gearmesh.check.roll import roll
 from gearmesh.contact.engagement.cycle import mesh_cycle
 from gearmesh.contact.engagement.engagement import whole_engagement
 from gearmesh.contact.fit.fit import fit
 from gearmesh.contact.flanks import analyse, solver_pair
-from gearmesh.errors import DesignError
-from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kinds import Mount, Side
 from gearmesh.mesh.solid import gear_solid, prove, teeth_mesh
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.systems.cylindrical.geometry.proportions import proportions
 from gearmesh.systems.cylindrical.rack.member import RackMesh, RackProportions, rack_member, rack_mount, rack_pair
 from gearmesh.systems.system import complete_design
-from gearmesh.teeth.gear_train import GearPair
-from gearmesh.teeth.mount import Mount
-from gearmesh.teeth.region import FLANK_REGIONS, Side
+from gearmesh.teeth.region import FLANK_REGIONS
 
 #: helix angle (deg), hand and profile shift of the pinion; working flank; how far (mm) the rack stands off; the rack itself
 CASES: dict[str, Any] = {

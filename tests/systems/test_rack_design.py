@@ -15,12 +15,12 @@ from oracles.examples import some
 from oracles.overlap import overlap
 
 import gearmesh as gm
+from gearmesh import DesignError
 from gearmesh.contact.fit.fit import fit
 from gearmesh.contact.fit.freeing import shift_gear
-from gearmesh.errors import DesignError
+from gearmesh.kinds import Region
 from gearmesh.mesh.hexahedra.hex_quality import scaled_jacobian, volumes
 from gearmesh.mesh.hexahedra.hexahedra import Cells, hex_mesh, plain_grid, whole_rim
-from gearmesh.teeth.region import Region
 
 
 def rack(*, module: float = 2.0, **keys: Any) -> gm.Gears:

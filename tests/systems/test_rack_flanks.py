@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 import gearmesh as gm
-from gearmesh.errors import DesignError
+from gearmesh import DesignError
 from gearmesh.kernel.numeric.algebra import dot
+from gearmesh.kinds import Region, Side
 from gearmesh.teeth.micro_geometry.plane_flank import PlaneFlank
-from gearmesh.teeth.region import FILLET_REGIONS, Region, Side
+from gearmesh.teeth.region import FILLET_REGIONS
 
 #: tables of modifications of both flanks, of the right and of the left one
 TABLES: dict[str, Any] = {

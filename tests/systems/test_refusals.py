@@ -8,8 +8,8 @@ from oracles.places import SAMPLES
 from oracles.refusals import faults, faults_at, numeric_keys, refusal
 
 import gearmesh as gm
+from gearmesh import DesignError
 from gearmesh.design.dotted import with_keys
-from gearmesh.errors import DesignError
 from gearmesh.systems.system import design_class
 
 #: kinds whose gears are built in milliseconds, and how many of their keys are pushed by default

@@ -8,14 +8,13 @@ import numpy as np
 import pytest
 
 import gearmesh as gm
+from gearmesh import DesignError, Member
 from gearmesh.cad.brep import exact_volume, spline_tooth
-from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kinds import Region, Side
 from gearmesh.loaded.compliance.sector_grid import sector_grid
 from gearmesh.mesh.hexahedra.hexahedra import Cells, on_breaks
 from gearmesh.mesh.solid import gear_solid, prove
-from gearmesh.teeth.gear_train import Member
-from gearmesh.teeth.region import Region, Side
 
 MODULE, TEETH, FACE, RADIUS = 2.0, 17, 25.0, 30.0
 ALPHA = math.radians(20.0)

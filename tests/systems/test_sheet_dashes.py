@@ -11,11 +11,11 @@ import pytest
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.errors import DesignError
+from gearmesh import DesignError
+from gearmesh.kinds import Side
 from gearmesh.systems.cylindrical.geometry import measures
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.systems.cylindrical.measured import flank_radii
-from gearmesh.teeth.region import Side
 
 CUT, MEASURES = "As cut by feeding the tool for the allowance", "Measures of the tooth thickness"
 

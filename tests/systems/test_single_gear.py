@@ -15,7 +15,7 @@ from oracles.command_line import refused, run
 from scipy.spatial import cKDTree
 
 import gearmesh as gm
-from gearmesh.errors import DesignError
+from gearmesh import DesignError
 from gearmesh.reports.report import report_page
 from gearmesh.systems.cylindrical.geometry import measures
 from gearmesh.systems.cylindrical.single.build import single_gear

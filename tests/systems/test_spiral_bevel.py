@@ -14,20 +14,16 @@ from oracles.examples import some
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh import GearmeshError, Rigid, load, parse
 from gearmesh.contact.conditions.meshing import Flank
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.pair import Pair
 from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
-from gearmesh.errors import GearmeshError
-from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array, dot, unit
 from gearmesh.kernel.surface.curvature import shape_operator, tangent_basis
-from gearmesh.kernel.surface.levels import ConeLevel, PlaneLevel
-from gearmesh.kernel.surface.stations import along
+from gearmesh.kinds import BodyFeatures, ConeLevel, Mount, PlaneLevel, Side, along, gear_base
 from gearmesh.mesh.solid import gear_solid, prove
-from gearmesh.systems.common.axes import gear_base
-from gearmesh.systems.designs import load, parse
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
 from gearmesh.systems.spiral_bevel.machine.pair import BLADE_SIDES, HAND_SIGNS, MATING_SIDES
 from gearmesh.systems.spiral_bevel.synthesis.local_synthesis import contact_of as mean_contact_of
@@ -40,9 +36,6 @@ from gearmesh.systems.spiral_bevel.synthesis.settings import (
     mean_point,
     pinion_side,
 )
-from gearmesh.teeth.blank.features import BodyFeatures
-from gearmesh.teeth.mount import Mount
-from gearmesh.teeth.region import Side
 
 STRAIGHT = SAMPLES / "spiral_bevel_abdullah_straight.toml"
 CURVED = SAMPLES / "spiral_bevel_abdullah_curved.toml"

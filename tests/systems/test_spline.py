@@ -10,16 +10,17 @@ import pytest
 from scipy.optimize import brentq
 
 import gearmesh as gm
+from gearmesh import DesignError
 from gearmesh.contact.hertz import STEEL
-from gearmesh.errors import DesignError, Status
+from gearmesh.errors import Status
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kinds import Side
 from gearmesh.loaded.compliance.compliance import flank_compliance
 from gearmesh.loaded.sharing import loaded_mesh, reach_of
 from gearmesh.mesh.hexahedra.hexahedra import Cells
 from gearmesh.systems.common.standards import din5480, iso4156
 from gearmesh.systems.cylindrical.spline.designation import Designation, parse_designation
 from gearmesh.systems.cylindrical.spline.sheet import tooth_gaps
-from gearmesh.teeth.region import Side
 
 DIN = {"kind": "spline", "designation": "DIN 5480 W 45x2x21", "shaft": {"face_width": 30}, "hub": {"face_width": 30}}
 

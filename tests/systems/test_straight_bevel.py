@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 import gearmesh as gm
-from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh import Rigid
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kinds import Side
 from gearmesh.systems.common.bevel.machine_frame import own_axes
 from gearmesh.systems.straight_bevel.build import cut_side, half_angles, straight_blank
 from gearmesh.systems.straight_bevel.generated import DiscCut
-from gearmesh.teeth.region import Side
 
 #: the pair of the sample, and a pair on obtuse axes with an octoid of another pressure angle
 PAIRS: dict[str, dict[str, Any]] = {

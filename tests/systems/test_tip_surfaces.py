@@ -11,11 +11,11 @@ from oracles.built import built
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh import DesignError
 from gearmesh.cad.brep import exact_volume
 from gearmesh.contact.flanks import analyse
-from gearmesh.errors import DesignError
+from gearmesh.kinds import Region
 from gearmesh.mesh.solid import gear_solid, prove
-from gearmesh.teeth.region import Region
 
 TOLERANCE = 0.01
 

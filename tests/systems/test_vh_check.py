@@ -16,9 +16,9 @@ from oracles.places import SAMPLES
 from scipy.optimize import brentq
 
 import gearmesh as gm
+from gearmesh import load, parse
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.tca import contact_path
-from gearmesh.systems.designs import load, parse
 from gearmesh.systems.spiral_bevel.conjugate.build import conjugate_blank
 from gearmesh.systems.spiral_bevel.synthesis.settings import basic_blank
 

@@ -7,14 +7,11 @@ import pytest
 from oracles.built import pair_of
 from oracles.places import SAMPLES
 
-from gearmesh.errors import DesignError
-from gearmesh.kernel.surface.stations import along
-from gearmesh.systems.designs import load
+from gearmesh import DesignError, WormDriveDesign, load
+from gearmesh.kinds import Side, along
 from gearmesh.systems.system import complete_design
 from gearmesh.systems.worm_drive.build import build
-from gearmesh.systems.worm_drive.design import WormDriveDesign
 from gearmesh.teeth.limits import lost_heights
-from gearmesh.teeth.region import Side
 
 SAMPLE = SAMPLES / "worm_drive.toml"
 

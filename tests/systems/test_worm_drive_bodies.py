@@ -11,8 +11,8 @@ from oracles.worm_drives import DRIVES, drive
 from scipy.optimize import minimize_scalar
 
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kinds import Region
 from gearmesh.systems.worm_drive.build import wheel_hob
-from gearmesh.teeth.region import Region
 
 #: deg: five positions over one pitch of the worm's two threads
 PHI1 = np.array([-75.0, -40.0, -5.0, 30.0, 65.0])

@@ -13,23 +13,17 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq, minimize_scalar
 
 import gearmesh as gm
+from gearmesh import DesignError, load
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
-from gearmesh.errors import DesignError
-from gearmesh.kernel.envelope.envelope import Envelope
-from gearmesh.kernel.motion.rolling import RackRoll
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.kernel.surface.surface import Surface
+from gearmesh.kinds import Envelope, RackLine, RackRoll, RackSurface, Region, Side, Surface, Tooth
 from gearmesh.systems import diagnosis
-from gearmesh.systems.designs import load
 from gearmesh.systems.system import complete_design
 from gearmesh.systems.worm_drive import build as worm_build
 from gearmesh.systems.worm_drive.build import build, wheel_hob, worm_thread
 from gearmesh.systems.worm_drive.thread import WormThread
-from gearmesh.teeth.region import Region, Side
-from gearmesh.teeth.tooth import Tooth
-from gearmesh.tools.rack import RackLine, RackSurface
 
 FORMS = ("ZA", "ZN", "ZI", "ZK", "ZC")
 OVERSIZED = "hob.reference_diameter=63"

@@ -10,7 +10,7 @@ from oracles.places import SAMPLES
 from scipy.optimize import fsolve, minimize
 
 import gearmesh as gm
-from gearmesh.systems.designs import load
+from gearmesh import load
 from gearmesh.systems.worm_drive.build import worm_thread
 
 SAMPLE = SAMPLES / "worm_drive_dual_lead.toml"

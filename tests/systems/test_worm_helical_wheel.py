@@ -10,8 +10,8 @@ from oracles.built import pair_of
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh import load, parse
 from gearmesh.contact.flanks import analyse
-from gearmesh.systems.designs import load, parse
 
 SAMPLE = SAMPLES / "worm_drive.toml"
 HELICAL = ["wheel.form=helical", "wheel.face_width=30"]

@@ -13,15 +13,12 @@ from oracles.places import SAMPLES
 from scipy.interpolate import CubicSpline
 
 import gearmesh as gm
-from gearmesh.errors import DesignError
-from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh import DesignError, Rigid, WormDriveDesign, parse
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kinds import Side
 from gearmesh.systems import diagnosis
-from gearmesh.systems.designs import parse
 from gearmesh.systems.worm_drive.build import hob_thread, nominal_thread, wheel_hob
-from gearmesh.systems.worm_drive.design import WormDriveDesign
 from gearmesh.systems.worm_drive.force_tables import thread_mesh
-from gearmesh.teeth.region import Side
 
 SHARES = (np.linspace(0.03, 0.97, 10), np.linspace(0.02, 0.98, 10))
 #: turns of the blade to a point, each nearer by the ratio of the teeth

@@ -9,10 +9,11 @@ import pytest
 from oracles.worm_drives import FORMS
 
 import gearmesh as gm
+from gearmesh import WormDriveDesign
 from gearmesh.design.dotted import with_keys
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.designs import parse_as_stated
-from gearmesh.systems.worm_drive.design import HobTable, WheelTable, WormDriveAssembly, WormDriveDesign, WormTable
+from gearmesh.systems.worm_drive.design import HobTable, WheelTable, WormDriveAssembly, WormTable
 
 BASE: dict[str, Any] = {"kind": "worm_drive", "module": 4, "worm": {"threads": 2}, "wheel": {"teeth": 40}}
 #: another value of each key that a kind of its own has

@@ -9,6 +9,7 @@ import pytest
 from oracles.built import pair_of
 from oracles.places import SAMPLES
 
+from gearmesh import WormDriveDesign, load
 from gearmesh.contact.conditions.bent_lines import LineSections, directions, pieces
 from gearmesh.contact.conditions.meshing import Conditions
 from gearmesh.contact.engagement.curve import MeshCurve
@@ -18,8 +19,6 @@ from gearmesh.contact.flanks import solver_pair
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.surface.curvature import principal, relative_curvature, tangent_basis
-from gearmesh.systems.designs import load
-from gearmesh.systems.worm_drive.design import WormDriveDesign
 from gearmesh.systems.worm_drive.load_parameters import load_parameters
 
 #: positions over the engagement, points of a piece of a line, and rad by which lines are moved on

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import gearmesh as gm
+from gearmesh import WormDriveDesign
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.tca import contact_path
 from gearmesh.systems.worm_drive.build import build, displaced_bases
-from gearmesh.systems.worm_drive.design import WormDriveDesign
 
 DRIVE: dict[str, Any] = {
     "kind": "worm_drive",

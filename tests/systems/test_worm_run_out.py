@@ -8,8 +8,8 @@ from oracles.examples import some
 from oracles.worm_drives import FORMS, drive
 
 import gearmesh as gm
-from gearmesh.errors import DesignError
-from gearmesh.teeth.region import Region
+from gearmesh import DesignError
+from gearmesh.kinds import Region
 
 #: mm: of the thread, and of its run-outs
 LENGTH, RUN_OUT = 40.0, 14.0

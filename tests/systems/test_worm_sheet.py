@@ -10,12 +10,11 @@ import pytest
 from scipy.optimize import brentq, minimize, minimize_scalar
 
 import gearmesh as gm
+from gearmesh import DesignError, WormDriveDesign
 from gearmesh.contact.flanks import separation_curvatures
-from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.solid import prove
 from gearmesh.systems.worm_drive.build import worm_thread
-from gearmesh.systems.worm_drive.design import WormDriveDesign
 from gearmesh.systems.worm_drive.force_tables import pair_forces, thread_mesh
 from gearmesh.systems.worm_drive.load_parameters import field
 from gearmesh.systems.worm_drive.sheet import effective_width

@@ -14,30 +14,34 @@ from oracles.command_line import messages
 from oracles.places import SAMPLES
 from scipy.spatial import cKDTree
 
+from gearmesh import DesignError, Rigid, load
 from gearmesh.app import cli
 from gearmesh.check import deviation
 from gearmesh.check.deviation import SURFACE_SAMPLE_WEIGHTS, deviations, triangle_distance
-from gearmesh.errors import DesignError
-from gearmesh.kernel.envelope.envelope import Envelope
-from gearmesh.kernel.envelope.feed_envelope import FeedEnvelope
-from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.motion.rolling import RackRoll
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
-from gearmesh.kernel.surface.levels import ConeLevel, PlaneLevel
 from gearmesh.kernel.surface.nearest import nearest
-from gearmesh.kernel.surface.stations import along
+from gearmesh.kinds import (
+    Blank,
+    Body,
+    ConeLevel,
+    Envelope,
+    FeedEnvelope,
+    Parabola,
+    PlaneLevel,
+    RackLine,
+    RackRoll,
+    RackSurface,
+    RackTooth,
+    ToolDescription,
+    Tooth,
+    ToothSide,
+    along,
+)
 from gearmesh.mesh.solid import gear_solid, prove, teeth_mesh
 from gearmesh.mesh.tessellate import tessellate
-from gearmesh.systems.common.racks.rack_tooth import Heights, RackTooth, round_tips
-from gearmesh.systems.designs import load
+from gearmesh.systems.common.racks.rack_tooth import Heights, round_tips
 from gearmesh.systems.parabolic_helical.worm_thread import touching_range, worm_member
 from gearmesh.systems.system import worm as part_of_design
-from gearmesh.teeth.blank.blank import Blank
-from gearmesh.teeth.blank.body import Body
-from gearmesh.teeth.tooth import Tooth
-from gearmesh.teeth.tooth_side import ToothSide
-from gearmesh.tools.description import ToolDescription
-from gearmesh.tools.rack import Parabola, RackLine, RackSurface
 from gearmesh.tools.worm import Worm
 
 MODULE, ADDENDUM, DEDENDUM = 4.0, 4.0, 5.0

@@ -10,15 +10,14 @@ import pytest
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh import WormDriveDesign
 from gearmesh.design.dotted import with_keys
 from gearmesh.kernel.envelope.limiting_line import area_density
 from gearmesh.kernel.numeric.effort import Effort, limit_effort
-from gearmesh.kernel.surface.stations import along
+from gearmesh.kinds import Side, along
 from gearmesh.systems.system import complete_design
 from gearmesh.systems.worm_drive.build import build, nominal_thread, wheel_hob
-from gearmesh.systems.worm_drive.design import WormDriveDesign
 from gearmesh.systems.worm_drive.thread import LAND_PARAMETER
-from gearmesh.teeth.region import Side
 
 CORPUS = SAMPLES.parent / "tests" / "corpus"
 

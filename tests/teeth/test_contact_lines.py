@@ -9,14 +9,10 @@ import pytest
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.errors import DesignError
-from gearmesh.kernel.envelope.envelope import Envelope
-from gearmesh.kernel.envelope.feed_envelope import FeedEnvelope
-from gearmesh.kernel.motion.feed_motion import FeedMotion
-from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh import DesignError, Rigid
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kinds import Envelope, FeedEnvelope, FeedMotion, Side
 from gearmesh.teeth.generation.contact_lines import ContactLine, tool_contact
-from gearmesh.teeth.region import Side
 from gearmesh.view.projection import flank_projection
 
 #: rad or mm to either side at which a motion is differenced; n . v, in reaches of the tool, beyond what this loses: STEP^2 / 6

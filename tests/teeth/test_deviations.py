@@ -10,19 +10,17 @@ import numpy as np
 import pytest
 
 import gearmesh as gm
+from gearmesh import DesignError
 from gearmesh.contact.flanks import contact_flank
-from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.surface.curvature import shape_operator, tangent_basis
-from gearmesh.kernel.surface.levels import Level
 from gearmesh.kernel.surface.offset import Offset
-from gearmesh.kernel.surface.surface import Surface
+from gearmesh.kinds import Level, Side, Surface, Tooth
 from gearmesh.systems.common.micro_geometry import with_true_involutes
 from gearmesh.teeth.micro_geometry.deviations import DeviationGrid, with_deviations
 from gearmesh.teeth.micro_geometry.screw_involute import AmountJet, ScrewInvolute
-from gearmesh.teeth.region import FILLET_REGIONS, FLANK_REGIONS, Side
+from gearmesh.teeth.region import FILLET_REGIONS, FLANK_REGIONS
 from gearmesh.teeth.section import Grid
-from gearmesh.teeth.tooth import Tooth
 from gearmesh.view.diagrams.modification_diagrams import is_modified
 
 SAMPLES = Path(gm.__file__).parents[1] / "samples"

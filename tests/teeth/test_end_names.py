@@ -11,9 +11,9 @@ import gearmesh as gm
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.tca import contact_path
 from gearmesh.kernel.surface.levels import station_normal
+from gearmesh.kinds import Region
 from gearmesh.mesh.solid import gear_solid
 from gearmesh.teeth.blank.body import end_names
-from gearmesh.teeth.region import Region
 
 RING = (
     "gear.rim=16",

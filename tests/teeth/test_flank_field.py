@@ -7,7 +7,7 @@ import pytest
 
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.numeric.grid_spline import GridSpline
-from gearmesh.kernel.surface.levels import ConeLevel, Level, PlaneLevel
+from gearmesh.kinds import ConeLevel, Level, PlaneLevel
 from gearmesh.teeth.micro_geometry.flank_field import Band, BandSpline, Fade, LevelField
 
 pytestmark = pytest.mark.quick

@@ -18,16 +18,13 @@ from oracles.stretched import stretched
 from scipy.optimize import brentq
 
 import gearmesh as gm
-from gearmesh.kernel.envelope.envelope import Envelope
+from gearmesh import Member, load
 from gearmesh.kernel.envelope.limiting_line import limiting_line, singular_at, zeros
-from gearmesh.kernel.motion.rolling import RackRoll
 from gearmesh.kernel.numeric.algebra import Array, dot
-from gearmesh.systems.designs import load
+from gearmesh.kinds import Envelope, Parabola, RackLine, RackRoll, RackSurface
 from gearmesh.systems.face_gear.build import shaped_gear
 from gearmesh.systems.spiral_bevel.synthesis.settings import basic_blank
-from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.limits import fewest_teeth, member_limits, pitch_height, pointed_station, undercut_station
-from gearmesh.tools.rack import Parabola, RackLine, RackSurface
 from gearmesh.tools.worm import Worm
 
 ALPHA = np.radians(20.0)

@@ -12,6 +12,7 @@ import pytest
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh import GearPair, Member
 from gearmesh.cad.brep import exact_volume, spline_tooth
 from gearmesh.cad.section import member_section
 from gearmesh.cad.solid_part import solid_part
@@ -19,17 +20,13 @@ from gearmesh.cad.step import write_step
 from gearmesh.check.deviation import deviations
 from gearmesh.check.members import roll_teeth
 from gearmesh.contact.flanks import analyse
-from gearmesh.kernel.surface.levels import ConeLevel, Level, PlaneLevel
 from gearmesh.kernel.surface.meridian import CircularMeridian, Joined, Meridian, Straight
+from gearmesh.kinds import Body, ConeLevel, Level, PlaneLevel, Region, Side, TipEdge
 from gearmesh.mesh.hexahedra.hex_quality import scaled_jacobian
 from gearmesh.mesh.hexahedra.hexahedra import Cells, hex_mesh, plain_grid
 from gearmesh.mesh.solid import gear_solid, prove
 from gearmesh.mesh.tessellate import tessellate
-from gearmesh.teeth.blank.body import Body
-from gearmesh.teeth.blank.tip_edge import TipEdge
-from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.limits import member_limits
-from gearmesh.teeth.region import Region, Side
 
 #: half of the face width, angle of conical ends from planes across the axis (rad), tolerance of meshes, mm
 HALF, ANGLE, TOLERANCE = 25.0, 0.3, 5e-3

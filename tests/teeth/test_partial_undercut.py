@@ -12,16 +12,13 @@ from oracles.bevel import standard_factors
 from oracles.examples import some
 
 import gearmesh as gm
+from gearmesh import SpiralBevelDesign
 from gearmesh.design import files
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
-from gearmesh.kernel.surface.stations import along
+from gearmesh.kinds import Region, Side, Tooth, ToothSide, along
 from gearmesh.mesh.solid import prove
-from gearmesh.systems.spiral_bevel.design import SpiralBevelDesign
 from gearmesh.teeth import undercut
-from gearmesh.teeth.region import Region, Side
 from gearmesh.teeth.section import Ends
-from gearmesh.teeth.tooth import Tooth
-from gearmesh.teeth.tooth_side import ToothSide
 
 CORPUS = Path(__file__).parents[1] / "corpus"
 

@@ -10,12 +10,11 @@ import pytest
 from oracles.built import built
 
 import gearmesh as gm
-from gearmesh.errors import DesignError
-from gearmesh.kernel.surface.surface import Jet
+from gearmesh import DesignError
+from gearmesh.kinds import Jet, Side
 from gearmesh.teeth.micro_geometry.modification import Extent, FlankField, Modification
 from gearmesh.teeth.micro_geometry.radial_feed import DiskSetting, disk_crowning, twist_of, worm_crowning
 from gearmesh.teeth.micro_geometry.screw_involute import AmountJet, ScrewInvolute
-from gearmesh.teeth.region import Side
 
 MODULE, TEETH, HELIX, FACE, PLUNGE = 3.0, 25, 20.0, 40.0, 5e-5
 #: pitch radius of the tool, mm

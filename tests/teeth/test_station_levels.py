@@ -8,25 +8,30 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from gearmesh import Member
 from gearmesh.cad.brep import DEFAULT_TOLERANCE_MM, exact_volume, spline_tooth
 from gearmesh.cad.solid_part import solid_part, volume
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
-from gearmesh.kernel.surface.levels import ConeLevel, ConeSurface
-from gearmesh.kernel.surface.surface import Jet
+from gearmesh.kernel.surface.levels import ConeSurface
+from gearmesh.kinds import (
+    Blank,
+    Body,
+    BodyFeatures,
+    ConeLevel,
+    Jet,
+    Region,
+    Side,
+    TipEdge,
+    ToolDescription,
+    Tooth,
+    ToothSide,
+)
 from gearmesh.mesh.hexahedra.hex_quality import scaled_jacobian, volumes
 from gearmesh.mesh.hexahedra.hexahedra import Cells, hex_mesh, plain_grid
 from gearmesh.mesh.hexahedra.hexes import HexMesh
 from gearmesh.mesh.solid import gear_solid, prove
 from gearmesh.mesh.tessellate import tessellate
-from gearmesh.teeth.blank.blank import Blank
-from gearmesh.teeth.blank.body import Body
-from gearmesh.teeth.blank.features import BodyFeatures, Boss, Slot
-from gearmesh.teeth.blank.tip_edge import TipEdge
-from gearmesh.teeth.gear_train import Member
-from gearmesh.teeth.region import Region, Side
-from gearmesh.teeth.tooth import Tooth
-from gearmesh.teeth.tooth_side import ToothSide
-from gearmesh.tools.description import ToolDescription
+from gearmesh.teeth.blank.features import Boss, Slot
 
 TEETH, INNER, OUTER = 24, 30.0, 38.0
 #: z (mm) of the tip plane, the root plane, the web and the back; bore

@@ -13,14 +13,13 @@ from oracles.built import built_sample
 from oracles.examples import some
 from oracles.places import SAMPLES
 
+from gearmesh import DesignError, Member
 from gearmesh.cad.brep import exact_volume
 from gearmesh.check.deviation import deviations
-from gearmesh.errors import DesignError
 from gearmesh.kernel.numeric.algebra import dot
+from gearmesh.kinds import Side
 from gearmesh.mesh.solid import gear_solid, prove
 from gearmesh.mesh.tessellate import tessellate
-from gearmesh.teeth.gear_train import Member
-from gearmesh.teeth.region import Side
 
 NAMES = sorted(path.stem for path in SAMPLES.glob("*.toml"))
 #: an undercut pinion at a centre distance without backlash

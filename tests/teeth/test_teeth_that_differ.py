@@ -14,15 +14,14 @@ from oracles.examples import some
 from scipy.spatial import cKDTree
 
 import gearmesh as gm
+from gearmesh import DesignError, Rigid
 from gearmesh.answers.bodies.extract import WHOLE_MEMBER
 from gearmesh.cad.brep import exact_volume
 from gearmesh.contact.flanks import contact_flank
-from gearmesh.errors import DesignError
-from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
+from gearmesh.kinds import Side, Tooth
 from gearmesh.mesh.tessellate import tessellate_alike
-from gearmesh.teeth.region import FILLET_REGIONS, FLANK_REGIONS, Side
-from gearmesh.teeth.tooth import Tooth
+from gearmesh.teeth.region import FILLET_REGIONS, FLANK_REGIONS
 
 SAMPLES = Path(gm.__file__).parents[1] / "samples"
 TOLERANCE = 0.02

@@ -13,12 +13,10 @@ from gearmesh.check.members import roll_teeth
 from gearmesh.contact.flanks import analyse
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.kernel.surface.levels import station_normal
-from gearmesh.kernel.surface.stations import TrimError
+from gearmesh.kinds import Region, Side, TipEdge, Tooth, TrimError
 from gearmesh.mesh.solid import gear_solid, prove
 from gearmesh.systems.common.tooth_edges import edge_refusal
-from gearmesh.teeth.blank.tip_edge import TipEdge
-from gearmesh.teeth.region import TIP_EDGES, Region, Side
-from gearmesh.teeth.tooth import Tooth
+from gearmesh.teeth.region import TIP_EDGES
 
 SIZE = 0.6
 

@@ -9,18 +9,25 @@ import pytest
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.kernel.envelope.envelope import Envelope
-from gearmesh.kernel.motion.motion import MachineAxis, MotionState
-from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.motion.rolling import RackRoll
+from gearmesh import Rigid
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.kernel.surface.surface import GeneratedSurface, Jet, Surface
+from gearmesh.kinds import (
+    Dimension,
+    Envelope,
+    GeneratedSurface,
+    Jet,
+    MachineAxis,
+    MotionState,
+    RackRoll,
+    Side,
+    Surface,
+    ToolDescription,
+    ToothSide,
+)
 from gearmesh.teeth.generation.contact_lines import tool_contact
 from gearmesh.teeth.generation.tool_in_place import tool_in_place
 from gearmesh.teeth.limits import fewest_teeth, member_limits
-from gearmesh.teeth.region import Side
-from gearmesh.teeth.tooth_side import ToothSide
-from gearmesh.tools.description import Dimension, HeightZero, ToolDescription
+from gearmesh.tools.description import HeightZero
 from gearmesh.tools.drawing import DrawnPlace, DrawnSide, ToolSheet
 
 #: one sample of every kind, and of every tool: names of the tools of pinion and gear

@@ -8,13 +8,12 @@ from oracles.places import SAMPLES
 from scipy.interpolate import CubicSpline
 
 import gearmesh as gm
-from gearmesh.errors import DesignError
-from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh import DesignError, Rigid
 from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kinds import Side
 from gearmesh.systems.system import worm
 from gearmesh.systems.worm_drive.build import wheel_hob
 from gearmesh.teeth.generation.tool_in_place import ToolInPlace, tool_in_place
-from gearmesh.teeth.region import Side
 from gearmesh.view.projection import flank_projection
 
 #: mm: depth that counts as none, where a tool of the flank's own making touches it, and points of the flank looked at

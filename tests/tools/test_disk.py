@@ -10,21 +10,14 @@ import pytest
 from oracles.built import pair_of
 from oracles.places import SAMPLES
 
+from gearmesh import DesignError, Rigid, load
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.pair import Pair
 from gearmesh.contact.tca import contact_path
-from gearmesh.errors import DesignError
-from gearmesh.kernel.envelope.envelope import Envelope
-from gearmesh.kernel.envelope.feed_envelope import FeedEnvelope
-from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.motion.rolling import RackRoll
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array, dot
 from gearmesh.kernel.surface.nearest import nearest
-from gearmesh.kernel.surface.surface import Jet, Surface
-from gearmesh.systems.designs import load
+from gearmesh.kinds import Arc, Envelope, FeedEnvelope, Jet, Parabola, Profile, RackLine, RackRoll, RackSurface, Surface
 from gearmesh.tools.disk import Disk
-from gearmesh.tools.profile import Profile
-from gearmesh.tools.rack import Arc, Parabola, RackLine, RackSurface
 from gearmesh.tools.worm import Worm
 
 ALPHA, MODULE, TEETH = np.radians(20.0), 4.0, 21

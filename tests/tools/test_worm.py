@@ -8,18 +8,24 @@ import numpy as np
 import pytest
 from oracles.motions import as_chain
 
-from gearmesh.errors import DesignError, NoSolutionError
-from gearmesh.kernel.envelope.envelope import Envelope
-from gearmesh.kernel.envelope.feed_envelope import FeedEnvelope
-from gearmesh.kernel.motion.chain import Chain, Step
-from gearmesh.kernel.motion.feed_motion import FeedMotion
-from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.motion.rolling import RackRoll
+from gearmesh import DesignError, NoSolutionError, Rigid
 from gearmesh.kernel.numeric.algebra import Array, dot, rotation_about
 from gearmesh.kernel.surface.nearest import nearest
-from gearmesh.kernel.surface.surface import Jet, Surface
-from gearmesh.tools.profile import Profile
-from gearmesh.tools.rack import Arc, Parabola, RackLine, RackSurface
+from gearmesh.kinds import (
+    Arc,
+    Chain,
+    Envelope,
+    FeedEnvelope,
+    FeedMotion,
+    Jet,
+    Parabola,
+    Profile,
+    RackLine,
+    RackRoll,
+    RackSurface,
+    Step,
+    Surface,
+)
 from gearmesh.tools.worm import Worm
 
 pytestmark = pytest.mark.quick

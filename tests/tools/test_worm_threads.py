@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gearmesh.tools.rack import Arc, RackLine
+from gearmesh.kinds import Arc, RackLine
 from gearmesh.tools.worm_threads import DiskLine
 
 #: angles (rad) about the disk's axis that are looked at, and by how much (rad) a place may differ

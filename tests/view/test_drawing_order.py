@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from oracles.built import built_sample
 
-from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh import Rigid
 from gearmesh.kernel.numeric.algebra import rotation_about
 from gearmesh.view.offscreen import shapes
 from gearmesh.view.offscreen.shapes import Viewer, drawing_order

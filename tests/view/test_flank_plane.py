@@ -13,7 +13,7 @@ from matplotlib.path import Path as Polygon
 from matplotlib.quiver import Quiver
 
 import gearmesh as gm
-from gearmesh.answers.contact.contact import Contact
+from gearmesh import Contact
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.kernel.numeric.algebra import dot, unit
 from gearmesh.view.diagrams import flank_diagrams

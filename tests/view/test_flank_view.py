@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 
 import gearmesh as gm
 from gearmesh.kernel.numeric.algebra import unit
-from gearmesh.teeth.region import Side
+from gearmesh.kinds import Side
 from gearmesh.view import palette, pictures
 from gearmesh.view.palette import COMPOUND_COLOUR, PATH_COLOUR
 from gearmesh.view.projection import flank_projection

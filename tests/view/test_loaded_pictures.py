@@ -14,9 +14,7 @@ from oracles.loaded import loaded_contact
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.answers.load.loaded import LoadedContact
-from gearmesh.errors import DesignError
-from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh import DesignError, LoadedContact, Rigid
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.progress import Progress
 from gearmesh.view.load import loaded_diagrams

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import gearmesh as gm
+from gearmesh import GearPair
 from gearmesh.answers.contact.rolling import rolling_contact
 from gearmesh.reports import pictures as reports_pictures
-from gearmesh.teeth.gear_train import GearPair
 from gearmesh.view import opengl
 from gearmesh.view.animation import write_animation
 from gearmesh.view.mesh_section import mesh_section

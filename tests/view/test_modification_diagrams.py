@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from oracles.built import pair_of
 
-from gearmesh.systems.designs import parse
+from gearmesh import parse
+from gearmesh.kinds import Side
 from gearmesh.teeth.micro_geometry.screw_involute import ScrewInvolute
-from gearmesh.teeth.region import Side
 from gearmesh.view.diagrams.modification_diagrams import flank_map, is_modified, plot_modifications
 
 FIELDS = {"tip_relief": {"amount": "20um", "start_roll_length": 13}, "helix_crowning": "8um"}

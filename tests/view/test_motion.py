@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from oracles.built import built_sample
 
-from gearmesh.errors import ArgumentError, OutputError
+from gearmesh import OutputError
+from gearmesh.errors import ArgumentError
 from gearmesh.view import animation as films
 from gearmesh.view import opengl
 from gearmesh.view.animation import write_animation

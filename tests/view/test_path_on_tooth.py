@@ -7,9 +7,9 @@ import pytest
 from oracles.built import pair_of
 from oracles.places import ROOT, SAMPLES
 
+from gearmesh import load
 from gearmesh.contact.flanks import analyse
 from gearmesh.mesh.triangles import TriangleMesh
-from gearmesh.systems.designs import load
 from gearmesh.view.on_tooth import path_on_surface
 from gearmesh.view.scene import MemberContact, ToothView, contact_on, jumps
 

@@ -15,15 +15,12 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from gearmesh import GearPair, Member, NoSolutionError, OutputError, Rigid
 from gearmesh.contact.engagement.cycle import Cycle
 from gearmesh.contact.path import ContactPath
-from gearmesh.errors import NoSolutionError, OutputError
-from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import ARCSEC, dot, rotation_about, unit
+from gearmesh.kinds import Mount, Side
 from gearmesh.mesh.triangles import TriangleMesh
-from gearmesh.teeth.gear_train import GearPair, Member
-from gearmesh.teeth.mount import Mount
-from gearmesh.teeth.region import Side
 from gearmesh.view import opengl
 from gearmesh.view import render as lettering
 from gearmesh.view.diagrams import plots

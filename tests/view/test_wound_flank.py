@@ -6,11 +6,11 @@ import numpy as np
 from oracles.built import pair_of
 from oracles.places import SAMPLES
 
+from gearmesh import load
 from gearmesh.answers.contact.staging import flank_places
 from gearmesh.contact.flanks import analyse
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.solid import gear_solid
-from gearmesh.systems.designs import load
 from gearmesh.view.on_tooth import union_level
 from gearmesh.view.pictures import PICTURE_SIZE, contact_picture
 from gearmesh.view.scene import contact_on
