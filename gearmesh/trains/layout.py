@@ -144,6 +144,11 @@ class Layout:
         """Stages by their names, in the order of the motion."""
         return {step.stage.name: step.stage for step in self.steps}
 
+    def travel(self, shaft: str) -> float | None:
+        """Return the travel, mm/rad, of the rack on a shaft; None for a shaft that turns."""
+        seated = self.shafts[shaft].members[0]
+        return self.stages[seated.stage].ports[seated.port].joint.travel
+
     def turns(self, psi: Array) -> dict[str, Array]:
         """Return rotations (N,), rad, of all shafts in contact at rotations (N,) of the input shaft."""
         return self.follow(psi)[0]
@@ -186,6 +191,7 @@ def layout_of(file: TrainFile, stages: Mapping[str, Stage]) -> Layout:
     """
     stages = {name: _unfixed(stage, file) for name, stage in stages.items()}
     owners = _owners(file, stages)
+    _check_racks(file, stages, owners)
     shafts, places = _placed(file, stages, owners)
     for name in file.shafts:
         if name not in shafts:
@@ -385,6 +391,27 @@ def _owners(file: TrainFile, stages: Mapping[str, Stage]) -> dict[str, str]:
             raise DesignError(f"stages.{word}", reason="it is on no shaft: a shaft of its own is a table, as "
                               f'[shafts.output] with members = ["{word}"]')  # fmt: skip
     return owners
+
+
+def _check_racks(file: TrainFile, stages: Mapping[str, Stage], owners: Mapping[str, str]) -> None:
+    """Refuse racks that drive, and keys and members of their shafts that are for shafts that turn."""
+    for word, name in owners.items():
+        stage, _, port = word.partition(".")
+        if stages[stage].ports[port].joint.travel is None:
+            continue
+        shaft, key = file.shafts[name], f"shafts.{name}"
+        if name == file.input:
+            turning = [other for other in file.shafts if other != name]
+            reason = f"the rack of {stage} slides, and drives no train"
+            raise DesignError("input", name, reason=reason, allowed=f"one of {', '.join(turning)}")
+        if len(shaft.seats) > 1:
+            others = ", ".join(seat.member for seat in shaft.seats if seat.member != word)
+            reason = f"the rack of {stage} slides, and {others} would turn"
+            raise DesignError(f"{key}.members", reason=reason, allowed=f'["{word}"]')
+        if shaft.seats[0].phase:
+            raise DesignError(f"{key}.members.{word}.phase", shaft.seats[0].phase, must_be="0 for a rack, which slides")
+        if shaft.keys.speed is not None:
+            raise DesignError(f"{key}.speed", shaft.keys.speed, must_be="left out for a rack, which slides")
 
 
 def _shaft(table: ShaftTable, stages: Mapping[str, Stage], reached: Seated, place: Rigid) -> Shaft:

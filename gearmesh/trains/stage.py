@@ -5,13 +5,13 @@ theta (rad, right-handed about the own z axis of each member), in any frame:
 
     theta_B - theta_C = f(theta_A - theta_C),        f(u) = slope u + constant + error(u)        [Willis]
 
+The rotation of a rack is its travel over the reference radius of its pinion.
 In a pair C is the housing. In a planetary set f is the relation over the planets, of which the most advanced one counts, and one of
 A, B and C is fixed. `slope` is a ratio of whole numbers of teeth, f itself is the exact contact.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from fractions import Fraction
@@ -26,6 +26,7 @@ from gearmesh.contact.engagement.turns import FullTurns, full_turns
 from gearmesh.contact.fit.fit import reversed_pair
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.errors import DesignError, NoSolutionError
+from gearmesh.kernel.motion.joint import REVOLUTE_JOINT, Joint
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.records import dataclass
@@ -51,6 +52,8 @@ class Port:
     towards: Array
     #: True if the mating gear is beside the axis
     leads_away: bool
+    #: joint of the member: a rack slides, by its `travel` per rotation
+    joint: Joint = REVOLUTE_JOINT
 
 
 @dataclass(frozen=True)
@@ -118,7 +121,9 @@ class Mesh:
         """Ratio of the rotations about the ports, gear over pinion."""
         first, second = (member.tooth.teeth for member in self.pair.both)
         senses = self.pair.pinion.mount.sign * self.pair.gear.mount.sign * self.pair.ratio
-        return Fraction(first, second) * (1 if senses > 0.0 else -1)
+        # a rack's rotation is that of the circle of its pinion that rolls along it
+        size = Fraction(1) if self.pair.gear.tooth.joint.travel is not None else Fraction(first, second)
+        return size * (1 if senses > 0.0 else -1)
 
     def curve_phi1(self, theta: Array) -> Array:
         """Return the rotation (N,) of the pinion, rad, at which the `curve` knows rotations (N,) about its port."""
@@ -189,9 +194,6 @@ class Stage:
                 reason=f"{len(central)} members, {len(train.pairs)} of them in mesh",
                 allowed="two gears in mesh, or a planetary set",
             )
-        for member in central:
-            if not math.isfinite(member.tooth.joint.cycle(member.tooth.teeth)):
-                raise DesignError(key, reason=f"the {member.name} does not turn on a shaft", allowed="gears that turn")
         for pair in train.pairs:
             if idlers and (pair.eccentric or pair.uneven):
                 raise DesignError(
@@ -341,7 +343,7 @@ class Stage:
         carrier = float(turned[CARRIER_NAME])
         axis = self.ports[first].frame
         carried = axis @ Rigid.about_z(carrier) @ axis.inverse
-        placed = {name: self.ports[name].frame @ Rigid.about_z(turned[name]) for name in self.members}
+        placed = {name: self.ports[name].frame @ self.ports[name].joint.to(turned[name]) for name in self.members}
         own = np.array([turned[first] - carrier])
         for path in self.paths if self.planetary else ():
             mesh = path.meshes[0]
@@ -364,4 +366,5 @@ def _port(member: Member, frame: Rigid, pairs: tuple[GearPair, ...]) -> Port:
     across = frame.inverse.point(middle) * np.array([1.0, 1.0, 0.0])
     size = float(np.linalg.norm(across))
     beside = not mate.idler and size > 0.0
-    return Port(member.name, frame, across / size if beside else np.array([1.0, 0.0, 0.0]), leads_away=beside)
+    towards = across / size if beside else np.array([1.0, 0.0, 0.0])
+    return Port(member.name, frame, towards, leads_away=beside, joint=member.tooth.joint)

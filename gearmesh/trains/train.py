@@ -49,9 +49,17 @@ class ShaftFigures(Figures):
 
     shaft: str = figure("name of the shaft")
     members: str = figure("members on it")
-    speed: float = figure("turns per turn of the input, positive right-handed about the axis", "", "n")
+    speed: float = figure(
+        "turns per turn of the input, positive right-handed about the axis; of a rack those of its pinion's circle",
+        "",
+        "n",
+    )
     speed_fraction: str = figure("the same as a ratio of whole numbers")
     torque: float = figure("torque on its driven side per torque on the input, without losses", "", "T")
+    travel: float | None = figure(
+        "travel of a rack along the y axis of its shaft per turn of the input", "mm", "s", optional=True
+    )
+    force: float | None = figure("force of a rack per Nm on the input, without losses", "N", "F", optional=True)
     axis: list[float] = figure("direction of its z axis, frame of the train", vector=True)
     origin: list[float] = figure("a point of its axis, frame of the train", "mm", vector=True)
 
@@ -65,7 +73,7 @@ class TrainMeshFigures(Figures):
     teeth: list[int] = figure("teeth of both members", whole=True, singular="teeth", symbol="z")
     common_factor: int = figure("greatest common divisor of the tooth numbers", whole=True)
     hunting: bool = figure("whether every tooth of one member meets every tooth of the other")
-    turns_until_repeat: float = figure("turns of the input until the same two teeth meet again")
+    turns_until_repeat: float | None = figure("turns of the input until the same two teeth meet again; none of a rack")
     teeth_per_turn: float = figure("tooth pairs that pass per turn of the input: the order of the mesh")
     phase: float = figure("part of a pitch since the contact of a tooth pair began, input at 0", "")
 
@@ -77,11 +85,14 @@ class TrainFigures(Figures):
     input: str = figure("name of the driving shaft")
     output: str = figure("name of the driven shaft")
     ratio: float | None = figure(
-        "speed of the input over that of the output, negative if their senses differ; none if the output rests", "", "i"
+        "speed of the input over that of the output, negative if their senses differ; none if the output rests or slides",
+        "",
+        "i",
     )
     ratio_fraction: str = figure("the same as a ratio of whole numbers")
     input_sense: int = figure("sense in which the input turns about its z axis, 1 right-handed", whole=True)
-    turns_until_repeat: float = figure("turns of the input until all teeth are where they were")
+    turns_until_repeat: float = figure("turns of the input until all teeth of gears that turn are where they were")
+    travel: float | None = figure("travel of a rack on the output per turn of the input", "mm", "s", optional=True)
 
 
 @dataclass(frozen=True)
@@ -91,6 +102,9 @@ class TrainErrorFigures(Figures):
     output: str = figure("name of the shaft")
     turns: float = figure("turns of the input")
     te_peak_to_peak: float = figure("transmission error of the shaft, peak to peak", "arcsec")
+    way_te_peak_to_peak: float | None = figure(
+        "transmission error of a rack along its travel, peak to peak", "um", key="te_peak_to_peak_um", optional=True
+    )
     stage_te_peak_to_peak: Mapping[str, float] = figure(
         "share of a stage, peak to peak, at the shaft", "arcsec", key="te_peak_to_peak_{member}_arcsec"
     )
@@ -119,22 +133,38 @@ class TrainError(Result):
             self.shaft,
             float(self.solved.psi[-1]) / (2.0 * math.pi),
             float(np.ptp(self.solved.te)) / ARCSEC,
+            None if self.way is None else float(np.ptp(self.solved.te)) * self.way,
             {stage: float(np.ptp(part)) / ARCSEC for stage, part in self.solved.parts.items()},
         )
 
     @property
+    def way(self) -> float | None:
+        """Travel, um/rad, of a rack on the shaft; None for a shaft that turns."""
+        travel = self.train.layout.travel(self.shaft)
+        return None if travel is None else 1e3 * travel
+
+    @property
+    def unit(self) -> str:
+        """Unit in which the error is shown: "um" of a rack, otherwise "arcsec"."""
+        return "arcsec" if self.way is None else "um"
+
+    def shown(self, error: Array) -> Array:
+        """Return errors (P,), rad, in the unit in which they are shown."""
+        return np.asarray(error / ARCSEC if self.way is None else error * self.way)
+
+    @property
     def headline(self) -> str:
-        size, turns = self.figures.te_peak_to_peak, self.figures.turns
-        return f"{self.shaft}: TE {size:.4g} arcsec peak to peak over {turns:.4g} turns of the input"
+        size, turns = float(np.ptp(self.shown(self.solved.te))), self.figures.turns
+        return f"{self.shaft}: TE {size:.4g} {self.unit} peak to peak over {turns:.4g} turns of the input"
 
     @property
     def listings(self) -> list[Listing]:
-        rows = [[stage, round_to(size, 4)] for stage, size in self.figures.stage_te_peak_to_peak.items()]
-        rows.append(["all stages", round_to(self.figures.te_peak_to_peak, 4)])
+        errors = {**self.solved.parts, "all stages": self.solved.te}
+        rows = [[stage, round_to(float(np.ptp(self.shown(error))), 4)] for stage, error in errors.items()]
         return [
             Listing(
                 f"Transmission error of the shaft {self.shaft}",
-                ("stage", "peak to peak arcsec"),
+                ("stage", f"peak to peak {self.unit}"),
                 rows,
                 notes=[f"over {self.figures.turns:.6g} turns of the input"],
             )
@@ -143,7 +173,8 @@ class TrainError(Result):
     def to_dict(self) -> dict[str, list[Any]]:
         parts = {f"te_{stage}_arcsec": (part / ARCSEC).tolist() for stage, part in self.solved.parts.items()}
         degrees = np.degrees(self.solved.psi).round(10).tolist()
-        return {"input_deg": degrees, "te_arcsec": (self.solved.te / ARCSEC).tolist(), **parts}
+        slid = {} if self.way is None else {"te_um": self.shown(self.solved.te).tolist()}
+        return {"input_deg": degrees, "te_arcsec": (self.solved.te / ARCSEC).tolist(), **slid, **parts}
 
     @property
     def sections(self) -> Mapping[str, Content]:
@@ -206,11 +237,25 @@ class MultistageTrain(Result):
     def figures(self) -> TrainFigures:
         """Figures of the whole train."""
         speeds, output = self.layout.speeds, self.file.output
-        ratio = 1 / speeds[output] if speeds[output] else None
+        travel = self._travel(output)
+        ratio = 1 / speeds[output] if speeds[output] and travel is None else None
         within = (motion.pinion_turns for step in self.layout.steps for motion in mesh_motions(step))
         whole = math.lcm(*(speed.denominator for speed in (*speeds.values(), *within)))
-        shown = None if ratio is None else float(ratio), "infinite" if ratio is None else _words(ratio)
-        return TrainFigures(self.file.input, output, *shown, self.layout.sense, float(whole))
+        words = _words(ratio) if ratio is not None else "infinite" if travel is None else "none"
+        return TrainFigures(
+            self.file.input,
+            output,
+            None if ratio is None else float(ratio),
+            words,
+            self.layout.sense,
+            float(whole),
+            travel,
+        )
+
+    def _travel(self, shaft: str) -> float | None:
+        """Return the travel, mm, of the rack on a shaft per turn of the input; None for a shaft that turns."""
+        way = self.layout.travel(shaft)
+        return None if way is None else 2.0 * math.pi * way * float(self.layout.speeds[shaft])
 
     @cached_property
     def shafts(self) -> tuple[ShaftFigures, ...]:
@@ -223,6 +268,8 @@ class MultistageTrain(Result):
                 float(self.layout.speeds[name]),
                 _words(self.layout.speeds[name]),
                 float(torques[name]),
+                self._travel(name),
+                None if (way := self.layout.travel(name)) is None else 1e3 * float(torques[name]) / way,
                 _coordinates(shaft.frame.rotation[:, 2]),
                 _coordinates(shaft.frame.translation),
             )
@@ -291,10 +338,12 @@ class MultistageTrain(Result):
             phases = self._phases(step, turned[step.stage.members[0]] - turned[CARRIER_NAME])
             for mesh, motion, phase in zip(step.stage.meshes, mesh_motions(step), phases, strict=True):
                 teeth = [member.tooth.teeth for member in mesh.pair.both]
-                common = math.gcd(*teeth)
+                slides = mesh.pair.gear.tooth.joint.travel is not None
+                # a tooth of a rack always meets the same tooth of its pinion
+                common = teeth[0] if slides else math.gcd(*teeth)
                 until = Fraction(teeth[1], common) / motion.pinion_turns if motion.pinion_turns else math.inf
                 found.append(TrainMeshFigures(step.stage.name, mesh.pair.name, teeth, common, common == 1,
-                                              float(until), float(motion.teeth), phase))  # fmt: skip
+                                              None if slides else float(until), float(motion.teeth), phase))  # fmt: skip
         return tuple(found)
 
     def _phases(self, step: TrainStep, relative: Array) -> list[float]:
@@ -325,15 +374,33 @@ class MultistageTrain(Result):
         values = self.figures
         sense = "right-handed" if values.input_sense > 0 else "left-handed"
         shafts = [
-            [own.shaft, own.members, round_to(own.speed, 6), own.speed_fraction,
-             round_to(own.torque, 4), _vector(own.axis)]
+            [
+                own.shaft,
+                own.members,
+                round_to(own.speed, 6),
+                own.speed_fraction,
+                round_to(own.torque, 4),
+                _vector(own.axis),
+            ]
+            if own.travel is None or own.force is None
+            else [own.shaft, own.members, f"{own.travel:.6g} mm", "slides", f"{own.force:.4g} N", _vector(own.axis)]
             for own in self.shafts
-        ]  # fmt: skip
+        ]
+        slid = any(own.travel is not None for own in self.shafts)
+        slides = (
+            ["a rack: mm of travel along y of its shaft per turn of the input, N per Nm on the input"] if slid else []
+        )
         meshes = [
-            [f"{own.stage}: {own.mesh}", "/".join(map(str, own.teeth)), own.common_factor,
-             round_to(own.turns_until_repeat, 4), round_to(own.teeth_per_turn, 4), round_to(own.phase, 4)]
+            [
+                f"{own.stage}: {own.mesh}",
+                "/".join(map(str, own.teeth)),
+                own.common_factor,
+                None if own.turns_until_repeat is None else round_to(own.turns_until_repeat, 4),
+                round_to(own.teeth_per_turn, 4),
+                round_to(own.phase, 4),
+            ]
             for own in self.meshes
-        ]  # fmt: skip
+        ]
         return [
             Listing(
                 self.title,
@@ -342,7 +409,9 @@ class MultistageTrain(Result):
                 notes=[
                     f"ratio {values.input} to {values.output}: {_ratio_text(values, 7)}".replace(": ratio ", ": "),
                     f"the input turns {sense} about its axis; speeds and torques are per those of the input, without losses",
-                    f"all teeth are where they were after {values.turns_until_repeat:.10g} turns of the input",
+                    f"all teeth{' of gears that turn' if slid else ''} are where they were after "
+                    f"{values.turns_until_repeat:.10g} turns of the input",
+                    *slides,
                 ],
             ),
             Listing(
@@ -393,7 +462,7 @@ class MultistageTrain(Result):
         return self.layout.places(math.radians(phi))
 
     def turns(self, phi: float = 0.0) -> dict[str, float]:
-        """Rotations of all shafts in contact.
+        """Rotations of all shafts in contact; of a rack that of the circle which rolls along it.
 
         Parameters
         ----------
@@ -590,11 +659,11 @@ class MultistageTrain(Result):
         from gearmesh.view.picture import Diagram
 
         solved = error.solved
-        parts = {stage: part / ARCSEC for stage, part in solved.parts.items()}
+        parts = {stage: error.shown(part) for stage, part in solved.parts.items()}
         slowest = min((mesh.teeth_per_turn for mesh in self.meshes if mesh.stage in parts), default=1.0)
-        turns, te = solved.psi / (2.0 * math.pi), solved.te / ARCSEC
-        title = f"{self.title}: shaft {error.shaft}, {error.figures.te_peak_to_peak:.4g} arcsec peak to peak"
-        return Diagram(title, lambda file: plot_train_error(file, turns, te, parts, title, 1.0 / slowest))
+        turns, te, unit = solved.psi / (2.0 * math.pi), error.shown(solved.te), error.unit
+        title = f"{self.title}: shaft {error.shaft}, {float(np.ptp(te)):.4g} {unit} peak to peak"
+        return Diagram(title, lambda file: plot_train_error(file, turns, te, parts, title, 1.0 / slowest, unit=unit))
 
     def page(self, turns: float | None = None) -> ReportPage:
         """Return the report page: picture, figures, transmission error of the output, data sheets of the stages.
@@ -673,6 +742,8 @@ def load_train(source: str | PathLike[str] | Mapping[str, Any], overrides: Seque
 
 def _ratio_text(values: TrainFigures, digits: int) -> str:
     """Return the ratio as a fraction and a number of `digits` digits."""
+    if values.travel is not None:
+        return f"travel {values.travel:.{digits}g} mm per turn of the input"
     if values.ratio is None:
         return "ratio infinite, the output rests"
     return f"ratio {values.ratio_fraction} = {values.ratio:.{digits}g}"

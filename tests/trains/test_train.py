@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 from itertools import combinations
@@ -16,11 +17,13 @@ from oracles.command_line import refused, run
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh.check.roll import roll
 from gearmesh.contact.engagement.cycle import gears_curve
 from gearmesh.contact.engagement.train_turns import leading_turns
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.kernel.numeric.algebra import ARCSEC
 from gearmesh.systems.cylindrical.planetary.motion import phases
+from gearmesh.teeth.gear_train import GearPair
 from gearmesh.trains.bodies import bodies_of
 from gearmesh.trains.layout import layout_of, stages_of
 from gearmesh.trains.stage import Stage
@@ -299,8 +302,34 @@ def test_gears_of_a_joined_shaft_are_one_body(two_stage: gm.MultistageTrain) -> 
 # ---------------------------------------------------------------- transmission error
 
 
-def chained(train: gm.MultistageTrain, phi: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
-    """Rotation of the output, rad, by first touch of both stages at every position, one after the other.
+def rolled_turns(pair: GearPair, phi1: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
+    """Rotations (N,), rad, of the gear by a roll of grids of exact points, of the most advanced of three tooth pairs.
+
+    The roll knows distances of two flanks alone: neither the equations of contact nor curves over a pitch.
+    """
+    grids = [
+        member.tooth.flank_grid(side, np.linspace(0, 1, 81), np.linspace(0, 1, 81)).points
+        for member, side in zip(pair.both, pair.flanks, strict=True)
+    ]
+    pitches = np.round(phi1 / pair.pitch)[:, None] + np.arange(-1.0, 2.0)
+    at = (phi1[:, None] - pitches * pair.pitch).ravel()
+    contacts = roll(*grids, pair.mounts, pair.ratio, at, pair.drive, pair.delta, pair.ratio * at)
+    phi2 = np.array([contact.phi2 for contact in contacts]).reshape(pitches.shape) + pitches * pair.pitch * pair.ratio
+    ahead: np.ndarray[Any, Any] = pair.drive * np.nanmax(pair.drive * phi2, axis=1)
+    return ahead
+
+
+def touched_turns(pair: GearPair, phi1: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
+    """Rotations (N,), rad, of the gear by first touch of all teeth near phi1."""
+    return leading_turns(pair, phi1, 2)[1]
+
+
+def chained(
+    train: gm.MultistageTrain,
+    phi: np.ndarray[Any, Any],
+    turns: Callable[[GearPair, np.ndarray[Any, Any]], np.ndarray[Any, Any]] = touched_turns,
+) -> np.ndarray[Any, Any]:
+    """Rotation of the output, rad, by the `turns` of both stages at every position, one after the other.
 
     The sample is in line: a member's rotation is that of its shaft, and that of the second pinion 3 deg more.
     """
@@ -316,7 +345,7 @@ def chained(train: gm.MultistageTrain, phi: np.ndarray[Any, Any]) -> np.ndarray[
             pair = gm.build(train.file.stages[stage].with_values({"contact.flank": side})).train.pairs[0]
             assert pair.drive == forward
         mount = pair.pinion.mount
-        phi2 = leading_turns(pair, mount.zero + mount.sign * theta, 2)[1]
+        phi2 = turns(pair, mount.zero + mount.sign * theta)
         out = pair.gear.mount.sign * (phi2 - pair.gear.mount.zero)
     return out
 
@@ -340,6 +369,20 @@ def test_output_error_is_that_of_both_stages_rolled_one_after_the_other(two_stag
     exact = sum_at(two_stage, phi)
     # of second order: 5 arcsec of the first stage times the slope of the error of the second, 1e-3
     assert (exact - te) / ARCSEC == pytest.approx(np.zeros(len(phi)), abs=0.02)
+
+
+@pytest.mark.sweep
+def test_output_error_is_that_of_a_roll_of_both_stages(two_stage: gm.MultistageTrain) -> None:
+    """The roll of exact points of both stages, the second from where the first leaves it: within 0.02 arcsec of the sum of 7."""
+    solved = two_stage.transmission_error().solved
+    chosen = np.append(0, np.sort(np.random.default_rng(3).integers(1, len(solved.psi), 5)))
+    phi = two_stage.layout.sense * solved.psi[chosen]
+    rolled = chained(two_stage, phi, rolled_turns)
+    pitch = 2.0 * np.pi / 53
+    te = rolled - rolled[0] - phi / two_stage.figures.ratio
+    te -= np.round(te / pitch) * pitch
+    assert np.ptp(te) / ARCSEC > 3.0
+    assert (solved.te[chosen] - te) / ARCSEC == pytest.approx(np.zeros(len(phi)), abs=0.02)
 
 
 def sum_at(train: gm.MultistageTrain, phi: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
@@ -574,12 +617,84 @@ def test_lost_contact_names_the_stage() -> None:
         train.places(5.0)
 
 
+# ---------------------------------------------------------------- racks
+
+#: a helical pair whose gear turns the pinion of a rack
+WITH_RACK: dict[str, Any] = {
+    "kind": "train",
+    "stages": {
+        "pair": BEVEL_AND_HELICAL["stages"]["helical"],
+        "slide": {"design": str(SAMPLES / "rack.toml"), "helix_angle": 12},
+    },
+    "shafts": {
+        "input": {"members": ["pair.pinion"]},
+        "middle": {"members": ["pair.gear", {"member": "slide.pinion", "position": 40, "turn": 70, "phase": 4}]},
+        "table": {"members": ["slide.rack"]},
+    },
+}
+
+
+@pytest.fixture(scope="module")
+def with_rack() -> gm.MultistageTrain:
+    return gm.load_train(WITH_RACK)
+
+
 @pytest.mark.quick
-def test_slides_and_lone_gears_are_no_stages() -> None:
-    shafts = {"shafts": {"input": {"members": ["a.pinion"]}, "output": {"members": ["a.rack"]}}}
-    train = {"kind": "train", "stages": {"a": {"design": str(SAMPLES / "rack.toml")}}, **shafts}
-    with pytest.raises(gm.DesignError, match=r"^stages\.a: the rack does not turn on a shaft"):
-        _ = gm.load_train(train).headline
+def test_racks_travel_as_their_pinions_roll(with_rack: gm.MultistageTrain) -> None:
+    """20 teeth of module 2 at 12 deg on the rack per turn of the pinion, which turns 19 times while the input turns 58 times."""
+    travel = 20 * math.pi * 2.0 / math.cos(math.radians(12.0)) * 19 / 58
+    rack = with_rack.shafts[-1]
+    assert rack.travel is not None
+    assert rack.force is not None
+    assert abs(rack.travel) == pytest.approx(travel, rel=1e-14)
+    assert with_rack.figures.travel == rack.travel
+    assert with_rack.figures.ratio is None
+    # the work of a turn under 1 Nm, in N mm
+    assert rack.force * rack.travel == pytest.approx(2e3 * math.pi, rel=1e-14)
+    assert [mesh.turns_until_repeat for mesh in with_rack.meshes] == [58.0, None]
+    assert with_rack.figures.turns_until_repeat == 58.0
+    places = [with_rack.places(phi)["slide.rack"] for phi in (0.0, 58.0 / 19.0 * 18.0)]
+    moved = places[1].translation - places[0].translation
+    # a pitch: flanks have no error over it
+    along = places[0].rotation @ np.array([0.0, math.copysign(1.0, rack.travel), 0.0])
+    assert moved == pytest.approx(along * travel / 20 * 58 / 19, abs=1e-9)
+
+
+def test_the_error_of_a_rack_is_that_of_its_own_stage_in_um(with_rack: gm.MultistageTrain) -> None:
+    alone = gm.build(with_rack.file.stages["slide"]).contact().summary
+    error = with_rack.transmission_error(turns=1.0)
+    assert error.figures.way_te_peak_to_peak == pytest.approx(alone["mesh_te_peak_to_peak_um"], rel=1e-3)
+    assert np.ptp(error.to_dict()["te_um"]) == pytest.approx(alone["mesh_te_peak_to_peak_um"], rel=1e-3)
+
+
+def test_teeth_of_a_rack_touch_and_do_not_overlap(with_rack: gm.MultistageTrain) -> None:
+    """The rack pushed back by little is free of its pinion, pushed ahead it is not."""
+    tolerance, phi = 0.01, 77.0 * with_rack.layout.sense
+    solids = with_rack.solids(tolerance, phi=phi)
+    pinion, rack = (solids.parts[name].to_manifold() for name in ("slide.pinion", "slide.rack"))
+    ahead = with_rack.layout.shafts["table"].frame.rotation[:, 1] * with_rack.layout.sense * with_rack.shafts[-1].speed
+    for way, free in ((3.0 * tolerance, True), (-3.0 * tolerance, False)):
+        shift = way * ahead / np.linalg.norm(ahead)
+        assert ((rack.translate(shift) ^ pinion).volume() == 0.0) == free, way
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("shafts", "words"),
+    [
+        ({"table": {"members": ["slide.rack", {"member": "pair.pinion", "position": 9}]}, "input": {"members": ["slide.pinion"]},
+          "middle": {"members": ["pair.gear"]}},
+         'shafts.table.members: the rack of slide slides, and pair.pinion would turn; allowed is ["slide.rack"]'),
+        ({"table": {"members": [{"member": "slide.rack", "phase": 3}]}}, "shafts.table.members.slide.rack.phase = 3"),
+        ({"table": {"members": ["slide.rack"], "speed": 1}}, "shafts.table.speed = 1: must be left out for a rack"),
+        (None, "input = table: the rack of slide slides, and drives no train; allowed is one of input, middle"),
+    ],
+)  # fmt: skip
+def test_shafts_of_racks_only_slide(shafts: dict[str, Any] | None, words: str) -> None:
+    own = {"input": "table"} if shafts is None else {"shafts": {**WITH_RACK["shafts"], **shafts}}
+    with pytest.raises(gm.DesignError) as refusal:
+        _ = gm.load_train({**WITH_RACK, **own}).headline
+    assert words in str(refusal.value)
 
 
 def test_gears_of_a_joined_shaft_must_touch() -> None:

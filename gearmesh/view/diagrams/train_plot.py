@@ -14,9 +14,16 @@ LINE_WIDTHS = (1.3, 0.9)
 
 
 def plot_train_error(
-    file: Path | str, turns: Array, errors: Array, parts: Mapping[str, Array], title: str, pitch: float, dpi: int = 150
+    file: Path | str,
+    turns: Array,
+    errors: Array,
+    parts: Mapping[str, Array],
+    title: str,
+    pitch: float,
+    dpi: int = 150,
+    unit: str = "arcsec",
 ) -> None:
-    """Plot errors (P,), arcsec, over turns (P,) of the input, with the shares (P,) of the stages.
+    """Plot errors (P,) in a unit over turns (P,) of the input, with the shares (P,) of the stages.
 
     `pitch`: turns of the input during a pitch of the slowest mesh; the second plot shows three of them. Raises OutputError if the
     file cannot be written.
@@ -35,7 +42,7 @@ def plot_train_error(
         axes.grid(True, color=GRID_LINE_COLOUR, lw=0.8)
         axes.set_axisbelow(True)
     widen_errors(whole, float(errors.min()), float(errors.max()))
-    whole.set_ylabel("transmission error of the output (arcsec)")
+    whole.set_ylabel(f"transmission error of the output ({'µm' if unit == 'um' else unit})")
     whole.set_title("all turns", color=INK_COLOUR, fontsize=10)
     near.set_title("three pitches of the slowest mesh", color=INK_COLOUR, fontsize=10)
     near.legend(fontsize=8, framealpha=0.85)
