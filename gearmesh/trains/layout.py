@@ -144,10 +144,10 @@ class Layout:
         """Stages by their names, in the order of the motion."""
         return {step.stage.name: step.stage for step in self.steps}
 
-    def travel(self, shaft: str) -> float | None:
-        """Return the travel, mm/rad, of the rack on a shaft; None for a shaft that turns."""
+    def port(self, shaft: str) -> Port:
+        """Return the port of the first member of a shaft."""
         seated = self.shafts[shaft].members[0]
-        return self.stages[seated.stage].ports[seated.port].joint.travel
+        return self.stages[seated.stage].ports[seated.port]
 
     def turns(self, psi: Array) -> dict[str, Array]:
         """Return rotations (N,), rad, of all shafts in contact at rotations (N,) of the input shaft."""
@@ -397,7 +397,7 @@ def _check_racks(file: TrainFile, stages: Mapping[str, Stage], owners: Mapping[s
     """Refuse racks that drive, and keys and members of their shafts that are for shafts that turn."""
     for word, name in owners.items():
         stage, _, port = word.partition(".")
-        if stages[stage].ports[port].joint.travel is None:
+        if not stages[stage].ports[port].slides:
             continue
         shaft, key = file.shafts[name], f"shafts.{name}"
         if name == file.input:

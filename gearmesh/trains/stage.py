@@ -12,6 +12,7 @@ A, B and C is fixed. `slope` is a ratio of whole numbers of teeth, f itself is t
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from fractions import Fraction
@@ -52,8 +53,13 @@ class Port:
     towards: Array
     #: True if the mating gear is beside the axis
     leads_away: bool
-    #: joint of the member: a rack slides, by its `travel` per rotation
+    #: joint of the member; a rack slides
     joint: Joint = REVOLUTE_JOINT
+
+    @property
+    def slides(self) -> bool:
+        """True for a rack."""
+        return math.isinf(self.joint.cycle(1))
 
 
 @dataclass(frozen=True)
@@ -117,13 +123,17 @@ class Mesh:
         return full_turns(self.pair) if self.pair.eccentric or self.pair.uneven else None
 
     @property
+    def turn_teeth(self) -> tuple[int, int]:
+        """Teeth of pinion and gear in a turn; of a rack those on the circle of its pinion that rolls along it."""
+        first, second = (round(2.0 * math.pi / member.tooth.pitch_angle) for member in self.pair.both)
+        return first, second
+
+    @property
     def slope(self) -> Fraction:
         """Ratio of the rotations about the ports, gear over pinion."""
-        first, second = (member.tooth.teeth for member in self.pair.both)
+        first, second = self.turn_teeth
         senses = self.pair.pinion.mount.sign * self.pair.gear.mount.sign * self.pair.ratio
-        # a rack's rotation is that of the circle of its pinion that rolls along it
-        size = Fraction(1) if self.pair.gear.tooth.joint.travel is not None else Fraction(first, second)
-        return size * (1 if senses > 0.0 else -1)
+        return Fraction(first, second) * (1 if senses > 0.0 else -1)
 
     def curve_phi1(self, theta: Array) -> Array:
         """Return the rotation (N,) of the pinion, rad, at which the `curve` knows rotations (N,) about its port."""

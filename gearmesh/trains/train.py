@@ -133,29 +133,23 @@ class TrainError(Result):
             self.shaft,
             float(self.solved.psi[-1]) / (2.0 * math.pi),
             float(np.ptp(self.solved.te)) / ARCSEC,
-            None if self.way is None else float(np.ptp(self.solved.te)) * self.way,
+            self.train.layout.port(self.shaft).joint.way(1e3 * float(np.ptp(self.solved.te))),
             {stage: float(np.ptp(part)) / ARCSEC for stage, part in self.solved.parts.items()},
         )
 
     @property
-    def way(self) -> float | None:
-        """Travel, um/rad, of a rack on the shaft; None for a shaft that turns."""
-        travel = self.train.layout.travel(self.shaft)
-        return None if travel is None else 1e3 * travel
-
-    @property
-    def unit(self) -> str:
-        """Unit in which the error is shown: "um" of a rack, otherwise "arcsec"."""
-        return "arcsec" if self.way is None else "um"
+    def reading(self) -> tuple[float, str]:
+        """Rad in the unit in which the error is shown, and the unit: "um" of a rack, otherwise "arcsec"."""
+        return self.train.layout.port(self.shaft).joint.reading.error
 
     def shown(self, error: Array) -> Array:
         """Return errors (P,), rad, in the unit in which they are shown."""
-        return np.asarray(error / ARCSEC if self.way is None else error * self.way)
+        return np.asarray(error / self.reading[0])
 
     @property
     def headline(self) -> str:
         size, turns = float(np.ptp(self.shown(self.solved.te))), self.figures.turns
-        return f"{self.shaft}: TE {size:.4g} {self.unit} peak to peak over {turns:.4g} turns of the input"
+        return f"{self.shaft}: TE {size:.4g} {self.reading[1]} peak to peak over {turns:.4g} turns of the input"
 
     @property
     def listings(self) -> list[Listing]:
@@ -164,7 +158,7 @@ class TrainError(Result):
         return [
             Listing(
                 f"Transmission error of the shaft {self.shaft}",
-                ("stage", f"peak to peak {self.unit}"),
+                ("stage", f"peak to peak {self.reading[1]}"),
                 rows,
                 notes=[f"over {self.figures.turns:.6g} turns of the input"],
             )
@@ -173,7 +167,7 @@ class TrainError(Result):
     def to_dict(self) -> dict[str, list[Any]]:
         parts = {f"te_{stage}_arcsec": (part / ARCSEC).tolist() for stage, part in self.solved.parts.items()}
         degrees = np.degrees(self.solved.psi).round(10).tolist()
-        slid = {} if self.way is None else {"te_um": self.shown(self.solved.te).tolist()}
+        slid = {"te_um": self.shown(self.solved.te).tolist()} if self.train.layout.port(self.shaft).slides else {}
         return {"input_deg": degrees, "te_arcsec": (self.solved.te / ARCSEC).tolist(), **slid, **parts}
 
     @property
@@ -237,25 +231,19 @@ class MultistageTrain(Result):
     def figures(self) -> TrainFigures:
         """Figures of the whole train."""
         speeds, output = self.layout.speeds, self.file.output
-        travel = self._travel(output)
-        ratio = 1 / speeds[output] if speeds[output] and travel is None else None
+        port = self.layout.port(output)
+        ratio = 1 / speeds[output] if speeds[output] and not port.slides else None
         within = (motion.pinion_turns for step in self.layout.steps for motion in mesh_motions(step))
         whole = math.lcm(*(speed.denominator for speed in (*speeds.values(), *within)))
-        words = _words(ratio) if ratio is not None else "infinite" if travel is None else "none"
         return TrainFigures(
             self.file.input,
             output,
             None if ratio is None else float(ratio),
-            words,
+            _words(ratio) if ratio is not None else "none" if port.slides else "infinite",
             self.layout.sense,
             float(whole),
-            travel,
+            port.joint.way(2.0 * math.pi * float(speeds[output])),
         )
-
-    def _travel(self, shaft: str) -> float | None:
-        """Return the travel, mm, of the rack on a shaft per turn of the input; None for a shaft that turns."""
-        way = self.layout.travel(shaft)
-        return None if way is None else 2.0 * math.pi * way * float(self.layout.speeds[shaft])
 
     @cached_property
     def shafts(self) -> tuple[ShaftFigures, ...]:
@@ -268,8 +256,8 @@ class MultistageTrain(Result):
                 float(self.layout.speeds[name]),
                 _words(self.layout.speeds[name]),
                 float(torques[name]),
-                self._travel(name),
-                None if (way := self.layout.travel(name)) is None else 1e3 * float(torques[name]) / way,
+                self.layout.port(name).joint.way(2.0 * math.pi * float(self.layout.speeds[name])),
+                self.layout.port(name).joint.force(1e3 * float(torques[name])),
                 _coordinates(shaft.frame.rotation[:, 2]),
                 _coordinates(shaft.frame.translation),
             )
@@ -338,12 +326,12 @@ class MultistageTrain(Result):
             phases = self._phases(step, turned[step.stage.members[0]] - turned[CARRIER_NAME])
             for mesh, motion, phase in zip(step.stage.meshes, mesh_motions(step), phases, strict=True):
                 teeth = [member.tooth.teeth for member in mesh.pair.both]
-                slides = mesh.pair.gear.tooth.joint.travel is not None
                 # a tooth of a rack always meets the same tooth of its pinion
-                common = teeth[0] if slides else math.gcd(*teeth)
+                common = math.gcd(*mesh.turn_teeth)
                 until = Fraction(teeth[1], common) / motion.pinion_turns if motion.pinion_turns else math.inf
+                again = None if math.isinf(mesh.pair.gear.tooth.joint.cycle(1)) else float(until)
                 found.append(TrainMeshFigures(step.stage.name, mesh.pair.name, teeth, common, common == 1,
-                                              None if slides else float(until), float(motion.teeth), phase))  # fmt: skip
+                                              again, float(motion.teeth), phase))  # fmt: skip
         return tuple(found)
 
     def _phases(self, step: TrainStep, relative: Array) -> list[float]:
@@ -373,20 +361,13 @@ class MultistageTrain(Result):
     def listings(self) -> list[Listing]:
         values = self.figures
         sense = "right-handed" if values.input_sense > 0 else "left-handed"
-        shafts = [
-            [
-                own.shaft,
-                own.members,
-                round_to(own.speed, 6),
-                own.speed_fraction,
-                round_to(own.torque, 4),
-                _vector(own.axis),
-            ]
-            if own.travel is None or own.force is None
-            else [own.shaft, own.members, f"{own.travel:.6g} mm", "slides", f"{own.force:.4g} N", _vector(own.axis)]
-            for own in self.shafts
-        ]
-        slid = any(own.travel is not None for own in self.shafts)
+        shafts, slid = [], any(self.layout.port(own.shaft).slides for own in self.shafts)
+        for own in self.shafts:
+            turning = [round_to(own.speed, 6), own.speed_fraction, round_to(own.torque, 4)]
+            sliding = (
+                [f"{own.travel:.6g} mm", "slides", f"{own.force:.4g} N"] if self.layout.port(own.shaft).slides else []
+            )
+            shafts.append([own.shaft, own.members, *(sliding or turning), _vector(own.axis)])
         slides = (
             ["a rack: mm of travel along y of its shaft per turn of the input, N per Nm on the input"] if slid else []
         )
@@ -661,7 +642,7 @@ class MultistageTrain(Result):
         solved = error.solved
         parts = {stage: error.shown(part) for stage, part in solved.parts.items()}
         slowest = min((mesh.teeth_per_turn for mesh in self.meshes if mesh.stage in parts), default=1.0)
-        turns, te, unit = solved.psi / (2.0 * math.pi), error.shown(solved.te), error.unit
+        turns, te, unit = solved.psi / (2.0 * math.pi), error.shown(solved.te), error.reading[1]
         title = f"{self.title}: shaft {error.shaft}, {float(np.ptp(te)):.4g} {unit} peak to peak"
         return Diagram(title, lambda file: plot_train_error(file, turns, te, parts, title, 1.0 / slowest, unit=unit))
 
@@ -742,7 +723,7 @@ def load_train(source: str | PathLike[str] | Mapping[str, Any], overrides: Seque
 
 def _ratio_text(values: TrainFigures, digits: int) -> str:
     """Return the ratio as a fraction and a number of `digits` digits."""
-    if values.travel is not None:
+    if values.ratio is None and values.ratio_fraction == "none":
         return f"travel {values.travel:.{digits}g} mm per turn of the input"
     if values.ratio is None:
         return "ratio infinite, the output rests"
