@@ -1,6 +1,6 @@
 """Mesh of the body under the teeth: end faces from the toothed outline inwards, bore and back.
 
-The body is a profile of points (rho, z) (see `teeth.body`); each point becomes a ring of vertices. A toothed end face lies on
+The body is a profile of points (rho, z) (see `teeth.blank.body`); each point becomes a ring of vertices. A toothed end face lies on
 a station surface: a plane, the front or back cone of a bevel gear, or the inner or outer cylinder of a face gear. It is
 triangulated in a plane chart in which the generatrices of the station are rays and polar angles stay. On a plane any
 triangles do. On cones and cylinders edges follow the rays, which needs no vertices besides those of outline and ring. If that

@@ -8,7 +8,7 @@ phi2 count, so its transmission error is
 
 A tooth that is r farther from its axis, as a pin that is set into a ring, moves along the normal n at the contact. The gear
 follows by an angle at which nothing moves along the normal, to first order in r. With the direction x of the tooth and the
-velocity v2 of the gear at a unit rotation, e2 has one of the terms more
+velocity v2 of the gear at a unit rotation, this adds to e2
 
     r x n / (v2 n)  for teeth of the gear,      -r x n / (v2 n)  for teeth of the pinion
 

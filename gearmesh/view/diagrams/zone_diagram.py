@@ -1,4 +1,4 @@
-"""The zone of contact as a figure: contact lines on both flanks, and perpendicular to the plane of action.
+"""The zone of contact as a figure: contact lines on both flanks, and in the plane of action.
 
 Contact lines of a tooth pair from first to last contact are faint. Lines of all tooth pairs at one rotation of the
 pinion are marked. Flanks are drawn as in `flank_diagrams`; below them is the zone in space, which is at rest while the

@@ -1,7 +1,7 @@
 """Members that a shaper cutter generates: internal gears, and external gears that a hob cannot reach.
 
 In the transverse section the cutter's involute generates the flank, its tip rounding the fillet and its top the root. A
-helical member is this section, twisted (see `kernel.twisted`). The cutter is at the distance at which it cuts teeth of
+helical member is this section, twisted (see `kernel.surface.twisted`). The cutter is at the distance at which it cuts teeth of
 the required thickness.
 """
 

@@ -3,8 +3,7 @@
 | method | given size | given spiral angle | remaining condition |
 |---|---|---|---|
 | 0 | d_e2, b_2 | both | none: the cones have one apex |
-| 1 | d_e2, b_2, an estimate of delta_2 | pinion | the tooth line has the curvature of the limit normal, rho_mbeta =
-rho_lim |
+| 1 | d_e2, b_2, an estimate of delta_2 | pinion | curvature of the tooth line: rho_mbeta = rho_lim of the limit normal |
 | 2 | d_m2 | wheel | in the pitch plane both apexes and the cutter's centre are on one line |
 | 3 | d_e2, b_2: mean point in the middle of the wheel's face | wheel | R_m1 = R_mint, (100) to (106) |
 
