@@ -1,9 +1,10 @@
 """Figures of many assemblies from their paths of contact alone, in one batch: milliseconds per assembly.
 
 Lengths and heights are on the pinion's flank, measured from its middle (`teeth.flank_frame`). Shares of the pattern are
-those of `contact.pattern`. The transmission error of the gears is an estimate. It is the largest advance of all tooth pairs at equally spaced phases of a pitch, from cubics
-through the positions and their slopes. The contact ratio is estimated by extrapolating the distance to the edges. The
-mesh cycle has the exact values, with each change of pairs solved as a root.
+those of `contact.pattern`. The transmission error of the gears is an estimate. It is the largest advance of all tooth
+pairs at equally spaced phases of a pitch, from cubics through the positions and their slopes. The contact ratio is
+estimated by extrapolating the distance to the edges. The mesh cycle has the exact values, with each change of pairs
+solved as a root.
 """
 
 from __future__ import annotations
