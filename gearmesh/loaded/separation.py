@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.conditions.meshing import Flank
-from gearmesh.contact.engagement.pitch_turns import farther_out_ahead, flanks_ahead
+from gearmesh.contact.engagement.uneven_teeth import farther_out_ahead, flanks_ahead
 from gearmesh.contact.flanks import solver_pair, touching_jets
 from gearmesh.contact.hertz import line_contact, point_contact
 from gearmesh.contact.pair import MEMBER_NAMES, Pair

@@ -23,7 +23,8 @@ import numpy as np
 from gearmesh.answers.gearset import GearSet
 from gearmesh.contact.engagement.curve import MeshCurve
 from gearmesh.contact.engagement.cycle import gears_curve
-from gearmesh.contact.engagement.turns import FullTurns, full_turns
+from gearmesh.contact.engagement.pitch_turns import whole_turns
+from gearmesh.contact.engagement.turns import FullTurns
 from gearmesh.contact.fit.fit import reversed_pair
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.errors import DesignError, NoSolutionError
@@ -120,7 +121,7 @@ class Mesh:
     @cached_property
     def turns(self) -> FullTurns | None:
         """The pair over whole turns, if its members are eccentric or have pitch deviations."""
-        return full_turns(self.pair) if self.pair.eccentric or self.pair.uneven else None
+        return whole_turns(self.pair) if self.pair.eccentric or self.pair.uneven else None
 
     @property
     def turn_teeth(self) -> tuple[int, int]:

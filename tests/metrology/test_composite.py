@@ -76,9 +76,6 @@ def test_involute_teeth_lead_by_their_pitch_deviations() -> None:
     pair, first = pair_of(design_of(*SPUR)), np.zeros(16)
     with pytest.raises(DesignError, match="must be 16, one a tooth"):
         shifted(pair, {pair.flanks[0]: first[:-1]})
-    eccentric = pair_of(design_of(*SPUR, "assembly.gear_eccentricity=0.01"))
-    with pytest.raises(DesignError, match="cannot have eccentricities too"):
-        pitch_turns(shifted(eccentric, dict.fromkeys(Side, first)))
 
 
 def eccentric_shifts(member: Member, size: float, phase: float) -> dict[Side, Array]:

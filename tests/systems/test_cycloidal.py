@@ -305,10 +305,15 @@ def test_an_eccentric_ring_has_two_discs_half_a_turn_apart() -> None:
     outwards = 10.0 * np.cos(pins - phase)
     # index deviations are arcs of the pitch circle
     arcs = -10.0 * np.sin(pins - phase) * radius / Drive(first.design).curve.circle
-    lists = [f"measured.ring_pitch_{side}_um={arcs.tolist()}" for side in Side]
-    placed = gm.build(several(2, gap, f"measured.ring_radial_um={outwards.tolist()}", *lists))
-    assert te == pytest.approx(whole_turns(placed.pairs[0]).te, abs=0.003 * np.ptp(te))
     assert np.ptp(te) > 5e-4
+    # out of place alone, and half of it by a ring that is half as eccentric
+    for eccentricity in (0.0, 0.005):
+        share = 1.0 - eccentricity / 0.01
+        lists = [f"measured.ring_pitch_{side}_um={(share * arcs).tolist()}" for side in Side]
+        radial = f"measured.ring_radial_um={(share * outwards).tolist()}"
+        ring = [f"assembly.ring_eccentricity={eccentricity}", "assembly.ring_phase=40"]
+        placed = gm.build(several(2, gap, radial, *lists, *ring))
+        assert te == pytest.approx(whole_turns(placed.pairs[0]).te, abs=0.003 * np.ptp(te))
 
 
 @pytest.mark.sweep

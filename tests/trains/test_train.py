@@ -19,9 +19,11 @@ from oracles.places import SAMPLES
 import gearmesh as gm
 from gearmesh.check.roll import roll
 from gearmesh.contact.engagement.cycle import gears_curve
+from gearmesh.contact.engagement.pitch_turns import whole_turns
 from gearmesh.contact.engagement.train_turns import leading_turns
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.kernel.numeric.algebra import ARCSEC
+from gearmesh.kinds import Side
 from gearmesh.systems.cylindrical.planetary.motion import phases
 from gearmesh.teeth.gear_train import GearPair
 from gearmesh.trains.bodies import bodies_of
@@ -397,6 +399,26 @@ def sum_at(train: gm.MultistageTrain, phi: np.ndarray[Any, Any]) -> np.ndarray[A
         total += gain * (error - (step.stage.relation(zero) - float(step.stage.slope) * zero))
         psi = psi * float(step.stage.slope)
     return total
+
+
+def test_output_error_has_the_pitch_deviations_of_a_stage() -> None:
+    """Errors of the gears of one stage as their own contact over whole turns has them: 30 um of one tooth, not 0."""
+    places = [0.0] * 32
+    places[5] = 30.0
+    pair = {
+        "kind": "cylindrical",
+        "module": 3,
+        "pinion": {"teeth": 16, "face_width": 20},
+        "gear": {"teeth": 32, "face_width": 20},
+    }
+    measured = {f"gear_pitch_{side}_um": places for side in Side}
+    shafts = {"input": {"members": ["pair.pinion"]}, "output": {"members": ["pair.gear"]}}
+    train = gm.load_train({"kind": "train", "stages": {"pair": {**pair, "measured": measured}}, "shafts": shafts})
+    error = train.transmission_error(turns=2.0).figures.te_peak_to_peak
+    (mesh,) = gm.build(gm.parse({**pair, "measured": measured})).pairs
+    assert error == pytest.approx(whole_turns(mesh).peak_to_peak / ARCSEC, rel=1e-3)
+    # an angle of 30 um on the pitch circle of 96 mm, less what the neighbours of the tooth take over
+    assert error > 0.5 * 0.03 / 48.0 / ARCSEC
 
 
 def test_conjugate_stages_have_no_error(planetary: gm.MultistageTrain) -> None:

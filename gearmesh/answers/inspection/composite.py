@@ -16,8 +16,8 @@ from gearmesh.answers.contact.turns import TurnsDetails, turns_listing, turns_wa
 from gearmesh.answers.inspection.figures import UM_PER_MM
 from gearmesh.answers.result import Result, header
 from gearmesh.answers.tables import Listing, csv_text, figures
-from gearmesh.contact.engagement.pitch_turns import pitch_turns
-from gearmesh.contact.engagement.turns import FullTurns, full_turns
+from gearmesh.contact.engagement.pitch_turns import whole_turns
+from gearmesh.contact.engagement.turns import FullTurns
 from gearmesh.contact.fit.fit import centre_distance
 from gearmesh.contact.fit.tight_mesh import TightMesh, tight_mesh
 from gearmesh.design.core import Design
@@ -169,7 +169,6 @@ def composite_test(
     pitch deviations are nominal, and the eccentricity of a member is its runout. Raises an error for
 
     - other members, and other numbers of teeth.
-    - eccentric members with pitch deviations, which contain the runout.
     - too many turns, and teeth that do not meet (NoSolutionError).
     """
     pair = train.pairs[0] if mesh is None else mesh
@@ -187,7 +186,7 @@ def composite_test(
     pair = replace(pair, pinion=at_places(pair.pinion), gear=at_places(pair.gear))
     parallel = centre_distance(pair) is not None
     with part(0.0, SINGLE_FLANK_SHARE if parallel else 1.0):
-        single = full_turns(pair) if pair.eccentric and not pair.uneven else pitch_turns(pair)
+        single = whole_turns(pair)
     with part(SINGLE_FLANK_SHARE, 1.0):
         double = tight_mesh(pair) if parallel else None
     return CompositeTest(design, pair, single, double, radii[pair.gear.name], train.warnings)

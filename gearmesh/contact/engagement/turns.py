@@ -1,16 +1,21 @@
 """Transmission error of eccentric members over whole turns: every tooth pair has a different error until the pattern repeats.
 
+The members may have pitch deviations, too.
+
 At a rotation phi an eccentric member stands like a concentric member that is displaced by `Mount.off(phi)`. Tooth pair k has at
 phi1 the contact of pair 0, with this displacement, at phi1 - k pitches. All tooth pairs are one batch, which starts from the
 contacts of the concentric pair at the same rotations of its engagement. First touch over the whole of both flanks checks positions
 drawn at random. The displacement of the gear depends on phi2, which is found together with the contact in a few rounds.
+
+With pitch deviations flanks are ahead by e1 and e2 (`uneven_teeth`): pair k has the contact of pair 0 at phi1 + e1 - k pitches.
+There both members are displaced as at phi1 and phi2 - e2. Teeth that are farther from their axes are displaced by that, too.
 """
 
 from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import cached_property
 
@@ -20,16 +25,17 @@ from numpy.typing import NDArray
 from gearmesh.contact.conditions.refinement import Contacts, Trial, refine_candidates
 from gearmesh.contact.engagement.cycle import engagement_range
 from gearmesh.contact.engagement.engagement import Engagement, whole_engagement
+from gearmesh.contact.engagement.uneven_teeth import farther_out, flanks_ahead, tooth_direction
 from gearmesh.contact.first_touch.first_touch import first_touch
 from gearmesh.contact.fit.fit import play, reversed_pair
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.pair import EDGE_CORNER, Pair
+from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
 from gearmesh.errors import DesignError, NoSolutionError
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array, dot
 from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import GearPair, Member
-from gearmesh.teeth.mount import Mount
 
 #: positions in a pitch at most
 POSITIONS_PER_PITCH = 12
@@ -112,28 +118,20 @@ class FullTurns:
 
 
 def full_turns(pair: GearPair) -> FullTurns:
-    """Compute the transmission error of an eccentric pair over the turns after which it repeats.
+    """Compute the transmission error of an eccentric pair over the turns after which it repeats; pitch deviations count, too.
 
     Raises DesignError where the turns are too many, NoSolutionError where the teeth lose contact.
     """
-    pitches = pitches_until_repeat(pair)
-    if pitches > MAX_PITCHES:
-        raise DesignError(
-            "teeth",
-            (pair.pinion.tooth.teeth, pair.gear.tooth.teeth),
-            reason=f"the pattern of both eccentricities repeats after {pitches} teeth",
-            allowed=f"up to {MAX_PITCHES}; teeth with a common divisor, or one eccentric member alone, need fewer",
-        )
+    pitches, per_pitch = turns_of(pair)
     # advances of the driving flanks and of the coast flanks; their sum is the play
-    per_pitch = max(MIN_POSITIONS_PER_PITCH, min(POSITIONS_PER_PITCH, MAX_POSITIONS // pitches))
     both = (pair, reversed_pair(pair))
     first, second = (_concentric_engagement(own) for own in both)
     forwards, carrier = _advance(pair, first, pitches, per_pitch)
-    # the coast flanks belong to the same gear, turned by whole pitches from the contact of flanks of the same number
-    turned = -pair.drive * _pitches_apart(pair, first, second) * pair.gear.tooth.pitch_angle
-    backwards, _ = _advance(both[1], second, pitches, per_pitch, turned)
+    backwards, _ = _advance(both[1], second, pitches, per_pitch, gear_turned(pair, first, second))
     te, phi1 = pair.drive * forwards, np.arange(pitches * per_pitch, dtype=float) * (pair.pitch / per_pitch)
     waves = waves_of_turns(pair, pitches, phi1, te)
+    if pair.uneven:
+        waves = without_closed_forms(waves)
     return FullTurns(
         pitches,
         per_pitch,
@@ -143,6 +141,20 @@ def full_turns(pair: GearPair) -> FullTurns:
         play(pair, forwards + backwards, wound=solver_pair(pair).wound),
         waves,
     )
+
+
+def turns_of(pair: GearPair) -> tuple[int, int]:
+    """Return the pitches until a pair repeats, and the positions in a pitch. Raises DesignError where the pitches are too many."""
+    pitches = pitches_until_repeat(pair)
+    if pitches > MAX_PITCHES:
+        raise DesignError(
+            "teeth",
+            (pair.pinion.tooth.teeth, pair.gear.tooth.teeth),
+            reason=f"the pattern of both members repeats after {pitches} teeth",
+            allowed=f"up to {MAX_PITCHES}; teeth with a common divisor, or one member alone with eccentricity or pitch deviations, "
+            "need fewer",
+        )
+    return pitches, max(MIN_POSITIONS_PER_PITCH, min(POSITIONS_PER_PITCH, MAX_POSITIONS // pitches))
 
 
 def pitches_until_repeat(pair: GearPair) -> int:
@@ -159,8 +171,12 @@ def _concentric_engagement(pair: GearPair) -> Engagement:
     return followed
 
 
-def _pitches_apart(pair: GearPair, forwards: Engagement, backwards: Engagement) -> int:
-    """Return the pitches of the gear that `play` adds to the advances of both sides, which count flanks of the same number."""
+def gear_turned(pair: GearPair, forwards: Engagement, backwards: Engagement) -> int:
+    """Return the pitches by which the gear stands ahead, as phi2 counts, of the contact of coast flanks of the same number.
+
+    Both engagements, of the driving and of the coast flanks, count flanks of the same number. `play` adds these pitches to their
+    advances.
+    """
     total = np.zeros(1)
     for followed in (forwards, backwards):
         whole = np.flatnonzero(np.abs(followed.phi1 / pair.pitch - np.round(followed.phi1 / pair.pitch)) < ROUNDING_RAD)
@@ -168,16 +184,15 @@ def _pitches_apart(pair: GearPair, forwards: Engagement, backwards: Engagement) 
     if not np.isfinite(total).all():
         return 0
     added = -total - play(pair, total, wound=forwards.pair.wound)
-    return round(float(added[0] / pair.gear.tooth.pitch_angle))
+    return -pair.drive * round(float(added[0] / pair.gear.tooth.pitch_angle))
 
 
 def _advance(
-    pair: GearPair, followed: Engagement, pitches: int, per_pitch: int, turned: float = 0.0
+    pair: GearPair, followed: Engagement, pitches: int, per_pitch: int, turned: int = 0
 ) -> tuple[Array, NDArray[np.intp]]:
     """Compute transmission advances (P,), rad, of the gears over the turns, and the numbers (P,) of the tooth pairs in contact.
 
-    `followed` is the concentric engagement. `turned` (rad) is a rotation of the gear in addition to phi2, which turns its
-    eccentricity too.
+    `followed` is the concentric engagement. `turned` are pitches of the gear in addition to phi2, which turn its eccentricity too.
     """
     concentric = followed.pair
     low, high = engagement_range(followed, pair.pitch)
@@ -208,8 +223,8 @@ class _Turns:
 
     #: concentric pair
     pair: Pair
-    #: mounts of pinion and gear with eccentricity
-    mounts: tuple[Mount, Mount]
+    #: pinion and gear with eccentricity
+    members: tuple[Member, Member]
     #: pitches of the pinion after which the pattern repeats
     pitches: int
     #: positions in a pitch
@@ -220,8 +235,12 @@ class _Turns:
     contacts: Contacts
     #: numbers (W,) of the places at which an eccentric pair may carry
     worth: NDArray[np.intp]
-    #: rotation of the gear in addition to phi2, rad
-    turned: float
+    #: pitches of the gear in addition to phi2
+    turned: int
+    #: angles (pitches,), rad, by which the flanks of pinion and gear of each tooth pair are ahead
+    ahead: tuple[Array, Array]
+    #: distances (pitches,), mm, by which the teeth of pinion and gear of each tooth pair are farther from their axes
+    outwards: tuple[Array, Array]
 
     @staticmethod
     def of(
@@ -231,7 +250,7 @@ class _Turns:
         pitches: int,
         per_pitch: int,
         places: NDArray[np.intp],
-        turned: float,
+        turned: int,
     ) -> _Turns:
         # contacts of the concentric pair are the starts; a place is worth solving if eccentricity can bring it to the front
         contacts = followed.at(places.astype(float) * (gears.pitch / per_pitch))
@@ -239,9 +258,18 @@ class _Turns:
         places, contacts = places[usable], contacts.at(usable)
         phase, most = places % per_pitch, np.full(per_pitch, -np.inf)
         np.maximum.at(most, phase, contacts.advance)
-        behind = MAX_LAG * sum(amplitude for amplitude, _ in _closed_waves(gears).values())
+        numbers = np.arange(pitches)
+        ahead, outwards = (of_teeth(gears, numbers, turned) for of_teeth in (flanks_ahead, farther_out))
+        behind = MAX_LAG * (
+            sum(amplitude for amplitude, _ in _closed_waves(gears).values())
+            + sum(float(np.ptp(away)) for away in outwards) / abs(_mean_contact(gears)[1])
+        )
+        # differences of pitch deviations count as they are
+        behind += float(np.ptp(gears.ratio * ahead[0] - ahead[1]))
         worth = np.flatnonzero(contacts.advance >= most[phase] - behind - ROUNDING_RAD)
-        return _Turns(pair, gears.mounts, pitches, per_pitch, places, contacts, worth, turned)
+        return _Turns(
+            pair, gears.both, pitches, per_pitch, places, contacts, worth, turned, (ahead[0], ahead[1]), outwards
+        )
 
     @cached_property
     def unlike(self) -> list[tuple[int, int]]:
@@ -271,25 +299,34 @@ class _Turns:
         position = (tooth * self.per_pitch + self.places[place]) % (self.pitches * self.per_pitch)
         for part in self._chunks(np.arange(contacts.advance.size)):
             self._solve(part, tooth[part], place[part], contacts)
-        advance, carrier = self._ahead(contacts, position)
+        advance, carrier = self._most_advanced(contacts, tooth, position)
         # check samples by the global search: if one is ahead, search all positions anew
         known = np.flatnonzero(contacts.touching)
         checked = np.random.default_rng(0).choice(known, min(CHECKED_POSITIONS, known.size), replace=False)
+        lead = self._lead(tooth[checked])
         if (
-            self._anew(tooth[checked], place[checked], contacts.x[checked, 4]).advance
+            self._anew(tooth[checked], place[checked], contacts.x[checked, 4]).advance + lead
             > advance[position[checked]] + ROUNDING_RAD
         ).any():
             for part in self._chunks(known):
                 contacts.put(part, self._anew(tooth[part], place[part], contacts.x[part, 4]))
-            advance, carrier = self._ahead(contacts, position)
+            advance, carrier = self._most_advanced(contacts, tooth, position)
         return advance, tooth[carrier]
 
-    def _ahead(self, contacts: Contacts, position: NDArray[np.intp]) -> tuple[Array, NDArray[np.intp]]:
+    def _lead(self, tooth: NDArray[np.intp]) -> Array:
+        """Return the advances (M,), rad, of tooth pairs (M,) that their pitch deviations add to those of their contacts."""
+        first, second = self.ahead
+        return self.pair.drive * (self.pair.ratio * first[tooth] - second[tooth])
+
+    def _most_advanced(
+        self, contacts: Contacts, tooth: NDArray[np.intp], position: NDArray[np.intp]
+    ) -> tuple[Array, NDArray[np.intp]]:
         """Return the greatest advance (P,), rad, at every position, and the number (P,) of its contact."""
-        order = np.argsort(contacts.advance, kind="stable")
+        advances = contacts.advance + self._lead(tooth)
+        order = np.argsort(advances, kind="stable")
         last = np.zeros(self.pitches * self.per_pitch, dtype=np.intp)
         advance = np.full(last.size, -np.inf)
-        last[position[order]], advance[position[order]] = order, contacts.advance[order]
+        last[position[order]], advance[position[order]] = order, advances[order]
         return advance, last
 
     @staticmethod
@@ -298,11 +335,15 @@ class _Turns:
             yield index[k : k + MAX_BATCH]
 
     def _displace(self, tooth: NDArray[np.intp], place: NDArray[np.intp], phi2: Array) -> Pair:
-        """Return the pair displaced as teeth (M,) at places (M,), with the gear at phi2 (M,), rad, as tooth pair 0 counts."""
-        first, second = self.mounts
-        turned = tooth * self.pair.pitch
-        at_phi1 = first.off(self._phi1(place) + turned)
-        at_phi2 = second.off(phi2 + self.pair.ratio * turned + self.turned)
+        """Return the pair displaced as teeth (M,) at places (M,), with the gear's flank at phi2 (M,), rad, as pair 0 counts."""
+        pinion, gear = self.members
+        turned, gear_turned = tooth * self.pair.pitch, self.turned * gear.tooth.pitch_angle
+        at_phi1 = pinion.mount.off(self._phi1(place) + turned)
+        at_phi2 = gear.mount.off(phi2 - self.ahead[1][tooth] + self.pair.ratio * turned + gear_turned)
+        # teeth farther out are displaced along their own directions
+        away_1, away_2 = (away[tooth, None] for away in self.outwards)
+        at_phi1 = at_phi1 + away_1 * tooth_direction(pinion, self._flank_phi1(tooth, place))
+        at_phi2 = at_phi2 + away_2 * tooth_direction(gear, phi2)
         return replace(
             self.pair,
             pinion=self.pair.pinion.remount(self.pair.pinion.mount.shift(at_phi1)),
@@ -319,11 +360,13 @@ class _Turns:
         ]
         position, source = (np.concatenate(column) for column in zip(*starts, strict=True))
         at = self.contacts.at(source)
-        at.x[:, 4] += self.pair.ratio * self.step * (self.places[place[position]] - self.places[source])
+        at.x[:, 4] += self.pair.ratio * (
+            self.ahead[0][tooth[position]] + self.step * (self.places[place[position]] - self.places[source])
+        )
         # the displacement of the gear depends on phi2: fixed-point iteration
         before = at.x[: place.size, 4]
         for _ in range(DISPLACEMENT_ROUNDS):
-            now = self._refine(self._displace(tooth, place, before), self._phi1(place), position, at)
+            now = self._refine(self._displace(tooth, place, before), self._flank_phi1(tooth, place), position, at)
             contacts.put(part, now)
             on = now.touching & (now.edges[:, 0] < EDGE_CORNER) & ~(np.abs(now.x[:, 4] - before) <= PHI2_TOLERANCE_RAD)
             if not on.any():
@@ -344,11 +387,15 @@ class _Turns:
         return contacts
 
     def _anew(self, tooth: NDArray[np.intp], place: NDArray[np.intp], phi2: Array) -> Contacts:
-        return first_touch(self._displace(tooth, place, phi2), self._phi1(place))
+        return first_touch(self._displace(tooth, place, phi2), self._flank_phi1(tooth, place))
 
     def _phi1(self, place: NDArray[np.intp]) -> Array:
         """Return phi1 (M,), rad, of places (M,), as tooth pair 0 counts."""
         return self.places[place].astype(float) * self.step
+
+    def _flank_phi1(self, tooth: NDArray[np.intp], place: NDArray[np.intp]) -> Array:
+        """Return the rotations (M,), rad, at which the pinion's nominal flank is where those of teeth (M,) are at places (M,)."""
+        return self._phi1(place) + self.ahead[0][tooth]
 
 
 def waves_of_turns(pair: GearPair, pitches: int, phi1: Array, te: Array) -> tuple[Wave, ...]:
@@ -384,9 +431,7 @@ def _wave(rate: float, phi1: Array, te: Array) -> tuple[float, float]:
 def _closed_waves(pair: GearPair) -> dict[str, tuple[float, float]]:
     """Compute amplitude and phi1 of the first crest by member, rad, of first order in the eccentricity [CR3553 3.4.7, 3.4.11]."""
     # a displacement along the normal at the mean point turns the gear by itself over the lever arm of the normal
-    centred = concentric_pair(pair)
-    path = contact_path(solver_pair(centred), np.zeros(1))
-    lever = dot(path.normal[0], pair.gear.mount.velocity(path.point[0]))
+    path, lever = _mean_contact(pair)
     waves = {}
     for member, turned, ratio, sense in (
         (pair.pinion, path.rotation[0], 1.0, 1.0),
@@ -397,3 +442,14 @@ def _closed_waves(pair: GearPair) -> dict[str, tuple[float, float]]:
         now, later = sense * dot(path.normal[0], member.mount.off(quarter)) / lever
         waves[member.name] = float(np.hypot(now, later)), float(np.arctan2(later, now) % (2.0 * np.pi) / rate)
     return waves
+
+
+def _mean_contact(pair: GearPair) -> tuple[ContactPath, float]:
+    """Solve for the contact of the concentric pair at phi1 = 0 and the lever arm (mm) of its normal about the gear's axis."""
+    path = contact_path(solver_pair(concentric_pair(pair)), np.zeros(1))
+    return path, float(dot(path.normal[0], pair.gear.mount.velocity(path.point[0])))
+
+
+def without_closed_forms(waves: Iterable[Wave]) -> tuple[Wave, ...]:
+    """Return waves without their closed forms, which hold for eccentric members with equal teeth alone."""
+    return tuple(replace(wave, closed_amplitude=math.nan, closed_crest=math.nan) for wave in waves)

@@ -11,14 +11,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from gearmesh.contact.engagement.pitch_turns import refuse_too_many, shifted_advance
-from gearmesh.contact.engagement.turns import concentric_pair, full_turns, pitches_until_repeat
-from gearmesh.contact.fit.fit import centre_distance, play, reversed_pair
+from gearmesh.contact.engagement.pitch_turns import shifted_advances
+from gearmesh.contact.engagement.turns import concentric_pair, full_turns, turns_of
+from gearmesh.contact.fit.fit import centre_distance, play
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.errors import DesignError, NoSolutionError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.progress import in_turn, listening, part, tell
+from gearmesh.progress import listening, part, tell
 from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.micro_geometry.index_angles import NO_INDEX_ANGLES
@@ -72,8 +72,7 @@ def tight_mesh(pair: GearPair) -> TightMesh:
     distance = centre_distance(pair)
     if distance is None:
         raise DesignError("pair", pair.name, reason="its axes are not parallel", allowed="pairs with a centre distance")
-    if pair.uneven or not pair.eccentric:
-        refuse_too_many(pair)
+    pitches, _ = turns_of(pair)
     # the number of search steps is not known, so the search tells no progress
     with listening(None):
         moved, slope = _tight(concentric_pair(_even(pair)), distance)
@@ -83,7 +82,6 @@ def tight_mesh(pair: GearPair) -> TightMesh:
             turns = full_turns(_apart(pair, moved))
         displaced = distance + moved - turns.backlash / slope
         return TightMesh(turns.phi1, np.asarray(displaced), distance + moved, turns.per_pitch)
-    pitches = pitches_until_repeat(pair)
     with part(SHARE_OF_SEARCH, 1.0):
         b = _play(_apart(pair, moved), pitches)
     phi1 = np.arange(pitches * POSITIONS_PER_PITCH, dtype=float) * (pair.pitch / POSITIONS_PER_PITCH)
@@ -122,8 +120,7 @@ def _least_play(pair: GearPair) -> float:
 
 def _play(pair: GearPair, pitches: int) -> Array:
     """Compute rotations (P,), rad, of the gear between its first touches on driving and coast flanks."""
-    both = in_turn((pair, reversed_pair(pair)))
-    forwards, backwards = (shifted_advance(own, pitches, POSITIONS_PER_PITCH)[0] for own in both)
+    forwards, backwards, _ = shifted_advances(pair, pitches, POSITIONS_PER_PITCH)
     return play(pair, forwards + backwards, wound=solver_pair(pair).wound)
 
 
