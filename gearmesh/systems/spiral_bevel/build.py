@@ -13,8 +13,16 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.systems.common.bounds import at_most
 from gearmesh.systems.spiral_bevel.blank.proportion_choice import open_factors
+from gearmesh.systems.spiral_bevel.hobbing.secondary_cut import HeadRoom, refuse_second_pass
 from gearmesh.systems.spiral_bevel.machine.gear_cradle import upright_cutter
-from gearmesh.systems.spiral_bevel.machine.pair import BLADE_SIDES, MATING_SIDES, bevel_pair, undercut_warnings
+from gearmesh.systems.spiral_bevel.machine.pair import (
+    BLADE_SIDES,
+    MATING_SIDES,
+    Angles,
+    Sides,
+    bevel_pair,
+    undercut_warnings,
+)
 from gearmesh.systems.spiral_bevel.synthesis.flank_form import form_figures, form_warnings
 from gearmesh.systems.spiral_bevel.synthesis.settings import (
     basic_blank,
@@ -24,9 +32,10 @@ from gearmesh.systems.spiral_bevel.synthesis.settings import (
 )
 from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import bevel_teeth, closing_teeth, gear_alone, pinion_alone
 from gearmesh.systems.system import ToolPart
-from gearmesh.teeth.gear_train import GearTrain
+from gearmesh.teeth.gear_train import GearTrain, Member
 
 if TYPE_CHECKING:
+    from gearmesh.systems.common.bevel.blank import BevelBlank, MemberBlank
     from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
     from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import BevelTeeth, CutAlone
 
@@ -51,13 +60,19 @@ def build(design: FaceMilledDesign) -> GearTrain:
     """
     teeth = bevel_teeth(design)
     train = bevel_pair(design, teeth.cut, teeth.pinion, teeth.gear)
+    head = [line for made in _members(teeth) for line in _head_warnings(design, teeth.cut.blank, *made)]
     forms = {name: choice.form for name, choice in teeth.choices.items()}
     form = forms[design.contact.pinion_side]
     figures = None if form is None else form_figures(form)
     return replace(
         train,
         pairs=tuple(replace(pair, figures=figures) for pair in train.pairs),
-        warnings=(*train.warnings, *form_warnings(design, forms), *longer_than_standard(design, teeth.cut.blank)),
+        warnings=(
+            *train.warnings,
+            *head,
+            *form_warnings(design, forms),
+            *longer_than_standard(design, teeth.cut.blank),
+        ),
     )
 
 
@@ -66,7 +81,10 @@ def try_build(design: FaceMilledDesign) -> BevelTeeth:
 
     Raises as `build`, and also if teeth exist only with a chosen contact.
     """
-    return closing_teeth(_leant(design))
+    made = closing_teeth(_leant(design))
+    for member, sides, _ in _members(made) if design.hobbed else ():
+        refuse_second_pass(member.name, sides, _blank_of(made.cut.blank, member))
+    return made
 
 
 def gear_part(design: FaceMilledDesign) -> ToolPart:
@@ -74,12 +92,12 @@ def gear_part(design: FaceMilledDesign) -> ToolPart:
 
     Raises as `build`.
     """
-    return _part(cut_alone(design, "gear"))
+    return _part(design, cut_alone(design, "gear"))
 
 
 def pinion_part(design: FaceMilledDesign) -> ToolPart:
     """Return the pinion of a design in mm; the gear need not fit it. Raises as `build`."""
-    return _part(cut_alone(design, "pinion"))
+    return _part(design, cut_alone(design, "pinion"))
 
 
 def cut_alone(design: FaceMilledDesign, name: str) -> CutAlone:
@@ -94,9 +112,35 @@ def cut_alone(design: FaceMilledDesign, name: str) -> CutAlone:
     return gear_alone(_leant(design) if open_factors(design) else design)
 
 
-def _part(made: CutAlone) -> ToolPart:
+def _part(design: FaceMilledDesign, made: CutAlone) -> ToolPart:
     """Return a member with its warnings."""
-    return ToolPart(made.cut.member, warnings=(*made.blank.warnings, *undercut_warnings(made.cut, made.blank)))
+    own = (
+        *made.blank.warnings,
+        *undercut_warnings(made.cut, made.blank),
+        *_head_warnings(design, made.blank, made.cut.member, made.sides, made.places),
+    )
+    return ToolPart(made.cut.member, warnings=own)
+
+
+def _members(teeth: BevelTeeth) -> tuple[tuple[Member, Sides, Angles], ...]:
+    """Return both members, each with its sides and their index positions (rad)."""
+    cut = teeth.cut
+    return (teeth.gear.member, cut.gear, cut.places[1]), (teeth.pinion.member, cut.pinion, cut.places[0])
+
+
+def _blank_of(blank: BevelBlank, member: Member) -> MemberBlank:
+    """Return the blank of a member of a pair."""
+    return blank.pinion if member.name == "pinion" else blank.gear
+
+
+def _head_warnings(
+    design: FaceMilledDesign, blank: BevelBlank, member: Member, sides: Sides, places: Angles
+) -> tuple[str, ...]:
+    """Return the warnings on secondary cuts of a face-hobbed member. Raises VagueError for a head too small to clear it."""
+    if not design.hobbed:
+        return ()
+    refuse_second_pass(member.name, sides, _blank_of(blank, member))
+    return HeadRoom.of(member, sides, places).warnings
 
 
 def _leant(design: FaceMilledDesign) -> FaceMilledDesign:

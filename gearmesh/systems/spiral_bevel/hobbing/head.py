@@ -30,13 +30,15 @@ if TYPE_CHECKING:
 NOMINAL_HEAD_RADII_MM = (25.0, 30.0, 40.0, 55.0, 75.0, 100.0, 135.0, 170.0, 210.0, 260.0, 350.0, 450.0)
 #: cutter radius over mean cone distance from which the nominal radius is chosen
 HEAD_RADIUS_SHARE = 0.8
+#: largest cutter radius over mean cone distance that is chosen where the usual radius does not clear the gear
+LARGEST_HEAD_SHARE = 1.3
 #: largest deviation of a nominal radius from the wanted one
 MAX_RADIUS_DEVIATION = 0.25
 #: largest lead angle of a head by default, rad
 USUAL_LEAD_ANGLE = float(np.radians(30.0))
 #: largest lead angle of a head, rad
 MAX_LEAD_ANGLE = float(np.radians(45.0))
-#: largest eccentricity that is tried, over the cutter radius
+#: largest eccentricity, over the cutter radius
 MAX_ECCENTRICITY_SHARE = 0.5
 
 
@@ -62,6 +64,12 @@ def head_radius(design: FaceMilledDesign, mean_cone_distance: float, module: flo
     radii = np.array(NOMINAL_HEAD_RADII_MM)
     nearest = float(radii[np.abs(np.log(radii / wanted)).argmin()])
     return nearest if abs(nearest / wanted - 1.0) <= MAX_RADIUS_DEVIATION else float(wanted)
+
+
+def larger_radii(radius: float, mean_cone_distance: float) -> list[float]:
+    """Return usual radii (mm) of heads larger than a `radius`, up to the largest over a mean cone distance (mm), and that."""
+    most = LARGEST_HEAD_SHARE * mean_cone_distance
+    return [*(each for each in NOMINAL_HEAD_RADII_MM if radius < each < most), most]
 
 
 def check_head(cones: ConeData) -> None:
@@ -90,6 +98,19 @@ def check_head(cones: ConeData) -> None:
         f"{float(line.centre_distance) + radius:.6g} mm",
         allowed=f"a radius that reaches the whole face, {at_most(toe)} to {at_least(heel)} mm",
     )
+
+
+def check_eccentricity(eccentricity: float, radius: float) -> None:
+    """Raise DesignError for a given eccentricity (mm) that is too large for a cutter of a radius (mm)."""
+    most = MAX_ECCENTRICITY_SHARE * radius
+    if eccentricity > most:
+        raise DesignError(
+            "head.eccentricity",
+            eccentricity,
+            unit="mm",
+            reason=f"more than {MAX_ECCENTRICITY_SHARE:g} head.radius: the tooth lines of both sides would part too far",
+            allowed=Allowed.between(0.0, most, "mm"),
+        )
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -13,6 +13,7 @@ from gearmesh.systems.common.bevel.blank import BevelBlank
 from gearmesh.systems.common.bevel.iso23509.tooth_line import FaceCutter, ToothLine, Value
 from gearmesh.systems.common.bevel.sheet_rows import in_unit
 from gearmesh.systems.common.symbol_table import Row, table
+from gearmesh.systems.spiral_bevel.hobbing.secondary_cut import HeadRoom
 from gearmesh.systems.spiral_bevel.hobbing.sides import HobbedContact
 from gearmesh.systems.spiral_bevel.machine.pair import BLADE_SIDES
 from gearmesh.systems.system import SheetTable
@@ -29,11 +30,19 @@ def tooth_line(side: Generated, blank: BevelBlank) -> ToothLine:
 
 
 def head_table(
-    sides: list[Generated], names: tuple[str, ...], blank: BevelBlank, unit: float, noun: str, *, one_crown_gear: bool
+    sides: list[Generated],
+    names: tuple[str, ...],
+    blank: BevelBlank,
+    rooms: Sequence[HeadRoom],
+    unit: float,
+    noun: str,
+    *,
+    one_crown_gear: bool,
 ) -> SheetTable:
     """Return the table of the head, a column per side; lengths over `unit` (mm) in `noun`.
 
-    The tooth line of a pinion with a crown gear of its own is not that of its machine: its rows have no value.
+    `rooms`: room for the blades of each member. The tooth line of a pinion with a crown gear of its own is not that of
+    its machine: its rows have no value.
     """
     lines = [tooth_line(side, blank) for side in sides]
     alike = [one_crown_gear or not name.startswith("pinion") for name in names]
@@ -90,6 +99,18 @@ def head_table(
             "common factor of blade groups and teeth; 1: each group cuts each tooth",
             "-",
             tuple(math.gcd(index.blade_groups, index.teeth) for _, index in heads),
+        ),
+        (
+            "W_b",
+            "point width of blades that together clear the widest slot",
+            "mm",
+            tuple(room.width for room in rooms for _ in room.sides),
+        ),
+        (
+            "j_b",
+            "least room from the flank to such a blade of the other side; < 0: secondary cut",
+            "mm",
+            tuple(cut.least for room in rooms for cut in room.sides.values()),
         ),
     ]
     return table("Face hobbing head [ISO 23509]", names, in_unit(rows, unit, noun))

@@ -14,7 +14,7 @@ from gearmesh.systems.common.bevel.blank import BevelBlank, MemberBlank, basic_d
 from gearmesh.systems.common.bevel.cone_blank import ConeData
 from gearmesh.systems.common.bevel.iso23509.tooth_line import FaceCutter, ToothLine
 from gearmesh.systems.spiral_bevel.hobbing.crowning import crown_curvatures
-from gearmesh.systems.spiral_bevel.hobbing.head import HeadLines, head_radius
+from gearmesh.systems.spiral_bevel.hobbing.head import HeadLines, check_eccentricity, head_radius
 from gearmesh.systems.spiral_bevel.hobbing.head_synthesis import IndexingHead
 from gearmesh.systems.spiral_bevel.machine.blades import blade_keys, made_blade
 from gearmesh.systems.spiral_bevel.machine.gear_cradle import turned_after_cut
@@ -76,6 +76,7 @@ class HobbedContact:
         )
         if design.head.eccentricity is not None:
             apart = design.head.eccentricity
+            check_eccentricity(apart, blank.cutter_radius)
             return HobbedContact(apart, float(lines.crowning(np.array([apart]))[0]), profile)
         return HobbedContact(lines.eccentricity(length), length, profile)
 

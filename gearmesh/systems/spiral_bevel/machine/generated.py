@@ -194,7 +194,7 @@ class Generated:
 
     def _revolved(self, profile: Profile) -> Revolved:
         """Return the surface of revolution of a profile of the blade, in the cutter frame."""
-        return Revolved(profile, self.blade.side, self._mean_direction)
+        return Revolved(profile, self.blade.side, self.mean_direction)
 
     def _swept(self, profile: Profile) -> SweptCurve:
         """Return the surface that a profile of the blade sweeps in the `index_motion`.
@@ -229,9 +229,9 @@ class Generated:
         if settings.formate:
             rate = self.indexing.blade_groups / self.indexing.teeth
             place = settings.own_from_machine(self.hand) @ cutter
-            return CradleRoll((0.0, 0.0, 0.0), place, (0.0, rate), swivel=(self._mean_direction,))
+            return CradleRoll((0.0, 0.0, 0.0), place, (0.0, rate), swivel=(self.mean_direction,))
         rate = settings.ratio_of_roll * self.indexing.blade_groups / self.indexing.teeth
-        return CradleRoll((0.0, 0.0, 0.0), cutter, (0.0, rate), swivel=(self._mean_direction,))
+        return CradleRoll((0.0, 0.0, 0.0), cutter, (0.0, rate), swivel=(self.mean_direction,))
 
     def above_plane(self, r: Array) -> Array:
         """Return the heights (...,), mm, of points r (..., 3) over the machine plane, towards the tip of the tooth.
@@ -259,7 +259,7 @@ class Generated:
         side = self
         for _ in range(MAX_INDEX_STEPS):
             # axes of a tilted cutter turn with the cradle
-            turn = _wrapped(direction - side._mean_direction) / (1.0 if settings.tilted else 1.0 + rate)
+            turn = _wrapped(direction - side.mean_direction) / (1.0 if settings.tilted else 1.0 + rate)
             angle = settings.cradle_angle - hand * rate * turn
             change = angle - side.settings.cradle_angle
             side = replace(side, settings=replace(settings, cradle_angle=angle))
@@ -273,7 +273,7 @@ class Generated:
         The blade is prolonged to the tip plane. The root line is in the machine plane at the root angle (rad) with the
         sliding base `root_base` (mm).
         """
-        v = self._mean_direction
+        v = self.mean_direction
         cutter_to_member = replace(self.settings, sliding_base=0.0).standing(self.hand, self.turned)
         end = cutter_to_member.point(self.blade.tip_radius * np.array([np.cos(v), np.sin(v), 0.0]))
         floor = np.array([-np.cos(root_angle), 0.0, np.sin(root_angle)])
@@ -281,7 +281,7 @@ class Generated:
         return float((end @ floor + root_base) / (cradle @ floor))
 
     @cached_property
-    def _mean_direction(self) -> float:
+    def mean_direction(self) -> float:
         """Angle (rad) in the cutter frame from the cutter's centre to the mean point of the root line."""
         settings = self.settings
         mean_point = np.array([self.mean - settings.machine_centre_to_back, self.hand * settings.machining_offset, 0.0])

@@ -9,6 +9,7 @@ import numpy as np
 from gearmesh.systems.common.bevel.accuracy import tolerance_table
 from gearmesh.systems.common.symbol_table import tables_of
 from gearmesh.systems.spiral_bevel.build import cut_alone
+from gearmesh.systems.spiral_bevel.hobbing.secondary_cut import HeadRoom
 from gearmesh.systems.spiral_bevel.machine.pair import BLADE_SIDES, index_angles
 from gearmesh.systems.spiral_bevel.sheet.dimension_sheet import CutTooth, measured_table, measures_of, point_width
 from gearmesh.systems.spiral_bevel.sheet.sheet import (
@@ -18,8 +19,8 @@ from gearmesh.systems.spiral_bevel.sheet.sheet import (
     pair_rows_of,
     setting_tables,
     slot_rows,
-    slot_widths_of,
 )
+from gearmesh.systems.spiral_bevel.sheet.slots import slot_widths_of
 from gearmesh.systems.system import SheetTable
 
 if TYPE_CHECKING:
@@ -53,7 +54,11 @@ def member_sheet(design: FaceMilledDesign, name: str) -> tuple[SheetTable, ...]:
     return (
         SheetTable("Blank", (name,), (*rows, *slot_rows([slots], unit, noun))),
         SheetTable("Pair", ("",), pair_rows_of(blank, unit, noun)),
-        *tables_of(*head_part(design, list(sides.values()), names, blank)),
+        *tables_of(
+            *head_part(
+                design, list(sides.values()), names, blank, lambda: [HeadRoom.of(member, made.sides, made.places)]
+            )
+        ),
         *setting_tables(
             list(sides.values()),
             names,

@@ -11,24 +11,22 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import Array, dot
-from gearmesh.kernel.numeric.algebra import unit as unit_vector
-from gearmesh.kernel.surface.stations import along
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.common.bevel.accuracy import tolerance_table
 from gearmesh.systems.common.bevel.blank import BevelBlank, MemberBlank, Proportions
 from gearmesh.systems.common.bevel.cone_blank import ConeData, cone_dimensions
 from gearmesh.systems.common.bevel.iso23509.dimension_table import pair_rows
-from gearmesh.systems.common.bevel.tooth_measures import width_across
 from gearmesh.systems.common.symbol_table import Part, running_rows, table, tables_of
 from gearmesh.systems.spiral_bevel.blank.proportion_choice import FACTOR_KEYS
 from gearmesh.systems.spiral_bevel.design import SYNTHESISED_KEYS, HypoidDesign, SpiralBevelDesign
 from gearmesh.systems.spiral_bevel.hobbing.head_sheet import head_table, head_values
+from gearmesh.systems.spiral_bevel.hobbing.secondary_cut import HeadRoom
 from gearmesh.systems.spiral_bevel.machine.cutting import Choices, indexed_backlash
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
 from gearmesh.systems.spiral_bevel.machine.maker_settings import maker_table
 from gearmesh.systems.spiral_bevel.machine.pair import BLADE_SIDES, HAND_SIGNS, MATING_SIDES, Sides, nominal_base
 from gearmesh.systems.spiral_bevel.sheet.dimension_sheet import CutPair, dimension_tables, point_width
+from gearmesh.systems.spiral_bevel.sheet.slots import slot_widths_of
 from gearmesh.systems.spiral_bevel.sheet.thrusts import thrust_table
 from gearmesh.systems.spiral_bevel.synthesis.flank_form import form_figures
 from gearmesh.systems.spiral_bevel.synthesis.settings import mean_point, offset_data
@@ -36,12 +34,11 @@ from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import bevel_teeth
 from gearmesh.systems.system import Sheet, SheetTable
 from gearmesh.teeth.gear_train import GearTrain, Member
 from gearmesh.teeth.region import Side
-from gearmesh.teeth.tooth import Tooth
-from gearmesh.tools.rack import at_height
 
 if TYPE_CHECKING:
     from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
     from gearmesh.systems.spiral_bevel.synthesis.settings import FlankForm
+    from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import BevelTeeth
 
 
 #: title of the table of hypoid gears
@@ -83,7 +80,7 @@ def settings_sheet(design: FaceMilledDesign, train: GearTrain) -> Sheet:
             ),
         ),
         ("Pair", lambda: SheetTable("Pair", ("",), pair_rows_of(blank, unit, design.units))),
-        *head_part(design, made_sides, sides, blank),
+        *head_part(design, made_sides, sides, blank, lambda: head_rooms(made, members)),
         ("Settings", lambda: setting_tables(made_sides, sides, angles, unit, design.units)),
         ("Dimensions", lambda: dimension_tables(cut, design_mm.hand, narrowest, unit, design.units)),
         ("Tolerances", lambda: [tolerance_table(design_mm.accuracy_grade, blank, ("pinion", "gear"))]),
@@ -180,13 +177,30 @@ def _machine_values(
 
 
 def head_part(
-    design: FaceMilledDesign, sides: list[Generated], names: tuple[str, ...], blank: BevelBlank
+    design: FaceMilledDesign,
+    sides: list[Generated],
+    names: tuple[str, ...],
+    blank: BevelBlank,
+    rooms: Callable[[], list[HeadRoom]],
 ) -> list[Part]:
-    """Return the table of the head of a design, in its units, if the teeth are face-hobbed."""
+    """Return the table of the head of a design, in its units, if the teeth are face-hobbed.
+
+    `rooms`: returns the room for the blades of each member.
+    """
     if not design.hobbed:
         return []
     unit, noun, one = design.mm_per_unit, design.units, design.one_crown_gear
-    return [("Face hobbing head", lambda: head_table(sides, names, blank, unit, noun, one_crown_gear=one))]
+    made = "Face hobbing head"
+    return [(made, lambda: head_table(sides, names, blank, rooms(), unit, noun, one_crown_gear=one))]
+
+
+def head_rooms(made: BevelTeeth, members: tuple[Member, Member]) -> list[HeadRoom]:
+    """Return the room for the blades of a head in the spaces of both members."""
+    cut = made.cut
+    return [
+        HeadRoom.of(member, sides, places)
+        for member, sides, places in zip(members, (cut.pinion, cut.gear), cut.places, strict=True)
+    ]
 
 
 def setting_tables(
@@ -324,39 +338,10 @@ def _extra_rows(sides: list[Generated], unit: float, units: str) -> Iterator[tup
                 yield f"{item}{power + first}", f"{noun or units}/rad^{power + first}" if noun != "-" else "-", *values
 
 
-def slot_widths_of(tooth: Tooth, member: MemberBlank) -> Array:
-    """Return the normal widths (3,), mm, of the slots between the blades' edges at the root, at toe, mean and heel.
-
-    The blades' edges are prolonged to the root.
-    """
-    return _slot_widths(tooth, np.array([tooth.blank.extent[0], member.mean_cone_distance, tooth.blank.extent[1]]))
-
-
 def slot_rows(widths: list[Array], unit: float, units: str) -> Iterator[tuple[Any, ...]]:
     """Return the rows of slot widths, a column per member."""
     for k, place in enumerate(("toe", "mean", "heel")):
         yield f"slot width at the root, {place}", units, *(float(width[k] / unit) for width in widths)
-
-
-def _slot_widths(tooth: Tooth, stations: Array) -> Array:
-    """Return the slot widths (T,), mm: root land between the fillets, and at each end the distance to the blade's edge."""
-    ends, tangents, to_edges = [], [], np.zeros_like(stations)
-    for side_of_tooth in Side:
-        side = tooth.side(side_of_tooth)
-        jet = along(side.fillet, np.full_like(stations, side.root), stations, tooth.blank.axial)[1]
-        gradient = tooth.blank.axial.gradient(jet.r)
-        # tangent along the end of the fillet, towards the heel; the left side is turned back by a pitch to one space
-        back = Rigid.about_z(-tooth.pitch_angle if side_of_tooth is Side.LEFT else 0.0)
-        ends.append(back.point(jet.r))
-        tangents.append(back.vector(unit_vector(jet.r_v)) * np.sign(dot(gradient, jet.r_v))[:, None])
-        tip, blade = side.tool.tip, side.tool.profile
-        # the fillet ends at the tip land of the blade
-        assert tip is not None
-        assert blade is not None
-        # distance from there to the cutting edge, prolonged to the tip plane
-        edge = blade.section(np.array(at_height(blade, 0.0, side.form_point[0])))[0][1]
-        to_edges += abs(float(tip.section(np.array(side.root))[0][1] - edge))
-    return width_across((ends[0], ends[1]), tangents[0] + tangents[1]) + to_edges
 
 
 def _value(side: Generated, key: str, unit: float) -> float:

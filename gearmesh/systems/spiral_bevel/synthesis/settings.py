@@ -29,8 +29,9 @@ from gearmesh.systems.spiral_bevel.design import (
     HypoidDesign,
     SpiralBevelDesign,
 )
-from gearmesh.systems.spiral_bevel.hobbing.head import check_head, head_radius
+from gearmesh.systems.spiral_bevel.hobbing.head import check_head, head_radius, larger_radii
 from gearmesh.systems.spiral_bevel.hobbing.head_synthesis import HeadStart, head_settings
+from gearmesh.systems.spiral_bevel.hobbing.secondary_cut import second_pass
 from gearmesh.systems.spiral_bevel.hobbing.sides import (
     hobbed_cones,
     hobbed_gear,
@@ -156,9 +157,32 @@ def basic_blank(design: FaceMilledDesign, given: Proportions | None = None) -> B
     else:
         data = basic_data(design, design.spiral_angle, design.pressure_angle, mean)
         return pair_blank(design, data, given, design.gear.cutter.tip_radius, design.gear_backlash)
-    if design.hobbed:
-        check_head(cones)
-    return cone_blank(cones, given, design.gear_backlash)
+    if not design.hobbed:
+        return cone_blank(cones, given, design.gear_backlash)
+    return _head_blank(design, cones, given)
+
+
+def _head_blank(design: FaceMilledDesign, cones: ConeData, given: Proportions) -> BevelBlank:
+    """Return the blank of a face-hobbed design, with a larger head than the usual one where that does not clear the gear.
+
+    The head of a design with a radius, or with offset, stays. Raises as `basic_blank`.
+    """
+    check_head(cones)
+    usual = cone_blank(cones, given, design.gear_backlash)
+    if design.head.radius is not None or isinstance(design, HypoidDesign) or _clears(design, usual):
+        return usual
+    for radius in larger_radii(cones.cutter.radius, usual.gear.mean_cone_distance):
+        wider = replace(cones, cutter=replace(cones.cutter, radius=radius))
+        blank = cone_blank(wider, given, design.gear_backlash)
+        if _clears(design, blank):
+            check_head(wider)
+            return blank
+    return usual
+
+
+def _clears(design: FaceMilledDesign, blank: BevelBlank) -> bool:
+    """Return True if a head clears the gear beside the spaces that it cuts."""
+    return not any(second_pass(side, blank.gear) for side in hobbed_gear(design, blank).values())
 
 
 def offset_data(design: HypoidDesign) -> OffsetData:
