@@ -12,6 +12,8 @@ from oracles.examples import some
 import gearmesh as gm
 from gearmesh.check.members import roll_members
 from gearmesh.kernel.numeric.algebra import ARCSEC
+from gearmesh.systems.spiral_bevel.synthesis import contact_preview
+from gearmesh.systems.spiral_bevel.synthesis.contact_choice import contact_said
 from gearmesh.systems.spiral_bevel.synthesis.contact_preview import ContactPreviews
 from gearmesh.systems.spiral_bevel.synthesis.settings import basic_blank
 from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import bevel_teeth
@@ -53,6 +55,33 @@ def test_pairs_hand_over_as_asked(name: str, side: str) -> None:
         (rolled,) = roll_members(gears.pairs[0], phi1, guess_phi2=phi2)
         assert rolled.drive is not None
         assert abs(rolled.drive.phi2 - phi2) < 0.3 * ARCSEC
+
+
+def test_a_path_is_the_same_from_another_path_and_step_by_step(monkeypatch: pytest.MonkeyPatch) -> None:
+    design = pair("14/49", "concave")
+    blank = basic_blank(design, bevel_teeth(design).proportions)
+    asked = contact_said(design, blank, "concave")
+    choices = [
+        replace(asked, asked=replace(asked.asked, path_angle=float(np.radians(deg)))) for deg in (90.0, 75.0, 45.0)
+    ]
+    calls: list[int] = []
+    solve = contact_preview.solve
+
+    def counted(function: Any, start: Any, **named: Any) -> Any:
+        calls.append(len(start))
+        return solve(function, start, **named)
+
+    monkeypatch.setattr(contact_preview, "solve", counted)
+    together = ContactPreviews(design, blank, "concave")
+    along = [together.of(choice) for choice in choices]
+    few = len(calls)
+    alone = [ContactPreviews(design, blank, "concave").of(choice) for choice in choices]
+    assert few < 0.6 * (len(calls) - few)
+    for path, other in zip(along, alone, strict=True):
+        assert path is not None
+        assert other is not None
+        assert path.phi.tolist() == other.phi.tolist()
+        np.testing.assert_allclose(path.unknowns, other.unknowns, rtol=0.0, atol=1e-11)
 
 
 @pytest.mark.sweep

@@ -45,6 +45,10 @@ PATH_STEPS = 8
 PATH_REACH_PITCHES = 1.0
 #: residual at which a position is solved, over the mean normal module
 POSITION_TOLERANCE = 1e-7
+#: halvings of a step from start values of another path: a position that such a step takes farther is left to its neighbours
+ALIKE_HALVINGS = 0
+#: halvings of other steps
+STEP_HALVINGS = 8
 #: Newton with one step length per evaluation: the sought settings depend on the last digits
 solve = partial(newton.solve, max_iterations=10, at_once=1)
 #: numbers of points of the gear's flank, along and up, that may touch before the path
@@ -87,6 +91,8 @@ class ContactPreview:
     pinion: Generated
     #: mean point of the side
     mean: MeanPoint
+    #: unknowns (K, 5) of the contacts: blade parameters and positions on pinion and gear, rotation of the gear
+    unknowns: Array
 
     @property
     def shorter(self) -> float:
@@ -204,8 +210,19 @@ class ContactPreviews:
         It is 0, or < 0 if another point touches before the path.
 
         Each point of the gear's flank is placed where it would be in contact at the ratio of the teeth. Its distance
-        from the pinion's flank, along the circle about the pinion's axis, is the lag at which it would touch.
+        from the pinion's flank, along the circle about the pinion's axis, is the lag at which it would touch. It is computed
+        once for each path of these previews.
         """
+        if id(path) not in self._clearances:
+            self._clearances[id(path)] = self._apart(path)
+        return self._clearances[id(path)]
+
+    @cached_property
+    def _clearances(self) -> dict[int, float]:
+        """Least clearances computed so far, by the identity of their paths, all of which are kept."""
+        return {}
+
+    def _apart(self, path: ContactPreview) -> float:
         blank, sense, ratio = self.blank, HAND_SIGNS[self.design.hand], self._ratio
         jet, turns = self._conjugate
         phi1 = sense * (path.mean.gear_turn - turns) / ratio
@@ -312,7 +329,8 @@ class ContactPreviews:
         p = _parameters(pinion, contact_point)
         v, _ = along(pinion_flank.surface, p, pinion_stations.value(contact_point), pinion_stations)
         start = np.array([p[0], v[0], *mean.parameters, 0.0])
-        phi, x = _path((pinion_flank, gear_flank), start, self._pitch, blank.mean_normal_module)
+        alike = next((path for path in reversed(self._cache.values()) if path is not None), None)
+        phi, x = _path((pinion_flank, gear_flank), start, self._pitch, blank.mean_normal_module, alike)
         # surface contact ends where a point leaves the limits of either flank
         r = pinion_flank.surface.jet(x[:, 0], x[:, 1]).r, gear_flank.surface.jet(x[:, 2], x[:, 3]).r
         margins = [
@@ -326,7 +344,7 @@ class ContactPreviews:
         above = self._gear.settings.tip_cone().value(r[1]) - blank.clearance
         up = 0.5 * (above + blank.gear.tip.value(r[1]))
         place = np.stack((gear_stations.value(r[1]) - blank.gear.mean_cone_distance, up), axis=-1)
-        return ContactPreview(phi, lag, place, begin, end, pinion, mean)
+        return ContactPreview(phi, lag, place, begin, end, pinion, mean, x)
 
     @staticmethod
     def _margins(member: MemberBlank, side: Generated, r: Array, p: Array) -> tuple[Array, ...]:
@@ -374,42 +392,56 @@ def _parameters(side: Generated, r: Array) -> Array:
     return np.array([side.blade.at_height(float(height)) for height in side.above_plane(r)])
 
 
-def _path(flanks: tuple[Flank, Flank], x: Array, pitch: float, length: float) -> tuple[Array, Array]:
+def _path(
+    flanks: tuple[Flank, Flank], x: Array, pitch: float, length: float, alike: ContactPreview | None = None
+) -> tuple[Array, Array]:
     """Return rotations phi (K,), pitches, ascending, and unknowns (K, 5) of contacts on both sides of phi1 = 0.
 
     `x` (5,): start values at phi1 = 0; `pitch`: angular pitch, rad; `length`: mean normal module, mm. A side ends where
-    no contact is found. Raises NoSolutionError if the flanks do not meet at the mean point.
+    no contact is found. Raises NoSolutionError if the flanks do not meet at the mean point. The positions of a path that is
+    `alike` are solved at once, with start values from that path; other positions follow step by step.
     """
     step = PATH_REACH_PITCHES / PATH_STEPS
-    at_mean = Conditions(flanks, np.zeros(1), length)
-    mean_solution = solve(at_mean, x[None], tolerance=POSITION_TOLERANCE * length)
-    if not mean_solution.converged[0]:
+
+    def solved(numbers: NDArray[np.intp], starts: Array, halvings: int = STEP_HALVINGS) -> dict[int, Array]:
+        """Solve for the unknowns at some numbers of steps, of which those without contact are left out."""
+        conditions = Conditions(flanks, numbers * (step * pitch), length)
+        solution = solve(conditions, starts, tolerance=POSITION_TOLERANCE * length, halvings=halvings)
+        return {
+            int(k): values for k, values, met in zip(numbers, solution.values, solution.converged, strict=True) if met
+        }
+
+    known = dict[int, Array]()
+    if alike is not None:
+        numbers = np.rint(alike.phi / step).astype(np.intp)
+        moved = x - alike.unknowns[np.flatnonzero(numbers == 0)[0]]
+        found = solved(numbers, alike.unknowns + moved, ALIKE_HALVINGS)
+        for direction in (1, -1):
+            k = 0
+            while k in found:
+                known[k] = found[k]
+                k += direction
+    if 0 not in known:
+        known = solved(np.zeros(1, dtype=np.intp), x[None])
+    if not known:
         raise NoSolutionError(reason="the flanks do not meet at the mean point")
-    known = {0: mean_solution.values[0]}
-    # the derivatives at the mean point predict the first step
-    rate = at_mean.rate(mean_solution.values, np.zeros(1, dtype=np.intp))[0]
-    directions = [1, -1]
     # both sides step by step: start values are extrapolated from up to three positions
     for k in range(1, PATH_STEPS + 1):
+        following = [n for n in (k, -k) if n not in known and n - np.sign(n) in known]
         starts = []
-        for direction in directions:
-            before = [known[direction * (k - n)] for n in range(1, min(k, 3) + 1)]
+        for n in following:
+            direction = int(np.sign(n))
+            before = [known[n - direction * m] for m in range(1, min(k, 3) + 1)]
             if k == 1:
+                # the derivatives at the mean point predict the first step
+                rate = Conditions(flanks, np.zeros(1), length).rate(known[0][None], np.zeros(1, dtype=np.intp))[0]
                 starts.append(before[0] + direction * step * pitch * rate)
             elif k == 2:
                 starts.append(2.0 * before[0] - before[1])
             else:
                 starts.append(3.0 * (before[0] - before[1]) + before[2])
-        conditions = Conditions(flanks, np.array(directions) * (k * step * pitch), length)
-        solution = solve(conditions, np.array(starts), tolerance=POSITION_TOLERANCE * length)
-        known |= {
-            direction * k: x
-            for direction, x, converged in zip(directions, solution.values, solution.converged, strict=True)
-            if converged
-        }
-        directions = [direction for direction in directions if direction * k in known]
-        if not directions:
-            break
+        if following:
+            known |= solved(np.array(following), np.array(starts))
     order = sorted(known)
     return np.array(order) * step, np.array([known[k] for k in order])
 
