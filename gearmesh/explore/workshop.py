@@ -58,6 +58,8 @@ MAX_KEPT_STATES = 12
 MAX_KEPT_GEARS = 4
 #: limit of the bytes of meshes that are kept
 MAX_KEPT_SHAPE_BYTES = 24_000_000
+#: triangles of a fine mesh up to which it takes hardly longer than a coarse one, so that no coarse one goes before it
+FEW_TRIANGLES = 40_000
 #: figures at the head of the list, by the beginning of their keys
 MAIN_FIGURES = (
     "contact_ratio",
@@ -175,6 +177,8 @@ class Workshop:
         # first and last position of the contact of each pair
         self.ends: Shelf[dict[int, tuple[float, float]]] = Shelf(MAX_KEPT_STATES)
         self.shapes: Shelf[Shape] = Shelf(MAX_KEPT_SHAPE_BYTES, lambda shape: shape.size)
+        # triangles of the last fine mesh of each member
+        self.triangles: Shelf[int] = Shelf(MAX_KEPT_STATES)
 
     def answer(self, request: Mapping[str, Any], job: Job) -> None:
         """Answer one message of a page. Errors of gearmesh are answers, too; raises Stale if it is not wanted any more."""
@@ -411,11 +415,15 @@ class Workshop:
     def _shapes(
         self, gears: ModelledGears, marks: Mapping[str, str], tolerance: float, fine: float, job: Job, share: float
     ) -> list[Shape]:
-        """Return the meshes of all members within a tolerance (mm); a fine one that is there takes its place."""
-        return [
-            self._known_shape(marks[name], fine) or self._shape(member, marks[name], tolerance, job, share)
-            for name, member in gears.members.items()
-        ]
+        """Return the meshes of all members within a tolerance (mm); a fine one takes its place if it is there, or made as soon."""
+        shapes = []
+        for name, member in gears.members.items():
+            is_soon = (self.triangles.get(name) or np.inf) <= FEW_TRIANGLES
+            known = self._known_shape(marks[name], fine)
+            shapes.append(known or self._shape(member, marks[name], fine if is_soon else tolerance, job, share))
+            if tolerance == fine:
+                self.triangles.put(name, shapes[-1].whole.triangle_count)
+        return shapes
 
     def _still(self, gears: ModelledGears, marks: Mapping[str, str], shapes: Sequence[Shape]) -> dict[str, Any]:
         """Return the scene of gears without their contact."""

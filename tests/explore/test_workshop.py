@@ -112,7 +112,11 @@ def curve(scene: dict[str, Any]) -> np.ndarray:
     return np.stack([np.frombuffer(base64.b64decode(pair[key]), dtype=np.float32) for key in ("phi1", "te")], axis=-1)
 
 
-def test_a_changed_tooth_has_figures_and_pattern_before_its_fine_mesh(workshop: Workshop) -> None:
+def test_a_changed_tooth_has_figures_and_pattern_before_its_fine_mesh(
+    workshop: Workshop, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # a mesh that takes long, of many triangles
+    monkeypatch.setattr("gearmesh.explore.workshop.FEW_TRIANGLES", 100)
     held = [shape["key"] for shape in ask(workshop)[-1]["shapes"]]
     changed = ask(workshop, changes={"pinion.teeth": 27}, have=held)
     assert [message["type"] for message in changed] == ["design", "figures", "figures", "curves", "scene", "scene"]
@@ -125,6 +129,15 @@ def test_a_changed_tooth_has_figures_and_pattern_before_its_fine_mesh(workshop: 
     assert np.interp(first_path[:, 0], *path.T) == pytest.approx(first_path[:, 1], abs=2e-3)
     fields = [{each["key"] for each in scene["pairs"][0]["flanks"][0]["fields"]} for scene in (coarse, fine)]
     assert "pattern" in fields[0] < fields[1]
+
+
+def test_a_mesh_that_is_made_as_soon_as_a_coarse_one_is_made_and_sent_once(workshop: Workshop) -> None:
+    held = [shape["key"] for shape in ask(workshop)[-1]["shapes"]]
+    changed = ask(workshop, changes={"pinion.teeth": 28}, have=held)
+    first, last = of(changed, "scene")
+    assert [set(shape) == {"key"} for shape in first["shapes"]] == [False, True]
+    assert [set(shape) == {"key"} for shape in last["shapes"]] == [True, True]
+    assert [shape["key"] for shape in first["shapes"]] == [shape["key"] for shape in last["shapes"]]
 
 
 def test_rounding_is_shown_as_zero() -> None:

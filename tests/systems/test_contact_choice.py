@@ -58,8 +58,8 @@ def test_pairs_hand_over_as_asked(name: str, side: str) -> None:
 
 
 def test_a_path_is_the_same_from_another_path_and_step_by_step(monkeypatch: pytest.MonkeyPatch) -> None:
-    design = pair("14/49", "concave")
-    blank = basic_blank(design, bevel_teeth(design).proportions)
+    design = pair("14/49", "concave").in_mm()
+    blank = basic_blank(design)
     asked = contact_said(design, blank, "concave")
     choices = [
         replace(asked, asked=replace(asked.asked, path_angle=float(np.radians(deg)))) for deg in (90.0, 75.0, 45.0)

@@ -223,6 +223,7 @@ class ContactPreviews:
         return {}
 
     def _apart(self, path: ContactPreview) -> float:
+        """Compute the clearance of `apart`."""
         blank, sense, ratio = self.blank, HAND_SIGNS[self.design.hand], self._ratio
         jet, turns = self._conjugate
         phi1 = sense * (path.mean.gear_turn - turns) / ratio
@@ -405,7 +406,8 @@ def _path(
 
     def solved(numbers: NDArray[np.intp], starts: Array, halvings: int = STEP_HALVINGS) -> dict[int, Array]:
         """Solve for the unknowns at some numbers of steps, of which those without contact are left out."""
-        conditions = Conditions(flanks, numbers * (step * pitch), length)
+        phi1: Array = np.asarray(numbers, dtype=float) * (step * pitch)
+        conditions = Conditions(flanks, phi1, length)
         solution = solve(conditions, starts, tolerance=POSITION_TOLERANCE * length, halvings=halvings)
         return {
             int(k): values for k, values, met in zip(numbers, solution.values, solution.converged, strict=True) if met
