@@ -13,10 +13,10 @@ from gearmesh import NoSolutionError
 from gearmesh.contact.hertz import STEEL, Material
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.compliance.compliance import assemble
+from gearmesh.loaded.compliance.condensation import condensed
 from gearmesh.loaded.compliance.contact_compliance import ContactCompliance
 from gearmesh.loaded.compliance.half_space import rectangle_influence
 from gearmesh.loaded.compliance.incompatible_modes import unknowns
-from gearmesh.loaded.compliance.layers import responses
 from gearmesh.loaded.compliance.quarter_space import WEDGE_RELEASE, release
 
 
@@ -41,9 +41,9 @@ def test_free_ends_are_those_of_elements() -> None:
     outer = unknowns(np.flatnonzero((nodes == lines[-1]).any(axis=1))[:, None]).ravel()
     moved = []
     for held in ([], 3 * mesh.node_sets["x0"]):
-        layer = np.repeat(np.searchsorted(lines, nodes[:, 1] - 1e-9), 3)
-        layer[np.concatenate((outer, 3 * mesh.node_sets["y0"] + 1, held)).astype(int)] = -1
-        (under_all,) = responses(whole, layer, right, [(slice(None), slice(None))])
+        column = np.repeat(np.searchsorted(lines, nodes[:, 1] - 1e-9), 3)
+        column[np.concatenate((outer, 3 * mesh.node_sets["y0"] + 1, held)).astype(int)] = -1
+        *_, under_all = condensed(whole, column, np.array([], np.intp), right, right.shape[1])
         moved.append(under_all[:, np.isin(on_top, forces)])
     # half the block bears half the force
     more = 0.5 * (moved[0] - moved[1]) * material.plane_modulus * np.pi
@@ -57,32 +57,38 @@ def test_free_ends_are_those_of_elements() -> None:
 @pytest.mark.quick
 def test_elements_inside_out_have_no_compliance() -> None:
     with pytest.raises(NoSolutionError, match="turned inside out"):
-        responses(csr_array(np.diag([2.0, 1.0, -1e-3])), np.array([0, 0, 1]), csr_array((3, 1)), [])
+        condensed(
+            csr_array(np.diag([2.0, 1.0, -1e-3])), np.array([0, 0, 1]), np.array([], np.intp), csr_array((3, 1)), 1
+        )
 
 
-def test_responses_of_layers_are_those_of_the_inverse_in_little_memory() -> None:
-    """All columns of Y are never in memory together; held unknowns have no part in it."""
+def test_condensed_body_is_that_of_the_inverse_in_little_memory() -> None:
+    """A body in two directions, with held and retained unknowns, against dense matrices; what each front needs is forgotten."""
     random = np.random.default_rng(5)
-    size, layers, count = 15, 60, 400
-    layer = np.repeat(np.arange(layers), size)
-    near = np.abs(layer[:, None] - layer) <= 1
-    lower = np.tril(random.normal(size=near.shape)) * near + 40.0 * np.eye(len(layer))
+    width, size, count, pressed = 8, 12, 2500, 40
+    column = np.repeat(np.arange(width**2), size)
+    across, along = column // width, column % width
+    near = (np.abs(across[:, None] - across) <= 1) & (np.abs(along[:, None] - along) <= 1)
+    lower = np.tril(random.normal(size=near.shape)) * near + 60.0 * np.eye(len(column))
     stiffness = np.where(near, lower + lower.T, 0.0)
-    layer[::37] = -1
-    loads = random.normal(size=(len(layer), count)) * (random.random((len(layer), count)) < 0.01)
-    free = layer >= 0
-    wanted = loads[free].T @ np.linalg.solve(stiffness[np.ix_(free, free)], loads[free])
-    ranges = [(slice(0, 50), slice(0, 50)), (slice(0, 50), slice(50, count))]
+    retained, held = np.flatnonzero(across == width - 1)[::-1], np.arange(0, 600, 37)
+    column[retained] = column[held] = -1
+    loads = random.normal(size=(len(column), count)) * (random.random((len(column), count)) < 0.004)
+    free = column >= 0
+    inverse = np.linalg.inv(stiffness[np.ix_(free, free)])
+    coupling = stiffness[np.ix_(retained, free)] @ inverse
+    kept = stiffness[np.ix_(retained, retained)] - coupling @ stiffness[np.ix_(free, retained)]
     # what scipy loads at the first call does not count
-    responses(csr_array(np.eye(2)), np.array([0, 1]), csr_array((2, 1)), [])
+    condensed(csr_array(np.eye(2)), np.array([0, 1]), np.array([], np.intp), csr_array((2, 1)), 1)
     tracemalloc.start()
-    found = responses(csr_array(stiffness), layer, csr_array(loads), ranges)
+    found = condensed(csr_array(stiffness), column, retained, csr_array(loads), pressed)
     most = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
-    for product, (one, other) in zip(found, ranges, strict=True):
-        np.testing.assert_allclose(product, wanted[one, other], atol=1e-12)
-    # all columns alone are len(layer) * count numbers
-    assert most < 0.8 * 8 * len(layer) * count
+    wanted = kept, loads[retained] - coupling @ loads[free], loads[free].T @ inverse @ loads[free, :pressed]
+    for values, expected in zip(found, wanted, strict=True):
+        np.testing.assert_allclose(values, expected, rtol=0.0, atol=1e-12)
+    # the solutions of all loads, or the whole factor
+    assert most < 8 * len(column) * count
 
 
 @pytest.mark.quick

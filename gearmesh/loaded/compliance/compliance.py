@@ -47,9 +47,9 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, unit
 from gearmesh.kernel.numeric.lattice import numbers_at
+from gearmesh.loaded.compliance.condensation import condensed
 from gearmesh.loaded.compliance.half_space import point_displacements
 from gearmesh.loaded.compliance.incompatible_modes import UNIT_CORNERS, corner_stresses, stiffness, unknowns
-from gearmesh.loaded.compliance.layers import responses
 from gearmesh.loaded.compliance.quarter_space import release
 from gearmesh.loaded.compliance.sector_grid import WEB_RIM_POWER, FilletSize, sector_grid
 from gearmesh.loaded.compliance.threads import one_thread
@@ -456,14 +456,9 @@ class Sector:
         )
 
     @property
-    def layer(self) -> Index:
-        """Layer (N,) of each node, from toe to heel."""
-        return np.arange(len(self.mesh.nodes)) // (len(self.mesh.nodes) // self.layers)
-
-    @property
-    def land(self) -> Index:
-        """Unknowns of the nodes of the tip land."""
-        return unknowns(self.mesh.node_sets["land"][:, None]).ravel()
+    def column(self) -> Index:
+        """Column (N,) of each node: nodes of the same place in all layers."""
+        return np.arange(len(self.mesh.nodes)) % (len(self.mesh.nodes) // self.layers)
 
     @property
     def presses(self) -> csr_array:
@@ -545,19 +540,12 @@ class Condensed:
         from scipy.sparse import csr_array, hstack
 
         right, left, held = (unknowns(nodes[:, None]).ravel() for nodes in (sector.right, sector.left, sector.held))
-        # inner unknowns are eliminated layer by layer, under couplings to the cuts, loads and stresses
-        cut = np.concatenate((right, left))
-        layer = np.repeat(sector.layer, 3)
-        layer[held] = layer[cut] = -1
-        presses, stresses, whole = sector.presses, sector.stresses, sector.stiffness
-        loads = csr_array(hstack([whole[:, cut], presses, stresses]))
-        on_cut, pressed = slice(0, cut.size), slice(cut.size, cut.size + presses.shape[1])
-        within = slice(cut.size, loads.shape[1])
-        asked = [(on_cut, on_cut), (on_cut, within), (within, pressed)]
-        of_cuts, within_of_cuts, inner = responses(whole, layer, loads, asked, sector.land)
-        # loads and stresses that act on nodes of the cuts themselves
-        on_cut_directly = np.concatenate((presses[cut].toarray(), stresses[cut].toarray()), axis=1)
-        return Condensed(sector, whole[cut][:, cut].toarray() - of_cuts, on_cut_directly - within_of_cuts, inner)
+        cuts = np.concatenate((right, left))
+        column = np.repeat(sector.column, 3)
+        column[held] = column[cuts] = -1
+        presses = sector.presses
+        loads = csr_array(hstack([presses, sector.stresses]))
+        return Condensed(sector, *condensed(sector.stiffness, column, cuts, loads, presses.shape[1]))
 
     @property
     def loads(self) -> Array:
@@ -671,8 +659,6 @@ def _rotate(columns: Array, by: Array) -> Array:
 def _contact_compliance(sector: Sector, depth: int) -> Array:
     """Return the correction (n, n), mm/N, that removes the elements' local compliance from responses of the gear: - L -
     u(middle)."""
-    from scipy.sparse import csr_array, hstack
-
     mesh, steps = sector.mesh, sector.layers - 1
     surface_elements = [mesh.face_sets[f"{name}_{sector.side}_1"][:, 0] for name in ("flank", "fillet")]
     if "edge" in mesh.face_sets:
@@ -684,14 +670,12 @@ def _contact_compliance(sector: Sector, depth: int) -> Array:
     other_elements = np.setdiff1d(np.arange(len(mesh.elements)), inner_elements)
     free = np.setdiff1d(mesh.elements[inner_elements], mesh.elements[other_elements])
     base_nodes = np.intersect1d(mesh.elements[inner_elements], mesh.elements[other_elements])
-    layer = np.full(len(mesh.nodes), -1)
-    layer[free] = sector.layer[free]
-    base_unknowns = unknowns(base_nodes[:, None]).ravel()
-    loads = csr_array(hstack([sector.presses, sector.stiffness[:, base_unknowns]]))
-    pressed = slice(0, sector.flank.size)
+    column = np.full(len(mesh.nodes), -1)
+    column[free] = sector.column[free]
+    base_unknowns, presses = unknowns(base_nodes[:, None]).ravel(), sector.presses
+    _, on_base, local = condensed(sector.stiffness, np.repeat(column, 3), base_unknowns, presses, presses.shape[1])
     # L of the flank's nodes; deflections of the half-space at the base, transferred to the flank by the elements
-    asked = [(pressed, pressed), (pressed, slice(pressed.stop, loads.shape[1]))]
-    local, transfer = responses(sector.stiffness, np.repeat(layer, 3), loads, asked, sector.land)
+    transfer = -on_base.T
     return -local + transfer @ _half_spaces(sector, base_nodes)
 
 
