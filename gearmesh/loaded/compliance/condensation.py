@@ -111,7 +111,7 @@ class _Columns:
 
 @dataclass(frozen=True)
 class _LeftOver:
-    """What a front leaves to those after it; unknowns and loads are counted in their new orders."""
+    """Remainder of a front, for those after it; unknowns and loads are counted in their new orders."""
 
     #: unknowns (b,) that remain
     unknowns: Index
