@@ -122,6 +122,29 @@ def test_arrows_of_sliding_stay_on_the_flank_and_say_what_they_are(monkeypatch: 
             assert outline.contains_points((arrows.XY + way * half)[known]).all()
 
 
+@pytest.mark.parametrize("size", [(1280, 960), (480, 360)])
+def test_panels_fill_a_picture_and_their_words_stay_apart(
+    size: tuple[int, int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Matplotlib measures what the layout reckoned: nothing is cut off or meets, and numbers have 8 pixels."""
+    kept: list[Any] = []
+    monkeypatch.setattr(flank_diagrams, "save_figure", lambda figure, file: kept.append(figure))
+    plot_flanks("flank.png", flank_rows(contact("spiral_bevel_basic"), ("pinion", "gear")), "Kegelradpaar", size)
+    (figure,) = kept
+    figure.draw_without_rendering()
+    boxes = [axes.get_tightbbox() for axes in figure.axes]
+    boxes += [figure.legends[0].get_window_extent(), figure._suptitle.get_window_extent()]
+    assert len(boxes) == 8
+    assert min(box.x0 for box in boxes) >= 0.0
+    assert min(box.y0 for box in boxes) >= 0.0
+    assert max(box.x1 for box in boxes) <= size[0]
+    assert max(box.y1 for box in boxes) <= size[1]
+    assert not any(box.overlaps(other) for k, box in enumerate(boxes) for other in boxes[:k])
+    assert figure.dpi >= 72.0
+    filled = sum(axes.get_window_extent().width * axes.get_window_extent().height for axes in figure.axes)
+    assert filled > (0.38 if size[0] > 1000 else 0.12) * size[0] * size[1]
+
+
 def test_fields_that_are_uniform_have_no_scale(monkeypatch: pytest.MonkeyPatch) -> None:
     """Nor teeth where the flanks of pinion and gear end together, at toe and heel, but for rounding."""
     kept: list[Any] = []

@@ -76,11 +76,11 @@ class ActionPlane:
         if cylindrical and axes_distance > MAX_INTERSECTION_RATIO * float(np.linalg.norm(point - first.origin)):
             across = unit(cross(unit(common_perpendicular), first.axis))
             return ActionPlane(
-                "plane parallel to both axes", _crossing(pair), first.axis, across, (of_pinion, "across it (mm)")
+                "plane parallel to both axes", _crossing(pair), first.axis, across, (of_pinion, "across this axis (mm)")
             )
         along, moved = unit(first.spin - pair.ratio * second.spin), first.velocity(point)
         across = unit(moved - dot(moved, along) * along)
-        labels = ("along the axis of the relative motion (mm)", "across it (mm)")
+        labels = ("along the axis of the relative motion (mm)", "across this axis (mm)")
         return ActionPlane("pitch plane", _foot(first.origin, along, point), along, across, labels)
 
     def places(self, points: Array) -> Array:

@@ -18,7 +18,8 @@ from gearmesh.kernel.numeric.algebra import Array, every_nth
 from gearmesh.records import dataclass
 from gearmesh.teeth.flank_frame import FlankFrame
 from gearmesh.view.diagrams.flank_plane import FlankPlane
-from gearmesh.view.diagrams.plots import lay_out, new_figure, save_figure, sheet
+from gearmesh.view.diagrams.panel_rows import Arrangement, PanelRows, PanelSlot
+from gearmesh.view.diagrams.plots import save_figure
 from gearmesh.view.palette import (
     COMPOUND_COLOUR,
     EDGE_COLOUR,
@@ -44,10 +45,12 @@ WHOLE_LENGTH_HEIGHTS = 6.0
 SCALE_LENGTH_HEIGHTS = 7.0
 #: width of a figure with one column
 FIGURE_WIDTH_INCHES = 10.5
-#: width that a panel needs beside its content
-BESIDE_PANEL_INCHES = 0.8
-#: height that a panel needs above and below its content
-ABOVE_PANEL_INCHES = 0.85
+#: height that a number of a colour bar needs
+BAR_NUMBER_INCHES = 0.15
+#: width of a panel's content down to which the flank's edges are named beside it; room beside smaller flanks
+SMALL_PANEL_INCHES, SMALL_ROOM_INCHES = 2.8, (0.1, 0.08)
+#: width of a panel's content for which room beside the flank is counted at least
+LEAST_PANEL_INCHES = 0.5
 #: share of the room around it that the largest arrow takes
 ARROW_ROOM_SHARE = 0.9
 #: distance within which the edges of two flanks coincide
@@ -209,46 +212,59 @@ def plot_flanks(
 
     Raises OutputError if the file cannot be written.
     """
-    columns = max(map(len, rows))
-    width = (FIGURE_WIDTH_INCHES if columns == 1 else 15.0) / columns
-    windows = [
-        [flank_window(panel.plane.frame.extent, panel.extent, width - BESIDE_PANEL_INCHES) for panel in row]
-        for row in rows
-    ]
-    heights = [
-        max(
-            (width - BESIDE_PANEL_INCHES) * (high - low) * magnified / (right - left)
-            for (left, right), (low, high), magnified in row
-        )
-        + ABOVE_PANEL_INCHES
-        for row in windows
-    ]
-    inches, dots = sheet((width * columns, sum(heights) + 0.8), size, dpi)
-    figure = new_figure(inches, dots)
-    grid = figure.subplots(len(rows), columns, squeeze=False, gridspec_kw={"height_ratios": heights})
-    for row, windows_of, places in zip(rows, windows, grid, strict=True):
-        for panel, window, axes in zip(row, windows_of, places, strict=False):
-            _draw(axes, panel, window)
-        for axes in places[len(row) :]:
-            axes.set_axis_off()
-    fields = [
-        (axes, panel)
-        for row, places in zip(rows, grid, strict=True)
-        for panel, axes in zip(row, places, strict=False)
-        if isinstance(panel, FieldPanel) and panel.arrows is None
-    ]
-    handles = {
-        label: handle for axes in figure.axes for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
+    ways = [rows, [list(way) for way in zip(*rows, strict=True)]] if len({len(row) for row in rows}) == 1 else [rows]
+    made = PanelRows([_arrangement(way) for way in ways], size, dpi, titled=bool(title))
+    shown = {
+        axes: panel
+        for row, places in zip(ways[made.index], made.axes, strict=True)
+        for panel, axes in zip(row, places, strict=True)
     }
-    if handles:
-        figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=6, frameon=False, fontsize=9)
-    figure.suptitle(title, color=INK_COLOUR)
-    if fields:
-        # labels of lines need free room, which is known when everything else has its place
-        lay_out(figure)
-        for axes, panel in fields:
+    for axes, panel in shown.items():
+        width = made.width(axes)
+        _draw(axes, panel, _window_of(panel, width), small=width <= SMALL_PANEL_INCHES)
+
+    def fit(axes: Any, width: float) -> None:
+        show_window(axes, shown[axes].plane, _window_of(shown[axes], width))
+
+    made.finish(title, fit)
+    # labels of lines need free room, which is known when everything else has its place
+    for axes, panel in shown.items():
+        if isinstance(panel, FieldPanel) and panel.arrows is None:
             _label_rings(axes, panel.plane.frame.outline)
-    save_figure(figure, file)
+    save_figure(made.figure, file)
+
+
+def panel_window(flank: Array, extent: tuple[float, float], width: float) -> Window:
+    """Return the window of a flank in a content of a width, as `flank_window`; small ones have no room for words."""
+    room = WORD_ROOM_INCHES if width > SMALL_PANEL_INCHES else SMALL_ROOM_INCHES
+    return flank_window(flank, extent, max(width, LEAST_PANEL_INCHES), room)
+
+
+def _window_of(panel: Panel, width: float) -> Window:
+    return panel_window(panel.plane.frame.extent, panel.extent, width)
+
+
+def window_shape(window: Window) -> float:
+    """Height of a window over its width."""
+    (left, right), (low, high), magnified = window
+    return (high - low) * magnified / (right - left)
+
+
+def _arrangement(rows: Sequence[Sequence[Panel]]) -> Arrangement:
+    """Return how rows of panels are arranged."""
+
+    def slots(width: float) -> list[list[PanelSlot]]:
+        return [
+            [
+                PanelSlot(
+                    window_shape(_window_of(panel, width)), bar=isinstance(panel, FieldPanel) and not panel.is_flat
+                )
+                for panel in row
+            ]
+            for row in rows
+        ]
+
+    return Arrangement(slots, FIGURE_WIDTH_INCHES if max(map(len, rows)) == 1 else 15.0)
 
 
 #: factors by which heights can be magnified
@@ -292,10 +308,10 @@ def flank_window(
     return (left - aside, right + aside), (float(low[1]) - above, float(high[1]) + above), magnified
 
 
-def _draw(axes: Any, panel: Panel, window: Window) -> None:
+def _draw(axes: Any, panel: Panel, window: Window, *, small: bool) -> None:
     plane = panel.plane
     if isinstance(panel, ContactPanel):
-        draw_contact(axes, panel)
+        draw_contact(axes, panel, small)
     else:
         _draw_field(axes, panel)
     draw_outline(axes, plane, window)
@@ -306,22 +322,32 @@ def _draw(axes: Any, panel: Panel, window: Window) -> None:
     low, high = plane.frame.outline[:, 0].min(), plane.frame.outline[:, 0].max()
     if left > low or right < high:
         notes.append(f"cut off: flank from {low:.4g} to {high:.4g} mm")
-    # a height of its own: otherwise all numbers are measured again, in case some stand above the axes
-    title = panel.name + (f"  ({', '.join(notes)})" if notes else "")
-    axes.set_title(title, fontsize=10, color=INK_COLOUR, y=1.0)
-    axes.set_xlabel(plane.labels[0], fontsize=9)
-    axes.set_ylabel(plane.labels[1], fontsize=9)
-    axes.tick_params(labelsize=8)
-    name_edges(axes, plane.frame, (left, right))
+    axes.set_title(panel.name + (f"  ({', '.join(notes)})" if notes else ""))
+    label_plane(axes, plane, (left, right), small=small)
+
+
+def label_plane(axes: Any, plane: FlankPlane, seen: tuple[float, float], *, small: bool) -> None:
+    """Label the axes of a flank's plane, and name the flank's edges; in a `small` panel by the label of lengths."""
+    axes.set(xlabel=plane.labels[0], ylabel=plane.labels[1])
+    if small:
+        # toe and heel are always at the left and right, the tip is on top
+        axes.set_xlabel(f"toe \N{LEFTWARDS ARROW} {plane.labels[0]} \N{RIGHTWARDS ARROW} heel")
+    else:
+        name_edges(axes, plane.frame, seen)
 
 
 def draw_outline(axes: Any, plane: FlankPlane, window: Window) -> None:
     """Draw a flank's ground and outline, toe at the left and tip on top, in a window of `flank_window`."""
     from matplotlib.patches import Polygon
 
-    lengths, heights, magnified = window
     axes.add_artist(Polygon(plane.frame.outline, facecolor=GROUND_COLOUR, edgecolor="none", zorder=0))
     axes.plot(*plane.frame.outline.T, color=INK_COLOUR, lw=1.3, zorder=6)
+    show_window(axes, plane, window)
+
+
+def show_window(axes: Any, plane: FlankPlane, window: Window) -> None:
+    """Set the limits of axes to a window of `flank_window`, toe at the left and tip on top."""
+    lengths, heights, magnified = window
     to_left, downwards = plane.frame.inverted
     axes.set_xlim(lengths[::-1] if to_left else lengths)
     axes.set_ylim(heights[::-1] if downwards else heights)
@@ -454,6 +480,9 @@ def _draw_field(axes: Any, panel: FieldPanel) -> None:
         return
     bar = axes.figure.colorbar(drawn, cax=axes.inset_axes((1.015, 0.0, 0.02, 1.0)))
     bar.ax.tick_params(labelsize=8)
+    inches = axes.get_position().height * float(axes.figure.get_size_inches()[1])
+    every = int(np.ceil(len(drawn.levels) * BAR_NUMBER_INCHES / inches))
+    bar.set_ticks(drawn.levels[::every])
 
 
 def _without_specks(rings: Sequence[Any], size: Array) -> list[Any]:

@@ -10,7 +10,7 @@ import hashlib
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -54,6 +54,10 @@ _LABEL_ROOM_INCHES = (0.6, 0.45, 0.1, 0.25)
 SCREEN_DPI = 100
 #: share of the room that a figure needs in which its words are still clear of each other
 _MIN_ROOM_SHARE = 0.8
+#: share of that room down to which letters stay legible
+_LEAST_ROOM_SHARE = 0.55
+#: pixels per inch with which numbers, of 8 points, have 8 pixels
+LEGIBLE_DPI = 72.0
 #: pitches that are shown beyond the engagement of a pair
 _PITCHES_BEYOND = 0.6
 #: metadata by suffix: matplotlib's dates are switched off
@@ -376,7 +380,8 @@ def sheet(needed: tuple[float, float], size: tuple[int, int] | None, dpi: float)
     """
     if size is None:
         return needed, dpi
-    dots = min(dpi, size[0] / (_MIN_ROOM_SHARE * needed[0]), size[1] / (_MIN_ROOM_SHARE * needed[1]))
+    room = min(size[0] / needed[0], size[1] / needed[1])
+    dots = min(dpi, max(room / _MIN_ROOM_SHARE, min(LEGIBLE_DPI, room / _LEAST_ROOM_SHARE)))
     return (size[0] / dots, size[1] / dots), dots
 
 
@@ -389,12 +394,17 @@ def _figure() -> tuple[Any, Any]:
     return figure, axes
 
 
-def new_figure(inches: tuple[float, float], dpi: float = 150) -> Any:
-    """Return a figure that computes its margins when it is laid out, and measures letters as in the PNG file."""
+def new_figure(
+    inches: tuple[float, float], dpi: float = 150, layout: Literal["constrained"] | None = "constrained"
+) -> Any:
+    """Return a figure that computes its margins when it is laid out, and measures letters as in the PNG file.
+
+    Without a `layout` axes stay where they are put.
+    """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=inches, dpi=dpi, layout="constrained")
+    figure = Figure(figsize=inches, dpi=dpi, layout=layout)
     # without a canvas that keeps its renderer every measurement makes a new one, with all its pixels
     FigureCanvasAgg(figure)
     return figure

@@ -18,20 +18,23 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.records import dataclass
 from gearmesh.teeth.flank_frame import FlankFrame
 from gearmesh.view.diagrams.flank_diagrams import (
-    ABOVE_PANEL_INCHES,
-    BESIDE_PANEL_INCHES,
     FIGURE_WIDTH_INCHES,
+    SMALL_PANEL_INCHES,
     ContactPanel,
+    Window,
     contact_panel,
     draw_contact,
     draw_outline,
-    flank_window,
     is_long,
-    name_edges,
+    label_plane,
+    panel_window,
+    show_window,
     swept_patch,
+    window_shape,
 )
 from gearmesh.view.diagrams.flank_plane import FlankPlane, strips
-from gearmesh.view.diagrams.plots import new_figure, save_figure, sheet
+from gearmesh.view.diagrams.panel_rows import Arrangement, PanelRows, PanelSlot
+from gearmesh.view.diagrams.plots import save_figure
 from gearmesh.view.palette import (
     CURVE_COLOURS,
     EDGE_COLOUR,
@@ -44,18 +47,16 @@ from gearmesh.view.scene import contact_on, jumps
 
 #: distance beyond a flank, in its heights, up to which a limit line is shown; one farther away is named in the title
 LIMIT_REACH_HEIGHTS = 0.2
-#: share of the width of the figure that a flank panel has if both are side by side
-HALF_WIDTH_SHARE = 0.5
 #: largest height of the zone in space, as a share of its width
 MAX_ZONE_HEIGHT_SHARE = 0.45
+#: height of the zone in space that is not to scale, as a share of its width
+MIN_ZONE_HEIGHT_SHARE = 0.14
 #: width of the zone in space, as a share of its height, below which its axes are exchanged
 MIN_UPRIGHT_SHARE = 0.7
 #: margin around the zone in space, as a share of its height
 ZONE_MARGIN = 0.15
 #: length of the zone in space, in its heights, up to which it is drawn to scale
 MAX_SCALE_LENGTH = 7.0
-#: width of an entry of the legend
-LEGEND_ENTRY_INCHES = 3.2
 #: labels of limit lines, by `undercut`: True for the limiting line of the tool
 LIMIT_LABELS = {True: "limiting line of the tool (undercut)", False: "envelope of the contact lines (none beyond)"}
 
@@ -96,37 +97,38 @@ def plot_zone(
     """Plot the zone of contact. Raises OutputError if the file cannot be written."""
     pair = shown.pair
     panels = [_panel(shown, name) for name in pair.members]
-    # long flanks are above each other, short ones side by side, as on other diagrams
-    long = is_long([panel.plane for panel in panels])
-    width = (1.0 if long else HALF_WIDTH_SHARE) * FIGURE_WIDTH_INCHES - BESIDE_PANEL_INCHES
-    windows = [_window(shown, panel, width) for panel in panels]
     space = _in_space(shown)
-    (left, right), (low, high) = _extent(space)
-    heights = [
-        width * (top - bottom) * magnified / (end - begin) + ABOVE_PANEL_INCHES
-        for (begin, end), (bottom, top), magnified in windows
-    ]
-    if not long:
-        heights = [max(heights)]
-    wide = FIGURE_WIDTH_INCHES - BESIDE_PANEL_INCHES
-    heights.append(min(wide * (high - low) / (right - left), MAX_ZONE_HEIGHT_SHARE * wide) + ABOVE_PANEL_INCHES)
-    inches, dots = sheet((FIGURE_WIDTH_INCHES, sum(heights) + 0.8), size, dpi)
-    figure = new_figure(inches, dots)
-    grid = figure.add_gridspec(len(heights), 1 if long else 2, height_ratios=heights)
-    flanks = [figure.add_subplot(grid[k, 0] if long else grid[0, k]) for k in range(2)]
-    below = figure.add_subplot(grid[-1, :])
-    for axes, panel, window in zip(flanks, panels, windows, strict=True):
-        _draw_flank(axes, shown, panel, window)
+    # long flanks are above each other, short ones side by side, as on other diagrams
+    ways = [[[panel] for panel in panels], [panels]]
+    if not is_long([panel.plane for panel in panels]):
+        ways.reverse()
+    made = PanelRows([_arrangement(shown, way, space) for way in ways], size, dpi, titled=bool(title))
+    *flanks, [below] = made.axes
+    drawn = dict(zip((axes for row in flanks for axes in row), panels, strict=True))
+    for axes, panel in drawn.items():
+        width = made.width(axes)
+        _draw_flank(axes, shown, panel, _window(shown, panel, width), small=width <= SMALL_PANEL_INCHES)
     _draw_space(below, shown, space)
-    handles = {
-        label: handle for axes in figure.axes for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
-    }
-    columns = max(1, int(inches[0] / LEGEND_ENTRY_INCHES))
-    figure.legend(
-        handles.values(), handles.keys(), loc="outside lower center", ncols=columns, frameon=False, fontsize=9
-    )
-    figure.suptitle(title, color=INK_COLOUR)
-    save_figure(figure, file)
+
+    def fit(axes: Any, width: float) -> None:
+        if axes in drawn:
+            show_window(axes, drawn[axes].plane, _window(shown, drawn[axes], width))
+
+    made.finish(title, fit)
+    save_figure(made.figure, file)
+
+
+def _arrangement(shown: ZoneOfContact, rows: Sequence[Sequence[ContactPanel]], space: _ZoneLines) -> Arrangement:
+    """Return rows of flanks and the zone below them."""
+    (left, right), (low, high) = _extent(space)
+    least = 0.0 if _is_to_scale(space) else MIN_ZONE_HEIGHT_SHARE
+    # axes to scale are smaller than their place
+    below = PanelSlot(min(max((high - low) / (right - left), least), MAX_ZONE_HEIGHT_SHARE), to_scale=False)
+
+    def slots(width: float) -> list[list[PanelSlot]]:
+        return [[PanelSlot(window_shape(_window(shown, panel, width))) for panel in row] for row in rows] + [[below]]
+
+    return Arrangement(slots, FIGURE_WIDTH_INCHES)
 
 
 def _panel(shown: ZoneOfContact, name: str) -> ContactPanel:
@@ -140,7 +142,7 @@ def _panel(shown: ZoneOfContact, name: str) -> ContactPanel:
     return contact_panel(plane, contact_on(which, shown.whole, pair.mounts), ": ".join(words))
 
 
-def _window(shown: ZoneOfContact, panel: ContactPanel, width: float) -> tuple[Any, Any, float]:
+def _window(shown: ZoneOfContact, panel: ContactPanel, width: float) -> Window:
     """Window of a flank and of the part of its limit line near it."""
     frame = panel.plane.frame
     (left, low), (right, high) = frame.extent
@@ -149,7 +151,7 @@ def _window(shown: ZoneOfContact, panel: ContactPanel, width: float) -> tuple[An
         near = _near(frame, limit.own)
         if near.size:
             low, high = min(low, float(near[:, 1].min())), max(high, float(near[:, 1].max()))
-    return flank_window(np.array([[left, low], [right, high]]), panel.extent, width)
+    return panel_window(np.array([[left, low], [right, high]]), panel.extent, width)
 
 
 def _near(frame: FlankFrame, limit: Array) -> Array:
@@ -174,7 +176,7 @@ def _far_words(frame: FlankFrame, limit: Array, *, undercut: bool) -> str:
     return f"{LIMIT_LABELS[undercut]}: {away:.3g} mm away"
 
 
-def _draw_flank(axes: Any, shown: ZoneOfContact, panel: ContactPanel, window: tuple[Any, Any, float]) -> None:
+def _draw_flank(axes: Any, shown: ZoneOfContact, panel: ContactPanel, window: Window, *, small: bool) -> None:
     plane, pair = panel.plane, shown.pair
     which = pair.index(plane.member.name)
     draw_contact(axes, panel, small=True)
@@ -189,11 +191,8 @@ def _draw_flank(axes: Any, shown: ZoneOfContact, panel: ContactPanel, window: tu
     notes += [f"cut off: flank from {low:.4g} to {high:.4g} mm"] if left > low or right < high else []
     far = "" if limit is None else _far_words(plane.frame, limit.own, undercut=limit.undercut)
     title = panel.name + (f"  ({', '.join(notes)})" if notes else "") + (f"\n{far}" if far else "")
-    axes.set_title(title, fontsize=10, color=INK_COLOUR)
-    axes.set_xlabel(plane.labels[0], fontsize=9)
-    axes.set_ylabel(plane.labels[1], fontsize=9)
-    axes.tick_params(labelsize=8)
-    name_edges(axes, plane.frame, (left, right))
+    axes.set_title(title)
+    label_plane(axes, plane, (left, right), small=small)
 
 
 def _in_space(shown: ZoneOfContact) -> _ZoneLines:
@@ -222,6 +221,11 @@ def _extent(space: _ZoneLines) -> Array:
     return np.stack((low - room, high + room), axis=-1)
 
 
+def _is_to_scale(space: _ZoneLines) -> bool:
+    (left, right), (low, high) = _extent(space)
+    return bool((right - left) <= MAX_SCALE_LENGTH * (high - low))
+
+
 def _draw_space(axes: Any, shown: ZoneOfContact, space: _ZoneLines) -> None:
     from matplotlib.collections import LineCollection
 
@@ -247,17 +251,15 @@ def _draw_space(axes: Any, shown: ZoneOfContact, space: _ZoneLines) -> None:
             _draw_limit(axes, limit, undercut=undercut)
     axes.set_xlim(left, right)
     axes.set_ylim(low, high)
-    if (right - left) <= MAX_SCALE_LENGTH * (high - low):
+    if _is_to_scale(space):
         axes.set_aspect("equal", adjustable="box")
     axes.grid(True, color=GRID_LINE_COLOUR, lw=0.8)
     axes.set_axisbelow(True)
     count = int(shown.now.touching.sum())
     pairs = f"{count} tooth pair{'' if count == 1 else 's'} in contact"
-    axes.set_title(f"zone of contact, {shown.plane.name}: {pairs}", fontsize=10, color=INK_COLOUR)
+    axes.set_title(f"zone of contact, {shown.plane.name}: {pairs}")
     across, up = shown.plane.labels[:: -1 if space.lying else 1]
-    axes.set_xlabel(across, fontsize=9)
-    axes.set_ylabel(up, fontsize=9)
-    axes.tick_params(labelsize=8)
+    axes.set(xlabel=across, ylabel=up)
 
 
 def _at(shown: ZoneOfContact) -> str:
