@@ -555,18 +555,12 @@ def contact_of(
     if following and followed is not None and followed.contacts.touching.any():
         ends = np.degrees(engagement_range(followed, pair.pitch, whole) if known is None else known)
         design = design.with_values(dict(zip(PHI1_RANGE_KEYS, map(float, ends), strict=True)))
-    # the positions of a design are solved together with those of the whole engagement, which takes hardly more time
+    # positions over the whole engagement, for pictures and the pattern
     more = np.empty(0) if phi1 is not None or known is None else whole_positions(known)
     if phi1 is None:
         wanted = design.contact.phi1
         phi1 = np.radians(np.linspace(wanted.start, wanted.stop, wanted.count))
-    # gears that jam have no contact: these positions of the path stay empty
-    jams = np.zeros(len(phi1), dtype=bool) if fits is None else fits.jams(phi1)
-    path, solved_whole = jammed_path(flanks, phi1), None
-    if fits is None or not (fits.jammed and jams.all()):
-        solved = contact_path(flanks, np.concatenate((phi1, more)), pair.generation, engagement=followed)
-        path = solved.part_of(slice(0, len(phi1))).without(path, jams)
-        solved_whole = solved.part_of(slice(len(phi1), None)) if more.size else None
+    path, solved_whole = _solved_paths(pair, flanks, phi1, more, followed, fits)
     tell(0.9)
     summary = Summary(_summary(pair, path, whole), pair.figures, None if fits is None else FitSummary.of(pair, fits))
     hertz = None
@@ -612,6 +606,23 @@ def contact_of(
         speed,
         solved_whole,
     )
+
+
+def _solved_paths(
+    pair: GearPair, flanks: Pair, phi1: Array, more: Array, followed: Engagement | None, fits: Fit | None
+) -> tuple[ContactPath, ContactPath | None]:
+    """Return the path at phi1 (P,), rad, empty where gears jam, and the path at the positions `more` (Q,); None for Q = 0.
+
+    Both are solved in one batch: the time is that of calls, not of positions.
+    """
+    path = jammed_path(flanks, phi1)
+    # gears that jam have no contact at these positions; without any contact nothing is solved
+    jams = np.zeros(len(phi1), dtype=bool) if fits is None else fits.jams(phi1)
+    if fits is not None and fits.jammed and jams.all():
+        return path, None
+    solved = contact_path(flanks, np.concatenate((phi1, more)), pair.generation, engagement=followed)
+    path = solved.part_of(slice(0, len(phi1))).without(path, jams)
+    return path, solved.part_of(slice(len(phi1), None)) if more.size else None
 
 
 def _neighbours(pair: GearPair, path: ContactPath, followed: Engagement | None, cycle: Cycle | None) -> Array | None:
