@@ -273,8 +273,21 @@ def figures_of(answer: gm.Result) -> str:
     return json.dumps(answer.document(), sort_keys=True)
 
 
-@pytest.mark.parametrize("sample", ["helical", "rack", "face_gear", "hypoid_measured", "novikov", "worm_drive"])
-@pytest.mark.sweep_cases("hypoid_measured")
+@pytest.mark.parametrize(
+    "sample",
+    [
+        "helical",
+        "rack",
+        "face_gear",
+        "hypoid_measured",
+        "novikov",
+        "worm_drive",
+        "straight_bevel",
+        "cycloidal",
+        "spline",
+    ],
+)
+@pytest.mark.sweep_cases("hypoid_measured", "cycloidal", "spline")
 def test_gears_pickle(sample: str) -> None:
     """Of every way to make a surface: what is asked afterwards is the same to the last digit."""
     gears = gm.build(gm.load(SAMPLES / f"{sample}.toml"))

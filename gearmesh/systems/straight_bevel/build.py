@@ -13,6 +13,7 @@ import numpy as np
 
 from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.common.bevel.blank import BevelBlank, basic_data
 from gearmesh.systems.common.bevel.displacements import displaced_bases
@@ -50,6 +51,16 @@ TOOTH_REMEDIES = Remedies(
 )
 #: names of the tools by the form of the flanks
 TOOL_NAMES = {"octoid": "planing tool", "spherical_involute": "spherical involute crown gear"}
+
+
+def _in_mm(p: Array, v: Array) -> tuple[Array, Array]:
+    return p, v
+
+
+def _in_degrees(p: Array, theta: Array) -> tuple[Array, Array]:
+    return p, np.degrees(theta)
+
+
 #: parameters of the flanks
 FLANK_PARAMETERS = NamedParameters(
     (
@@ -58,7 +69,7 @@ FLANK_PARAMETERS = NamedParameters(
         ),
         SourceParameter("v", "mm", "cone distance on the crown gear beyond the mean cone distance"),
     ),
-    lambda p, v: (p, v),
+    _in_mm,
 )
 #: parameters of flanks that discs cut
 DISC_PARAMETERS = NamedParameters(
@@ -66,7 +77,7 @@ DISC_PARAMETERS = NamedParameters(
         SourceParameter("p", "mm", "distance along the cutting edge of the disc, from its land"),
         SourceParameter("theta", "deg", "angle about the axis of the disc, 0 at the mean cone distance"),
     ),
-    lambda p, v: (p, np.degrees(v)),
+    _in_degrees,
 )
 #: radius of a disc by default, in face widths
 DISC_RADIUS_FACES = 6.0
