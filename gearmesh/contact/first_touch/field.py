@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.first_touch.heights import Circles, FlankHeights, bilinear
+from gearmesh.contact.first_touch.poses import FIELD_ERROR_RAD, PosedField, Poses
 from gearmesh.contact.first_touch.windows import (
     FIRST_COLUMN,
     FIRST_ROW,
@@ -51,6 +52,8 @@ if TYPE_CHECKING:
 COLUMN_STRIDE = 2
 #: points times positions that are computed at once: such arrays stay in a processor's cache, which halves the time
 POINTS_PER_CHUNK = 40_000
+#: most positions at one rotation whose advances are never polynomials
+LEAST_POSED = 30
 #: largest number of maxima inside the flanks that are kept at a position
 MAX_INNER_MAXIMA = 3
 #: rounds of the fixed-point iteration for the circle through an eccentric gear's teeth
@@ -127,7 +130,7 @@ class Candidates:
         none = np.zeros(0)
         whole = np.zeros(0, dtype=np.intp)
         edges, steps = np.zeros((0, 2), dtype=np.intp), np.zeros((0, 2, 2))
-        windows = Windows(np.zeros((0, 25)), np.zeros((0, 4, 25)), np.zeros((0, 2)), whole, whole)
+        windows = Windows(np.zeros((0, 25)), np.zeros((0, 4, 25)), np.zeros((0, 2)), whole, whole, none)
         return Candidates(
             whole, np.zeros((0, 5)), np.zeros((0, 2)), none, none, edges, none, none, none, whole, steps, windows
         )
@@ -181,7 +184,7 @@ def candidates(
     if floor is not None:
         above = [rows[_ahead(pair, phi1, nodes, floor)] for rows, nodes in _batches(pair, phi1, every, finer=finer)]
         worth = np.concatenate([worth[:0], *above])
-    for kept, nodes in _batches(pair, phi1, every[worth], finer=finer):
+    for kept, nodes in _batches(pair, phi1, every[worth], finer=finer, posed=True):
         part = _candidates(pair, nodes, phi1, trimmed)
         rows, before = worth[kept], sum(len(earlier.position) for earlier in parts)
         best[rows], gain[rows], top[rows] = part.best, part.gain, np.where(part.top < 0, -1, part.top + before)
@@ -196,6 +199,9 @@ def candidates(
 
 def _ahead(pair: Pair, phi1: Array, nodes: _Nodes, floor: Array) -> NDArray[np.intp]:
     """Return the positions of nodes, by their places (K,) in `index`, where advances may be above the `floor` (N,), rad."""
+    if (seen := _facing_window(pair, phi1, nodes)) is None:
+        return np.zeros(0, dtype=np.intp)
+    nodes = nodes.window(*seen)
     near = _near(_beyond(pair, phi1, nodes), nodes.shape)
     there = np.flatnonzero(near.any(axis=(1, 2)))
     if pair.tip_corners or not there.size:
@@ -232,11 +238,13 @@ def _nothing_seen(count: int) -> tuple[Array, Array, NDArray[np.bool_]]:
 
 
 def _batches(
-    pair: Pair, phi1: Array, only: NDArray[np.intp] | None = None, *, finer: bool = False
+    pair: Pair, phi1: Array, only: NDArray[np.intp] | None = None, *, finer: bool = False, posed: bool = False
 ) -> Iterator[tuple[NDArray[np.intp], _Nodes]]:
     """Yield batches of positions: their rows among the wanted positions, and the nodes that are sampled.
 
-    Teeth that wind round their axis have batches only of positions where they come near the gear.
+    Positions of many assemblies at one rotation share a batch: their nodes near the gear are nearly the same. If `posed`, their
+    fields may be polynomials in the poses of the members. Teeth that wind round their axis have batches only of positions where
+    they come near the gear.
     """
     grid, every = pair.pinion.grid, np.arange(len(phi1)) if only is None else only
     sampled, wound = grid[:, ::COLUMN_STRIDE], pair.wound
@@ -247,14 +255,50 @@ def _batches(
     jet = pair.pinion.surface.jet(sampled[..., 0].ravel(), sampled[..., 1].ravel())
     whole = _Nodes(every, sampled, np.zeros(len(every), dtype=np.intp), sampled.shape[:2], jet.r, jet.n)
     step = max(1, POINTS_PER_CHUNK // (sampled[:, ::COLUMN_STRIDE].size // 2 if wound else len(jet.r)))
-    for k in range(0, len(every), step):
-        rows = np.arange(k, min(k + step, len(every)))
-        nodes = whole.at(every[rows])
-        if wound:
-            near, nodes = nodes.facing(pair, phi1)
-            rows = rows[near]
-        if rows.size:
-            yield rows, nodes
+    lines = np.flatnonzero(IS_INSIDE_FLANK | IS_TIP_CORNER)
+    posed &= pair.unbroken and not wound and all(pair.bounds[k] is None for k in lines)
+    posed &= pair.gear.mount.eccentricity == (0.0, 0.0)
+    poses: Poses | None = None
+    for group in _by_rotation(phi1[every], step):
+        field = None
+        if posed and len(group) > LEAST_POSED and (phi1[every[group]] == phi1[every[group[0]]]).all():
+            poses, field = _posed(pair, phi1, whole.at(every[group]), poses)
+        for part in np.array_split(np.arange(len(group)), max(1, round(len(group) / step))):
+            rows = group[part]
+            nodes = replace(whole.at(every[rows]), posed=None if field is None else (field, part))
+            if wound:
+                near, nodes = nodes.facing(pair, phi1)
+                rows = rows[near]
+            if rows.size:
+                yield rows, nodes
+
+
+def _posed(pair: Pair, phi1: Array, nodes: _Nodes, known: Poses | None) -> tuple[Poses | None, PosedField | None]:
+    """Return polynomials in the poses of the members at nodes of many assemblies at one rotation; None if there are too few.
+
+    The `known` poses of another rotation serve again if they are the same.
+    """
+    first, second = pair.pinion.mount.rows(nodes.index).base, pair.gear.mount.rows(nodes.index).base
+    own_to_gear = second.inverse @ first
+    if own_to_gear.rotation.ndim == 2:
+        return None, None
+    if known is None or not known.same(own_to_gear):
+        known = Poses.of(own_to_gear, *nodes.middle)
+    if known is None:
+        return None, None
+    few = nodes.some(np.concatenate((known.sampled, known.checked)))
+    seen = advances(pair, phi1, few.r, few.n, few.index)
+    return known, known.fit(seen.advance, seen.beyond)
+
+
+def _by_rotation(phi1: Array, most: int) -> list[NDArray[np.intp]]:
+    """Return the positions of each rotation in phi1 (N,) where most rotations have half of `most` positions or more, else all."""
+    order = np.argsort(phi1, kind="stable")
+    repeated = np.diff(phi1[order]) == 0.0
+    if not repeated.any():
+        return [np.arange(len(phi1))]
+    ends = np.flatnonzero(~repeated) + 1
+    return np.split(order, ends) if 2 * len(phi1) >= most * (len(ends) + 1) else [order]
 
 
 def _halve(grid: Array) -> Array:
@@ -280,6 +324,30 @@ class _Nodes:
     r: Array
     #: normals of these points
     n: Array
+    #: field of many assemblies, and the N of them, None if advances are sampled
+    posed: tuple[PosedField, NDArray[np.intp]] | None = None
+
+    @property
+    def middle(self) -> tuple[Array, float]:
+        """Middle (3,) of points that are the same for all positions, and their largest distance from it, mm."""
+        middle = self.r.mean(axis=0)
+        return middle, float(np.sqrt(np.square(self.r - middle).sum(axis=1).max()))
+
+    def seen(self, pair: Pair, phi1: Array) -> Advances:
+        """Return the advances (N, I W) of the nodes; radii and heights of circles are zero if the field is known."""
+        if self.posed is None:
+            return advances(pair, phi1, self.r, self.n, self.index)
+        (field, which), none = self.posed, np.zeros(())
+        advance, beyond = field.at(which)
+        if field.exact.size:
+            own = advances(pair, phi1, self.r[field.exact], self.n[field.exact], self.index)
+            advance[:, field.exact], beyond[..., field.exact] = own.advance, own.beyond
+        return Advances(advance, beyond, none, none)
+
+    @property
+    def error(self) -> float:
+        """Largest error of the advances, rad, beside that of the gear's table."""
+        return 0.0 if self.posed is None else FIELD_ERROR_RAD
 
     def at(self, index: NDArray[np.intp]) -> _Nodes:
         """Return the whole grid at other positions."""
@@ -383,6 +451,23 @@ def _beyond(pair: Pair, phi1: Array, nodes: _Nodes) -> Array:
         return np.zeros((len(FLANK_LIMITS), len(nodes.index), nodes.shape[0] * nodes.shape[1]))
     _, target = _seen_from_gear(pair, phi1, nodes.r, nodes.index)
     return pair.gear.heights.beyond(pair.gear.mount.joint.radius(target), target[..., 2])
+
+
+def _facing_window(pair: Pair, phi1: Array, nodes: _Nodes) -> tuple[slice, slice] | None:
+    """Return rows and columns of the nodes from which all advances near contact are read, None if no node comes near the gear.
+
+    The limits at one position hold for the others but for the distance by which nodes move between these positions.
+    """
+    if nodes.r.ndim == 3 or pair.gear.mount.eccentricity != (0.0, 0.0):
+        return np.s_[:], np.s_[:]
+    one = replace(nodes, index=nodes.index[:1], first=nodes.first[:1])
+    middle, reach = nodes.middle
+    rotation, target = _seen_from_gear(pair, phi1, middle[None], nodes.index)
+    moved = np.sqrt(np.square(target[:, 0] - target[0, 0]).sum(axis=-1))
+    moved += reach * np.sqrt(np.square(rotation - rotation[:1]).sum(axis=(1, 2))) if rotation.ndim == 3 else 0.0
+    far = pair.gear.heights.steepness * moved.max()
+    near = _near(_beyond(pair, phi1, one) - far[:, None, None], nodes.shape)
+    return _window(near, NEIGHBOUR_NODES + 2) if near.any() else None
 
 
 def _near(beyond: Array, shape: tuple[int, ...]) -> NDArray[np.bool_]:
@@ -513,11 +598,11 @@ class _Field:
                 inside[crossed] &= best[crossed] >= value
                 best[crossed] = np.maximum(best[crossed], value)
         # creases inside flanks are crossed the same way; corners of tip lines keep the distances from their stations
-        circle_points = np.stack((seen.rho, np.zeros_like(seen.rho), seen.z), axis=-1)
         stations = {}
         for number in np.flatnonzero(IS_INSIDE_FLANK | IS_TIP_CORNER):
             bound = pair.bounds[number]
             if bound is not None:
+                circle_points = np.stack((seen.rho, np.zeros_like(seen.rho), seen.z), axis=-1)
                 beside = bound.level.value(circle_points if bound.member else nodes.r)
                 beside = np.broadcast_to(beside.reshape(-1, *shape[1:]), shape)
                 if IS_INSIDE_FLANK[number]:
@@ -531,10 +616,11 @@ class _Field:
     def corners(self) -> dict[tuple[int, int], _LatticeCells]:
         """Cells in which the flanks may overlap at a corner of the gear's flank, by the numbers of the two edges."""
         numbers = {names: (edge_number(1, names[0]), edge_number(1, names[1])) for names in FLANK_CORNERS}
+        sought = {names: edges for names, edges in numbers.items() if all(number in self.crossings for number in edges)}
+        signs = _cell_signs(self.advance, self.beyond) if sought else None
         return {
-            edges: _overlapping(self.advance, self.beyond, names).nearest()
-            for names, edges in numbers.items()
-            if all(number in self.crossings for number in edges)
+            edges: _overlapping(self.advance, self.beyond, names, signs=signs).nearest()
+            for names, edges in sought.items()
         }
 
     @cached_property
@@ -548,7 +634,7 @@ class _Field:
 def _candidates(pair: Pair, nodes: _Nodes, phi1: Array, trimmed: bool) -> Candidates:
     """Return the maxima of sampled advances: inside both flanks, along edges, and in cells with an overlap between nodes."""
     index = nodes.index
-    field = _Field.of(pair, nodes, advances(pair, phi1, nodes.r, nodes.n, index), trimmed)
+    field = _Field.of(pair, nodes, nodes.seen(pair, phi1), trimmed)
     on, best, gain = field.on, field.best, field.gain
     shape = on.shape
     places: list[
@@ -571,7 +657,7 @@ def _candidates(pair: Pair, nodes: _Nodes, phi1: Array, trimmed: bool) -> Candid
         if rise is None:
             rise = _local_gain(field.bends, position, place, around)
         bounded = np.full(len(position), around), np.full(len(position), line)
-        places.append((position, place, edge_pairs, value, most + rise, *bounded))
+        places.append((position, place, edge_pairs, value, most + rise + 2.0 * nodes.error, *bounded))
 
     # maxima inside both flanks; of nodes that touch alike, as along a line of contact, the middle one
     peaks = np.where(_is_peak(on), on - _off_middle(shape[1:]), -np.inf).reshape(len(index), -1)
@@ -645,7 +731,7 @@ def _candidates(pair: Pair, nodes: _Nodes, phi1: Array, trimmed: bool) -> Candid
     worth = np.flatnonzero(most >= sure[position])
     position, place, start, edges, value = position[worth], place[worth], start[worth], edges[worth], value[worth]
     lines = lines[worth] if pair.unbroken and not pair.wound else np.full(len(worth), NO_LINE)
-    windows = Windows.of(field.advance, field.beyond, position, place, around_each[worth], lines)
+    windows = Windows.of(field.advance, field.beyond, position, place, around_each[worth], lines, nodes.error)
     x, on_gear = _starts(pair, nodes.parameters(position, start), phi1, index[position], value)
     ahead = pair.drive * (x[:, 4] - pair.ratio * phi1[index[position]])
     ahead[(edges[:, 0] == NO_EDGE) & ~on_gear] = -np.inf
@@ -935,32 +1021,48 @@ def _small_overlaps(pair: Pair, nodes: _Nodes, phi1: Array, field: _Field) -> _L
     return cells[np.unique(numbers)].nearest()
 
 
-def _overlapping(advance: Array, beyond: Array, crossed: Sequence[str], station: Array | None = None) -> _LatticeCells:
+def _overlapping(
+    advance: Array,
+    beyond: Array,
+    crossed: Sequence[str],
+    station: Array | None = None,
+    signs: NDArray[np.uint16] | None = None,
+) -> _LatticeCells:
     """Return the cells of lattices (N, I, J) in which the flanks may overlap, by the signs at the nodes.
 
     - `beyond`: distances (4, N, I, J), mm, outside the limits
     - `crossed`: names of the edges that must run through the cell
     - `station`: distances (N, I, J) from a station that must run through the cell, mm
+    - `signs`: `_cell_signs` of advances and distances, where they are known
     """
-
-    def any_of(nodes: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        """Return True for cells with at least one marked node."""
-        pairs = nodes[:, :-1] | nodes[:, 1:]
-        return pairs[:, :, :-1] | pairs[:, :, 1:]
-
     # a cell needs a node inside every limit, and also a node outside for each edge that runs through it
-    possible = any_of(np.isfinite(advance))
     over = [(limit, name in crossed) for limit, name in zip(beyond, FLANK_LIMITS, strict=True)]
-    for limit, edge in [*over, *([] if station is None else [(station, True)])]:
-        possible &= any_of(limit <= 0.0)
-        if edge:
-            possible &= any_of(limit > 0.0)
+    found = _cell_signs(advance, beyond) if signs is None else signs
+    needed = 1 | sum(2 + 4 * edge << 2 * k for k, (_, edge) in enumerate(over))
+    possible = found & needed == needed
+    if station is not None:
+        over.append((station, True))
+        possible &= _cell_signs(None, station[None]) == 6
     position, i, j = np.nonzero(possible)
     apart = np.zeros(len(position))
-    for limit, edge in [*over, *([] if station is None else [(station, True)])]:
-        distance = np.mean([limit[position, i + k, j + m] for k in (0, 1) for m in (0, 1)], axis=0)
+    for limit, edge in over:
+        distance = 0.25 * sum(limit[position, i + k, j + m] for k in (0, 1) for m in (0, 1))
         apart += np.abs(distance) if edge else np.maximum(distance, 0.0)
     return _LatticeCells(position, i, j, apart, advance)
+
+
+def _cell_signs(advance: Array | None, beyond: Array) -> NDArray[np.uint16]:
+    """Return bits of the cells of lattices (N, I, J): 1 for a finite `advance`, then 2 << 2 k for nodes inside limit k and
+    4 << 2 k for nodes outside it, by the distances `beyond` (L, N, I, J).
+    """
+    nodes = np.zeros(beyond.shape[1:], dtype=np.uint16)
+    if advance is not None:
+        nodes |= np.isfinite(advance)
+    for k, limit in enumerate(beyond):
+        for bit, side in ((2, limit <= 0.0), (4, limit > 0.0)):
+            nodes |= side.astype(np.uint16) << np.uint16(2 * k) << np.uint16(bit // 2)
+    pairs = nodes[:, :-1] | nodes[:, 1:]
+    return pairs[:, :, :-1] | pairs[:, :, 1:]
 
 
 def _on_last_row(field: _Field, station: Array) -> tuple[NDArray[np.intp], Array, Array, Array, Array]:

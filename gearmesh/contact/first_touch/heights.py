@@ -10,6 +10,8 @@ point of a mating gear at every position. The table decides where contact is sea
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -65,13 +67,19 @@ class FlankHeights:
 
     def at(self, rho: Array, z: Array) -> Circles:
         """Return the meeting of circles (...,), member's frame, with the flank."""
-        a, w, row, column, low, high = self._places(rho, z)
-        return Circles(self.theta.at(row, column), self._outside(a, w, low, high))
+        a, w, column, low, high = self._places(rho, z)
+        return Circles(self.theta.at(self._row(w, column, low, high), column), self._outside(a, w, low, high))
 
     def beyond(self, rho: Array, z: Array) -> Array:
         """Return distances (4, ...), mm, of circles (...,), member's frame, beyond form point, tip, toe and heel."""
-        a, w, _, _, low, high = self._places(rho, z)
+        a, w, _, low, high = self._places(rho, z)
         return self._outside(a, w, low, high)
+
+    @cached_property
+    def steepness(self) -> Array:
+        """Largest changes (4,) of the distances `beyond` by the movement of a circle."""
+        width = np.abs(self.extent[1] - self.extent[0]) / (len(self.low) - 1)
+        return 1.0 + np.array([*(np.abs(np.diff(limit)).max() / width for limit in (self.low, self.high)), 0.0, 0.0])
 
     def _outside(self, a: Array, w: Array, low: Array, high: Array) -> Array:
         toe, heel = self.extent
@@ -80,12 +88,12 @@ class FlankHeights:
 
     def parameters_at(self, rho: Array, z: Array) -> Array:
         """Return surface parameters (C, 2) near the meeting of circles (C,) with the flank, or nearest to it on the rim."""
-        _, _, row, column, _, _ = self._places(rho, z)
-        last = np.array(self.parameters.shape[:2]) - 1.0
+        _, w, column, low, high = self._places(rho, z)
+        last, row = np.array(self.parameters.shape[:2]) - 1.0, self._row(w, column, low, high)
         return bilinear(self.parameters, np.clip(np.stack((row, column), axis=-1), 0.0, last))
 
     def _places(self, rho: Array, z: Array) -> tuple[Array, ...]:
-        """Return station and w (mm), row and column of the lattice, and w at form point and tip, of circles (...,)."""
+        """Return station and w (mm), column of the lattice, and w at form point and tip, of circles (...,)."""
         across, up, zero = self.station
         a, w = across * rho + up * z + zero, self.sign * (up * rho - across * z)
         toe, heel = self.extent
@@ -93,11 +101,15 @@ class FlankHeights:
         column = (a - toe) * (last / (heel - toe))
         k = np.nan_to_num(np.clip(column, 0, last - 1)).astype(np.intp)
         share = column - k
-        low, high = (limit[k] + share * (limit[k + 1] - limit[k]) for limit in (self.low, self.high))
+        low, high = (limit[k] + share * np.diff(limit)[k] for limit in (self.low, self.high))
+        return a, w, column, low, high
+
+    def _row(self, w: Array, column: Array, low: Array, high: Array) -> Array:
+        """Return the row (...,) of the lattice at w (mm) and column, between w at form point and tip."""
         first, span = low, high - low
         if self.rows is not None:
-            first, span = (np.asarray(np.polyval(row, column * (2.0 / last) - 1.0)) for row in self.rows)
-        return a, w, (w - first) * ((LATTICE_ROWS - 1) / span), column, low, high
+            first, span = (np.asarray(np.polyval(row, column * (2.0 / (len(self.low) - 1)) - 1.0)) for row in self.rows)
+        return (w - first) * ((LATTICE_ROWS - 1) / span)
 
 
 def bilinear(table: Array, place: Array) -> Array:

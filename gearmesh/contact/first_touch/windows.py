@@ -8,6 +8,8 @@ there are any, and a place on an edge by the highest points along this edge.
 
 from __future__ import annotations
 
+from dataclasses import fields
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -87,6 +89,8 @@ class Windows:
     around: NDArray[np.intp]
     #: lines (C,) on which the places lie
     line: NDArray[np.intp]
+    #: errors (C,) of the advances, rad
+    error: Array
 
     @staticmethod
     def of(
@@ -96,28 +100,29 @@ class Windows:
         place: Array,
         around: NDArray[np.intp],
         line: NDArray[np.intp],
+        error: float = 0.0,
     ) -> Windows:
         """Return the windows of a field (N, I, J) and its distances (4, N, I, J) about places (C, 2) of positions (C,)."""
         rows, columns = advance.shape[1:]
+        errors = np.full(len(place), error)
         last = np.array((rows, columns)) - 1 - HALF_WINDOW
         if (last < HALF_WINDOW).any() or (line == NO_LINE).all():
             empty, line = np.full((len(place), 25), np.nan), np.full(len(place), NO_LINE)
-            return Windows(empty, np.repeat(empty[:, None], 4, axis=1), place, around, line)
+            return Windows(empty, np.repeat(empty[:, None], 4, axis=1), place, around, line, errors)
         middle = np.clip(np.rint(place).astype(np.intp), HALF_WINDOW, last)
         first = (position * rows + middle[:, 0]) * columns + middle[:, 1]
         steps = np.arange(-HALF_WINDOW, HALF_WINDOW + 1)
         nodes = first[:, None] + (columns * steps[:, None] + steps).ravel()
         around_nodes = np.moveaxis(beyond.reshape(4, -1)[:, nodes], 0, 1)
-        return Windows(advance.reshape(-1)[nodes], around_nodes, place - middle, around, line)
+        return Windows(advance.reshape(-1)[nodes], around_nodes, place - middle, around, line, errors)
 
     def __getitem__(self, which: NDArray[np.intp]) -> Windows:
-        return Windows(self.advance[which], self.beyond[which], self.place[which], self.around[which], self.line[which])
+        return Windows(*(getattr(self, field.name)[which] for field in fields(self)))
 
     @staticmethod
     def join(parts: list[Windows]) -> Windows:
         """Return the windows of several fields, one after the other."""
-        names = ("advance", "beyond", "place", "around", "line")
-        return Windows(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
+        return Windows(*(np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(Windows)))
 
     def most(self, slack: float) -> Array:
         """Return upper bounds (C,), rad, of the advance about the places, inf where nodes are missing.
@@ -139,7 +144,7 @@ class Windows:
         nodes = self.advance.reshape(-1, 5, 5)
         fourth = np.abs(nodes.transpose(0, 2, 1) @ FOURTH_DIFFERENCE).max(axis=1)
         fourth += np.abs(nodes @ FOURTH_DIFFERENCE).max(axis=1)
-        error = FOURTH_SHARE * fourth
+        error = FOURTH_SHARE * fourth + self.error
         field = (self.advance @ FIELD_OF_NODES.T).reshape(-1, 6, WINDOW_POINTS, WINDOW_POINTS)
         about = np.abs(POINT_PLACES - self.place[..., None]) <= self.around[:, None, None] + 1e-9
         counts = about[:, 0, :, None] & about[:, 1, None, :]
