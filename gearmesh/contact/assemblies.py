@@ -21,7 +21,7 @@ from gearmesh.records import dataclass
 from gearmesh.teeth.mount import Mount
 
 #: positions solved at once: fewer spend more of their time between calls, more do not stay in the cache
-MAX_BATCH = 5_000
+MAX_BATCH = 10_000
 
 
 def many_assemblies(pair: Pair, bases: tuple[Rigid, Rigid], phi1: Array) -> Contacts:

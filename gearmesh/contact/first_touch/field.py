@@ -81,6 +81,8 @@ FLANK_LIMITS = (FORM_POINT, *FLANK_EDGES)
 #: lines of places on the limits of the gear's flank, and on the edges of the pinion's grid, in the words of `windows`
 LIMIT_LINES = {name: FLANK_LIMITS.index(name) for name in FLANK_LIMITS} | {ROOT_EDGE: 0}
 RIM_LINES = {"tip": LAST_ROW, "toe": FIRST_COLUMN, "heel": LAST_COLUMN, FORM_POINT: FIRST_ROW, ROOT_EDGE: FIRST_ROW}
+#: nodes of the pinion's grid along its edges
+RIMS = {"tip": np.s_[-1], "toe": np.s_[:, 0], "heel": np.s_[:, -1], FORM_POINT: np.s_[0], ROOT_EDGE: np.s_[0]}
 #: corners of a flank, as the limits that meet there
 FLANK_CORNERS = (("tip", "toe"), ("tip", "heel"))
 
@@ -459,7 +461,7 @@ def _facing_window(pair: Pair, phi1: Array, nodes: _Nodes) -> tuple[slice, slice
     The limits at one position hold for the others but for the distance by which nodes move between these positions.
     """
     if nodes.r.ndim == 3 or pair.gear.mount.eccentricity != (0.0, 0.0):
-        return np.s_[:], np.s_[:]
+        return slice(0, nodes.shape[0]), slice(0, nodes.shape[1])
     one = replace(nodes, index=nodes.index[:1], first=nodes.first[:1])
     middle, reach = nodes.middle
     rotation, target = _seen_from_gear(pair, phi1, middle[None], nodes.index)
@@ -578,6 +580,8 @@ class _Field:
     crossings: dict[int, tuple[NDArray[np.intp], Array, Array, Array]]
     #: for each corner of a tip line: distances (N, I, J), mm, from the corner's station
     stations: dict[int, Array]
+    #: True (I, J) for nodes about which the greatest advance of any position may be
+    level: NDArray[np.bool_]
 
     @staticmethod
     def of(pair: Pair, nodes: _Nodes, seen: Advances, trimmed: bool) -> _Field:
@@ -587,6 +591,8 @@ class _Field:
         beyond = seen.beyond.reshape(4, *shape)
         on = np.where(np.isfinite(advance) & ((beyond <= SLACK_MM).all(axis=0) | (not trimmed)), advance, -np.inf)
         best = on.max(axis=(1, 2))
+        bends, gain = _bends_and_gain(advance)
+        level = _level(advance, best, bends, beyond if trimmed else None)
         inside = (on[:, 1:-1, 1:-1].max(axis=(1, 2)) >= best) & np.isfinite(best)
         # the gear's edges lie between nodes: interpolate where lines of the grid cross them
         crossings = {}
@@ -594,7 +600,9 @@ class _Field:
         for limit, name in enumerate((low, *FLANK_EDGES)):
             if name in pair.gear.edges:
                 others = [beyond[k] for k in range(4) if k != limit]
-                crossed, _, _, value = crossings[edge_number(1, name)] = _best_crossing(advance, beyond[limit], others)
+                crossed, _, _, value = crossings[edge_number(1, name)] = _best_crossing(
+                    advance, beyond[limit], others, level
+                )
                 inside[crossed] &= best[crossed] >= value
                 best[crossed] = np.maximum(best[crossed], value)
         # creases inside flanks are crossed the same way; corners of tip lines keep the distances from their stations
@@ -606,17 +614,23 @@ class _Field:
                 beside = bound.level.value(circle_points if bound.member else nodes.r)
                 beside = np.broadcast_to(beside.reshape(-1, *shape[1:]), shape)
                 if IS_INSIDE_FLANK[number]:
-                    crossings[int(number)] = _best_crossing(advance, beside, list(beyond))
+                    crossings[int(number)] = _best_crossing(advance, beside, list(beyond), level)
                 else:
                     stations[int(number)] = beside
-        bends, gain = _bends_and_gain(advance)
-        return _Field(advance, beyond, on, bends, best, gain, inside, crossings, stations)
+        return _Field(advance, beyond, on, bends, best, gain, inside, crossings, stations, level)
 
     @cached_property
     def corners(self) -> dict[tuple[int, int], _LatticeCells]:
         """Cells in which the flanks may overlap at a corner of the gear's flank, by the numbers of the two edges."""
         numbers = {names: (edge_number(1, names[0]), edge_number(1, names[1])) for names in FLANK_CORNERS}
         sought = {names: edges for names, edges in numbers.items() if all(number in self.crossings for number in edges)}
+        # both limits change their sign over a cell next to which the advance may be greatest
+        around = _wider(self.level[None])[0]
+        crossed = {
+            name: ((limit <= 0.0).any(axis=0) & around).any() and ((limit > 0.0).any(axis=0) & around).any()
+            for name, limit in zip(FLANK_LIMITS, self.beyond, strict=True)
+        }
+        sought = {names: edges for names, edges in sought.items() if all(crossed[name] for name in names)}
         signs = _cell_signs(self.advance, self.beyond) if sought else None
         return {
             edges: _overlapping(self.advance, self.beyond, names, signs=signs).nearest()
@@ -660,21 +674,22 @@ def _candidates(pair: Pair, nodes: _Nodes, phi1: Array, trimmed: bool) -> Candid
         places.append((position, place, edge_pairs, value, most + rise + 2.0 * nodes.error, *bounded))
 
     # maxima inside both flanks; of nodes that touch alike, as along a line of contact, the middle one
-    peaks = np.where(_is_peak(on), on - _off_middle(shape[1:]), -np.inf).reshape(len(index), -1)
-    rows = np.arange(len(index))
+    inner, rows = np.flatnonzero(field.level), np.arange(len(index))
+    own = on.reshape(len(index), -1)[:, inner]
+    peaks = np.where(_is_peak(on, inner), own - _off_middle(shape[1:]).ravel()[inner], -np.inf)
     # nodes that are less advanced than a neighbour, but beside which the advance may rise higher than beside the neighbour
     high = on + _largest_beside(field.bends)
-    hidden = np.where(_is_peak(high), high, -np.inf).reshape(len(index), -1)
+    hidden = np.where(_is_peak(high, inner), high.reshape(len(index), -1)[:, inner], -np.inf)
     hidden[peaks > -np.inf] = -np.inf
 
     def inside(heights: Array, around: int) -> None:
-        for _ in range(MAX_INNER_MAXIMA):
+        for _ in range(MAX_INNER_MAXIMA if inner.size else 0):
             k = heights.argmax(axis=1)
             found = np.flatnonzero(heights[rows, k] > -np.inf)
             if not found.size:
                 break
             heights[found, k[found]] = -np.inf
-            i, j = np.divmod(k[found], shape[2])
+            i, j = np.divmod(inner[k[found]], shape[2])
             if around == 1 and not pair.wound:
                 rising = _may_rise(field.advance, found, i, j)
                 found, i, j = found[rising], i[rising], j[rising]
@@ -689,7 +704,7 @@ def _candidates(pair: Pair, nodes: _Nodes, phi1: Array, trimmed: bool) -> Candid
         if number in field.crossings:
             found, i, j, value = field.crossings[number]
             add(found, i, j, value, value, (number, NO_EDGE), line=LIMIT_LINES.get(name, NO_LINE))
-        elif member == 0 and name in pair.pinion.edges:
+        elif member == 0 and name in pair.pinion.edges and field.level[RIMS[name]].any():
             toe, heel = nodes.ends
             rim = {
                 "tip": on[:, -1, :],
@@ -837,11 +852,33 @@ def _advances_at(pair: Pair, phi1: Array, position: NDArray[np.intp], parameters
     return advances(pair, phi1, r, n, position)
 
 
-def _is_peak(on: Array) -> NDArray[np.bool_]:
-    """Return True (N, I, J) for nodes that no neighbour exceeds."""
-    peaks = np.isfinite(on)
-    for beside in _neighbours(on):
-        peaks &= on >= beside
+def _level(advance: Array, best: Array, bends: Array, beyond: Array | None) -> NDArray[np.bool_]:
+    """Return True (I, J) for nodes about which an advance (N, I, J) may exceed the `best` (N,) of its position.
+
+    - `bends`: estimated rises (N, I, J) of the advance around the nodes, rad
+    - `beyond`: distances (4, N, I, J), mm, outside the limits, None for flanks without limits
+    """
+    rise = bends.max(axis=0)[None]
+    for _ in range(NEIGHBOUR_NODES + 1):
+        rise = _largest_beside(rise)
+    with np.errstate(invalid="ignore"):
+        level: NDArray[np.bool_] = np.fmax.reduce(advance - best[:, None, None], axis=0) + rise[0] >= 0.0
+    for limit in () if beyond is None else beyond:
+        level &= _wider((limit <= SLACK_MM).any(axis=0)[None])[0]
+    return level
+
+
+def _is_peak(values: Array, nodes: NDArray[np.intp]) -> NDArray[np.bool_]:
+    """Return True (N, M) for finite values (N, I, J) at some nodes (M,) that no neighbour exceeds."""
+    columns = values.shape[2] + 2
+    rim = np.pad(values, ((0, 0), (1, 1), (1, 1)), constant_values=-np.inf).reshape(len(values), -1)
+    i, j = np.divmod(nodes, values.shape[2])
+    middle = (i + 1) * columns + j + 1
+    own = rim[:, middle]
+    peaks = np.isfinite(own)
+    for i, j in product((-1, 0, 1), repeat=2):
+        if (i, j) != (0, 0):
+            peaks &= own >= rim[:, middle + i * columns + j]
     return peaks
 
 
@@ -1082,26 +1119,26 @@ def _on_last_row(field: _Field, station: Array) -> tuple[NDArray[np.intp], Array
 
 
 def _best_crossing(
-    advance: Array, beside: Array, others: Sequence[Array]
+    advance: Array, beside: Array, others: Sequence[Array], level: NDArray[np.bool_]
 ) -> tuple[NDArray[np.intp], Array, Array, Array]:
     """Return the crossing of grid lines with an edge that has the greatest advance, for each position.
 
     - `beside`: distances (N, I, J), mm, of nodes outside the edge
     - `others`: distances (N, I, J), mm, outside other limits, which crossings must keep
+    - `level`: True (I, J) for nodes at either end of the parts of lines that count
 
     The result is positions (M,), rows and columns (M,) and advances (M,), interpolated between the nodes on either side.
     """
-    _, rows, columns = advance.shape
-    inside, flat, from_edge = beside <= 0.0, advance.reshape(-1), beside.reshape(-1)
+    count, rows, columns = advance.shape
+    flat, from_edge = advance.reshape(-1), beside.reshape(-1)
+    by_position, nodes = beside.reshape(count, -1), np.arange(rows * columns).reshape(rows, columns)
     crossings = []
     for axis, stride in ((1, columns), (2, 1)):
         # lines cross the edge at few places: compute these places only
-        changes = np.zeros(advance.shape, dtype=bool)
-        if axis == 1:
-            np.not_equal(inside[:, :-1], inside[:, 1:], out=changes[:, :-1])
-        else:
-            np.not_equal(inside[:, :, :-1], inside[:, :, 1:], out=changes[:, :, :-1])
-        low = np.flatnonzero(changes)
+        first, second = (np.s_[:-1], np.s_[1:]) if axis == 1 else (np.s_[:, :-1], np.s_[:, 1:])
+        parts = nodes[first][level[first] | level[second]]
+        position, part = np.nonzero((by_position[:, parts] <= 0.0) != (by_position[:, parts + stride] <= 0.0))
+        low = position * (rows * columns) + parts[part]
         high = low + stride
         with np.errstate(all="ignore"):
             before = from_edge[low]

@@ -66,7 +66,7 @@ LOAD_GROUP = "load"
 #: fewest rows of a chunk whose rows are computed in one batch
 MIN_BATCHED_ROWS = 50
 #: most rows of such a chunk: larger chunks take less time per row, more chunks keep workers busy
-MAX_BATCHED_ROWS = 200
+MAX_BATCHED_ROWS = 400
 #: fewest chunks of a study with larger chunks
 MIN_BATCHED_CHUNKS = 16
 #: rows of any other chunk
