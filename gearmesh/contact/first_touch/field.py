@@ -82,7 +82,13 @@ FLANK_LIMITS = (FORM_POINT, *FLANK_EDGES)
 LIMIT_LINES = {name: FLANK_LIMITS.index(name) for name in FLANK_LIMITS} | {ROOT_EDGE: 0}
 RIM_LINES = {"tip": LAST_ROW, "toe": FIRST_COLUMN, "heel": LAST_COLUMN, FORM_POINT: FIRST_ROW, ROOT_EDGE: FIRST_ROW}
 #: nodes of the pinion's grid along its edges
-RIMS = {"tip": np.s_[-1], "toe": np.s_[:, 0], "heel": np.s_[:, -1], FORM_POINT: np.s_[0], ROOT_EDGE: np.s_[0]}
+RIMS: dict[str, tuple[int | slice, int | slice]] = {
+    "tip": np.s_[-1, :],
+    "toe": np.s_[:, 0],
+    "heel": np.s_[:, -1],
+    FORM_POINT: np.s_[0, :],
+    ROOT_EDGE: np.s_[0, :],
+}
 #: corners of a flank, as the limits that meet there
 FLANK_CORNERS = (("tip", "toe"), ("tip", "heel"))
 
@@ -201,9 +207,9 @@ def candidates(
 
 def _ahead(pair: Pair, phi1: Array, nodes: _Nodes, floor: Array) -> NDArray[np.intp]:
     """Return the positions of nodes, by their places (K,) in `index`, where advances may be above the `floor` (N,), rad."""
-    if (seen := _facing_window(pair, phi1, nodes)) is None:
+    if (facing := _facing_window(pair, phi1, nodes)) is None:
         return np.zeros(0, dtype=np.intp)
-    nodes = nodes.window(*seen)
+    nodes = nodes.window(*facing)
     near = _near(_beyond(pair, phi1, nodes), nodes.shape)
     there = np.flatnonzero(near.any(axis=(1, 2)))
     if pair.tip_corners or not there.size:
@@ -876,9 +882,9 @@ def _is_peak(values: Array, nodes: NDArray[np.intp]) -> NDArray[np.bool_]:
     middle = (i + 1) * columns + j + 1
     own = rim[:, middle]
     peaks = np.isfinite(own)
-    for i, j in product((-1, 0, 1), repeat=2):
-        if (i, j) != (0, 0):
-            peaks &= own >= rim[:, middle + i * columns + j]
+    for down, across in product((-1, 0, 1), repeat=2):
+        if (down, across) != (0, 0):
+            peaks &= own >= rim[:, middle + down * columns + across]
     return peaks
 
 
