@@ -82,7 +82,7 @@ FLANK_LIMITS = (FORM_POINT, *FLANK_EDGES)
 LIMIT_LINES = {name: FLANK_LIMITS.index(name) for name in FLANK_LIMITS} | {ROOT_EDGE: 0}
 RIM_LINES = {"tip": LAST_ROW, "toe": FIRST_COLUMN, "heel": LAST_COLUMN, FORM_POINT: FIRST_ROW, ROOT_EDGE: FIRST_ROW}
 #: nodes of the pinion's grid along its edges
-RIMS: dict[str, tuple[int | slice, int | slice]] = {
+RIM_NODES: dict[str, tuple[int | slice, int | slice]] = {
     "tip": np.s_[-1, :],
     "toe": np.s_[:, 0],
     "heel": np.s_[:, -1],
@@ -710,7 +710,7 @@ def _candidates(pair: Pair, nodes: _Nodes, phi1: Array, trimmed: bool) -> Candid
         if number in field.crossings:
             found, i, j, value = field.crossings[number]
             add(found, i, j, value, value, (number, NO_EDGE), line=LIMIT_LINES.get(name, NO_LINE))
-        elif member == 0 and name in pair.pinion.edges and field.level[RIMS[name]].any():
+        elif member == 0 and name in pair.pinion.edges and field.level[RIM_NODES[name]].any():
             toe, heel = nodes.ends
             rim = {
                 "tip": on[:, -1, :],
