@@ -275,7 +275,7 @@ def many() -> list[dict[str, Any]]:
 
 @dataclass(frozen=True)
 class Need:
-    """What a link of a tooth asks of any mesh: integrals of sqrt(|k1 k2|) dA, mm, apart where k1 k2 > 0 and < 0."""
+    """Demand of a link of a tooth on any mesh: integrals of sqrt(|k1 k2|) dA, mm, separately where k1 k2 > 0 and < 0."""
 
     elliptic: float
     saddle: float
@@ -297,7 +297,7 @@ class Need:
 
 
 def needs(tooth: Tooth, order: int = 24) -> dict[str, Need]:
-    """What the flanks and fillets of one tooth ask of any mesh, by Gauss quadrature."""
+    """Return the demand of the flanks and fillets of one tooth on any mesh, by Gauss quadrature."""
     nodes, weights = np.polynomial.legendre.leggauss(order)
     s, w, step = 0.5 * (nodes + 1.0), 0.5 * weights, 1e-5
     sections, after, before = (tooth.sections(s + d) for d in (0.0, step, -step))
@@ -710,7 +710,7 @@ def sentences(solid: Mapping[str, Any], batch: Mapping[str, Any]) -> str:
 
 
 def measures(folder: Path, quick: bool) -> dict[str, Callable[[], list[dict[str, Any]]]]:
-    """What measures the rows of each table."""
+    """Return the functions that measure the rows of each table."""
     often = 1 if quick else 3
     checked = {"spiral_bevel_basic": 0.005, "novikov": 0.001, "face_gear": 0.02}
     return {

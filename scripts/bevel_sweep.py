@@ -173,7 +173,7 @@ RANDOM_PAIRS = {
 
 @dataclass
 class Found:
-    """What was found of a pair: `faults`, by what they are, with a figure; CPU `seconds` for both solids and both contacts."""
+    """Result for a pair: `faults` by their names, with a figure; CPU `seconds` for both solids and both contacts."""
 
     kind: str
     seed: int
@@ -208,7 +208,7 @@ def tried(task: tuple[str, int, bool]) -> Found:
 
 
 def faults_of(gears: gm.Gears) -> dict[str, str]:
-    """What is not as it should be on the side of the pinion that drives."""
+    """Return the faults on the driving side of the pinion, each with its figure."""
     answer = gears.contact()
     summary, faults = answer.summary, {}
     ratio, te = summary.get("contact_ratio"), summary.get("mesh_te_peak_to_peak_arcsec")
@@ -232,7 +232,7 @@ def faults_of(gears: gm.Gears) -> dict[str, str]:
 
 
 def off_the_middle(gears: gm.Gears, answer: Any) -> str:
-    """How far the path, where its pair carries, is from the middle of the face, in half face widths, if that is too much."""
+    """Return the distance of the path from the middle of the face, in half face widths, while its pair carries; "" if small."""
     path, tooth = answer.path, gears.members["pinion"].tooth
     points = (path.kind == "point") & (np.abs(path.phi1) <= 0.5 * gears.pairs[0].pitch)
     if not points.any():

@@ -45,7 +45,7 @@ def defaults(table: type[Table], prefix: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def derived(path: Path) -> dict[str, Any]:
-    """What a sample leaves out and its gears are built of."""
+    """Return the values that a sample leaves out and that its gears are built of."""
     return {key: rounded(value) for key, value in gm.build(gm.load(path)).pin().added.items() if key not in ASIDE}
 
 
@@ -66,7 +66,7 @@ def snapshot() -> dict[str, Any]:
 
 
 def differences(old: Any, new: Any, where: str = "") -> list[str]:
-    """What differs between two snapshots, one line each; numbers are the same within a unit of the last digit that is kept."""
+    """Return the differences of two snapshots, one line each; numbers may differ by a unit of the last digit that is kept."""
     if isinstance(old, dict) and isinstance(new, dict):
         lines = []
         for key in dict.fromkeys((*old, *new)):

@@ -80,7 +80,7 @@ GEARMESH = (sys.executable, "-m", "gearmesh")
 
 @dataclass(frozen=True)
 class Picture:
-    """What draws a picture: a command in which {to} stands for the file that it writes."""
+    """Command that draws a picture; {to} in it stands for the file that it writes."""
 
     name: str
     command: tuple[str, ...]
@@ -89,7 +89,7 @@ class Picture:
 
 
 def rendered(name: str, sample: str, *options: str) -> Picture:
-    """What the program draws of a sample."""
+    """Return the picture of a sample by the command `render`."""
     design = f"{SAMPLES / sample}.toml"
     return Picture(name, (*GEARMESH, "render", design, "-o", "{to}", "--size", DRAWN, *options))
 

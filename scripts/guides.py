@@ -81,7 +81,7 @@ class Block:
 
     @property
     def possible(self) -> bool:
-        """Whether the program that it needs is there."""
+        """True if the program that the block needs is installed."""
         return not self.needs or shutil.which(self.needs) is not None
 
 
@@ -134,12 +134,12 @@ def key(line: str) -> str:
 
 
 def same(wanted: str, printed: str) -> bool:
-    """Whether two lines have the same words, and decimals that differ by one in the last digit that is wanted, at most."""
+    """True for lines of the same words whose decimals differ by one in the last wanted digit at most."""
     return key(wanted) == key(printed) and all(map(near, NUMBER.findall(wanted), NUMBER.findall(printed)))
 
 
 def near(wanted: str, printed: str) -> bool:
-    """Whether two numbers differ by one in the last digit of the first, at most; whole ones are counts, and counts agree."""
+    """True for numbers that differ by one in the last digit of the first at most; whole numbers are counts and must agree."""
     mantissa, _, exponent = wanted.lower().partition("e")
     decimals = len(mantissa.partition(".")[2])
     if not decimals and not exponent:
@@ -185,7 +185,7 @@ class Session:
 
 
 def environment() -> dict[str, str]:
-    """What the programs of a guide find: this checkout, a narrow terminal."""
+    """Return the environment of the programs of a guide: this checkout, a narrow terminal."""
     return {**os.environ, "PYTHONPATH": str(ROOT), "COLUMNS": "80", "NO_COLOR": "1"}
 
 
@@ -246,7 +246,7 @@ def run(path: Path, folder: Path, *, write: bool = False) -> None:
 
 
 def outcome(block: Block, session: Session, folder: Path) -> str | None:
-    """What a block printed, None of one that does not run."""
+    """Return the output of a block; None for a block that does not run."""
     if block.file:
         (folder / block.file).write_text(block.text, encoding="utf-8")
     elif block.language == "bash" and block.possible:

@@ -66,7 +66,7 @@ def environment_of(name: str) -> dict[str, str] | None:
 
 
 def contact_of(design: Path, environment: dict[str, str]) -> Any:
-    """What `tca` says of a design in an environment: its JSON, or the line it refuses it with."""
+    """Return the answer of `tca` about a design in an environment: its JSON, or the line of its refusal."""
     command = [sys.executable, "-m", "gearmesh", "tca", str(design), "--json", "-"]
     done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True)
     if not done.stdout:
@@ -77,7 +77,7 @@ def contact_of(design: Path, environment: dict[str, str]) -> Any:
 
 
 def apart(one: Any, other: Any, where: str = "") -> Iterator[str]:
-    """Where two answers differ by more than `EQUAL`, and by what."""
+    """Yield the places where two answers differ by more than `EQUAL`, with the difference."""
     numbers = [type(value) in (int, float) for value in (one, other)]
     if isinstance(one, dict) and isinstance(other, dict):
         for key in [*one, *(key for key in other if key not in one)]:
@@ -90,7 +90,7 @@ def apart(one: Any, other: Any, where: str = "") -> Iterator[str]:
 
 
 def differing(design: Path, names: list[str]) -> Iterator[str]:
-    """What `tca` says otherwise of a design under kernels by name, a line each."""
+    """Yield the differences in the answers of `tca` about a design under kernels by name, a line each."""
     here = contact_of(design, dict(os.environ))
     for name in names:
         environment = environment_of(name)

@@ -1,4 +1,4 @@
-"""How loaded contact grows with grids, elements, positions and torques: run time and memory, beside the error against the finest.
+"""Run time, memory and error of loaded contact over grids, elements, positions and torques; errors are against the finest.
 
     python scripts/load_bench.py [--write]
 
@@ -148,7 +148,7 @@ def growth(pairs: tuple[Case, ...] = PAIRS) -> list[dict[str, Any]]:
 
 
 def under_torque() -> list[dict[str, Any]]:
-    """What the sample measures."""
+    """Return the rows that the sample measures."""
     sample = runpy.run_path(str(SAMPLES / "te_under_torque.py"))
     return [row for pair in sample["PAIRS"] for row in sample["under_torque"](pair)[0]]
 

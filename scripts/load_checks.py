@@ -99,7 +99,7 @@ CASES = {
 
 @dataclass(frozen=True)
 class Figures:
-    """What one program finds at a position: `rotation`, arcsec; of tooth pairs by their number, 0 the leading one, `forces`, N, and
+    """Figures of one program at a position: `rotation`, arcsec; of tooth pairs by their number, 0 the leading one, `forces`, N, and
     the largest principal stresses in the fillets of pinion and gear, `roots`, MPa; `peak` pressure of the leading pair, MPa, more
     than `END` of the face and `ROWS` of elements away from edges. `springs`: arcsec that the contact's own springs add to the
     rotation of the model."""
@@ -132,7 +132,7 @@ def places(case: Case, pair: GearPair) -> list[PlacedPair]:
 
 
 def by_elements(case: Case, pair: GearPair, at: PlacedPair) -> Figures:
-    """What CalculiX finds."""
+    """Return the figures of CalculiX."""
     started = time.perf_counter()
     built = gear_model(
         pair,
@@ -168,7 +168,7 @@ def by_elements(case: Case, pair: GearPair, at: PlacedPair) -> Figures:
 
 
 def tooth_of(face_set: str) -> int:
-    """Which tooth a set of faces is of, from 1."""
+    """Return the number of the tooth of a set of faces, from 1."""
     return int(face_set.rsplit("_", 1)[1])
 
 
@@ -184,7 +184,7 @@ def peak_inside(built: GearModel, solution: NodalSolution, case: Case, pair: Gea
 
 
 def away_from_ends(pair: GearPair, places: Array) -> NDArray[np.bool_]:
-    """Which places (..., 3), in a frame whose z axis is the pinion's, are on the inner part of the pinion's face."""
+    """True for places (..., 3), in a frame whose z axis is the pinion's, on the inner part of the pinion's face."""
     toe, heel = pair.pinion.tooth.blank.extent
     t = (pair.pinion.tooth.blank.axial.value(places) - toe) / (heel - toe)
     found: NDArray[np.bool_] = np.abs(t - 0.5) < 0.5 - END
@@ -192,13 +192,13 @@ def away_from_ends(pair: GearPair, places: Array) -> NDArray[np.bool_]:
 
 
 def by_loaded(case: Case, pair: GearPair, at: list[PlacedPair], bodies: tuple[HeldTeeth, HeldTeeth]) -> list[Figures]:
-    """What gearmesh.loaded finds at all positions."""
+    """Return the figures of gearmesh.loaded at all positions."""
     found = loaded_mesh(pair, np.array([each.turns[0] for each in at]), np.array([1e3 * case.torque]), bodies)
     return [_figures(case, pair, found, k, contact_stiffness((STEEL, STEEL), at[k])) for k in range(len(at))]
 
 
 def _figures(case: Case, pair: GearPair, found: LoadedMesh, k: int, stiffness: float) -> Figures:
-    """Of a mesh under one torque at position k; `stiffness` (MPa/mm) of the model's contact springs."""
+    """Return the figures of a mesh under one torque at position k; `stiffness` (MPa/mm) is that of the model's contact springs."""
     (load,) = found.loads
     own = np.flatnonzero((load.position == k) & (load.force > 0.0))
     beyond = [int(load.number[m]) for m in own if abs(load.number[m]) > case.teeth // 2]

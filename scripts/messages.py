@@ -151,7 +151,7 @@ def _is_text(body: list[ast.stmt]) -> bool:
 
 
 def _kind_of(function: ast.expr) -> str:
-    """What the texts given to a function are, "" if that is as elsewhere."""
+    """Return the kind of the texts given to a function; "" if it is the kind of the place."""
     name = (
         function.attr if isinstance(function, ast.Attribute) else function.id if isinstance(function, ast.Name) else ""
     )

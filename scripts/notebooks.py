@@ -57,12 +57,12 @@ def run(path: Path, folder: Path, *, write: bool = False) -> None:
 
 
 def outputs(cell: Any) -> list[Any]:
-    """What a cell shows, without what goes to standard error."""
+    """Return the outputs of a cell without those on standard error."""
     return [output for output in cell.get("outputs", ()) if output.get("name") != "stderr"]
 
 
 def printed(cell: Any) -> str:
-    """What a cell prints."""
+    """Return the text that a cell prints."""
     return "".join(output.text for output in outputs(cell) if output.output_type == "stream")
 
 

@@ -1,4 +1,4 @@
-"""What a process takes: CPU seconds and peak memory of a command and of all processes that it starts."""
+"""CPU seconds and peak memory of a command and of all processes that it starts."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ print(os.waitstatus_to_exitcode(status), used.ru_utime + used.ru_stime, used.ru_
 
 @dataclass(frozen=True)
 class Measured:
-    """What one run of a command took: CPU seconds of all its processes, and MB of the largest of them at its peak."""
+    """Cost of one run of a command: CPU seconds of all its processes, and MB of the largest process at its peak."""
 
     cpu: float
     megabytes: float

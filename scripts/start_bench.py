@@ -1,4 +1,4 @@
-"""What the first minutes cost: whole commands against `python -c 'import numpy'`, and what each dependency takes.
+"""Start-up: whole commands against `python -c 'import numpy'`, and time and size of each dependency.
 
     python scripts/start_bench.py [--rounds 9] [--write]
 
@@ -104,7 +104,7 @@ def start(rounds: int) -> list[dict[str, Any]]:
 
 
 def scipy_modules(program: Sequence[str]) -> int:
-    """How many modules of scipy a Python program loads."""
+    """Return the number of modules of scipy that a Python program loads."""
     run = subprocess.run(
         [program[0], "-X", "importtime", *program[1:]], cwd=ROOT, capture_output=True, text=True, check=True
     )
@@ -159,7 +159,7 @@ def brought(name: str) -> set[str]:
 
 
 def megabytes(name: str) -> float:
-    """What the files of a distribution take on disk."""
+    """Return the size of the files of a distribution, MB."""
     files = distribution(name).files or []
     paths = (Path(str(file.locate())) for file in files)
     return sum(path.stat().st_size for path in paths if path.is_file()) / 1e6

@@ -73,7 +73,7 @@ class Task:
 
 @dataclass
 class Outcome:
-    """What became of a design: `state` built, refused, unset, traceback, timeout; `failures` reason -> what was found."""
+    """Outcome of a design: `state` built, refused, unset, traceback, timeout; `failures` reason -> what was found."""
 
     kind: str
     seed: int
@@ -119,7 +119,7 @@ def tried(task: Task) -> Outcome:
 
 
 def names_a_set_key(message: str, keys: Mapping[str, Any]) -> bool:
-    """Whether a refusal begins with a key that the design sets, or with a table of it."""
+    """True for a refusal that begins with a key that the design sets, or with a table of it."""
     found = LEADING_KEY.match(message)
     if found is None:
         return False
@@ -174,7 +174,7 @@ def contact(gears: gm.Gears, outcome: Outcome) -> None:
 
 
 def compared(phi2: float | None, found: ToothTouch | None, pair: GearPair) -> str | None:
-    """What is wrong between solver and roll, None if nothing."""
+    """Return the disagreement of solver and roll; None if they agree."""
     if found is None:
         return None if phi2 is None else "the roll finds no touch"
     where = f"{found.regions[0]} on {found.regions[1]}, rims {found.on_rims}"
@@ -232,7 +232,7 @@ def whole(gears: gm.Gears, outcome: Outcome) -> None:
 def doubtful(
     pair: GearPair, rolled: MemberRoll, stated: tuple[float, float] | None, summary: Mapping[str, Any]
 ) -> bool:
-    """Whether the roll of members is at odds with the contact, so that finer grids have to tell."""
+    """True if the roll of members disagrees with the contact, so that finer grids have to decide."""
     if rolled.drive is None or stated is None:
         return False
     apart = abs(rolled.drive.phi2 - stated[1]) > SAME_GEARS * ARCSEC
@@ -243,7 +243,7 @@ def doubtful(
 
 
 def eccentric(pair: GearPair) -> bool:
-    """Whether every tooth pair is another, so that the figures of one say nothing of the next."""
+    """True for eccentric members, whose tooth pairs differ: the figures of one pair say nothing about the next."""
     return any(mount.eccentricity != (0.0, 0.0) for mount in pair.mounts)
 
 
@@ -279,7 +279,7 @@ def figures_against(summary: Mapping[str, Any], rolled: MemberRoll) -> dict[str,
 
 
 def stands_in_root(summary: Mapping[str, Any], rolled: MemberRoll) -> bool:
-    """Whether the roll stands on a root, and the contact has a tip deeper than one."""
+    """True if the roll stands on a root and the contact has a tip below a root."""
     clearances = (value for key, value in summary.items() if key.startswith("tip_clearance_") and value is not None)
     touches = (touch for touch in (rolled.drive, rolled.coast) if touch is not None)
     return min(clearances, default=0.0) < 0.0 and any(Region.ROOT in touch.regions for touch in touches)

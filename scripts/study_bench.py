@@ -1,4 +1,4 @@
-"""What studies cost: CPU seconds a row in this process, on two processes and on a Dask cluster, and what Dask itself takes.
+"""Cost of studies: CPU seconds a row in this process, on two processes and on a Dask cluster, and the time of Dask itself.
 
     python scripts/study_bench.py [--rows 3200] [--loads] [--write]
 

@@ -519,7 +519,7 @@ def of_random_designs() -> Iterator[Line]:
 
 
 def furthest(texts: Any) -> float:
-    """Of figures as texts, some of them empty, the one that is furthest from 0."""
+    """Return the figure furthest from 0 of figures as texts, of which some are empty."""
     return max((float(text) for text in texts if text), key=abs, default=0.0)
 
 

@@ -85,7 +85,7 @@ def random_drive(seed: int) -> dict[str, Any]:
 
 @dataclass
 class Tried:
-    """What was seen of a drive: the key that is `refused`, what the refusal is `about` and the `line` of it; `faults` and what is
+    """Result for a drive: the key that is `refused`, what the refusal is `about` and the `line` of it; `faults` and what is
     `reported`, by what they are, with a figure; CPU `seconds`; whether it was tried in `contact`."""
 
     seed: int
@@ -133,7 +133,7 @@ def tried(task: tuple[int, bool, bool]) -> Tried:
 
 
 def look_at_members(drive: Tried, gears: gm.Gears, *, solids: bool) -> None:
-    """What is undercut, and the solids."""
+    """Note undercut and the faults of the solids in the result of a drive."""
     for line in gears.limits().warnings:
         if "undercut" in line:
             drive.reported["undercut"] = line

@@ -157,7 +157,7 @@ def own_members(owner: type) -> list[str]:
 
 
 def directive(name: str) -> list[str]:
-    """What autodoc makes an entry of a public name of."""
+    """Return the lines of which autodoc makes the entry of a public name."""
     value = getattr(gm, name)
     lines = [f"## {name}", "", "```{eval-rst}", ".. py:currentmodule:: gearmesh", ""]
     if inspect.isclass(value):
