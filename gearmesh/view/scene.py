@@ -95,7 +95,7 @@ class Curve:
     label: str = ""
     #: its colour
     colour: str = OUTLINE_COLOUR
-    #: its width in pixels
+    #: its width, pixels of a picture of 1600x1200
     width: float = 2.0
 
 
@@ -109,7 +109,7 @@ class Dots:
     label: str = ""
     #: their colour
     colour: str = PATH_COLOUR
-    #: their diameter in pixels
+    #: their diameter, pixels of a picture of 1600x1200
     size: float = 12.0
 
 

@@ -65,6 +65,22 @@ def test_parts_behind_an_edge_on_end_face_stay_hidden(scene: Scene) -> None:
     assert not [one for one in askew if one["corners"] == 2 and one["colour"] == inside[0]["colour"]]
 
 
+def test_lines_are_thinner_in_small_pictures_but_not_in_proportion(scene: Scene) -> None:
+    """In one of 480x360 dots of 12 pixels hid the path that they mark."""
+
+    def width(size: tuple[int, int]) -> float:
+        found = [
+            one["width"] for one in drawing_order(Scene((), scene.camera, curves=scene.curves[:1]), size)["primitives"]
+        ]
+        return float(found[0])
+
+    assert scene.curves
+    usual = width((1600, 1200))
+    assert usual == pytest.approx(shapes.OVERSAMPLING_FACTOR * scene.curves[0].width)
+    assert [width(size) / usual for size in ((400, 300), (800, 600))] == pytest.approx([0.5, 0.5**0.5])
+    assert width((160, 120)) == width((400, 300))
+
+
 def test_facets_that_turn_away_by_their_exact_normals_are_of_the_inside(scene: Scene) -> None:
     opened = next(body for body in scene.bodies if body.yields)
 

@@ -42,6 +42,10 @@ OVERSAMPLING_FACTOR = 2
 _EDGE_ON_COSINE = 1e-6
 #: strength of the colours of bodies beyond their section, relative to bodies that are not cut
 BEYOND_SECTION_STRENGTH = 0.4
+#: height of a picture in which lines and dots have their own widths
+USUAL_HEIGHT_PIXELS = 1200.0
+#: smallest ratio of their widths to these
+MIN_STROKE_RATIO = 0.5
 #: width of the outline of a section
 SECTION_LINE_PIXELS = 1.6
 #: size of the cells in which lines are counted, pixels
@@ -74,7 +78,7 @@ def drawing_order(scene: Scene, size: tuple[int, int]) -> Order:
     primitives += [primitive for film in scene.films for primitive in _film(film, viewer)]
     primitives += [primitive for value_map in scene.maps for primitive in _map(value_map, viewer)]
     primitives += [primitive for curve in scene.curves for primitive in _curve(curve, viewer)]
-    primitives += [primitive for dots in scene.dots for primitive in _dots(dots)]
+    primitives += [primitive for dots in scene.dots for primitive in _dots(dots, viewer)]
     return Order(
         size=(OVERSAMPLING_FACTOR * size[0], OVERSAMPLING_FACTOR * size[1]),
         position=camera.position.tolist(),
@@ -132,6 +136,13 @@ class Viewer:
     camera: Camera
     pixel: float
     shape: float = 4.0 / 3.0
+
+    @property
+    def stroke(self) -> float:
+        """Ratio of the widths of curves and dots to those in a picture of the usual height: less in small pictures,
+        where they would hide what is under them, but not in proportion.
+        """
+        return max(float(np.sqrt(self.camera.height / (self.pixel * USUAL_HEIGHT_PIXELS))), MIN_STROKE_RATIO)
 
     def move_back(self, points: Array, pixels: Array | float) -> Array:
         """Move points (..., 3) away from the viewer along the lines of sight, by the length of `pixels` pixels.
@@ -387,7 +398,7 @@ def _body(body: SceneBody, viewer: Viewer) -> Iterator[Primitive]:
         ends = section_lines(lines, mesh.triangles, viewer.depth(lines, pixels)).reshape(-1, 3)
         if len(ends):
             pairs = np.arange(len(ends)).reshape(-1, 2)
-            yield _primitive(ends, pairs, INK_COLOUR, width=SECTION_LINE_PIXELS * OVERSAMPLING_FACTOR)
+            yield _primitive(ends, pairs, INK_COLOUR, width=viewer.stroke * SECTION_LINE_PIXELS * OVERSAMPLING_FACTOR)
     # lines on the far side would show through a section
     edges = viewer.apart(mesh.vertices, region_edges(mesh, viewer.faces(corners) if opened else None))
     if len(edges) and body.section is None:
@@ -454,15 +465,16 @@ def _curve(curve: Curve, viewer: Viewer) -> Iterator[Primitive]:
     start = np.flatnonzero(known[:-1] & known[1:])
     if len(start):
         place = np.cumsum(known)[start] - 1
-        segments, width = np.stack((place, place + 1), axis=-1), curve.width * OVERSAMPLING_FACTOR
+        segments, width = np.stack((place, place + 1), axis=-1), viewer.stroke * curve.width * OVERSAMPLING_FACTOR
         yield _primitive(viewer.move_back(curve.points[known], -1.0), segments, curve.colour, width=width)
 
 
-def _dots(dots: Dots) -> Iterator[Primitive]:
+def _dots(dots: Dots, viewer: Viewer) -> Iterator[Primitive]:
     points = dots.points[_is_finite(dots.points)]
     if len(points):
         # A dot is drawn as a ball: its front half stands out by itself.
-        yield _primitive(points, np.arange(len(points))[:, None], dots.colour, width=dots.size * OVERSAMPLING_FACTOR)
+        width = viewer.stroke * dots.size * OVERSAMPLING_FACTOR
+        yield _primitive(points, np.arange(len(points))[:, None], dots.colour, width=width)
 
 
 def _floats(values: Array) -> bytes:
