@@ -1,4 +1,4 @@
-"""Which package may import which, and what importing gearmesh loads."""
+"""Imports that packages may have, and modules that importing gearmesh loads."""
 
 from __future__ import annotations
 
@@ -155,7 +155,7 @@ def imported(file: str, source: str) -> list[tuple[int, bool, str]]:
 
 
 def complaints(file: str, source: str) -> list[str]:
-    """What a file imports against the rules, one line each."""
+    """Return the imports of a file that break the rules, one line each."""
     parts = Path(file).with_suffix("").parts
     own, wrong = package_of(parts), []
     if own and own not in MAY_IMPORT:

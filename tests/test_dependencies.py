@@ -1,4 +1,4 @@
-"""What pyproject.toml asks for is what the package imports, no more and no less."""
+"""Dependencies in pyproject.toml are the packages that gearmesh imports, no more and no less."""
 
 from __future__ import annotations
 

@@ -38,7 +38,7 @@ WHY = {"reason", "allowed", "must_be"}
 
 @cache
 def trees() -> dict[str, ast.Module]:
-    """What every file of the package says."""
+    """Return the syntax tree of every file of the package."""
     files = sorted(PACKAGE.rglob("*.py"))
     return {str(file.relative_to(PACKAGE)): parsed(file.read_text(encoding="utf-8")) for file in files}
 

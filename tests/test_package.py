@@ -1,4 +1,4 @@
-"""What people install: the samples wherever the package is, types, metadata, and no more names at the top than are meant."""
+"""Installed package: the samples wherever the package is, types, metadata, and no more names at the top than are meant."""
 
 from __future__ import annotations
 

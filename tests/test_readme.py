@@ -1,4 +1,4 @@
-"""What the READMEs say is so: links lead somewhere, commands parse, designs load, the Python prints what is printed there."""
+"""READMEs are right: links lead somewhere, commands parse, designs load, and the Python prints the text that stands after it."""
 
 from __future__ import annotations
 
@@ -51,12 +51,12 @@ def commands(text: str) -> list[str]:
 
 
 def is_usage(command: str) -> bool:
-    """Whether a line describes a command, as `tca DESIGN [--json FILE|-]`, and is none that could be typed."""
+    """True for a line that describes a command, as `tca DESIGN [--json FILE|-]`, and cannot be typed."""
     return re.search(r"\[|\b[A-Z]{4,}\b", command) is not None
 
 
 def refusal(command: str) -> str:
-    """Why a command line that could be typed is none; "" if it parses, and its design loads with its settings."""
+    """Return the fault of a command line that could be typed; "" if it parses and its design loads with its settings."""
     name, *words = shlex.split(command)
     if name not in COMMANDS:
         return f"no command {name}"
@@ -154,7 +154,7 @@ def test_the_readme_is_short_and_shows_the_result_first() -> None:
 
 
 def section(title: str) -> str:
-    """What stands under a heading."""
+    """Return the text under a heading."""
     found = re.search(rf"^## {title}\n(.*?)(?=^## |\Z)", README, re.DOTALL | re.MULTILINE)
     assert found is not None, f"no heading {title!r}"
     return found[1]

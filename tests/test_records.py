@@ -72,7 +72,7 @@ def classes(dataclass):
 
 
 def asked(way):
-    """What the classes of one way answer."""
+    """Return the answers of the classes of one way."""
     Point, Weighted, Changeable, Same, Written, Plain = classes(WAYS[way])
     signatures = [str(inspect.signature(kind)) for kind in (Point, Weighted, Changeable, Same, Written, Plain)]
     point, weighted = Point(1.0, labels=["a"]), Weighted(1.0, -2.0, weight=3.0, unit="inch")

@@ -1,4 +1,4 @@
-"""What one answer has solved the others are handed."""
+"""Solutions of one answer are handed to the others."""
 
 from __future__ import annotations
 

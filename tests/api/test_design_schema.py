@@ -16,7 +16,7 @@ TYPES = {"object": dict, "array": list, "string": str, "boolean": bool, "number"
 
 
 def faults(value: Any, schema: dict[str, Any], defs: dict[str, Any], place: str = "") -> list[str]:
-    """Where a value is not as a schema says: of the words that design files need."""
+    """Return the places where a value breaks a schema, of the words that design files need."""
     if "$ref" in schema:
         schema = defs[schema["$ref"].removeprefix("#/$defs/")]
     if "anyOf" in schema:

@@ -58,7 +58,7 @@ def sections(text: str) -> dict[str, str]:
 
 
 def faults(name: str, function: Any) -> list[str]:
-    """What the docstring of a function lacks."""
+    """Return the faults of the docstring of a function."""
     text, wrong = sections(inspect.getdoc(function) or ""), []
     if not text[""].split("\n\n")[0].strip().endswith((".", ":")):
         wrong.append(f"{name}: its first paragraph says in sentences what it is for")
@@ -112,7 +112,7 @@ def test_lacking_sections_are_seen() -> None:
 
 @pytest.fixture(scope="module")
 def small() -> dict[str, Any]:
-    """What examples are written for: a small spur pair."""
+    """Return the names that examples use: a small spur pair."""
     tables = {"pinion": {"teeth": 18, "face_width": 10}, "gear": {"teeth": 24, "face_width": 10}}
     design = gm.parse({"kind": "cylindrical", "module": 2, **tables})
     return {"gm": gm, "np": np, "json": json, "design": design, "gears": gm.build(design)}

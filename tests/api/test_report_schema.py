@@ -24,7 +24,7 @@ def schema() -> dict[str, Any]:
 
 
 def faults(value: Any, rule: dict[str, Any], unknown: set[str], place: str = "") -> list[str]:
-    """Where a value is not as a rule says; keys that a rule leaves open go to `unknown`."""
+    """Return the places where a value breaks a rule; keys that a rule leaves open go to `unknown`."""
     types = rule.get("type", [])
     types = [types] if isinstance(types, str) else types
     if types and not any(isinstance(value, TYPES[one]) and not isinstance(value, bool) for one in types):

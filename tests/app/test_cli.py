@@ -103,7 +103,7 @@ FIGURES = SolidFigures(
 
 
 class Asked:
-    """What was asked of gears, and what they answer."""
+    """Questions to gears, and their answers."""
 
     def __init__(self) -> None:
         self.asked: dict[str, Any] = {}
@@ -792,7 +792,7 @@ def test_solid_of_the_first_sample(here: Path) -> None:
 
 @pytest.mark.parametrize("aborts", [True, False])
 def test_interrupted_commands_say_what_is_kept(aborts: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Whether the command line ends by itself with the status of an interrupted program, or by the exception."""
+    """The command line may end by itself with the status of an interrupted program, or by the exception."""
     monkeypatch.setattr(atomic, "_written", [])
 
     def stopped_after(*files: str) -> SimpleNamespace:

@@ -1,4 +1,4 @@
-"""What commands load when they start: time at the start is time for modules."""
+"""Modules that commands load when they start: time at the start is time for modules."""
 
 from __future__ import annotations
 

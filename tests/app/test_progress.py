@@ -1,4 +1,4 @@
-"""How far a piece of work is: parts within parts, and what long answers say on their way."""
+"""Progress of a piece of work: parts within parts, and messages of long answers."""
 
 from __future__ import annotations
 

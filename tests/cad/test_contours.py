@@ -124,7 +124,7 @@ def test_files_are_as_far_from_the_exact_section_as_they_should(
 
 
 def tangent(curves: tuple[object, ...], corners: int) -> bool:
-    """Whether neighbours have the same direction where they meet, but for so many corners at most for every tooth of 24."""
+    """True if neighbours have the same direction where they meet, but for at most `corners` for every tooth of 24."""
     ends = np.array([curve.slope(np.ones(1))[0] for curve in curves])  # type: ignore[attr-defined]
     starts = np.array([curve.slope(np.zeros(1))[0] for curve in curves])  # type: ignore[attr-defined]
     starts = np.roll(starts, -1, axis=0)

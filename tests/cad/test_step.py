@@ -302,7 +302,7 @@ def whole_volume(solid: Any) -> float:
 
 
 def faults(solid: Any, *, self_intersection: bool) -> list[str]:
-    """What OpenCASCADE's analysis of arguments finds, with the questions that FreeCAD's geometry check asks."""
+    """Return the faults by OpenCASCADE's analysis of arguments, with the questions that FreeCAD's geometry check asks."""
     from OCP.BOPAlgo import BOPAlgo_ArgumentAnalyzer
 
     analysis = BOPAlgo_ArgumentAnalyzer()
@@ -347,7 +347,7 @@ def write(folder: Path, file: str) -> None:
 
 @cache
 def group_by_occ(folder: Path, group: tuple[str, ...]) -> dict[str, Any]:
-    """What a fresh process with OpenCASCADE finds in the files of a group."""
+    """Return the contents of the files of a group as a fresh process with OpenCASCADE reads them."""
     files = written(folder, group)
     asked = {
         path: {name: probes(member) for name, member in members(file).items()}
@@ -368,7 +368,7 @@ def group_by_gmsh(folder: Path, group: tuple[str, ...]) -> dict[str, Any]:
 
 
 def read_by_occ(folder: Path, file: str) -> Any:
-    """What OpenCASCADE finds in one of FILES."""
+    """Return the contents of one of FILES as OpenCASCADE reads it."""
     return group_by_occ(folder, group_of(file))[file]
 
 
@@ -453,7 +453,7 @@ def test_a_face_gear_takes_few_points() -> None:
 @pytest.mark.sweep
 @pytest.mark.parametrize("sample", some(CHECKED, 3))
 def test_no_curve_leaves_its_surface(sample: str, tmp_path: Path) -> None:
-    """What FreeCAD's geometry check asks, after a round trip: edges agree with their curves on both faces."""
+    """FreeCAD's geometry check after a round trip: edges agree with their curves on both faces."""
     changes, name = CHECKED[sample]
     member = pair_of(sample, changes).members[name]
     write_step(solid_part(member, spline_tooth(member.tooth)), tmp_path / "part.step", sample)

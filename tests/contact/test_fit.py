@@ -1,4 +1,4 @@
-"""Whether gears fit: closed forms of spur gears, whole members rolled, and what the commands say."""
+"""Fit of gears: closed forms of spur gears, whole members rolled, and answers of the commands."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What must not depend on how a pair is described: units, hand, tooth, working side, member order."""
+"""Independence of the description of a pair: units, hand, tooth, working side, member order."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How the members of a train turn together, and how far flanks are apart on the way."""
+"""Rotations of the members of a gear set together, and gaps of flanks on the way."""
 
 from __future__ import annotations
 

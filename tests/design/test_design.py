@@ -63,7 +63,7 @@ def set_in(data: dict[str, Any], dotted: str, value: Any) -> dict[str, Any]:
 
 
 def _is_length(key: str, value: Any) -> bool:
-    """Whether a key of a design is one: a web's thickness is, that of a finite-element model is a number of elements."""
+    """True for lengths: the thickness of a web is one, that of a finite-element model is a number of elements."""
     return key in LENGTHS and not (key == "thickness" and isinstance(value, int))
 
 

@@ -1,4 +1,4 @@
-"""What designs without a name are called at the head of pages, drawings and files."""
+"""Titles of designs without a name, at the heads of pages, drawings and files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What REXS 1.7 forbids in a file: by the table of its data model in tests/data."""
+"""Faults of a file by the data model of REXS 1.7, as the table in tests/data has it."""
 
 from __future__ import annotations
 

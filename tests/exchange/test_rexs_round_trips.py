@@ -216,7 +216,7 @@ def test_others_come_back_as_the_same_gears(name: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", ["spur", "helical", "internal", "hob_protuberance", "planetary"])
 @pytest.mark.sweep_cases("hob_protuberance", "internal", "planetary")
 def test_attributes_of_the_format_alone_say_the_pair(name: str, tmp_path: Path) -> None:
-    """What another program hands back that keeps nothing of ours; but how far each pair is followed."""
+    """A file that another program hands back without our attributes gives the same pair, apart from the positions of contact."""
     gears = gm.build(gm.load(SAMPLES / f"{name}.toml"))
     gears.rexs(tmp_path).save(tmp_path / "own.rexs")
     model = read_rexs(tmp_path / "own.rexs")

@@ -1,4 +1,4 @@
-"""What meshio and VTK make of our finite-element files, as the table of gearmesh/fe/notes.md says it."""
+"""Our finite-element files as meshio and VTK read them: rows of the table in gearmesh/fe/notes.md."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ def corners(problem: FiniteElements, name: str, turn: float) -> Array:
 
 
 def crossings(faces: Array) -> Array:
-    """Where (K,) lines from form point to tip cross the major axis."""
+    """Return the places (K,) where lines from form point to tip cross the major axis."""
     low, high = faces, np.roll(faces, -1, axis=1)
     with np.errstate(all="ignore"):
         share = low[..., 1] / (low[..., 1] - high[..., 1])

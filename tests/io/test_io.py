@@ -159,7 +159,7 @@ def test_several_meshes_refused_where_one_fits(tmp_path: Path) -> None:
 
 
 def through_trimesh(path: Path) -> TriangleMesh:
-    """What trimesh sees, in mm; geometries of a scene are the regions, joined again by equal coordinates."""
+    """Return the mesh as trimesh reads it, in mm; geometries of a scene are the regions, joined again by equal coordinates."""
     import trimesh
 
     # The options leave the order and the number of vertices as they are in the file.

@@ -1,4 +1,4 @@
-"""What a killed process leaves is removed by the next one that writes there, and nothing else is."""
+"""Leftovers of a killed process are removed by the next process that writes there, and nothing else is."""
 
 from __future__ import annotations
 

@@ -68,7 +68,7 @@ for line in '''
 
 
 def files(folder: Path, program: str, shift: float, seed: str, zone: str) -> dict[str, bytes]:
-    """What a program writes into a new folder, in a process of its own."""
+    """Return the files that a program writes into a new folder, in a process of its own."""
     folder.mkdir()
     environment = {**os.environ, "PYTHONHASHSEED": seed, "TZ": zone, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": seed}
     program = CLOCK + program.format(sample=str(SAMPLES / "spur.toml"), samples=f"{SAMPLES}/")

@@ -56,7 +56,7 @@ def about(at: tuple[float, float], du: float = 0.0, dv: float = 0.0) -> tuple[Ar
 
 
 def missed(surface: Surface, at: tuple[float, float], h: float) -> Array:
-    """By how much central differences of points and normals (4,) miss the partials."""
+    """Return the differences (4,) of partials and central differences of points and normals."""
     exact, found = surface.jet(*about(at)), []
     for step, r_q, n_q in (((h, 0.0), exact.r_u, exact.n_u), ((0.0, h), exact.r_v, exact.n_v)):
         ahead, behind = (surface.jet(*about(at, sign * step[0], sign * step[1])) for sign in (1, -1))

@@ -91,7 +91,7 @@ def test_soft_bearings_shift_along_the_line_of_action() -> None:
 
 
 def shift_and_turn(name: str, *keys: str) -> tuple[Array, Array]:
-    """How far a pinion in a soft bearing goes, and the rim of its base circle turns, over F / k at one position."""
+    """Return the shift of a pinion in a soft bearing, and the turn at its base circle, over F / k at one position."""
     pair, bodies = geared(name, *keys)
     own = pair.pinion.tooth.flank_grid(pair.flanks[0], [0.5], [0.5])
     (point,), (normal,) = own.points[0], own.normals[0]

@@ -1,4 +1,4 @@
-"""How many threads linear algebra takes while bodies are condensed."""
+"""Number of threads of linear algebra while bodies are condensed."""
 
 from __future__ import annotations
 

@@ -42,7 +42,7 @@ def shifted(pair: GearPair, pinion: dict[Side, Array], gear: dict[Side, Array] |
 
 
 def lead_of_involute_teeth() -> tuple[Array, FullTurns]:
-    """How far the gear is ahead at every meeting of 16 and 32 teeth with random pitch deviations, and the whole turns."""
+    """Return the lead of the gear at every meeting of 16 and 32 teeth with random pitch deviations, and the whole turns."""
     pair = pair_of(design_of(*SPUR))
     random = np.random.default_rng(5)
     radii = 24.0, 48.0
@@ -79,7 +79,7 @@ def test_involute_teeth_lead_by_their_pitch_deviations() -> None:
 
 
 def eccentric_shifts(member: Member, size: float, phase: float) -> dict[Side, Array]:
-    """What a pitch gauge reads of a member whose teeth are off their axis: its flanks' middles, displaced, as angles."""
+    """Return readings of a pitch gauge on a member whose teeth are off their axis: middles of displaced flanks, as angles."""
     shifts = {}
     angle = 2.0 * np.pi * np.arange(member.tooth.teeth) / member.tooth.teeth
     for side in Side:

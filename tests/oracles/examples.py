@@ -1,4 +1,4 @@
-"""How many examples property tests are asked, and which designs a claim is tested on by default.
+"""Number of examples of property tests, and the designs on which a claim is tested by default.
 
 Property tests are asked the same examples every time, or, to look for more, other ones:
 

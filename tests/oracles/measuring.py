@@ -200,7 +200,7 @@ def fillet_tangent(member: Member, beta: float, angle: float) -> tuple[float, fl
 
 
 def along_normals(tooth: Tooth, side: Side, nominal: Tooth, shape: tuple[int, int] = (5, 9)) -> DeviationGrid:
-    """How far a flank is from a nominal one on the lines through its points: intersections, found by a library."""
+    """Return distances of a flank from a nominal one on the normals through its points: intersections, found by a library."""
     s, t = (np.linspace(0.1, 0.9, count) for count in shape)
     lines = nominal.flank_grid(side, s, t)
     flank = tooth.side(side).flank

@@ -1,4 +1,4 @@
-"""How two spur gears stand that touch at a point of a modified profile, in closed form, and the transmission error of that.
+"""Positions of two spur gears that touch at a point of a modified profile, in closed form, and their transmission error.
 
 One of the flanks is a true involute: the common normal touches its base circle. The normal at roll length L of a flank that gives
 way by a(L) leans by eps from that of the involute, tan(eps) = r_b a' / (L (1 + a')), and passes its axis at
@@ -48,7 +48,7 @@ class SpurPair:
         return found[::-1] if of_gear else found
 
     def advance(self, pinion: Array, gear: Array) -> Array:
-        """How far (...,), rad, the gear is ahead of where true involutes would have it."""
+        """Return the angle (...,), rad, by which the gear is ahead of its place with true involutes."""
         alpha = np.arccos((self.pinion + self.gear) / self.distance)
         true = (self.pinion + self.gear) * alpha - self.line_of_action
         found: Array = gear + (self.pinion * pinion - true) / self.gear
@@ -81,7 +81,7 @@ def pair_curve(
 
 
 def peak_to_peak(angle: Array, advance: Array, pitch: float, count: int = 20_001) -> float:
-    """Of the greatest advance of all pairs of teeth, one pitch (rad) apart, rad; the place where it is least is looked at twice."""
+    """Return the peak to peak, rad, of the greatest advance of all tooth pairs, one pitch (rad) apart; its least is refined."""
 
     def envelope(phase: Array) -> Array:
         pairs = [np.interp(phase + k * pitch, angle, advance, left=-np.inf, right=-np.inf) for k in range(-1, 4)]

@@ -103,7 +103,7 @@ def bending(tooth: Tooth, side: Side, material: Material, grid: HexGrid, height:
 
 
 def nominal(tooth: Tooth, side: Side, fillet: Array, largest: Array) -> float:
-    """Of stresses (F,) at nodes (F, 3) of a fillet that at the tangent of 30 deg, without such a tangent the largest."""
+    """Return the stress at the tangent of 30 deg, of stresses (F,) at nodes (F, 3) of a fillet; otherwise the largest."""
     # a second station, that there is a way along the tooth
     both = np.concatenate((fillet, fillet + np.array([0.0, 0.0, 1.0])))
     weights = tangent_weights(tooth, side, np.array([0.0, 1.0]), both)

@@ -106,7 +106,7 @@ def _leaves(table: type[Table], prefix: str = "") -> Iterator[tuple[str, Key]]:
 
 
 def faults(name: str, dotted: str) -> list[str]:
-    """What is wrong with the refusals of a key that is pushed up and down from its value in a design."""
+    """Return the faults of the refusals of a key that is pushed up and down from its value in a design."""
     return verdict(name, dotted).faults
 
 
@@ -135,7 +135,7 @@ def verdict(name: str, dotted: str) -> Verdict:
 
 
 def faults_at(name: str, dotted: str, value: float) -> list[str]:
-    """What is wrong with the refusal of a value of a key in a design."""
+    """Return the faults of the refusal of a value of a key in a design."""
     found = Verdict()
     _judge(example(name)[0], {**_keys_beside(name, dotted), dotted: value}, f"{dotted} = {value:.6g}", found)
     return found.faults
@@ -159,7 +159,7 @@ def _pushed(value: float, first: float, key: Key) -> tuple[list[float], list[flo
 
 
 def _takes(key: Key, value: float) -> bool:
-    """Whether a value is in the range of its key, in whatever design."""
+    """True for a value in the range of its key, in any design."""
     try:
         key.check(int(value) if key.unit == "count" else value, 1.0)
     except PydanticCustomError:

@@ -1,4 +1,4 @@
-"""Whether two trains are the same to the last digits: points of teeth and bodies, and where the members stand."""
+"""Comparison of two gear sets to the last digits: points of teeth and bodies, and places of the members."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the package's files say, taken apart once for all tests that look.
+"""Sources of the package, parsed once for all tests that read them.
 
 The syntax trees of all files take 4 s: a test that looks for a word reads the text first.
 """

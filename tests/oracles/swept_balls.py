@@ -1,4 +1,4 @@
-"""What a ball-end cutter leaves, from a cutter location file alone: spheres one after the other along every way."""
+"""Surface that a ball-end cutter leaves, from a cutter location file alone: spheres one after the other along every way."""
 
 from __future__ import annotations
 

@@ -44,7 +44,7 @@ class Cut:
 
     @property
     def axis(self) -> Array:
-        """Of the blank, from the apex to the heel."""
+        """Return the axis of the blank, from the apex to the heel."""
         pitch = np.arctan(TEETH[0] / TEETH[1])
         pitch = pitch if self.which < 0 else 0.5 * np.pi - pitch
         return np.array([self.which * np.sin(pitch), 0.0, np.cos(pitch)])
@@ -62,7 +62,7 @@ class Cut:
         return height, float(np.arctan2(way @ line, way @ Y))
 
     def _centre(self) -> tuple[Array, Array]:
-        """Of the cradle and of the cutter."""
+        """Return the centres of the cradle and of the cutter."""
         line, _ = self.frame()
         cradle, angle = self.offset * Y + self.along * line, np.radians(self.cradle)
         return cradle, cradle + self.radial * (np.sin(angle) * Y + np.cos(angle) * line)

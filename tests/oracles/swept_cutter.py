@@ -31,7 +31,7 @@ def power_series(constant: float, coefficients: Any, q: Array) -> Array:
 
 
 def along_to_cone(cutter_to_blank: Array, cone: tuple[float, float], points: Array, normals: Array) -> Array:
-    """How far (mm) along the normals (N, 3) from points (N, 3) a cutter's cone, prolonged, is in its positions (..., 4, 4).
+    """Return distances (mm), along the normals (N, 3) from points (N, 3), to a cutter's prolonged cone at (..., 4, 4).
 
     `cone`: its radius at the tip, mm, and by how much it grows with the height over it.
     """

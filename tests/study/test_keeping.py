@@ -87,7 +87,7 @@ def ticks(process: int) -> int:
 
 
 def alive(process: int) -> bool:
-    """Whether a process is there and has not ended."""
+    """True for a process that has not ended."""
     try:
         return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
     except OSError:

@@ -1,4 +1,4 @@
-"""What a study varies: grids, samples, distributions, and what is refused."""
+"""Plan of a study: grids, samples, distributions, and refusals."""
 
 from __future__ import annotations
 

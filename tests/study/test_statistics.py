@@ -1,4 +1,4 @@
-"""What rows say together, and the largest error for which a condition holds, on rows whose answers are known."""
+"""Statistics of rows, and the largest error for which a condition holds, on rows whose answers are known."""
 
 from __future__ import annotations
 

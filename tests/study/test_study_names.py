@@ -1,4 +1,4 @@
-"""Which figures a study can record is known without solving."""
+"""Names of the figures that a study can record: known without solving."""
 
 from __future__ import annotations
 

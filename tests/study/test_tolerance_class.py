@@ -28,7 +28,7 @@ MEASURED = {"profile_slope": "f_Ha", "profile_crowning": "f_fa", "helix_slope": 
 
 @dataclass(frozen=True)
 class RemovedAmounts:
-    """What modifications remove of a flank, as deviations along its normals; helix angle at the base cylinder, rad."""
+    """Amounts that modifications remove from a flank, as deviations along its normals; helix angle at the base cylinder, rad."""
 
     nominal: Member
     modified: Member

@@ -96,7 +96,7 @@ def cutter_to_blank(side: Generated, q: Array) -> Array:
 
 
 def along_normals(side: Generated, points: Array, normals: Array, q: Array) -> Array:
-    """How far (mm) along the normals (N, 3) from points the blade's cone, prolonged, is at cradle rotations q (K, N)."""
+    """Return distances (mm), along the normals (N, 3) from points, to the blade's prolonged cone at cradle rotations q (K, N)."""
     blade = side.blade
     slope = float(blade.side * np.tan(blade.blade_angle))
     return along_to_cone(cutter_to_blank(side, q), (blade.tip_radius, slope), points, normals)

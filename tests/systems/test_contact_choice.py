@@ -1,4 +1,4 @@
-"""What bevel pairs ask of their contact when the design does not say: held against the contact of the teeth that come of it."""
+"""Contact of bevel pairs where the design leaves it open, compared with the contact of the built teeth."""
 
 from __future__ import annotations
 

@@ -103,7 +103,7 @@ def test_the_distance_sees_a_root_that_is_too_round() -> None:
 
 
 def _deepest(pair: GearPair) -> float:
-    """How deep (mm) the gear's exact tip edges are in the pinion's exact fillets, phi1 from -20 to 20 deg; < 0: how far off."""
+    """Return the depth (mm) of the gear's exact tip edges in the pinion's exact fillets, phi1 from -20 to 20 deg; < 0: clear."""
     pinion, gear = pair.both
     sections, phi1 = gear.tooth.sections(np.linspace(0.0, 1.0, 33)), np.radians(np.linspace(-20.0, 20.0, 321))
     middle, half = pinion.tooth.sections([0.5]), 0.5 * pinion.tooth.pitch_angle

@@ -57,7 +57,7 @@ def test_speeds_roll_without_slip(fixed: str) -> None:
 @pytest.mark.sweep
 @pytest.mark.parametrize("name", some(SETS, 2))
 def test_phases_and_counts_are_those_of_the_exact_contact(name: str) -> None:
-    """Where the solver begins and ends the contact of a tooth pair, of every planet, in pitches that the sun has gone on."""
+    """Beginnings and ends of contact of a tooth pair of every planet by the solver, in pitches of the sun."""
     gears = gears_of(name)
     count = len(gears.pairs) // 2
     spans = np.empty((2, count, 2))

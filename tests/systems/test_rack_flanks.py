@@ -35,7 +35,7 @@ def rack(bar: dict[str, Any], **keys: Any) -> gm.Gears:
 
 
 def removed(side: Side, x: np.ndarray, z: np.ndarray, low: float) -> np.ndarray:
-    """What TABLES remove at heights and places across the bar, mm: ISO 21771's parabolas and lines, written once more."""
+    """Return the amounts, mm, that TABLES remove at heights and places across the bar: parabolas and lines of ISO 21771."""
     amount = 0.008 * (z / 10.0) ** 2 + 0.004 * ((x - 0.5 * (low + 2.0)) / (0.5 * (2.0 - low))) ** 2
     amount += 0.01 * np.clip((-7.0 - z) / 3.0, 0.0, None)
     if side is Side.RIGHT:

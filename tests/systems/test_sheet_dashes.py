@@ -1,5 +1,5 @@
-"""What a sheet cannot have is a dash with its reason: one value never brings down the sheet, and no measure stands there that no
-instrument can take."""
+"""Dashes of a sheet: a value that it cannot have is a dash with its reason and never brings down the sheet, and every measure can
+be taken by an instrument."""
 
 from __future__ import annotations
 
@@ -130,7 +130,7 @@ def test_rounded_anvils_of_an_internal_span_touch_where_they_should() -> None:
     others = np.concatenate((right, flanks[Side.LEFT] @ turn, flanks[Side.LEFT] @ turn.T))
 
     def depth(radius: float) -> float:
-        """How far, mm, the circle is inside either flank."""
+        """Return the depth, mm, of the circle inside either flank."""
         return float(radius - np.hypot(*(others - right[at] - radius * normal).T).min())
 
     assert depth(anvil) < 1e-3

@@ -57,7 +57,7 @@ def sample(name: str, *overrides: str) -> gm.Gears:
 
 
 def away(surface: Surface, grid: Grid) -> Array:
-    """How far (mm) a surface is from points of a grid along the normals there, found by Newton's method."""
+    """Return distances (mm) of a surface from points of a grid along the normals there, found by Newton's method."""
     assert grid.p is not None
     assert grid.v is not None
     p, v, d = grid.p, grid.v, np.zeros(grid.p.shape)
@@ -149,7 +149,7 @@ def test_the_ease_off_of_other_settings_gives_their_transmission_error() -> None
 
 @dataclass(frozen=True)
 class Transverse:
-    """What removes the deviations of a surface `moved` along the line of action, as micro-geometry counts."""
+    """Amounts that remove the deviations of a surface `moved` along the line of action, as micro-geometry counts."""
 
     involute: ScrewInvolute
     moved: Offset

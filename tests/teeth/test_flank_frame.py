@@ -1,4 +1,4 @@
-"""Where on a flank things lie: lengths and heights are those of the axial half plane."""
+"""Places on a flank: lengths and heights are those of the axial half plane."""
 
 from __future__ import annotations
 

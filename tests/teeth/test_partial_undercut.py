@@ -96,8 +96,8 @@ ROUNDING = 16.0 * np.finfo(np.float64).eps
 
 
 def _known_within(tooth: Tooth, side: ToothSide, at: Array, ends: Ends) -> Array:
-    """How far apart (T,) two solves may find the flank's parameter at the form point: rounding of its points, across the fillet's
-    section, over how fast the flank leaves that.
+    """Return distances (T,) at which two solves may find the flank's parameter at the form point: rounding of its points, across
+    the fillet's section, over how fast the flank leaves that.
 
     With e from the cusp to the tool's form point they cross e / 2 beyond the cusp, where the flank moves as e and at an angle
     as e: the form point is a multiple root as undercut begins, known to rounding / e^2. That is 2e-7 here nearest to it, 2e-9 in

@@ -21,8 +21,8 @@ DEEP, TOUCHES, GRID = 1e-6, 1e-9, (np.linspace(0.0, 1.0, 21), np.linspace(0.0, 1
 
 
 def in_ring(tool: ToolInPlace, sheet: int, r: Array, n: Array) -> tuple[Array, Array]:
-    """How deep (...,) points r (..., 3), own frame, are in a turned tool, by the tangent at the nearest point of its section, and
-    by how much its normals there differ from n (..., 3)."""
+    """Return depths (...,) of points r (..., 3), own frame, in a turned tool, by the tangent at the nearest point of its section,
+    and the differences of its normals there from n (..., 3)."""
     back = tool.tool_to_own.inverse
     seen, normal = back.point(r), back.vector(n)
     points, normals = (_in_axial_plane(each[:, 0], tool.sheets[sheet].points[:, 0]) for each in _arrays(tool, sheet))
@@ -45,7 +45,7 @@ def _in_axial_plane(vectors: Array, at: Array) -> Array:
 
 
 def in_thread(design: gm.Design, tool: ToolInPlace, r: Array) -> Array:
-    """How deep (...,) points r (..., 3) are in the thread of the worm that is made as a part, along arcs about its axis."""
+    """Return depths (...,) of points r (..., 3) in the thread of the worm that is made as a part, along arcs about its axis."""
     part, given = worm(design), design.worm
     tooth, sine = part.member.tooth, 0.5 * given.threads * design.given_module / given.pitch_radius
     winding = (1.0 if given.right_hand else -1.0) * np.sqrt(1.0 - sine**2) / sine / given.pitch_radius

@@ -1,4 +1,4 @@
-"""How the axes of a pair stand."""
+"""Positions of the axes of a pair."""
 
 from __future__ import annotations
 

@@ -203,7 +203,7 @@ def table() -> tuple[Pair, RackSurface, float]:
 
 
 def errors(table: tuple[Pair, RackSurface, float], surface: Surface) -> tuple[float, Array]:
-    """Where the transmission error is largest, in pitches, and its course (33,) over one pitch about it, arc seconds."""
+    """Return the place of the largest transmission error, in pitches, and its course (33,) over one pitch about it, arc seconds."""
     pair, _, pitch = table
     pair, vertex = replace(pair, pinion=replace(pair.pinion, surface=surface)), 0.0
     for _ in range(3):

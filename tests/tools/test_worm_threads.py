@@ -1,4 +1,4 @@
-"""Where a disk touches the flank of a worm that it grinds."""
+"""Contact of a grinding disk with the flank of a worm."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What VTK is told to draw: no gaps between facets, no specks, nothing that shines through."""
+"""Drawing by VTK: no gaps between facets, no specks, nothing that shines through."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What stands before the front plane of a picture is cut away, and nothing else."""
+"""Parts before the front plane of a picture are cut away, and nothing else."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def test_lines_end_at_the_plane() -> None:
 
 
 def _covering(points: np.ndarray, triangles: np.ndarray, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """How many triangles cover places (N, 2) as seen from above, and the height of the last one there."""
+    """Return the number of triangles over places (N, 2) as seen from above, and the height of the last one there."""
     a, b, c = np.moveaxis(points[triangles], 1, 0)
     one, two = (b - a)[:, :2], (c - a)[:, :2]
     double = one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]

@@ -71,7 +71,7 @@ def test_pattern_on_a_worm_is_where_its_ellipses_are() -> None:
 
 
 def hidden(start: Array, axes: Array, corners: Array) -> bool:
-    """Whether a triangle, of `corners` (M, 3, 3), lies between a point (3,) and a camera of `axes` (right, up, back) (3, 3)."""
+    """True if a triangle, of `corners` (M, 3, 3), lies between a point (3,) and a camera of `axes` (right, up, back) (3, 3)."""
     x, y, z = np.moveaxis((corners - start) @ axes.T, -1, 0)
     after = [1, 2, 0]
     areas = x * y[:, after] - x[:, after] * y
