@@ -562,3 +562,32 @@ def test_head_is_shown_with_its_blade_groups() -> None:
         for sheet in edges
     )
     assert miss < 0.3
+
+
+#: pairs of few teeth, by what they were drawn as in the sweep
+FEW_TEETH: dict[str, dict[str, Any]] = {
+    "11_47": {
+        **{"module": 1.773, "pressure_angle": 19.93, "hand": "right", "spiral_angle": 37.84},
+        **{"head": {"blade_groups": 11}, "pinion": {"teeth": 11}, "gear": {"teeth": 47}},
+    },
+    "12_17": {
+        **{"module": 1.967, "pressure_angle": 18.62, "spiral_angle": 32.6},
+        **{"head": {"blade_groups": 13}, "pinion": {"teeth": 12}, "gear": {"teeth": 17}},
+    },
+}
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("pair", ["11_47", pytest.param("12_17", marks=pytest.mark.sweep)])
+def test_blades_of_few_teeth_touch_where_both_sides_of_the_path_are_long_enough(pair: str, name: str) -> None:
+    """With the touch in the middle of the depth the path ended at the pinion's tip before the next pair begins."""
+    gears = gm.build(gm.parse({**BASIC, **FEW_TEETH[pair], "contact": {"side": f"pinion_{name}"}}))
+    answer = gears.contact().summary
+    assert not answer["te_breaks_phi1_deg"]
+    assert answer["mesh_te_peak_to_peak_arcsec"] == pytest.approx(10.0, rel=0.15)
+    design_mm: Any = gears.design.in_mm()
+    contact = HobbedContact.of(design_mm, basic_blank(design_mm), name)
+    assert contact.above < 0.0
+    # the design with all values given keeps it
+    kept: Any = gears.sheet().design.in_mm()
+    assert HobbedContact.of(kept, basic_blank(kept), name).above == pytest.approx(contact.above, abs=1e-9)

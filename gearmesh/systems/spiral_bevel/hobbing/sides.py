@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -34,6 +35,14 @@ HOBBED_TAPER = "uniform"
 ECCENTRICITY_STEP_SHARE = 1e-4
 #: radius of the most hollow blades that crown a pinion's profile, over the working depth; with 15 to 20 many interfere
 HOLLOWEST_BLADE_DEPTHS = 24.0
+#: least length of the contact on either side of the point in which both members touch, in pitches
+MIN_SIDE_PITCHES = 0.54
+#: heights of this point over the middle of the depth that are compared, over the working depth
+TOUCH_SHARES = np.linspace(-0.24, 0.24, 13)
+#: number of pairs of sides whose height is kept
+MAX_CACHED_TOUCHES = 64
+#: number of points on either side of it
+TOUCH_STEPS = 60
 #: table of the gear's blades by side of the gear
 BLADE_TABLES = {"concave": "outside", "convex": "inside"}
 
@@ -59,6 +68,8 @@ class HobbedContact:
     length_crowning: float
     #: profile crowning, mm along the normal
     profile_crowning: float
+    #: height (mm) over the middle of the pinion's depth at which the blades of both members touch
+    above: float = 0.0
 
     @staticmethod
     def of(design: FaceMilledDesign, blank: BevelBlank, name: str) -> HobbedContact:
@@ -77,8 +88,10 @@ class HobbedContact:
         if design.head.eccentricity is not None:
             apart = design.head.eccentricity
             check_eccentricity(apart, blank.cutter_radius)
-            return HobbedContact(apart, float(lines.crowning(np.array([apart]))[0]), profile)
-        return HobbedContact(lines.eccentricity(length), length, profile)
+            length = float(lines.crowning(np.array([apart]))[0])
+        else:
+            apart = lines.eccentricity(length)
+        return HobbedContact(apart, length, profile, _height_of_touch(design, blank, name, (length, profile)))
 
     def blade_radius(self, blank: BevelBlank, pressure_angle: float) -> float:
         """Return the radius (mm) of both blades that give the profile crowning, half each; 0 for straight blades.
@@ -106,10 +119,89 @@ def _asked(design: FaceMilledDesign, blank: BevelBlank, name: str) -> tuple[floa
     half_pitch, slopes = np.pi / teeth, _crown_slopes(design, blank, name)
     total = (slopes[0] ** 2 + slopes[1] ** 2) * 2.0 * design.contact.delta / axis**2
     k_x, k_y = crown_curvatures(slopes, 2.0 * gap / half_pitch**2, total)
-    return (
-        float(0.125 * k_x * (blank.gear.face_width / np.cos(blank.gear.spiral_angle)) ** 2),
-        float(0.5 * k_y * (0.5 * blank.mean_working_depth / np.cos(angle)) ** 2),
+    half_length, half_height = _half_flank(blank, angle)
+    return float(0.5 * k_x * half_length**2), float(0.5 * k_y * half_height**2)
+
+
+def _half_flank(blank: BevelBlank, angle: float) -> tuple[float, float]:
+    """Return half the length and half the height (mm) of the crown gear's flank; `angle`: pressure angle, rad."""
+    length, height = blank.gear.face_width / np.cos(blank.gear.spiral_angle), blank.mean_working_depth / np.cos(angle)
+    return float(0.5 * length), float(0.5 * height)
+
+
+def _height_of_touch(design: FaceMilledDesign, blank: BevelBlank, name: str, crownings: tuple[float, float]) -> float:
+    """Return the height (mm) over the middle of the pinion's depth at which the blades of both members touch.
+
+    There the lag is 0. Few teeth reach the end of the path at their tip sooner than at their root, counted from the
+    middle. The height moves until the shorter side is MIN_SIDE_PITCHES long, at most until both sides are equal.
+
+    - `name`: side of the pinion
+    - `crownings`: length and profile crowning, mm
+    """
+    if not min(crownings) > 0.0:
+        return 0.0
+    plain = HobbedContact(0.0, 0.0, 0.0)
+    pinion, gear = (
+        _side(design, blank, own, _blade(design, blank, member, side), plain)
+        for own, member, side in zip(blank.members, ("pinion", "gear"), (name, MATING_SIDES[name]), strict=True)
     )
+    half = _half_flank(blank, pinion.blade.blade_angle)
+    k_x, k_y = (2.0 * crowning / size**2 for crowning, size in zip(crownings, half, strict=True))
+    return _centred_touch(blank, pinion, gear, _crown_slopes(design, blank, name), (k_x, k_y))
+
+
+@lru_cache(maxsize=MAX_CACHED_TOUCHES)
+def _centred_touch(
+    blank: BevelBlank,
+    pinion: Generated,
+    gear: Generated,
+    slopes: tuple[float, float, float],
+    curvatures: tuple[float, float],
+) -> float:
+    """Return the height of `_height_of_touch` by the sides of both members without crowning.
+
+    `slopes`, `curvatures`: figures of `crown_curvatures`.
+    """
+    (g_x, g_y, twist), (k_x, k_y) = slopes, curvatures
+    half, middle = _half_flank(blank, pinion.blade.blade_angle), 0.5 * blank.mean_depth
+    direction = np.linalg.solve(np.array([[k_x, twist * k_x], [twist * k_x, k_y]]), np.array([g_x, g_y]))
+    envelopes = [side.envelope(side.blade.flank) for side in (pinion, gear)]
+    tools = [
+        envelope.tool.jet(np.array(side.blade.at_height(middle)), np.zeros(()))
+        for envelope, side in zip(envelopes, (pinion, gear), strict=True)
+    ]
+    # the path as a line over the parameters of both members: lengths of edge and of tooth line
+    x = unit(tools[0].r_v)
+    across = direction[0] * x + direction[1] * np.cross(tools[0].n, x)
+    du, dv = np.linalg.lstsq(np.stack((tools[0].r_u, tools[0].r_v), axis=-1), across, rcond=None)[0]
+    rates = [float(jet.r_v @ jet.r / np.linalg.norm(jet.r[:2])) for jet in tools]
+    reach = min(2.0 * half[1] / abs(direction[1]), 2.0 * half[0] / abs(direction[0]))
+    along, centre = np.linspace(-reach, reach, 2 * TOUCH_STEPS + 1), TOUCH_STEPS
+    slope, pitch = np.cos(pinion.blade.blade_angle), 2.0 * np.pi / float(blank.tooth_line.crown_teeth)
+
+    def shorter(heights: Array) -> Array:
+        """Return the lengths (N,), pitches, of the shorter side of the path through heights (N,), mm, over the middle."""
+        up = heights[:, None] + slope * du * along
+        parameters = ((middle + up) / slope, dv * along), ((middle - up) / slope, dv * along * rates[0] / rates[1])
+        inside = np.ones(up.shape, dtype=bool)
+        for envelope, own, (p, q) in zip(envelopes, blank.members, parameters, strict=True):
+            r, (toe, heel) = envelope.jet(p, q).r, own.extent
+            station = own.stations.value(r)
+            inside &= (own.tip.value(r) < 0.0) & (station > toe) & (station < heel)
+        # equal distances from the touch are equal lags: teeth change where they are a pitch apart
+        roll = envelopes[0].parameter(*parameters[0])
+        apart = np.abs(roll[:, centre:] - roll[:, centre::-1]) / pitch
+        change = np.array([np.interp(1.0, row, along[centre:]) for row in apart])
+        run = np.where(inside, along, 0.0)
+        return np.asarray(0.5 * np.minimum(run.max(axis=1), -run.min(axis=1)) / change)
+
+    if shorter(np.zeros(1))[0] >= MIN_SIDE_PITCHES:
+        return 0.0
+    heights = TOUCH_SHARES * blank.mean_working_depth
+    sides = shorter(heights)
+    at, best = len(heights) // 2, int(sides.argmax())
+    order = np.arange(at, best + 1) if best >= at else np.arange(at, best - 1, -1)
+    return float(np.interp(MIN_SIDE_PITCHES, np.maximum.accumulate(sides[order]), heights[order]))
 
 
 def _crown_slopes(design: FaceMilledDesign, blank: BevelBlank, name: str) -> tuple[float, float, float]:
@@ -271,8 +363,8 @@ def _side(
     )
     given = blade.values["blade_radius"] if blade.curved else None
     curved = contact.blade_radius(blank, angle) if given is None else given
-    # the straight edge passes through the pitch point; a curved edge touches it in the middle of the working depth
-    middle = 0.5 * blank.mean_depth
+    # the straight edge passes through the pitch point; a curved edge touches it in about the middle of the working depth
+    middle = 0.5 * blank.mean_depth + (contact.above if own is blank.pinion else -contact.above)
     beside = radius + blade.side * (middle - own.mean_dedendum) * np.tan(angle)
     tip_radius = Blade.through(blade.side, float(beside), middle, angle, 0.0, curved).tip_radius
     edge, values = (blade.side, tip_radius, angle), {**blade.values, "blade_radius": curved, "blade_height": None}
