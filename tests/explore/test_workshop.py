@@ -131,7 +131,7 @@ def test_a_changed_tooth_has_figures_and_pattern_before_its_fine_mesh(
     assert "pattern" in fields[0] < fields[1]
 
 
-def test_a_mesh_that_is_made_as_soon_as_a_coarse_one_is_made_and_sent_once(workshop: Workshop) -> None:
+def test_fine_mesh_made_with_the_coarse_one_is_sent_once(workshop: Workshop) -> None:
     held = [shape["key"] for shape in ask(workshop)[-1]["shapes"]]
     changed = ask(workshop, changes={"pinion.teeth": 28}, have=held)
     first, last = of(changed, "scene")

@@ -579,7 +579,7 @@ FEW_TEETH: dict[str, dict[str, Any]] = {
 
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("pair", ["11_47", pytest.param("12_17", marks=pytest.mark.sweep)])
-def test_blades_of_few_teeth_touch_where_both_sides_of_the_path_are_long_enough(pair: str, name: str) -> None:
+def test_blades_of_few_teeth_touch_where_the_path_is_long_enough(pair: str, name: str) -> None:
     """With the touch in the middle of the depth the path ended at the pinion's tip before the next pair begins."""
     gears = gm.build(gm.parse({**BASIC, **FEW_TEETH[pair], "contact": {"side": f"pinion_{name}"}}))
     answer = gears.contact().summary

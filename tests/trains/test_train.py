@@ -682,7 +682,7 @@ def test_racks_travel_as_their_pinions_roll(with_rack: gm.MultistageTrain) -> No
     assert moved == pytest.approx(along * travel / 20 * 58 / 19, abs=1e-9)
 
 
-def test_the_error_of_a_rack_is_that_of_its_own_stage_in_um(with_rack: gm.MultistageTrain) -> None:
+def test_error_of_a_rack_is_the_error_of_its_stage_in_um(with_rack: gm.MultistageTrain) -> None:
     alone = gm.build(with_rack.file.stages["slide"]).contact().summary
     error = with_rack.transmission_error(turns=1.0)
     assert error.figures.way_te_peak_to_peak == pytest.approx(alone["mesh_te_peak_to_peak_um"], rel=1e-3)
