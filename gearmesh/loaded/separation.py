@@ -916,7 +916,7 @@ class _Surfaces:
             if np.abs(last_step).max(initial=0.0) < RIDGE_TOLERANCE_MM:
                 break
         if self.along_edge.any():
-            y = self._on_edge(x, y)
+            y = self._on_edge(x, y, beside)
         same = np.abs(y - beside.places[1]).max(initial=0.0) < RIDGE_TOLERANCE_MM
         return y, beside if same else self.at(x, y, beside=beside)
 
@@ -933,16 +933,17 @@ class _Surfaces:
         rows = np.flatnonzero(outside.any(axis=1))
         y, bent = ridge.copy(), np.zeros_like(outside)
         if rows.size:
-            x_outside, y_edge, edge_margin = x[rows], ridge[rows], margin[rows]
+            x_outside, y_edge, on_edge = x[rows], ridge[rows], on_ridge.some(rows)
             # Newton steps along y to the edge, where the distance outside the flanks is 0
             with np.errstate(all="ignore"):
-                slope = (self.at(x_outside, y_edge + SLOPE_STEP_MM, rows).margin - edge_margin) / SLOPE_STEP_MM
+                further = self.at(x_outside, y_edge + SLOPE_STEP_MM, rows, on_edge)
+                slope = (further.margin - on_edge.margin) / SLOPE_STEP_MM
                 # a small slope belongs to another edge, such as an end face, which the ridge does not follow
                 steep = outside[rows] & (np.abs(slope) > MIN_EDGE_SLOPE)
                 for _ in range(EDGE_STEPS):
-                    y_edge = y_edge + np.where(steep, -edge_margin / slope, 0.0)
-                    edge_margin = self.at(x_outside, y_edge, rows).margin
-                bent[rows] = steep & (np.abs(edge_margin) < EDGE_TOLERANCE_MM)
+                    y_edge = y_edge + np.where(steep, -on_edge.margin / slope, 0.0)
+                    on_edge = self.at(x_outside, y_edge, rows, on_edge)
+                bent[rows] = steep & (np.abs(on_edge.margin) < EDGE_TOLERANCE_MM)
             y[rows] = np.where(bent[rows], y_edge, ridge[rows])
         return y, bent, ridge, on_ridge
 
@@ -969,16 +970,20 @@ class _Surfaces:
                 along |= near & (np.abs(further_margin - probe_margin) < MAX_EDGE_TANGENT * probe_length)
         return np.asarray(along & self._edge)
 
-    def _on_edge(self, x: Array, y: Array) -> Array:
-        """Return y (M, K) after Newton steps on to edges that run along x; y of other pairs is unchanged."""
+    def _on_edge(self, x: Array, y: Array, beside: _Seen) -> Array:
+        """Return y (M, K) after Newton steps on to edges that run along x; y of other pairs is unchanged. Flanks are known
+        `beside` these places."""
+        rows, y = np.flatnonzero(self.along_edge), y.copy()
+        x_along, on_edge = x[rows], beside.some(rows)
         for _ in range(EDGE_STEPS):
-            margin, beside_margin = (self.at(x, y + step).margin for step in (0.0, SLOPE_STEP_MM))
-            slope = (beside_margin - margin) / SLOPE_STEP_MM
+            on_edge = self.at(x_along, y[rows], rows, on_edge)
+            further = self.at(x_along, y[rows] + SLOPE_STEP_MM, rows, on_edge)
+            slope = (further.margin - on_edge.margin) / SLOPE_STEP_MM
             with np.errstate(all="ignore"):
-                step = -margin / slope
+                step = -on_edge.margin / slope
             # beyond the end face lies another edge: its slope is small or it is far away
-            same_edge = (np.abs(slope) > MIN_EDGE_SLOPE) & (np.abs(y + step) < MAX_EDGE_OFFSET_MM)
-            y = y + np.where(self.along_edge[:, None] & same_edge, step, 0.0)
+            same_edge = (np.abs(slope) > MIN_EDGE_SLOPE) & (np.abs(y[rows] + step) < MAX_EDGE_OFFSET_MM)
+            y[rows] += np.where(same_edge, step, 0.0)
         return y
 
     def at(self, x: Array, y: Array, rows: NDArray[np.intp] | None = None, beside: _Seen | None = None) -> _Seen:

@@ -511,14 +511,21 @@ def inside(web: Disc, corners: Array) -> Array:
 def assemble(mesh: HexMesh, material: Material, shares: Array | None = None) -> csr_array:
     """Return the stiffness (3 N, 3 N), N/mm, of a mesh of hexahedra, with each element's stiffness times its share (E,)
     if given."""
-    from scipy.sparse import coo_array, csr_array
+    from scipy.sparse import bsr_array, csr_array
 
-    parts, numbers = stiffness(mesh.nodes[mesh.elements], material), unknowns(mesh.elements)
+    parts, count = stiffness(mesh.nodes[mesh.elements], material), len(mesh.nodes)
     if shares is not None:
         parts *= shares[:, None, None]
-    rows, columns = np.repeat(numbers, 24, axis=1), np.tile(numbers, (1, 24))
-    shape = (3 * len(mesh.nodes),) * 2
-    return csr_array(coo_array((parts.ravel(), (rows.ravel(), columns.ravel())), shape=shape))
+    # blocks (3, 3) of two nodes, summed over the elements that have both
+    blocks = parts.reshape(-1, 8, 3, 8, 3).swapaxes(2, 3).reshape(-1, 9)
+    couples = (mesh.elements[:, :, None] * count + mesh.elements[:, None]).ravel()
+    order = np.argsort(couples, kind="stable")
+    couples = couples[order]
+    first = np.flatnonzero(np.diff(couples, prepend=-1))
+    rows, columns = np.divmod(couples[first], count)
+    summed = np.add.reduceat(blocks[order], first, axis=0).reshape(-1, 3, 3)
+    begin = np.searchsorted(rows, np.arange(count + 1))
+    return csr_array(bsr_array((summed, columns, begin), shape=(3 * count,) * 2))
 
 
 @dataclass(frozen=True)
@@ -590,8 +597,9 @@ def _cuts(condensed: Array, loads: Array, turn: Array, teeth: int, reach: int, *
             cho_factor(system, lower=True, check_finite=False), on_own_cut + on_next_cut / phase, check_finite=False
         )
         weight = (1.0 if k in (0, teeth / 2) else 2.0) * (2.0 if idler else 1.0) / teeth
-        for row, place in enumerate(places):
-            cuts[row] += weight * (solved * phase**place).real
+        phases = weight * phase**places
+        parts = np.stack((solved.real, -solved.imag)).reshape(2, -1)
+        cuts += (np.stack((phases.real, phases.imag), axis=1) @ parts).reshape(cuts.shape)
     return _both(cuts, turn)
 
 
