@@ -171,6 +171,10 @@ class NearPairs:
         rows = np.flatnonzero(positions[self.position])
         return self._taken(rows, (np.cumsum(positions) - 1)[self.position[rows]], np.flatnonzero(positions))
 
+    def some(self, rows: NDArray[np.intp]) -> NearPairs:
+        """Return the pairs `rows` (N,) at the same positions."""
+        return self._taken(rows, self.position[rows], np.arange(len(self.phi1)))
+
     def repeated(self, times: int) -> NearPairs:
         """Return the same pairs at the same positions several times, one after the other."""
         count, every = len(self.phi1), np.arange(len(self.position))
@@ -754,9 +758,12 @@ def _beyond(surfaces: _Surfaces, ends: tuple[Array, Array]) -> tuple[Array, Arra
     lengths, bends = [], []
     for end, far in zip(ends, surfaces.extent, strict=True):
         x = end[:, None] + (far - end)[:, None] * np.linspace(0.0, 1.0, SCAN_PLACES)[1:]
-        y, bent, ridge, _ = surfaces.ridge_and_edge(x)
+        y, bent, ridge, _ = surfaces.ridge_and_edge(x[:, :1])
         # the edge counts only up to the first place at which the ridge has left it
-        last_on_edge = np.where(bent.all(axis=1), bent.shape[1], bent.argmin(axis=1)) - 1
+        last_on_edge, rows = np.full(len(x), -1), np.flatnonzero(bent[:, 0])
+        if rows.size:
+            along = surfaces.some(rows).ridge_and_edge(x[rows])[1]
+            last_on_edge[rows] = np.where(along.all(axis=1), along.shape[1], along.argmin(axis=1)) - 1
         pairs = np.arange(len(x))
         lengths.append(np.where(last_on_edge < 0, 0.0, np.abs(x[pairs, last_on_edge] - end)))
         with np.errstate(all="ignore"):
@@ -865,6 +872,10 @@ class _Surfaces:
     @known.setter
     def known(self, seen: _Seen) -> None:
         self._known = seen
+
+    def some(self, rows: NDArray[np.intp]) -> _Surfaces:
+        """Return the flanks of the pairs `rows` (N,)."""
+        return self._near.some(rows).surfaces
 
     @cached_property
     def extent(self) -> tuple[Array, Array]:

@@ -1300,10 +1300,16 @@ def _displacements(local: ContactCompliance, smooth: Array, area: Array, cells: 
     - `area` (P, K), mm^2: area of the cells.
     """
 
+    # compliance of the positions that were asked last: most are asked again and again
+    last, of_last = np.arange(len(smooth)), smooth
+
     def displace(p: Array, which: NDArray[np.intp]) -> Array:
+        nonlocal last, of_last
+        if not np.array_equal(which, last):
+            last, of_last = which, smooth[which]
         p = p.reshape(len(p), area.shape[1], *cells)
         line = (p.sum(axis=3) * area[which][:, :, None]).reshape(len(p), -1, 1)
-        total: Array = local.under(p, which) + (smooth[which] @ line).reshape(*p.shape[:3], 1)
+        total: Array = local.under(p, which) + (of_last @ line).reshape(*p.shape[:3], 1)
         return total.reshape(len(p), -1)
 
     return displace
