@@ -521,6 +521,12 @@ class GearPair:
         return any(member.index.uneven for member in self.both)
 
     @property
+    def even(self) -> GearPair:
+        """The pair without differences of pitch deviations: every tooth of a member is at its mean place."""
+        pinion, gear = (replace(member, index=member.index.even) for member in self.both)
+        return replace(self, pinion=pinion, gear=gear)
+
+    @property
     def both(self) -> tuple[Member, Member]:
         return self.pinion, self.gear
 

@@ -1,4 +1,4 @@
-"""Face load factor K_Hbeta of loaded contact: load per face width over its mean."""
+"""Load factors of loaded contact: K_Hbeta, load per face width over its mean; K_Halpha, with over without pitch deviations."""
 
 from __future__ import annotations
 
@@ -6,9 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from oracles.loaded import loaded_contact
+from oracles.loaded import geared, loaded_contact
+from oracles.places import SAMPLES
 
-from gearmesh.answers.load.loaded import face_exponent
+import gearmesh as gm
+from gearmesh.answers.load.loaded import face_exponent, loaded_contact_of
+from gearmesh.teeth.micro_geometry.index_angles import IndexAngles
 
 MISALIGNED = "assembly.gamma_v=0.02"
 
@@ -51,3 +54,29 @@ def test_parts_of_a_mesh_cycle_have_no_face_load_factor() -> None:
     assert "k_h_beta" in loaded.totals[0].row
     part = replace(loaded, mesh=replace(loaded.mesh, phi1=0.1 * loaded.mesh.phi1))
     assert "k_h_beta" not in part.totals[0].row
+
+
+def test_the_transverse_load_factor_of_a_tooth_that_bears_all_is_in_closed_form() -> None:
+    """A tooth far ahead of its place bears the whole torque: its normal force is T / (r_b cos(beta_b)). One that lies far back
+    bears nothing, and its neighbours more than before."""
+    design, (pair, bodies) = gm.load(SAMPLES / "helical.toml"), geared("helical")
+    phi1, torque = np.zeros(1), 100.0
+    alone = loaded_contact_of(design, pair, [torque], phi1=phi1, cycle=None, bodies=bodies)
+    assert "k_h_alpha" not in alone.totals[0].row
+    share = max(tooth_pair.load_share for tooth_pair in alone.rows[0].tooth_pairs)
+    assert share < 0.7
+    # 24 teeth, module 5 mm, 20 and 15 deg
+    at = np.tan(np.radians(20.0)) / np.cos(np.radians(15.0))
+    base_radius = 60.0 / np.cos(np.radians(15.0)) / np.hypot(1.0, at)
+    base_cosine = np.sqrt(1.0 - (np.sin(np.radians(15.0)) * np.cos(np.radians(20.0))) ** 2)
+    whole = 1e3 * torque / (base_radius * base_cosine)
+    factors, tooth = {}, pair.pinion.tooth.teeth * [0.0]
+    for ahead in (-0.1, 0.1):
+        tooth[0] = ahead / base_radius
+        uneven = replace(pair, pinion=replace(pair.pinion, index=IndexAngles(tuple(tooth), tuple(tooth))))
+        loaded = loaded_contact_of(design, uneven, [torque], phi1=phi1, cycle=None, bodies=bodies)
+        pairs = [tooth_pair.pair for tooth_pair in loaded.rows[0].tooth_pairs]
+        factors[0 in pairs] = loaded.totals[0].k_h_alpha
+        assert (pairs == [0]) if 0 in pairs else len(pairs) > 1
+    assert factors[True] == pytest.approx(whole / alone.mesh.loads[0].force.max(), rel=5e-3)
+    assert 1.0 < factors[False] < factors[True]

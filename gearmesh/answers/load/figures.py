@@ -209,6 +209,11 @@ class LoadedTotals(Figures):
         symbol="K_Fbeta",
         optional=True,
     )
+    k_h_alpha: float | None = figure(
+        "transverse load factor of ISO 6336-1: largest force on a tooth pair over that without pitch deviations",
+        symbol="K_Halpha",
+        optional=True,
+    )
     fillets: Mapping[str, FilletFigures] = figure("largest stresses in the fillets", parts=FilletFigures)
     nominal_contact_stress: float | None = figure(
         "nominal contact stress of ISO 6336-2, without load factors", "MPa", "sigma_H0", optional=True

@@ -98,6 +98,8 @@ class LoadedContact(Result):
     seconds: float
     #: whole mesh cycle without load; None if not given
     cycle: Cycle | None = None
+    #: the same mesh without pitch deviations; None if there are none, and if it was not solved
+    even: LoadedMesh | None = None
 
     @property
     def unloaded_peak_to_peak(self) -> float:
@@ -397,6 +399,7 @@ class LoadedContact(Result):
             **self._per_width(torque, load),
             k_h_beta=face_load_factor,
             k_f_beta=None if face_load_factor is None else face_load_factor**self._face_exponent,
+            k_h_alpha=None if self.even is None else float(load.force.max() / self.even.loads[torque].force.max()),
             fillets=self.largest_in_fillets(torque),
             nominal_contact_stress=self._nominal_contact(torque),
             nominal_root_stress=self._nominal_root(torque),
@@ -734,25 +737,29 @@ def loaded_contact_of(
     if given and pair.fellows:
         raise ArgumentError("mounts", next(iter(given)), reason=SHARED_MOUNTS_REASON, allowed="left out")
     flexible = given.get(pair.pinion.name), given.get(pair.gear.name)
+    # pitch deviations count against the same mesh without them; of meshes that share a torque others are uneven, too
+    pairs = [pair, pair.even] if pair.uneven and not pair.fellows and reference is None else [pair]
     with listening(lambda done: progress(0.2 + 0.8 * done, doing)):
-        mesh = loaded_mesh(
-            pair,
-            places,
-            torques,
-            bodies,
-            materials_of(design, pair),
-            flexible=flexible,
-            level=level,
-            reference=reference,
+        mesh, *others = (
+            loaded_mesh(
+                each,
+                places,
+                torques,
+                bodies,
+                materials_of(design, pair),
+                flexible=flexible,
+                level=level,
+                reference=reference,
+            )
+            for each in pairs
         )
     unloaded = np.nan if cycle is None else cycle.peak_to_peak
     if level == "quick":
         warnings = (*warnings, QUICK_WARNING)
     if pair.uneven:
         warnings = (*warnings, UNEQUAL_PAIRS_WARNING)
-    return LoadedContact(
-        design, pair, mesh, (*warnings, *_warnings(pair, mesh, unloaded)), time.perf_counter() - started, cycle
-    )
+    lines = (*warnings, *_warnings(pair, mesh, unloaded))
+    return LoadedContact(design, pair, mesh, lines, time.perf_counter() - started, cycle, *others)
 
 
 def refuse_eccentric(pair: GearPair) -> None:

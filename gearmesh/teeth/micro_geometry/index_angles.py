@@ -54,6 +54,11 @@ class IndexAngles:
         """True if the deviations of a side differ from tooth to tooth, or teeth are farther from the axis."""
         return any(np.ptp(values) > 0.0 for values in (self.right, self.left) if values) or any(self.outwards)
 
+    @property
+    def even(self) -> IndexAngles:
+        """The same deviations without their differences: every flank of a side has their mean."""
+        return IndexAngles(*((sum(side) / len(side),) * len(side) if side else () for side in (self.right, self.left)))
+
     def check(self, name: str, teeth: int) -> None:
         """Refuse a number of deviations that is not the number of teeth.
 
