@@ -93,7 +93,7 @@ class SolvedGears(GearSet):
             loaded = loaded_contact_of(self.design, self.train.sharing(pair), torques, cycle=whole)
             return loaded.share_at(path.rotation), [*loaded.warnings, *loaded.complaints]
 
-        return contact_of(
+        contact = contact_of(
             self.design,
             mesh,
             self.warnings,
@@ -105,6 +105,11 @@ class SolvedGears(GearSet):
             turns=turns,
             speed=speed,
         )
+        if not self.train.shared:
+            return contact
+        from gearmesh.answers.contact.shared import with_shared
+
+        return with_shared(contact, self.train, pair)
 
     def loaded_contact(
         self,

@@ -9,6 +9,7 @@ from gearmesh.answers.bodies.solid import SolidFigures
 from gearmesh.answers.check import MeshRoll, RollRow, Verdict
 from gearmesh.answers.contact.figures import CycleSummary, PathSummary, SlideSummary, TorqueSummary
 from gearmesh.answers.contact.fit import FitSummary
+from gearmesh.answers.contact.shared import SharedFigures
 from gearmesh.answers.contact.turns import TurnsSummary
 from gearmesh.answers.contact.zone import ZoneFigures
 from gearmesh.answers.load.figures import LoadedFigures
@@ -18,7 +19,16 @@ from gearmesh.figures import MEMBER_PLACE, Figure, Figures
 from gearmesh.systems.system import kinds
 
 #: parts of the summary of a contact; gear systems add more figures
-CONTACT_SUMMARIES = (PathSummary, CycleSummary, ZoneFigures, SlideSummary, FitSummary, TorqueSummary, TurnsSummary)
+CONTACT_SUMMARIES = (
+    PathSummary,
+    CycleSummary,
+    ZoneFigures,
+    SlideSummary,
+    FitSummary,
+    TorqueSummary,
+    TurnsSummary,
+    SharedFigures,
+)
 #: schema of a number that may be unknown
 NUMBER_OR_NULL = {"type": ["number", "null"]}
 

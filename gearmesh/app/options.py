@@ -307,3 +307,8 @@ def other_meshes(gears: Gears, mesh: str) -> list[str]:
     """Return one line with the other meshes of a gear set, nothing for a pair."""
     others = [pair.name for pair in gears.pairs if pair.name != mesh]
     return [f"the contact is that of {mesh}; --pair has the others: {', '.join(others)}"] if others else []
+
+
+def meshes_not_loaded(gears: Gears, mesh: str) -> list[str]:
+    """Return one line with the meshes that a contact under load leaves out; members that share the torque are all in it."""
+    return [] if gears.train.shared else other_meshes(gears, mesh)

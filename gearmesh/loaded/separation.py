@@ -252,6 +252,16 @@ class NearPairs:
         return np.abs(dot(normals, velocity))
 
 
+def advances_of_halves(gears: GearPair, phi1: Array) -> Array:
+    """Return advances (H, P), rad, at which the first tooth pairs of all `halves` touch at rotations phi1 (P,), rad, without load.
+
+    They are -inf where no teeth touch.
+    """
+    return np.stack(
+        [_Followed(row, phi1 + phase).advance for row, phase in zip(gears.halves, gears.phases, strict=True)]
+    )
+
+
 def near_pairs(gears: GearPair, phi1: Array, limit: float) -> NearPairs:
     """Find the tooth pairs apart by less than `limit` (mm) at rotations phi1 (P,), rad, in both halves.
 

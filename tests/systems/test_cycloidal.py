@@ -12,12 +12,14 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 import gearmesh as gm
+from gearmesh.answers.contact.shared import shared_touch
 from gearmesh.contact.engagement.pitch_turns import whole_turns
 from gearmesh.contact.engagement.train_turns import leading_turns
+from gearmesh.contact.fit.fit import reversed_pair
 from gearmesh.kernel.envelope.limiting_line import limiting_line
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kinds import Arc, RackSurface, Region, Side
-from gearmesh.loaded.separation import near_pairs
+from gearmesh.loaded.separation import advances_of_halves, near_pairs
 from gearmesh.metrology.measured_teeth import pitch_radius
 from gearmesh.systems.cycloidal.build import Drive
 from gearmesh.systems.cycloidal.forces import disc_shares, pin_forces
@@ -414,6 +416,56 @@ def two_discs(*overrides: str) -> Any:
     """Two discs of 20 lobes, half a turn and half a pitch of the lobes apart."""
     keys = "disc.teeth=20", "ring.teeth=21", "output.pins=5", "output.pin_diameter=6"
     return gm.build(several(2, *keys, *overrides))
+
+
+@pytest.mark.parametrize("ahead", [0.0, 0.004])
+def test_contact_has_the_error_and_the_backlash_of_both_discs(ahead: float) -> None:
+    """Against the first touch of both discs on either side, which contact under load begins with."""
+    gears = two_discs("modification.equidistant=0.03", *([f"assembly.disc_ahead=[0, {ahead}]"] if ahead else []))
+    contact = gears.contact()
+    touch = shared_touch(gears.train.sharing(0), contact)
+    assert touch is not None
+    flat = contact.summary
+    both = [gears.train, replace(gears.train, pairs=tuple(reversed_pair(pair) for pair in gears.pairs))]
+    known = [advances_of_halves(train.sharing(0), touch.phi1) for train in both]
+    assert touch.advances == pytest.approx(known[0], abs=1e-12)
+    te, coast = (advances.max(axis=0) for advances in known)
+    assert flat["set_te_peak_to_peak_arcsec"] == pytest.approx(np.degrees(np.ptp(te)) * 3600.0, rel=1e-9)
+    # flanks of one number: up to the pitch of the ring
+    between = np.degrees(-te - coast) % (360.0 / 21)
+    assert [flat["set_backlash_min_deg"], flat["set_backlash_max_deg"]] == pytest.approx(
+        [between.min(), between.max()], abs=1e-9
+    )
+    first = [flat[f"disc_{k}_first_percent"] for k in (1, 2)]
+    # half a pitch apart they take turns; 0.004 deg ahead, 13.7 arcsec on the ring, the second is always first
+    assert first == ([0.0, 100.0] if ahead else [50.0, 50.0])
+    assert flat["set_te_peak_to_peak_arcsec"] < flat["mesh_te_peak_to_peak_arcsec"] * (1.0 if ahead else 0.5)
+    # the disc ahead takes its lead from the backlash
+    lost = flat["backlash_min_deg"] - flat["set_backlash_min_deg"]
+    assert lost == pytest.approx(ahead * 20 / 21, abs=1e-3)
+
+
+@pytest.mark.sweep
+def test_contact_of_both_discs_has_all_pins_as_they_are() -> None:
+    places = np.round(np.random.default_rng(3).normal(0.0, 5.0, 21), 2).tolist()
+    gears = two_discs("modification.equidistant=0.03", f"measured.ring_pitch_left_um={places}")
+    flat = gears.contact(phi1=[0.0], turns=True).summary
+    phi1 = gears.pairs[0].pitch * np.arange(21 * 12) / 12
+    # rotation of the second disc by hand: lobes half a pitch beside those of the first
+    turns = np.array([advances_of_halves(pair, phi1 + np.radians(k * 9.0))[0] for k, pair in enumerate(gears.pairs)])
+    te = turns.max(axis=0)
+    assert flat["set_te_peak_to_peak_arcsec"] == pytest.approx(np.degrees(np.ptp(te)) * 3600.0, rel=1e-6)
+    assert flat["disc_1_first_percent"] == pytest.approx(100.0 * np.mean(turns[0] > turns[1]), abs=1e-9)
+    assert "set_backlash_min_deg" not in flat
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("member", ["disc", "ring"])
+def test_stiffness_of_mounts_is_for_one_disc(member: str) -> None:
+    stiffness = f"{member}.mount.stiffness=[1e6, 1e6, 1e6, 1e9, 1e9, 1e9]"
+    with pytest.raises(gm.DesignError, match=rf"^{member}\.mount\.stiffness.*several discs share the torque"):
+        several(2, stiffness)
+    assert design(stiffness).mount(member).stiffness is not None
 
 
 @pytest.mark.sweep

@@ -18,7 +18,7 @@ from gearmesh.kinds import Side
 from gearmesh.loaded.compliance.compliance import flank_compliance
 from gearmesh.loaded.sharing import loaded_mesh, reach_of
 from gearmesh.mesh.hexahedra.hexahedra import Cells
-from gearmesh.systems.common.standards import din5480, iso4156
+from gearmesh.systems.common.standards import ansi_b92_1, din5480, iso4156
 from gearmesh.systems.cylindrical.spline.designation import Designation, parse_designation
 from gearmesh.systems.cylindrical.spline.sheet import tooth_gaps
 
@@ -357,25 +357,43 @@ def test_torque_of_a_tilted_hub_is_shared_as_its_gaps_say() -> None:
     assert np.corrcoef(shares, gaps)[0, 1] < -0.8
 
 
-@pytest.mark.parametrize(
-    ("pitch", "teeth", "machining", "variation"),
-    [
-        (3, 20, 17.6, 27.0),
-        (5, 10, 14.5, 20.3),
-        (8, 30, 15.5, 21.0),
-        (12, 60, 17.0, 24.2),
-        (20, 50, 14.5, 19.0),
-        (48, 20, 12.4, 13.4),
-    ],
-)
-def test_tolerances_of_b92_1_are_rows_of_its_table(pitch: int, teeth: int, machining: float, variation: float) -> None:
-    """Rows of class 5, 0.0001 inch; the effective sizes at the maximum of material are the basic ones."""
-    for number, factor in ((4, 0.71), (5, 1.0), (6, 1.4), (7, 2.0)):
-        gears = spline(designation=f"ANSI B92.1 {teeth}T {pitch}/{2 * pitch}P 30 flat {number}")
+#: pitches at both ends of each range of ANSI B92.1, and machining tolerance and variation allowance of class 5 with 10, 20
+#: and 60 teeth, 0.0001 inch
+B92_1_ROWS = [
+    ((2.5, 3.0), (15.8, 17.6, 24.8), (23.5, 27.0, 41.0)),
+    ((4.0, 5.0), (14.5, 16.0, 22.0), (20.3, 22.6, 31.8)),
+    ((6.0, 8.0), (12.5, 14.0, 20.0), (17.0, 19.0, 27.0)),
+    ((10.0, 12.0), (12.0, 13.0, 17.0), (15.7, 17.4, 24.2)),
+    ((16.0, 20.0), (11.7, 12.4, 15.2), (14.2, 15.4, 20.2)),
+    ((24.0, 48.0), (11.7, 12.4, 15.2), (12.2, 13.4, 18.2)),
+    ((64.0, 80.0), (9.6, 10.2, 12.6), (11.0, 12.0, 16.0)),
+    ((128.0, 128.0), (9.5, 10.0, 12.0), (9.8, 10.6, 13.8)),
+]
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(("pitches", "machining", "variation"), B92_1_ROWS)
+def test_tolerances_of_b92_1_are_rows_of_its_table(
+    pitches: tuple[float, float], machining: tuple[float, ...], variation: tuple[float, ...]
+) -> None:
+    for pitch in pitches:
+        for teeth, own, allowance in zip((10, 20, 60), machining, variation, strict=True):
+            for number, factor in ((4, 0.71), (5, 1.0), (6, 1.4), (7, 2.0)):
+                found = ansi_b92_1.tolerance(number, pitch, teeth)
+                assert found is not None
+                assert found.variation == pytest.approx(factor * allowance * 2.54e-3, rel=1e-12)
+                assert found.total == pytest.approx(factor * (own + allowance) * 2.54e-3, rel=1e-12)
+                assert found.effective == 0.0
+
+
+def test_sheets_have_the_tolerances_of_b92_1() -> None:
+    """Effective sizes at the maximum of material are the basic ones; T is the machining tolerance alone."""
+    for number, factor in ((4, 0.71), (7, 2.0)):
+        gears = spline(designation=f"ANSI B92.1 20T 12/24P 30 flat {number}")
         for column in ("shaft", "hub"):
             assert cell(gears, "max_v", column) == pytest.approx(cell(gears, "s, e", column), abs=1e-12)
-            assert cell(gears, "T", column) == pytest.approx(factor * machining * 2.54e-3)
-            assert cell(gears, "lambda", column) == pytest.approx(factor * variation * 2.54e-3)
+            assert cell(gears, "T", column) == pytest.approx(factor * 13.0 * 2.54e-3)
+            assert cell(gears, "lambda", column) == pytest.approx(factor * 17.4 * 2.54e-3)
 
 
 @pytest.mark.parametrize(("pitch", "teeth"), [(2, 20), (160, 20), (12, 101)])

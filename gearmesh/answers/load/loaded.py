@@ -726,16 +726,16 @@ def loaded_contact_of(
     refuse_eccentric(pair)
     places = pair.pitch * np.arange(POSITIONS_PER_PITCH) / POSITIONS_PER_PITCH if phi1 is None else phi1
     torques = 1e3 * np.array(required_torques(torque))
-    if bodies is None:
-        progress(0.0, f"compliance of the {' and the '.join(pair.members)}")
-        bodies = bodies_of(design, pair, level)
-    doing = f"loaded contact, torques: {torques.size}, positions: {len(places)}"
-    progress(0.2, doing)
     if unknown := [name for name in mounts or {} if name not in pair.members]:
         raise ArgumentError("mounts", unknown[0], must_be=f"{' or '.join(pair.members)}")
     given = {**mounts_of(design, pair), **(mounts or {})}
     if given and pair.fellows:
         raise ArgumentError("mounts", next(iter(given)), reason=SHARED_MOUNTS_REASON, allowed="left out")
+    if bodies is None:
+        progress(0.0, f"compliance of the {' and the '.join(pair.members)}")
+        bodies = bodies_of(design, pair, level)
+    doing = f"loaded contact, torques: {torques.size}, positions: {len(places)}"
+    progress(0.2, doing)
     flexible = given.get(pair.pinion.name), given.get(pair.gear.name)
     # pitch deviations count against the same mesh without them; of meshes that share a torque others are uneven, too
     pairs = [pair, pair.even] if pair.uneven and not pair.fellows and reference is None else [pair]

@@ -269,6 +269,12 @@ class CycloidalDesign(Design):
             if self.disc_gap is not None:
                 raise conflict("disc_gap", self.disc_gap, reason="there is one disc", allowed="left out, or 2 discs")
             return self
+        for name, table in ((DISC_NAME, self.disc), (RING_NAME, self.ring)):
+            if table.mount is not None:
+                table.mount.refuse_stiffness(
+                    f"{name}.mount",
+                    "must be left out with several discs: several discs share the torque on rigid bearings",
+                )
         least = self.disc_places[-1] + self.disc.face_width
         if self.ring.face_width < least * (1.0 - FACE_ROUNDING):
             raise conflict(

@@ -20,8 +20,8 @@ from gearmesh.app.options import (
     Timing,
     chosen_pair,
     load_gears,
+    meshes_not_loaded,
     option,
-    other_meshes,
     positions_in_degrees,
     refuse_one_stream,
     torques_in_nm,
@@ -142,6 +142,6 @@ def load(
                 gears.save_pictures(answer, output)
     if "-" not in (json_file, csv_file):
         show([*answer.listings, *more])
-    warn(answer.warnings, notes, other_meshes(gears, mesh), answer.complaints)
+    warn(answer.warnings, notes, meshes_not_loaded(gears, mesh), answer.complaints)
     if answer.complaints:
         raise typer.Exit(NoSolutionError.exit_status)
