@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearmesh.contact.engagement.cycle import gears_curve
-from gearmesh.contact.engagement.pitch_turns import flanks_ahead
 from gearmesh.contact.engagement.turns import pitches_until_repeat
+from gearmesh.contact.engagement.uneven_teeth import flanks_ahead
 from gearmesh.contact.fit.fit import fit
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.figures import Figures, Summary, figure
