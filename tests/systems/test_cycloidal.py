@@ -452,8 +452,11 @@ def test_contact_of_both_discs_has_all_pins_as_they_are() -> None:
     flat = gears.contact(phi1=[0.0], turns=True).summary
     phi1 = gears.pairs[0].pitch * np.arange(21 * 12) / 12
     # rotation of the second disc by hand: lobes half a pitch beside those of the first
-    turns = np.array([advances_of_halves(pair, phi1 + np.radians(k * 9.0))[0] for k, pair in enumerate(gears.pairs)])
-    te = turns.max(axis=0)
+    own = [phi1, phi1 + np.radians(9.0)]
+    turns = np.array(
+        [advances_of_halves(pair, at)[0] + at * 20 / 21 for pair, at in zip(gears.pairs, own, strict=True)]
+    )
+    te = turns.max(axis=0) - phi1 * 20 / 21
     assert flat["set_te_peak_to_peak_arcsec"] == pytest.approx(np.degrees(np.ptp(te)) * 3600.0, rel=1e-6)
     assert flat["disc_1_first_percent"] == pytest.approx(100.0 * np.mean(turns[0] > turns[1]), abs=1e-9)
     assert "set_backlash_min_deg" not in flat
