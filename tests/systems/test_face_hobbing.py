@@ -349,7 +349,7 @@ def test_synthesised_pinion_has_the_contact_that_its_design_asks_for(pair: str) 
 @pytest.mark.parametrize("pair", SYNTHESISED[:2])
 def test_given_machines_make_the_same_flanks(pair: str) -> None:
     design = synthesised_design(pair)
-    given = gm.build(design).sheet().design
+    given = gm.build(design).sheet().apply()
     one, other = (bevel_teeth(each.in_mm()).cut.pinion for each in (design, given))  # type: ignore[arg-type]
     for name in NAMES:
         p = np.array([one[name].blade.at_height(height) for height in (2.0, 5.0)])
@@ -411,7 +411,8 @@ def test_length_crowning_is_the_gap_of_the_traces_at_toe_and_heel(pair: str) -> 
     ("values", "key"),
     [
         ({"taper": "standard"}, "taper"),
-        ({"pinion.concave.radial": 70.0}, "pinion.concave.radial"),
+        ({"pinion.concave.tilt": 2.0}, "pinion.concave.tilt"),
+        ({"pinion.convex.modified_roll_c2": 0.02}, "pinion.convex.modified_roll_c2"),
         ({"gear.cutter.point_width": 2.0}, "gear.cutter.point_width"),
         ({"pinion.root_angle": 18.0}, "pinion.root_angle"),
         ({"contact.ease_off.twist": 0.01}, "contact.ease_off.twist"),
@@ -589,5 +590,5 @@ def test_blades_of_few_teeth_touch_where_the_path_is_long_enough(pair: str, name
     contact = HobbedContact.of(design_mm, basic_blank(design_mm), name)
     assert contact.above < 0.0
     # the design with all values given keeps it
-    kept: Any = gears.sheet().design.in_mm()
+    kept: Any = gears.sheet().apply().in_mm()
     assert HobbedContact.of(kept, basic_blank(kept), name).above == pytest.approx(contact.above, abs=1e-9)

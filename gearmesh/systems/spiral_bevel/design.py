@@ -446,6 +446,8 @@ SYNTHESISED_KEYS = (
     "blade_angle",
     "tip_radius",
 )
+#: keys of the pinion's machine that replace settings by one crown gear
+CROWN_MACHINE_KEYS = SYNTHESISED_KEYS[:5]
 #: parameters of an ease-off
 EASE_OFF_KEYS = tuple(EaseOffTable.model_fields)
 #: keys that cannot be given together with an ease-off
@@ -570,7 +572,7 @@ class FaceMilledDesign(ProportionedDesign, HandedDesign):
     @property
     def _hobbed_tables(self) -> dict[str, tuple[Table, tuple[str, ...]]]:
         """Tables of members and cutters, by their keys, and the keys that face hobbing has in them."""
-        side_keys: tuple[str, ...] = (*HOBBED_BLADE_KEYS, *HOBBED_CONTACT_KEYS, "ease_off")
+        side_keys: tuple[str, ...] = (*HOBBED_BLADE_KEYS, *HOBBED_CONTACT_KEYS, *CROWN_MACHINE_KEYS, "ease_off")
         if not self.one_crown_gear:
             # settings by local synthesis, or given
             side_keys = tuple(key for key in PinionSide.model_fields if key not in HOBBED_UNKNOWN_KEYS)
@@ -751,7 +753,9 @@ class FaceMilledDesign(ProportionedDesign, HandedDesign):
                 )
                 # tilt, swivel and sliding base of 0 are derived values
                 if value and not unset:
-                    why = f"{own} derives it from head, blank and contact.ease_off; leave it out"
+                    why = f"{own} derives it from head, blank and contact; leave it out"
+                    if key in ROLLING_KEYS[1:]:
+                        why = f"{own} has a constant ratio of roll; leave it out"
                     raise conflict(f"{prefix}.{key}", value, reason=why)
         for key, allowed in (("taper", "uniform"), ("mean_point", "mean_cone_distance")):
             if key in self.model_fields_set and getattr(self, key) != allowed:

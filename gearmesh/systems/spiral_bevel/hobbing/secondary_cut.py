@@ -252,8 +252,8 @@ class HeadRoom:
         place = "".join(f", from the cone distance {float(x):.5g} mm" for x in found)
         return (
             f"{self.member}: secondary cut: blades of the other side, with the point width of {self.width:.4g} mm that clears "
-            f"the widest slot, cut into the {name} flank by up to {-cut.least:.3g} mm{place} to the {end}; remedies: a larger "
-            "head.radius, a smaller face_width, or another spiral_angle"
+            f"the widest slot, cut into the {name} flank by up to {-cut.least:.3g} mm{place} to the {end}; remedies: "
+            f"a {'larger' if cut.at_heel else 'smaller'} head.radius, or a smaller face_width"
         )
 
 

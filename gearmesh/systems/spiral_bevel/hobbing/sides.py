@@ -14,6 +14,7 @@ from gearmesh.kernel.surface.curvature import shape_operator
 from gearmesh.systems.common.bevel.blank import BevelBlank, MemberBlank, basic_data
 from gearmesh.systems.common.bevel.cone_blank import ConeData
 from gearmesh.systems.common.bevel.iso23509.tooth_line import FaceCutter, ToothLine
+from gearmesh.systems.spiral_bevel.design import CROWN_MACHINE_KEYS
 from gearmesh.systems.spiral_bevel.hobbing.crowning import crown_curvatures
 from gearmesh.systems.spiral_bevel.hobbing.head import HeadLines, check_eccentricity, head_radius
 from gearmesh.systems.spiral_bevel.hobbing.head_synthesis import IndexingHead
@@ -27,7 +28,7 @@ from gearmesh.teeth.region import Side
 from gearmesh.tools.head_cutter import Blade
 
 if TYPE_CHECKING:
-    from gearmesh.systems.spiral_bevel.design import EaseOffTable, FaceMilledDesign
+    from gearmesh.systems.spiral_bevel.design import EaseOffTable, FaceMilledDesign, PinionSide
 
 #: depth taper of all face-hobbed teeth
 HOBBED_TAPER = "uniform"
@@ -284,9 +285,18 @@ def hobbed_pinion(design: FaceMilledDesign, blank: BevelBlank, name: str, gear_t
     """
     contact = HobbedContact.of(design, blank, name)
     made = _side(design, blank, blank.pinion, _blade(design, blank, "pinion", name), contact)
+    made = replace(made, settings=_with_given(made.settings, design.pinion.side(name)))
     # from the position of the crown gear in which both members are cut
     turned = (gear_turn + _gear_turned(design, blank, made.flank)) * blank.gear.teeth / blank.pinion.teeth
     return replace(made, turned=-float(turned))
+
+
+def _with_given(settings: MachineSettings, spec: PinionSide) -> MachineSettings:
+    """Return the machine of one crown gear with the settings that a side of a design (in mm) gives, as a correction does."""
+    given = {key: value for key in CROWN_MACHINE_KEYS if (value := getattr(spec, key)) is not None}
+    if "cradle_angle" in given:
+        given["cradle_angle"] = float(np.radians(given["cradle_angle"]))
+    return replace(settings, **given)
 
 
 def indexing_head(design: FaceMilledDesign, blank: BevelBlank, name: str, cradle: Array) -> IndexingHead:

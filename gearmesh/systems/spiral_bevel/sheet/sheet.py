@@ -18,7 +18,12 @@ from gearmesh.systems.common.bevel.cone_blank import ConeData, cone_dimensions
 from gearmesh.systems.common.bevel.iso23509.dimension_table import pair_rows
 from gearmesh.systems.common.symbol_table import Part, running_rows, table, tables_of
 from gearmesh.systems.spiral_bevel.blank.proportion_choice import FACTOR_KEYS
-from gearmesh.systems.spiral_bevel.design import SYNTHESISED_KEYS, HypoidDesign, SpiralBevelDesign
+from gearmesh.systems.spiral_bevel.design import (
+    CROWN_MACHINE_KEYS,
+    SYNTHESISED_KEYS,
+    HypoidDesign,
+    SpiralBevelDesign,
+)
 from gearmesh.systems.spiral_bevel.hobbing.head_sheet import head_table, head_values
 from gearmesh.systems.spiral_bevel.hobbing.secondary_cut import HeadRoom
 from gearmesh.systems.spiral_bevel.machine.cutting import Choices, indexed_backlash
@@ -93,6 +98,13 @@ def settings_sheet(design: FaceMilledDesign, train: GearTrain) -> Sheet:
         if design.one_crown_gear
         else _machine_values(design, pinion, gear, choices, unit)
     )
+    if design.one_crown_gear:
+        nouns = {key: noun for _, noun, key in _SETTING_KEYS}
+        values |= {
+            f"pinion.{name}.{key}": _value(side, key, 1.0 if nouns[key] else unit)
+            for name, side in pinion.items()
+            for key in CROWN_MACHINE_KEYS
+        }
     # chosen factors; suggested ones follow from the basic data again
     values |= {key: value for key in FACTOR_KEYS if (value := getattr(made.proportions, key)) is not None}
     if design.hobbed:
