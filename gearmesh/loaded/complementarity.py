@@ -6,6 +6,9 @@ A cell has area a, gap g and lever l. C maps pressures p to displacements. The c
 
 w is the gap under load: it is 0 where cells touch, and pressure is 0 where they do not.
 
+These are the conditions for the least energy, sum of a p (g + C p / 2), of all pressures that carry the torque; theta is its
+multiplier. An elastic compliance is symmetric and positive definite, so there is one solution, the physical one.
+
 Conjugate gradients solve for the pressures of the touching cells [PK99]. The set of touching cells changes when a
 pressure falls below zero or when bodies overlap. Three things are added to [PK99]: levers, cells of unequal area, and a
 batch of independent problems. Cells of one problem may differ in size by a factor of 20, and w is proportional to the

@@ -289,7 +289,7 @@ def figures_of(answer: gm.Result) -> str:
 )
 @pytest.mark.sweep_cases("hypoid_measured", "cycloidal", "spline")
 def test_gears_pickle(sample: str) -> None:
-    """Of every way to make a surface: what is asked afterwards is the same to the last digit."""
+    """Every way to make a surface gives the same answers afterwards, to the last digit."""
     gears = gm.build(gm.load(SAMPLES / f"{sample}.toml"))
     other = pickle.loads(pickle.dumps(gears))
     assert repr(other.design.plain()) == repr(gears.design.plain())

@@ -412,7 +412,7 @@ def test_tolerances_in_python_have_the_range_of_the_command_line(tolerance: Any,
 
 
 def test_designs_and_gears_show_as_short_tables_in_notebooks() -> None:
-    """What the file sets, with its own units; the members."""
+    """Values that the file sets, with its own units; the members."""
     design = gm.CylindricalDesign(
         units="inch",
         module=0.1,

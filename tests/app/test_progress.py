@@ -74,7 +74,7 @@ def test_search_for_bevel_contact_reports_progress() -> None:
 def test_stages_are_lines_in_a_pipe_however_short_they_are(
     words: tuple[str | Path, ...], stage: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """What may take long says so always: no clock decides what is printed."""
+    """Work that may take long always says so: no clock decides what is printed."""
     monkeypatch.chdir(tmp_path)
     status, _, err = run(*words)
     lines = err.splitlines()

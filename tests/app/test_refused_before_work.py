@@ -278,7 +278,7 @@ ASKED: dict[str, Callable[[gm.Gears], object]] = {
 
 @pytest.mark.parametrize("sample", sorted(file.stem for file in SAMPLES.glob("*.toml")))
 def test_what_can_be_is_not_refused_before_gears_are_built(sample: str) -> None:
-    """Of designs as they stand in their files, whose derived values are missing."""
+    """Designs as they stand in their files, whose derived values are missing."""
     design = gm.load(SAMPLES / f"{sample}.toml", complete=False)
     for ask in ASKED.values():
         refuse_arguments(design, ask)

@@ -97,7 +97,7 @@ def test_flanks_of_za_are_straight_in_the_axial_section() -> None:
 
 
 def test_file_is_read_again(tmp_path: Path) -> None:
-    """By ezdxf: its splines and lines are the section's."""
+    """Splines and lines that ezdxf reads are those of the section."""
     ezdxf = pytest.importorskip("ezdxf")
     file = tmp_path / "worm.dxf"
     run("solid", str(SAMPLES / "worm_drive.toml"), "--member", "worm", "-o", str(file), "--section", "axial")

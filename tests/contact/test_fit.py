@@ -110,7 +110,7 @@ def test_contact_ratio_of_unequal_faces_to_nine_digits(helix: float, widths: tup
 def test_other_flanks_that_are_the_image_are_solved_once(
     keys: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """What the image says of them is what following them says."""
+    """Following them gives the same as the image."""
     gears = sample(*keys)
     known = fit(gears)
     # a gear that stands otherwise where it is at rest, and counts its turns from there
@@ -163,7 +163,7 @@ def filleted() -> Contact:
 
 @pytest.mark.parametrize("keys", [("worm_drive_zk_oversize",), ("spiral_bevel_basic",)])
 def test_backlash_over_a_pitch_is_between_first_touches_of_both_flanks(keys: tuple[str, ...]) -> None:
-    """Of whole members, solved anew at every rotation: the tooth pair that is ahead on either side."""
+    """Whole members, solved anew at every rotation: the tooth pair that is ahead on either side."""
     gears = sample(*keys)
     found = fit(gears)
     assert found is not None
@@ -395,7 +395,7 @@ def test_teeth_that_meet_nowhere_are_told_of(capsys: pytest.CaptureFixture[str])
 
 @pytest.mark.sweep
 def test_gears_that_jam_on_fillets_have_no_transmission_error(monkeypatch: pytest.MonkeyPatch) -> None:
-    """By how much they overlap is what whole members roll to; figures are null, positions say why, the remedy frees them."""
+    """The overlap is that to which whole members roll; figures are null, positions say why, the remedy frees them."""
     shifts: list[FreeingShift | None] = []
     monkeypatch.setattr(
         warned, "freeing_shift", lambda *asked: shifts.append(freeing_shift(*asked, np.inf)) or shifts[-1]

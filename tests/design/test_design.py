@@ -188,7 +188,7 @@ def test_tip_diameter_replaces_the_addendum() -> None:
 
 @pytest.mark.quick
 def test_other_values_take_the_place_of_what_was_derived() -> None:
-    """As the same file with these keys set; what the design itself sets does not give way."""
+    """Design of the same file with these keys set; keys that the design itself sets stay."""
     keys: dict[str, Any] = {
         "kind": "cylindrical",
         "module": 2,

@@ -537,7 +537,7 @@ def test_encoded_positions_and_places_of_the_gears(tmp_path: Path) -> None:
 
 @pytest.mark.quick
 def test_values_of_another_type_in_json(tmp_path: Path) -> None:
-    """As a program writes them: numbers for whole numbers and choices, false for what it does not hand over."""
+    """Attributes as a program writes them: numbers for whole numbers and choices, false for values that it does not hand over."""
     box = helical_pair()
     box.change("first stage", **{FIELD: 7.0})
     box.change("pinion", number_of_teeth=19.0, support_vector=(False, "mm"))

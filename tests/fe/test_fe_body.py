@@ -325,7 +325,7 @@ def test_broken_tips_of_threads_are_left_out_and_named() -> None:
 
 
 def test_the_head_of_a_deck_says_that_bodies_are_rims_alone(tmp_path: Path) -> None:
-    """Of a thin ring the rim goes on to the bore, and nothing is left out; of a bar its back is, and its broken end edges."""
+    """The rim of a thin ring goes on to the bore, and nothing is left out; a bar lacks its back and its broken end edges."""
     bar = {"kind": "rack", "module": 2, "rack": {"teeth": 7, "face_width": 10, "height": 30, "end_chamfer": 0.4}}
     for gears, heads in (
         (gm.gear(20, module=2), ["(gear)"]),

@@ -25,7 +25,7 @@ RUN = ("=1+1", "+A1", "-A1", "@SUM(A1)", "\t=1", " =1", "\uff1d1", "=cmd|' /C ca
 
 @pytest.mark.parametrize("text", RUN)
 def test_no_text_is_run(text: str) -> None:
-    """As a spreadsheet reads it, by the parser of the standard library: the cell begins with an apostrophe."""
+    """Cell as a spreadsheet reads it, by the parser of the standard library: it begins with an apostrophe."""
     for written in (
         csv_text(["a", text], [[text, 1.0]]),
         tables.csv_text([{"a": text, text: -2}]),

@@ -284,7 +284,7 @@ def test_radius_of_curvature_of_a_spur_involute_is_its_generating_line() -> None
 
 
 def test_meshing_terms_of_two_rotations_are_the_sources() -> None:
-    """For two bodies turning at constant rates about fixed axes, everything literally as in [CR3553 1.6]."""
+    """Two bodies that turn at constant rates about fixed axes, everything literally as in [CR3553 1.6]."""
     rate1, rate2, phi = 1.0, 0.37, 0.6
     fixed_to_blank = anywhere((0.3, 1.1, -0.4), (12.0, -7.0, 30.0))
     # the blank's own rotation is undone, then the tool's applied: tool -> fixed -> blank

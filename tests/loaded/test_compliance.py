@@ -193,7 +193,7 @@ def test_it_does_not_matter_how_deep_a_dent_is_held() -> None:
 
 @pytest.mark.quick
 def test_loads_between_nodes_are_shared() -> None:
-    """What nodes take of a load adds up to it and to its place."""
+    """Shares of a load at the nodes add up to the load and to its place."""
     found = flank_compliance(spur().pinion.tooth, Side.RIGHT, STEEL, COARSE, 5.0, reach=0)
     places = found.tooth.flank_grid(Side.RIGHT, [0.05, 0.4, 0.99], [0.02, 0.5, 0.8]).points
     nodes, share = found.shares(places)

@@ -18,7 +18,7 @@ BEVEL = BevelSizes(20, 100.0, 5.0)
 
 @pytest.mark.quick
 def test_tolerances_of_iso_1328() -> None:
-    """By hand; rounding in its three ranges, halves up; silence beyond the range of the standard."""
+    """Tolerances by hand; rounding in its three ranges, halves up; silence beyond the range of the standard."""
     symbols = (*SPUR.names, *SPUR.informative)
     # f_pT 6.32, F_pT 20.365, f_fa 6.65, f_Ha 5.32, F_a 8.516, f_fb 7.232, f_Hb 6.465, F_b 9.700, F_r 18.33
     five = (6.5, 20.0, 6.5, 5.5, 8.5, 7.0, 6.5, 9.5, 18.0)
@@ -37,7 +37,7 @@ def test_tolerances_of_iso_1328() -> None:
 
 @pytest.mark.quick
 def test_tolerances_of_iso_17485() -> None:
-    """By hand: module 5, 100 mm; a factor of sqrt(2) from grade to grade; rounding in its ranges; silence beyond the range."""
+    """Tolerances, module 5, 100 mm; a factor of sqrt(2) from grade to grade; rounding in its ranges; silence beyond the range."""
     # grade 4: f_pt 6.8, F_p 23, F_r 18.4
     assert BEVEL.tolerances(4) == {"f_ptT": 7.0, "F_pT": 23.0, "F_rT": 18.0}
     # grade 6: twice; grade 2: half; grade 7: 19.23, 65.05, 52.04
@@ -50,7 +50,7 @@ def test_tolerances_of_iso_17485() -> None:
 
 @pytest.mark.quick
 def test_a_class_begins_at_its_tolerance() -> None:
-    """Of every figure and class: what is as large as the tolerance is within it, what is larger by 0.01 um is not."""
+    """Every figure and class: a deviation as large as the tolerance is within it, a deviation 0.01 um larger is not."""
     for sizes in (SPUR, HELICAL, BEVEL):
         finest, coarsest = sizes.classes
         for number in range(finest, coarsest + 1):

@@ -20,7 +20,7 @@ Matrix = tuple[list[list[PatternCell]], tuple[str, list[Any]], tuple[str, list[A
 
 @pytest.fixture
 def matrices(monkeypatch: pytest.MonkeyPatch) -> list[Matrix]:
-    """What is asked of the matrix is kept, and no picture is drawn."""
+    """Answers of the matrix are kept, and no picture is drawn."""
     kept: list[Matrix] = []
     monkeypatch.setattr(
         study_pictures, "plot_matrix", lambda file, cells, rows, columns, title: kept.append((cells, rows, columns))

@@ -70,7 +70,7 @@ def test_ellipses_are_seen_along_the_turn_and_end_at_the_edges() -> None:
 
 @pytest.mark.sweep
 def test_the_pattern_is_the_union_of_many_ellipses() -> None:
-    """Of few positions, between which ellipses are slender and turn, against polygons of many."""
+    """Few positions, between which ellipses are slender and turn, against polygons of many."""
     gears = gm.build(gm.load(SAMPLES / "spiral_bevel_basic.toml"))
     pair, found = gears.pairs[0], replace(plane("spiral_bevel_basic", 0), count=(61, 121))
     ends = np.degrees(contact("spiral_bevel_basic").path.phi1[[2, -3]])

@@ -137,7 +137,7 @@ def test_the_path_stands_out_from_the_ellipses() -> None:
 
 @pytest.mark.quick
 def test_no_colour_is_written_twice() -> None:
-    """What two pictures share is in the palette."""
+    """Colours that two pictures share are in the palette."""
     found = [
         (colour, path.name)
         for path in sorted(Path(palette.__file__).parent.glob("*.py"))
