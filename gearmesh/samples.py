@@ -80,6 +80,11 @@ def folder_path() -> Path:
     return Path(str(_folder()))
 
 
+def path(name: str) -> Path:
+    """Return the file of a sample or guide. Raises as `text`."""
+    return Path(str(_find(name)))
+
+
 def _find(name: str) -> Traversable:
     """Return the file of a sample or guide, named with or without its suffix."""
     files = _files()

@@ -87,7 +87,7 @@ class Explorer:
             _wait_for(self._server, self._served)
             if origin is not None and known is not None and not known.result():
                 # the process has refused the design: the error itself is raised here
-                try_build(parse_as_stated(nested(origin.keys)))
+                _try_build(origin)
         except BaseException:
             self._end()
             raise
@@ -166,6 +166,16 @@ class Explorer:
 
     def __repr__(self) -> str:
         return f"<Explorer: http://{LOOPBACK_ADDRESS}:{self.port}>"
+
+
+def _try_build(origin: Origin) -> None:
+    """Raise what refuses a design or a train."""
+    if origin.is_train:
+        from gearmesh.explore.trains import try_train
+
+        try_train(origin)
+    else:
+        try_build(parse_as_stated(nested(origin.keys)))
 
 
 def _run(loop: asyncio.AbstractEventLoop) -> None:

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, TypeGuard
+from typing import Any, Protocol, TypeGuard
 
 from gearmesh.allowed import Bounds
-from gearmesh.design.core import Design
 from gearmesh.design.keys import Key
 from gearmesh.errors import GearmeshError
 from gearmesh.explore.ranges import halved
@@ -20,7 +19,14 @@ OFFERED_DIGITS = 6
 OFFER_ROUNDS = 7
 
 
-def refusal(error: GearmeshError, design: type[Design], mm_per_unit: float) -> dict[str, Any]:
+class KeyTable(Protocol):
+    """Keys by their dotted names: those of a class of designs, or of all stages of a train."""
+
+    def key_at(self, dotted: str, /) -> Key | None:
+        """Return a key, None without one."""
+
+
+def refusal(error: GearmeshError, design: KeyTable, mm_per_unit: float) -> dict[str, Any]:
     """Return an error with the key beside which it is shown, and the offers that would mend it, as plain data."""
     errors = [error, *getattr(error, "others", ())]
     offers = [offer for each in errors if (offer := _offer(each, design, mm_per_unit)) is not None]
@@ -31,7 +37,7 @@ def refusal(error: GearmeshError, design: type[Design], mm_per_unit: float) -> d
 def offers_that_build(
     offers: Sequence[dict[str, Any]],
     request: Mapping[str, Any],
-    design: type[Design],
+    design: KeyTable,
     works: Callable[[Mapping[str, Any]], bool],
 ) -> list[dict[str, Any]]:
     """Return those of the offers with which the gears build, else the value of the changed key nearest to the refused one.
@@ -72,7 +78,7 @@ def _offered(key: str, value: float) -> dict[str, Any]:
     return {"key": key, "value": value, "text": f"set {key} to {shown}"}
 
 
-def _offer(error: GearmeshError, design: type[Design], mm_per_unit: float) -> dict[str, Any] | None:
+def _offer(error: GearmeshError, design: KeyTable, mm_per_unit: float) -> dict[str, Any] | None:
     """Return the allowed value nearest to a refused one, in the design's units.
 
     None if neither the error nor the key has bounds.

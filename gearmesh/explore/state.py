@@ -8,7 +8,7 @@ import re
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from gearmesh import samples
 from gearmesh.design.core import Design
@@ -25,6 +25,8 @@ OPENED_NAME = "opened"
 KIND_PREFIX = "kind:"
 #: first part of the names of samples
 SAMPLE_PREFIX = "sample:"
+#: kind of trains
+TRAIN_KIND = "train"
 #: limit of the keys of a state
 MAX_KEYS = 500
 #: limit of the characters of a text among the values
@@ -32,7 +34,7 @@ MAX_TEXT_CHARACTERS = 500
 #: limit of the entries of a list among the values, and of the lists in it
 MAX_LIST_ENTRIES = 256
 #: names of keys
-_KEY_PATTERN = re.compile(r"[A-Za-z]\w{0,40}(\.[A-Za-z]\w{0,40}){0,5}", re.ASCII)
+_KEY_PATTERN = re.compile(r"[A-Za-z][\w-]{0,40}(\.[A-Za-z][\w-]{0,40}){0,7}", re.ASCII)
 
 
 @dataclass(frozen=True)
@@ -47,6 +49,11 @@ class Origin:
     keys: Mapping[str, Any]
     #: keys that name files, with the names that stand in the text
     named: Mapping[str, Any]
+
+    @property
+    def is_train(self) -> bool:
+        """True for a train of several stages."""
+        return self.keys.get("kind") == TRAIN_KIND
 
     @property
     def design(self) -> type[Design]:
@@ -70,7 +77,11 @@ class Origin:
 
     @staticmethod
     def of_text(name: str, text: str, data: Mapping[str, Any], folder: Path) -> Origin:
-        """Return the origin of a design file: its text, its data, and the folder of the files that it names."""
+        """Return the origin of a design file, or of a train: its text, its data, and the folder of the files that it names."""
+        if data.get("kind") == TRAIN_KIND:
+            from gearmesh.explore.trains import train_origin
+
+            return train_origin(name, text, data, folder)
         stated = dict(leaves(data))
         design = design_class_of(stated)
         names = {key: value for key, value in stated.items() if is_file(design, key)}
@@ -85,7 +96,7 @@ class Origin:
         if name.startswith(SAMPLE_PREFIX):
             sample = name.removeprefix(SAMPLE_PREFIX)
             text = samples.text(sample)
-            return Origin.of_text(name, text, tomllib.loads(text), samples.folder_path())
+            return Origin.of_text(name, text, tomllib.loads(text), samples.path(sample).parent)
         raise ArgumentError("from", name, must_be=f"{OPENED_NAME}, {KIND_PREFIX}KIND or {SAMPLE_PREFIX}NAME")
 
 
@@ -129,9 +140,12 @@ def refuse_files(design: type[Design], keys: Mapping[str, Any]) -> None:
     """Raise DesignError for a key that names a file: pages have no way to the disk."""
     for key in keys:
         if is_file(design, key):
-            raise DesignError(
-                key, reason="names a file, which a page cannot choose", remedy="set it in the design file"
-            )
+            refuse_file_key(key)
+
+
+def refuse_file_key(key: str) -> NoReturn:
+    """Raise DesignError for a key that names a file."""
+    raise DesignError(key, reason="names a file, which a page cannot choose", remedy="set it in the design file")
 
 
 def as_stated(keys: Mapping[str, Any], origin: Origin) -> Design:

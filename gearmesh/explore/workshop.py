@@ -16,7 +16,8 @@ from collections import OrderedDict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError
 from dataclasses import replace
-from typing import Any, Generic, TypeVar
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
 
@@ -26,9 +27,9 @@ from gearmesh.design.keys import MM_PER
 from gearmesh.errors import ArgumentError, GearmeshError
 from gearmesh.explore.keys import error_keys, key_rows, plain_values
 from gearmesh.explore.ranges import builds, key_range
-from gearmesh.explore.refusals import offers_that_build, refusal
+from gearmesh.explore.refusals import KeyTable, offers_that_build, refusal
 from gearmesh.explore.saving import ALL_MEMBERS, design_file, file_name, gear_file, refuse_file
-from gearmesh.explore.state import OPENED_NAME, Origin, as_stated, design_class_of, refuse_keys
+from gearmesh.explore.state import OPENED_NAME, TRAIN_KIND, Origin, as_stated, design_class_of, refuse_keys
 from gearmesh.figures import Summary, at_resolution
 from gearmesh.formats import HTML_SUFFIX, TOML_SUFFIX
 from gearmesh.mesh.triangles import TriangleMesh
@@ -47,6 +48,9 @@ from gearmesh.view.report.staged_member import (
     shape_data,
 )
 from gearmesh.view.views import pair_scene, set_scene
+
+if TYPE_CHECKING:
+    from gearmesh.explore.trains import TrainBench
 
 #: tolerances of the meshes that are shown one after the other, over the module
 TOLERANCE_MODULES = (0.02, 0.002)
@@ -204,13 +208,20 @@ class Workshop:
 
     def _refuse(self, request: Mapping[str, Any], job: Job, error: GearmeshError) -> None:
         """Send a refusal; of gears that were to be shown at once, then again with offers that build."""
-        design, unit = Design, "mm"
+        design: KeyTable = Design
+        mm_per_unit = 1.0
         try:
-            design = design_class_of(request["keys"])
-            unit = "inch" if request["keys"].get("units") == "inch" else "mm"
+            if _is_train(request):
+                from gearmesh.explore.trains import StageKeys, stage_key
+
+                design = stages = StageKeys(request["keys"], self._origin(request.get("from")))
+                mm_per_unit = stages.mm_per_unit(stage_key(error.key)[0])
+            else:
+                design = design_class_of(request["keys"])
+                mm_per_unit = MM_PER["inch" if request["keys"].get("units") == "inch" else "mm"]
         except (GearmeshError, LookupError, TypeError, AttributeError):
             pass
-        told = refusal(error, design, MM_PER[unit])
+        told = refusal(error, design, mm_per_unit)
         if request.get("do") != "show":
             job.say("refused", **told)
             return
@@ -224,7 +235,12 @@ class Workshop:
         def works(changes: Mapping[str, Any]) -> bool:
             job.check()
             try:
-                return builds(as_stated({**keys, **changes}, origin), {})
+                changed = {**keys, **changes}
+                return (
+                    self.trains.builds(changed, origin)
+                    if _is_train(request)
+                    else builds(as_stated(changed, origin), {})
+                )
             except GearmeshError:
                 return False
 
@@ -248,7 +264,7 @@ class Workshop:
         from gearmesh import samples
         from gearmesh.systems.system import about, loaded_kinds
 
-        names = [name for name in samples.names() if (samples.folder_path() / f"{name}.toml").is_file()]
+        names = [name for name in samples.names() if samples.path(name).suffix == TOML_SUFFIX]
         job.say(
             "start",
             kinds=[{"name": kind, "about": about(kind)} for kind in loaded_kinds()],
@@ -262,28 +278,45 @@ class Workshop:
 
     def _range(self, request: Mapping[str, Any], job: Job) -> None:
         """Send the range of a key with which the gears can be built."""
-        design, dotted = self._stated(request), request.get("key")
-        key = type(design).key_at(dotted) if isinstance(dotted, str) else None
+        dotted = request.get("key")
+        if not isinstance(dotted, str):
+            raise ArgumentError("key", must_be="a key with a number")
+        works: Callable[[float], bool]
+        if _is_train(request):
+            keys, origin = refuse_keys(request.get("keys")), self._origin(request.get("from"))
+            design, own = self.trains.stage_design(keys, origin, dotted)
+
+            def works(tried: float) -> bool:
+                job.check()
+                return self.trains.builds({**keys, dotted: tried}, origin)
+
+        else:
+            design, own = self._stated(request), dotted
+
+            def works(tried: float) -> bool:
+                job.check()
+                return builds(design, {own: tried})
+
+        key = type(design).key_at(own)
         if key is None or not key.is_numeric:
             raise ArgumentError("key", must_be="a key with a number")
         job.begin(f"which values of {dotted} build", 0.0, 1.0)
         whole = complete_design(design)
-        value = dict(plain_values(whole)).get(str(dotted))
+        value = dict(plain_values(whole)).get(own)
         if not isinstance(value, int | float):
-            raise ArgumentError("key", str(dotted), reason="has no value from which to search")
-
-        def works(tried: float) -> bool:
-            job.check()
-            return builds(design, {str(dotted): tried})
-
-        found = key_range(whole, str(dotted), value, works)
+            raise ArgumentError("key", dotted, reason="has no value from which to search")
+        found = key_range(whole, own, value, works)
         job.say("range", key=dotted, value=value, **vars(found))
 
     def _file(self, request: Mapping[str, Any], job: Job) -> None:
         """Send a file that the browser saves."""
         suffix, member = request.get("suffix"), request.get("member")
         refuse_file(suffix, member)
-        design, origin = self._stated(request), self._origin(request.get("from"))
+        origin = self._origin(request.get("from"))
+        if _is_train(request):
+            self._train_file(request, origin, str(suffix), str(member), job)
+            return
+        design = self._stated(request)
         source = design_file(request["keys"], origin)
         content, name = source, file_name(design.title, str(member), str(suffix))
         if suffix != TOML_SUFFIX:
@@ -294,6 +327,22 @@ class Workshop:
             job.begin(f"file {suffix}", 0.1, 1.0)
             contacts = {k: gears.contact(pair=k) for k in gears.train.different} if suffix == HTML_SUFFIX else {}
             content = gear_file(gears, contacts, name, str(member), source.decode())
+        job.say("file", name=name, content=base64.b64encode(content).decode("ascii"))
+
+    def _train_file(self, request: Mapping[str, Any], origin: Origin, suffix: str, member: str, job: Job) -> None:
+        """Send a file of a train."""
+        from gearmesh.explore.trains import stated_train, train_content
+
+        file = stated_train(refuse_keys(request.get("keys")), origin)
+        content, name = design_file(request["keys"], origin), file_name(file.title, member, suffix)
+        if suffix != TOML_SUFFIX:
+            job.begin("gears of all stages", 0.0, 0.1)
+            train = self.trains.train(file)
+            bodies = self.trains.bodies(train)
+            if member not in (*bodies, ALL_MEMBERS):
+                raise ArgumentError("member", member, must_be=f"one of {', '.join(bodies)}, {ALL_MEMBERS}")
+            job.begin(f"file {suffix}", 0.1, 1.0)
+            content = train_content(train, name, suffix, member, ALL_MEMBERS)
         job.say("file", name=name, content=base64.b64encode(content).decode("ascii"))
 
     def _stated(self, request: Mapping[str, Any]) -> Design:
@@ -310,12 +359,11 @@ class Workshop:
         have = [key for key in have if isinstance(key, str)] if isinstance(have, list) else []
         have.append(str(request.get("rows")))
         keys = refuse_keys(request.get("keys"))
-        mark = _mark([request.get("from"), sorted(keys.items())])
+        mark = mark_of([request.get("from"), sorted(keys.items())])
         known = self.states.get(mark)
         if known is None:
-            design = self._stated(request)
             known = []
-            for message in self._steps(design, job, is_bare=len(have) == 1):
+            for message in self._messages(request, job, is_bare=len(have) == 1):
                 if message["type"] in KEPT_MESSAGES and not message.get("later"):
                     known.append(message)
                 job.answer(_sent(message, have))
@@ -330,6 +378,21 @@ class Workshop:
             if message["type"] != "scene" or k == last:
                 job.check()
                 job.answer(_sent(message if k != last else self._whole_scene(known), have))
+
+    def _messages(self, request: Mapping[str, Any], job: Job, *, is_bare: bool) -> Iterator[dict[str, Any]]:
+        """Return the messages of a state: gears of a design, or a train."""
+        if _is_train(request):
+            from gearmesh.explore.trains import stated_train
+
+            return self.trains.steps(stated_train(request["keys"], self._origin(request.get("from"))), job)
+        return self._steps(self._stated(request), job, is_bare=is_bare)
+
+    @cached_property
+    def trains(self) -> TrainBench:
+        """Trains of pages."""
+        from gearmesh.explore.trains import TrainBench
+
+        return TrainBench(self)
 
     @staticmethod
     def _whole_scene(messages: Sequence[dict[str, Any]]) -> dict[str, Any]:
@@ -358,18 +421,16 @@ class Workshop:
             "errors": error_keys(own, type(whole)),
             "members": list(gears.members),
         }
-        module = whole.given_module * whole.mm_per_unit
-        low, high = TOLERANCE_LIMITS_MM
-        coarse, fine = (float(np.clip(modules * module, low, high)) for modules in TOLERANCE_MODULES)
+        coarse, fine = self.tolerances(whole)
         names = list(gears.members)
         different = train.different if train.pairs else ()
         # where no tooth changed, contact at few positions is there long before the mesh cycle
-        positions = _mark([sorted(built.marks.items()), whole.contact.stated()])
+        positions = mark_of([sorted(built.marks.items()), whole.contact.stated()])
         first = self._first_scene(gears, built.marks, fine, self.ends.get(positions))
         if first is not None:
             yield first
         elif is_bare:
-            shapes = self._shapes(gears, built.marks, coarse, fine, job, 0.1)
+            shapes = self.shapes_of(gears.members, built.marks, coarse, fine, job, 0.1)
             still = self._still(gears, built.marks, shapes)
             yield {"type": "scene", **still, "pairs": [], "waiting": bool(different)}
         # the solver is loaded when the first gears are on the screen
@@ -405,19 +466,32 @@ class Workshop:
             if pairs is not None:
                 members = [member_data(member, 0, 0.0) for member in gears.members.values()]
                 yield {"type": "curves", "pairs": pairs, "members": members}
-                shapes = self._shapes(gears, built.marks, coarse, fine, job, 0.6)
+                shapes = self.shapes_of(gears.members, built.marks, coarse, fine, job, 0.6)
                 yield {"type": "scene", **self._still(gears, built.marks, shapes), "pairs": pairs}
         job.begin("contact pattern", 0.7, 0.85)
         pairs = staged(train, moving.values(), names)
-        shapes = self._shapes(gears, built.marks, fine, fine, job, 0.85)
+        shapes = self.shapes_of(gears.members, built.marks, fine, fine, job, 0.85)
         yield {"type": "scene", **self._still(gears, built.marks, shapes), "pairs": pairs}
 
-    def _shapes(
-        self, gears: ModelledGears, marks: Mapping[str, str], tolerance: float, fine: float, job: Job, share: float
+    @staticmethod
+    def tolerances(design: Design) -> tuple[float, float]:
+        """Return the tolerances (mm) of the coarse and of the fine meshes of a complete design."""
+        module = design.given_module * design.mm_per_unit
+        coarse, fine = (float(np.clip(modules * module, *TOLERANCE_LIMITS_MM)) for modules in TOLERANCE_MODULES)
+        return coarse, fine
+
+    def shapes_of(
+        self,
+        members: Mapping[str, Member],
+        marks: Mapping[str, str],
+        tolerance: float,
+        fine: float,
+        job: Job,
+        share: float,
     ) -> list[Shape]:
         """Return the meshes of all members within a tolerance (mm); a fine one takes its place if it is there, or made as soon."""
         shapes = []
-        for name, member in gears.members.items():
+        for name, member in members.items():
             is_soon = (self.triangles.get(name) or np.inf) <= FEW_TRIANGLES
             known = self._known_shape(marks[name], fine)
             shapes.append(known or self._shape(member, marks[name], fine if is_soon else tolerance, job, share))
@@ -442,12 +516,12 @@ class Workshop:
 
     def _built(self, design: Design) -> Built:
         """Return the gears of a design; known ones are not built again."""
-        mark = _mark(design.stated())
+        mark = mark_of(design.stated())
         known = self.built.get(mark)
         if known is None:
             complete = complete_design(design)
             train = build(complete)
-            known = self.built.put(mark, Built(ModelledGears(complete, train), _marks(train)))
+            known = self.built.put(mark, Built(ModelledGears(complete, train), surface_marks(train)))
         return known
 
     def _first_scene(
@@ -484,7 +558,7 @@ class Workshop:
 
     def _camera(self, gears: ModelledGears, marks: Mapping[str, str], shapes: Sequence[Shape]) -> dict[str, Any]:
         """Return the camera that sees all gears as they are mounted; it stays while their surfaces stay."""
-        mark = _mark(sorted(marks.items()))
+        mark = mark_of(sorted(marks.items()))
         known = self.cameras.get(mark)
         if known is not None:
             return known
@@ -502,6 +576,12 @@ class Workshop:
 
 
 # ---------------------------------------------------------------- parts of answers
+
+
+def _is_train(request: Mapping[str, Any]) -> bool:
+    """True for a question about a train of several stages."""
+    keys = request.get("keys")
+    return isinstance(keys, dict) and keys.get("kind") == TRAIN_KIND
 
 
 def _moved(gears: ModelledGears, errors: Mapping[str, float], stated: Mapping[str, float]) -> ModelledGears:
@@ -523,7 +603,7 @@ def _value(design: Design, dotted: str) -> float:
     return float(value)
 
 
-def _marks(train: GearTrain) -> dict[str, str]:
+def surface_marks(train: GearTrain) -> dict[str, str]:
     """Return marks of the surfaces of the members; computed before the members remember anything of their use."""
     paints = dict[str, int]()
     marks = {}
@@ -549,14 +629,14 @@ def _scene(members: Mapping[str, Member], shapes: Sequence[Shape]) -> dict[str, 
 
 def _mesh_figures(name: str, summary: Summary) -> dict[str, Any]:
     """Return the figures of a mesh with its name."""
-    return {"name": name, "figures": list(_figures(summary))}
+    return {"name": name, "figures": list(shown_figures(summary))}
 
 
-def _figures(summary: Summary) -> Iterator[dict[str, Any]]:
+def shown_figures(summary: Summary, main_keys: Sequence[str] = MAIN_FIGURES) -> Iterator[dict[str, Any]]:
     """Yield the figures that are numbers, the main ones first."""
     entries = [entry for entry in summary.flat.entries if entry.figure.shown and not entry.figure.timing]
     ranks = {
-        entry.key: next((k for k, main in enumerate(MAIN_FIGURES) if entry.key.startswith(main)), None)
+        entry.key: next((k for k, main in enumerate(main_keys) if entry.key.startswith(main)), None)
         for entry in entries
     }
     for entry in sorted(entries, key=lambda entry: (ranks[entry.key] is None, ranks[entry.key])):
@@ -584,8 +664,8 @@ def _sent(message: Mapping[str, Any], have: Sequence[str]) -> dict[str, Any]:
 
 
 def _shape_key(mark: str, tolerance: float) -> str:
-    return _mark([mark, f"{tolerance:.9g}"])
+    return mark_of([mark, f"{tolerance:.9g}"])
 
 
-def _mark(value: Any) -> str:
+def mark_of(value: Any) -> str:
     return hashlib.sha256(json.dumps(value, sort_keys=True, default=repr).encode()).hexdigest()[:24]

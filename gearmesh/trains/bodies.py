@@ -40,14 +40,31 @@ def bodies_of(layout: Layout, psi: float) -> tuple[TrainBody, ...]:
     """Return all bodies of a train in contact at a rotation (rad) of the input shaft, in the order of shafts and stages."""
     placed = layout.places(psi)
     turned = layout.turns(np.array([psi]))
-    joined: dict[str, TrainBody] = {}
-    for shaft in layout.shafts.values():
-        names = [member.name for member in shaft.members if member.name in placed]
-        if shaft.joined and len(names) > 1:
-            frame = shaft.frame @ Rigid.about_z(float(turned[shaft.name][0]))
-            joined |= dict.fromkeys(names, TrainBody(shaft.name, _in_shaft(layout, shaft), frame))
+    joined = {}
+    for name in joined_shafts(layout).values():
+        shaft = layout.shafts[name]
+        frame = shaft.frame @ Rigid.about_z(float(turned[name][0]))
+        joined[name] = TrainBody(name, _in_shaft(layout, shaft), frame)
     alone = {name: TrainBody(name, {name: Rigid.identity()}, place) for name, place in placed.items()}
-    return tuple({body.name: body for body in {**alone, **joined}.values()}.values())
+    of = joined_shafts(layout)
+    bodies = (joined[of[name]] if name in of else alone[name] for name in placed)
+    return tuple({body.name: body for body in bodies}.values())
+
+
+def joined_shafts(layout: Layout) -> dict[str, str]:
+    """Return the shafts whose gears are one body, by the names of these gears."""
+    gears = set(gear_names(layout))
+    found: dict[str, str] = {}
+    for shaft in layout.shafts.values():
+        names = [member.name for member in shaft.members if member.name in gears]
+        if shaft.joined and len(names) > 1:
+            found |= dict.fromkeys(names, shaft.name)
+    return found
+
+
+def gear_names(layout: Layout) -> list[str]:
+    """Return the names of all gears, as "stage.member", in the order of the stages."""
+    return [f"{name}.{member}" for name, stage in layout.stages.items() for member in stage.gears.train.members]
 
 
 def _in_shaft(layout: Layout, shaft: Shaft) -> dict[str, Rigid]:

@@ -24,7 +24,7 @@ from gearmesh.lengths import Length, tolerance_in_mm
 from gearmesh.records import dataclass
 from gearmesh.trains.file import TrainFile, read_train, train_of
 from gearmesh.trains.layout import Layout, TrainStep, layout_of, stages_of
-from gearmesh.trains.stage import CARRIER_NAME, Mesh
+from gearmesh.trains.stage import CARRIER_NAME, Mesh, Stage
 from gearmesh.trains.transmission import ShaftError, mesh_motions, output_error
 
 if TYPE_CHECKING:
@@ -205,14 +205,14 @@ class MultistageTrain(Result):
     shaft have their `phase`.
     """
 
-    def __init__(self, file: TrainFile, notes: tuple[str, ...] = ()) -> None:
-        """Keep the train as its file states it, with notes of its reader."""
-        self.file, self.notes = file, notes
+    def __init__(self, file: TrainFile, notes: tuple[str, ...] = (), stages: Mapping[str, Stage] | None = None) -> None:
+        """Keep the train as its file states it, with notes of its reader, and its stages if they are known."""
+        self.file, self.notes, self._stages = file, notes, stages
 
     @cached_property
     def layout(self) -> Layout:
         """Stages and shafts in one frame. Raises DesignError for shafts and stages that make no train."""
-        return layout_of(self.file, stages_of(self.file))
+        return layout_of(self.file, stages_of(self.file) if self._stages is None else self._stages)
 
     @property
     def title(self) -> str:

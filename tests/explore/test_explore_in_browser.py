@@ -349,6 +349,49 @@ def test_distance_of_two_points_and_other_gears(browser: Any) -> None:
     assert other["history"] == 1
 
 
+def test_a_train_turns_and_follows_a_key_of_a_stage(browser: Any, downloads: Path) -> None:
+    train = samples.path("train_two_stage")
+
+    def figures(css: str) -> str:
+        return str(browser.find_element("css selector", css).text)
+
+    def matrices() -> np.ndarray:
+        return np.array(page_state(browser)["scene"]["matrices"])
+
+    with Explorer(origin_of_file(train), browser=False) as page:
+        browser.get(page.url)
+        first, still = settled(browser), matrices()
+        assert browser.title == "Two-stage helical gearbox"
+        # both shafts turn with the input, each by its ratio
+        browser.execute_script(
+            "const r = document.getElementById('roll'); r.value = 0.1; r.dispatchEvent(new Event('input'))"
+        )
+        turned = matrices()
+        assert (np.abs(turned - still).max(axis=1) > 0.05).all()
+        angle = [
+            np.arctan2(one[1], one[0]) - np.arctan2(two[1], two[0]) for one, two in zip(turned, still, strict=True)
+        ]
+        assert np.cos(angle[1]) == pytest.approx(np.cos(angle[0] / 2.0), abs=2e-3)
+        press(browser, "#pin")
+        after = put(browser, "stages.second.gear.teeth", "61")
+        assert figure(after, "ratio") == pytest.approx(48.0 / 24.0 * 61.0 / 17.0)
+        assert "+0.94" in figures('[data-figure="ratio"] .change')
+        assert "stages.second.gear.teeth" in figures("#compared")
+        back = press(browser, "#undo")
+        assert back["figures"] == first["figures"]
+        put(browser, "stages.first.pinion.bore", "70")
+        (box,) = browser.find_elements("css selector", ".key .refusal")
+        assert box.text.startswith("stages.first.pinion.bore = 70")
+        press(browser, ".key .refusal button")
+        put(browser, "stages.first.pinion.bore", "17")
+        before = set(downloads.iterdir())
+        choose_file(browser, ".toml")
+        wait_for(lambda: [file for file in set(downloads.iterdir()) - before if file.suffix == ".toml"])
+        (file,) = (file for file in set(downloads.iterdir()) - before if file.suffix == ".toml")
+        assert file.read_text() == train.read_text().replace("face_width = 22, bore = 16", "face_width = 22, bore = 17")
+        assert [entry["message"] for entry in browser.get_log("browser") if entry["level"] == "SEVERE"] == []
+
+
 def test_narrow_dark_and_by_keyboard(browser: Any, tmp_path: Path) -> None:
     from selenium.webdriver.common.keys import Keys
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import tomllib
 from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from gearmesh.explore.keys import plain_values
 from gearmesh.explore.ranges import key_range
 from gearmesh.explore.state import Origin, refuse_keys
 from gearmesh.explore.workshop import Job, Stale, Workshop
+from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.systems.system import complete_design
 
 #: figures that come first, by key
@@ -138,6 +140,105 @@ def test_fine_mesh_made_with_the_coarse_one_is_sent_once(workshop: Workshop) -> 
     assert [set(shape) == {"key"} for shape in first["shapes"]] == [False, True]
     assert [set(shape) == {"key"} for shape in last["shapes"]] == [True, True]
     assert [shape["key"] for shape in first["shapes"]] == [shape["key"] for shape in last["shapes"]]
+
+
+@pytest.fixture(scope="module")
+def train() -> Workshop:
+    return Workshop(origin_of_file(SAMPLES / "trains" / "train_two_stage.toml"))
+
+
+def by_name(messages: list[dict[str, Any]]) -> dict[str, dict[str, float]]:
+    """Figures of the parts of a train."""
+    return {
+        mesh["name"]: {each["key"]: each["value"] for each in mesh["figures"]}
+        for mesh in of(messages, "figures")[-1]["meshes"]
+    }
+
+
+def test_a_train_has_figures_of_its_parts_and_turns_as_its_stages_do(train: Workshop) -> None:
+    found, alone = ask(train), gm.load_train(SAMPLES / "trains" / "train_two_stage.toml")
+    assert [message["type"] for message in found] == ["design", *["figures"] * 3, "scene", "scene"]
+    figures = by_name(found)
+    assert figures["train"]["ratio"] == alone.figures.ratio
+    turns = alone.transmission_error(2.0)
+    assert figures["train"]["te_peak_to_peak_arcsec"] == pytest.approx(turns.figures.te_peak_to_peak, rel=1e-12)
+    stage = alone.layout.stages["second"].gears
+    assert figures["second: pinion-gear"]["contact_ratio"] == pytest.approx(
+        gm.build(stage.design).contact().summary["contact_ratio"], rel=1e-12
+    )
+    # members stand where the train has them, at the first and at a later position of the input
+    scene = of(found, "scene")[-1]
+    (pair,) = scene["pairs"]
+    phi1 = np.frombuffer(base64.b64decode(pair["phi1"]), dtype=np.float32)
+    for k in (0, len(phi1) // 3):
+        places = alone.places(float(np.degrees(phi1[k])))
+        for member, packed in zip(scene["members"], pair["turns"], strict=True):
+            angle = float(np.frombuffer(base64.b64decode(packed), dtype=np.float32)[k])
+            turned = np.array(member["rotation"]) @ Rigid.about_z(angle).rotation
+            np.testing.assert_allclose(turned, places[member["name"]].rotation, atol=2e-6)
+            np.testing.assert_allclose(member["translation"], places[member["name"]].translation, atol=1e-9)
+
+
+def test_planets_go_round_with_their_carrier() -> None:
+    file = SAMPLES / "trains" / "train_planetary.toml"
+    scene = of(ask(Workshop(origin_of_file(file))), "scene")[-1]
+    (pair,), alone = scene["pairs"], gm.load_train(file)
+    phi1, *tracks = (np.frombuffer(base64.b64decode(text), dtype=np.float32) for text in (pair["phi1"], *pair["turns"]))
+    k = len(phi1) // 5
+    places = alone.places(float(np.degrees(phi1[k])))
+    moving = 0
+    for member, turns, packed in zip(scene["members"], tracks, pair["carried"], strict=True):
+        base = Rigid(np.array(member["rotation"]), np.array(member["translation"]))
+        if packed is not None:
+            carrier = Rigid(*(np.array(member["carrier"][part]) for part in ("rotation", "translation")))
+            around = float(np.frombuffer(base64.b64decode(packed), dtype=np.float32)[k])
+            base, moving = carrier @ Rigid.about_z(around) @ base, moving + 1
+        place = base @ Rigid.about_z(float(turns[k]))
+        np.testing.assert_allclose(place.rotation, places[member["name"]].rotation, atol=5e-6)
+        np.testing.assert_allclose(place.translation, places[member["name"]].translation, atol=1e-3)
+    assert moving == 3
+
+
+def test_a_key_of_a_stage_changes_its_stage_alone(train: Workshop) -> None:
+    first, key = ask(train), "stages.second.helix_angle"
+    held = [shape["key"] for shape in first[-1]["shapes"]]
+    changed = ask(train, changes={key: 14.0}, have=held, rows=first[0]["of"])
+    assert "rows" not in changed[0]
+    before, after = by_name(first), by_name(changed)
+    assert before["first: pinion-gear"] == after["first: pinion-gear"]
+    assert before["second: pinion-gear"] != after["second: pinion-gear"]
+    assert [set(shape) == {"key"} for shape in of(changed, "scene")[-1]["shapes"]] == [True, True, True, True]
+    assert [set(shape) == {"key"} for shape in of(changed, "scene")[0]["shapes"]] == [True, True, False, False]
+    assert of(ask(train, "range", key="stages.second.pinion.teeth"), "range")[0]["low"] < 17
+
+
+def test_a_refused_key_of_a_stage_has_its_name_and_an_offer(train: Workshop) -> None:
+    key = "stages.first.pinion.bore"
+    told = of(ask(train, changes={key: 60}, last=key, good=16), "refused")
+    assert {each["key"] for each in told} == {key}
+    (offer,) = told[-1]["offers"]
+    assert offer["key"] == key
+    assert of(ask(train, changes={key: offer["value"]}), "scene")
+    # no file, and no shaft, comes from a page
+    for key, value in (("stages.first.design", "/etc/passwd"), ("shafts.input.members", ["first.gear"])):
+        assert of(ask(train, changes={key: value}), "refused")[0]["key"] == key
+
+
+def test_a_train_is_saved_with_its_comments_and_as_its_own_files(train: Workshop, tmp_path: Path) -> None:
+    text = (SAMPLES / "trains" / "train_two_stage.toml").read_text(encoding="utf-8")
+
+    def saved(suffix: str, member: str = "all") -> bytes:
+        (file,) = of(ask(train, "file", changes={"stages.first.gear.teeth": 50}, suffix=suffix, member=member), "file")
+        return base64.b64decode(file["content"])
+
+    design = saved(".toml").decode()
+    assert design == text.replace("gear = { teeth = 48,", "gear = { teeth = 50,")
+    (tmp_path / "train.toml").write_text(design, encoding="utf-8")
+    alone = gm.load_train(tmp_path / "train.toml")
+    alone.solids(file=tmp_path / "middle.stl").parts["middle"].save(tmp_path / "middle.stl")
+    assert saved(".stl", "middle") == (tmp_path / "middle.stl").read_bytes()
+    (told,) = of(ask(train, "file", suffix=".dxf", member="middle"), "refused")
+    assert "stage" in told["line"]
 
 
 def test_rounding_is_shown_as_zero() -> None:

@@ -120,7 +120,7 @@ window.gearmeshCurves = function (parent, moveTo) {
     const phi1 = degrees(floats(pair.phi1)), te = Array.from(floats(pair.te)), flank = pair.flanks[0];
     const before = pinned && { phi1: degrees(floats(pinned.phi1)), te: Array.from(floats(pinned.te)), flank: pinned.flanks[0], jumps: pinned.jumps };
 
-    const first = chart(`Transmission error of a tooth pair, ${pair.name}`);
+    const first = chart(pair.title ?? `Transmission error of a tooth pair, ${pair.name}`);
     const every = before ? [...te, ...before.te] : te;
     const scale = axes(first.svg, ends(before ? [...phi1, ...before.phi1] : phi1, 1e-3), ends(every, 0.01), "φ₁ (°)", pair.te_unit);
     if (before) first.svg.append(made("path", { d: path(before.phi1, before.te, scale), class: "pinned" }));
@@ -128,6 +128,17 @@ window.gearmeshCurves = function (parent, moveTo) {
     const line = made("line", { y1: TOP, y2: HEIGHT - BOTTOM, class: "cursor" }), reading = made("text", { x: WIDTH - RIGHT, y: 16, "text-anchor": "end", class: "reading" });
     first.svg.append(line, reading);
 
+    const pressed = (svg, away) => {
+      svg.addEventListener("pointerdown", (event) => { svg.setPointerCapture(event.pointerId); seek(svg, phi1.length, away, event); });
+      svg.addEventListener("pointermove", (event) => { if (event.buttons) seek(svg, phi1.length, away, event); });
+    };
+    const across = (k, x) => Math.abs(scale.x(phi1[k]) - x);
+    // a train has no flank of its own
+    if (!flank) {
+      pressed(first.svg, across);
+      now = { pair, phi1, te, scale, line, reading };
+      return;
+    }
     const member = members[pair.members[0]];
     const lines = ownLines(pair, pair.members[0], member).map((line) => onFlank(line, Boolean(member.travel)));
     const isLine = lines.some(([at]) => Number.isFinite(at[0]));
@@ -155,13 +166,8 @@ window.gearmeshCurves = function (parent, moveTo) {
     second.svg.append(touched, spot);
 
     const touching = (k) => Number.isFinite(lines[k]?.[0][0]) ? lines[k] : [[px[k]], [py[k]]];
-    for (const [svg, away] of [
-      [first.svg, (k, x) => Math.abs(scale.x(phi1[k]) - x)],
-      [second.svg, (k, x, y) => distance(...touching(k), places, x, y)],
-    ]) {
-      svg.addEventListener("pointerdown", (event) => { svg.setPointerCapture(event.pointerId); seek(svg, phi1.length, away, event); });
-      svg.addEventListener("pointermove", (event) => { if (event.buttons) seek(svg, phi1.length, away, event); });
-    }
+    pressed(first.svg, across);
+    pressed(second.svg, (k, x, y) => distance(...touching(k), places, x, y));
     now = { pair, phi1, te, scale, line, lines, touched, px, py, places, spot, reading };
   }
 
@@ -172,6 +178,7 @@ window.gearmeshCurves = function (parent, moveTo) {
     now.line.setAttribute("x1", x);
     now.line.setAttribute("x2", x);
     now.reading.textContent = `${Number.isFinite(now.te[k]) ? `${shown(now.te[k], 3)} ${now.pair.te_unit}` : "no contact"} at ${shown(now.phi1[k], 2)}°`;
+    if (!now.spot) return;
     const [lx, ly] = now.lines[k] ?? [[], []], isLine = Number.isFinite(lx[0]), known = !isLine && Number.isFinite(now.px[k]);
     now.touched.setAttribute("d", isLine ? path(lx, ly, now.places) : "");
     now.spot.setAttribute("visibility", known ? "visible" : "hidden");

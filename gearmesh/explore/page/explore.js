@@ -185,13 +185,14 @@
 
   // ---------------------------------------------------------------- keys
 
-  let rowsOf = null, rows = [], values = {}, members = [], errorKeys = [], shownRows = new Map(), chosen = null, ranges = new Map(), rangeAsked = null;
+  let rowsOf = null, rows = [], values = {}, members = [], memberWords = [], errorKeys = [], shownRows = new Map(), chosen = null, ranges = new Map(), rangeAsked = null;
 
   function takeDesign(message) {
     title = message.title;
     if (!element("work").hidden) element("title").textContent = document.title = title;
     values = message.values;
     members = message.members;
+    memberWords = message.words ?? members;
     errorKeys = message.errors;
     const saved = element("saved-member"), before = saved.value, parts = [...members, "all"];
     options(saved, parts.map((name) => [name, name]));
@@ -477,7 +478,7 @@
   const capital = (text) => `${text[0].toUpperCase()}${text.slice(1)}`;
 
   function nameOf(figure) {
-    const member = members.find((name) => figure.key.includes(`_${name}_`));
+    const member = memberWords.find((name) => figure.key.includes(`_${name}_`));
     const words = figure.about.split(/[:;]/)[0];
     return member ? `${capital(member.replaceAll("_", " "))}: ${words}` : capital(words);
   }
@@ -513,7 +514,7 @@
       rest.open = open.has(mesh.name);
       rest.append(create("summary", { textContent: "More figures" }), more);
       const head = figures.length > 1 ? [create("h3", { textContent: mesh.name })] : [];
-      return [...head, main, rest];
+      return [...head, main, ...(more.children.length ? [rest] : [])];
     }));
     if (!figures.length) element("figures").textContent = "A gear without a mating gear has no contact.";
   }

@@ -103,14 +103,20 @@ window.gearmeshScene = function () {
     const rest = new THREE.Mesh(under.faces, material);
     group.add(teeth, lines, rest, new THREE.LineSegments(under.edges, ink));
     scene.add(group);
-    const [r, t] = [member.rotation, member.translation];
-    const base = new THREE.Matrix4().set(...r[0], t[0], ...r[1], t[1], ...r[2], t[2], 0, 0, 0, 1);
+    const base = placed(member), carrier = member.carrier && placed(member.carrier);
     const offset = new THREE.Matrix4().makeTranslation(member.eccentricity[0], member.eccentricity[1], 0);
-    return { ...member, group, material, ink, instanced: [teeth, lines], solids: [teeth, rest], base, offset, mode: "solid" };
+    return { ...member, group, material, ink, instanced: [teeth, lines], solids: [teeth, rest], base, carrier, offset, mode: "solid" };
   }
 
-  function turned(member, phi) {
-    member.group.matrix.copy(member.base).multiply(motion(member, member.sign * (phi - member.zero))).multiply(member.offset);
+  function placed({ rotation: r, translation: t }) {
+    return new THREE.Matrix4().set(...r[0], t[0], ...r[1], t[1], ...r[2], t[2], 0, 0, 0, 1);
+  }
+
+  // `around`: rotation of the carrier of a member that has one
+  function turned(member, phi, around = 0) {
+    if (member.carrier) member.group.matrix.copy(member.carrier).multiply(new THREE.Matrix4().makeRotationZ(around)).multiply(member.base);
+    else member.group.matrix.copy(member.base);
+    member.group.matrix.multiply(motion(member, member.sign * (phi - member.zero))).multiply(member.offset);
     member.group.matrixWorldNeedsUpdate = true;
   }
 
@@ -201,7 +207,9 @@ window.gearmeshScene = function () {
       te: floats(load.te), stress: floats(load.stress), halves: load.halves.map((half) => ({ ...half,
         ...Object.fromEntries(["phase", "share", "bands", "across"].map((key) => [key, floats(half[key])])) })) }));
     const loaded = pair.loaded && { ...pair.loaded, phi1: floats(pair.loaded.phi1), loads };
-    return { ...pair, ...tracks, turns: pair.turns.map(floats), flanks, loaded };
+    const carried = (pair.carried ?? []).map((track) => track && floats(track));
+    const shafts = (pair.shafts ?? []).map((shaft) => ({ ...shaft, turns: floats(shaft.turns) }));
+    return { ...pair, ...tracks, turns: pair.turns.map(floats), carried, shafts, flanks, loaded };
   }
 
   // ---------------------------------------------------------------- contact marks, seen through the gears
@@ -335,10 +343,10 @@ window.gearmeshScene = function () {
     clearTape();
     const x = Number(roll.value) * (current.phi1.length - 1), nearest = Math.round(x);
     const turns = current.turns.map((track) => at(track, 1, x)[0]);
-    members.forEach((member, k) => turned(member, turns[k]));
+    members.forEach((member, k) => turned(member, turns[k], current.carried[k] ? at(current.carried[k], 1, x)[0] : 0));
     const place = steady(current, x);
     const point = at(current.point, 3, place), normal = at(current.normal, 3, place), line = at(current.lines, current.lines.length / current.phi1.length, place);
-    const size = Math.min(...current.flanks.map((flank) => flank.size));
+    const size = Math.min(...current.flanks.map((flank) => flank.size), 2 * extent);
     dot.visible = !Number.isNaN(point[0]) && Number.isNaN(line[0]);
     if (dot.visible) dot.position.set(...point);
     dot.scale.setScalar(0.008 * size);
@@ -361,8 +369,9 @@ window.gearmeshScene = function () {
     const te = rounded(at(current.te, 1, x)[0], 3), words = [`φ₁ = ${degrees(at(current.phi1, 1, x)[0])}`];
     current.members.forEach((m) => words.push(`${members[m].name} ${members[m].travel
       ? `${rounded(turns[m] * members[m].travel, 3)} mm` : degrees(turns[m])}`));
-    words.push(`transmission error ${te} ${current.te_unit}`, current.kind[nearest].startsWith("edge") ? current.kind[nearest]
-      : `${current.kind[nearest]} contact`);
+    current.shafts.forEach(({ name, turns: track }) => words.push(`${name} ${degrees(at(track, 1, x)[0])}`));
+    words.push(`transmission error ${te} ${current.te_unit}`);
+    if (current.kind[nearest]) words.push(current.kind[nearest].startsWith("edge") ? current.kind[nearest] : `${current.kind[nearest]} contact`);
     if (load) {
       const phi1 = at(current.phi1, 1, x)[0];
       const share = load.halves.reduce((sum, half) => {
@@ -428,7 +437,11 @@ window.gearmeshScene = function () {
     options(element("torque"), torques, torques.some(([key]) => key === chosen) ? chosen : torques.at(-1)?.[0]);
     element("torque-label").hidden = !torques.length;
     element("torque-label").style.display = torques.length ? "" : "none";
-    options(element("look"), [[CONTACT, "the contact"], ["", "the gears"], ...current.members.map((m, i) => [String(i), `tooth of ${members[m].name}`])]);
+    // a train of stages moves without marks of contact
+    const marked = current.flanks.length > 0, colours = element("field").parentElement;
+    colours.hidden = !marked;
+    colours.style.display = marked ? "" : "none";
+    options(element("look"), [...(marked ? [[CONTACT, "the contact"]] : []), ["", "the gears"], ...current.members.map((m, i) => [String(i), `tooth of ${members[m].name}`])]);
     // which points of contact lines a solver reports means nothing
     const stride = current.lines.length / current.phi1.length, steps = [];
     const alone = (k) => !Number.isNaN(current.point[3 * k]) && Number.isNaN(current.lines[k * stride]);
@@ -437,9 +450,10 @@ window.gearmeshScene = function () {
     action.geometry = new THREE.BufferGeometry();
     action.geometry.setAttribute("position", new THREE.BufferAttribute(current.point, 3));
     action.geometry.setIndex(steps);
+    action.visible = steps.length > 0;
     roll.disabled = element("play").disabled = current.phi1.length < 2;
     if (!kept) {
-      roll.value = roll.disabled ? 0 : 0.5;
+      roll.value = roll.disabled || !marked ? 0 : 0.5;
       if (looked) element("look").value = "";
       else lookAt("");
     }
@@ -484,7 +498,9 @@ window.gearmeshScene = function () {
     range.set(Infinity, Infinity, Infinity);
     most.copy(range).negate();
     for (const member of members) {
-      const here = vector(member.translation), reach = vector([member.reach, member.reach, member.reach]);
+      // a carried member goes round the axis of its carrier
+      const here = vector((member.carrier ? data.members[members.indexOf(member)].carrier : member).translation);
+      const away = member.reach + (member.carrier ? vector(member.translation).length() : 0), reach = vector([away, away, away]);
       range.min(here.clone().sub(reach));
       most.max(here.clone().add(reach));
     }
@@ -596,6 +612,7 @@ window.gearmeshScene = function () {
   // where the slider goes on from a place: the whole gears look alike after every pitch, so that they seem to turn on and on; of
   // a tooth the whole engagement is shown
   function further(place) {
+    if (!current.members.length) return place % 1;
     const { phi1 } = current, part = Math.abs(members[current.members[0]].pitch / (phi1[phi1.length - 1] - phi1[0]));
     if (element("look").value !== "" || !(part < 1)) return place % 1;
     return place > 0.5 * (1 + part) ? place - part * Math.ceil((place - 0.5 * (1 + part)) / part) : place;
@@ -607,7 +624,7 @@ window.gearmeshScene = function () {
   function frame(now) {
     requestAnimationFrame(frame);
     if (rolling && current && inView) {
-      roll.value = further(Number(roll.value) + Math.min(now - clock, 100) / 1000 / SECONDS);
+      roll.value = further(Number(roll.value) + Math.min(now - clock, 100) / 1000 / (current.seconds ?? SECONDS));
       showPosition();
     }
     clock = now;
