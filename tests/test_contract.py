@@ -76,7 +76,7 @@ MAY_IMPORT: dict[str, str] = {
     # of trains the stages, and all answers about them
     "trains": "kernel teeth contact design files exchange systems mesh io cad answers view reports",
     # the local page
-    "explore": "design systems samples mesh teeth answers view reports",
+    "explore": "kernel design systems samples mesh teeth answers view reports trains",
     # only app and gearmesh import api
     "api": "teeth design systems cad answers view drawing study optimize reports explore trains",
     "app": "api answers view explore trains samples systems design files exchange io cad fe contact study",  # nobody imports app

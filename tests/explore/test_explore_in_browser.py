@@ -17,7 +17,7 @@ from matplotlib.image import imread
 from oracles.browser import chromium, needs_chromium, requests, resize
 
 import gearmesh as gm
-from gearmesh import Explorer
+from gearmesh import Explorer, samples
 from gearmesh.explore.explorer import origin_of_file
 
 pytestmark = [needs_chromium, pytest.mark.sweep]
