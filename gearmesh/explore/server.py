@@ -29,12 +29,10 @@ if TYPE_CHECKING:
 MAX_MESSAGE_BYTES = 64 * 1024
 #: size above which the connection of a message is closed unread, bytes
 MAX_FRAME_BYTES = 1024 * 1024
-#: limit of the pages that are open at once
+#: limit of the pages that are open at once; at the limit, one that never showed its token or secret makes room
 MAX_PAGES = 16
 #: limit of the messages of a page that are waiting to be sent; a page that reads none of them is closed
 MAX_WAITING_MESSAGES = 1000
-#: time in which a page must show its token or secret, s
-ENTRY_S = 10.0
 #: names of this machine
 LOOPBACK_NAMES = ("127.0.0.1", "localhost")
 #: code of a closed connection that is not allowed
@@ -151,6 +149,8 @@ class Pages:
         self.worker = worker
         worker.report = self._about_worker
         self._queues: dict[int, asyncio.Queue[bytes | None]] = {}
+        # pages that have shown neither token nor secret yet, the oldest first: no clock says how long they may take
+        self._outside: list[int] = []
         self._lost = False
         self._numbers = 0
 
@@ -183,11 +183,14 @@ class Pages:
 
         await socket.accept()
         if len(self._queues) >= MAX_PAGES:
+            self._make_room()
+        if len(self._queues) >= MAX_PAGES:
             await socket.close(CLOSED_FULL, f"more than {MAX_PAGES} pages are open")
             return
         self._numbers += 1
         number, queue = self._numbers, asyncio.Queue[bytes | None]()
         self._queues[number] = queue
+        self._outside.append(number)
         sending = asyncio.get_running_loop().create_task(_send_all(socket, queue))
         try:
             if await self._enter(socket, number):
@@ -197,24 +200,34 @@ class Pages:
             pass
         finally:
             self._queues.pop(number, None)
+            if number in self._outside:
+                self._outside.remove(number)
             self.worker.drop(number)
             queue.put_nowait(None)
             await asyncio.gather(sending, return_exceptions=True)
 
+    def _make_room(self) -> None:
+        """Close the connection that has shown neither token nor secret for the longest time, if there is one."""
+        if self._outside:
+            queue = self._queues.pop(self._outside.pop(0), None)
+            if queue is not None:
+                queue.put_nowait(b"")
+
     async def _enter(self, socket: WebSocket, number: int) -> bool:
         """Return True once the page has shown its token or secret; all others are told and closed."""
         try:
-            async with asyncio.timeout(ENTRY_S):
-                first = _parsed(await _received(socket))
-        except (TimeoutError, ValueError):
+            first = _parsed(await _received(socket))
+        except ValueError:
             first = None
-        secret = self.gate.enter(first)
+        # one that had to make room comes too late
+        secret = self.gate.enter(first) if number in self._outside else None
         if secret is None:
             self._put(
                 number, _text("wrong", line="the token is wrong or was used before; start gearmesh explore again")
             )
             self._put(number, b"")
             return False
+        self._outside.remove(number)
         self._put(number, _text("entered", secret=secret, opened=self.opened_state))
         return True
 

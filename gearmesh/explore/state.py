@@ -27,6 +27,8 @@ KIND_PREFIX = "kind:"
 SAMPLE_PREFIX = "sample:"
 #: kind of trains
 TRAIN_KIND = "train"
+#: table of the stages of a train, and the beginning of their keys
+STAGES_NAME = "stages"
 #: limit of the keys of a state
 MAX_KEYS = 500
 #: limit of the characters of a text among the values
@@ -79,9 +81,7 @@ class Origin:
     def of_text(name: str, text: str, data: Mapping[str, Any], folder: Path) -> Origin:
         """Return the origin of a design file, or of a train: its text, its data, and the folder of the files that it names."""
         if data.get("kind") == TRAIN_KIND:
-            from gearmesh.explore.trains import train_origin
-
-            return train_origin(name, text, data, folder)
+            return _train_origin(name, text, data, folder)
         stated = dict(leaves(data))
         design = design_class_of(stated)
         names = {key: value for key, value in stated.items() if is_file(design, key)}
@@ -109,6 +109,36 @@ def is_file(design: type[Design], dotted: str) -> bool:
     """True for a key that names a file."""
     key = design.key_at(dotted)
     return key is not None and key.unit == "file"
+
+
+def _train_origin(name: str, text: str, data: Mapping[str, Any], folder: Path) -> Origin:
+    """Return the origin of a train: the text of its file, its data, and the folder of the files that it names."""
+    from gearmesh.trains.file import DESIGN_KEY, train_of
+
+    file, whole = train_of(data, folder), folder.resolve()
+    stages = {}
+    for stage, table in data[STAGES_NAME].items():
+        if DESIGN_KEY in table:
+            stages[stage] = {**table, DESIGN_KEY: str(whole / table[DESIGN_KEY])}
+        else:
+            stages[stage] = anchor(table, type(file.stages[stage]), whole)
+
+    def stays(key: str) -> bool:
+        """True for a key that a page does not set: of a shaft, or with the name of a file."""
+        stage, rest = stage_key(key)
+        if not stage:
+            return key.startswith("shafts.")
+        return rest == DESIGN_KEY or is_file(type(file.stages[stage]), rest)
+
+    named = {key: value for key, value in leaves(data) if stays(key)}
+    return Origin(name, text, dict(leaves({**data, STAGES_NAME: stages})), named)
+
+
+def stage_key(key: str) -> tuple[str, str]:
+    """Return the stage of a key and its name in the design of the stage; "" and the key itself for other keys."""
+    table, _, rest = key.partition(".")
+    stage, _, own = rest.partition(".")
+    return (stage, own) if table == STAGES_NAME and own else ("", key)
 
 
 def refuse_keys(keys: Any) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -17,11 +17,21 @@ from gearmesh.answers.contact.contact import MeshSolution
 from gearmesh.answers.contact.fit import fit_warnings
 from gearmesh.design.core import Design
 from gearmesh.design.dotted import leaves, nested
-from gearmesh.design.files import anchor
 from gearmesh.design.keys import Key
 from gearmesh.errors import ArgumentError, DesignError, GearmeshError, NoSolutionError
+from gearmesh.explore.kept import (
+    MAIN_FIGURES,
+    MAX_KEPT_STATES,
+    Job,
+    MeshStore,
+    Shape,
+    Shelf,
+    mark_of,
+    shown_figures,
+    surface_marks,
+)
 from gearmesh.explore.keys import key_rows, plain_values
-from gearmesh.explore.state import Origin, is_file, refuse_file_key
+from gearmesh.explore.state import STAGES_NAME, Origin, is_file, refuse_file_key, stage_key
 from gearmesh.figures import Summary
 from gearmesh.formats import DXF_SUFFIX, HTML_SUFFIX, STEP_SUFFIX
 from gearmesh.kernel.motion.rigid import Rigid
@@ -37,11 +47,6 @@ from gearmesh.view.report.packing import pack
 from gearmesh.view.report.staged_member import camera_data, fitted, member_data
 from gearmesh.view.views import set_scene
 
-if TYPE_CHECKING:
-    from gearmesh.explore.workshop import Job, Shape, Workshop
-
-#: table of the stages, and the beginning of their keys
-STAGES_NAME = "stages"
 #: turns of the input up to which the view goes on until all teeth look as they did
 MAX_VIEW_TURNS = 8
 #: time in which the input turns once in the view, s
@@ -50,34 +55,6 @@ SECONDS_PER_TURN = 12.0
 WHOLE_NAME = "train"
 #: figures of a train at the head of the list
 TRAIN_FIGURES = ("ratio", "te_peak_to_peak_arcsec", "speed", "torque")
-
-
-def train_origin(name: str, text: str, data: Mapping[str, Any], folder: Path) -> Origin:
-    """Return the origin of a train: the text of its file, its data, and the folder of the files that it names."""
-    file, whole = train_of(data, folder), folder.resolve()
-    stages = {}
-    for stage, table in data[STAGES_NAME].items():
-        if DESIGN_KEY in table:
-            stages[stage] = {**table, DESIGN_KEY: str(whole / table[DESIGN_KEY])}
-        else:
-            stages[stage] = anchor(table, type(file.stages[stage]), whole)
-    named = {key: value for key, value in leaves(data) if _stays(key, file)}
-    return Origin(name, text, dict(leaves({**data, STAGES_NAME: stages})), named)
-
-
-def _stays(key: str, file: TrainFile) -> bool:
-    """True for a key that a page does not set: of a shaft, or with the name of a file."""
-    stage, rest = stage_key(key)
-    if not stage:
-        return key.startswith("shafts.")
-    return rest == DESIGN_KEY or is_file(type(file.stages[stage]), rest)
-
-
-def stage_key(key: str) -> tuple[str, str]:
-    """Return the stage of a key and its name in the design of the stage; "" and the key itself for other keys."""
-    table, _, rest = key.partition(".")
-    stage, _, own = rest.partition(".")
-    return (stage, own) if table == STAGES_NAME and own else ("", key)
 
 
 class StageKeys:
@@ -148,15 +125,13 @@ class BuiltStage:
 class TrainBench:
     """Trains of pages, of which only the stages that change are built and solved again."""
 
-    def __init__(self, workshop: Workshop) -> None:
-        from gearmesh.explore.workshop import MAX_KEPT_STATES, Shelf
+    def __init__(self, meshes: MeshStore) -> None:
 
-        self.workshop = workshop
+        self.meshes = meshes
         self.stages: Shelf[BuiltStage] = Shelf(MAX_KEPT_STATES)
 
     def built(self, file: TrainFile, *, keeping: bool = True) -> dict[str, BuiltStage]:
         """Return the stages of a train; known ones are not built again. `keeping`: new ones are kept."""
-        from gearmesh.explore.workshop import mark_of, surface_marks
 
         found = {}
         for name, design in file.stages.items():
@@ -237,10 +212,10 @@ class TrainBench:
         for is_fine in (False, True):
             shapes: dict[str, Shape] = {}
             for name, stage in layout.stages.items():
-                coarse, fine = self.workshop.tolerances(stage.gears.design)
+                coarse, fine = self.meshes.tolerances(stage.gears.design)
                 own = {key: member for key, member in members.items() if key.startswith(f"{name}.")}
                 tolerance, share = (fine, 0.85) if is_fine else (coarse, 0.7)
-                made = self.workshop.shapes_of(own, marks, tolerance, fine, job, share)
+                made = self.meshes.shapes_of(own, marks, tolerance, fine, job, share)
                 shapes |= dict(zip(own, made, strict=True))
             yield {"type": "scene", "camera": self._camera(train, marks, shapes), **_scene(train, shapes),
                    "waiting": False, "pairs": [pair]}  # fmt: skip
@@ -281,14 +256,13 @@ class TrainBench:
 
     def _camera(self, train: MultistageTrain, marks: Mapping[str, str], shapes: Mapping[str, Shape]) -> dict[str, Any]:
         """Return the camera that sees all gears; it stays while their surfaces stay."""
-        from gearmesh.explore.workshop import mark_of
 
         mark = mark_of(["train", sorted(marks.items())])
-        known = self.workshop.cameras.get(mark)
+        known = self.meshes.cameras.get(mark)
         if known is None:
             placed = {name: shapes[name].whole.move(place) for name, place in train.places().items()}
             axis = train.layout.shafts[train.file.input].frame.rotation[:, 2]
-            known = self.workshop.cameras.put(mark, camera_data(fitted(set_scene(placed, axis))))
+            known = self.meshes.cameras.put(mark, camera_data(fitted(set_scene(placed, axis))))
         return known
 
 
@@ -308,7 +282,6 @@ def _solved(built: BuiltStage, stage: Stage) -> list[tuple[str, Summary, tuple[s
 
 def _named(name: str, summary: Summary) -> dict[str, Any]:
     """Return the figures of a part of a train with its name."""
-    from gearmesh.explore.workshop import MAIN_FIGURES, shown_figures
 
     return {"name": name, "figures": list(shown_figures(summary, (*MAIN_FIGURES, *TRAIN_FIGURES)))}
 

@@ -51,8 +51,9 @@ def main() -> None:
     inbox = Inbox(sys.stdin.buffer)
 
     # before the first message, which comes when the program has read its design
+    from gearmesh.explore.kept import Job, Stale
     from gearmesh.explore.state import Origin
-    from gearmesh.explore.workshop import Job, Stale, Workshop
+    from gearmesh.explore.workshop import Workshop
 
     opened = inbox.requests.get()
     assert opened is not None, "the first message"

@@ -18,7 +18,7 @@ from gearmesh.records import dataclass
 #: time without any answer after which a job counts as hung, s; reports of progress are answers
 HANG_S = 60.0
 #: time in which a process that has closed its output must be gone, s
-ENDING_S = 5.0
+ENDING_S = 60.0
 #: number of processes that a job may end before it is given up
 MAX_LOST_PER_JOB = 2
 #: questions of which only the newest of a page counts

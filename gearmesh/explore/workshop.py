@@ -10,14 +10,11 @@ What did not change is not computed again:
 from __future__ import annotations
 
 import base64
-import hashlib
-import json
-from collections import OrderedDict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -25,85 +22,43 @@ from gearmesh.answers.bodies.questions import ModelledGears
 from gearmesh.design.core import Design
 from gearmesh.design.keys import MM_PER
 from gearmesh.errors import ArgumentError, GearmeshError
+from gearmesh.explore.kept import (
+    MAX_KEPT_STATES,
+    Job,
+    MeshStore,
+    Shape,
+    Shelf,
+    Stale,
+    mark_of,
+    shown_figures,
+    surface_marks,
+)
 from gearmesh.explore.keys import error_keys, key_rows, plain_values
 from gearmesh.explore.ranges import builds, key_range
 from gearmesh.explore.refusals import KeyTable, offers_that_build, refusal
 from gearmesh.explore.saving import ALL_MEMBERS, design_file, file_name, gear_file, refuse_file
-from gearmesh.explore.state import OPENED_NAME, TRAIN_KIND, Origin, as_stated, design_class_of, refuse_keys
-from gearmesh.figures import Summary, at_resolution
+from gearmesh.explore.state import OPENED_NAME, TRAIN_KIND, Origin, as_stated, design_class_of, refuse_keys, stage_key
+from gearmesh.figures import Summary
 from gearmesh.formats import HTML_SUFFIX, TOML_SUFFIX
-from gearmesh.mesh.triangles import TriangleMesh
-from gearmesh.pickling import fingerprint
 from gearmesh.progress import ending_when, listening
 from gearmesh.records import dataclass
 from gearmesh.systems.displaced import displaced_bases, displaced_pair
 from gearmesh.systems.system import build, complete_design, system_of
-from gearmesh.teeth.gear_train import GearTrain, Member
+from gearmesh.teeth.gear_train import Member
 from gearmesh.view.report.staged_member import (
-    MEMBER_PAINTS,
-    StagedMember,
     camera_data,
     fitted,
     member_data,
-    shape_data,
 )
 from gearmesh.view.views import pair_scene, set_scene
 
 if TYPE_CHECKING:
     from gearmesh.explore.trains import TrainBench
 
-#: tolerances of the meshes that are shown one after the other, over the module
-TOLERANCE_MODULES = (0.02, 0.002)
-#: smallest and largest of these tolerances, mm
-TOLERANCE_LIMITS_MM = (0.002, 0.1)
-#: limit of the states that are kept
-MAX_KEPT_STATES = 12
 #: limit of the built gears that are kept
 MAX_KEPT_GEARS = 4
-#: limit of the bytes of meshes that are kept
-MAX_KEPT_SHAPE_BYTES = 24_000_000
-#: triangles of a fine mesh up to which it takes hardly longer than a coarse one, so that no coarse one goes before it
-FEW_TRIANGLES = 40_000
-#: figures at the head of the list, by the beginning of their keys
-MAIN_FIGURES = (
-    "contact_ratio",
-    "mesh_te_peak_to_peak",
-    "backlash_normal_min",
-    "backlash_min",
-    "tip_clearance",
-    "interference",
-)
-
 #: messages of a state that are kept; curves come again with their scene
 KEPT_MESSAGES = ("design", "figures", "scene")
-
-Kept = TypeVar("Kept")
-
-
-class Stale(BaseException):
-    """The work is not wanted any more; no handler of other errors must stop it."""
-
-
-class Shelf(Generic[Kept]):
-    """Things by key, the last used of which are kept up to a limit."""
-
-    def __init__(self, limit: int, size: Callable[[Kept], int] = lambda thing: 1) -> None:
-        self._limit, self._size = limit, size
-        self._things: OrderedDict[str, Kept] = OrderedDict()
-
-    def get(self, key: str) -> Kept | None:
-        """Return what is kept under a key, or None."""
-        if key in self._things:
-            self._things.move_to_end(key)
-        return self._things.get(key)
-
-    def put(self, key: str, thing: Kept) -> Kept:
-        """Keep a thing and return it; what was not used for the longest time goes."""
-        self._things[key] = thing
-        self._things.move_to_end(key)
-        while len(self._things) > 1 and sum(map(self._size, self._things.values())) > self._limit:
-            self._things.popitem(last=False)
-        return thing
 
 
 @dataclass
@@ -115,61 +70,6 @@ class Built:
     marks: dict[str, str]
 
 
-@dataclass(frozen=True, eq=False)
-class Shape:
-    """Mesh of a member, packed for a page."""
-
-    #: key of the shape
-    key: str
-    #: arrays of the mesh, as the page reads them
-    data: dict[str, Any]
-    #: greatest distance of a vertex from the origin, mm
-    reach: float
-    #: mesh of the whole member, own frame
-    whole: TriangleMesh
-
-    @property
-    def size(self) -> int:
-        """Bytes, about."""
-        packed = sum(len(text) for part in self.data.values() for text in part.values() if isinstance(text, str))
-        mesh = self.whole
-        return packed + mesh.vertices.nbytes + mesh.triangles.nbytes + mesh.regions.nbytes + mesh.normals.nbytes
-
-
-@dataclass
-class Job:
-    """Work for one message of a page."""
-
-    #: called with each answer
-    answer: Callable[[dict[str, Any]], None]
-    #: True if the work is not wanted any more
-    is_stale: Callable[[], bool] = lambda: False
-    #: part of the work that is done, and its name
-    doing: str = ""
-    #: share of the whole work at which the present stage begins, and at which it ends
-    stage: tuple[float, float] = (0.0, 1.0)
-
-    def check(self) -> None:
-        """Raise Stale if the work is not wanted any more."""
-        if self.is_stale():
-            raise Stale
-
-    def say(self, kind: str, **fields: Any) -> None:
-        """Answer with a message of a kind."""
-        self.check()
-        self.answer({**fields, "type": kind})
-
-    def begin(self, doing: str, first: float, last: float) -> None:
-        """Begin a stage of the work."""
-        self.doing, self.stage = doing, (first, last)
-        self.progress(0.0)
-
-    def progress(self, share: float) -> None:
-        """Report how far the present stage is."""
-        first, last = self.stage
-        self.say("progress", doing=self.doing, share=round(first + share * (last - first), 3))
-
-
 class Workshop:
     """Gears of the states of pages."""
 
@@ -177,12 +77,9 @@ class Workshop:
         self.origins = {} if opened is None else {OPENED_NAME: opened}
         self.states: Shelf[list[dict[str, Any]]] = Shelf(MAX_KEPT_STATES)
         self.built: Shelf[Built] = Shelf(MAX_KEPT_GEARS)
-        self.cameras: Shelf[dict[str, Any]] = Shelf(MAX_KEPT_STATES)
         # first and last position of the contact of each pair
         self.ends: Shelf[dict[int, tuple[float, float]]] = Shelf(MAX_KEPT_STATES)
-        self.shapes: Shelf[Shape] = Shelf(MAX_KEPT_SHAPE_BYTES, lambda shape: shape.size)
-        # triangles of the last fine mesh of each member
-        self.triangles: Shelf[int] = Shelf(MAX_KEPT_STATES)
+        self.meshes = MeshStore()
 
     def answer(self, request: Mapping[str, Any], job: Job) -> None:
         """Answer one message of a page. Errors of gearmesh are answers, too; raises Stale if it is not wanted any more."""
@@ -212,7 +109,7 @@ class Workshop:
         mm_per_unit = 1.0
         try:
             if _is_train(request):
-                from gearmesh.explore.trains import StageKeys, stage_key
+                from gearmesh.explore.trains import StageKeys
 
                 design = stages = StageKeys(request["keys"], self._origin(request.get("from")))
                 mm_per_unit = stages.mm_per_unit(stage_key(error.key)[0])
@@ -392,7 +289,7 @@ class Workshop:
         """Trains of pages."""
         from gearmesh.explore.trains import TrainBench
 
-        return TrainBench(self)
+        return TrainBench(self.meshes)
 
     @staticmethod
     def _whole_scene(messages: Sequence[dict[str, Any]]) -> dict[str, Any]:
@@ -421,7 +318,7 @@ class Workshop:
             "errors": error_keys(own, type(whole)),
             "members": list(gears.members),
         }
-        coarse, fine = self.tolerances(whole)
+        coarse, fine = self.meshes.tolerances(whole)
         names = list(gears.members)
         different = train.different if train.pairs else ()
         # where no tooth changed, contact at few positions is there long before the mesh cycle
@@ -430,7 +327,7 @@ class Workshop:
         if first is not None:
             yield first
         elif is_bare:
-            shapes = self.shapes_of(gears.members, built.marks, coarse, fine, job, 0.1)
+            shapes = self.meshes.shapes_of(gears.members, built.marks, coarse, fine, job, 0.1)
             still = self._still(gears, built.marks, shapes)
             yield {"type": "scene", **still, "pairs": [], "waiting": bool(different)}
         # the solver is loaded when the first gears are on the screen
@@ -466,38 +363,12 @@ class Workshop:
             if pairs is not None:
                 members = [member_data(member, 0, 0.0) for member in gears.members.values()]
                 yield {"type": "curves", "pairs": pairs, "members": members}
-                shapes = self.shapes_of(gears.members, built.marks, coarse, fine, job, 0.6)
+                shapes = self.meshes.shapes_of(gears.members, built.marks, coarse, fine, job, 0.6)
                 yield {"type": "scene", **self._still(gears, built.marks, shapes), "pairs": pairs}
         job.begin("contact pattern", 0.7, 0.85)
         pairs = staged(train, moving.values(), names)
-        shapes = self.shapes_of(gears.members, built.marks, fine, fine, job, 0.85)
+        shapes = self.meshes.shapes_of(gears.members, built.marks, fine, fine, job, 0.85)
         yield {"type": "scene", **self._still(gears, built.marks, shapes), "pairs": pairs}
-
-    @staticmethod
-    def tolerances(design: Design) -> tuple[float, float]:
-        """Return the tolerances (mm) of the coarse and of the fine meshes of a complete design."""
-        module = design.given_module * design.mm_per_unit
-        coarse, fine = (float(np.clip(modules * module, *TOLERANCE_LIMITS_MM)) for modules in TOLERANCE_MODULES)
-        return coarse, fine
-
-    def shapes_of(
-        self,
-        members: Mapping[str, Member],
-        marks: Mapping[str, str],
-        tolerance: float,
-        fine: float,
-        job: Job,
-        share: float,
-    ) -> list[Shape]:
-        """Return the meshes of all members within a tolerance (mm); a fine one takes its place if it is there, or made as soon."""
-        shapes = []
-        for name, member in members.items():
-            is_soon = (self.triangles.get(name) or np.inf) <= FEW_TRIANGLES
-            known = self._known_shape(marks[name], fine)
-            shapes.append(known or self._shape(member, marks[name], fine if is_soon else tolerance, job, share))
-            if tolerance == fine:
-                self.triangles.put(name, shapes[-1].whole.triangle_count)
-        return shapes
 
     def _still(self, gears: ModelledGears, marks: Mapping[str, str], shapes: Sequence[Shape]) -> dict[str, Any]:
         """Return the scene of gears without their contact."""
@@ -536,7 +407,7 @@ class Workshop:
         None unless meshes and ends are known from other positions of the same teeth.
         """
         names = list(gears.members)
-        shapes = [shape for name in names if (shape := self._known_shape(marks[name], tolerance)) is not None]
+        shapes = [shape for name in names if (shape := self.meshes.known_shape(marks[name], tolerance)) is not None]
         if len(shapes) != len(names) or not ends:
             return None
         from gearmesh.explore.pairs import few_positions
@@ -544,22 +415,10 @@ class Workshop:
         pairs = few_positions(gears.train, ends, names)
         return {"type": "scene", **self._still(gears, marks, shapes), "pairs": pairs} if pairs else None
 
-    def _known_shape(self, mark: str, tolerance: float) -> Shape | None:
-        return self.shapes.get(_shape_key(mark, tolerance))
-
-    def _shape(self, member: Member, mark: str, tolerance: float, job: Job, share: float) -> Shape:
-        """Return the packed mesh of a member within a tolerance (mm); known surfaces keep their mesh."""
-        known = self._known_shape(mark, tolerance)
-        if known is not None:
-            return known
-        job.begin(f"mesh of {member.name} within {1e3 * tolerance:.3g} um", share, share + 0.1)
-        staged, key = StagedMember.of(member, tolerance, lean=False), _shape_key(mark, tolerance)
-        return self.shapes.put(key, Shape(key, shape_data(staged), staged.reach, staged.whole))
-
     def _camera(self, gears: ModelledGears, marks: Mapping[str, str], shapes: Sequence[Shape]) -> dict[str, Any]:
         """Return the camera that sees all gears as they are mounted; it stays while their surfaces stay."""
         mark = mark_of(sorted(marks.items()))
-        known = self.cameras.get(mark)
+        known = self.meshes.cameras.get(mark)
         if known is not None:
             return known
         pairs, members = gears.train.pairs, gears.members
@@ -572,7 +431,7 @@ class Workshop:
             axis = next(iter(members.values())).mount.axis if not pairs else pairs[0].pinion.mount.axis
             placed = {name: meshes[name].move(member.mount.at(0.0)) for name, member in members.items()}
             seen = set_scene(placed, axis)
-        return self.cameras.put(mark, camera_data(fitted(seen)))
+        return self.meshes.cameras.put(mark, camera_data(fitted(seen)))
 
 
 # ---------------------------------------------------------------- parts of answers
@@ -603,17 +462,6 @@ def _value(design: Design, dotted: str) -> float:
     return float(value)
 
 
-def surface_marks(train: GearTrain) -> dict[str, str]:
-    """Return marks of the surfaces of the members; computed before the members remember anything of their use."""
-    paints = dict[str, int]()
-    marks = {}
-    for name, member in train.members.items():
-        surfaces = fingerprint((member.tooth, member.features, member.rows, member.overhang))[:24]
-        paint = paints.setdefault(surfaces, len(paints)) % len(MEMBER_PAINTS)
-        marks[name] = f"{surfaces}/{paint}"
-    return marks
-
-
 def _scene(members: Mapping[str, Member], shapes: Sequence[Shape]) -> dict[str, Any]:
     """Return members and shapes of a scene; members with one shape share it."""
     keys = list(dict.fromkeys(shape.key for shape in shapes))
@@ -632,27 +480,6 @@ def _mesh_figures(name: str, summary: Summary) -> dict[str, Any]:
     return {"name": name, "figures": list(shown_figures(summary))}
 
 
-def shown_figures(summary: Summary, main_keys: Sequence[str] = MAIN_FIGURES) -> Iterator[dict[str, Any]]:
-    """Yield the figures that are numbers, the main ones first."""
-    entries = [entry for entry in summary.flat.entries if entry.figure.shown and not entry.figure.timing]
-    ranks = {
-        entry.key: next((k for k, main in enumerate(main_keys) if entry.key.startswith(main)), None)
-        for entry in entries
-    }
-    for entry in sorted(entries, key=lambda entry: (ranks[entry.key] is None, ranks[entry.key])):
-        value = at_resolution(entry.known, entry.figure.resolution)
-        if isinstance(value, bool) or not isinstance(value, int | float | None):
-            continue
-        yield {
-            "key": entry.key,
-            "about": entry.figure.meaning,
-            "symbol": entry.figure.symbol,
-            "unit": entry.figure.unit,
-            "value": None if value is None or not np.isfinite(value) else value,
-            "main": ranks[entry.key] is not None,
-        }
-
-
 def _sent(message: Mapping[str, Any], have: Sequence[str]) -> dict[str, Any]:
     """Return a message without the meshes and the list of keys that the page has."""
     if message["type"] == "design" and message["of"] in have:
@@ -661,11 +488,3 @@ def _sent(message: Mapping[str, Any], have: Sequence[str]) -> dict[str, Any]:
         return dict(message)
     shapes = [{"key": shape["key"]} if shape["key"] in have else shape for shape in message["shapes"]]
     return {**message, "shapes": shapes}
-
-
-def _shape_key(mark: str, tolerance: float) -> str:
-    return mark_of([mark, f"{tolerance:.9g}"])
-
-
-def mark_of(value: Any) -> str:
-    return hashlib.sha256(json.dumps(value, sort_keys=True, default=repr).encode()).hexdigest()[:24]

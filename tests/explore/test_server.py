@@ -13,7 +13,7 @@ import subprocess
 import sys
 import tomllib
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from typing import Any
 
 import pytest
@@ -25,7 +25,7 @@ from websockets.sync.client import ClientConnection, connect
 from gearmesh import Explorer
 from gearmesh.explore.explorer import origin_of_file, origin_of_kind
 from gearmesh.explore.frames import frame
-from gearmesh.explore.server import MAX_FRAME_BYTES, MAX_MESSAGE_BYTES
+from gearmesh.explore.server import MAX_FRAME_BYTES, MAX_MESSAGE_BYTES, MAX_PAGES
 from gearmesh.explore.workers import HANG_S, NO_PAGE, Asked, Listener, Worker
 
 SPUR = SAMPLES / "spur.toml"
@@ -151,6 +151,20 @@ def test_token_is_good_once(running: Explorer) -> None:
         message = json.loads(link.recv(timeout=PATIENCE_S))
         assert message["type"] == "wrong"
         assert "used before" in message["line"]
+
+
+def test_silent_connections_make_room_for_a_page(running: Explorer) -> None:
+    """No clock closes a connection that shows no token; the oldest goes when the room is needed."""
+    with ExitStack() as links:
+        silent = [links.enter_context(opened(running)) for _ in range(MAX_PAGES)]
+        with entered(running) as page:
+            page.send(json.dumps({"do": "start", "id": 1}))
+            assert json.loads(page.recv(timeout=PATIENCE_S))["type"] in ("start", "progress")
+            with pytest.raises(ConnectionClosed):
+                silent[0].recv(timeout=PATIENCE_S)
+            # the others may still come in
+            silent[-1].send(json.dumps({"do": "enter", "secret": running.known_secret}))  # type: ignore[attr-defined]
+            assert json.loads(silent[-1].recv(timeout=PATIENCE_S))["type"] == "entered"
 
 
 def malformed(count: int) -> Iterator[str | bytes]:

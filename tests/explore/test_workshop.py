@@ -16,10 +16,11 @@ import gearmesh as gm
 from gearmesh.design.dotted import leaves
 from gearmesh.design.rewriting import rewritten
 from gearmesh.explore.explorer import origin_of, origin_of_file
+from gearmesh.explore.kept import Job, Stale
 from gearmesh.explore.keys import plain_values
 from gearmesh.explore.ranges import key_range
 from gearmesh.explore.state import Origin, refuse_keys
-from gearmesh.explore.workshop import Job, Stale, Workshop
+from gearmesh.explore.workshop import Workshop
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.systems.system import complete_design
 
@@ -81,7 +82,7 @@ def test_figures_come_first_and_what_is_known_does_not_come_again(
 
     # an error of assembly: no build, no mesh, other contact, as of gears built with it
     monkeypatch.setattr("gearmesh.explore.workshop.build", lambda design: pytest.fail("gears were built"))
-    monkeypatch.setattr("gearmesh.explore.workshop.StagedMember.of", lambda *_: pytest.fail("a tooth was meshed"))
+    monkeypatch.setattr("gearmesh.explore.kept.StagedMember.of", lambda *_: pytest.fail("a tooth was meshed"))
     moved = ask(workshop, changes={"assembly.dx": 0.05, "assembly.dy": 0.01}, have=held, rows=first[0]["of"])
     assert [message["type"] for message in moved] == ["design", "scene", "figures", "figures", "scene"]
     # the first pattern comes before the mesh cycle, on the path of contact that comes after it
@@ -118,7 +119,7 @@ def test_a_changed_tooth_has_figures_and_pattern_before_its_fine_mesh(
     workshop: Workshop, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # a mesh that takes long, of many triangles
-    monkeypatch.setattr("gearmesh.explore.workshop.FEW_TRIANGLES", 100)
+    monkeypatch.setattr("gearmesh.explore.kept.FEW_TRIANGLES", 100)
     held = [shape["key"] for shape in ask(workshop)[-1]["shapes"]]
     changed = ask(workshop, changes={"pinion.teeth": 27}, have=held)
     assert [message["type"] for message in changed] == ["design", "figures", "figures", "curves", "scene", "scene"]
@@ -179,6 +180,7 @@ def test_a_train_has_figures_of_its_parts_and_turns_as_its_stages_do(train: Work
             np.testing.assert_allclose(member["translation"], places[member["name"]].translation, atol=1e-9)
 
 
+@pytest.mark.sweep
 def test_planets_go_round_with_their_carrier() -> None:
     file = SAMPLES / "trains" / "train_planetary.toml"
     scene = of(ask(Workshop(origin_of_file(file))), "scene")[-1]
