@@ -235,7 +235,8 @@ class MemberMount(Table):
         "point on the member's axis to which stiffness refers", None, default="the middle of the face"
     )
     held: str = keys.choice(
-        "where the body is held: at the bore (an internal gear: on its outside), or 1.2 whole depths under the root",
+        "where the body is held: at the bore (an internal gear: on its outside; a rack: at its back), or 1.2 whole depths "
+        "under the root",
         ("bore", "rim"),
         "bore",
     )

@@ -21,12 +21,13 @@ def body_values(design: Design, train: GearTrain) -> Values:
     values_given: Values = {"material.density": design.material.density or STEEL_DENSITY_KG_PER_M3}
     for name, member in train.members.items():
         table = name.rstrip("0123456789").removesuffix("_")
-        spec = getattr(design, table)
+        spec, pair = getattr(design, table), next((pair for pair in train.pairs if name in pair.members), None)
         if isinstance(spec, BrokenEdges) and any(end_widths(spec)):
             values_given[f"{table}.end_chamfer_angle"] = spec.end_chamfer_angle or DEFAULT_END_CHAMFER_ANGLE_DEG
         if isinstance(spec, MemberBody):
             values_given |= {f"{table}.{key}": value for key, value in _of_body(spec, member).items()}
-            pair = next((pair for pair in train.pairs if name in pair.members), None)
+        # a bar has no body, but may have a mount
+        if isinstance(spec, MemberBody) or getattr(spec, "mount", None) is not None:
             values_given |= _of_mount(design.mount(name), table, pair, name)
     return values_given
 

@@ -16,6 +16,7 @@ from gearmesh.design.core import (
     FlankContact,
     FlankStock,
     MemberMaterial,
+    MemberMount,
     UnloadedElementTable,
 )
 from gearmesh.design.keys import DERIVED_VALUE, Table, conflict
@@ -115,6 +116,7 @@ class RackTable(FlankStock, BrokenEdges, BarKeys):
     thickness_allowance: ThicknessAllowance | None = None
     thickness_made: str = thickness_made_key()
     material: MemberMaterial | None = None
+    mount: MemberMount | None = None
 
     #: The dedendum always gives the root.
     dedendum_counts: ClassVar[bool] = True
