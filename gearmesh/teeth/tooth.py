@@ -85,6 +85,10 @@ MIN_FOLLOWED_TEETH = 3
 LAND_STATIONS = 9
 #: stations at which a tooth is trimmed as a proof, before it is used
 PROOF_STATIONS = 9
+#: their places from toe to heel
+PROVED_T = np.linspace(0.0, 1.0, PROOF_STATIONS)
+#: distance from the tip, by the height of the tooth, from which its solution starts at other stations
+NEAR_TIP_SHARE = 1e-3
 #: largest distance between the tip and a flank followed along the face, as a share of the tooth's height
 TIP_OFF_SHARE = 1e-6
 #: distance from the ends of a link, as a share of it, within which a break makes no seam
@@ -372,7 +376,7 @@ class Tooth:
         does not meet the flank, or the flank is turned inside out against mid face: steep flanks reach the tip far from
         the nominal one.
         """
-        which = Side.RIGHT if side is self.right else Side.LEFT
+        which = self._which(side)
         if which not in self._senses and 0.5 not in t:
             self._nominal_tip(side, np.array([0.5]))
         # the area density has the sign of mid face wherever the flank is sound
@@ -391,7 +395,7 @@ class Tooth:
         """
         for which in Side:
             if which not in self._undercut:
-                self.ends(which, np.linspace(0.0, 1.0, PROOF_STATIONS))
+                self.ends(which, PROVED_T)
 
     def near_tips(self, which: Side, t: Array) -> Array:
         """Return profile parameters (T,) of points near the tip at which the flank is sound, at stations t (T,).
@@ -415,7 +419,7 @@ class Tooth:
         A loop with two cusps is wide, or it is narrow and lies next to the station where undercut at the form point
         ends. Both places are tested.
         """
-        which = Side.RIGHT if side is self.right else Side.LEFT
+        which = self._which(side)
         if which not in self._folded_sides:
             t = np.linspace(0.0, 1.0, FOLD_STATIONS)
             sound = t[~self._cut_off_at_form_point(side, t)[0]]
@@ -425,6 +429,10 @@ class Tooth:
                 sound.size and singular_stations(side, self.stations(sound), self.blank.axial).any()
             )
         return self._folded_sides[which]
+
+    def _which(self, side: ToothSide) -> Side:
+        """Return the name of a side of this tooth."""
+        return Side.RIGHT if side is self.right else Side.LEFT
 
     def stations(self, t: ArrayLike) -> Array:
         """Return the coordinates (T,), mm, of stations t (T,) from 0 at the toe to 1 at the heel.
@@ -528,7 +536,24 @@ class Tooth:
     @cached_property
     def _middle_tip(self) -> Jet:
         """Jet (1,) of the right flank at its tip at mid face."""
-        return self._tip(self.right, self.stations([0.5]), np.array([0.5]))[1]
+        return self._tip_in_middle(Side.RIGHT)[1]
+
+    def _tip_in_middle(self, which: Side) -> tuple[Array, Jet]:
+        """Return `_tip` of one side at mid face alone, from the proof of the tooth if there is one."""
+        if which in self._proved_tips:
+            (p, jet), middle = self._proved_tips[which], np.array([PROOF_STATIONS // 2])
+            return p[middle], jet[middle]
+        return self._tip(self.side(which), self.stations([0.5]), np.array([0.5]))
+
+    @cached_property
+    def _known_tips(self) -> dict[Side, Array]:
+        """Parameters (PROOF_STATIONS, 2) of the flank at its tip, by side, as soon as they were solved from toe to heel."""
+        return {}
+
+    @cached_property
+    def _proved_tips(self) -> dict[Side, tuple[Array, Jet]]:
+        """Results of `_tip` by side at the stations of `prove`, empty before it."""
+        return {}
 
     @cached_property
     def _folded_sides(self) -> dict[Side, bool]:
@@ -551,8 +576,9 @@ class Tooth:
         compare = before_trimming.get()
         if compare is not None:
             compare(self)
-        t = np.linspace(0.0, 1.0, PROOF_STATIONS)
+        t = PROVED_T
         tips = self._tips(t)
+        self._proved_tips.update(zip(Side, tips, strict=True))
         self._prove_land(t, tips)
         looped = [self.breaks_of(which) for which in Side if self._folds(self.side(which))]
         if looped:
@@ -684,7 +710,7 @@ class Tooth:
     @cached_property
     def root_ends(self) -> Array:
         """Points (2, PROOF_STATIONS, 3), mm, where the fillets of the right and the left side begin at the root."""
-        stations = self.stations(np.linspace(0.0, 1.0, PROOF_STATIONS))
+        stations = self.stations(PROVED_T)
         sides = (self.side(which) for which in Side)
         return np.array([self._root_jet(side, stations).r for side in sides])
 
@@ -955,11 +981,8 @@ class Tooth:
 
             return residual
 
-        # start: the nominal tip at each station
-        begin = np.full_like(stations, side.tip) if side.tip_along is None else side.tip_along(stations)
-        near = follow(side.flank, begin, stations, axial)
-        start = np.stack((begin, near.values), axis=-1)
-        last = start, near.jet
+        start, start_jet, reached = self._tip_starts(side, stations, t)
+        last = start, start_jet
 
         def jet_at(x: Array) -> Jet:
             """Evaluate the flank at parameters (N, 2); the last result is kept, because every solution begins with the
@@ -970,7 +993,7 @@ class Tooth:
                 last = x.copy(), side.flank.jet(x[:, 0], x[:, 1])
             return last[1]
 
-        tolerance = trim_tolerance(near.jet.r[near.converged])
+        tolerance = trim_tolerance(start_jet.r[reached])
         # two equations, station and tip level, for the flank parameters (p, v)
         solution = newton.solve(at_tip(np.arange(stations.size), np.zeros_like(stations)), start, tolerance=tolerance)
         values, converged = solution.values, solution.converged
@@ -989,12 +1012,33 @@ class Tooth:
             x = start[lost]
             # a tip far from the tool's nominal tip, as in a throat: approach its level in steps
             for left in TIP_APPROACH_SHARES:
-                solution = newton.solve(at_tip(lost, left * tip.value(near.jet.r[lost])), x, tolerance=tolerance)
+                solution = newton.solve(at_tip(lost, left * tip.value(start_jet.r[lost])), x, tolerance=tolerance)
                 x = solution.values
             values[lost], converged[lost] = x, solution.converged
         if not converged.all():
             raise TrimError("tip", float(t[int(np.argmin(converged))]), "the flank does not reach the tip")
+        if np.array_equal(t, PROVED_T):
+            self._known_tips[self._which(side)] = values
         return values[:, 0], jet_at(values)
+
+    def _tip_starts(self, side: ToothSide, stations: Array, t: Array) -> tuple[Array, Jet, NDArray[np.bool_]]:
+        """Return parameters (T, 2) near the tip, their jets, and True (T,) where the nominal tip reaches the station.
+
+        These are polynomials through the tips at the stations of the proof, if they are known and lead close to the tip at all
+        stations; else the nominal tip at each station.
+        """
+        axial = self.blank.axial
+        known = self._known_tips.get(self._which(side))
+        if known is not None and t.size > 1 and t.min() >= 0.0 and t.max() <= 1.0:
+            powers, proved = (np.vander(2.0 * at - 1.0, PROOF_STATIONS) for at in (t, PROVED_T))
+            start = powers @ np.linalg.solve(proved, known)
+            jet = side.flank.jet(start[:, 0], start[:, 1])
+            apart = np.abs([axial.value(jet.r) - stations, self.blank.tip.value(jet.r)])
+            if (apart <= NEAR_TIP_SHARE * self.height).all():
+                return start, jet, np.ones(t.shape, dtype=bool)
+        begin = np.full_like(stations, side.tip) if side.tip_along is None else side.tip_along(stations)
+        near = follow(side.flank, begin, stations, axial)
+        return np.stack((begin, near.values), axis=-1), near.jet, near.converged
 
     def _near_tip(self, side: ToothSide, stations: Array) -> Array:
         """Return flank parameters (T, 2) near the first crossing of the tip's level, counted from the form point.
@@ -1057,14 +1101,13 @@ class Tooth:
         """
         if self.teeth < MIN_FOLLOWED_TEETH:
             return False
-        t = np.array([0.5])
-        station, (tip, at_tip) = self.stations(t), self._tip(self.right, self.stations(t), t)
+        station, (tip, at_tip) = self.stations([0.5]), self._tip_in_middle(Side.RIGHT)
         form_point = along(self.right.flank, np.array([self.right.form_point[0]]), station, self.blank.axial)[1].r
         if not self.joint.radius(at_tip.r)[0] > MIN_FAR_TIP_RATIO * self.joint.radius(form_point)[0]:
             return False
         # follow the angles of both sides from the form point to the tip: the width must stay positive
         share, angles = np.linspace(0.0, 1.0, WIDTH_SAMPLES), []
-        for side, end in ((self.right, tip[0]), (self.left, self._tip(self.left, station, t)[0][0])):
+        for side, end in ((self.right, tip[0]), (self.left, self._tip_in_middle(Side.LEFT)[0][0])):
             p = side.form_point[0] + share * (end - side.form_point[0])
             angles.append(self.joint.angle(along(side.flank, p, np.full_like(p, station[0]), self.blank.axial)[1].r))
         return bool((self.joint.running(self.joint.within(angles[1] - angles[0])) <= 0.0).any())

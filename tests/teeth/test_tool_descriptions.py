@@ -184,6 +184,8 @@ def test_a_tool_of_another_kind_needs_what_the_protocols_ask_alone() -> None:
     assert rack is not None
     right, left = (eroded(side, rack.radius) for side in (tooth.right, tooth.left))
     member = replace(member, tooth=replace(tooth, right=right, left=left))
+    # a proved tooth, as all of a built gear are
+    member.tooth.prove()
     found, usual = tool_in_place(member.tooth, Side.RIGHT), tool_in_place(tooth, Side.RIGHT)
     assert (found.name, found.as_part, [axis.name for axis in found.axes]) == ("wire", False, ["spindle"])
     assert [sheet.region for sheet in found.sheets] == ["wire", "wire"]
