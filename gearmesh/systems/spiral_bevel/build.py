@@ -13,7 +13,7 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.systems.common.bounds import at_most
 from gearmesh.systems.spiral_bevel.blank.proportion_choice import open_factors
-from gearmesh.systems.spiral_bevel.hobbing.secondary_cut import HeadRoom, refuse_second_pass
+from gearmesh.systems.spiral_bevel.hobbing.secondary_cut import HeadRoom, refuse_second_pass, slots_are_wide
 from gearmesh.systems.spiral_bevel.machine.gear_cradle import upright_cutter
 from gearmesh.systems.spiral_bevel.machine.pair import (
     BLADE_SIDES,
@@ -140,6 +140,8 @@ def _head_warnings(
     if not design.hobbed:
         return ()
     refuse_second_pass(member.name, sides, _blank_of(blank, member))
+    if design.one_crown_gear and slots_are_wide(member.tooth):
+        return ()
     return HeadRoom.of(member, sides, places).warnings
 
 

@@ -46,6 +46,8 @@ from gearmesh.tools.head_cutter import Blade
 ROOM_HEIGHTS = np.array([0.0, 0.5, 1.0])
 #: shares of the face, from toe to heel, at which slots and rooms are known
 ROOM_STATIONS = np.linspace(0.0, 1.0, 5)
+#: all points of a grid of these heights and stations, and the one in its middle
+WHOLE, MIDDLE = (slice(None), slice(None)), (slice(1, 2), slice(2, 3))
 #: residual (mm) of a point on a normal
 ROOM_TOLERANCE_MM = 1e-11
 #: difference of shares of the face that is rounding
@@ -54,6 +56,8 @@ STATION_TOLERANCE = 1e-9
 BACK_ROUNDS = 2
 #: depth (mm) of a secondary cut that is reported
 LEAST_CUT_MM = 1e-4
+#: narrowest slot, in point widths, from which on no exact room is needed: small heads have 0.25 widths less than the slots
+WIDE_SLOT_BLADES = 1.35
 #: number of cone distances at which the rolls of a pass are known
 PASS_STATIONS = 3
 #: number of rolls at which the pass of a head is followed
@@ -64,8 +68,19 @@ PASS_ROTATIONS = 720
 
 def blade_width(tooth: Tooth) -> float:
     """Return the point width (mm) of blades that together clear the widest slot of a tooth."""
-    widest = float(slot_widths(tooth, tooth.stations(ROOM_STATIONS)).max())
-    return 0.5 * (widest + BLADE_OVERLAP_MM)
+    return _blade_and_narrowest(tooth)[0]
+
+
+def slots_are_wide(tooth: Tooth) -> bool:
+    """Return True where such blades leave so much room in the narrowest slot that no blade of one crown gear cuts a flank."""
+    width, narrowest = _blade_and_narrowest(tooth)
+    return narrowest > WIDE_SLOT_BLADES * width
+
+
+def _blade_and_narrowest(tooth: Tooth) -> tuple[float, float]:
+    """Return the point width of blades that clear the widest slot of a tooth, and the narrowest slot, mm."""
+    slots = slot_widths(tooth, tooth.stations(ROOM_STATIONS))
+    return 0.5 * (float(slots.max()) + BLADE_OVERLAP_MM), float(slots.min())
 
 
 @dataclass(frozen=True)
@@ -104,26 +119,20 @@ def secondary_cut(
     turn = -tooth.pitch_angle if side.flank is Side.RIGHT else tooth.pitch_angle
     place = places[MATING_SIDES[name]] + turn
     back = blade_back(side, other, width)
+    grid = tooth.flank_grid(side.flank, ROOM_HEIGHTS, ROOM_STATIONS)
     for _ in range(BACK_ROUNDS):
         # parallel to the flank in its middle
-        grid = tooth.flank_grid(side.flank, ROOM_HEIGHTS[[1]], ROOM_STATIONS[[2]])
-        _, jet = _met(back, place, side, grid)
-        leaning = float((grid.normals[0, 0] @ unit(jet.r_u)[0]).item())
+        _, jet = _met(back, place, side, grid, MIDDLE)
+        leaning = float((grid.normals[MIDDLE][0, 0] @ unit(jet.r_u)[0]).item())
         if not np.isfinite(leaning):
             break
         back = blade_back(side, other, width, back.blade.blade_angle + np.arcsin(leaning))
-
-    def rooms(heights: Array, stations: Array) -> Array:
-        """Return rooms (S, T), mm, at shares of height (S,) and face (T,)."""
-        grid = tooth.flank_grid(side.flank, heights, stations)
-        return _met(back, place, side, grid)[0].reshape(grid.points.shape[:-1])
-
-    room = rooms(ROOM_HEIGHTS, ROOM_STATIONS)
+    room = _met(back, place, side, grid)[0].reshape(grid.points.shape[:-1])
     least = np.where(np.isnan(room), np.inf, room)
     height = least.min(axis=1).argmin()
     (before,) = np.nonzero(np.diff(least[height] < 0.0))
     roots = bracketed_root(
-        lambda t, _: rooms(ROOM_HEIGHTS[[height]], t)[0],
+        lambda t, _: _met(back, place, side, tooth.flank_grid(side.flank, ROOM_HEIGHTS[[height]], t))[0],
         ROOM_STATIONS[before],
         ROOM_STATIONS[before + 1],
         tolerance=STATION_TOLERANCE,
@@ -142,18 +151,20 @@ def blade_back(side: Generated, other: Generated, width: float, angle: float | N
     return replace(other, blade=Blade(own.side, tip_radius, angle, 0.0))
 
 
-def _met(back: Generated, place: float, side: Generated, grid: Grid) -> tuple[Array, Jet]:
+def _met(
+    back: Generated, place: float, side: Generated, grid: Grid, part: tuple[slice, slice] = WHOLE
+) -> tuple[Array, Jet]:
     """Return the distances (N,), mm, from points of a flank along its normals to what a back leaves, and its jets there.
 
     - `place`: index position of the back, rad
     - `side`: side of the flank
-    - `grid`: N points of the flank
+    - `grid`, `part`: points of the flank, and those N of them that count
 
     NaN where the normals do not meet it.
     """
     surface = back.cut(back.blade.flank, place)
-    r, n = (a.reshape(-1, 3) for a in (grid.points, grid.normals))
-    u, v = np.moveaxis(grid.parameters.reshape(-1, 2), -1, 0)
+    r, n = (a[part].reshape(-1, 3) for a in (grid.points, grid.normals))
+    u, v = np.moveaxis(grid.parameters[part].reshape(-1, 2), -1, 0)
     heights = side.blade.flank.section(u)[0][:, 0]
 
     def apart(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
