@@ -46,8 +46,10 @@ from gearmesh.tools.head_cutter import Blade
 ROOM_HEIGHTS = np.array([0.0, 0.5, 1.0])
 #: shares of the face, from toe to heel, at which slots and rooms are known
 ROOM_STATIONS = np.linspace(0.0, 1.0, 5)
-#: all points of a grid of these heights and stations, and the one in its middle
-WHOLE, MIDDLE = (slice(None), slice(None)), (slice(1, 2), slice(2, 3))
+#: all points of a grid of these heights and stations
+WHOLE_GRID = (slice(None), slice(None))
+#: the point in its middle
+MIDDLE_POINT = (slice(1, 2), slice(2, 3))
 #: residual (mm) of a point on a normal
 ROOM_TOLERANCE_MM = 1e-11
 #: difference of shares of the face that is rounding
@@ -122,8 +124,8 @@ def secondary_cut(
     grid = tooth.flank_grid(side.flank, ROOM_HEIGHTS, ROOM_STATIONS)
     for _ in range(BACK_ROUNDS):
         # parallel to the flank in its middle
-        _, jet = _met(back, place, side, grid, MIDDLE)
-        leaning = float((grid.normals[MIDDLE][0, 0] @ unit(jet.r_u)[0]).item())
+        _, jet = _met(back, place, side, grid, MIDDLE_POINT)
+        leaning = float((grid.normals[MIDDLE_POINT][0, 0] @ unit(jet.r_u)[0]).item())
         if not np.isfinite(leaning):
             break
         back = blade_back(side, other, width, back.blade.blade_angle + np.arcsin(leaning))
@@ -152,7 +154,7 @@ def blade_back(side: Generated, other: Generated, width: float, angle: float | N
 
 
 def _met(
-    back: Generated, place: float, side: Generated, grid: Grid, part: tuple[slice, slice] = WHOLE
+    back: Generated, place: float, side: Generated, grid: Grid, part: tuple[slice, slice] = WHOLE_GRID
 ) -> tuple[Array, Jet]:
     """Return the distances (N,), mm, from points of a flank along its normals to what a back leaves, and its jets there.
 
