@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import chain
 from typing import Any, Literal
 
@@ -46,6 +46,7 @@ from gearmesh.loaded.separation import NearPairs, Separation, near_pairs, separa
 from gearmesh.progress import in_turn, side_by_side, tell
 from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.region import Side
+from gearmesh.teeth.tooth import Tooth
 
 #: stations along the face at which the angle that a flank covers is measured
 REACH_STATIONS = 33
@@ -67,6 +68,8 @@ UNIT_DEFLECTION_MM = 25.0
 CELL_ERROR_SHARE = 1.0
 #: largest distance, in cells, between end faces of both bodies that count as one place
 SAME_END_CELLS = 0.5
+#: largest number of outlines of teeth in memory, 5 kB each
+MAX_KEPT_OUTLINES = 16
 #: largest number of rounds in which members move to where their mounts let them go
 MAX_MOUNT_ROUNDS = 8
 #: largest number of these rounds if springs hold members
@@ -561,11 +564,23 @@ def largest_shift(
 
 
 def outlines_of(gears: GearPair) -> tuple[BodyOutline, BodyOutline]:
-    """Return the outlines of both members of a pair."""
-    pinion, gear = (
-        BodyOutline.of(member.one_tooth, side) for member, side in zip(gears.both, gears.flanks, strict=True)
-    )
+    """Return the outlines of both members of a pair; that of the tooth of another design, if it is equal."""
+    pinion, gear = (_outline_of(member.one_tooth, side) for member, side in zip(gears.both, gears.flanks, strict=True))
     return pinion, gear
+
+
+def _outline_of(tooth: Tooth, side: Side) -> BodyOutline:
+    """Return the outline of a gear of teeth that are loaded on one side, from those of the last teeth if these can be
+    compared."""
+    try:
+        return _kept_outline(tooth, side)
+    except TypeError:
+        # surfaces with arrays, as those of bevel gears
+        return BodyOutline.of(tooth, side)
+
+
+#: outlines of the last teeth: variants of one member have the other member's tooth of the unchanged design
+_kept_outline = lru_cache(maxsize=MAX_KEPT_OUTLINES)(BodyOutline.of)
 
 
 def _reached(gears: GearPair, phi1: Array, torque: float, model: _Model) -> tuple[_Problem, float]:
