@@ -6,7 +6,8 @@ import hashlib
 import json
 from collections import OrderedDict
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Any, Generic, TypeVar
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
 
@@ -17,6 +18,9 @@ from gearmesh.pickling import fingerprint
 from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import GearTrain, Member
 from gearmesh.view.report.staged_member import MEMBER_PAINTS, StagedMember, shape_data
+
+if TYPE_CHECKING:
+    from gearmesh.teeth.tooth import Tooth
 
 #: tolerances of the meshes that are shown one after the other, over the module
 TOLERANCE_MODULES = (0.02, 0.002)
@@ -180,6 +184,31 @@ def surface_marks(train: GearTrain) -> dict[str, str]:
         paint = paints.setdefault(surfaces, len(paints)) % len(MEMBER_PAINTS)
         marks[name] = f"{surfaces}/{paint}"
     return marks
+
+
+def contact_mark(train: GearTrain) -> str:
+    """Return a mark of all on which the contact of the pairs depends: not of the bodies under the teeth; "" if none can be made.
+
+    Computed before the members remember anything of their use.
+    """
+    parts = []
+    for pair in train.pairs:
+        if pair.generation is not None:
+            return ""
+        for member in pair.both:
+            teeth = [_without_body(tooth) for tooth in (member.tooth, *member.others.values())]
+            parts.append([teeth, sorted(member.others), *_values_of(member, "tooth", "others", "features")])
+        parts.append(_values_of(pair, "pinion", "gear"))
+    return fingerprint(parts)[:24]
+
+
+def _without_body(tooth: Tooth) -> list[Any]:
+    return [_values_of(tooth.blank, "body"), _values_of(tooth, "blank")]
+
+
+def _values_of(record: Any, *left_out: str) -> list[Any]:
+    """Return the values of the fields of a record without some of them."""
+    return [getattr(record, field.name) for field in fields(record) if field.name not in left_out]
 
 
 def shown_figures(summary: Summary, main_keys: Sequence[str] = MAIN_FIGURES) -> Iterator[dict[str, Any]]:

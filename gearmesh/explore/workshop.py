@@ -29,6 +29,7 @@ from gearmesh.explore.kept import (
     Shape,
     Shelf,
     Stale,
+    contact_mark,
     mark_of,
     shown_figures,
     surface_marks,
@@ -53,6 +54,7 @@ from gearmesh.view.report.staged_member import (
 from gearmesh.view.views import pair_scene, set_scene
 
 if TYPE_CHECKING:
+    from gearmesh.answers.contact.contact import Contact
     from gearmesh.explore.trains import TrainBench
 
 #: limit of the built gears that are kept
@@ -68,6 +70,20 @@ class Built:
     gears: ModelledGears
     #: mark of the surfaces of each member, equal for equal surfaces
     marks: dict[str, str]
+    #: mark of all on which the contact depends; "" without one
+    contact: str
+
+
+@dataclass
+class Solved:
+    """Solved contact of gears, and of all other gears with the same teeth in the same places."""
+
+    #: contacts by the numbers of their pairs
+    contacts: dict[int, Contact]
+    #: warnings of the contacts alone
+    lines: list[str]
+    #: data of the pairs for the view, with all fields
+    pairs: list[dict[str, Any]]
 
 
 class Workshop:
@@ -77,6 +93,7 @@ class Workshop:
         self.origins = {} if opened is None else {OPENED_NAME: opened}
         self.states: Shelf[list[dict[str, Any]]] = Shelf(MAX_KEPT_STATES)
         self.built: Shelf[Built] = Shelf(MAX_KEPT_GEARS)
+        self.solved: Shelf[Solved] = Shelf(MAX_KEPT_STATES)
         # first and last position of the contact of each pair
         self.ends: Shelf[dict[int, tuple[float, float]]] = Shelf(MAX_KEPT_STATES)
         self.meshes = MeshStore()
@@ -323,6 +340,11 @@ class Workshop:
         different = train.different if train.pairs else ()
         # where no tooth changed, contact at few positions is there long before the mesh cycle
         positions = mark_of([sorted(built.marks.items()), whole.contact.stated()])
+        solved = built.contact and mark_of([built.contact, whole.contact.stated()])
+        known = self.solved.get(solved) if solved else None
+        if known is not None:
+            yield from self._known_contact(built, known, (coarse, fine), job)
+            return
         first = self._first_scene(gears, built.marks, fine, self.ends.get(positions))
         if first is not None:
             yield first
@@ -349,13 +371,9 @@ class Workshop:
             job.begin(f"contact of {train.pairs[k].name}", share + 0.3 / len(different), share + 0.4 / len(different))
             contacts[k] = solve_contact(gears, k, meshes[k])
         self.ends.put(positions, {k: (contact.path.phi1[0], contact.path.phi1[-1]) for k, contact in contacts.items()})
-        lines = [*gears.warnings, *(line for contact in contacts.values() for line in contact.warnings)]
-        yield {
-            "type": "figures",
-            "later": False,
-            "meshes": [_mesh_figures(each.pair.name, each.summary) for each in contacts.values()],
-            "warnings": list(dict.fromkeys(lines)),
-        }
+        # warnings of the contacts follow those of the gears
+        lines = [line for contact in contacts.values() for line in contact.warnings[len(gears.warnings) :]]
+        yield _all_figures(gears, contacts, lines)
         moving = {k: contact for k, contact in contacts.items() if contact.path.touching.any() and not contact.stuck}
         if first is None:
             # the pattern at the positions of the figures: curves at once, then on coarse gears
@@ -367,8 +385,22 @@ class Workshop:
                 yield {"type": "scene", **self._still(gears, built.marks, shapes), "pairs": pairs}
         job.begin("contact pattern", 0.7, 0.85)
         pairs = staged(train, moving.values(), names)
+        if solved:
+            self.solved.put(solved, Solved(contacts, lines, pairs))
         shapes = self.meshes.shapes_of(gears.members, built.marks, fine, fine, job, 0.85)
         yield {"type": "scene", **self._still(gears, built.marks, shapes), "pairs": pairs}
+
+    def _known_contact(
+        self, built: Built, known: Solved, tolerances: tuple[float, float], job: Job
+    ) -> Iterator[dict[str, Any]]:
+        """Yield the messages of gears whose contact is known from gears with the same teeth."""
+        gears, marks, shown = built.gears, built.marks, list[str]()
+        yield _all_figures(gears, known.contacts, known.lines)
+        for tolerance in tolerances:
+            shapes = self.meshes.shapes_of(gears.members, marks, tolerance, tolerances[1], job, 0.5)
+            if shown != [shape.key for shape in shapes]:
+                shown = [shape.key for shape in shapes]
+                yield {"type": "scene", **self._still(gears, marks, shapes), "pairs": known.pairs}
 
     def _still(self, gears: ModelledGears, marks: Mapping[str, str], shapes: Sequence[Shape]) -> dict[str, Any]:
         """Return the scene of gears without their contact."""
@@ -383,7 +415,8 @@ class Workshop:
             return still
         if len(still.gears.train.pairs) != 1:
             return self._built(design)
-        return Built(_moved(still.gears, errors, stated), still.marks)
+        mark = still.contact and mark_of([still.contact, sorted(errors.items())])
+        return Built(_moved(still.gears, errors, stated), still.marks, mark)
 
     def _built(self, design: Design) -> Built:
         """Return the gears of a design; known ones are not built again."""
@@ -392,7 +425,9 @@ class Workshop:
         if known is None:
             complete = complete_design(design)
             train = build(complete)
-            known = self.built.put(mark, Built(ModelledGears(complete, train), surface_marks(train)))
+            known = self.built.put(
+                mark, Built(ModelledGears(complete, train), surface_marks(train), contact_mark(train))
+            )
         return known
 
     def _first_scene(
@@ -472,6 +507,16 @@ def _scene(members: Mapping[str, Member], shapes: Sequence[Shape]) -> dict[str, 
             member_data(member, keys.index(shape.key), shape.reach)
             for member, shape in zip(members.values(), shapes, strict=True)
         ],
+    }
+
+
+def _all_figures(gears: ModelledGears, contacts: Mapping[int, Contact], lines: Sequence[str]) -> dict[str, Any]:
+    """Return the message of all figures; `lines`: warnings of the contacts."""
+    return {
+        "type": "figures",
+        "later": False,
+        "meshes": [_mesh_figures(each.pair.name, each.summary) for each in contacts.values()],
+        "warnings": list(dict.fromkeys([*gears.warnings, *lines])),
     }
 
 

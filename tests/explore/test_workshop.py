@@ -143,6 +143,26 @@ def test_fine_mesh_made_with_the_coarse_one_is_sent_once(workshop: Workshop) -> 
     assert [shape["key"] for shape in first["shapes"]] == [shape["key"] for shape in last["shapes"]]
 
 
+def test_a_bore_leaves_contact_as_it_is(workshop: Workshop, monkeypatch: pytest.MonkeyPatch) -> None:
+    first = ask(workshop)
+    held = [shape["key"] for shape in first[-1]["shapes"]]
+    changes = {"pinion.bore": 10.0}
+    fresh = ask(Workshop(workshop.origins["opened"]), changes=changes)
+    with monkeypatch.context() as patch:
+        patch.setattr("gearmesh.explore.pairs.MeshSolution.of", lambda pair: pytest.fail("a mesh was solved"))
+        patch.setattr("gearmesh.explore.pairs.contact_of", lambda *_, **__: pytest.fail("a contact was solved"))
+        found = ask(workshop, changes=changes, have=held, rows=first[0]["of"])
+    assert [message["type"] for message in found] == ["design", "figures", "scene"]
+    shown, expected = of(found, "figures")[-1], of(fresh, "figures")[-1]
+    assert shown["warnings"] == expected["warnings"]
+    assert shown["meshes"] == expected["meshes"]
+    scenes = of(found, "scene")[-1], of(fresh, "scene")[-1]
+    assert scenes[0]["pairs"] == scenes[1]["pairs"]
+    # the member with the bore is meshed again, the other is not
+    assert [set(shape) == {"key"} for shape in scenes[0]["shapes"]] == [False, True]
+    assert scenes[0]["shapes"][0]["rest"] == scenes[1]["shapes"][0]["rest"]
+
+
 @pytest.fixture(scope="module")
 def train() -> Workshop:
     return Workshop(origin_of_file(SAMPLES / "trains" / "train_two_stage.toml"))
