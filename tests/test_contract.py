@@ -74,7 +74,7 @@ MAY_IMPORT: dict[str, str] = {
     "drawing": "kernel teeth design systems cad answers view",  # of answers the sheet, of view the writer of figures
     "reports": "kernel teeth design files systems mesh io answers view drawing study optimize",
     # of trains the stages, and all answers about them
-    "trains": "kernel teeth contact design files exchange systems mesh io cad answers view reports",
+    "trains": "kernel teeth contact design files exchange systems mesh io cad answers view study reports",
     # the local page
     "explore": "kernel design systems samples mesh teeth answers view reports trains",
     # only app and gearmesh import api

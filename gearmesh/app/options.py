@@ -298,6 +298,15 @@ def design_text(path: Path, overrides: list[str] | None) -> str:
     return rewritten(text_of(path), dict(leaves(override(read(path), overrides)))) if overrides else text_of(path)
 
 
+def is_train(path: Path) -> bool:
+    """Return True for the file of a train; standard input is none."""
+    from gearmesh.design.files import read
+    from gearmesh.exchange.rexs_file import is_rexs
+    from gearmesh.trains.file import TRAIN_KIND
+
+    return str(path) != "-" and not is_rexs(path) and read(path).get("kind") == TRAIN_KIND
+
+
 def chosen_pair(gears: Gears, names: str | None) -> str:
     """Return the name of the mesh chosen by --pair, by default the first mesh. Raises DesignError for other names."""
     return gears.names.pair_names[gears.names.pair_number(0 if names is None else names)]

@@ -10,13 +10,13 @@ from dataclasses import replace
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from gearmesh import __version__
 from gearmesh.answers.load.loaded import required_level, required_torques
-from gearmesh.answers.result import Result, header
+from gearmesh.answers.result import Result, StatedDesign, header
 from gearmesh.answers.tables import Listing
 from gearmesh.design.core import Design
 from gearmesh.design.dotted import with_keys
@@ -84,12 +84,46 @@ MAIN_FIGURES = (
 )
 
 
+class RowWork(Protocol):
+    """Function that computes rows of a study, of plain data that can be sent to any worker."""
+
+    @property
+    def own(self) -> Mapping[str, Any]:
+        """Keys of the unchanged design or train, as nested tables."""
+
+    @property
+    def pair(self) -> int | str:
+        """Name or number of the pair."""
+
+    @property
+    def groups(self) -> tuple[str, ...]:
+        """Groups of figures that are computed."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Figures that are kept."""
+
+    @property
+    def torque(self) -> tuple[float, ...]:
+        """Torques, Nm, of figures under load."""
+
+    @property
+    def level_entry(self) -> dict[str, str]:
+        """Entry of the level of contact under load for what tells studies apart."""
+
+    def chunk_rows(self, rows: int) -> int:
+        """Return the number of rows that are computed together in a study of so many `rows`."""
+
+    def __call__(self, rows: Sequence[Sequence[Any]]) -> list[list[Any]]:
+        """Return the values of `names` of each row, None where there is no value, and last the reason."""
+
+
 @dataclass(frozen=True, repr=False)
 class Study(Result):
     """Rows of a study as columns of equal length."""
 
-    #: the design whose keys are varied
-    design: Design
+    #: the design, or the train, whose keys are varied
+    design: StatedDesign
     #: values of the varied keys, row by row
     plan: Plan
     #: columns (N,) by name: row, varied keys (in the design's units), figures, status (ok, no contact or failed),
@@ -100,7 +134,7 @@ class Study(Result):
     #: limits that a good row keeps
     limits: tuple[Limit, ...]
     #: function that computes rows
-    _work: StudyWork
+    _work: RowWork
 
     @property
     def suffixes(self) -> tuple[str, ...]:
@@ -268,13 +302,15 @@ class Study(Result):
         Returns
         -------
         list of AssemblyContact or str
-            A str is the reason why a row has no contact.
+            A str is the reason why a row has no contact. Rows of a train have no contact to draw: the list is empty.
 
         Examples
         --------
         >>> len(gears.study({"assembly.dx": "0:0.1:2"}, record="path", workers=1).assemblies())
         2
         """
+        if not isinstance(self._work, StudyWork):
+            return []
         return assembly_contacts(self._work, self.plan.rows(0, len(self.plan)))
 
 
@@ -295,9 +331,9 @@ def _ranking(shares: Sequence[VarianceShare]) -> str:
 
 
 def run_study(
-    design: Design,
+    design: StatedDesign,
     plan: Plan,
-    work: StudyWork,
+    work: RowWork,
     nominal: Summary,
     limits: Sequence[str],
     folder: str | PathLike[str] | None,
@@ -516,7 +552,7 @@ def _refuse_unknown(tokens: Sequence[str], allowed: Sequence[str], names: Iterab
 def _work(
     store: StudyStore,
     plan: Plan,
-    work: StudyWork,
+    work: RowWork,
     workers: int | None,
     scheduler: Scheduler | None,
     progress: Progress | None,
@@ -543,7 +579,7 @@ def _work(
         raise OutputError(reason="some rows were not computed; run the same command again to continue")
 
 
-def _columns(plan: Plan, work: StudyWork, store: StudyStore) -> dict[str, list[Any]]:
+def _columns(plan: Plan, work: RowWork, store: StudyStore) -> dict[str, list[Any]]:
     rows = [row for number in sorted(store.chunks) for row in store.chunks[number]]
     figures = list(zip(*rows, strict=True))
     reasons = list(figures[-1])

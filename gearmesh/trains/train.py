@@ -31,7 +31,9 @@ if TYPE_CHECKING:
     from gearmesh.answers.bodies.cad import Cad
     from gearmesh.answers.bodies.solid import Solids
     from gearmesh.kernel.motion.rigid import Rigid
+    from gearmesh.progress import Progress
     from gearmesh.reports.report import ReportPage
+    from gearmesh.study.study import Study
     from gearmesh.view.picture import Diagram, Picture
     from gearmesh.view.scene import Scene
 
@@ -560,6 +562,79 @@ class MultistageTrain(Result):
         'te.csv'
         """
         return TrainError(self, self.file.output, output_error(self.layout, self.file.output, turns))
+
+    def study(
+        self,
+        vary: Mapping[str, str | Sequence[float | int | str | bool]] | None = None,
+        *,
+        tolerance: Mapping[str, str] | str | PathLike[str] | None = None,
+        sample: int | None = None,
+        method: str = "lhs",
+        seed: int = 0,
+        record: str | Sequence[str] = "all",
+        limits: Sequence[str] = (),
+        folder: str | PathLike[str] | None = None,
+        workers: int | None = None,
+        turns: float | None = None,
+        progress: Progress | None = None,
+    ) -> Study:
+        """Study many variants of the train: compute kinematics and transmission error of the output for every row.
+
+        Parameters
+        ----------
+        vary : mapping of str to list or str, optional
+            Values of keys of stages, as {"stages.first.assembly.dx": "-0.1:0.1:5"}. All combinations are rows; with `sample`
+            each is "low:high", sampled evenly.
+        tolerance : mapping of str to str, or str or os.PathLike, optional
+            Distributions of keys of stages, as "normal:0:20um", or a TOML file of them.
+        sample : int, optional
+            Number of sampled rows.
+        method : str
+            "lhs", "sobol", "random", or "saltelli".
+        seed : int
+            Seed of the sample.
+        record : str or sequence of str
+            Names of figures, or "all".
+        limits : sequence of str
+            Criteria of a good row, as "te_peak_to_peak_arcsec<10".
+        folder : str or os.PathLike, optional
+            Folder for finished rows; after a stop, the same call continues.
+        workers : int, optional
+            Number of processes on this machine; None for a number that fits the work.
+        turns : float, optional
+            Turns of the input for the transmission error; by default those of one turn of the output.
+        progress : callable, optional
+            Function of the progress (0 to 1) and the name of the stage.
+
+        Returns
+        -------
+        Study
+            Rows, statistics and sensitivities.
+
+        Raises
+        ------
+        DesignError
+            For keys that cannot be varied.
+        NoSolutionError
+            If the train itself loses contact.
+        OutputError
+            For a folder with another study.
+
+        Examples
+        --------
+        >>> train = gm.load_train("samples/trains/train_two_stage.toml")
+        >>> study = train.study({"stages.second.gear.teeth": [53, 54]}, turns=0.1, workers=1)
+        >>> [round(ratio, 3) for ratio in study.numbers("ratio")]
+        [6.235, 6.353]
+        """
+        from gearmesh.study.study import refuse_workers, run_study
+        from gearmesh.trains.study import train_plan, train_work
+
+        refuse_workers(workers)
+        plan = train_plan(self.file, vary or {}, tolerance, sample, method, seed)
+        wanted = record.split(",") if isinstance(record, str) else record
+        work, nominal = train_work(self.file, plan, [name.strip() for name in wanted], turns)
+        return run_study(self.file, plan, work, nominal, limits, folder, workers, None, progress)
 
     # ---------------------------------------------------------------- pictures and the page
 

@@ -742,6 +742,60 @@ def test_other_commands_name_the_command_of_trains() -> None:
     assert "gearmesh train" in refused("tca", TWO_STAGE)
 
 
+# ---------------------------------------------------------------- studies
+
+
+def test_rows_of_a_study_are_trains_with_their_keys(tmp_path: Path) -> None:
+    """Every row is the train of a file with its keys; stages whose keys do not vary are built once for all rows."""
+    vary = {"stages.second.gear.teeth": "52,54", "stages.first.gear.modifications.helix_crowning": [0.0, 0.02]}
+    train = gm.load_train(TWO_STAGE)
+    study = train.study(vary, turns=0.1, workers=1, folder=tmp_path, limits=["te_peak_to_peak_arcsec<100"])
+    assert study.columns["status"] == ["ok"] * 4
+    for k, (teeth, crowning) in enumerate(study.plan.rows(0, 4)):
+        keys = [f"stages.second.gear.teeth={teeth}", f"stages.first.gear.modifications.helix_crowning={crowning}"]
+        alone = gm.load_train(TWO_STAGE, keys)
+        error = alone.transmission_error(0.1).figures
+        assert study.numbers("ratio")[k] == alone.figures.ratio
+        assert study.numbers("te_peak_to_peak_arcsec")[k] == pytest.approx(error.te_peak_to_peak, rel=1e-12)
+        assert study.numbers("te_peak_to_peak_first_arcsec")[k] == pytest.approx(
+            error.stage_te_peak_to_peak["first"], rel=1e-12
+        )
+    assert np.ptp(study.numbers("te_peak_to_peak_first_arcsec")) > 0.1
+    assert study.nominal["ratio"] == train.figures.ratio
+    assert study.good == 1.0
+    # finished rows are read again
+    again = gm.load_train(TWO_STAGE).study(vary, turns=0.1, workers=1, folder=tmp_path)
+    assert again.columns == study.columns
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({}, "vary: missing; give keys to vary, as stages.first.assembly.dx=-0.1:0.1:5"),
+        ({"vary": {"stages.secnd.gear.teeth": [1]}}, "with NAME one of first, second; did you mean stages.second.gear.teeth?"),
+        ({"vary": {"stages.second.gear.teth": [1]}}, "vary stages.second.gear.teth: cylindrical has no key of this name"),
+        ({"vary": {"stages.second.module": ["x"]}}, 'stages.second.module = "x": must be a number'),
+        ({"tolerance": {"stages.second.module": "normal:2:0.1"}}, "tolerance: needs sample"),
+        ({"sample": 2, "tolerance": {"class": "6"}}, "tolerance class: tolerance classes are for studies of one stage"),
+    ],
+)  # fmt: skip
+def test_wrong_studies_are_refused_in_one_line(arguments: dict[str, Any], words: str) -> None:
+    with pytest.raises(gm.DesignError) as refusal:
+        gm.load_train(TWO_STAGE).study(**arguments)
+    assert words in str(refusal.value)
+
+
+def test_the_command_studies_trains(tmp_path: Path) -> None:
+    tolerance = ("--sample", "2", "--tolerance", "stages.first.assembly.dx=normal:0:20um", "--record", "ratio")
+    status, _, err = run("study", TWO_STAGE, *tolerance, "-o", tmp_path / "s", "--workers", "1", "--no-parquet")
+    assert status == 0, err
+    lines = (tmp_path / "s" / "study.csv").read_text().splitlines()
+    assert lines[0] == "row,stages.first.assembly.dx,ratio,status,reason"
+    assert len(lines) == 3
+    assert refused("study", TWO_STAGE, *tolerance, "--torque", "5").startswith("--torque: is for studies of one")
+
+
 # ---------------------------------------------------------------- CAD, pictures, page
 
 

@@ -17,6 +17,7 @@ from gearmesh.app.options import (
     TlsClientKey,
     Workers,
     chosen_pair,
+    is_train,
     load_gears,
     option,
     tls_files,
@@ -36,6 +37,9 @@ from gearmesh.app.terminal import (
 )
 from gearmesh.errors import ArgumentError
 from gearmesh.progress import Progress
+
+#: figures of rows by default
+DEFAULT_RECORD = "path,cycle"
 
 if TYPE_CHECKING:
     from gearmesh import Gears
@@ -76,7 +80,7 @@ def study(
             "needs --torque), turns (whole turns: 1 s), all but turns, "
             "or names of figures, with commas.",
         ),
-    ] = "path,cycle",
+    ] = DEFAULT_RECORD,
     torque: Annotated[
         str | None,
         option(
@@ -112,9 +116,43 @@ def study(
 ) -> None:
     """Many assemblies or designs: grids, samples of tolerances, largest permissible errors.
 
-    Writes study.csv (.parquet), study.json and figures into DIR. If interrupted, the same command continues.
+    Writes study.csv (.parquet), study.json and figures into DIR. If interrupted, the same command continues. A train has keys as
+    stages.first.assembly.dx and the transmission error of its output.
     """
     refuse_unwritable(json_file)
+    if is_train(design_file):
+        of_one_pair = {
+            "torque": torque,
+            "find_limits": find_limits,
+            "pair": pair,
+            "scheduler": scheduler,
+            "level": None if level == "full" else level,
+        }
+        for name, given in of_one_pair.items():
+            if given is not None:
+                raise ArgumentError(name, reason="is for studies of one gear set, not of a train", allowed="left out")
+        refuse_folder(output)
+        import gearmesh as gm
+
+        with working("stages"):
+            train = gm.load_train(design_file, settings or [])
+        with working("study") as progress:
+            rows = train.study(
+                unique_keys("--vary", vary),
+                tolerance=tolerances("--tolerance", tolerance),
+                sample=sample,
+                method=method,
+                seed=seed,
+                record="all" if record == DEFAULT_RECORD else record,
+                limits=limit or (),
+                folder=output,
+                workers=workers,
+                progress=at_times(progress),
+            )
+            if output is not None:
+                _save_rows(rows, output, _has_pyarrow() if parquet is None else parquet)
+        _show(rows, json_file)
+        return
     torques = None if torque is None else torques_in_nm(torque)
     if find_limits:
         if output is not None:
@@ -180,13 +218,19 @@ def study(
 
 def _save(gears: Gears, answer: Study, folder: Path, parquet: bool, pictures: bool) -> None:
     """Write rows, summary and figures of a study to files."""
+    _save_rows(answer, folder, parquet)
+    if pictures:
+        with output_folder(folder):
+            gears.save_pictures(answer, folder)
+
+
+def _save_rows(answer: Study, folder: Path, parquet: bool) -> None:
+    """Write rows and summary of a study to files."""
     with output_folder(folder):
         answer.save(folder / "study.csv")
         answer.save(folder / "study.json")
         if parquet:
             answer.save(folder / "study.parquet")
-        if pictures:
-            gears.save_pictures(answer, folder)
 
 
 def _show(answer: Study, json_file: str | None) -> None:
