@@ -19,6 +19,7 @@ from oracles.places import PACKAGE, ROOT, SAMPLES
 
 import gearmesh as gm
 from gearmesh.app import cli
+from gearmesh.app.options import is_train
 
 FILES = sorted(
     path.relative_to(ROOT).as_posix()
@@ -67,7 +68,9 @@ def refusal(command: str) -> str:
         return "" if str(error).endswith("cannot be read: No such file or directory") else str(error)
     design = values.get("design_file")
     if design is not None:
-        gm.load(ROOT / design, values.get("settings") or [])
+        # studies are of trains too
+        read_design = gm.load_train if is_train(ROOT / design) else gm.load
+        read_design(ROOT / design, values.get("settings") or [])
     if name == "describe":
         status, _, message = run(name, *words)
         return message if status and not message.endswith("No such file or directory\n") else ""

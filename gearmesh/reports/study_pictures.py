@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from gearmesh.design.core import Design
 from gearmesh.kernel.numeric.algebra import ARCSEC, cross
 from gearmesh.kernel.numeric.algebra import unit as unit_vector
 from gearmesh.study.rows.path_figures import carries
@@ -112,11 +113,12 @@ def _number(value: float | None) -> float:
 
 def _label(study: Study, key: str) -> str:
     """Return the name of a key with its unit, and what it means; of an assembly error, what it means if it is positive."""
-    known = type(study.design).key_at(key)
-    if known is None:
+    design = study.design
+    known = design.key_at(key) if isinstance(design, Design) else None
+    if known is None or not isinstance(design, Design):
         return key
-    unit = {"length": study.design.units, "angle": "deg"}.get(known.unit, "")
-    moving = key in displacing_keys(study.design.kind)
+    unit = {"length": design.units, "angle": "deg"}.get(known.unit, "")
+    moving = key in displacing_keys(design.kind)
     named = f"{key.rpartition('.')[2] if moving else key}{f', {unit}' if unit else ''}"
     return f"{named} ({'+: ' if moving else ''}{known.about})" if known.about else named
 

@@ -6,11 +6,14 @@ A row sets keys of the designs of stages, as "stages.first.assembly.dx". Only th
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from os import PathLike, fspath
 from typing import Any, TypeVar
+
+import numpy as np
 
 from gearmesh.answers.bodies.questions import ModelledGears
 from gearmesh.answers.tables import plain
@@ -18,7 +21,8 @@ from gearmesh.design.core import Design
 from gearmesh.design.dotted import with_keys
 from gearmesh.design.shown import shown_key
 from gearmesh.errors import ArgumentError, GearmeshError, nearest
-from gearmesh.figures import Summary
+from gearmesh.figures import Figures, Summary, figure
+from gearmesh.kernel.numeric.algebra import ARCSEC
 from gearmesh.records import dataclass
 from gearmesh.study.plan import KeyReader, Plan, Value, grid, sample_plan
 from gearmesh.study.spreads import Spread, read_spreads, spread_of
@@ -26,8 +30,9 @@ from gearmesh.study.tolerance_class import CLASS_KEY
 from gearmesh.systems import designs
 from gearmesh.systems.system import complete_design
 from gearmesh.trains.file import TrainFile, naming_stage
+from gearmesh.trains.layout import Layout, layout_of
 from gearmesh.trains.stage import Stage
-from gearmesh.trains.train import MultistageTrain
+from gearmesh.trains.transmission import output_error
 
 #: beginning of the keys of stages
 STAGES_PREFIX = "stages."
@@ -37,6 +42,21 @@ CHUNK_ROWS = 4
 MAX_KEPT_STAGES = 16
 
 ReadT = TypeVar("ReadT")
+
+
+@dataclass(frozen=True)
+class TrainRowFigures(Figures):
+    """Figures of a row, as those of the train."""
+
+    ratio: float | None = figure("speed of the input over that of the output", "", "i", optional=True)
+    travel: float | None = figure("travel of a rack on the output per turn of the input", "mm", "s", optional=True)
+    te_peak_to_peak: float = figure("transmission error of the output, peak to peak", "arcsec")
+    way_te_peak_to_peak: float | None = figure(
+        "transmission error of a rack along its travel, peak to peak", "um", key="te_peak_to_peak_um", optional=True
+    )
+    stage_te_peak_to_peak: Mapping[str, float] = figure(
+        "share of a stage, peak to peak, at the output", "arcsec", key="te_peak_to_peak_{member}_arcsec"
+    )
 
 
 @dataclass(frozen=True)
@@ -165,8 +185,8 @@ class TrainStudyWork:
             tables = with_keys(design.stated(), own.get(name, ()))
             made[name] = _stage(name, json.dumps(tables, sort_keys=True, default=str))
         varied: dict[str, Design] = {name: stage.gears.design for name, stage in made.items()}
-        train = MultistageTrain(replace(self.file, stages=varied), stages=made)
-        return Summary(train.figures, train.transmission_error(self.turns).figures).flat
+        layout = layout_of(replace(self.file, stages=varied), made)
+        return Summary(_row_figures(layout, self.turns)).flat
 
     def __call__(self, rows: Sequence[Sequence[Any]]) -> list[list[Any]]:
         """Return the values of `names` of each row, None where there is no value, and last the reason."""
@@ -179,6 +199,20 @@ class TrainStudyWork:
             entries = [figures.entry(name) for name in self.names]
             found.append([*(None if entry is None else plain(entry.value) for entry in entries), reason])
         return found
+
+
+def _row_figures(layout: Layout, turns: float | None) -> TrainRowFigures:
+    """Return the figures of a row from the layout of its train."""
+    output = layout.file.output
+    speed, port, error = layout.speeds[output], layout.port(output), output_error(layout, output, turns)
+    size = float(np.ptp(error.te))
+    return TrainRowFigures(
+        float(1 / speed) if speed and not port.slides else None,
+        port.joint.way(2.0 * math.pi * float(speed)),
+        size / ARCSEC,
+        port.joint.way(1e3 * size),
+        {stage: float(np.ptp(part)) / ARCSEC for stage, part in error.parts.items()},
+    )
 
 
 @lru_cache(maxsize=MAX_KEPT_STAGES)
@@ -196,9 +230,7 @@ def train_work(
     `record`: names of figures, or "all". Raises ArgumentError for a figure that the train does not have.
     """
     nominal = TrainStudyWork(file, (), turns).figures(())
-    known = [
-        entry for entry in nominal.entries if isinstance(plain(entry.value), int | float) and not entry.figure.whole
-    ]
+    known = [entry for entry in nominal.entries if entry.value is not None]
     names = [entry.key for entry in known]
     for token in record:
         if token != "all" and token not in names:
