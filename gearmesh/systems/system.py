@@ -622,7 +622,10 @@ def build(design: Design) -> GearTrain:
     whole = complete_design(design)
     own = whole.in_mm()
     with _naming_keys(whole):
-        train = finished(own, system_of(own).build(own))
+        made = system_of(own).build(own)
+    # what is refused here is not in the trials of a search
+    with _naming_keys(whole, None):
+        train = finished(own, made)
     notes = (*_of_small_teeth(whole), *unusual_settings(whole), *_of_other_defaults(whole))
     return replace(train, warnings=(*train.warnings, *notes))
 
@@ -649,10 +652,10 @@ def member(design: Design, name: str) -> ToolPart:
 
 
 @contextmanager
-def _naming_keys(design: Design, tried: Callable[[Any], object] = try_build) -> Iterator[None]:
+def _naming_keys(design: Design, tried: Callable[[Any], object] | None = try_build) -> Iterator[None]:
     """Run the body of the context; refusals of a design then name a key that the design sets (see `diagnosis`).
 
-    `tried`: function with which the key is searched.
+    `tried`: function with which the key is searched; None: refusals stay as they are.
     """
     try:
         yield
@@ -663,6 +666,8 @@ def _naming_keys(design: Design, tried: Callable[[Any], object] = try_build) -> 
 
         # refusals are in mm
         failure.lengths_in = (design.units, design.mm_per_unit)
+        if tried is None:
+            raise
         told = diagnose(design, failure, tried, _derived_values)
         # an error that is its own cause would send whoever follows causes round in a circle
         raise told from (failure if told is not failure else failure.__cause__)

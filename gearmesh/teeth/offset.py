@@ -175,12 +175,12 @@ def _side(side: ToothSide, tooth: Tooth, blank: Blank, distance: float) -> Tooth
         tip_corner=None if side.tip_corner is None else _tip_corner(side, side.tip_corner, blank, distance),
         smooth_flank=None if smooth is None else lambda p, v: Parallel(smooth(p, v), distance),
         generated=side.generated or side,
-        crossed=side.crossed or side.sharp or not _smooth(side, blank),
+        crossed=side.crossed or side.sharp or not smooth_at_form_point(side, blank),
         generation=None,
     )
 
 
-def _smooth(side: ToothSide, blank: Blank) -> bool:
+def smooth_at_form_point(side: ToothSide, blank: Blank) -> bool:
     """True if flank and fillet are tangent at the form point all along the face; a modified flank may leave the fillet
     in an edge.
     """

@@ -156,6 +156,17 @@ def test_other_settings_are_refused(options: list[str], message: str, tmp_path: 
     assert message in told
 
 
+def test_cones_without_modifications_say_so(tmp_path: Path) -> None:
+    """It was "none moves the flanks that were measured"."""
+    file = tmp_path / "level.csv"
+    file.write_text("s,t,deviation_um\n" + "".join(f"{s},{t},2\n" for s in (0, 0.5, 1) for t in (0, 0.5, 1)))
+    gears = gm.build(load(SAMPLES / "beveloid_crossed.toml"))
+    with pytest.raises(
+        DesignError, match=r"none can be set: pinion\.cone_angle = 20 deg: must be 0 where modifications"
+    ):
+        gears.correct("pinion", file, flank="right")
+
+
 def test_theoretical_charts_have_the_band_of_the_class(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Lines of the profile chart: the design trace, and two as far apart as F_aT, over the range of evaluation."""
     from gearmesh.view.diagrams import k_chart

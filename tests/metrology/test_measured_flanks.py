@@ -226,6 +226,27 @@ def test_wrong_files_are_refused_in_one_line(spur: gm.Gears, what: str, tmp_path
     assert "\n" not in line
 
 
+def test_flanks_that_make_no_tooth_are_refused_without_bounds_of_keys(spur: gm.Gears, tmp_path: Path) -> None:
+    """Keys were tried without the measured flanks: `pressure_angle = 20 deg: allowed is at most 20 deg`."""
+    path, shares = tmp_path / "steep.csv", np.linspace(0.0, 1.0, 5)
+    rows = [f"{s},{t},{250 * (i % 2)}\n" for i, s in enumerate(shares) for t in shares]
+    path.write_text("s,t,deviation_um\n" + "".join(rows))
+    with pytest.raises(GearmeshError, match=r"^measured\.pinion_right and measured\.pinion_left: deviations: "):
+        gm.build(spur.design.with_values({f"measured.pinion_{side}": str(path) for side in ("right", "left")}))
+
+
+def test_modified_flanks_that_were_measured_end_where_they_cross_the_fillet(spur: gm.Gears, tmp_path: Path) -> None:
+    """A slope leaves the fillet in an edge, where deviations along both normals come apart (1.4e-5 mm: KindError)."""
+    path = tmp_path / "level.csv"
+    path.write_text("s,t,deviation_um\n" + "".join(f"{s},{t},20\n" for s in (0, 0.3, 0.6, 1) for t in (0, 0.3, 0.6, 1)))
+    modified = spur.design.with_values({"pinion.modifications_right.profile_slope": 0.02})
+    real = gm.build(modified.with_values({"measured.pinion_right": str(path)})).members["pinion"]
+    shares = np.array([0.0, 0.5, 1.0])
+    before = gm.build(modified).members["pinion"].tooth.flank_grid("right", shares, shares)
+    after = FlankProjection(real.tooth, Side.RIGHT).foot_points((before.points + 0.02 * before.normals).reshape(-1, 3))
+    assert np.abs(after.distances).max() < 1e-9
+
+
 def test_normals_that_point_into_the_material_are_refused(spur: gm.Gears, tmp_path: Path) -> None:
     path, grid = tmp_path / "inward.csv", spur.measuring_grid("pinion", "right")
     for sign in (1.0, -1.0):

@@ -299,8 +299,8 @@ def settings_named(all_settings: Sequence[MovableSetting], name: str) -> list[Mo
 def usable_settings(flanks: CutFlanks, names: Sequence[str]) -> dict[MovableSetting, Array]:
     """Return the named settings that move the flanks, by default the usual settings, with their sensitivity (N,).
 
-    "radial" names a setting of both sides, "concave.radial" of one side. Raises ArgumentError for unknown names and for
-    settings that do not move the flanks.
+    "radial" names a setting of both sides, "concave.radial" of one side. Raises ArgumentError for unknown names, for settings
+    that do not move the flanks, and if the design refuses them all.
     """
     all_settings = movable_settings(flanks.design, flanks.name)
     made: dict[MovableSetting, Array] = {}
@@ -318,15 +318,19 @@ def usable_settings(flanks: CutFlanks, names: Sequence[str]) -> dict[MovableSett
     if names:
         return made
     both_measured = len(flanks.grids) == len(Side)
+    refusal: DesignError | None = None
     for setting in in_turn(all_settings):
         # settings that both sides share are not changed if only one side was measured
         one_sided = len(setting.keys) == 1 and setting.name != THICKNESS_SETTING
         if setting.plain_name in (*USUAL_SETTINGS, *GRINDER_SETTINGS) and (both_measured or one_sided):
             try:
                 column = flanks.sensitivity(setting)
-            except DesignError:
+            except DesignError as failure:
                 # for example, a machine that does not roll has no ratio of roll
+                refusal = failure
                 continue
             if column.any():
                 made[setting] = column
+    if refusal is not None and not made:
+        raise ArgumentError("settings", reason=f"none can be set: {refusal}") from refusal
     return made

@@ -41,6 +41,7 @@ from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.micro_geometry.flank_field import Band, BandSpline, Fade, LevelField
 from gearmesh.teeth.micro_geometry.modification import MAX_AMOUNT_SLOPE
+from gearmesh.teeth.offset import smooth_at_form_point
 from gearmesh.teeth.region import FILLET_REGIONS, FLANK_REGIONS, Side
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide
@@ -212,7 +213,7 @@ def _side(tooth: Tooth, which: Side, grid: DeviationGrid) -> ToothSide:
         tip_corner=None if side.tip_corner is None else replace(side.tip_corner, crossed=True),
         tabulated=True,
         generated=side.generated or side,
-        crossed=side.sharp,
+        crossed=side.crossed or side.sharp or not smooth_at_form_point(side, tooth.blank),
         generation=None,
     )
 
