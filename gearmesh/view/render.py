@@ -140,6 +140,25 @@ def _placed_words(sheet: LetteredImage, scene: Scene, inner: tuple[int, int]) ->
             placed.append((kept, f"\N{LEFTWARDS ARROW} {word.text}", 0.0))
         else:
             placed.append((kept, f"{word.text} \N{RIGHTWARDS ARROW}", 1.0))
+    return _apart(sheet, placed)
+
+
+def _apart(sheet: LetteredImage, words: list[tuple[Array, str, float]]) -> list[tuple[Array, str, float]]:
+    """Return words, each moved up or down so far that it does not meet those before it, as names of axes one behind the
+    other would.
+    """
+    placed: list[tuple[Array, str, float]] = []
+    boxes: list[PixelBox] = []
+    gap = _WORD_CLEARANCE * sheet.size[1]
+    for place, text, across in words:
+        for other in boxes:
+            box = sheet.box(place, text, _WORD_POINTS, across)
+            if box.left < other.right and other.left < box.right:
+                down, up = other.bottom + gap - box.top, box.bottom + gap - other.top
+                if min(down, up) > 0.0:
+                    place = place + np.array([0.0, down if down < up else -up])
+        boxes.append(sheet.box(place, text, _WORD_POINTS, across))
+        placed.append((place, text, across))
     return placed
 
 

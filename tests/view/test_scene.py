@@ -375,6 +375,27 @@ def test_words_are_beyond_what_they_name():
 
 
 @pytest.mark.quick
+def test_names_of_lines_one_behind_the_other_stay_apart():
+    """Axes of a shaper and of a face gear with an offset; the second name goes up or down, not away."""
+    camera = frame(
+        np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0]), np.array([[-10.0, -8.0, 0.0], [10.0, 8.0, 0.0]]), SIZE
+    )
+    middle, end = np.zeros(3), np.array([4.0, 0.2, 0.0])
+    sheet, boxes = LetteredImage(SIZE), []
+    for shift in (0.1, -0.1):
+        words = (
+            Word("axis of the shaper", end, middle),
+            Word("axis of the gear", end + np.array([0.0, shift, 5.0]), middle),
+        )
+        placed = lettering._placed_words(sheet, Scene((), camera, words=words), SIZE)
+        first, second = (sheet.box(place, text, lettering._WORD_POINTS, across) for place, text, across in placed)
+        assert not (first.top < second.bottom and second.top < first.bottom)
+        assert max(first.bottom, second.bottom) - min(first.top, second.top) < 2.5 * (first.bottom - first.top)
+        boxes.append(second.top > first.top)
+    assert boxes == [False, True]
+
+
+@pytest.mark.quick
 def test_letters_are_where_they_were_measured_to_be():
     """What is written is inside of its box but for its rim, and takes nearly all of the box's width."""
     sheet = LetteredImage(SIZE, np.full((SIZE[1], SIZE[0], 3), 128, dtype=np.uint8))
