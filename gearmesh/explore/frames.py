@@ -7,6 +7,10 @@ from typing import Any, BinaryIO
 
 #: length of a message in 4 bytes
 FRAME_LENGTH = struct.Struct("<I")
+#: smallest answer, a JSON text without an entry
+EMPTY_TABLE = b"{}"
+#: type of an answer that only says that the work goes on; no page gets it
+SIGN_TYPE = "alive"
 
 
 def frame(content: bytes) -> bytes:

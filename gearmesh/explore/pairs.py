@@ -12,6 +12,7 @@ from gearmesh.answers.bodies.questions import ModelledGears
 from gearmesh.answers.contact.contact import Contact, MeshSolution, contact_of
 from gearmesh.answers.contact.staging import first_contact, solved_contact, staged_contact
 from gearmesh.errors import GearmeshError
+from gearmesh.progress import in_turn
 from gearmesh.teeth.gear_train import GearPair, GearTrain
 from gearmesh.view.report.stage import StagedPair, pair_data
 
@@ -53,4 +54,6 @@ def _at_few(train: GearTrain, staged_pair: StagedPair, names: list[str]) -> dict
 
 def staged(train: GearTrain, contacts: Iterable[Contact], names: list[str]) -> list[dict[str, Any]]:
     """Return pairs with solved contacts at the positions of the slider, and all fields."""
-    return [pair_data(train, StagedPair(staged_contact(train, contact), {}), names) for contact in contacts]
+    return [
+        pair_data(train, StagedPair(staged_contact(train, contact), {}), names) for contact in in_turn(list(contacts))
+    ]

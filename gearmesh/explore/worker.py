@@ -15,10 +15,12 @@ import threading
 import time
 from typing import Any, BinaryIO
 
-from gearmesh.explore.frames import read_frame, refused, write_frame
+from gearmesh.explore.frames import EMPTY_TABLE, SIGN_TYPE, read_frame, refused, write_frame
 
 #: least time between two reports of progress, s
 PROGRESS_INTERVAL_S = 0.05
+#: time without an answer after which work that goes on says so, s: on a busy machine one stage may take long
+SIGN_INTERVAL_S = 5.0
 
 
 class Inbox:
@@ -41,6 +43,34 @@ class Inbox:
         os._exit(0)
 
 
+class Answers:
+    """Answers to a request with a number, written one after the other, whatever thread they come from."""
+
+    def __init__(self, output: BinaryIO, number: int) -> None:
+        self.number, self._output, self._writing = number, output, threading.Lock()
+        self._told, self._signed = 0.0, time.monotonic()
+
+    def send(self, message: dict[str, Any]) -> None:
+        """Write an answer; reports of progress that follow each other too soon are left out."""
+        if message["type"] == "progress":
+            now = time.monotonic()
+            if now - self._told < PROGRESS_INTERVAL_S:
+                return
+            self._told = now
+        self._write(message["type"], json.dumps(message, separators=(",", ":"), allow_nan=False).encode())
+
+    def sign(self) -> None:
+        """Write that the work goes on if nothing was written for long."""
+        if time.monotonic() - self._signed > SIGN_INTERVAL_S:
+            self._write(SIGN_TYPE, EMPTY_TABLE)
+
+    def _write(self, kind: str, content: bytes) -> None:
+        head = json.dumps({"job": self.number, "type": kind}).encode()
+        with self._writing:
+            self._signed = time.monotonic()
+            write_frame(self._output, head + b"\n" + content)
+
+
 def main() -> None:
     """Answer requests until the input ends."""
     # Ctrl-C in a terminal is for the program, which then ends the input
@@ -60,20 +90,14 @@ def main() -> None:
     workshop = Workshop(None if opened["opened"] is None else Origin(**opened["opened"]))
     while (request := inbox.requests.get()) is not None:
         number = int(request.pop("job"))
-        told = 0.0
+        answers = Answers(output, number)
 
-        def send(message: dict[str, Any], number: int = number) -> None:
-            nonlocal told
-            if message["type"] == "progress":
-                now = time.monotonic()
-                if now - told < PROGRESS_INTERVAL_S:
-                    return
-                told = now
-            head = json.dumps({"job": number, "type": message["type"]}).encode()
-            content = json.dumps(message, separators=(",", ":"), allow_nan=False).encode()
-            write_frame(output, head + b"\n" + content)
+        def is_stale(answers: Answers = answers) -> bool:
+            # asked at every surface: the place where work that takes long shows that it goes on
+            answers.sign()
+            return answers.number in inbox.cancelled
 
-        job = Job(send, lambda number=number: number in inbox.cancelled)  # type: ignore[misc]
+        job = Job(answers.send, is_stale)
         status = "done"
         try:
             job.check()
@@ -81,13 +105,13 @@ def main() -> None:
         except Stale:
             status = "cancelled"
         except MemoryError:
-            send(refused("out of memory: choose coarser gears"))
+            answers.send(refused("out of memory: choose coarser gears"))
         except Exception as fault:  # a fault of the program, which the page must show
             print(f"gearmesh explore: {type(fault).__name__}: {fault}", file=sys.stderr)
             line = " ".join(f"a fault of the program: {type(fault).__name__}: {fault}".split())
-            send(refused(line[:300]))
+            answers.send(refused(line[:300]))
         inbox.cancelled.discard(number)
-        send({"type": "end", "status": status})
+        answers.send({"type": "end", "status": status})
 
 
 if __name__ == "__main__":

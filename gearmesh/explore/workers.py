@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import field
 from typing import Any
 
-from gearmesh.explore.frames import FRAME_LENGTH, frame, refused
+from gearmesh.explore.frames import EMPTY_TABLE, FRAME_LENGTH, SIGN_TYPE, frame, refused
 from gearmesh.explore.state import Origin
 from gearmesh.records import dataclass
 
@@ -26,8 +26,6 @@ NEWEST_COUNTS = ("show", "range", "open", "start")
 
 #: number of the page of questions that no page has asked yet
 NO_PAGE = 0
-#: smallest answer, a JSON text without an entry
-EMPTY_TABLE = b"{}"
 
 Answer = Callable[[bytes], None]
 
@@ -236,6 +234,8 @@ class Worker:
             if head["job"] != self._job:
                 continue
             self.report(True, "")
+            if head["type"] == SIGN_TYPE:
+                continue
             asked.hear(message)
             if head["type"] == "end":
                 return

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import http.client
+import io
 import json
+import math
 import os
 import random
 import signal
@@ -26,6 +28,7 @@ from gearmesh import Explorer
 from gearmesh.explore.explorer import origin_of_file, origin_of_kind
 from gearmesh.explore.frames import frame
 from gearmesh.explore.server import MAX_FRAME_BYTES, MAX_MESSAGE_BYTES, MAX_PAGES
+from gearmesh.explore.worker import Answers
 from gearmesh.explore.workers import HANG_S, NO_PAGE, Asked, Listener, Worker
 
 SPUR = SAMPLES / "spur.toml"
@@ -306,6 +309,29 @@ class Still:
 
     async def wait(self) -> None:
         pass
+
+
+@pytest.mark.quick
+def test_work_that_goes_on_says_so_and_no_page_hears_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    output = io.BytesIO()
+    answers = Answers(output, 1)
+    monkeypatch.setattr("gearmesh.explore.worker.SIGN_INTERVAL_S", math.inf)
+    answers.sign()
+    assert not output.getvalue()
+    # longer than no time at all
+    monkeypatch.setattr("gearmesh.explore.worker.SIGN_INTERVAL_S", -1.0)
+    answers.sign()
+    answers.send({"type": "end", "status": "done"})
+
+    async def heard() -> list[bytes]:
+        worker, found = Worker(), list[bytes]()
+        worker.process = Still()  # type: ignore[assignment]
+        worker.process.stdout.feed_data(output.getvalue())  # type: ignore[union-attr]
+        await worker._work(Asked({"do": "show"}, [Listener(1, None, found.append)]))
+        return found
+
+    (end,) = asyncio.run(heard())
+    assert json.loads(end) == {"type": "end", "status": "done", "id": None}
 
 
 @pytest.mark.quick
