@@ -718,7 +718,7 @@ class MultistageTrain(Result):
         parts = {stage: error.shown(part) for stage, part in solved.parts.items()}
         slowest = min((mesh.teeth_per_turn for mesh in self.meshes if mesh.stage in parts), default=1.0)
         turns, te, unit = solved.psi / (2.0 * math.pi), error.shown(solved.te), error.reading[1]
-        title = f"{self.title}: shaft {error.shaft}, {float(np.ptp(te)):.4g} {unit} peak to peak"
+        title = f"{self.title}: shaft {error.shaft}, {float(np.ptp(te)):.4g} {unit.replace('um', 'µm')} peak to peak"
         return Diagram(title, lambda file: plot_train_error(file, turns, te, parts, title, 1.0 / slowest, unit=unit))
 
     def page(self, turns: float | None = None) -> ReportPage:

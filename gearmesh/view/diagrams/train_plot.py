@@ -42,7 +42,7 @@ def plot_train_error(
         axes.grid(True, color=GRID_LINE_COLOUR, lw=0.8)
         axes.set_axisbelow(True)
     widen_errors(whole, float(errors.min()), float(errors.max()))
-    whole.set_ylabel(f"transmission error of the output ({'µm' if unit == 'um' else unit})")
+    whole.set_ylabel(f"transmission error of the output ({unit.replace('um', 'µm')})")
     whole.set_title("all turns", color=INK_COLOUR, fontsize=10)
     near.set_title("three pitches of the slowest mesh", color=INK_COLOUR, fontsize=10)
     near.legend(fontsize=8, framealpha=0.85)
