@@ -238,7 +238,8 @@ def test_what_was_put_in_anew_is_tried_first_and_the_search_ends(monkeypatch: py
     gm.load(file, [f"pinion.convex.blade_angle={found[1]}"])
     # no clock decides: the same effort is the same message, and none is the refusal as it was noticed
     assert spent[0] == diagnosis.MAX_EFFORT
-    assert 1 < len(spent) < 10
+    # as many trials as the effort allows: 10 since tips of teeth start from those of their proof
+    assert 1 < len(spent) < 20
     monkeypatch.setattr(diagnosis, "MAX_EFFORT", 0.0)
     with pytest.raises(GearmeshError, match=r"^pinion: the fillets of neighbouring teeth overlap"):
         gm.load(file, [f"pinion.convex.blade_angle={refused_as_well}"])
