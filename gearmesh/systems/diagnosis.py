@@ -60,7 +60,7 @@ def diagnose(
     effort = Effort(MAX_EFFORT)
     _tell_reason(failure, effort)
     named = failure.key in own
-    failure = _with_value(design, failure, own[failure.key]) if named else failure
+    failure = with_set_value(design, failure)
     trials = Trials(type(design), own, build, effort, empty_tables(design.stated()), failure, built_of)
     mending = Mending(trials, _changed_keys(design, own))
     if named:
@@ -155,8 +155,9 @@ def _with_note(failure: GearmeshError) -> GearmeshError:
     return made
 
 
-def _with_value(design: Design, failure: GearmeshError, value: Any) -> GearmeshError:
-    """Return the refusal of a key with the design's value, if it has no value."""
+def with_set_value(design: Design, failure: GearmeshError) -> GearmeshError:
+    """Return the refusal with the design's value of its key, if it has no value and the design sets the key to a number."""
+    value = dict(design.own()).get(failure.key)
     if failure.value is not None or not isinstance(value, int | float) or isinstance(value, bool):
         return failure
     key = type(design).key_at(failure.key)

@@ -655,20 +655,18 @@ def member(design: Design, name: str) -> ToolPart:
 def _naming_keys(design: Design, tried: Callable[[Any], object] | None = try_build) -> Iterator[None]:
     """Run the body of the context; refusals of a design then name a key that the design sets (see `diagnosis`).
 
-    `tried`: function with which the key is searched; None: refusals stay as they are.
+    `tried`: function with which the key is searched; None: refusals keep their key, and get its value.
     """
     try:
         yield
     except FileError:
         raise
     except (DesignError, NoSolutionError) as failure:
-        from gearmesh.systems.diagnosis import diagnose
+        from gearmesh.systems.diagnosis import diagnose, with_set_value
 
         # refusals are in mm
         failure.lengths_in = (design.units, design.mm_per_unit)
-        if tried is None:
-            raise
-        told = diagnose(design, failure, tried, _derived_values)
+        told = with_set_value(design, failure) if tried is None else diagnose(design, failure, tried, _derived_values)
         # an error that is its own cause would send whoever follows causes round in a circle
         raise told from (failure if told is not failure else failure.__cause__)
 

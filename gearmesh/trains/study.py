@@ -195,7 +195,7 @@ class TrainStudyWork:
             try:
                 figures, reason = self.figures(row), ""
             except GearmeshError as failure:
-                figures, reason = Summary(), " ".join(str(failure).split())
+                figures, reason = Summary(), str(failure)
             entries = [figures.entry(name) for name in self.names]
             found.append([*(None if entry is None else plain(entry.value) for entry in entries), reason])
         return found

@@ -144,19 +144,19 @@ class TrainError(Result):
         """Rad in the unit in which the error is shown, and the unit: "um" of a rack, otherwise "arcsec"."""
         return self.train.layout.port(self.shaft).joint.reading.error
 
-    def shown(self, error: Array) -> Array:
+    def _in_unit(self, error: Array) -> Array:
         """Return errors (P,), rad, in the unit in which they are shown."""
         return np.asarray(error / self.reading[0])
 
     @property
     def headline(self) -> str:
-        size, turns = float(np.ptp(self.shown(self.solved.te))), self.figures.turns
+        size, turns = float(np.ptp(self._in_unit(self.solved.te))), self.figures.turns
         return f"{self.shaft}: TE {size:.4g} {self.reading[1]} peak to peak over {turns:.4g} turns of the input"
 
     @property
     def listings(self) -> list[Listing]:
         errors = {**self.solved.parts, "all stages": self.solved.te}
-        rows = [[stage, round_to(float(np.ptp(self.shown(error))), 4)] for stage, error in errors.items()]
+        rows = [[stage, round_to(float(np.ptp(self._in_unit(error))), 4)] for stage, error in errors.items()]
         return [
             Listing(
                 f"Transmission error of the shaft {self.shaft}",
@@ -169,7 +169,7 @@ class TrainError(Result):
     def to_dict(self) -> dict[str, list[Any]]:
         parts = {f"te_{stage}_arcsec": (part / ARCSEC).tolist() for stage, part in self.solved.parts.items()}
         degrees = np.degrees(self.solved.psi).round(10).tolist()
-        slid = {"te_um": self.shown(self.solved.te).tolist()} if self.train.layout.port(self.shaft).slides else {}
+        slid = {"te_um": self._in_unit(self.solved.te).tolist()} if self.train.layout.port(self.shaft).slides else {}
         return {"input_deg": degrees, "te_arcsec": (self.solved.te / ARCSEC).tolist(), **slid, **parts}
 
     @property
@@ -624,7 +624,7 @@ class MultistageTrain(Result):
         --------
         >>> train = gm.load_train("samples/trains/train_two_stage.toml")
         >>> study = train.study({"stages.second.gear.teeth": [53, 54]}, turns=0.1, workers=1)
-        >>> [round(ratio, 3) for ratio in study.numbers("ratio")]
+        >>> [round(float(ratio), 3) for ratio in study.numbers("ratio")]
         [6.235, 6.353]
         """
         from gearmesh.study.study import refuse_workers, run_study
@@ -715,9 +715,9 @@ class MultistageTrain(Result):
         from gearmesh.view.picture import Diagram
 
         solved = error.solved
-        parts = {stage: error.shown(part) for stage, part in solved.parts.items()}
+        parts = {stage: error._in_unit(part) for stage, part in solved.parts.items()}
         slowest = min((mesh.teeth_per_turn for mesh in self.meshes if mesh.stage in parts), default=1.0)
-        turns, te, unit = solved.psi / (2.0 * math.pi), error.shown(solved.te), error.reading[1]
+        turns, te, unit = solved.psi / (2.0 * math.pi), error._in_unit(solved.te), error.reading[1]
         title = f"{self.title}: shaft {error.shaft}, {float(np.ptp(te)):.4g} {unit.replace('um', 'µm')} peak to peak"
         return Diagram(title, lambda file: plot_train_error(file, turns, te, parts, title, 1.0 / slowest, unit=unit))
 

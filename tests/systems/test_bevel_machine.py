@@ -186,7 +186,7 @@ def test_the_zero_of_the_cradle_is_free(hand: str) -> None:
         vertical_motion=offset[1],
     )
     p = np.full(7, side.blade.at_height(0.5 * side.tip_height))
-    v = side._mean_direction + np.linspace(-0.1, 0.1, 7)
+    v = side.mean_direction + np.linspace(-0.1, 0.1, 7)
     one = surface_of(side, machine, 0.0).jet(p, v)
     two = surface_of(side, other, -side.hand * turned / machine.ratio_of_roll).jet(p, v)
     np.testing.assert_allclose(two.r, one.r, rtol=0, atol=1e-10)
@@ -199,7 +199,7 @@ def test_swivel_of_an_upright_cutter_and_polynomials_of_zeros_change_nothing() -
     plain, other = side.settings, replace(side.settings, swivel=1.1, modified_roll=(0.0,) * 5, **zeros)
     motion = other.motion(side.hand, 0.2)
     assert motion.unmodified_motion is motion
-    p, v = np.full(5, side.blade.at_height(2.0)), np.linspace(-0.1, 0.1, 5) + side._mean_direction
+    p, v = np.full(5, side.blade.at_height(2.0)), np.linspace(-0.1, 0.1, 5) + side.mean_direction
     one, two = (surface_of(side, machine, 0.2).jet(p, v) for machine in (plain, other))
     np.testing.assert_array_equal(one.r, two.r)
 
