@@ -224,7 +224,7 @@ class Figures:
 
         Examples
         --------
-        >>> gm.PositionFigures.declared_figures()[0].key
+        >>> gears.contact().positions()[0].declared_figures()[0].key
         'phi1_deg'
         """
         return tuple(
@@ -249,7 +249,7 @@ class Figures:
 
         Examples
         --------
-        >>> gm.PositionFigures.key_of("te")
+        >>> gears.contact().positions()[0].key_of("te")
         'te_arcsec'
         """
         return next(known.key for own, known, _ in cls._by_field() if own == name)

@@ -309,6 +309,14 @@ def inspect(design: Design, train: GearTrain, name: str, measured: MeasuredTeeth
     return Inspection(design, member, measured, None if basis is None else basis(design, train, name))
 
 
+def theoretical_involutes(inspection: Inspection) -> tuple[dict[Side, InvoluteFlank | None], str]:
+    """Return the ranges of evaluation of the involutes of both sides, None where there are none, and the asked class in words."""
+    basis = inspection._basis
+    if basis is None:
+        return dict.fromkeys(Side), ""
+    return {side: basis.involute_of(side) for side in Side}, f"class {basis.asked} [{basis.sizes.standard}]"
+
+
 def nominal_inspection(design: Design, train: GearTrain, name: str) -> Inspection:
     """Return the inspection of a member without measurements, for its tolerances. Raises the errors of `inspect`."""
     return inspect(design, train, name, MeasuredTeeth())

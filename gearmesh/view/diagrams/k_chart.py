@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from gearmesh.answers.inspection.inspection import Inspection
+from gearmesh.answers.inspection.inspection import Inspection, theoretical_involutes
 from gearmesh.errors import ArgumentError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.region import Side
@@ -33,8 +33,7 @@ def plot_k_chart(file: Path | str, inspection: Inspection) -> None:
 
     Raises DesignError for flanks that are not involutes or have deviations, OutputError if the file cannot be written.
     """
-    basis = inspection.basis
-    involutes = {side: None if basis is None else basis.involute_of(side) for side in Side}
+    involutes, asked = theoretical_involutes(inspection)
     flanks = [inspection.member.tooth.side(side).flank for side in Side]
     if None in involutes.values() or not all(isinstance(flank, CLOSED_FORM_FLANKS) for flank in flanks):
         raise ArgumentError(
@@ -58,8 +57,7 @@ def plot_k_chart(file: Path | str, inspection: Inspection) -> None:
         rows[0, column].set_title(f"{side} flank: profile, mid face", fontsize=10, color=INK_COLOUR)
         rows[1, column].set(xlabel="z along the face (mm)", ylabel="deviation (µm), + is material")
         rows[1, column].set_title(f"{side} flank: helix, mid height", fontsize=10, color=INK_COLOUR)
-    asked = "" if inspection.basis is None else f", class {inspection.basis.asked} [{inspection.basis.sizes.standard}]"
-    figure.suptitle(f"{inspection.member.name}: theoretical charts{asked}", color=INK_COLOUR)
+    figure.suptitle(f"{inspection.member.name}: theoretical charts{asked and f', {asked}'}", color=INK_COLOUR)
     save_figure(figure, file)
 
 
