@@ -8,16 +8,15 @@ from gearmesh.records import dataclass
 
 @dataclass(frozen=True)
 class MemberNames:
-    """Names of the members of a gear set.
+    """Names of the members of a gear set."""
 
-    `pairs`: names of the members that mesh, that whose rotation phi1 counts first; `unpaired`: members that mesh with none;
-    `lacking`: what a design calls the member that these would mesh with; `carried`: bodies without teeth that turn with a
-    member.
-    """
-
+    #: names of the members that mesh; the first of each pair is the one whose rotation phi1 counts
     pairs: tuple[tuple[str, str], ...] = ()
+    #: members that mesh with none
     unpaired: tuple[str, ...] = ()
+    #: name in the design of the member with which these would mesh
     lacking: str = ""
+    #: bodies without teeth that turn with a member
     carried: tuple[str, ...] = ()
 
     @property

@@ -145,6 +145,7 @@ def _tolerances(read: StageKeyReader, tolerance: Mapping[str, str] | str | PathL
 class TrainStudyWork:
     """Function that computes rows of a study of a train."""
 
+    #: file of the train
     file: TrainFile
     #: varied keys, dotted
     keys: tuple[str, ...]
