@@ -15,6 +15,7 @@ from oracles.places import ROOT
 
 import gearmesh as gm
 from gearmesh.figures import Figures
+from gearmesh.systems.system import kinds
 from gearmesh.view.opengl import missing_opengl_message
 
 #: parameters that are no argument of a user
@@ -26,7 +27,8 @@ def functions() -> Iterator[tuple[str, Any]]:
     """All functions of the public names, and methods of public classes, each once, by the class that has it."""
     known = set()
     for name in gm.__all__:
-        thing = getattr(gm, name)
+        # once gearmesh.kinds is imported, that module stands in the place of the function
+        thing = kinds if name == "kinds" else getattr(gm, name)
         if not inspect.isclass(thing):
             yield name, thing
             continue
