@@ -18,12 +18,11 @@ from gearmesh.contact.engagement.turns import (
     FullTurns,
     full_turns,
     gear_turned,
+    turns_from,
     turns_of,
-    waves_of_turns,
-    without_closed_forms,
 )
 from gearmesh.contact.engagement.uneven_teeth import farther_out, farther_out_rates, flanks_ahead
-from gearmesh.contact.fit.fit import play, reversed_pair
+from gearmesh.contact.fit.fit import reversed_pair
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.pair import Pair
 from gearmesh.contact.tca import contact_path
@@ -51,16 +50,7 @@ def pitch_turns(pair: GearPair) -> FullTurns:
     """
     pitches, per_pitch = turns_of(pair)
     forwards, backwards, carrier = shifted_advances(pair, pitches, per_pitch)
-    te, phi1 = pair.drive * forwards, np.arange(pitches * per_pitch, dtype=float) * (pair.pitch / per_pitch)
-    return FullTurns(
-        pitches,
-        per_pitch,
-        phi1,
-        te - te[0],
-        carrier,
-        play(pair, forwards + backwards, wound=solver_pair(pair).wound),
-        without_closed_forms(waves_of_turns(pair, pitches, phi1, te)),
-    )
+    return turns_from(pair, (forwards, backwards), carrier, per_pitch, closed=False)
 
 
 def shifted_advances(pair: GearPair, pitches: int, per_pitch: int) -> tuple[Array, Array, NDArray[np.intp]]:

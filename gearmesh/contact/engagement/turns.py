@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import cached_property
 
@@ -128,10 +128,22 @@ def full_turns(pair: GearPair) -> FullTurns:
     first, second = (_concentric_engagement(own) for own in both)
     forwards, carrier = _advance(pair, first, pitches, per_pitch)
     backwards, _ = _advance(both[1], second, pitches, per_pitch, gear_turned(pair, first, second))
-    te, phi1 = pair.drive * forwards, np.arange(pitches * per_pitch, dtype=float) * (pair.pitch / per_pitch)
+    return turns_from(pair, (forwards, backwards), carrier, per_pitch, closed=not pair.uneven)
+
+
+def turns_from(
+    pair: GearPair, advances: tuple[Array, Array], carrier: NDArray[np.intp], per_pitch: int, *, closed: bool
+) -> FullTurns:
+    """Return the turns from advances (P,), rad, of driving and coast flanks and the tooth pairs (P,) that drive.
+
+    `closed`: True to state the closed forms of the waves, which hold for eccentric members with equal teeth alone.
+    """
+    forwards, backwards = advances
+    pitches = len(forwards) // per_pitch
+    te, phi1 = pair.drive * forwards, np.arange(len(forwards), dtype=float) * (pair.pitch / per_pitch)
     waves = waves_of_turns(pair, pitches, phi1, te)
-    if pair.uneven:
-        waves = without_closed_forms(waves)
+    if not closed:
+        waves = tuple(replace(wave, closed_amplitude=math.nan, closed_crest=math.nan) for wave in waves)
     return FullTurns(
         pitches,
         per_pitch,
@@ -448,8 +460,3 @@ def _mean_contact(pair: GearPair) -> tuple[ContactPath, float]:
     """Solve for the contact of the concentric pair at phi1 = 0 and the lever arm (mm) of its normal about the gear's axis."""
     path = contact_path(solver_pair(concentric_pair(pair)), np.zeros(1))
     return path, float(dot(path.normal[0], pair.gear.mount.velocity(path.point[0])))
-
-
-def without_closed_forms(waves: Iterable[Wave]) -> tuple[Wave, ...]:
-    """Return waves without their closed forms, which hold for eccentric members with equal teeth alone."""
-    return tuple(replace(wave, closed_amplitude=math.nan, closed_crest=math.nan) for wave in waves)
