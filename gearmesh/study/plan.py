@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field
 from typing import Any
 
@@ -37,6 +37,8 @@ RANGE_DIGITS = 12
 MIN_SHARE = 1e-12
 
 Value = float | int | str | bool
+#: values of a key as they are given: a list, or "low:high:count", "low:high", "a,b,c"
+Given = str | Sequence[Value]
 
 
 @dataclass(frozen=True)
@@ -71,6 +73,41 @@ class Plan:
         """Fingerprint of all rows."""
         text = json.dumps([list(self.keys), list(self.columns.values())], sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()
+
+
+def planned(
+    vary: Mapping[str, Given],
+    tolerances: Callable[[], Mapping[str, Spread]] | None,
+    sample: int | None,
+    method: str,
+    seed: int,
+    *,
+    values: Callable[[str, Given], Sequence[Value]],
+    spread: Callable[[str, Given], Spread],
+    missing: str,
+) -> Plan:
+    """Return a grid of keys, or a sample of keys and tolerances if their number of rows is given.
+
+    - `tolerances`: returns the distributions of keys; None if none are given.
+    - `values`, `spread`: read the values of a key of a grid, and the range of one that is sampled.
+    - `missing`: reason of the refusal if nothing is varied.
+
+    Raises ArgumentError naming key, value and what is allowed.
+    """
+    if sample is None:
+        if tolerances is not None:
+            raise ArgumentError("tolerance", reason="needs sample, the number of rows to draw")
+        if not vary:
+            raise ArgumentError("vary", reason=missing)
+        return grid({key: values(key, given) for key, given in vary.items()})
+    spreads = {key: spread(key, given) for key, given in vary.items()}
+    for key, drawn in tolerances().items() if tolerances is not None else ():
+        if key in spreads:
+            raise ArgumentError("tolerance", entry=key, reason="vary gives it already")
+        spreads[key] = drawn
+    if not spreads:
+        raise ArgumentError("sample", reason="needs vary (KEY=LOW:HIGH) or tolerance to draw from")
+    return sample_plan(spreads, sample, method, seed)
 
 
 def grid(lists: Mapping[str, Sequence[Value]]) -> Plan:

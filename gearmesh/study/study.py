@@ -25,7 +25,7 @@ from gearmesh.figures import Content, Summary
 from gearmesh.formats import CSV_SUFFIX, JSON_SUFFIX, PARQUET_SUFFIX
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.records import dataclass
-from gearmesh.study.plan import KeyReader, Plan, Value, grid, sample_plan
+from gearmesh.study.plan import KeyReader, Plan, Value, planned
 from gearmesh.study.rows.names import recordable
 from gearmesh.study.rows.path_figures import PathFigures, PathShift
 from gearmesh.study.rows.patterns import AssemblyContact, assembly_contacts
@@ -375,27 +375,18 @@ def plan_of(
     Raises ArgumentError naming key, value and what is allowed.
     """
     read = KeyReader(design)
-    if sample is None:
-        if tolerance is not None:
-            raise ArgumentError("tolerance", reason="needs sample, the number of rows to draw")
-        if not vary:
-            raise ArgumentError(
-                "vary", reason="missing; give keys to vary, as assembly.dV=-0.1:0.1:5, or sample with tolerance"
-            )
-        lists = {
-            key: read.values(key, values) if isinstance(values, str) else [read.value(key, v) for v in values]
-            for key, values in vary.items()
-        }
-        plan = grid(lists)
-    else:
-        spreads = {key: _range(read, key, values) for key, values in vary.items()}
-        for key, spread in tolerance_spreads(read, tolerance, pair).items():
-            if key in spreads:
-                raise ArgumentError("tolerance", entry=key, reason="vary gives it already")
-            spreads[key] = spread
-        if not spreads:
-            raise ArgumentError("sample", reason="needs vary (KEY=LOW:HIGH) or tolerance to draw from")
-        plan = sample_plan(spreads, sample, method, seed)
+    plan = planned(
+        vary,
+        None if tolerance is None else lambda: tolerance_spreads(read, tolerance, pair),
+        sample,
+        method,
+        seed,
+        values=lambda key, given: (
+            read.values(key, given) if isinstance(given, str) else [read.value(key, value) for value in given]
+        ),
+        spread=lambda key, given: _range(read, key, given),
+        missing="missing; give keys to vary, as assembly.dV=-0.1:0.1:5, or sample with tolerance",
+    )
     _refuse_impossible(design, plan)
     return plan
 

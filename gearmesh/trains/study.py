@@ -24,7 +24,7 @@ from gearmesh.errors import ArgumentError, GearmeshError, nearest
 from gearmesh.figures import Figures, Summary, figure
 from gearmesh.kernel.numeric.algebra import ARCSEC
 from gearmesh.records import dataclass
-from gearmesh.study.plan import KeyReader, Plan, Value, grid, sample_plan
+from gearmesh.study.plan import KeyReader, Plan, Value, planned
 from gearmesh.study.spreads import Spread, read_spreads, spread_of
 from gearmesh.study.tolerance_class import CLASS_KEY
 from gearmesh.systems import designs
@@ -114,26 +114,20 @@ def train_plan(
 ) -> Plan:
     """Return the rows of a study of a train. Raises ArgumentError naming key, value and what is allowed."""
     read = StageKeyReader(file)
-    if sample is None:
-        if tolerance is not None:
-            raise ArgumentError("tolerance", reason="needs sample, the number of rows to draw")
-        if not vary:
-            raise ArgumentError("vary", reason="missing; give keys to vary, as stages.first.assembly.dx=-0.1:0.1:5")
-        return grid({key: read.values(key, values) for key, values in vary.items()})
-    spreads = {key: read.range(key, values) for key, values in vary.items()}
-    for key, spread in _tolerances(replace(read, option="tolerance"), tolerance).items():
-        if key in spreads:
-            raise ArgumentError("tolerance", entry=key, reason="vary gives it already")
-        spreads[key] = spread
-    if not spreads:
-        raise ArgumentError("sample", reason="needs vary (KEY=LOW:HIGH) or tolerance to draw from")
-    return sample_plan(spreads, sample, method, seed)
+    return planned(
+        vary,
+        None if tolerance is None else lambda: _tolerances(replace(read, option="tolerance"), tolerance),
+        sample,
+        method,
+        seed,
+        values=read.values,
+        spread=read.range,
+        missing="missing; give keys to vary, as stages.first.assembly.dx=-0.1:0.1:5",
+    )
 
 
-def _tolerances(read: StageKeyReader, tolerance: Mapping[str, str] | str | PathLike[str] | None) -> dict[str, Spread]:
+def _tolerances(read: StageKeyReader, tolerance: Mapping[str, str] | str | PathLike[str]) -> dict[str, Spread]:
     """Return the distributions of keys, or of a file of them."""
-    if tolerance is None:
-        return {}
     if CLASS_KEY in tolerance if isinstance(tolerance, Mapping) else fspath(tolerance).startswith(f"{CLASS_KEY}:"):
         raise ArgumentError("tolerance", entry=CLASS_KEY, reason="tolerance classes are for studies of one stage")
     if isinstance(tolerance, Mapping):
