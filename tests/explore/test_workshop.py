@@ -22,6 +22,7 @@ from gearmesh.explore.ranges import key_range
 from gearmesh.explore.state import Origin, refuse_keys
 from gearmesh.explore.workshop import Workshop
 from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import ARCSEC
 from gearmesh.systems.system import complete_design
 
 #: figures that come first, by key
@@ -190,7 +191,11 @@ def test_a_train_has_figures_of_its_parts_and_turns_as_its_stages_do(train: Work
     # members stand where the train has them, at the first and at a later position of the input
     scene = of(found, "scene")[-1]
     (pair,) = scene["pairs"]
-    phi1 = np.frombuffer(base64.b64decode(pair["phi1"]), dtype=np.float32)
+    phi1, te = (np.frombuffer(base64.b64decode(pair[key]), dtype=np.float32) for key in ("phi1", "te"))
+    # the input turns forwards, and the error is that of its rotation
+    assert np.sign(phi1[-1] - phi1[0]) == alone.layout.sense
+    at = np.interp(phi1 * alone.layout.sense, turns.solved.psi, turns.solved.te / ARCSEC)
+    np.testing.assert_allclose(te, at, atol=1e-3)
     for k in (0, len(phi1) // 3):
         places = alone.places(float(np.degrees(phi1[k])))
         for member, packed in zip(scene["members"], pair["turns"], strict=True):

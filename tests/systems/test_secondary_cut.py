@@ -23,6 +23,8 @@ from gearmesh.systems.spiral_bevel.hobbing.secondary_cut import (
 )
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
 from gearmesh.systems.spiral_bevel.machine.pair import MATING_SIDES
+from gearmesh.systems.spiral_bevel.sheet.dimension_sheet import BLADE_OVERLAP_MM
+from gearmesh.systems.spiral_bevel.sheet.slots import slot_widths
 from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import BevelTeeth, bevel_teeth
 
 NAMES = ("concave", "convex")
@@ -93,10 +95,14 @@ def test_room_is_that_of_blades_moved_by_the_machine(pair: str, member: str, cut
     """At toe, middle and heel, over rotation and roll; where the cut begins, the blade grazes the flank."""
     sides, places, own = member_of(pair, member)
     room, tooth, found = HeadRoom.of(own, sides, places), own.tooth, set()
+    widest = slot_widths(tooth, tooth.stations(ROOM_STATIONS)).max()
     for name in NAMES:
         cut, side, other = room.sides[name], sides[name], MATING_SIDES[name]
         turn = -tooth.pitch_angle if side.flank is Side.RIGHT else tooth.pitch_angle
         place = places[other] + turn
+        # a blade of each side, one after the other, clear the widest slot
+        blades = [each.blade.tip_radius for each in (sides[other], cut.back)]
+        assert 2.0 * abs(blades[0] - blades[1]) == pytest.approx(widest + BLADE_OVERLAP_MM)
         stations = np.concatenate((ROOM_STATIONS[::2], cut.ends))
         grid = tooth.flank_grid(side.flank, ROOM_HEIGHTS, stations)
         points, normals = grid.points.reshape(-1, 3), grid.normals.reshape(-1, 3)
