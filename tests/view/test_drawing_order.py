@@ -14,7 +14,7 @@ from gearmesh.view.offscreen import shapes
 from gearmesh.view.offscreen.shapes import Viewer, drawing_order
 from gearmesh.view.on_tooth import area_edges
 from gearmesh.view.palette import rgb
-from gearmesh.view.scene import Camera, Scene
+from gearmesh.view.scene import Camera, Dots, Scene
 
 SIZE = (400, 300)
 
@@ -68,17 +68,19 @@ def test_parts_behind_an_edge_on_end_face_stay_hidden(scene: Scene) -> None:
 def test_lines_are_thinner_in_small_pictures_but_not_in_proportion(scene: Scene) -> None:
     """In one of 480x360 dots of 12 pixels hid the path that they mark."""
 
-    def width(size: tuple[int, int]) -> float:
-        found = [
-            one["width"] for one in drawing_order(Scene((), scene.camera, curves=scene.curves[:1]), size)["primitives"]
-        ]
-        return float(found[0])
+    dots = Dots(scene.camera.focus[None])
+
+    def widths(size: tuple[int, int]) -> list[float]:
+        """Those of a curve and of a dot."""
+        marked = Scene((), scene.camera, curves=scene.curves[:1], dots=(dots,))
+        return [float(one["width"]) for one in drawing_order(marked, size)["primitives"]]
 
     assert scene.curves
-    usual = width((1600, 1200))
-    assert usual == pytest.approx(shapes.OVERSAMPLING_FACTOR * scene.curves[0].width)
-    assert [width(size) / usual for size in ((400, 300), (800, 600))] == pytest.approx([0.5, 0.5**0.5])
-    assert width((160, 120)) == width((400, 300))
+    usual = np.array(widths((1600, 1200)))
+    assert usual == pytest.approx(shapes.OVERSAMPLING_FACTOR * np.array([scene.curves[0].width, dots.size]))
+    for size, share in (((400, 300), 0.5), ((800, 600), 0.5**0.5)):
+        assert np.array(widths(size)) / usual == pytest.approx(share)
+    assert widths((160, 120)) == widths((400, 300))
 
 
 def test_facets_that_turn_away_by_their_exact_normals_are_of_the_inside(scene: Scene) -> None:
