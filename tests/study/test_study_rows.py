@@ -246,6 +246,8 @@ def test_the_command_writes_tables_and_figures(tmp_path: Path) -> None:
             ["--find-limits", "assembly.dx", "--vary", "assembly.dx=0,1"],
             "--find-limits: searches from the design itself and has no rows: it cannot be given together with --vary",
         ),
+        (["--find-limits", "assembly.dx", "--workers", "2"], "cannot be given together with --workers"),
+        (["--find-limits", "assembly.dx", "--tls-ca-file", "a.pem"], "cannot be given together with --tls-ca-file"),
         (
             ["--find-limits", "assembly.dx", "-o", "limits"],
             "-o = limits: --find-limits writes no folder: its table is printed, and --json FILE writes it",
@@ -293,3 +295,10 @@ def test_the_pattern_shifts_from_the_nominal_assembly() -> None:
     pinion = own.contact().patterns[0]
     assert centre[1] == pytest.approx(pinion.centre_face, abs=0.5)
     assert study.rows["pattern_length_percent"][1] == pytest.approx(pinion.length, abs=1.0)
+
+
+@pytest.mark.parametrize("option", ["--torque", "--level", "--scheduler", "--tls-ca-file"])
+def test_options_of_gear_sets_are_refused_for_trains(option: str) -> None:
+    values = {"--torque": "10", "--level": "quick", "--scheduler": "tcp://127.0.0.1:1", "--tls-ca-file": "a.pem"}
+    said = refused("study", SAMPLES / "trains" / "train_two_stage.toml", option, values[option])
+    assert f"{option}: is for studies of one gear set" in said

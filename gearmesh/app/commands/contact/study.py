@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
+import gearmesh as gm
 from gearmesh.app.options import (
     DesignFile,
     Json,
@@ -120,88 +122,58 @@ def study(
     stages.first.assembly.dx and the transmission error of its output.
     """
     refuse_unwritable(json_file)
-    if is_train(design_file):
-        of_one_pair = {
-            "torque": torque,
-            "find_limits": find_limits,
-            "pair": pair,
-            "scheduler": scheduler,
-            "level": None if level == "full" else level,
-        }
-        for name, given in of_one_pair.items():
-            if given is not None:
-                raise ArgumentError(name, reason="is for studies of one gear set, not of a train", allowed="left out")
-        refuse_folder(output)
-        import gearmesh as gm
-
-        with working("stages"):
-            train = gm.load_train(design_file, settings or [])
-        with working("study") as progress:
-            rows = train.study(
-                unique_keys("--vary", vary),
-                tolerance=tolerances("--tolerance", tolerance),
-                sample=sample,
-                method=method,
-                seed=seed,
-                record="all" if record == DEFAULT_RECORD else record,
-                limits=limit or (),
-                folder=output,
-                workers=workers,
-                progress=at_times(progress),
-            )
-            if output is not None:
-                _save_rows(rows, output, _has_pyarrow() if parquet is None else parquet)
-        _show(rows, json_file)
-        return
+    rows = {"vary": vary, "tolerance": tolerance, "sample": sample}
+    tls = {"tls_ca_file": tls_ca_file, "tls_client_cert": tls_client_cert, "tls_client_key": tls_client_key}
+    of_one_set = {"torque": torque, "find_limits": find_limits, "pair": pair, "scheduler": scheduler, **tls}
     torques = None if torque is None else torques_in_nm(torque)
-    if find_limits:
-        if output is not None:
-            why = "--find-limits writes no folder: its table is printed, and --json FILE writes it"
-            raise ArgumentError("-o", output, reason=why)
-        rows_only = {
-            "--vary": vary,
-            "--tolerance": tolerance,
-            "--sample": sample,
-        }
-        for option, value in rows_only.items():
-            if value is not None:
-                why = f"searches from the design itself and has no rows: it cannot be given together with {option}"
-                raise ArgumentError("find_limits", reason=why)
-        reaches = dict(text.partition("=")[::2] for text in find_limits)
-        wanted = {key: reach or "1" for key, reach in reaches.items()}
-
-        def find(gears: Gears, progress: Progress | None = None) -> LargestErrors:
-            criteria, mesh = limit or ["contact_ratio>1"], chosen_pair(gears, pair)
-            return gears.largest_errors(wanted, criteria, torque=torques, level=level, pair=mesh, progress=progress)
-
-        gears = load_gears(design_file, settings, find)
-        with working("limits") as progress:
-            largest = find(gears, progress)
-        write_text(json_file, largest.json)
-        if json_file != "-":
-            show(largest.listings)
+    if is_train(design_file):
+        _refuse_given(
+            {**of_one_set, "level": None if level == "full" else level},
+            "is for studies of one gear set, not of a train",
+        )
+    elif find_limits:
+        _refuse_beside_limits(output, {**rows, "workers": workers, "scheduler": scheduler, **tls})
+        _find_limits(design_file, settings, find_limits, limit, torques, level, pair, json_file)
         return
-    tls = tls_files(tls_ca_file, tls_client_cert, tls_client_key)
+    files = tls_files(tls_ca_file, tls_client_cert, tls_client_key)
     if parquet:
         from gearmesh.study.table import require_pyarrow
 
         require_pyarrow()
+    writes_parquet = _has_pyarrow() if parquet is None else parquet
+
+    def plan() -> dict[str, Any]:
+        """Return the arguments of studies that gear sets and trains share."""
+        return {
+            **rows,
+            "vary": unique_keys("--vary", vary),
+            "tolerance": tolerances("--tolerance", tolerance),
+            "method": method,
+            "seed": seed,
+            "limits": limit or (),
+            "folder": output,
+            "workers": workers,
+        }
+
+    if is_train(design_file):
+        refuse_folder(output)
+        with working("stages"):
+            train = gm.load_train(design_file, settings or [])
+        with working("study") as progress:
+            recorded = "all" if record == DEFAULT_RECORD else record
+            answer = train.study(**plan(), record=recorded, progress=at_times(progress))
+            _save_rows(answer, output, writes_parquet)
+        _show(answer, json_file)
+        return
 
     def ask(gears: Gears, progress: Progress | None = None) -> Study:
         return gears.study(
-            unique_keys("--vary", vary),
-            tolerance=tolerances("--tolerance", tolerance),
-            sample=sample,
-            method=method,
-            seed=seed,
+            **plan(),
             record=record,
             torque=torques,
             level=level,
-            limits=limit or (),
-            folder=output,
-            workers=workers,
             scheduler=scheduler,
-            tls=tls,
+            tls=files,
             pair=chosen_pair(gears, pair),
             progress=progress,
         )
@@ -212,20 +184,61 @@ def study(
         answer = ask(gears, at_times(progress))
         if output is not None:
             progress(1.0, "study: files and figures")
-            _save(gears, answer, output, _has_pyarrow() if parquet is None else parquet, pictures)
+            _save_rows(answer, output, writes_parquet)
+            if pictures:
+                with output_folder(output):
+                    gears.save_pictures(answer, output)
     _show(answer, json_file)
 
 
-def _save(gears: Gears, answer: Study, folder: Path, parquet: bool, pictures: bool) -> None:
-    """Write rows, summary and figures of a study to files."""
-    _save_rows(answer, folder, parquet)
-    if pictures:
-        with output_folder(folder):
-            gears.save_pictures(answer, folder)
+def _refuse_given(options: Mapping[str, object], reason: str) -> None:
+    """Raise ArgumentError for the first of some options that is given."""
+    for name, value in options.items():
+        if value is not None:
+            raise ArgumentError(name, reason=reason, allowed="left out")
 
 
-def _save_rows(answer: Study, folder: Path, parquet: bool) -> None:
-    """Write rows and summary of a study to files."""
+def _refuse_beside_limits(output: Path | None, rows: Mapping[str, object]) -> None:
+    """Raise ArgumentError for options of rows, which a search for limits has none of."""
+    if output is not None:
+        why = "--find-limits writes no folder: its table is printed, and --json FILE writes it"
+        raise ArgumentError("-o", output, reason=why)
+    for name, value in rows.items():
+        if value is not None:
+            why = f"searches from the design itself and has no rows: it cannot be given together with --{name.replace('_', '-')}"
+            raise ArgumentError("find_limits", reason=why)
+
+
+def _find_limits(
+    design_file: Path,
+    settings: list[str] | None,
+    keys: list[str],
+    limits: list[str] | None,
+    torques: list[float] | None,
+    level: str,
+    pair: str | None,
+    json_file: str | None,
+) -> None:
+    """Find the largest values of keys with which every limit holds, and show them."""
+    reaches = dict(text.partition("=")[::2] for text in keys)
+    wanted = {key: reach or "1" for key, reach in reaches.items()}
+
+    def find(gears: Gears, progress: Progress | None = None) -> LargestErrors:
+        criteria, mesh = limits or ["contact_ratio>1"], chosen_pair(gears, pair)
+        return gears.largest_errors(wanted, criteria, torque=torques, level=level, pair=mesh, progress=progress)
+
+    gears = load_gears(design_file, settings, find)
+    with working("limits") as progress:
+        largest = find(gears, progress)
+    write_text(json_file, largest.json)
+    if json_file != "-":
+        show(largest.listings)
+
+
+def _save_rows(answer: Study, folder: Path | None, parquet: bool) -> None:
+    """Write rows and summary of a study to files of a folder, if there is one."""
+    if folder is None:
+        return
     with output_folder(folder):
         answer.save(folder / "study.csv")
         answer.save(folder / "study.json")
