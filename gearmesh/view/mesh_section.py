@@ -3,8 +3,8 @@
 The section is perpendicular to the lengths of the pinion (axis, cone distance). It passes through the contact in the
 middle of the path. A worm is cut in its axial section, through its axis and perpendicular to the wheel's axis; this is
 the middle section of the wheel. Every tooth pair in mesh has a dot at its contact. Contact outside of the section is
-projected onto it along the lengths and drawn paler. On parallel axes the picture has pitch circles, the line of action
-where all normals of contact lie on one line, and the numbers of the teeth.
+projected onto it along the lengths and drawn paler. The picture has the numbers of the teeth; on parallel axes pitch circles,
+or the pitch line of a rack, and the line of action where all normals of contact lie on one line; of axes that meet pitch cones.
 """
 
 from __future__ import annotations
@@ -39,8 +39,12 @@ AXIS_DIRECTION_FACTORS = np.array([-1.0, -1.0, 0.0])
 OUTSIDE_CONTACT_COLOUR = "#e39aa6"
 #: distance of lines in front of the section, as a share of the picture's height
 FRONT_SHARE = 0.01
-#: points of a pitch circle
+#: points of a pitch circle, or of a pitch cone
 CIRCLE_POINTS = 721
+#: distance of two axes, as a share of the cone distance, within which they meet
+MAX_SHARE_OF_MEETING = 1e-3
+#: farthest points of pitch cones, in cone distances
+MAX_REACH_SHARE = 3.0
 #: sine of the angle, and distance as a share of the picture's height, within which normals lie on one line of action
 MAX_SINE_OF_ACTION = 1e-3
 #: margin of the picture without tooth numbers, as a share of its sides
@@ -79,14 +83,7 @@ class MeshSection:
         line = path.lines[k]
         if line is None:
             return np.where(path.touching[k], path.point[k], np.nan)
-        beyond = (line - self.camera.focus) @ self.camera.axes[2]
-        crossing = np.flatnonzero(beyond[:-1] * beyond[1:] <= 0.0)
-        if not crossing.size:
-            return np.full(3, np.nan)
-        i = int(crossing[0])
-        share = beyond[i] / (beyond[i] - beyond[i + 1]) if beyond[i] != beyond[i + 1] else 0.0
-        at: Array = line[i] + share * (line[i + 1] - line[i])
-        return at
+        return _crossing(line, (line - self.camera.focus) @ self.camera.axes[2])
 
     def scenes(self) -> list[Scene]:
         """Return one scene for each position, with dots at the contacts."""
@@ -132,15 +129,67 @@ class MeshSection:
 
     @cached_property
     def _pitch_point(self) -> Array | None:
-        """Point (3,) of equal velocity in the section, fixed frame; None for axes that are not parallel, and for racks."""
+        """Point (3,) of equal velocity in the section, fixed frame, of parallel axes and of racks; None for other axes."""
         first, second = self.rolling.pair.mounts
+        centre, ratio = self._in_section(first.origin), self.rolling.pair.ratio
+        if not second.spin.any():
+            velocity = ratio * second.velocity(second.origin)
+            along = abs(float(dot(velocity, first.axis))) > MAX_SINE_OF_PARALLEL * float(np.linalg.norm(velocity))
+            return None if along else np.asarray(centre + cross(velocity, first.spin))
         if float(np.linalg.norm(cross(first.axis, second.axis))) > MAX_SINE_OF_PARALLEL:
             return None
-        turning = dot(first.spin, first.axis), self.rolling.pair.ratio * dot(second.spin, first.axis)
+        turning = dot(first.spin, first.axis), ratio * dot(second.spin, first.axis)
         if turning[1] in (0.0, turning[0]):
             return None
-        centre, other = (self._in_section(mount.origin) for mount in (first, second))
-        return np.asarray(centre + turning[1] / (turning[1] - turning[0]) * (other - centre))
+        return np.asarray(centre + turning[1] / (turning[1] - turning[0]) * (self._in_section(second.origin) - centre))
+
+    @cached_property
+    def _pitch_curves(self) -> tuple[str, list[Array]]:
+        """Name of the pitch surfaces, and their curves (K, 3) in the section: circles, the line of a rack, or cones.
+
+        Cones are those of axes that meet; other crossed axes have no surfaces that roll on each other.
+        """
+        mounts, pitch_point = self.rolling.pair.mounts, self._pitch_point
+        right, up = self.camera.axes[:2]
+        turn = np.linspace(0.0, 2.0 * np.pi, CIRCLE_POINTS)[:, None]
+        if pitch_point is None:
+            return "pitch cones", self._cones(turn)
+        curves = []
+        for mount in mounts:
+            if mount.spin.any():
+                centre = self._in_section(mount.origin)
+                radius = float(np.linalg.norm(pitch_point - centre))
+                curves.append(centre + radius * (np.cos(turn) * right + np.sin(turn) * up))
+            else:
+                way = unit(mount.velocity(mount.origin))
+                curves.append(pitch_point + np.linspace(-2.0, 2.0, CIRCLE_POINTS)[:, None] * self.camera.height * way)
+        racks = not all(mount.spin.any() for mount in mounts)
+        return "pitch circle and pitch line" if racks else "pitch circles", curves
+
+    def _cones(self, turn: Array) -> list[Array]:
+        """Return the curves (K, 3) in which the section cuts the pitch cones of axes that meet, at angles (K, 1), rad.
+
+        The cones roll on each other: they touch in the axis of the relative motion. Points behind the apex are NaN.
+        """
+        first, second = self.rolling.pair.mounts
+        common, focus, back = cross(first.axis, second.axis), self.camera.focus, self.camera.axes[2]
+        if float(np.linalg.norm(common)) < MAX_SINE_OF_PARALLEL or not (first.spin.any() and second.spin.any()):
+            return []
+        between = second.origin - first.origin
+        apex = first.origin + dot(cross(between, second.axis), common) / dot(common, common) * first.axis
+        away = focus - apex
+        if abs(float(dot(between, unit(common)))) > MAX_SHARE_OF_MEETING * float(np.linalg.norm(away)):
+            return []
+        line = unit(first.spin - self.rolling.pair.ratio * second.spin)
+        line = line * np.sign(dot(line, away))
+        cones = []
+        for mount in (first, second):
+            along = dot(line, mount.axis) * mount.axis
+            ways = along + np.cos(turn) * (line - along) + np.sin(turn) * cross(mount.axis, line)
+            reach = dot(away, back) / dot(ways, back)
+            near = (reach > 0.0) & (reach < MAX_REACH_SHARE * np.linalg.norm(away))
+            cones.append(np.where(near[:, None], apex + reach[:, None] * ways, np.nan))
+        return cones
 
     def _in_section(self, point: Array) -> Array:
         """Project points (..., 3) on the section along the axes."""
@@ -155,21 +204,14 @@ class MeshSection:
 
     @cached_property
     def _lines(self) -> tuple[Curve, ...]:
-        """Pitch circles of a pair on parallel axes, and its line of action if all normals of contact lie on one line."""
-        pitch_point = self._pitch_point
-        if pitch_point is None:
-            return ()
-        right, up, back = self.camera.axes
+        """Curves of the pitch surfaces, and the line of action if all normals of contact lie on one line."""
+        pitch_point, back = self._pitch_point, self.camera.axes[2]
         front = FRONT_SHARE * self.camera.height * back
-        turn = np.linspace(0.0, 2.0 * np.pi, CIRCLE_POINTS)[:, None]
-        circles = []
-        for mount in self.rolling.pair.mounts:
-            centre = self._in_section(mount.origin)
-            radius = float(np.linalg.norm(pitch_point - centre))
-            circle = centre + radius * (np.cos(turn) * right + np.sin(turn) * up)
-            if self._sees(circle):
-                circles += [circle + front, np.full((1, 3), np.nan)]
-        curves = [Curve(np.concatenate(circles), "pitch circles", INK_COLOUR, 1.5)] if circles else []
+        label, shapes = self._pitch_curves
+        seen = [part for shape in shapes if self._sees(shape) for part in (shape + front, np.full((1, 3), np.nan))]
+        curves = [Curve(np.concatenate(seen), label, INK_COLOUR, 1.5)] if seen else []
+        if pitch_point is None:
+            return tuple(curves)
         path = self.rolling.path
         inside = np.isin(path.kind, ("point", "line"))
         normals = path.normal[inside] - dot(path.normal[inside], back)[:, None] * back
@@ -183,24 +225,24 @@ class MeshSection:
         return tuple(curves)
 
     def _tooth_numbers(self, turns: tuple[float, float]) -> Iterator[Word]:
-        """Yield the numbers of the teeth in the picture, of a pair on parallel axes."""
-        if self._pitch_point is None:
-            return
-        margin = NUMBER_MARGIN_SHARE * np.array(self.size)
+        """Yield the numbers of the teeth in the picture, where the section cuts the line through their middles.
+
+        Threads have none.
+        """
+        margin, back = NUMBER_MARGIN_SHARE * np.array(self.size), self.camera.axes[2]
         for member, turn in zip(self.rolling.pair.both, turns, strict=True):
-            to_fixed, tooth = member.mount.at(turn), member.tooth
-            along = float(to_fixed.inverse.point(self._in_section(member.mount.origin))[2])
+            tooth = member.tooth
+            if tooth.screw is not None:
+                continue
             steps = np.linspace(0.0, 1.0, FACE_STATIONS)
-            grids = [tooth.flank_grid(side, np.array([0.5]), steps).points[0] for side in Side]
-            x, y = (
-                np.mean([np.interp(along, *grid[np.argsort(grid[:, 2])][:, [2, k]].T) for grid in grids])
-                for k in (0, 1)
-            )
-            angles = tooth.pitch_angle * np.arange(tooth.teeth)
-            c, s = np.cos(angles), np.sin(angles)
-            own = np.stack((c * x - s * y, s * x + c * y, np.full(len(c), along)), axis=-1)
+            middle = np.mean([tooth.flank_grid(side, np.array([0.5]), steps).points[0] for side in Side], axis=0)
+            places = tooth.joint.places(tooth.teeth)
+            moved = member.mount.at(turn) @ tooth.joint.to(places * tooth.pitch_angle)
+            lines = np.einsum("kij,nj->kni", moved.rotation, middle) + moved.translation[..., None, :]
+            own = np.array([_crossing(line, (line - self.camera.focus) @ back) for line in lines])
+            known = np.isfinite(own[:, 0])
             axis = self._in_section(member.mount.origin)
-            for number, place in enumerate(to_fixed.point(own)):
+            for number, place in zip(places[known].tolist(), own[known], strict=True):
                 pixel = self.camera.pixels(place, self.size)[:2]
                 if (pixel > margin).all() and (pixel < np.array(self.size) - margin).all():
                     yield Word(str(number), place, axis)
@@ -209,6 +251,16 @@ class MeshSection:
         """True (...,) for contact points (..., 3) that lie before or behind the section."""
         beyond = dot(points - self.camera.focus, self.camera.axes[2])
         return np.asarray(np.abs(beyond) > 0.01 * self.camera.height)
+
+
+def _crossing(line: Array, beyond: Array) -> Array:
+    """Return the first point (3,) of a polyline (N, 3) at which its distance `beyond` (N,) of a plane is 0, or NaN."""
+    crossing = np.flatnonzero(beyond[:-1] * beyond[1:] <= 0.0)
+    if not crossing.size:
+        return np.full(3, np.nan)
+    i = int(crossing[0])
+    share = beyond[i] / (beyond[i] - beyond[i + 1]) if beyond[i] != beyond[i + 1] else 0.0
+    return np.asarray(line[i] + share * (line[i + 1] - line[i]))
 
 
 def mesh_section(

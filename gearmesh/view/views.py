@@ -230,6 +230,8 @@ HEADING_SHIFT = 0.035
 SIDE_VIEW_HEIGHTS = (0.6, 0.9, 1.2)
 #: cosine of the angle within which a rack is turned level
 MIN_LEVEL_COSINE = 0.7
+#: least share of the width of a whole rack that is seen, so that its pinion fills the height
+MIN_RACK_SHARE = 0.55
 
 #: shaft angle from which a pair is looked at from the side
 SIDE_VIEW_ANGLE_RAD = np.radians(55.0)
@@ -500,6 +502,20 @@ def _level(pair: GearPair, back: Array, up: Array) -> Array:
     return up
 
 
+def _nearer_rack(whole: Camera, rack: Array, pinion: Array) -> Camera:
+    """Return the camera nearer to a level rack and its pinion, vertices (K, 3): long racks go on beyond the picture."""
+    right, up, _ = whole.axes
+    rises = np.concatenate((rack, pinion)) @ up
+    height = max(PAIR_MARGIN * float(np.ptp(rises)), MIN_RACK_SHARE * whole.height)
+    if height >= whole.height:
+        return whole
+    # the pinion is in the middle, but the picture never reaches farther beyond an end than that of the whole rack
+    of_rack, of_pinion = ((points - whole.focus) @ right for points in (rack, pinion))
+    middle = 0.5 * float(of_pinion.min() + of_pinion.max())
+    spare = 0.5 * float(np.ptp(of_rack)) * (1.0 - height / whole.height)
+    return whole.moved(float(np.clip(middle, -spare, spare)) * right, height)
+
+
 def _filled(camera: Camera, points: Array, size: tuple[int, int]) -> float:
     """Share of a picture that the box around points (K, 3) takes."""
     wide, high = np.ptp((points - camera.focus) @ camera.axes[:2].T, axis=0) / camera.height
@@ -544,6 +560,8 @@ def pair_camera(
         (frame(back, up, points, size, PAIR_MARGIN) for back, up in ways),
         key=lambda camera: _filled(camera, points, size),
     )
+    if not pair.gear.mount.spin.any():
+        whole = _nearer_rack(whole, gear, pinion)
     whole = _below_heading(whole)
     if close_up is None:
         return whole

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from oracles.built import built_sample
 
 import gearmesh as gm
 from gearmesh import GearPair
@@ -14,6 +15,7 @@ from gearmesh.reports import pictures as reports_pictures
 from gearmesh.view import opengl
 from gearmesh.view.animation import write_animation
 from gearmesh.view.mesh_section import mesh_section
+from gearmesh.view.scene import Scene
 
 SAMPLES = Path(__file__).parents[2] / "samples"
 
@@ -49,7 +51,7 @@ def test_contact_of_spur_gears_moves_along_the_line_of_action() -> None:
 
 
 def test_section_has_pitch_circles_line_of_action_and_tooth_numbers() -> None:
-    """Of spur gears z 20, 40, module 3 mm, 20 deg; a pair on crossed axes has neither circles nor numbers."""
+    """Of spur gears z 20, 40, module 3 mm, 20 deg."""
     gears = gm.build(gm.load(SAMPLES / "spur.toml"))
     pair = gears.pairs[0]
     rolling = rolling_contact(pair, gears.contact(cycle=False).path, np.arange(3) / 3)
@@ -72,6 +74,45 @@ def test_section_has_pitch_circles_line_of_action_and_tooth_numbers() -> None:
     assert len(steps) >= 4
     # a third of a pitch at the pitch circles, of which the numbers stand near
     assert steps == pytest.approx([np.pi] * len(steps), rel=0.06)
+
+
+def _drawn_section(name: str) -> tuple[gm.Gears, Scene]:
+    gears = built_sample(name)
+    rolling = rolling_contact(gears.pairs[0], gears.contact([0.0], cycle=False).path, np.zeros(1))
+    return gears, mesh_section(rolling, dict.fromkeys(gears.pairs[0].members, None), (640, 480)).scenes()[0]
+
+
+def test_section_of_bevel_gears_has_the_pitch_cones_of_their_tooth_numbers() -> None:
+    """z 13, 44 at 90 deg: tan delta_1 = 13/44. Axes of hypoid gears do not meet: they have numbers alone."""
+    gears, scene = _drawn_section("spiral_bevel_basic")
+    pair, (cones,) = gears.pairs[0], scene.curves
+    assert cones.label == "pitch cones"
+    apex = pair.pinion.mount.origin
+    for mount, part, tangent in zip(pair.mounts, np.split(cones.points, 2), (13 / 44, 44 / 13), strict=True):
+        away = part[np.isfinite(part[:, 0])] - apex - 0.01 * scene.camera.height * scene.camera.axes[2]
+        along = away @ mount.axis
+        across = np.linalg.norm(away - along[:, None] * mount.axis, axis=-1)
+        assert across / np.abs(along) == pytest.approx(tangent, rel=1e-9)
+        assert np.abs((away + apex - scene.camera.focus) @ scene.camera.axes[2]).max() < 1e-9
+    assert {"0", "12", "43"} <= {word.text for word in scene.words}
+    _, scene = _drawn_section("hypoid")
+    assert scene.curves == ()
+    assert {word.text for word in scene.words} >= {"0", "11"}
+
+
+def test_section_of_a_rack_has_its_pitch_line() -> None:
+    """At the radius z m_n / (2 cos beta) of the pinion: z 20, m_n 2 mm, 19.5283 deg."""
+    gears, scene = _drawn_section("rack")
+    mounts, curve = gears.pairs[0].mounts, scene.curves[0]
+    assert curve.label == "pitch circle and pitch line"
+    circle, line = np.split(curve.points, 2)
+    axis, radius = mounts[0].axis, 20.0 / np.cos(np.radians(19.5283))
+    for part in (circle, line):
+        away = part[:-1] - mounts[0].origin
+        reach = np.linalg.norm(away - (away @ axis)[:, None] * axis, axis=-1)
+        assert reach.min() == pytest.approx(radius, rel=1e-5)
+    way = np.diff(line[:-1], axis=0)
+    assert np.abs(np.cross(way, mounts[1].velocity(mounts[1].origin))).max() < 1e-9
 
 
 def test_legend_leaves_out_pitch_circles_beyond_the_picture() -> None:

@@ -32,7 +32,14 @@ def test_a_rack_is_level_and_a_ring_fills_its_picture() -> None:
     rack = scene.bodies[1]
     low, high = (rack.own_to_scene.point(rack.mesh.vertices[end]) for end in _ends(rack.mesh.vertices))
     seen = scene.camera.pixels(np.stack((low, high)), (800, 600))
-    assert abs(seen[1, 1] - seen[0, 1]) < 1.0 < 400.0 < abs(seen[1, 0] - seen[0, 0])
+    assert abs(seen[1, 1] - seen[0, 1]) < 1.0 < 800.0 < abs(seen[1, 0] - seen[0, 0])
+    # it goes on beyond the picture; with both ends seen a third of the height was blank
+    both = np.concatenate(
+        [scene.camera.pixels(body.own_to_scene.point(body.mesh.vertices), (800, 600)) for body in scene.bodies]
+    )
+    assert 0.75 * 600 < np.ptp(both[:, 1]) < 0.9 * 600
+    assert seen[:, 0].max() > 800.0
+    assert seen[:, 0].min() < 0.0
     scene = built_sample("face_gear").picture("pair", size=(800, 600))._scene
     seen = np.concatenate(
         [scene.camera.pixels(body.own_to_scene.point(body.mesh.vertices), (800, 600)) for body in scene.bodies]
