@@ -20,7 +20,7 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.hexahedra.grading import Spacing, uniform
 from gearmesh.mesh.hexahedra.hexes import HEX_EDGES, HexMesh
 from gearmesh.mesh.hexahedra.layers import Base, Chart, Layers, layers
-from gearmesh.mesh.hexahedra.section_lattice import HalfLattice, Lines, tooth_lattice
+from gearmesh.mesh.hexahedra.section_lattice import HalfLattice, Lines, lines_round, tooth_lattice
 from gearmesh.records import dataclass
 from gearmesh.teeth.blank.body import end_names
 from gearmesh.teeth.region import FLANK_REGIONS, Side
@@ -284,6 +284,7 @@ def halve(grid: HexGrid) -> HexGrid:
         _with_middles(lines.thickness),
         _with_middles(lines.rim),
         lines.land,
+        2 * lines.round,
         halved=True,
     )
     if fine.flank.ndim == 2:
@@ -349,8 +350,10 @@ def toothed_rim(
         reason = "hexahedra of a tooth end between it and its neighbours"
         raise DesignError("teeth", tooth.teeth, reason=reason, allowed="at least 2")
     grid = on_breaks(tooth, grid)
+    coarse = layers(tooth, grid.t, grid.centre)
+    grid = replace(grid, lines=replace(grid.lines, round=lines_round(coarse, grid.lines)))
     fine = halve(grid) if second_order else grid
-    sections = layers(tooth, fine.t, fine.centre)
+    sections = layers(tooth, fine.t, fine.centre) if second_order else coarse
     tooth = sections.tooth
     chart, inner = rim_of(sections, rim)
     leading = tooth_lattice(sections, fine.lines, chart, inner)
@@ -444,7 +447,7 @@ class _Layout:
         return np.arange(first, self._count).reshape(shape)
 
     def _tooth(self, k: int) -> dict[tuple[Side, str], Index]:
-        """Return the section node numbers of the four blocks of a tooth, "lower" and "upper" of either side; some are shared."""
+        """Return the section node numbers of the blocks of a tooth, "lower", "upper" and "cap" of either side; some are shared."""
         rows, columns, across = self._rows, self._columns, self._across
         high = self._teeth[k][0].upper.shape[0]
         right = np.concatenate((self._cuts[None, k], self._fresh(rows - 1, columns)))
@@ -454,12 +457,23 @@ class _Layout:
         left_upper = np.concatenate(
             (left[-1:, :across], np.concatenate((self._fresh(high - 1, across - 1), right_upper[1:, -1:]), 1))
         )
-        return {
+        blocks = {
             (Side.RIGHT, "lower"): right,
             (Side.RIGHT, "upper"): right_upper,
             (Side.LEFT, "lower"): left,
             (Side.LEFT, "upper"): left_upper,
         }
+        cap = self._teeth[k][0].cap
+        if cap is None:
+            return blocks
+        along, inwards = cap.shape[0], cap.shape[1] - 1
+        right_cap, left_cap = np.empty((2, along, inwards + 1), dtype=np.int64)
+        for side, block in ((right_upper, right_cap), (left_upper, left_cap)):
+            block[0], block[:, -1] = side[-1, : inwards + 1], side[-1, inwards:]
+        right_cap[1:, :-1] = self._fresh(along - 1, inwards)
+        left_cap[1:-1, :-1] = self._fresh(along - 2, inwards)
+        left_cap[-1, :-1] = right_cap[-1, :-1]
+        return {**blocks, (Side.RIGHT, "cap"): right_cap, (Side.LEFT, "cap"): left_cap}
 
     def mesh(self, places: Rigid, bore: bool) -> ToothedRim:
         """Return the mesh of the teeth moved to `places` (K,); `bore`: True if the rim's inner face is the bore."""
@@ -474,8 +488,7 @@ class _Layout:
         for k, blocks in enumerate(self._blocks):
             first = count
             for (side, part), block in blocks.items():
-                half = self._teeth[k][side is Side.LEFT]
-                lattice = half.upper if part == "upper" else half.lower
+                lattice = getattr(self._teeth[k][side is Side.LEFT], part)
                 there = np.einsum("ij,sdtj->tsdi", rotation[k], lattice).reshape(self._layers, -1, 3)
                 nodes[:, block.ravel()] = there + way[k] if way.any() else there
                 elements.append(self._elements(block, side))
@@ -530,7 +543,10 @@ class _Layout:
             flank = len(numbers) - self._edges
             sets[f"flank_{side}_{k + 1}"] = faces(numbers[:flank, 0], outer)
             sets["edge"] = faces(numbers[flank:, 0], outer)
-            sets["land"] = faces(numbers[-1], last)
+            if self._teeth[k][0].cap is None:
+                sets["land"] = faces(numbers[-1], last)
+        elif part == "cap":
+            sets["land"] = faces(numbers[:, 0], outer)
         else:
             root = self._teeth[k][side is Side.LEFT].root_cells[:: self._step]
             sets["root"] = faces(numbers[root, 0], outer)

@@ -13,6 +13,16 @@ Each half of a tooth has two blocks, with lines s along the outline and lines d 
     +---------------+ K
         rim, inner face
 
+If the outline is smooth where flank and land meet, as on lobes and round tips, a corner of a block there would be flat. The first
+lines d then go round the tip (`Lines.round`), and `upper` has its corner C' inside:
+
+          C
+         .---- land ----      `cap`: the rest of the land x the lines that go round
+        /  \\   cap     |
+       |    C'---------+ Q    `upper`: up to its line `round` a ring along the flank, beyond it the block P M Q C'
+       |    |          |
+     J +----P----------+ M
+
 Inner nodes come from transfinite interpolation in a conformal chart of the section, in which radial cuts and arcs around the
 axis are straight lines. Sections of constant station are planes, cones or cylinders.
 """
@@ -35,6 +45,31 @@ MIN_ROOT_SHARE = 0.4
 MIN_MIDDLE_SHARE = 0.35
 #: steps of regula falsi towards a mid-side node with this share: within 2 % of the length of its edge
 MIDDLE_STEPS = 3
+#: cosine of the angle between the normals of flank and land up to which lines go round the tip: corners of 150 deg and more
+MIN_SMOOTH_COSINE = float(np.cos(np.radians(30.0)))
+#: least number of lines d for some to go round the tip: at the flank, in the middle, and between
+MIN_ROUND_LINES = 3
+#: wanted share of half the tooth's thickness of the lines that go round its tip
+RING_SHARE = 0.45
+#: shares that are tried for C' from C to J and to M, for Q from the land to M, and for M from its place to the inner face
+TRIED_SHARES = (
+    np.linspace(-0.2, 0.6, 9),
+    np.linspace(0.1, 0.7, 7),
+    np.linspace(0.15, 0.75, 7),
+    np.linspace(0.0, 0.6, 5),
+)
+#: lines s of the blocks that are tried
+TRIED_LINES = 13
+#: largest sum of the shares towards J and M
+MAX_CORNER_SHARE = 0.85
+#: depth of the outermost layers under a smooth tip, over that of even ones; mid-side nodes of second order bear no less
+OUTER_DENSITY = 0.4
+#: sine of the worst corner that is good enough
+ENOUGH_SINE = 0.45
+#: weight of the ring's thickness, as the share from C to M, against the sine of the worst corner
+RING_WEIGHT = 0.1
+#: digits of sines by which a corner is chosen: rounding must not choose
+SINE_DIGITS = 6
 #: points at which the lengths of the outline's links are measured
 LENGTH_SAMPLES = 65
 
@@ -85,6 +120,8 @@ class Lines:
     rim: Array
     #: weight of the root land's length against the fillet's in the share of the `root` cells
     land: float = 1.0
+    #: number of first lines d that go round the tip, under the land; 0: the land is the last line s of the upper block
+    round: int = 0
     #: True if every other line has mid-side nodes, which keep away from the corners of their edge on flanks
     halved: bool = False
 
@@ -99,29 +136,147 @@ class HalfLattice:
     upper: Array
     #: True (L,) for cells of `lower` with their outer face on the root land, False on the fillet
     root_cells: NDArray[np.bool_]
+    #: (D - round + 1, round + 1, T, 3), mm, along the land and inwards; None without lines that go round the tip
+    cap: Array | None = None
+
+
+def lines_round(layers: Layers, lines: Lines) -> int:
+    """Return the number of lines d that are to go round the tip: 0 if the outline has a corner at the land, or for few lines."""
+    middle = len(layers.base.root) // 2
+    for side in Side:
+        before = FLANK_REGIONS[side] if layers.tooth.tip_edge is None else TIP_EDGES[side]
+        ends = (before, 1.0), (Region.LAND, 0.0)
+        flank, land = (
+            layers.grid(link, np.array([end if side is Side.RIGHT else 1.0 - end])).normals[0, middle]
+            for link, end in ends
+        )
+        if float(dot(flank, land)) < MIN_SMOOTH_COSINE or len(lines.thickness) < MIN_ROUND_LINES:
+            return 0
+    return int(np.abs(lines.thickness[1:-1] - RING_SHARE).argmin()) + 1
 
 
 def tooth_lattice(layers: Layers, lines: Lines, chart: Chart, inner: Array) -> tuple[HalfLattice, HalfLattice]:
     """Return the nodes of the right and the left half of a tooth; `inner` (T,): height u, mm, of the rim's inner face."""
     outlines = [_outline(layers, side, lines) for side in Side]
     low, flank, land = ([chart.to_chart(getattr(o, name)) for o in outlines] for name in ("low", "flank", "land"))
-    bottom, root = chart.depth(inner), 0.5 * (low[0][0, :, 0] + low[1][0, :, 0])
-    meeting, centre = 0.5 * (low[0][-1] + low[1][-1]), 0.5 * (low[0][0, :, 1] + low[1][0, :, 1])
-    meeting[:, 0] = root + MEETING_HEIGHT_SHARE * (meeting[:, 0] - root)
-    down = _straight(meeting, np.stack((bottom, centre), -1), lines.rim)
-    across = [_straight(side[-1], meeting, lines.thickness) for side in low]
-    inwards = [np.concatenate((line, down[1:])) for line in across]
-    # shared lines of both halves are spaced by the mean of both
-    middle = _straight(meeting, land[0][-1], 0.5 * (fractions(flank[0]) + fractions(flank[1])))
-    places = 0.5 * (fractions(inwards[0]) + fractions(inwards[1]))
+    outer = _Outer(low, flank, land, chart.depth(inner), lines)
     halves = []
-    for k, outline in enumerate(outlines):
-        cut = _straight(low[k][0], np.stack((bottom, low[k][0, :, 1]), -1), places)
-        arc = _straight(cut[-1], inwards[k][-1], np.linspace(0.0, 1.0, lines.root + 1))
-        lower = chart.from_chart(transfinite(cut, inwards[k], low[k], arc))
-        upper = chart.from_chart(transfinite(across[k], land[k], flank[k], middle))
-        halves.append(HalfLattice(lower, upper, outline.root_cells))
+    for outline, blocks in zip(outlines, outer.blocks(_best_place(outer) if lines.round else None), strict=True):
+        lower, upper, *rest = (chart.from_chart(nodes) for nodes in blocks)
+        halves.append(HalfLattice(lower, upper, outline.root_cells, *rest))
     return halves[0], halves[1]
+
+
+@dataclass(frozen=True)
+class _Outer:
+    """Outlines (S, T, 2) of both halves of a tooth, in the chart."""
+
+    #: from the cut to J
+    low: list[Array]
+    #: from J to C
+    flank: list[Array]
+    #: from C to the middle of the land
+    land: list[Array]
+    #: X (T,) of the rim's inner face
+    bottom: Array
+    #: lines of the lattice
+    lines: Lines
+
+    def coarse(self, sections: NDArray[np.int64]) -> _Outer:
+        """Return some sections (N,) with few lines s."""
+        low, flank = (
+            [
+                line[np.unique(np.linspace(0, len(line) - 1, TRIED_LINES).round().astype(int))][:, sections]
+                for line in lines
+            ]
+            for lines in (self.low, self.flank)
+        )
+        return _Outer(low, flank, [line[:, sections] for line in self.land], self.bottom[sections], self.lines)
+
+    def blocks(self, place: Array | None) -> list[tuple[Array, ...]]:
+        """Return the nodes (S, D, T, 2) of the blocks of both halves: `lower`, `upper`, and `cap` if there is a `place`.
+
+        A place (4,) or (T, 4) has the shares of C' from C towards J and towards M, of Q from the land towards M, and of M on
+        its way to the rim's inner face.
+        """
+        low, lines = self.low, self.lines
+        root, centre = 0.5 * (low[0][0, :, 0] + low[1][0, :, 0]), 0.5 * (low[0][0, :, 1] + low[1][0, :, 1])
+        meeting = 0.5 * (low[0][-1] + low[1][-1])
+        meeting[:, 0] = root + MEETING_HEIGHT_SHARE * (meeting[:, 0] - root)
+        if place is not None:
+            meeting[:, 0] += place[..., 3] * (self.bottom - meeting[:, 0])
+        down = _straight(meeting, np.stack((self.bottom, centre), -1), lines.rim)
+        across = [_straight(side[-1], meeting, lines.thickness) for side in low]
+        inwards = [np.concatenate((line, down[1:])) for line in across]
+        # shared lines of both halves are spaced by the mean of both
+        rises = 0.5 * (fractions(self.flank[0]) + fractions(self.flank[1]))
+        places = 0.5 * (fractions(inwards[0]) + fractions(inwards[1]))
+        halves = list[tuple[Array, ...]]()
+        for k, (side, flank, land) in enumerate(zip(low, self.flank, self.land, strict=True)):
+            cut = _straight(side[0], np.stack((self.bottom, side[0, :, 1]), -1), places)
+            arc = _straight(cut[-1], inwards[k][-1], np.linspace(0.0, 1.0, len(side)))
+            lower = transfinite(cut, inwards[k], side, arc)
+            if place is None:
+                upper = transfinite(across[k], land, flank, _straight(meeting, land[-1], rises))
+                halves.append((lower, upper))
+            else:
+                halves.append((lower, *_round_tip(flank, land, across[k], rises, lines, place)))
+        return halves
+
+
+def _round_tip(
+    flank: Array, land: Array, across: Array, rises: Array, lines: Lines, place: Array
+) -> tuple[Array, Array]:
+    """Return the nodes of `upper` (U + 1, D + 1, T, 2) and of `cap` (D - round + 1, round + 1, T, 2) of half a tooth.
+
+    - flank, land, across: lines (S, T, 2) from J to C, from C to the middle of the land, and from J to M.
+    - rises: places (U + 1, T) from M to Q.
+    - place: shares (4,) or (T, 4), see `_Outer.blocks`.
+    """
+    count, thickness, tip, meeting = lines.round, lines.thickness, flank[-1], across[-1]
+    to_form, to_meeting, down = np.moveaxis(place[..., :3], -1, 0)[..., None]
+    corner = tip + to_form * (flank[0] - tip) + to_meeting * (meeting - tip)
+    under = land[-1] + down * (meeting - land[-1])
+    ring_places, places = thickness[: count + 1] / thickness[count], thickness[count:] - thickness[count]
+    # lines are dense at the tip, where the ring is deeper than the layers of a tooth with a corner
+    ring_places = ring_places * (OUTER_DENSITY + (1.0 - OUTER_DENSITY) * ring_places)
+    inwards = _straight(tip, corner, ring_places)
+    ring_inner = _straight(across[count], corner, fractions(flank))
+    ring = transfinite(across[: count + 1], inwards, flank, ring_inner)
+    top = _straight(corner, under, places / places[-1])
+    inner = transfinite(across[count:], top, ring_inner, _straight(meeting, under, rises))
+    cap = transfinite(inwards, _straight(land[-1], under, ring_places), land, top)
+    return np.concatenate((ring, inner[:, 1:]), axis=1), cap
+
+
+def _best_place(outer: _Outer) -> Array:
+    """Return the place (4,) of C', Q and M, see `_Outer.blocks`, with a good worst corner of the elements and a thin ring.
+
+    It is chosen in the middle section, for both halves of a tooth.
+    """
+    places = np.stack(np.meshgrid(*TRIED_SHARES, indexing="ij"), axis=-1).reshape(-1, len(TRIED_SHARES))
+    # above the line from J to M
+    places = places[places[:, 0] + places[:, 1] < MAX_CORNER_SHARE]
+    middle = np.full(len(places), len(outer.bottom) // 2)
+    halves = outer.coarse(middle).blocks(places)
+    worst = np.min([_least_sines(block) for blocks in halves for block in blocks], axis=0)
+    # good is enough: then the thinner the ring, the finer its layers
+    merit = np.minimum(worst, ENOUGH_SINE) - RING_WEIGHT * places[:, 1]
+    return np.asarray(places[int(merit.round(SINE_DIGITS).argmax())])
+
+
+def _least_sines(nodes: Array) -> Array:
+    """Return the smallest sines (N,) of the angles at the corners of the quadrilaterals of N blocks (S, D, N, 2)."""
+    along, inwards = (
+        way / np.hypot(way[..., 0], way[..., 1])[..., None] for way in (np.diff(nodes, axis=0), np.diff(nodes, axis=1))
+    )
+    sines = [
+        first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
+        for first in (along[:, :-1], along[:, 1:])
+        for second in (inwards[:-1], inwards[1:])
+    ]
+    sense = float(np.sign(np.median(sines[0])))
+    return np.asarray((sense * np.array(sines)).min(axis=(0, 1, 2)))
 
 
 @dataclass(frozen=True)
@@ -146,7 +301,8 @@ def _outline(layers: Layers, side: Side, lines: Lines) -> _Outline:
     flank = links.points(FLANK_REGIONS[side], places)
     if layers.tooth.tip_edge is not None:
         flank = np.concatenate((flank, links.points(TIP_EDGES[side], np.linspace(0.0, 1.0, lines.edge + 1))[1:]))
-    return _Outline(low, flank, links.points(Region.LAND, lines.thickness), root_cells)
+    top = lines.thickness[lines.round :] - lines.thickness[lines.round]
+    return _Outline(low, flank, links.points(Region.LAND, top / top[-1]), root_cells)
 
 
 def _distance(first: Array, second: Array) -> Array:
