@@ -2,27 +2,23 @@
 
 from __future__ import annotations
 
+import atexit
 import gc
 import sys
-from contextlib import suppress
+
+from gearmesh.memory import keep_memory
 
 #: objects made between two searches for unreachable cycles, and how many of these searches look at older objects, too: modules and
 #: plots make many objects that stay
 OBJECTS_BETWEEN_SEARCHES = (50_000, 20, 50)
-#: bytes of an array from which the C library gives memory back at once, the largest it allows: new memory is cleared page by page
-MAPPED_BYTES = 32 << 20
-#: free bytes at the end of the memory from which the C library gives them back
-TRIMMED_BYTES = 128 << 20
-#: number of the mapped size in `mallopt`
-MALLOPT_MAPPED = -3
-#: number of the trimmed size in `mallopt`
-MALLOPT_TRIMMED = -1
 
 
 def main() -> int:
     """Answer the command line. Stopped while that is being loaded, it says so as it does later."""
     gc.set_threshold(*OBJECTS_BETWEEN_SEARCHES)
-    _keep_memory()
+    # the last searches, at the end of the process, would look at all objects, whose memory is given back anyhow
+    atexit.register(gc.freeze)
+    keep_memory()
     try:
         from gearmesh.app.cli import main as answer
 
@@ -35,18 +31,6 @@ def main() -> int:
         # itself by a signal; the next text takes it away
         exec("")
     return status
-
-
-def _keep_memory() -> None:
-    """Let the GNU C library keep the memory of freed arrays for the next arrays; other libraries stay as they are."""
-    if sys.platform != "linux":
-        return
-    import ctypes
-
-    with suppress(OSError, AttributeError):
-        library = ctypes.CDLL(None)
-        library.mallopt(MALLOPT_MAPPED, MAPPED_BYTES)
-        library.mallopt(MALLOPT_TRIMMED, TRIMMED_BYTES)
 
 
 if __name__ == "__main__":

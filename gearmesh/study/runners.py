@@ -13,6 +13,7 @@ from typing import Any, TypeVar
 
 from gearmesh.errors import ArgumentError, OutputArgumentError, OutputError
 from gearmesh.files.reading import is_file
+from gearmesh.memory import keep_memory
 from gearmesh.records import dataclass
 
 ItemT = TypeVar("ItemT")
@@ -70,7 +71,7 @@ def _processes(workers: int) -> Iterator[Run[Any]]:
     from multiprocessing import active_children, get_context
 
     spawned, earlier_processes = get_context("spawn"), active_children()
-    with _one_thread_each(), ProcessPoolExecutor(workers, mp_context=spawned, initializer=_end_with_parent) as pool:
+    with _one_thread_each(), ProcessPoolExecutor(workers, mp_context=spawned, initializer=_begin_worker) as pool:
 
         def run(work: Work[Any], chunks: Iterable[Chunk]) -> Iterator[tuple[int, Any]]:
             waiting: dict[Future[Any], int] = {}
@@ -120,6 +121,12 @@ def _deaf_to_stops() -> Iterator[None]:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, blocked_before)
+
+
+def _begin_worker() -> None:
+    """Prepare a worker process: it keeps its memory, and ends with its parent."""
+    keep_memory()
+    _end_with_parent()
 
 
 def _end_with_parent() -> None:
@@ -234,6 +241,8 @@ def _cluster(scheduler: Scheduler) -> Iterator[Run[Any]]:
 
 
 def _apply(work: Work[ItemT], rows: list[Any]) -> ItemT:
+    """Return the result of a chunk, in a worker of Dask."""
+    keep_memory()
     return work(rows)
 
 

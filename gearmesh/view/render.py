@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from gearmesh.errors import OutputError
-from gearmesh.formats import PNG_COMPRESSION_LEVEL, PNG_SUFFIX
+from gearmesh.formats import PNG_SUFFIX
+from gearmesh.io.png import write_png
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.progress import tell
 from gearmesh.records import dataclass
@@ -51,12 +52,15 @@ def render(scene: Scene, path: Path | str | None = None, size: tuple[int, int] |
     image[: heading.height] = 255
     image = _letter(image, scene, heading, inner)
     if path is not None:
-        from PIL import Image as pillow
-
         from gearmesh.io.atomic import whole_file
 
         with whole_file(path) as unfinished:
-            pillow.fromarray(image).save(unfinished, compress_level=PNG_COMPRESSION_LEVEL)
+            if Path(path).suffix.lower() == PNG_SUFFIX:
+                write_png(unfinished, image, shaded=True)
+            else:
+                from PIL import Image as pillow
+
+                pillow.fromarray(image).save(unfinished)
     return image
 
 

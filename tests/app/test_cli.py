@@ -751,6 +751,21 @@ def test_stopped_while_it_is_being_loaded_is_one_line() -> None:
     assert done.stderr == "gearmesh: error: stopped: no file was written\n"
 
 
+@pytest.mark.quick
+def test_the_end_of_a_process_does_not_search_for_unreachable_objects() -> None:
+    # what is registered before the program is called after what the program registers
+    program = (
+        "import atexit, gc, runpy, sys\n"
+        "atexit.register(lambda: print('kept', gc.get_freeze_count() > 1000, len(gc.get_objects())))\n"
+        "sys.argv = ['gearmesh', '--version']\n"
+        "runpy.run_module('gearmesh', run_name='__main__')"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    words = done.stdout.splitlines()[-1].split()
+    assert words[:2] == ["kept", "True"]
+    assert int(words[2]) < 1000
+
+
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
 def test_full_standard_output_is_one_line() -> None:
     with open("/dev/full", "w") as full_device:

@@ -19,6 +19,7 @@ from gearmesh.contact.engagement.cycle import Cycle
 from gearmesh.contact.path import ContactPath
 from gearmesh.figures import at_resolution
 from gearmesh.formats import PDF_SUFFIX, PNG_SUFFIX, SVG_SUFFIX, refuse_suffix
+from gearmesh.io.png import write_png
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.records import dataclass
 from gearmesh.view.lettering import fit_title
@@ -60,9 +61,8 @@ _LEAST_ROOM_SHARE = 0.55
 LEGIBLE_DPI = 72.0
 #: pitches that are shown beyond the engagement of a pair
 _PITCHES_BEYOND = 0.6
-#: metadata by suffix: matplotlib's dates are switched off
+#: metadata of drawings by suffix: matplotlib's dates are switched off
 _FILE_METADATA: dict[str, dict[str, Any]] = {
-    PNG_SUFFIX: {},
     SVG_SUFFIX: {"Date": None},
     PDF_SUFFIX: {"CreationDate": None},
 }
@@ -447,9 +447,13 @@ def save_figure(figure: Any, file: Path | str) -> None:
     from gearmesh.io.atomic import whole_file
 
     kind = Path(file).suffix.lower()
-    refuse_suffix(Path(file), *_FILE_METADATA)
+    refuse_suffix(Path(file), PNG_SUFFIX, *_FILE_METADATA)
     lay_out(figure)
     with rc_context({"svg.hashsalt": "gearmesh"}), whole_file(file) as unfinished:
+        if kind == PNG_SUFFIX:
+            figure.canvas.draw()
+            write_png(unfinished, np.asarray(figure.canvas.buffer_rgba())[..., :3], shaded=False, dpi=figure.dpi)
+            return
         figure.savefig(unfinished, metadata=_FILE_METADATA[kind])
         if kind == SVG_SUFFIX:
             unfinished.write_text(_same_clips(unfinished.read_text(encoding="utf-8")), encoding="utf-8")
