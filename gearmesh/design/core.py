@@ -227,7 +227,8 @@ class MemberMount(Table):
 
     stiffness: tuple[float | str | tuple[float, ...], ...] | None = keys.stiffness(
         "stiffness of shaft and bearings at z, for displacements x, y, z and small rotations about them, always in N, mm, "
-        "rad: its diagonal, or all 6 by 6; in the frame of the member at rotation 0, not rotating",
+        "rad: its diagonal, or all 6 by 6; in the frame of the member at rotation 0, not rotating (of a planet: its pin, x away "
+        "from the sun)",
         None,
         default="rigid",
     )

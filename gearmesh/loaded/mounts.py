@@ -18,6 +18,13 @@ Springs of stiffness H, about as stiff as the teeth, hold such members at their 
 
 The iteration converges to the displacement C force without springs, as a proximal point iteration of a convex problem.
 Each round reduces the error by H over the sum of H and the stiffness of the teeth: to about a quarter.
+
+A planet has two meshes. Its pin moves by C (w + v): w from the pressures of one mesh, v from those of the other. Both
+meshes are solved in turns, each with the v of the last round: the energy of both falls in every round, so that the rounds
+converge. Springs hold planets that tilt easily, since one mesh alone would tilt them too far.
+
+n equal planets load a central gear at equal angles. What acts across the axis cancels, and what acts along it (P = 1 for
+the axial force and the moment about the axis, else 0) adds. The mean displacement at the meshes is n P C P w.
 """
 
 from __future__ import annotations
@@ -26,7 +33,7 @@ from dataclasses import replace
 from typing import Self
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
@@ -38,6 +45,8 @@ from gearmesh.teeth.mount import Mount
 
 #: N/mm along the axis: springs hold double helical members whose bearings are softer than this
 HOLDING_STIFFNESS = 1e5
+#: displacements and rotations in which equal forces around an axis add: those along the axis
+ALONG_AXIS = np.array([0.0, 0.0, 1.0, 0.0, 0.0, 1.0])
 
 
 @dataclass(frozen=True)
@@ -97,6 +106,29 @@ class FlexibleMount:
         ):
             raise DesignError("stiffness", must_be="symmetric and positive definite")
         return cls(np.linalg.inv(0.5 * (given + given.T)), place)
+
+    def around(self, count: int) -> Self:
+        """Return the mount that each of several equal meshes at equal angles around the axis has.
+
+        Parameters
+        ----------
+        count : int
+            Number of the meshes.
+
+        Returns
+        -------
+        FlexibleMount
+            Mount that one mesh alone displaces as far as all of them displace this one, on average over the meshes.
+
+        Examples
+        --------
+        >>> shaft = gm.FlexibleMount.of([2e5, 2e5, 1e5, np.inf, np.inf, np.inf])
+        >>> np.diag(shaft.around(3).compliance)[:3].tolist()
+        [0.0, 0.0, 3e-05]
+        """
+        if count == 1:
+            return self
+        return replace(self, compliance=count * ALONG_AXIS[:, None] * self.compliance * ALONG_AXIS)
 
     def wrenches(self, mount: Mount, points: Array, forces: Array) -> Array:
         """Return forces with their moments about the mount's point.
@@ -164,6 +196,8 @@ class Supports:
     holding: Array
     #: displacements (P, 2, 6), mm and rad, of the members in the last iteration
     anchor: Array
+    #: forces and moments (P, 2, 6), N and N mm, of other meshes on the members
+    others: Array
 
     @classmethod
     def of(
@@ -173,16 +207,28 @@ class Supports:
         positions: int,
         *,
         both_hands: bool,
+        tilting: tuple[int, float] | None = None,
     ) -> Self:
         """Return the mounts of a pair that is not displaced yet, for a number of `positions`.
 
-        `both_hands`: True if teeth of both hands fix the pair along its axis.
+        - `both_hands`: True if teeth of both hands fix the pair along its axis.
+        - `tilting`: number of a member that another mesh loads too, and its face width, mm.
         """
-        holding = np.zeros((2, 6))
+        wanted = np.zeros((2, 6))
         if both_hands:
-            soft = [mount is not None and mount.compliance[2, 2] > 1.0 / HOLDING_STIFFNESS for mount in flexible]
-            holding[soft, 2] = HOLDING_STIFFNESS
-        return cls(gears.mounts, flexible, np.zeros((2, 6)), holding, np.zeros((positions, 2, 6)))
+            wanted[:, 2] = HOLDING_STIFFNESS
+        if tilting is not None:
+            member, face = tilting
+            # of springs that are spread over the face
+            wanted[member, 3:5] = HOLDING_STIFFNESS * face**2 / 12.0
+        compliance = np.stack([np.zeros(6) if mount is None else np.diag(mount.compliance) for mount in flexible])
+        holding = np.where(compliance * wanted > 1.0, wanted, 0.0)
+        none = np.zeros((positions, 2, 6))
+        return cls(gears.mounts, flexible, np.zeros((2, 6)), holding, none, none)
+
+    def at_positions(self, positions: NDArray[np.bool_]) -> Self:
+        """Return the supports at some of the positions (P,)."""
+        return replace(self, anchor=self.anchor[positions], others=self.others[positions])
 
     def displace(self, gears: GearPair, displacements: Array) -> tuple[Self, GearPair]:
         """Return the supports and the pair after displacements (P, 2, 6).
@@ -226,5 +272,5 @@ class Supports:
 
     @property
     def pull(self) -> Array:
-        """Displacements (P, 2, 6), mm and rad, that the springs alone cause: C (1 + H C)^-1 H a."""
-        return np.asarray((self.compliance @ (self.holding * self.anchor)[..., None])[..., 0])
+        """Displacements (P, 2, 6), mm and rad, that springs and other meshes cause: C (1 + H C)^-1 (H a + v)."""
+        return np.asarray((self.compliance @ (self.holding * self.anchor + self.others)[..., None])[..., 0])

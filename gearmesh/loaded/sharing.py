@@ -13,7 +13,7 @@ transmission error.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property, lru_cache
 from itertools import chain
@@ -42,7 +42,7 @@ from gearmesh.loaded.compliance.threads import one_thread
 from gearmesh.loaded.mounts import FlexibleMount, Supports
 from gearmesh.loaded.peaks import RowGrid, coarser, edge_zone, peaks
 from gearmesh.loaded.root_stress import Pressed, RootStress, root_stress
-from gearmesh.loaded.separation import NearPairs, Separation, near_pairs, separation
+from gearmesh.loaded.separation import NearPairs, Separation, advances_of_halves, near_pairs, separation
 from gearmesh.progress import in_turn, side_by_side, tell
 from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.region import Side
@@ -78,6 +78,8 @@ MAX_HELD_ROUNDS = 30
 MOUNT_TOLERANCE_MM = 1e-5
 #: change of displacements that springs hold, mm: less than 0.1 N is then left in a spring
 HELD_TOLERANCE_MM = 1e-6
+#: steps from a rotation of the gear to that of the pinion: transmission errors change by less than 1e-3 of it
+DRIVING_STEPS = 2
 #: largest number of rounds in which grids are fitted to the contact
 MAX_GRID_ROUNDS = 6
 #: least and largest share of a grid's half width that the contact may fill
@@ -310,6 +312,55 @@ def whole_cycle(gears: GearPair, phi1: Array) -> bool:
     return len(turns) > 2 and bool(0.0 < closing_step < 1.5 * np.diff(turns).max())
 
 
+@dataclass(frozen=True)
+class SecondMesh:
+    """The other mesh of a planet that both meshes load, with its bodies, materials and mounts as in `loaded_mesh`."""
+
+    #: its pair
+    gears: GearPair
+    #: number of the planet in the first mesh: 0 pinion, 1 gear; it is the other one in this mesh
+    shared: int
+    bodies: tuple[FlankCompliance, FlankCompliance]
+    materials: tuple[Material, Material]
+    flexible: tuple[FlexibleMount | None, FlexibleMount | None]
+
+    def on_mounts(self, first: NearPairs, most: float, level: Level) -> Callable[[float], _OnMounts]:
+        """Return the function that gives this mesh while the first one has a torque, N mm, on its pinion.
+
+        `first`: tooth pairs of the first mesh, at whose rotations of the planet this mesh is solved. `most`: largest torque.
+        """
+        model = _Model(self.bodies, self.materials, CONTACT_CELLS if level == "full" else QUICK_CELLS, level)
+        # the planet is the gear of the mesh with the sun, and the pinion of that with the ring
+        if self.shared == 1:
+            phi1, share = first.phi2, 1.0 / abs(first.pair.ratio)
+        else:
+            phi1, share = _driving(self.gears, first.phi1), abs(self.gears.ratio)
+        reached, limit = _reached(self.gears, phi1, share * most, model)
+        own = 1 - self.shared
+        supports = _supports(self.gears, self.flexible, reached.near, own)
+        return lambda torque: _OnMounts(self.gears, reached.near, share * torque, model, supports, limit, own)
+
+
+def _driving(gears: GearPair, phi2: Array) -> Array:
+    """Return the rotations (P,), rad, of the pinion at which the unloaded gear has rotations phi2 (P,)."""
+    phi1 = phi2 / gears.ratio
+    for _ in range(DRIVING_STEPS):
+        advance = advances_of_halves(gears, phi1).max(axis=0)
+        phi1 = (phi2 - gears.drive * advance) / gears.ratio
+    return phi1
+
+
+def _supports(
+    gears: GearPair, flexible: tuple[FlexibleMount | None, FlexibleMount | None], near: NearPairs, shared: int | None
+) -> Supports:
+    """Return the mounts of a pair that is not displaced yet; another mesh loads its member number `shared` too."""
+    tilting = None
+    if shared is not None:
+        blank = gears.both[shared].tooth.blank
+        tilting = shared, float(np.ptp(blank.faces))
+    return Supports.of(gears, flexible, len(near.phi1), both_hands=bool(near.half.any()), tilting=tilting)
+
+
 @one_thread()
 def loaded_mesh(
     gears: GearPair,
@@ -321,6 +372,7 @@ def loaded_mesh(
     flexible: tuple[FlexibleMount | None, FlexibleMount | None] = (None, None),
     level: Level = "full",
     reference: Reference | None = None,
+    second: SecondMesh | None = None,
 ) -> LoadedMesh:
     """Solve the mesh at P rotations of the pinion under T torques.
 
@@ -332,6 +384,7 @@ def loaded_mesh(
     - `level`: with "quick" no errors are estimated.
     - `reference`: the solved mesh of nearly equal gears on rigid mounts, whose grids and bodies are taken.
     - `flexible`: compliance of the mounts of pinion and gear; None if rigid.
+    - `second`: other mesh of a member on an elastic mount.
 
     Raises DesignError for a torque that is not above 0. Raises NoSolutionError if no teeth touch without load, or if
     they touch beyond their flanks only.
@@ -353,15 +406,23 @@ def loaded_mesh(
         free = free.reshape(len(reference.torque), -1)[reference.torque.argmax()]
     else:
         reached, limit = _reached(gears, phi1, torque.max(), model)
-        near, rigid, supports = reached.near, None, None
+        near, rigid, supports, beside = reached.near, None, None, None
+        shared = None if second is None else second.shared
         if flexible != (None, None):
-            supports = Supports.of(gears, flexible, len(phi1), both_hands=bool(near.half.any()))
+            supports = _supports(gears, flexible, near, shared)
+        if second is not None:
+            beside = second.on_mounts(near, float(torque.max()), level)
         # the largest torque first: the grids of smaller ones follow from its grids
         for k in in_turn(np.argsort(-torque, kind="stable")):
             applied_torque, mounts_converged = float(torque[k]), True
             # one problem per torque; members on elastic mounts are displaced until they have converged
             if supports is not None:
-                problem, mounts_converged = _solve_on_mounts(gears, near, applied_torque, model, supports, limit)
+                problem, mounts_converged = _solve_on_mounts(
+                    [
+                        _OnMounts(gears, near, applied_torque, model, supports, limit, shared),
+                        *([] if beside is None else [beside(applied_torque)]),
+                    ]
+                )
                 displacement[k] = problem.displacement()
             elif rigid is None:
                 problem = rigid = reached.finished(applied_torque)
@@ -719,57 +780,92 @@ def _fit_grids(
     return problem
 
 
-def _solve_on_mounts(
-    gears: GearPair,
-    near: NearPairs,
-    torque: float,
-    model: _Model,
-    supports: Supports,
-    limit: float,
-) -> tuple[_Problem, bool]:
-    """Solve the problem of one torque with displaced members; return it with True if their mean displacement has
-    converged.
+class _OnMounts:
+    """A mesh on elastic mounts under one torque, N mm, with its members displaced so far.
 
-    Members find their places with coarse cells first.
+    `shared` is the number of the member that the other mesh loads too, if there is one.
     """
-    settled, supports, _ = _settle(gears, near, torque, model, supports, limit, None, coarse=True)
-    grids = model.fine(settled.grids)
-    problem, _, converged = _settle(gears, settled.near, torque, model, supports, limit, grids)
-    return problem, converged
 
+    def __init__(
+        self,
+        gears: GearPair,
+        near: NearPairs,
+        torque: float,
+        model: _Model,
+        supports: Supports,
+        limit: float,
+        shared: int | None = None,
+    ) -> None:
+        self.gears, self.near, self.torque, self.model = gears, near, torque, model
+        self.supports, self.limit, self.shared = supports, limit, shared
+        self.grids: _Grids | None = None
+        self.problem: _Problem
 
-def _settle(
-    gears: GearPair,
-    near: NearPairs,
-    torque: float,
-    model: _Model,
-    supports: Supports,
-    limit: float,
-    grids: _Grids | None,
-    *,
-    coarse: bool = False,
-) -> tuple[_Problem, Supports, bool]:
-    """Move members until their displacement is the mean of those under the pressures.
+    def solve(self, *, coarse: bool) -> None:
+        """Solve the mesh with its members where they are."""
+        self.problem = _fit_grids(self.near, self.torque, self.model, self.supports, self.grids, coarse=coarse)
 
-    Returns the problem, the displaced supports, and True if the displacement has converged.
-    """
-    problem, converged = _fit_grids(near, torque, model, supports, grids, coarse=coarse), False
-    for rounds_left in reversed(range(MAX_HELD_ROUNDS if supports.held else MAX_MOUNT_ROUNDS)):
-        displacements = problem.displacement()
+    def loaded_by(self, meshes: Sequence[_OnMounts]) -> Supports:
+        """Return the supports with what the other of both meshes loads them with."""
+        others = np.zeros_like(self.supports.others)
+        for other in meshes:
+            if other is not self and self.shared is not None and other.shared is not None:
+                others[:, self.shared] = other.problem.wrenches()[:, other.shared]
+        return replace(self.supports, others=others)
+
+    def settled(self, supports: Supports) -> bool:
+        """Return True if the members are where the pressures and `supports` move them."""
+        displacements = self.problem.displacement(supports)
         # rotations count as displacements at the largest lever
-        largest_lever = float(problem.grid.levers.max())
+        largest_lever = float(self.problem.grid.levers.max())
         to_length = np.array([1.0, 1.0, 1.0, largest_lever, largest_lever, largest_lever])
         change = np.abs(displacements.mean(axis=0) - supports.displacement) * to_length
+        pull_change = np.abs(supports.pull - self.supports.pull) * to_length
         held_change = np.abs(displacements - supports.anchor) * to_length * (supports.holding > 0.0)
-        converged = bool(change.max() < MOUNT_TOLERANCE_MM and held_change.max() < HELD_TOLERANCE_MM)
-        if converged or not rounds_left:
-            break
-        # move the members by the mean displacement and search contact again
-        supports, displaced_gears = supports.displace(gears, displacements)
-        moved = near_pairs(displaced_gears, near.phi1, limit)
-        carried = problem.grids.carried(problem.near, moved)
-        problem = _fit_grids(moved, torque, model, supports, carried, coarse=coarse)
-    return problem, supports, converged
+        moved = max(change.max(), pull_change.max())
+        return bool(moved < MOUNT_TOLERANCE_MM and held_change.max() < HELD_TOLERANCE_MM)
+
+    def move(self, supports: Supports) -> None:
+        """Move the members by the mean displacement, and search contact again."""
+        self.supports, displaced = supports.displace(self.gears, self.problem.displacement(supports))
+        self.near = near_pairs(displaced, self.near.phi1, self.limit)
+        self.grids = self.problem.grids.carried(self.problem.near, self.near)
+
+
+def _solve_on_mounts(meshes: Sequence[_OnMounts]) -> tuple[_Problem, bool]:
+    """Solve a mesh, or both meshes of a planet, with displaced members.
+
+    Returns the problem of the first mesh, and True if the mean displacements have converged. Members find their places with
+    coarse cells first.
+    """
+    _settle(meshes, coarse=True)
+    for mesh in meshes:
+        mesh.grids = mesh.model.fine(mesh.problem.grids)
+    converged = _settle(meshes, coarse=False)
+    return meshes[0].problem, converged
+
+
+def _settle(meshes: Sequence[_OnMounts], *, coarse: bool) -> bool:
+    """Move members until their displacement is the mean of those under the pressures; return True if it has converged.
+
+    Both meshes of a planet are solved in turns, each under the load of the other.
+    """
+    for mesh in meshes:
+        mesh.solve(coarse=coarse)
+    slow = len(meshes) > 1 or meshes[0].supports.held
+    for rounds_left in reversed(range(MAX_HELD_ROUNDS if slow else MAX_MOUNT_ROUNDS)):
+        settled = True
+        for mesh in meshes:
+            supports = mesh.loaded_by(meshes)
+            if mesh.settled(supports):
+                continue
+            settled = False
+            if rounds_left:
+                mesh.move(supports)
+                mesh.solve(coarse=coarse)
+        if settled:
+            return True
+    return False
 
 
 class _Problem:
@@ -1046,7 +1142,7 @@ class _Problem:
             self.torque[positions],
             self.model,
             grids.some(rows),
-            None if self.supports is None else replace(self.supports, anchor=self.supports.anchor[positions]),
+            None if self.supports is None else self.supports.at_positions(positions),
             (self.slot[rows], self.most),
             self.tolerance,
         )
@@ -1185,14 +1281,22 @@ class _Problem:
         first, last = along.argmax(axis=1), count - along[:, ::-1].argmax(axis=1)
         return first / count, np.where(along.any(axis=1), (last - first) / count, 0.0)
 
-    def displacement(self) -> Array:
-        """Return displacements (P, 2, 6), mm and rad, of both members in their mounts under the pressures."""
+    def wrenches(self) -> Array:
+        """Return forces and moments (P, 2, 6), N and N mm, of the pressures on both members, in the frames of their mounts;
+        0 for rigid mounts."""
         assert self.supports is not None
-        displacements = self.supports.pull.copy()
+        total = np.zeros((len(self.near.phi1), 2, 6))
         points, normals = self.near.in_place(self.grid.middle), self.near.turn(self.grid.normal)
         for k, wrench in enumerate(self.supports.wrenches(points, normals)):
-            force = np.einsum("mxi,mx->mi", wrench, self.line)
-            np.add.at(displacements[:, k], self.near.position, force @ self.supports.compliance[k])
+            np.add.at(total[:, k], self.near.position, np.einsum("mxi,mx->mi", wrench, self.line))
+        return total
+
+    def displacement(self, supports: Supports | None = None) -> Array:
+        """Return displacements (P, 2, 6), mm and rad, of both members in their mounts, or in other `supports`, under the
+        pressures."""
+        own = supports or self.supports
+        assert own is not None
+        displacements: Array = own.pull + (own.compliance @ self.wrenches()[..., None])[..., 0]
         return displacements
 
     def gear_torque(self) -> Array:

@@ -487,6 +487,16 @@ class Fellow:
 
 
 @dataclass(frozen=True)
+class OtherMesh:
+    """The other mesh of a planet."""
+
+    #: name of the planet
+    planet: str
+    #: its pair, in which the planet stands as in the first one
+    pair: GearPair
+
+
+@dataclass(frozen=True)
 class GearPair:
     """Two members that mesh, and the flanks that touch."""
 
@@ -509,6 +519,10 @@ class GearPair:
     figures: Figures | None = None
     #: further pairs that share its torque
     fellows: tuple[Fellow, ...] = ()
+    #: other mesh of its planet; None without one, and where it does not count
+    other_mesh: OtherMesh | None = None
+    #: number of equally loaded meshes of its central member, this one included
+    around: int = 1
 
     @property
     def eccentric(self) -> bool:
@@ -716,7 +730,7 @@ class GearTrain:
         return self.different[:1] if self.shared else self.different
 
     def sharing(self, which: int | str) -> GearPair:
-        """Return a pair with those that share its torque, if there are some.
+        """Return a pair with those that share its torque, and with the other mesh of its planet, if there are some.
 
         Parameters
         ----------
@@ -738,6 +752,11 @@ class GearTrain:
         ()
         """
         pair = self.pair(which)
+        planet = next((member.name for member in pair.both if member.idler), None)
+        if planet is not None:
+            others = (other for other in self.pairs if other.name != pair.name and planet in other.members)
+            found = next((OtherMesh(planet, other) for other in others), None)
+            return replace(pair, other_mesh=found, around=self.like(which))
         if not self.shared:
             return pair
         return replace(pair, fellows=tuple(pair.sees(other) for other in self.pairs if other is not pair))

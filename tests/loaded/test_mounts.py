@@ -15,13 +15,13 @@ from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh import DesignError, FlexibleMount, Rigid
-from gearmesh.answers.load.members import held_by_rim, mounts_of
-from gearmesh.contact.hertz import Material
+from gearmesh.answers.load.members import held_by_rim, mounts_around, mounts_of
+from gearmesh.contact.hertz import STEEL, Material
 from gearmesh.errors import Status
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kinds import Region, Side, Tooth
 from gearmesh.loaded.compliance.compliance import FlankCompliance, flank_compliance
-from gearmesh.loaded.sharing import LoadedMesh, loaded_mesh
+from gearmesh.loaded.sharing import LoadedMesh, SecondMesh, loaded_mesh
 from gearmesh.mesh.hexahedra.hexahedra import Cells
 
 INF = np.inf
@@ -158,6 +158,90 @@ def test_a_pinion_of_two_halves_goes_where_both_carry(axial: float, aside: float
         assert first == pytest.approx(second, rel=0.03)
 
 
+@cache
+def few_planets(*keys: str) -> tuple[list[gm.GearPair], list[Any]]:
+    """Both meshes of the planetary sample, and their bodies of few elements."""
+    gears = gm.build(gm.load(SAMPLES / "planetary.toml", list(keys)))
+    meshes = [gears.train.sharing(name) for name in ("sun-planet_1", "planet_1-ring")]
+    bodies = [
+        tuple(
+            flank_compliance(member.tooth, side, STEEL, SMALL, idler=member.idler)
+            for member, side in zip(mesh.both, mesh.flanks, strict=True)
+        )
+        for mesh in meshes
+    ]
+    return meshes, bodies
+
+
+def planet_under(which: int, pin: FlexibleMount | None, *keys: str) -> LoadedMesh:
+    """One mesh of the planet, 0 with the sun or 1 with the ring, with the planet on a pin, at one position."""
+    meshes, bodies = few_planets(*keys)
+    flexible = [(None, pin), (pin, None)]
+    ratio = abs(meshes[0].ratio)
+    torque = np.array([3e4, 3e4 / ratio])[[which]]
+    phi1 = np.array([0.4 * meshes[which].pitch])
+    second = None
+    if pin is not None:
+        other = 1 - which
+        second = SecondMesh(meshes[other], other, bodies[other], (STEEL, STEEL), flexible[other])
+    return loaded_mesh(
+        meshes[which], phi1, torque, bodies[which], cells=(24, 14), flexible=flexible[which], second=second
+    )
+
+
+def test_both_meshes_of_a_planet_load_its_pin() -> None:
+    """Twice the tangential force over the stiffness, and nothing towards the sun; the sun turns on by what the planet goes along
+    the line of action, over its base radius. Seen from the ring's mesh, too."""
+    pin = FlexibleMount.of([2e5, 1e5, *[INF] * 4])
+    force, cosine = 3e4 / 18.0, np.cos(np.radians(20.0))
+    back = 2.0 * force / 1e5
+    for which, (shared, base) in enumerate(((1, 18.0 * cosine), (0, 27.0 * cosine))):
+        found, stiff = planet_under(which, pin), planet_under(which, None)
+        assert (found.status == Status.CONVERGED).all()
+        np.testing.assert_allclose(found.displacement[0, 0, shared, :2], [0.0, -back], atol=2e-3 * back)
+        np.testing.assert_allclose(found.rotation - stiff.rotation, back * cosine / base, rtol=2e-3)
+
+
+def test_planets_tilt_on_pins_held_at_one_end() -> None:
+    """Second route: both meshes on rigid mounts with the planet tilted by as much have the moments that tilt the pin so."""
+    stiffness = 1e8
+    pin = FlexibleMount.of([INF, INF, INF, stiffness, INF, INF], -10.0)
+    found = planet_under(0, pin)
+    assert (found.status == Status.CONVERGED).all()
+    moved = found.displacement[0, 0, 1]
+    meshes, bodies = few_planets()
+    moment = 0.0
+    phi1 = np.array([0.4 * meshes[0].pitch])
+    for which, (mesh, own) in enumerate(zip(meshes, bodies, strict=True)):
+        planet = mesh.both[1 - which]
+        tilted = replace(planet, mount=pin.displace(planet.mount, moved))
+        placed = replace(mesh, gear=tilted) if which == 0 else replace(mesh, pinion=tilted)
+        torque = 3e4 / (1.0, abs(meshes[0].ratio))[which]
+        rotation = phi1 if which == 0 else phi1 * meshes[0].ratio
+        (load,) = loaded_mesh(placed, rotation, np.array([torque]), own, cells=(24, 14)).loads
+        grid = load.separation
+        line = load.pressure.sum(axis=2) * (grid.dx * grid.dy)[:, None]
+        sense = (1.0, -1.0)[which]
+        wrench = pin.wrenches(planet.mount, grid.middle, sense * grid.normal)
+        moment += float((wrench[..., 3] * line).sum())
+    # a rigid pin has 33 Nm there: teeth take a quarter of it
+    assert stiffness * moved[3] == pytest.approx(moment, rel=5e-3)
+    assert abs(moment) < 0.8 * 2.0 * 10.0 * 3e4 / 18.0
+
+
+def test_equal_planets_move_a_floating_sun_along_its_axis_alone() -> None:
+    """Three helical planets: three times the axial force of a mesh over the stiffness, and nothing across the axis, however soft
+    the sun is there."""
+    keys = ("helix_angle=15",)
+    meshes, bodies = few_planets(*keys)
+    keyed = gm.load(SAMPLES / "planetary.toml", [*keys, f"sun.mount.stiffness={[1.0, 1.0, 1e5, 1e3, 1e3, 'rigid']}"])
+    flexible = mounts_around(meshes[0], mounts_of(keyed, meshes[0]))
+    found = loaded_mesh(meshes[0], np.array([0.0]), np.array([3e4]), bodies[0], cells=(24, 14), flexible=flexible)
+    radius = 18.0 / np.cos(np.radians(15.0))
+    axial = 3e4 / radius * np.tan(np.radians(15.0))
+    np.testing.assert_allclose(np.abs(found.displacement[0, 0, 0]), [0, 0, 3.0 * axial / 1e5, 0, 0, 0], rtol=3e-3)
+
+
 @pytest.mark.sweep
 def test_load_goes_to_the_bearing_of_an_overhung_pinion() -> None:
     """The tooth at the far end gives way, on whichever side the bearing is; moments are those of the force about it."""
@@ -288,14 +372,14 @@ NUMBERS = r"must be 6 numbers above 0 or \"rigid\", in N/mm, N, N mm/rad, or 6 r
             r"stiffness: its rows must be symmetric and positive",
         ),
         ("spur", "gear.mount.z=3", r"gear\.mount\.z = 3 mm: needs stiffness"),
-        ("spur", "gear.mount.held=hub", r'gear\.mount\.held = "hub": must be one of "bore", "rim"'),
         (
             "planetary",
-            "sun.mount.stiffness=[1, 1, 1, 1, 1, 1]",
-            r"sun\.mount\.stiffness: must be left out in a planetary set",
+            "planets=4; assembly.planet_angles='0, 88, 180, 268'; sun.mount.stiffness=[1, 1, 1, 1, 1, 1]",
+            r"sun\.mount\.stiffness: must be left out for planets at uneven angles",
         ),
+        ("spur", "gear.mount.held=hub", r'gear\.mount\.held = "hub": must be one of "bore", "rim"'),
     ],
 )
 def test_mounts_that_a_design_cannot_have(sample: str, keys: str, message: str) -> None:
     with pytest.raises(DesignError, match=message):
-        gm.load(SAMPLES / f"{sample}.toml", [keys])
+        gm.load(SAMPLES / f"{sample}.toml", keys.split("; "))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
@@ -25,7 +26,7 @@ from gearmesh.answers.load.figures import (
     ToothPairPosition,
     stroke,
 )
-from gearmesh.answers.load.members import held_by_rim, materials_of, mounts_of
+from gearmesh.answers.load.members import held_by_rim, materials_of, mounts_around, mounts_of
 from gearmesh.answers.result import Result, RunTime, columns, header
 from gearmesh.answers.tables import Listing, csv_text, round_to
 from gearmesh.contact.engagement.cycle import Cycle
@@ -46,6 +47,7 @@ from gearmesh.loaded.sharing import (
     MeshShare,
     PairLoad,
     Reference,
+    SecondMesh,
     compliances,
     loaded_mesh,
     whole_cycle,
@@ -736,7 +738,8 @@ def loaded_contact_of(
         bodies = bodies_of(design, pair, level)
     doing = f"loaded contact, torques: {torques.size}, positions: {len(places)}"
     progress(0.2, doing)
-    flexible = given.get(pair.pinion.name), given.get(pair.gear.name)
+    flexible = mounts_around(pair, given)
+    second = _second_mesh(design, pair, given, level)
     # pitch deviations count against the same mesh without them; of meshes that share a torque others are uneven, too
     pairs = [pair, pair.even] if pair.uneven and not pair.fellows and reference is None else [pair]
     with listening(lambda done: progress(0.2 + 0.8 * done, doing)):
@@ -750,6 +753,7 @@ def loaded_contact_of(
                 flexible=flexible,
                 level=level,
                 reference=reference,
+                second=second,
             )
             for each in pairs
         )
@@ -760,6 +764,22 @@ def loaded_contact_of(
         warnings = (*warnings, UNEQUAL_PAIRS_WARNING)
     lines = (*warnings, *_warnings(pair, mesh, unloaded))
     return LoadedContact(design, pair, mesh, lines, time.perf_counter() - started, cycle, *others)
+
+
+def _second_mesh(
+    design: Design, pair: GearPair, mounts: Mapping[str, FlexibleMount], level: Level
+) -> SecondMesh | None:
+    """Return the other mesh of the pair's planet if its pin is elastic, with the `mounts` of the pair and those of the
+    design."""
+    other = pair.other_mesh
+    if other is None or other.planet not in mounts:
+        return None
+    beside = replace(other.pair, around=pair.around)
+    refuse_eccentric(beside)
+    given = {**mounts_of(design, beside), other.planet: mounts[other.planet]}
+    shared = pair.index(other.planet)
+    bodies = bodies_of(design, beside, level)
+    return SecondMesh(beside, shared, bodies, materials_of(design, beside), mounts_around(beside, given))
 
 
 def refuse_eccentric(pair: GearPair) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
@@ -55,6 +55,19 @@ def mounts_of(design: Design, pair: GearPair) -> dict[str, FlexibleMount]:
             stiffness = [np.inf if entry == RIGID_WORD else entry for entry in given.stiffness]
             mounts[member.name] = FlexibleMount.of(stiffness, pair.middle(member) if given.z is None else given.z)
     return mounts
+
+
+def mounts_around(
+    pair: GearPair, mounts: Mapping[str, FlexibleMount]
+) -> tuple[FlexibleMount | None, FlexibleMount | None]:
+    """Return the mounts of pinion and gear, from those by names of members; that of a member that several equal planets load
+    is the one that each of their meshes has."""
+    own = [mounts.get(member.name) for member in pair.both]
+    pinion, gear = (
+        mount if mount is None or member.idler else mount.around(pair.around)
+        for member, mount in zip(pair.both, own, strict=True)
+    )
+    return pinion, gear
 
 
 def held_by_rim(design: Design, pair: GearPair) -> tuple[bool, bool]:

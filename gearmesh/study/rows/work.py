@@ -354,13 +354,13 @@ class Variant:
 
     @property
     def sharing(self) -> GearPair:
-        """The pair with those that share its torque, whose members stand as its own."""
+        """The pair with those that share its torque, whose members stand as its own, and with the other mesh of its planet."""
         nominal, pinion = self.train.sharing(self.pair.name), self.pair.pinion.mount
         fellows = tuple(
             replace(each, pair=replace(each.pair, pinion=replace(each.pair.pinion, mount=pinion)))
             for each in nominal.fellows
         )
-        return replace(self.pair, fellows=fellows)
+        return replace(self.pair, fellows=fellows, other_mesh=nominal.other_mesh, around=nominal.around)
 
     def standing(self, bases: tuple[Rigid, Rigid], m: int) -> Variant:
         """Return the design with its members mounted as in the m-th of M assemblies."""

@@ -100,16 +100,16 @@ class PlanetaryDesign(HalvesKeys, CylindricalKeys):
                 must_be=f"at least {least}, more than the planet has",
                 other=("planet.teeth", self.planet.teeth, f"at most {self.ring.teeth - 1}, fewer than the ring has"),
             )
-        for name in (SUN_NAME, PLANET_NAME, RING_NAME):
-            if (mount := getattr(self, name).mount) is not None:
-                mount.refuse_stiffness(
-                    f"{name}.mount",
-                    "must be left out in a planetary set: several meshes load the member, the calculation has one",
-                )
         if self.assembly.planet_angles is not None:
             count = len(self._angles_given)
             if count != self.planets and "planets" in self.model_fields_set:
                 raise conflict("planets", self.planets, must_be=f"{count}, as many as assembly.planet_angles")
+        for name in (SUN_NAME, RING_NAME):
+            if (mount := getattr(self, name).mount) is not None and not self._evenly_spaced:
+                mount.refuse_stiffness(
+                    f"{name}.mount",
+                    "must be left out for planets at uneven angles: equal loads on them would not balance on the member",
+                )
         return self
 
     @property
@@ -132,6 +132,13 @@ class PlanetaryDesign(HalvesKeys, CylindricalKeys):
         if self.assembly.planet_angles is not None:
             return [taken for _, taken in self.angles_taken]
         return [360.0 * k / self.planets for k in range(self.planets)]
+
+    @property
+    def _evenly_spaced(self) -> bool:
+        """True if the planets are at equal angles."""
+        around = sorted(angle % 360.0 for angle in self.angles)
+        steps = [(after - before) % 360.0 for before, after in zip(around, [*around[1:], around[0]], strict=True)]
+        return len(around) == 1 or max(steps) - min(steps) < ANGLE_ROUNDING_DEG
 
     @property
     def angles_taken(self) -> list[tuple[float, float]]:
