@@ -7,13 +7,16 @@ import tracemalloc
 import numpy as np
 import pytest
 from oracles.built import built_sample
+from PIL import Image as pillow
 
 from gearmesh.kernel.numeric.algebra import unit
 from gearmesh.view import opengl
 from gearmesh.view.offscreen.finish import (
+    HALVED_ROWS_AT_ONCE,
     HATCH_SPACING_SHARE,
     HATCH_WIDTH_SHARE,
     LOST_LIGHT_SHARE,
+    _halved,
     _hatch,
     _hollow_light,
     _plane_depth,
@@ -105,3 +108,21 @@ def test_hatching_takes_little_more_memory_than_the_picture() -> None:
     np.testing.assert_array_equal(pixels != before, lean % period < HATCH_WIDTH_SHARE * period)
     assert (pixels != before).mean() == pytest.approx(HATCH_WIDTH_SHARE, rel=0.03)
     assert most < 0.1 * pixels.nbytes
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("shape", [(2, 2), (6, 4), (2 * HALVED_ROWS_AT_ONCE + 2, 10), (4 * HALVED_ROWS_AT_ONCE, 6)])
+def test_drawn_pixels_are_averaged_as_by_a_bilinear_filter(shape: tuple[int, int]) -> None:
+    """The second route is Pillow's, which rounds twice, and has other weights along the rim."""
+    drawn = np.random.default_rng(7).integers(0, 256, (*shape, 4), dtype=np.uint8)
+    small = (shape[1] // 2, shape[0] // 2)
+    halved = _halved(drawn.view(np.uint32)[..., 0]).view(np.uint8).reshape(*small[::-1], 4).astype(int)
+    expected = np.asarray(
+        pillow.frombuffer("RGBX", shape[::-1], drawn, "raw", "RGBX", 0, 1).resize(small, pillow.Resampling.BILINEAR)
+    )
+    apart = np.abs(halved - expected)[..., :3]
+    assert apart[1:-1, 1:-1].max(initial=0) <= 1
+    # a weight of an eighth belongs to the nearest drawn pixel
+    assert apart.max() <= 255 / 8 + 1
+    even = np.full(shape, 0x01FE80FF, dtype=np.uint32)
+    assert (_halved(even) == even[::2, ::2]).all()

@@ -30,6 +30,10 @@ RADII_SHARES = (0.008, 0.022, 0.05)
 DIRECTIONS_PER_RADIUS = 4
 #: share of the light that a deep hollow loses
 LOST_LIGHT_SHARE = 0.55
+#: rows of a picture whose drawn pixels are averaged at once: these stay in a processor's cache
+HALVED_ROWS_AT_ONCE = 32
+#: two parts of a pixel of four
+TWO_PARTS = np.uint32(0x00FF00FF)
 #: difference between the brightest and the darkest part of a colour from which it is not steel
 MIN_COLOURED_RANGE = 40
 
@@ -43,14 +47,45 @@ def finish(scene: Scene, order: Order, drawn: bytearray, size: tuple[int, int]) 
     sections = section_colours(scene)
     light = _light(scene.camera, order, drawn, pixels, sections)
     _hatch(pixels, sections)
-    # a pixel is the mean, weighted by distance, of four by four drawn pixels; RGBX tells Pillow to ignore the
-    # transparency
-    large = pillow.frombuffer("RGBX", (wide, high), pixels, "raw", "RGBX", 0, -1)
-    image = large.resize(size, pillow.Resampling.BILINEAR).convert("RGB")
+    # RGBX tells Pillow to ignore the transparency
+    image = pillow.frombuffer("RGBX", size, _halved(pixels), "raw", "RGBX", 0, -1).convert("RGB")
     if light is not None:
         share = pillow.fromarray(np.rint(255.0 * light[::-1]).astype(np.uint8))
         image = _lit(image, share.resize(size, pillow.Resampling.BILINEAR), scene)
     return np.asarray(image)
+
+
+def _halved(pixels: NDArray[np.uint32]) -> NDArray[np.uint32]:
+    """Return pixels (H, W) of a picture drawn with twice as many (2 H, 2 W): means, weighted by distance, of four by four.
+
+    Weights are 1, 3, 3 and 1 of 8 either way. Two parts of a pixel at a time have 16 bits each, which hold their sums;
+    this takes a third of the time of Pillow's `resize`.
+    """
+    high, wide = pixels.shape[0] // 2, pixels.shape[1] // 2
+    means = np.empty((high, wide), dtype=np.uint32)
+    for top in range(0, high, HALVED_ROWS_AT_ONCE):
+        part = means[top : top + HALVED_ROWS_AT_ONCE]
+        rows = np.clip(np.arange(2 * top - 1, 2 * (top + len(part)) + 1), 0, len(pixels) - 1)
+        drawn = np.pad(pixels[rows[0] : rows[-1] + 1], ((0, 0), (1, 1)), mode="edge")
+        if len(drawn) < len(rows):
+            drawn = drawn[rows - rows[0]]
+        for shift in np.array((0, 8), dtype=np.uint32):
+            sums = drawn >> shift & TWO_PARTS
+            for _ in range(2):
+                beside = sums[1:-2:2] + sums[2:-1:2]
+                beside *= np.uint32(3)
+                beside += sums[:-3:2]
+                beside += sums[3::2]
+                sums = beside.T
+            # rounded quotient of 64
+            sums += np.uint32(0x00200020)
+            sums >>= np.uint32(6)
+            sums &= TWO_PARTS
+            if shift:
+                part |= sums << shift
+            else:
+                part[:] = sums
+    return means
 
 
 def _lit(image: Any, share: Any, scene: Scene) -> Any:

@@ -36,7 +36,7 @@ _CAMERA_LAMPS = (
 )
 #: smallest sine of the slope between the triangles beside an edge that stands out
 _MIN_FOLD_SINE = 0.05
-#: drawn pixels per pixel of the picture, each way; widths are scaled by it
+#: drawn pixels per pixel of the picture, each way, which `finish` averages; widths are scaled by it
 OVERSAMPLING_FACTOR = 2
 #: cosine up to which a triangle is seen as a line
 _EDGE_ON_COSINE = 1e-6
