@@ -54,12 +54,14 @@ class Involute:
 
 @dataclass(frozen=True)
 class ShaperFlank:
-    """Flank of a shaper's tooth: pressure angle and additional thickness of symmetric teeth with this flank."""
+    """Flank of a shaper's tooth: pressure angle and additional thickness of symmetric teeth with this flank, tip rounding."""
 
     #: pressure angle, rad
     pressure_angle: float
     #: additional tooth thickness on the pitch circle, mm
     thicker: float = 0.0
+    #: rounding of the tip, mm; None: as on the other flank
+    tip_radius: float | None = None
 
 
 @dataclass(frozen=True)
@@ -97,7 +99,7 @@ class Shaper:
                 unit="modules with the shift",
                 allowed=Allowed.more_than(limit),
             )
-        beyond = self._half_space(0.0) - np.pi / self.teeth
+        beyond = self._half_space((0.0, 0.0)) - np.pi / self.teeth
         if beyond > 0.0:
             raise VagueError(
                 "shaper.addendum",
@@ -117,7 +119,7 @@ class Shaper:
 
     @property
     def largest_tip_radius(self) -> float:
-        """Largest rounding (mm) for which the tip has room."""
+        """Largest rounding (mm) for which the tip has room, beside that of the other flank if it has one of its own."""
         ends = np.zeros(1), np.array([self.top_radius - self.largest_base_radius])
         largest, _ = last_true(lambda radius, _: np.array([self._fits(float(r)) for r in radius]), *ends)
         return float(largest[0])
@@ -136,8 +138,17 @@ class Shaper:
         other = self.opposite
         if other is None:
             return self
-        own = ShaperFlank(self.pressure_angle, self.thicker)
-        return replace(self, pressure_angle=other.pressure_angle, thicker=other.thicker, opposite=own)
+        if other.tip_radius is None:
+            radius, own = self.tip_radius, self._flank
+        else:
+            radius, own = other.tip_radius, replace(self._flank, tip_radius=self.tip_radius)
+        return replace(
+            self, pressure_angle=other.pressure_angle, thicker=other.thicker, tip_radius=radius, opposite=own
+        )
+
+    def rounded(self, own: float, other: float) -> Shaper:
+        """Return the tooth with tip roundings (mm) of its own: of this flank and of the other one."""
+        return replace(self, tip_radius=own, opposite=replace(self.opposite or self._flank, tip_radius=other))
 
     @property
     def largest_base_radius(self) -> float:
@@ -200,8 +211,10 @@ class Shaper:
 
     def _fits(self, radius: float) -> bool:
         """Return True if a rounding of `radius` mm lies above the base circles and leaves a top land."""
-        above = radius <= self.top_radius - self.largest_base_radius
-        return above and self._half_space(radius) <= np.pi / self.teeth
+        fixed = None if self.opposite is None else self.opposite.tip_radius
+        radii = radius, radius if fixed is None else fixed
+        above = max(radii) <= self.top_radius - self.largest_base_radius
+        return above and self._half_space(radii) <= np.pi / self.teeth
 
     def _centre_roll(self, radius: float) -> float:
         """Return the distance of the rounding's centre from the base circle, along the tangent, in base radii."""
@@ -234,9 +247,10 @@ class Shaper:
         """
         return self._flank_top_angle(self._flank, radius)
 
-    def _half_space(self, radius: float) -> float:
-        """Return half of the polar angle (rad) of a space between roundings of `radius` mm at the top cylinder."""
-        return 0.5 * sum(self._flank_top_angle(flank, radius) for flank in self._flanks)
+    def _half_space(self, radii: tuple[float, float]) -> float:
+        """Return half of the polar angle (rad) of a space between roundings of `radii` mm at the top cylinder."""
+        angles = (self._flank_top_angle(flank, radius) for flank, radius in zip(self._flanks, radii, strict=True))
+        return 0.5 * sum(angles)
 
     def _flank_top_angle(self, flank: ShaperFlank, radius: float) -> float:
         """Return the polar angle (rad) at which a rounding of `radius` mm on a flank touches the top cylinder."""

@@ -107,8 +107,11 @@ def clearance(points: Array, alpha: float, half: float, tip: float, rounding: fl
 @pytest.mark.parametrize("kind", ["beveloid", "cylindrical"])
 @pytest.mark.parametrize("side", [Side.RIGHT, Side.LEFT])
 def test_flank_and_fillet_are_what_a_rack_leaves_in_all_its_positions(side: Side, kind: str) -> None:
-    """Every point touches the rack in one position, and no position cuts deeper."""
-    tooth = built(SPUR if kind == "beveloid" else cylindrical(SPUR)).members["pinion"].tooth
+    """Every point touches the rack in one position, and no position cuts deeper; the rack has another rounding on either side."""
+    keys = SPUR if kind == "beveloid" else cylindrical(SPUR)
+    rounded = {"tool_tip_radius": 0.38, "coast_tool_tip_radius": 0.2}
+    tooth = built({**keys, "pinion": {**keys["pinion"], **rounded}}).members["pinion"].tooth
+    rounding = rounded["tool_tip_radius" if side is Side.RIGHT else "coast_tool_tip_radius"]
     alpha, m, radius = math.radians(DRIVE if side is Side.RIGHT else COAST), 2.0, 20.0
     half = 0.5 * math.pi - 0.025 / math.cos(math.radians(DRIVE)) + 0.6 * math.tan(alpha)
     regions = FLANK_REGIONS[side], FILLET_REGIONS[side]
@@ -121,7 +124,7 @@ def test_flank_and_fillet_are_what_a_rack_leaves_in_all_its_positions(side: Side
     for phi in np.linspace(-0.6, 0.6, 6001).tolist():
         c, s = math.cos(phi), math.sin(phi)
         in_rack = points @ np.array([[c, -s], [s, c]]) - np.array([radius, -radius * phi])
-        least = np.minimum(least, clearance(in_rack, alpha, half, 0.6 - 1.25 * m, 0.38 * m))
+        least = np.minimum(least, clearance(in_rack, alpha, half, 0.6 - 1.25 * m, rounding * m))
     assert (least > -1e-9).all()
     assert (least < 2e-6).all()
 
@@ -250,6 +253,66 @@ def test_coast_side_is_the_drive_side_of_the_mirrored_pair(name: str) -> None:
             own = flanks_and_fillets(keys, member, side, 1.0)
             mirrored = flanks_and_fillets({**keys, **swapped}, member, side.other, -1.0)
             assert np.abs(own - mirrored).max() < 1e-7
+
+
+ROUNDED: dict[str, tuple[dict[str, Any], str]] = {
+    **{name: (CYLINDERS[name], "gear" if name in ("internal", "formed") else "pinion") for name in CYLINDERS},
+    "rack": (CYLINDERS["rack"], "rack"),
+    "symmetric": ({key: value for key, value in CYLINDER.items() if key != "coast_pressure_angle"}, "gear"),
+    "beveloid ring": (with_helix(10.0, gear=RING), "gear"),
+}
+
+
+@pytest.mark.parametrize("name", ROUNDED)
+@pytest.mark.sweep_cases("shaped", "formed", "internal", "rack")
+def test_each_side_has_the_rounding_of_its_own_side_of_the_tool(name: str) -> None:
+    """Fillets of a side are those of a tool with the rounding of that side on both; the flanks run as before."""
+    keys, member = ROUNDED[name]
+    both = {"tool_tip_radius": 0.12, "coast_tool_tip_radius": 0.22}
+    inside = keys.get("gear", {}).get("teeth", 0) < 0
+
+    def made(**radii: float) -> dict[str, Any]:
+        return {**keys, member: {**keys[member], **radii}}
+
+    for side in Side:
+        key = "tool_tip_radius" if (side is Side.RIGHT) != (inside and member == "gear") else "coast_tool_tip_radius"
+        one, alike = (
+            flanks_and_fillets(made(**radii), member, side, 1.0) for radii in (both, {"tool_tip_radius": both[key]})
+        )
+        assert np.abs(one - alike).max() < 1e-9
+    gears = built(made(**both))
+    assert gears.contact([-2.0, 1.0]).summary["te_peak_to_peak_arcsec"] < 1e-9 * 3600.0
+    if keys["kind"] != "cylindrical":
+        return
+    # the sheet has the form diameter of each side as it is built
+    rows, tooth = gears.sheet().plain_tables["Sides of asymmetric teeth"], gears.members[member].tooth
+    begins = [np.hypot(*tooth.flank_grid(side, np.zeros(1), np.array([0.5])).points[0, 0, :2]) for side in Side]
+    columns = rows["d_Ff"][1:][:2] if member == "pinion" else rows["d_Ff"][1:][2:]
+    assert sorted(columns) == pytest.approx(sorted(2.0 * radius for radius in begins), abs=1e-9)
+    assert columns[0] != pytest.approx(columns[1], abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("name", "key", "radii"),
+    [
+        ("external", "coast_tool_tip_radius", (0.1, 1.2)),
+        ("external", "tool_tip_radius", (1.2, 0.3)),
+        ("formed", "coast_tool_tip_radius", (0.1, 1.2)),
+        ("formed", "tool_tip_radius", (1.2, 0.2)),
+    ],
+)
+def test_the_rounding_without_room_is_refused_with_the_largest_beside_the_other(
+    name: str, key: str, radii: tuple[float, float]
+) -> None:
+    member = ROUNDED[name][1]
+    keys = {**CYLINDERS[name]}
+    given = dict(zip(("tool_tip_radius", "coast_tool_tip_radius"), radii, strict=True))
+    with pytest.raises(DesignError) as refusal:
+        built({**keys, member: {**keys[member], **given}})
+    assert refusal.value.key == f"{member}.{key}"
+    most = refusal.value.bounds[1]
+    assert max(radii) > most > 0.3
+    built({**keys, member: {**keys[member], **given, key: most - 1e-4}})
 
 
 def test_equal_angles_are_symmetric_cylindrical_teeth() -> None:

@@ -27,7 +27,7 @@ from gearmesh.systems.common.bodies.tip_surface import with_tip_surface
 from gearmesh.systems.common.defaults import unusual_defaults
 from gearmesh.systems.common.micro_geometry import with_modifications
 from gearmesh.systems.common.racks.rack_member import Roll, member, rack_parameters
-from gearmesh.systems.common.racks.rack_tooth import Heights, RackTooth, round_tips
+from gearmesh.systems.common.racks.rack_tooth import Heights, RackTooth, round_tips, tip_roundings
 from gearmesh.systems.common.tooth_edges import with_end_chamfers
 from gearmesh.systems.system import Displacements
 from gearmesh.teeth.gear_train import GearPair, GearTrain
@@ -57,7 +57,7 @@ def build(design: BeveloidDesign) -> GearTrain:
         # u of a gear that is turned over is counted along its reversed axis [LT02 Table 4]
         along = -1.0 if name == "gear" and design.assembly.turned_over else 1.0
         if spec.internal:
-            made = ring(name, spec, module, angles, design.reduction)
+            made = ring(name, spec, module, angles, design.reduction, design.coast_flanks(name))
         else:
             racks = _rack(name, spec, design, roll)
             made = member(name, spec, racks, roll, rack_parameters(f"l_{letter}", f"u_{letter}", along), tip_key)
@@ -114,8 +114,9 @@ def _rack(name: str, spec: BeveloidMember, design: BeveloidDesign, roll: Roll) -
             reason=f"the root ({2 * (roll.radius + root_height / np.cos(roll.cone)):.6g} mm) must be smaller than the "
             f"tip ({2 * (roll.radius + tip_height / np.cos(roll.cone)):.6g} mm)",
         )
+    heights = Heights(tip_height, root_height)
     right, left = (RackLine(np.radians(angle), module, half_thickness, shift) for angle in design.pressure_angles(name))
-    return round_tips(name, spec, module, (right, left), Heights(tip_height, root_height))
+    return round_tips(name, spec, module, (right, left), heights, tip_roundings(spec, design.coast_flanks(name)))
 
 
 def _gear_mount(design: BeveloidDesign, pinion: Roll, gear: Roll) -> Mount:

@@ -18,8 +18,9 @@ from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PairRunout
 from gearmesh.systems.common.defaults import ROOM_SHARE, straight_rounding
 from gearmesh.systems.common.internal_keys import check_ring, with_internal
-from gearmesh.systems.common.pressure_angles import coast_pressure_angle_key
+from gearmesh.systems.common.pressure_angles import CoastRounding, coast_pressure_angle_key
 from gearmesh.systems.kinds import OWN_KINDS
+from gearmesh.teeth.region import Side
 
 #: angles (deg) closer than this to parallel axes are parallel
 PARALLEL_TOLERANCE_DEG = 1e-9
@@ -27,7 +28,7 @@ PARALLEL_TOLERANCE_DEG = 1e-9
 STANDARD_TIP_RADIUS = 0.38
 
 
-class BeveloidMember(TurnedTip, MemberTable, Modified):
+class BeveloidMember(TurnedTip, MemberTable, CoastRounding, Modified):
     """One gear of a beveloid pair; flanks may be modified where its cone angle is 0."""
 
     usual: ClassVar[tuple[str, ...]] = ("helix_angle", "cone_angle")
@@ -192,8 +193,29 @@ class BeveloidDesign(PairDesign):
 
     @property
     def asymmetric(self) -> bool:
-        """True if drive side and coast side have different pressure angles."""
-        return self._coast_angle != self.pressure_angle
+        """True if drive side and coast side have different pressure angles or tool roundings."""
+        rounded = (spec.coast_tool_tip_radius not in (None, spec.tool_tip_radius) for spec in (self.pinion, self.gear))
+        return self._coast_angle != self.pressure_angle or any(rounded)
+
+    def coast_flanks(self, name: str) -> Side:
+        """Return the flanks of a member's coast side.
+
+        Parameters
+        ----------
+        name : str
+            "pinion" or "gear".
+
+        Returns
+        -------
+        Side
+            Left, but for a gear whose right flanks touch left flanks.
+
+        Examples
+        --------
+        >>> gm.load("samples/beveloid_parallel.toml").coast_flanks("pinion")
+        <Side.LEFT: 'left'>
+        """
+        return Side.RIGHT if name == "gear" and self.crosswise else Side.LEFT
 
     def derived_values(self) -> dict[str, float]:
         # the tip roundings of the racks that the file leaves out; see the key's default.
@@ -216,15 +238,24 @@ class BeveloidDesign(PairDesign):
             depth = member.profile_shift + below / m
         # each flank of the pair is set back by a quarter of the backlash
         width = 0.5 * math.pi + 0.5 * self.backlash / m / math.cos(alpha)
-        return straight_rounding(width, depth, self.pressure_angles(name), STANDARD_TIP_RADIUS)
+        angles, other = (self.pressure_angle, self._coast_angle), member.coast_tool_tip_radius
+        return straight_rounding(width, depth, angles, STANDARD_TIP_RADIUS, other)
 
     def _ring_rounding(self, member: BeveloidMember) -> float:
         """Return the default radius of an internal member's root fillets, normal modules."""
         from gearmesh.systems.beveloid.form_tool import form_tools
 
         m = self.given_module
-        halves = form_tools("gear", member, m, self.pressure_angles("gear"), self.reduction)
-        return min(STANDARD_TIP_RADIUS, *(ROOM_SHARE * sharp.largest_tip_radius / m for sharp in halves))
+        halves, coast = (
+            form_tools("gear", member, m, self.pressure_angles("gear"), self.reduction),
+            member.coast_tool_tip_radius,
+        )
+        if coast is None:
+            return min(STANDARD_TIP_RADIUS, *(ROOM_SHARE * sharp.largest_tip_radius / m for sharp in halves))
+        drive = halves[self.coast_flanks("gear") is Side.RIGHT]
+        alone = drive.rounded(0.0, 0.0).other_flank.largest_tip_radius
+        beside = drive.rounded(0.0, min(alone, coast * m))
+        return min(STANDARD_TIP_RADIUS, ROOM_SHARE * beside.largest_tip_radius / m)
 
     @property
     def reduction(self) -> float:

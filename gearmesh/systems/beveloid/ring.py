@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError
 from gearmesh.systems.beveloid.form_tool import form_tools
 from gearmesh.systems.common.bodies.features import UnderTeeth, ring_features
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.micro_geometry import with_true_involutes
 from gearmesh.systems.common.racks.ring_member import formed_side, prove_internal, ring_blank
+from gearmesh.systems.common.racks.tool_roundings import with_roundings
 from gearmesh.systems.common.tooth_edges import tip_edge
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Side
@@ -29,21 +28,17 @@ if TYPE_CHECKING:
 DEFAULT_RIM_MODULES = 3.0
 
 
-def ring(name: str, spec: BeveloidMember, module: float, angles: tuple[float, float], reduction: float) -> Member:
+def ring(
+    name: str, spec: BeveloidMember, module: float, angles: tuple[float, float], reduction: float, coast: Side
+) -> Member:
     """Return an internal member (in mm), proved to have closed, unpointed teeth from end to end.
 
-    Arguments as for `form_tools`. Raises DesignError naming key, value and limit.
+    Arguments as for `form_tools`; `coast`: flanks of the coast side. Raises DesignError naming key, value and limit.
     """
     sharp = form_tools(name, spec, module, angles, reduction)
-    rounding, largest = spec.tool_tip_radius * module, min(tool.largest_tip_radius for tool in sharp)
-    if rounding > largest:
-        raise DesignError(
-            f"{name}.tool_tip_radius",
-            spec.tool_tip_radius,
-            reason="the spaces are too narrow for such root fillets",
-            allowed=Allowed.at_most(largest / module),
-        )
-    shaper, other = (replace(tool, tip_radius=rounding) for tool in sharp)
+    drive = sharp[coast is Side.RIGHT]
+    rounded = with_roundings(name, spec, module, drive, "the spaces are too narrow for such root fillets")
+    shaper, other = (rounded, rounded.other_flank)[:: -1 if coast is Side.RIGHT else 1]
     tip = shaper.pitch_radius - (spec.addendum + spec.profile_shift) * module
     tip = tip if spec.tip_diameter is None else 0.5 * spec.tip_diameter
     for tool in (shaper, other):

@@ -22,6 +22,7 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.records import dataclass
 from gearmesh.systems.common.plain_sheet import plain_sheet
+from gearmesh.systems.common.racks.rack_tooth import tip_roundings
 from gearmesh.systems.common.symbol_table import Missing, Row, Values, table
 from gearmesh.systems.system import Sheet, SheetTable, complete_design
 from gearmesh.teeth.gear_train import GearTrain
@@ -80,6 +81,16 @@ def _sides(design: BeveloidDesign) -> SheetTable:
             "normal thickness at the reference cylinder, from the middle of the rack's space",
             "mm",
             of_sides(lambda teeth: teeth.half_thickness),
+        ),
+        (
+            "rho_fP",
+            "tip rounding of the rack; of an internal gear its root fillet, transverse",
+            "m_n",
+            tuple(
+                rounding.modules
+                for name, spec in members
+                for rounding in tip_roundings(spec, design.coast_flanks(name))
+            ),
         ),
         ("W_k", "span", "mm", (NO_SPAN, None, NO_SPAN, None)),
         ("D_M", "ball", "mm", (BALL_MODULES * design.given_module, None) * 2),

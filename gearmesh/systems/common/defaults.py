@@ -18,16 +18,20 @@ SAME_VALUE_TOLERANCE = 1e-9
 BISECTION_STEPS = 20
 
 
-def straight_rounding(width: float, depth: float, angles: tuple[float, float], standard: float) -> float:
+def straight_rounding(
+    width: float, depth: float, angles: tuple[float, float], standard: float, other: float | None = None
+) -> float:
     """Return the `standard` rounding of a straight rack's tip, limited by the room on its tooth; modules.
 
     - width: width of the tooth at its pitch plane.
     - depth: depth of the tip under this plane.
     - angles: pressure angles (deg) of its flanks.
+    - other: rounding at the second flank, where it has one of its own.
     """
     land = width - depth * sum(math.tan(math.radians(angle)) for angle in angles)
     # a rounding of radius 1 takes tan(45 deg - alpha / 2) of the land, either side
-    largest = land / sum(math.tan(math.radians(45.0 - 0.5 * angle)) for angle in angles)
+    own, opposite = (math.tan(math.radians(45.0 - 0.5 * angle)) for angle in angles)
+    largest = land / (own + opposite) if other is None else (land - other * opposite) / own
     return standard if standard <= largest else max(0.0, ROOM_SHARE * largest)
 
 

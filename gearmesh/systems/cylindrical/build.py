@@ -115,7 +115,7 @@ def _toothed_member(gear: GearProportions) -> Member:
             excess=(root - tip) * own.sense,
         )
     if not spec.hobbed:
-        made = shaped_member(name, spec, cuts_of(gear), tip_key, f"theta_{letter}", f"u_{letter}")
+        made = shaped_member(name, spec, cuts_of(gear), own.drive, tip_key, f"theta_{letter}", f"u_{letter}")
         made = with_modifications(
             with_tip_surface(made, spec, tip), spec, internal=own.internal, reference_radius=own.radius
         )

@@ -24,7 +24,7 @@ from gearmesh.design.keys import DERIVED_VALUE, MM_PER, Table, conflict, given_o
 from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PairRunout
 from gearmesh.systems.common.internal_keys import check_ring, with_internal
-from gearmesh.systems.common.pressure_angles import coast_pressure_angle_key
+from gearmesh.systems.common.pressure_angles import CoastRounding, coast_pressure_angle_key
 from gearmesh.systems.cylindrical.allowance_keys import (
     BallMeasurement,
     CenterDistanceAllowance,
@@ -141,7 +141,7 @@ TIP_SHAPE_KEYS = ("tip_cone_angle", "tip_throat_radius", "tip_chamfer", "tip_rou
 SIZE_KEYS = ("module", "diametral_pitch", "transverse_module", "transverse_diametral_pitch")
 
 
-class CylindricalMember(TurnedTip, MemberTable, Modified):
+class CylindricalMember(TurnedTip, MemberTable, CoastRounding, Modified):
     """One gear of a cylindrical pair."""
 
     usual: ClassVar[tuple[str, ...]] = ("profile_shift",)
@@ -274,9 +274,11 @@ class CylindricalMember(TurnedTip, MemberTable, Modified):
             )
         if self.shaper is not None:
             raise conflict("manufacture", self.manufacture, reason="cannot be given together with shaper")
-        if self.tool_tip_radius == 0.0:
+        for key in ("tool_tip_radius", "coast_tool_tip_radius"):
+            if getattr(self, key) != 0.0:
+                continue
             raise conflict(
-                "tool_tip_radius",
+                key,
                 0.0,
                 must_be='above 0 with manufacture = "formed": it is the radius of the root fillet',
             )
@@ -465,8 +467,13 @@ class ToothingKeys(Design):
 
     @property
     def coast_angle(self) -> float | None:
-        """Normal pressure angle of the coast side of asymmetric teeth, deg; None for symmetric teeth."""
-        return None if self.coast_pressure_angle == self.normal_angle else self.coast_pressure_angle
+        """Normal pressure angle of the coast side of asymmetric teeth, deg; None for symmetric teeth.
+
+        Teeth are asymmetric, too, if a tool has another tip rounding on the coast side.
+        """
+        coast = self.normal_angle if self.coast_pressure_angle is None else self.coast_pressure_angle
+        rounded = any(spec.coast_tool_tip_radius not in (None, spec.tool_tip_radius) for spec in self.specs.values())
+        return coast if rounded or coast != self.normal_angle else None
 
     def derived_values(self) -> dict[str, float]:
         """Return the defaults that the profile gives; the system derives those that follow from the mesh.

@@ -18,6 +18,7 @@ import numpy as np
 
 from gearmesh.metrology.iso1328 import TOLERANCE_NAMES
 from gearmesh.systems.common.plain_sheet import plain_sheet
+from gearmesh.systems.common.racks.rack_tooth import tip_rounding
 from gearmesh.systems.common.standards.iso286 import Deviations
 from gearmesh.systems.common.symbol_table import (
     Missing,
@@ -709,11 +710,14 @@ def _basic_rack_rows(pair: SheetGears) -> list[Row]:
         own = teeth[k]
         return (own.radius - roots[k]) / own.module + own.shift
 
+    def rounding(side: int) -> Callable[[int], float]:
+        return lambda k: tip_rounding(specs[k], coast=bool(side)).modules
+
     def profile(k: int) -> str:
         """Return the name of the basic rack, if the tooth has all of its proportions."""
-        given = specs[k].addendum, dedendum(k), specs[k].tool_tip_radius
-        standard = BASIC_RACKS[pair.design.profile]
-        is_standard = max(abs(a - b) for a, b in zip(given, standard, strict=True)) < BASIC_RACK_TOLERANCE_MODULES
+        given = specs[k].addendum, dedendum(k), *(rounding(side)(k) for side in range(len(teeth[k].sides)))
+        standard = *BASIC_RACKS[pair.design.profile], BASIC_RACKS[pair.design.profile][2]
+        is_standard = max(abs(a - b) for a, b in zip(given, standard, strict=False)) < BASIC_RACK_TOLERANCE_MODULES
         return f"ISO 53, {pair.design.profile}" if is_standard else "as below"
 
     def of_hob(value: Callable[[Hob], float]) -> Values:
@@ -734,7 +738,10 @@ def _basic_rack_rows(pair: SheetGears) -> list[Row]:
         *_rack_angle_rows(pair, of_hobbed),
         ("h_aP", "addendum of the basic rack", "m_n", of_hobbed(lambda k: specs[k].addendum)),
         ("h_fP", "dedendum of the basic rack", "m_n", of_hobbed(dedendum)),
-        ("rho_fP", "fillet of the basic rack", "m_n", of_hobbed(lambda k: specs[k].tool_tip_radius)),
+        *(
+            (f"rho_fP{which}", f"fillet of the basic rack{words}", "m_n", of_hobbed(rounding(side)))
+            for side, (which, words) in enumerate(side_suffixes(teeth[0]))
+        ),
         *of_hobs,
     ]
 

@@ -25,7 +25,8 @@ def has_room(flanks: Flanks, depth: float, radius: float) -> bool:
     """True if a rack's tip at a `depth` has room for roundings of a `radius`."""
     if not np.isfinite([flank.at_height(-depth) for flank in flanks]).all():
         return False
-    return bool(tip_land(flanks, np.array([radius]), -depth, flanks[0].line.a)[0] >= 0.0)
+    rounded = np.array([radius])
+    return bool(tip_land(flanks, (rounded, rounded), -depth, flanks[0].line.a)[0] >= 0.0)
 
 
 def land(flanks: Flanks, roll: tuple[float, float], height: float, sunk: float) -> float:

@@ -13,6 +13,7 @@ from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.records import dataclass
+from gearmesh.teeth.region import Side
 from gearmesh.tools.profile import Profile
 from gearmesh.tools.rack import Arc, Parabola, ProfilePieces, RackLine
 
@@ -69,6 +70,37 @@ class CutterTip(Protocol):
     def tool_tip_radius(self) -> float: ...
 
 
+class SidedTip(Protocol):
+    """Roundings of a tool's tip on drive and coast side, in normal modules, as a design gives them."""
+
+    @property
+    def tool_tip_radius(self) -> float: ...
+    @property
+    def coast_tool_tip_radius(self) -> float | None: ...
+
+
+@dataclass(frozen=True)
+class TipRounding:
+    """Rounding of a tool's tip on one side of the teeth, in normal modules, and the key of a member that gives it."""
+
+    key: str
+    modules: float
+
+
+def tip_rounding(spec: SidedTip, *, coast: bool) -> TipRounding:
+    """Return the rounding of the drive side or the coast side: that of the drive side if the design gives no other."""
+    own = spec.coast_tool_tip_radius if coast else None
+    if own is None:
+        return TipRounding("tool_tip_radius", spec.tool_tip_radius)
+    return TipRounding("coast_tool_tip_radius", own)
+
+
+def tip_roundings(spec: SidedTip, coast: Side) -> tuple[TipRounding, TipRounding]:
+    """Return the roundings of the right and the left flanks; `coast`: flanks of the coast side."""
+    right, left = (tip_rounding(spec, coast=side is coast) for side in (Side.RIGHT, Side.LEFT))
+    return right, left
+
+
 @dataclass(frozen=True)
 class Heights:
     """Heights x of the blank's tip and of the cutter's tip plane, mm, in the normal section."""
@@ -78,16 +110,21 @@ class Heights:
 
 
 def round_tips(
-    name: str, spec: CutterTip, module: float, flanks: tuple[RackLine | Parabola, RackLine | Parabola], heights: Heights
+    name: str,
+    spec: CutterTip,
+    module: float,
+    flanks: tuple[RackLine | Parabola, RackLine | Parabola],
+    heights: Heights,
+    roundings: tuple[TipRounding, TipRounding] | None = None,
 ) -> tuple[RackTooth, RackTooth]:
     """Return both sides, (right, left), of a space whose cutter has a rounded tip.
 
-    The radius is `spec.tool_tip_radius` normal modules. Raises DesignError naming key, value and limit, with `name`
-    before it. Reasons are a cutter's tooth that is pointed or too narrow for the rounding, no flank left, and a profile
-    that bends back before tip or root.
+    `roundings`: of the right and the left side; without them the radius is `spec.tool_tip_radius` normal modules.
+    Raises DesignError naming key, value and limit, with `name` before it. Reasons are a cutter's tooth that is pointed
+    or too narrow for the roundings, no flank left, and a profile that bends back before tip or root.
     """
     _check_bend(name, flanks, heights)
-    land = float(tip_land(flanks, np.zeros(1), heights.root, module)[0])
+    land = float(tip_land(flanks, (np.zeros(1), np.zeros(1)), heights.root, module)[0])
     if not land >= 0.0:
         raise VagueError(
             f"{name}.dedendum",
@@ -96,16 +133,20 @@ def round_tips(
             allowed="a smaller dedendum",
             excess=-land,
         )
-    radius = spec.tool_tip_radius * module
-    if not tip_land(flanks, np.array([radius]), heights.root, module)[0] >= -1e-12 * module:
-        largest = largest_rounding(flanks, heights.root, module, radius)
+    both = roundings or (TipRounding("tool_tip_radius", spec.tool_tip_radius),) * 2
+    radii = np.array([both[0].modules]) * module, np.array([both[1].modules]) * module
+    if not tip_land(flanks, radii, heights.root, module)[0] >= -1e-12 * module:
+        # the larger rounding is refused; a rounding with a key of its own stays
+        wide = max((0, 1), key=lambda k: both[k].modules)
+        fixed = None if both[0].key == both[1].key else float(radii[1 - wide][0])
+        largest = largest_rounding((flanks[wide], flanks[1 - wide]), heights.root, module, float(radii[wide][0]), fixed)
         raise DesignError(
-            f"{name}.tool_tip_radius",
-            spec.tool_tip_radius,
+            f"{name}.{both[wide].key}",
+            both[wide].modules,
             reason="the cutter's tooth is too narrow for the fillet",
             allowed=Allowed.at_most(np.floor(10000.0 * largest / module) / 10000.0),
         )
-    right, left = (_side(name, spec, flank, radius, heights, module) for flank in flanks)
+    right, left = (_side(name, rounding, flank, heights, module) for rounding, flank in zip(both, flanks, strict=True))
     return right, left
 
 
@@ -126,38 +167,46 @@ def _check_bend(name: str, flanks: tuple[RackLine | Parabola, RackLine | Parabol
 
 
 def tip_land(
-    flanks: tuple[RackLine | Parabola, RackLine | Parabola], radius: Array, root: float, module: float
+    flanks: tuple[RackLine | Parabola, RackLine | Parabola], radii: tuple[Array, Array], root: float, module: float
 ) -> Array:
-    """Return the land (M,), mm, of a cutter's tip at the height `root` between roundings of `radius` (M,), mm.
+    """Return the land (M,), mm, of a cutter's tip at the height `root` between roundings of `radii` (M,), mm.
 
     It is negative where the roundings overlap, and NaN where a rounding does not touch its flank.
     """
-    right, left = (_touch(flank, radius, root, module)[1][:, 1] for flank in flanks)
+    right, left = (_touch(flank, radius, root, module)[1][:, 1] for flank, radius in zip(flanks, radii, strict=True))
     return np.pi * module + right + left
 
 
 def largest_rounding(
-    flanks: tuple[RackLine | Parabola, RackLine | Parabola], root: float, module: float, most: float
+    flanks: tuple[RackLine | Parabola, RackLine | Parabola],
+    root: float,
+    module: float,
+    most: float,
+    fixed: float | None = None,
 ) -> float:
     """Return the largest rounding (mm) of a cutter's tip at the height `root`, up to `most`.
 
-    It is 0 if the tip is pointed without a rounding.
+    `fixed`: rounding (mm) of the second flank, if only that of the first one is searched. The result is 0 if the tip is
+    pointed without a rounding.
     """
     ends = np.zeros(1), np.array([most])
-    if tip_land(flanks, ends[1], root, module)[0] >= 0.0:
+
+    def land(radius: Array) -> Array:
+        return tip_land(flanks, (radius, radius if fixed is None else np.full_like(radius, fixed)), root, module)
+
+    if land(ends[1])[0] >= 0.0:
         return most
-    largest, _ = last_true(lambda r, _: tip_land(flanks, r, root, module) >= 0.0, *ends)
+    largest, _ = last_true(lambda r, _: land(r) >= 0.0, *ends)
     return float(largest[0])
 
 
-def _side(
-    name: str, spec: CutterTip, flank: RackLine | Parabola, radius: float, heights: Heights, module: float
-) -> RackTooth:
+def _side(name: str, rounded: TipRounding, flank: RackLine | Parabola, heights: Heights, module: float) -> RackTooth:
     """Return one side of the space."""
+    radius = rounded.modules * module
     (touch,), (centre,), (angle,) = _touch(flank, np.array([radius]), heights.root, module)
     if flank.section(np.array(touch))[0][0] >= heights.tip:
         raise VagueError(
-            f"{name}.tool_tip_radius", spec.tool_tip_radius, reason="leaves no flank below the tip", allowed="less"
+            f"{name}.{rounded.key}", rounded.modules, reason="leaves no flank below the tip", allowed="less"
         )
     if flank.coefficient != 0.0 and flank.section(np.array(flank.at_height(heights.tip)))[2][0] <= 0.0:
         # such normals never pass through the pitch point; below the pitch plane undercut may remove these points

@@ -72,22 +72,6 @@ def form_tool(name: str, spec: CylindricalMember, own: Toothing, root: float) ->
     )
 
 
-def with_rounding(name: str, radius: float, own: Toothing, sharp: Shaper) -> Shaper:
-    """Return the tool with roundings of a radius (normal modules).
-
-    Raises DesignError if the spaces have no room for them.
-    """
-    largest = sharp.largest_tip_radius
-    if radius * own.module > largest:
-        raise DesignError(
-            f"{name}.tool_tip_radius",
-            radius,
-            reason="the spaces are too narrow for such root fillets",
-            allowed=Allowed.at_most(largest / own.module, "", note=", with which a space has one round root"),
-        )
-    return replace(sharp, tip_radius=radius * own.module)
-
-
 def _check_spaces(name: str, spec: CylindricalMember, own: Toothing) -> None:
     """Refuse teeth so thick that they leave no spaces."""
     over = own.thickness - math.pi * own.module

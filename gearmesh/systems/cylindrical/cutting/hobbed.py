@@ -34,7 +34,7 @@ from gearmesh.kernel.surface.stations import along
 from gearmesh.records import dataclass
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.racks.rack_member import ROOT_PARAMETER
-from gearmesh.systems.common.racks.rack_tooth import Heights, RackTipCorner, RackTooth, round_tips
+from gearmesh.systems.common.racks.rack_tooth import Heights, RackTipCorner, RackTooth, round_tips, tip_roundings
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.undercut import intersection
@@ -77,7 +77,7 @@ def hobbed_racks(name: str, spec: CylindricalMember, own: Toothing, heights: Hei
     remaining_stock, relief = (0.0, 0.0) if hob is None else (hob.remaining_stock, hob.relief)
     # the tip rounding touches this line, which projects beyond the final flank by the relief
     right, left = (flank_line(side, remaining_stock - relief) for side in sides)
-    racks = round_tips(name, spec, own.module, (right, left), heights)
+    racks = round_tips(name, spec, own.module, (right, left), heights, tip_roundings(spec, own.drive.other))
     if hob is None:
         return racks
     if not own.asymmetric:

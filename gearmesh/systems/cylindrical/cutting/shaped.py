@@ -25,11 +25,13 @@ from gearmesh.systems.common.bodies.body import bore_radius, disc_body
 from gearmesh.systems.common.bodies.features import UnderTeeth, body_features, ring_features
 from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.common.racks.rack_member import prove
+from gearmesh.systems.common.racks.rack_tooth import TipRounding, tip_rounding
 from gearmesh.systems.common.racks.ring_member import prove_internal, ring_blank
+from gearmesh.systems.common.racks.tool_roundings import with_roundings
 from gearmesh.systems.common.tooth_edges import tip_edge
 from gearmesh.systems.cylindrical.cutting.cutter import cutter_of, cutting_flank, sharp_shaper
 from gearmesh.systems.cylindrical.cutting.cutter_choice import CutterChoice
-from gearmesh.systems.cylindrical.cutting.formed import Forming, with_rounding
+from gearmesh.systems.cylindrical.cutting.formed import Forming
 from gearmesh.systems.cylindrical.cutting.last_cut import LastCut
 from gearmesh.systems.cylindrical.design import DEFAULT_RIM_MODULES
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing
@@ -118,9 +120,11 @@ def cuts_of(gear: GearProportions) -> dict[Side, Shaping | Forming]:
     """
     spec, teeth, sharp = gear.spec, gear.own, sharp_shaper(gear)
     if spec.formed:
-        tool = with_rounding(gear.name, spec.tool_tip_radius, teeth, sharp)
+        reason, note = "the spaces are too narrow for such root fillets", ", with which a space has one round root"
+        tool = with_roundings(gear.name, spec, teeth.module, sharp, reason, note)
         return {side: Forming(cutting_flank(gear, tool, side), teeth.side(side), gear.root, gear.tip) for side in Side}
-    tool, cutter = replace(sharp, tip_radius=spec.tool_tip_radius * teeth.module), cutter_of(gear)
+    tool = with_roundings(gear.name, spec, teeth.module, sharp, "the cutter's tooth is too narrow for the fillet")
+    cutter = cutter_of(gear)
     return {
         side: Shaping(cutting_flank(gear, tool, side), teeth.side(side), gear.root, gear.tip, cutter, teeth)
         for side in Side
@@ -131,6 +135,7 @@ def shaped_member(
     name: str,
     spec: CylindricalMember,
     cuts: Mapping[Side, Shaping | Forming],
+    drive: Side,
     tip_key: str,
     theta: str,
     along: str,
@@ -138,6 +143,7 @@ def shaped_member(
     """Return a member of a part `spec` of a design (in mm), proved to have closed, unpointed teeth from toe to heel.
 
     - cuts: see `cuts_of`.
+    - drive: flanks of the drive side.
     - tip_key: the key that gives the tip, named in refusals.
     - theta, along: names of the member's source parameters.
 
@@ -146,9 +152,9 @@ def shaped_member(
     """
     cut = cuts[Side.RIGHT]
     own = cut.own
-    for of_side in cuts.values():
+    for side, of_side in cuts.items():
         of_side.refuse_tip(name, spec, tip_key)
-        _check_flank(name, spec, of_side)
+        _check_flank(name, tip_rounding(spec, coast=side is not drive), of_side)
     tooth = Tooth(
         spec.teeth,
         _side(cut, Side.RIGHT),
@@ -174,15 +180,15 @@ def shaped_member(
     return Member(name, tooth, parameters, features)
 
 
-def _check_flank(name: str, spec: CylindricalMember, cut: Shaping | Forming) -> None:
+def _check_flank(name: str, rounding: TipRounding, cut: Shaping | Forming) -> None:
     """Refuse a rounding that leaves no flank below the tip."""
     own, tip = cut.own, cut.own.roll_length(cut.tip)
     if own.sense * (tip - cut.form_roll_length) > 0.0:
         return
     sharp = replace(cut, shaper=replace(cut.shaper, tip_radius=0.0))
     raise DesignError(
-        f"{name}.tool_tip_radius",
-        spec.tool_tip_radius,
+        f"{name}.{rounding.key}",
+        rounding.modules,
         reason="the root fillets leave no flank below the tips",
         allowed=Allowed.less_than(sharp.largest_rounding(tip, cut.shaper.tip_radius) / own.module),
     )

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 
 from gearmesh.records import dataclass
 from gearmesh.systems.common.bounds import at_least, at_most
+from gearmesh.systems.common.racks.rack_tooth import tip_rounding
 from gearmesh.systems.cylindrical.cutting.shaped import cuts_of
 from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair, Toothing, distance_of
 from gearmesh.teeth.region import Side
@@ -39,8 +40,8 @@ def form_roll_length(gear: GearProportions, side: Side | None = None) -> float:
     side = side or gear.own.drive
     if not gear.spec.hobbed:
         return cuts_of(gear)[side].form_roll_length
-    own = gear.own.side(side)
-    return float(own.rack_form_roll_length(own.radius - gear.root, gear.spec.tool_tip_radius * own.module))
+    own, rounding = gear.own.side(side), tip_rounding(gear.spec, coast=side is not gear.own.drive)
+    return float(own.rack_form_roll_length(own.radius - gear.root, rounding.modules * own.module))
 
 
 def undercut_reserve(gear: GearProportions, side: Side) -> float:

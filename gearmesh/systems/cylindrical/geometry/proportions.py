@@ -24,7 +24,7 @@ from gearmesh.systems.cylindrical.geometry.nominal import (
     with_allowances,
 )
 from gearmesh.systems.cylindrical.geometry.shifts import addendum, shifts, tip_alterations, tip_radius
-from gearmesh.teeth.region import Side
+from gearmesh.tools.shaper import Shaper
 
 if TYPE_CHECKING:
     from gearmesh.design.core import Design
@@ -193,13 +193,24 @@ def rounding_in_mesh(gear: ToothedGear, mesh: InvolutePair, mating: Toothing, ti
     if gear.spec.hobbed:
         return most
     m, of_gear = gear.own.module, mating is mesh.gear
-    cut, sharp, root = FixedCut if gear.spec.formed else LastCut, sharp_shaper(gear), root_radius(gear)
+    cut, sharp, root = FixedCut if gear.spec.formed else LastCut, sharp_drive_side(gear), root_radius(gear)
     largest = []
-    for side, own, shaper in zip(mesh.sides, gear.own.sides, (sharp, sharp.other_flank), strict=False):
+    # a coast side with its own rounding does not limit that of the drive side
+    flanks = (sharp, sharp.other_flank) if gear.spec.coast_tool_tip_radius is None else (sharp,)
+    for side, own, shaper in zip(mesh.sides, gear.own.sides, flanks, strict=False):
         other = side.gear if of_gear else side.pinion
         reached = side.mating_roll_length(other.roll_length(tip), other)
         largest.append(cut(shaper, own, root).largest_rounding(reached, most * m) / m)
     return min(largest)
+
+
+def sharp_drive_side(gear: ToothedGear) -> Shaper:
+    """Return the tool of `sharp_shaper` without rounding, but for that of the coast side if it has its own and has room."""
+    sharp, coast = sharp_shaper(gear), gear.spec.coast_tool_tip_radius
+    if coast is None:
+        return sharp
+    alone = sharp.rounded(0.0, 0.0).other_flank
+    return sharp.rounded(0.0, min(coast * gear.own.module, alone.largest_tip_radius))
 
 
 def tool_rounding(gear: ToothedGear) -> float:
@@ -207,9 +218,9 @@ def tool_rounding(gear: ToothedGear) -> float:
     spec, own = gear.spec, gear.own
     _, dedendum, standard = BASIC_RACKS[gear.profile]
     if not spec.hobbed:
-        return min(standard, TIP_ROUNDING_SHARE * sharp_shaper(gear).largest_tip_radius / own.module)
+        return min(standard, TIP_ROUNDING_SHARE * sharp_drive_side(gear).largest_tip_radius / own.module)
     m = own.module
-    right, left = (math.degrees(own.side(side).alpha) for side in (Side.RIGHT, Side.LEFT))
+    drive, coast = (math.degrees(own.side(side).alpha) for side in (own.drive, own.drive.other))
     if spec.root_diameter is not None:
         depth = own.shift + (own.radius - 0.5 * spec.root_diameter) / m
     else:
@@ -219,4 +230,4 @@ def tool_rounding(gear: ToothedGear) -> float:
     if spec.hob is not None:
         # the flanks of the hob's tip project beyond the finished flanks
         given -= both_flanks(own, spec.hob.protuberance - spec.hob.stock)
-    return straight_rounding(0.5 * math.pi - given / m, depth, (right, left), standard)
+    return straight_rounding(0.5 * math.pi - given / m, depth, (drive, coast), standard, spec.coast_tool_tip_radius)

@@ -31,7 +31,7 @@ from gearmesh.systems.common.bodies.body import LEAST_RIM
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.micro_geometry import with_modifications
 from gearmesh.systems.common.racks.rack_member import ROOT_PARAMETER, rack_parameters
-from gearmesh.systems.common.racks.rack_tooth import Heights, RackTooth, round_tips
+from gearmesh.systems.common.racks.rack_tooth import Heights, RackTooth, round_tips, tip_roundings
 from gearmesh.systems.common.tooth_edges import check_beside_holes, edge_refusal, tip_edge, with_end_chamfers
 from gearmesh.systems.cylindrical.geometry.geometry import Toothing, mean_of
 from gearmesh.teeth.blank.blank import Blank
@@ -65,6 +65,8 @@ class RackProportions:
     dedendum: float = 1.25
     #: radius of the root fillets, normal modules
     tool_tip_radius: float = 0.38
+    #: radius of the root fillets of the coast side, normal modules; None: as on the drive side
+    coast_tool_tip_radius: float | None = None
     #: allowance of the normal tooth thickness
     allowance: float = 0.0
     #: length of the bar beyond the last pitch, at either end
@@ -224,9 +226,10 @@ def rack_member(name: str, spec: RackProportions, pinion: Toothing, table: RackT
     on_right, on_left = (
         RackLine(pinion.side(side).alpha, m, 0.25 * math.pi * m + 0.5 * spec.allowance) for side in Side
     )
+    roundings = tip_roundings(spec, pinion.drive.other)
     right, left = (
         _side(rack, helix, side)
-        for rack, side in zip(round_tips(name, spec, m, (on_right, on_left), heights), (1, -1), strict=True)
+        for rack, side in zip(round_tips(name, spec, m, (on_right, on_left), heights, roundings), (1, -1), strict=True)
     )
     depth, back = (spec.addendum + spec.dedendum) * m, heights.tip - spec.height
     if not spec.height > depth:

@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from gearmesh.allowed import Allowed
 from gearmesh.design.keys import given_or
 from gearmesh.errors import DesignError
 from gearmesh.records import dataclass
 from gearmesh.systems.common.defaults import straight_rounding
-from gearmesh.systems.cylindrical.cutting.cutter import sharp_shaper
+from gearmesh.systems.common.racks.rack_tooth import SidedTip
 from gearmesh.systems.cylindrical.cutting.last_cut import LastCut
 from gearmesh.systems.cylindrical.design import BASIC_RACKS, CylindricalDesign
 from gearmesh.systems.cylindrical.geometry.allowances import made_allowance
@@ -25,16 +25,18 @@ from gearmesh.systems.cylindrical.geometry.proportions import (
     TIP_ROUNDING_SHARE,
     PairProportions,
     proportions,
+    sharp_drive_side,
     still_open,
 )
 from gearmesh.systems.cylindrical.parts import completed_pair, nest, shared_keys
 from gearmesh.systems.cylindrical.rack.design import PINION_NAME, RACK_NAME
 from gearmesh.systems.cylindrical.rack.member import RackMesh, RackProportions
-from gearmesh.teeth.region import Side
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.rack.design import RackDesign, RackKeys
 
+#: teeth, or a mesh, of one side
+Side = TypeVar("Side")
 #: default height of the bar under the root, in normal modules
 BAR_MODULES = 3.0
 #: largest profile shift of either sign
@@ -109,7 +111,7 @@ def derived_values(design: RackDesign) -> dict[str, float]:
                 -side.rack_height(side.pinion.roll_length(mesh.tip)) / own.module,
                 side.pinion.alpha,
             )
-            for side in mesh.sides
+            for side in _shared(mesh.sides, design.rack)
         ),
         f"{PINION_NAME}.addendum": pair.pinion.addendum,
         "backlash": mesh.normal_backlash,
@@ -124,11 +126,16 @@ def derived_values(design: RackDesign) -> dict[str, float]:
                 mesh.rack.addendum - mesh.above / own.module,
                 side.alpha,
             )
-            for side in own.sides
+            for side in _shared(own.sides, design.pinion)
         )
     else:
         values[f"{PINION_NAME}.tool_tip_radius"] = pair.pinion.tool_tip_radius
     return defaults | still_open(made, values)
+
+
+def _shared(sides: tuple[Side, ...], spec: SidedTip) -> tuple[Side, ...]:
+    """Return the sides of a member whose tool has one tip rounding: both, or the drive side if the coast side has its own."""
+    return sides if spec.coast_tool_tip_radius is None else sides[:1]
 
 
 def _clear(standard: float, depth: float, needed: float, alpha: float) -> float:
@@ -163,6 +170,7 @@ def bar_of(design: RackKeys) -> RackProportions:
         addendum=spec.addendum,
         dedendum=spec.dedendum,
         tool_tip_radius=spec.tool_tip_radius,
+        coast_tool_tip_radius=spec.coast_tool_tip_radius,
         overhang=design.overhang,
     )
 
@@ -180,8 +188,9 @@ def bar_rounding(design: RackKeys, mesh: RackMesh) -> float:
     """Return the profile's radius of the rack's root fillets, in modules, limited by the room in its spaces."""
     own = mesh.pinion
     width = 0.5 * math.pi - mesh.rack.allowance / own.module
-    right, left = (math.degrees(own.side(side).alpha) for side in Side)
-    return straight_rounding(width, mesh.rack.dedendum, (right, left), BASIC_RACKS[design.profile][2])
+    drive, coast = (math.degrees(own.side(side).alpha) for side in (own.drive, own.drive.other))
+    standard, other = BASIC_RACKS[design.profile][2], design.rack.coast_tool_tip_radius
+    return straight_rounding(width, mesh.rack.dedendum, (drive, coast), standard, other)
 
 
 def _shift(design: RackDesign) -> float:
@@ -276,10 +285,10 @@ def _shaper_rounding(pair: CylindricalDesign, mesh: RackMesh, standard: float) -
     It is the profile's rounding, limited by the room on the cutter and by the involute that the rack's tips need.
     """
     own, of_pair = mesh.pinion, proportions(pair)
-    sharp = sharp_shaper(of_pair.gear("pinion"))
+    sharp = sharp_drive_side(of_pair.gear("pinion"))
     most = min(standard * own.module, TIP_ROUNDING_SHARE * sharp.largest_tip_radius)
     largest = []
-    for side, shaper in zip(mesh.sides, (sharp, sharp.other_flank), strict=False):
+    for side, shaper in zip(_shared(mesh.sides, pair.pinion), (sharp, sharp.other_flank), strict=False):
         reached = side.roll_length_at((mesh.rack.addendum + FLANK_MARGIN_MODULES) * own.module)
         largest.append(LastCut(shaper, side.pinion, of_pair.roots[0]).largest_rounding(reached, most) / own.module)
     return min(largest)

@@ -17,6 +17,7 @@ import numpy as np
 from gearmesh.records import dataclass
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.plain_sheet import plain_sheet
+from gearmesh.systems.common.racks.rack_tooth import tip_rounding
 from gearmesh.systems.common.symbol_table import (
     Missing,
     Row,
@@ -284,7 +285,15 @@ def rack_rows(design: RackKeys, mesh: RackMesh, member: Member, root: float | No
             (f"h_Ff{which}", f"height at which the flank begins, negative below the reference plane{words}", "mm", low)
             for (which, words), (low, _) in zip(side_suffixes(mesh.pinion), flanks, strict=True)
         ),
-        ("rho_f", "radius of the root fillets, normal", "mm", rack.tool_tip_radius * m),
+        *(
+            (
+                f"rho_f{which}",
+                f"radius of the root fillets, normal{words}",
+                "mm",
+                m * tip_rounding(rack, coast=coast).modules,
+            )
+            for (which, words), coast in zip(side_suffixes(mesh.pinion), (False, True), strict=False)
+        ),
         *([] if root is None else [_clearance(mesh, root)]),
         ("A_sn", "allowance of the normal thickness, as made", "mm", rack.allowance),
         *_thickness_allowances(design.rack.thickness_allowance),

@@ -9,6 +9,7 @@ from gearmesh.exchange.model import Component
 from gearmesh.exchange.stage import StageReader
 from gearmesh.exchange.stage_writer import StageWriter
 from gearmesh.exchange.versions import SETTINGS_ATTRIBUTES
+from gearmesh.systems.common.racks.rack_tooth import tip_rounding
 from gearmesh.systems.common.standards import din3967, iso286
 from gearmesh.systems.cylindrical.rexs.flank_changes import read_changes, write_changes
 from gearmesh.teeth.region import Side
@@ -52,6 +53,8 @@ class GearReader:
         self.beta = self._helix_angle()
         #: -1 for a ring whose profile shift the file counts away from its axis
         self.shift_sense = 1
+        #: flanks of the drive side, "left" or "right"; `pressure_angles` says it
+        self.drive = "right"
 
     def _by_side(self, id: str) -> dict[str, float]:
         """Return an attribute of the flanks that have it, by "left" and "right"."""
@@ -79,6 +82,7 @@ class GearReader:
 
         `drive`: "left" or "right" flanks of the drive side. A flank without an angle has that of the other flank.
         """
+        self.drive = drive
         angles = dict(self.alphas)
         for side, transverse in self.transverses.items():
             tangent = math.tan(math.radians(transverse)) * math.cos(math.radians(self.beta))
@@ -206,19 +210,40 @@ class GearReader:
 
     def _tool(self, module: float, angles: tuple[float, float], beta: float) -> dict[str, Any]:
         """Return the keys of the first step that generates teeth; both flanks have the same step."""
-        steps = [step for flank in self.flanks.values() for step in self.file.steps(flank)]
-        generating = [step for step in steps if step[0].type in (HOB_TYPE, CUTTER_TYPE)]
-        if self.internal:
-            generating.sort(key=lambda step: step[0].type != CUTTER_TYPE)
+        sides = sorted(self.flanks, key=lambda side: side != self.drive)
+        steps = [step for side in sides for step in self.file.steps(self.flanks[side])]
+        generating = self._generating(steps)
         for tool, _ in generating:
             if not self._fits(tool, module, angles):
                 return {}
             if tool.type == CUTTER_TYPE:
-                return self._cutter(tool, module, beta)
-            return self._hob(tool, [own for other, own in generating if other is tool and own is not None], module)
+                keys = self._cutter(tool, module, beta)
+            else:
+                settings = [own for other, own in generating if other is tool and own is not None]
+                keys = self._hob(tool, settings, module)
+            return keys | self._coast_rounding(sides, tool, keys, module)
         kept = f"{steps[0][0].in_full} generates no root" if steps else "no tool in the file"
         self.file.notes.append(f"{self.gear}: {kept}: root and fillet are those of the basic rack, profile A")
         return {}
+
+    def _generating(self, steps: list[tuple[Component, Component | None]]) -> list[tuple[Component, Component | None]]:
+        """Return the steps that generate teeth, those that a ring can have first."""
+        generating = [step for step in steps if step[0].type in (HOB_TYPE, CUTTER_TYPE)]
+        return sorted(generating, key=lambda step: self.internal and step[0].type != CUTTER_TYPE)
+
+    def _coast_rounding(self, sides: list[str], tool: Component, keys: dict[str, Any], module: float) -> dict[str, Any]:
+        """Return the key of the tip rounding of the coast side, whose flank may have a tool of its own.
+
+        `sides`: drive side first. `tool`, `keys`: the tool of the drive side, and its keys.
+        """
+        *_, coast = sides
+        own = next((one for one, _ in self._generating(self.file.steps(self.flanks[coast]))), tool)
+        if own is tool or own.type != tool.type:
+            return {}
+        radius = self._relative(own, *TIP_RADIUS, module, f"{self.name}.coast_tool_tip_radius")
+        rounding = keys["tool_tip_radius"]
+        same = radius is None or (rounding is not None and abs(radius - rounding) <= FIGURE_ROUNDING)
+        return {} if same else {"coast_tool_tip_radius": radius}
 
     def _fits(self, tool: Component, module: float, angles: tuple[float, float]) -> bool:
         """True if a tool has the gear's module and a pressure angle of its flanks, which a design assumes."""
@@ -415,8 +440,9 @@ def _write_tool(file: StageWriter, flanks: dict[str, Component], of: GearProport
             flank.attributes.pop(id, None)
         file.put(tool, "normal_module", module)
         file.put(tool, "normal_pressure_angle", angles[side])
-        rounded = file.put(tool, "tip_radius_factor", once("tool_tip_radius"))
-        file.put(tool, "tip_radius", None if rounded else once("tool_tip_radius"))
+        rounding = once(tip_rounding(of.spec, coast=side != str(of.own.drive)).key)
+        rounded = file.put(tool, "tip_radius_factor", rounding)
+        file.put(tool, "tip_radius", None if rounded else rounding)
         if type == CUTTER_TYPE:
             file.put(tool, "number_of_teeth", once("shaper.teeth"))
             file.put(tool, "addendum_modification_coefficient", once("shaper.profile_shift"))
