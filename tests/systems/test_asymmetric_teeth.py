@@ -16,6 +16,7 @@ from gearmesh.kinds import Region, Side
 from gearmesh.teeth.region import FILLET_REGIONS, FLANK_REGIONS
 
 DRIVE, COAST = 25.0, 17.0
+TOLERANCES = "Flank tolerances [ISO 1328-1:2013]"
 SPUR: dict[str, Any] = {
     "kind": "beveloid",
     "module": 2,
@@ -414,3 +415,18 @@ def test_tangents_of_30_deg_are_those_of_each_side() -> None:
     # the fillet of a side is cut by its own side of the rack
     assert one["s_Fn/2"][0] == pytest.approx(0.5 * alike["s_Fn"][0], rel=1e-9)
     assert one["rho_F"][0] == pytest.approx(alike["rho_F"][0], rel=1e-9)
+
+
+def test_beveloid_members_of_cone_angle_0_have_the_tolerances_of_cylindrical_gears() -> None:
+    keys = {**cylindrical(with_helix(10.0, gear=RING)), "accuracy_class": 7}
+    of_cylinders = built(keys).sheet().plain_tables[TOLERANCES]
+    crossed = {**with_helix(10.0, gear=RING), "accuracy_class": 7}
+    assert built(crossed).sheet().plain_tables[TOLERANCES] == of_cylinders
+    # a drawing has them, a design without a class has none
+    texts = built(crossed).drawing("gear").texts
+    assert "flank tolerance class" in texts
+    cones = {**SPUR, "accuracy_class": 7, "pinion": {**SPUR["pinion"], "cone_angle": 8}}
+    rows = built(cones).sheet().plain_tables[TOLERANCES]
+    assert rows["A"][1:] == [None, 7]
+    assert rows["f_pT"][1] is None
+    assert TOLERANCES not in built(SPUR).sheet().plain_tables

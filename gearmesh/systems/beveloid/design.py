@@ -155,6 +155,14 @@ class BeveloidDesign(PairDesign):
         source="[LT02] Table 1",
     )
     coast_pressure_angle: float | None = coast_pressure_angle_key()
+    accuracy_class: int | None = keys.count(
+        "flank tolerance class of members of cone angle 0, for the data sheet and the drawing alone",
+        None,
+        low=1,
+        high=11,
+        default="no tolerances",
+        source="ISO 1328-1",
+    )
     pinion: BeveloidMember
     gear: BeveloidMember
     assembly: BeveloidAssembly = BeveloidAssembly()

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import bracketed_root
+from gearmesh.metrology.iso1328 import TOLERANCE_NAMES, CylindricalSizes
 from gearmesh.records import dataclass
 from gearmesh.systems.common.plain_sheet import plain_sheet
 from gearmesh.systems.common.racks.rack_tooth import tip_roundings
@@ -36,6 +37,8 @@ BALL_MODULES = 1.75
 MAX_CENTRE_RADII = 3.0
 #: value of a span
 NO_SPAN = Missing("the flanks of both sides are involutes of different base circles: no parallel planes touch them")
+#: tolerance class of conical members
+NO_CONES = Missing("ISO 1328-1 is for cylindrical gears: cone angle 0")
 #: value of measures of conical and internal members
 NOT_MEASURED = Missing("is given for external members of cone angle 0")
 
@@ -44,10 +47,29 @@ def beveloid_sheet(design: BeveloidDesign, train: GearTrain) -> Sheet:
     """Return the sheet of a design and the pair built from it."""
     own = complete_design(design).in_mm()
     made = plain_sheet(own, train)
-    if not own.asymmetric:
-        return made
     first, *others = made.tables
-    return Sheet((first, _sides(own), *others), {})
+    sides = (_sides(own),) if own.asymmetric else ()
+    tolerances = () if own.accuracy_class is None else (_tolerances(own, own.accuracy_class),)
+    return Sheet((first, *sides, *others, *tolerances), {})
+
+
+def _tolerances(design: BeveloidDesign, grade: int) -> SheetTable:
+    """Return the table of the flank tolerances of both members in a tolerance class."""
+    members = {"pinion": design.pinion, "gear": design.gear}
+    limits = []
+    for spec in members.values():
+        helix = math.radians(spec.helix_angle)
+        diameter = spec.teeth * design.given_module / math.cos(helix)
+        sizes = CylindricalSizes(spec.teeth, design.given_module, diameter, spec.face_width, helix)
+        limits.append(None if spec.cone_angle else sizes.tolerances(grade) or {})
+    rows: list[Row] = [
+        ("A", "flank tolerance class", "-", tuple(NO_CONES if of is None else grade for of in limits)),
+        *(
+            (symbol, words, "um", tuple(None if of is None else of.get(symbol) for of in limits))
+            for symbol, words in TOLERANCE_NAMES.items()
+        ),
+    ]
+    return table("Flank tolerances [ISO 1328-1:2013]", tuple(members), rows)
 
 
 def _sides(design: BeveloidDesign) -> SheetTable:
