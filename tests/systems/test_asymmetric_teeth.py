@@ -418,9 +418,9 @@ def test_tangents_of_30_deg_are_those_of_each_side() -> None:
 
 
 def test_beveloid_members_of_cone_angle_0_have_the_tolerances_of_cylindrical_gears() -> None:
-    keys = {**cylindrical(with_helix(10.0, gear=RING)), "accuracy_class": 7}
+    keys = {**cylindrical(with_helix(10.0)), "accuracy_class": 7}
     of_cylinders = built(keys).sheet().plain_tables[TOLERANCES]
-    crossed = {**with_helix(10.0, gear=RING), "accuracy_class": 7}
+    crossed = {**with_helix(10.0), "accuracy_class": 7}
     assert built(crossed).sheet().plain_tables[TOLERANCES] == of_cylinders
     # a drawing has them, a design without a class has none
     texts = built(crossed).drawing("gear").texts
