@@ -217,7 +217,7 @@ class Gears(ModelledGears):
         measured : str or os.PathLike, optional
             File of deviations or points; by default the file in the table `measured` of the design.
         flank : str
-            Flank in the file, "right" or "left", or "both" for a file with a column flank.
+            "right" or "left", or "both" for all flanks of that table, and for a file with a column flank.
         pitch : str or os.PathLike, optional
             CSV file with columns tooth, right_um, left_um (index deviations) and runout_um; by default the file in that table.
 
@@ -676,7 +676,7 @@ class Gears(ModelledGears):
             - "loaded_stress": bending stress
             - "loaded_pair": pressure and bending stress of a tooth pair over its engagement
         member : str, optional
-            Member of the picture.
+            Member of the picture, in views of one member.
         of : LoadedContact, FiniteElementSolution or ToolPathAnswer, optional
             Answer shown by the views "loaded...", "stress" and "toolpath".
         torque : float, optional
@@ -717,7 +717,11 @@ class Gears(ModelledGears):
 
             if look != "plain":
                 raise ArgumentError("look", look, reason="is for pictures of gears alone; leave it or `of` out")
+            if phi1 is not None:
+                raise ArgumentError("phi1", phi1, reason="is for pictures of gears alone; leave it or `of` out")
             return picture_of_answer(of, view, member, torque, size, dpi, note)
+        if torque is not None:
+            raise ArgumentError("torque", torque, unit="Nm", reason="needs `of`, contact under load")
         from gearmesh.reports.pictures import picture
 
         return picture(self, view, member, phi1, size, pair, dpi, note, look)

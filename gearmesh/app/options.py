@@ -60,7 +60,9 @@ MeasuredFile = Annotated[
         show_default=False,
     ),
 ]
-MeasuredFlanks = Annotated[str, option("--flank right|left|both", "Which flanks the file is of.")]
+MeasuredFlanks = Annotated[
+    str, option("--flank right|left|both", "Which flanks count; of a file without a column flank, whose points it has.")
+]
 Member = Annotated[str, option("--member NAME", "Which gear.", show_default=False)]
 PressureAngle = Annotated[float, option("--pressure-angle DEG", "Normal pressure angle.")]
 Set = Annotated[

@@ -36,6 +36,9 @@ def picture_of_answer(
     """Return the picture of an answer, as `Gears.picture` describes it."""
     if isinstance(answer, LoadedContact):
         return LoadedPictures(answer).picture(view, member, torque=torque, size=size, dpi=dpi, note=note)
+    for name, given in (("member", member), ("torque", torque)):
+        if given is not None:
+            raise ArgumentError(name, given, reason=f"is for pictures of contact under load; leave {name} out")
     if isinstance(answer, ToolPathAnswer):
         if view != TOOL_PATH_VIEW:
             raise ArgumentError("view", view, must_be=f"{TOOL_PATH_VIEW}, for a tool path")

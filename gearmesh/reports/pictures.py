@@ -43,6 +43,15 @@ if TYPE_CHECKING:
 
 #: views that need no mating gear
 VIEWS_WITHOUT_MATE = ("pair", "tool", "contact_lines")
+#: views that show no position of the mesh, by what they show
+VIEWS_WITHOUT_POSITION = {
+    "tool": "how a tooth is generated",
+    "contact_lines": "how a tooth is generated",
+    "backlash": "backlash over a whole pitch",
+    "turns": "whole turns",
+}
+#: views that show all members of a mesh, whichever is named
+VIEWS_OF_ALL_MEMBERS = ("pair", "section", "zone", "te", "backlash", "turns")
 #: name of the worm that grinds a member, where names of members are given
 WORM_NAME = "worm"
 
@@ -74,7 +83,8 @@ def picture(
     if phi1 is not None:
         position_list(phi1)
     if view in VIEWS_WITHOUT_MATE and not gears.names.pairs:
-        _refuse_position(view, phi1)
+        shown = VIEWS_WITHOUT_POSITION.get(view, "gears that do not mesh")
+        _refuse_position(view, phi1, shown)
         return _picture_alone(
             gears, view, member, size or pictures.PICTURE_SIZE, gears.title + (f", {note}" if note else "")
         )
@@ -96,8 +106,10 @@ def picture(
     if worm is not None:
         name = worm.ground
     title = gears.title + (f", {note}" if note else "")
+    if view in VIEWS_WITHOUT_POSITION:
+        _refuse_position(view, phi1, VIEWS_WITHOUT_POSITION[view])
+    refuse_member(view, member)
     if view in ("tool", "contact_lines"):
-        _refuse_position(view, phi1)
         tool_member, side = mesh.members[name], mesh.flanks[mesh.index(name)]
         return _tool_picture(gears, view, tool_member, side, worm, size or pictures.PICTURE_SIZE, title)
     contact = gears.contact(phi1, cycle=view in ("te", "backlash"), turns=view == "turns", pair=pair)
@@ -121,7 +133,8 @@ def picture(
     if view == "pair" and (len(gears.pairs) > 1 or gears.names.carried):
         from gearmesh.answers.bodies.solid import solids_of
 
-        placed = {name: part.mesh for name, part in solids_of(gears, gears.within(None)).parts.items()}
+        at = 0.0 if phi1 is None else float(position_list(phi1)[0])
+        placed = {name: part.mesh for name, part in solids_of(gears, gears.within(None), phi1=at).parts.items()}
         return Picture(pictures.set_picture(mesh, placed, size, title))
     if view == "section":
         from gearmesh.answers.contact.rolling import rolling_contact
@@ -154,6 +167,7 @@ def animation(
     mesh = gears.pair(pair)
     if member not in (None, *mesh.members):
         raise ArgumentError("member", member, must_be=f"one of {', '.join(mesh.members)}")
+    refuse_member(view, member)
     path = gears.contact(phi1, cycle=False, pair=pair).path
     title = gears.title + (f", {note}" if note else "")
     if view in ("section", "pair"):
@@ -186,10 +200,15 @@ def refuse_size(size: tuple[int, int]) -> None:
         raise ArgumentError("size", list(size), must_be=must_be)
 
 
-def _refuse_position(view: str, phi1: ArrayLike | None) -> None:
-    """Raise ArgumentError for a position in a view that shows none."""
+def refuse_member(view: str, member: str | None) -> None:
+    """Raise ArgumentError for a member in a view that shows all."""
+    if member is not None and view in VIEWS_OF_ALL_MEMBERS:
+        raise ArgumentError("member", member, reason=f"the view {view} shows all members; leave member out")
+
+
+def _refuse_position(view: str, phi1: ArrayLike | None, shown: str) -> None:
+    """Raise ArgumentError for a position in a view that shows something else."""
     if phi1 is not None:
-        shown = "gears that do not mesh" if view == "pair" else "how a tooth is generated"
         raise ArgumentError(
             "phi1", phi1, reason=f"the view {view} shows {shown}, not a position of the mesh; leave phi1 out"
         )

@@ -25,7 +25,7 @@ from gearmesh.numerals import parse_number, parse_whole_number
 from gearmesh.records import dataclass
 from gearmesh.study.spreads import WHOLE_NUMBERS, Spread
 
-#: methods of sampling
+#: methods of sampling, the default first
 SAMPLE_METHODS = ("lhs", "sobol", "random", "saltelli")
 #: limit of the size of a number in a plan
 MAX_NUMBER_SIZE = 1e300
@@ -99,6 +99,8 @@ def planned(
             raise ArgumentError("tolerance", reason="needs sample, the number of rows to draw")
         if not vary:
             raise ArgumentError("vary", reason=missing)
+        if method != SAMPLE_METHODS[0]:
+            raise ArgumentError("method", method, reason="needs sample, the number of rows to draw")
         return grid({key: values(key, given) for key, given in vary.items()})
     spreads = {key: spread(key, given) for key, given in vary.items()}
     for key, drawn in tolerances().items() if tolerances is not None else ():

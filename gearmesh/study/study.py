@@ -475,6 +475,8 @@ def work_and_nominal(
     torques without figures under load, and for figures under load without torques.
     """
     torques, tokens = check_record(record, torque)
+    if required_level(level) == "quick" and not torques:
+        raise ArgumentError("level", level, reason="is for figures under load; record = load with torque has them")
     allowed = (*CONTACT_GROUPS, TURNS_GROUP, *([LOAD_GROUP] if torques else []))
     if design.member_names is not None:
         design.member_names.pair_number(pair)

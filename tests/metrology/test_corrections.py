@@ -236,3 +236,18 @@ def test_the_sample_that_was_measured_says_what_was_off() -> None:
     for change, off, spread in zip(made.solution.changes, (0.06, 1.0 / 60.0), made.solution.uncertainties, strict=True):
         assert abs(change + off) < 3.0 * spread < 0.15 * off
     assert made.solution.noise == pytest.approx(5e-4, rel=0.2)
+
+
+def test_one_flank_of_a_measured_design_counts_alone() -> None:
+    gears = gm.build(gm.load(SAMPLES / "hypoid_measured.toml"))
+    whole, left = (gears.evaluate("pinion", flank=flank).figures.flanks for flank in ("both", "left"))
+    assert list(left) == ["left"]
+    assert left["left"].row == whole["left"].row
+    made = gears.correct("pinion", settings=["convex.radial"], flank="left")
+    assert list(made.figures.residuals) == ["left"]
+    with pytest.raises(
+        GearmeshError, match="measured: missing; allowed is a file, or measured.gear_left of the design"
+    ):
+        gears.evaluate("gear", flank="left")
+    with pytest.raises(GearmeshError, match="flank = top: must be one of"):
+        gears.evaluate("pinion", flank="top")

@@ -252,6 +252,8 @@ def test_the_command_writes_tables_and_figures(tmp_path: Path) -> None:
             ["--find-limits", "assembly.dx", "-o", "limits"],
             "-o = limits: --find-limits writes no folder: its table is printed, and --json FILE writes it",
         ),
+        (["--vary", "assembly.dx=0,1", "--method", "sobol"], "--method = sobol: needs sample"),
+        (["--vary", "assembly.dx=0,1", "--level", "quick"], "--level = quick: is for figures under load"),
         (["--find-limits", "pinion.teeth"], "--find-limits pinion.teeth: must be a key of real numbers"),
         (
             ["--find-limits", "assembly.dx=-1"],

@@ -8,6 +8,7 @@ from oracles.built import built_sample
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh.kernel.numeric.algebra import rotation_about
 from gearmesh.view.views import pair_camera
 
 
@@ -54,6 +55,30 @@ def test_a_rack_is_level_and_a_ring_fills_its_picture() -> None:
     seen = scene.camera.pixels(ring.own_to_scene.point(ring.mesh.vertices), (800, 600))
     assert np.ptp(seen[:, 1]) > 0.82 * 600
     assert 0.09 * 600 < seen[:, 1].min() < seen[:, 1].max() < 600
+
+
+@pytest.mark.sweep
+def test_gear_sets_stand_at_the_position_that_is_asked_for() -> None:
+    """The first member has turned by it about its axis, in the sense of phi1."""
+    gears = built_sample("planetary")
+    still, turned = (gears.picture("pair", size=(80, 60), phi1=phi1)._scene.bodies[0] for phi1 in (0.0, 7.0))
+    before, after = (body.own_to_scene.point(body.mesh.vertices) for body in (still, turned))
+    turn = rotation_about("z", -gears.train.pairs[0].drive * np.radians(7.0))
+    np.testing.assert_allclose(after, before @ turn.T, atol=1e-9)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("view", ["pair", "section", "zone", "te", "backlash", "turns"])
+def test_views_of_all_members_take_none(view: str) -> None:
+    with pytest.raises(gm.DesignError, match=f"member = gear: the view {view} shows all members"):
+        built_sample("spur").picture(view, "gear")
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("view", ["tool", "contact_lines", "backlash", "turns"])
+def test_views_without_a_position_take_none(view: str) -> None:
+    with pytest.raises(gm.DesignError, match=f"phi1 = 5: the view {view} shows"):
+        built_sample("spur").picture(view, phi1=5)
 
 
 def _ends(vertices: np.ndarray) -> tuple[int, int]:

@@ -30,7 +30,7 @@ def inspect_files(
     """Return the inspection of a member of a design, compared with its nominal teeth.
 
     - `flanks`: a file of deviations or points; by default the files in the table `measured` of the design.
-    - `flank`: "right", "left" or "both", for the flanks that the file contains.
+    - `flank`: "right" or "left", or "both" for all that the file or the table has.
     - `pitch`: a file of index deviations; by default those of the table `measured`.
 
     Raises DesignError for an unknown member or flank and if nothing is given, and FileError for an unreadable file.
@@ -67,13 +67,14 @@ def flanks_of_files(
         nominal.member_names.refuse_other_member(name)
     table_name = design.table_named(name)
     keys = flank_keys(table_name)
-    files = flank_files(design, table_name) if flanks is None else dict.fromkeys(_sides(flanks, flank), flanks)
+    wanted = _wanted(flank)
+    if flanks is None:
+        files = {side: file for side, file in flank_files(design, table_name).items() if side in wanted}
+    else:
+        files = dict.fromkeys(wanted if len(wanted) == 1 else _sides(flanks), flanks)
     if not files and needed:
-        raise ArgumentError(
-            "measured",
-            reason="missing",
-            allowed=f"a file, or {keys[Side.RIGHT]} and {keys[Side.LEFT]} of the design",
-        )
+        allowed = f"a file, or {' and '.join(keys[side] for side in wanted)} of the design"
+        raise ArgumentError("measured", reason="missing", allowed=allowed)
     train = systems.build(nominal)
     train.names.refuse_other_member(name)
     sources = dict.fromkeys(Side, "measured") if flanks else keys
@@ -82,17 +83,22 @@ def flanks_of_files(
     return nominal, train, made
 
 
-def _sides(path: Path, flank: str) -> list[Side]:
-    """Return the flanks that are asked for; for "both", the flanks in the column "flank" of the file."""
-    if flank in tuple(Side):
-        return [Side(flank)]
-    if flank != BOTH_FLANKS:
+def _wanted(flank: str) -> tuple[Side, ...]:
+    """Return the flanks that are asked for. Raises ArgumentError for a word that is none."""
+    if flank == BOTH_FLANKS:
+        return tuple(Side)
+    if flank not in tuple(Side):
         raise ArgumentError("flank", flank, must_be=f"one of {', '.join(Side)}, {BOTH_FLANKS}")
+    return (Side(flank),)
+
+
+def _sides(path: Path) -> list[Side]:
+    """Return the flanks in the column "flank" of a file."""
     words = read_points(path).words.get("flank")
     if words is None:
         raise ArgumentError(
             "flank",
-            flank,
+            BOTH_FLANKS,
             reason="the file has no column flank that says which points are of which",
             allowed="right, left",
         )

@@ -61,6 +61,8 @@ class LoadedPictures:
             )
         if torque is not None:
             raise ArgumentError("torque", torque, unit="Nm", reason=f"{view} shows all torques; leave torque out")
+        if member is not None and view != "loaded_flank":
+            raise ArgumentError("member", member, reason=f"{view} shows all members; leave member out")
         return self._figure(view, member, size, dpi, note)
 
     def save(self, folder: Path, before: str = "") -> tuple[Path, ...]:
