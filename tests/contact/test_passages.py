@@ -48,3 +48,21 @@ def test_the_advance_is_known_on_either_side_of_a_passage(sample: str, monkeypat
     assert inside[1].tolist()[-2:] == [False, False]
     # slopes do not jump, what bends is their own slope
     assert np.abs(np.diff(slope.reshape(2, -1)[:, 2:5], axis=1)).max() < 1e-6
+
+
+@pytest.mark.parametrize(
+    "sample",
+    ["helical", *(pytest.param(name, marks=pytest.mark.sweep) for name in ("asymmetric", "cycloidal", "internal"))],
+)
+def test_beside_the_ends_of_lines_the_contact_is_that_of_a_whole_search(sample: str) -> None:
+    """Between a node with a line of contact and one without, the line is followed as far as it lies on both flanks, then the edge."""
+    pair = gm.build(gm.load(SAMPLES / f"{sample}.toml")).train.pairs[0]
+    engagement = whole_engagement(solver_pair(pair), pair.pitch)
+    assert engagement is not None
+    surface = MeshCurve(engagement, pair.pitch).surface
+    phi1 = (np.array([[surface.begin], [surface.end]]) + engagement.step * np.linspace(-0.9, 0.9, 8)).ravel()
+    followed, found = engagement.near(phi1), first_touch(engagement.pair, phi1)
+    assert found.line.any()
+    assert not found.line.all()
+    assert followed.line.tolist() == found.line.tolist()
+    assert followed.advance == pytest.approx(found.advance, abs=1e-12)

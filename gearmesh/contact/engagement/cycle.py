@@ -9,6 +9,7 @@ contact and extremes of an arc are roots.
 from __future__ import annotations
 
 from dataclasses import field
+from functools import cached_property
 
 import numpy as np
 
@@ -67,14 +68,35 @@ class Cycle:
     surface: tuple[float, float] = (np.nan, np.nan)
     #: phi1 between which pair 0 may be ahead of its neighbours or has surface contact, rad
     engagement: tuple[float, float] = (np.nan, np.nan)
-    #: phi1 at which pair 0 takes over from another pair, rad
-    handovers: tuple[float, ...] = ()
     #: advance of the gears
     curve: MeshCurve | None = field(default=None, repr=False)
-    #: phi1 and te (2, K) of pair 0 over its engagement, rad
-    pair: Array | None = field(default=None, repr=False)
-    #: phi1 and te (2, M) of the gears over one pitch with all bends, rad
-    gears: Array | None = field(default=None, repr=False)
+    #: transmission error of pair 0 at phi1 = 0 or at the first position with contact, rad; NaN for jammed gears
+    reference: float = np.nan
+
+    @cached_property
+    def handovers(self) -> tuple[float, ...]:
+        """phi1 at which pair 0 takes over from another pair, rad."""
+        return () if self.curve is None or np.isnan(self.reference) else tuple(self.curve.handovers().tolist())
+
+    @cached_property
+    def gears(self) -> Array | None:
+        """phi1 and te (2, M) of the gears over one pitch with all bends, rad; None for jammed gears."""
+        if self.curve is None or np.isnan(self.reference):
+            return None
+        phase = _phases(self.curve)
+        return np.stack((phase, self.curve.pair.drive * self.curve.advance(phase) - self.reference))
+
+    @cached_property
+    def pair(self) -> Array | None:
+        """phi1 and te (2, K) of pair 0 over its engagement, rad; None for jammed gears."""
+        if self.curve is None or np.isnan(self.reference):
+            return None
+        # the same phases as those of the gears, so that both curves coincide where the pair is ahead
+        phi1, pitch = self.curve.phi1, self.curve.pitch
+        turns = np.arange(np.floor(phi1[0] / pitch), np.ceil(phi1[-1] / pitch))
+        every = np.unique(np.concatenate((phi1[[0, -1]], (turns[:, None] * pitch + _phases(self.curve)).ravel())))
+        own = every[(every >= phi1[0]) & (every <= phi1[-1])]
+        return np.stack((own, self.curve.pair.drive * self.curve.of_pair.at(own)[0] - self.reference))
 
 
 def mesh_cycle(
@@ -109,15 +131,7 @@ def mesh_cycle(
             curve=curve,
         )
     te, envelope = _sample(curve, pitch)
-    # phases within a pitch: equal steps, and the bends of the curve, which steps between would cut off
     reference = _reference(followed)
-    phase = np.unique(
-        np.concatenate((np.linspace(0.0, pitch, 4 * POSITIONS_PER_PITCH + 1), np.clip(curve.marks[0], 0.0, pitch)))
-    )
-    # the same phases for pair 0, so that its curve coincides with the curve of the gears where it is ahead
-    turns = np.arange(np.floor(curve.phi1[0] / pitch), np.ceil(curve.phi1[-1] / pitch))
-    all_phi1 = np.unique(np.concatenate((curve.phi1[[0, -1]], (turns[:, None] * pitch + phase).ravel())))
-    pair_phi1 = all_phi1[(all_phi1 >= curve.phi1[0]) & (all_phi1 <= curve.phi1[-1])]
     return Cycle(
         phi1=np.arange(POSITIONS_PER_PITCH) * pitch / POSITIONS_PER_PITCH,
         te=te - reference,
@@ -130,10 +144,8 @@ def mesh_cycle(
         overlap_ratio=surface.overlap / pitch,
         surface=(surface.begin, surface.end),
         engagement=_whole(curve),
-        handovers=tuple(curve.handovers().tolist()),
         curve=curve,
-        pair=np.stack((pair_phi1, pair.drive * curve.of_pair.at(pair_phi1)[0] - reference)),
-        gears=np.stack((phase, pair.drive * curve.advance(phase) - reference)),
+        reference=reference,
     )
 
 
@@ -175,6 +187,12 @@ def engagement_range(engagement: Engagement, pitch: float, cycle: Cycle | None =
     own, other = curve.surface, alike.surface
     moved = own.begin - other.begin, own.end - other.end
     return (first + moved[0], last + moved[1]) if np.isfinite(moved).all() else (first, last)
+
+
+def _phases(curve: MeshCurve) -> Array:
+    """Return phases (M,), rad, within a pitch: equal steps, and the bends of the curve, which steps between would cut off."""
+    equal = np.linspace(0.0, curve.pitch, 4 * POSITIONS_PER_PITCH + 1)
+    return np.unique(np.concatenate((equal, np.clip(curve.marks[0], 0.0, curve.pitch))))
 
 
 def _te(engagement: Engagement, contacts: Contacts, phi1: Array) -> Array:

@@ -138,7 +138,9 @@ class Engagement:
         contacts = Contacts.nothing(len(phi1))
         # between nodes of two contacts: follow both along their tangents; the more advanced solution is the contact
         both_followable = self.followable[left] & self.followable[left + 1]
-        beside_line = inside & (self.contacts.line[left] | self.contacts.line[left + 1]) & self.pair.wound
+        at_line = self.contacts.line[left] | self.contacts.line[left + 1]
+        # straight lines between two lines are interpolated, bent ones of threads are searched
+        beside_line = inside & at_line & (self.pair.wound | ~smooth)
         if beside_line.any():
             self._on_lines(phi1, np.flatnonzero(beside_line), left, contacts)
         # beyond the end of a line follow the contact that comes after the line
@@ -155,9 +157,10 @@ class Engagement:
             self._refine(phi1, np.concatenate((known, place)), start, np.concatenate((left[known], ends)), contacts)
         # find first touch anew where nothing was found, or where a sample of the field is ahead of the solution
         rest = ~contacts.touching
-        if checked and two.size:
-            seen = tooth_outlook(self.pair, phi1[two]).best
-            rest[two[seen > contacts.advance[two] + UNSEEN_LEAD_RAD]] = True
+        looked = two if self.pair.wound else np.union1d(two, np.flatnonzero(beside_line))
+        if checked and looked.size:
+            seen = tooth_outlook(self.pair, phi1[looked]).best
+            rest[looked[seen > contacts.advance[looked] + UNSEEN_LEAD_RAD]] = True
         anew = np.flatnonzero(rest)
         if anew.size:
             contacts.put(anew, first_touch(self.pair, phi1[anew]))

@@ -8,7 +8,6 @@ searched on lattices that become finer.
 from __future__ import annotations
 
 from collections.abc import Callable
-from itertools import product
 
 import numpy as np
 
@@ -78,8 +77,8 @@ def tip_clearance(pair: GearPair, phi2: Turns, of: int) -> Clearance | None:
         tables = [SplineTable.of(grid[..., axis]) for axis in range(3)]
         steps = np.array([pair.pitch / POSITIONS_PER_PITCH, 1.0, 1.0])
         many = np.arange(-PITCHES_EACH_WAY * POSITIONS_PER_PITCH, PITCHES_EACH_WAY * POSITIONS_PER_PITCH + 1) * steps[0]
-        x = np.array(list(product(many, np.arange(float(POINTS_ACROSS)), np.arange(float(stations)))))
-        ways = np.array(list(product(np.linspace(-1.0, 1.0, 5), repeat=3)))
+        x = _every_place(many, np.arange(float(POINTS_ACROSS)), np.arange(float(stations)))
+        ways = _every_place(*[np.linspace(-1.0, 1.0, 5)] * 3)
         for _ in range(REFINING_ROUNDS):
             tip = np.stack([table.at(x[:, 1], x[:, 2]) for table in tables], axis=-1)
             fixed, own = place(x[:, 0], tip)
@@ -94,3 +93,8 @@ def tip_clearance(pair: GearPair, phi2: Turns, of: int) -> Clearance | None:
             x[:, 1], x[:, 2] = np.clip(x[:, 1], 0.0, POINTS_ACROSS - 1.0), np.clip(x[:, 2], 0.0, stations - 1.0)
             steps = steps * STEP_SHRINKAGE
     return least
+
+
+def _every_place(*values: Array) -> Array:
+    """Return every combination (M, 3) of three lists of values; the last value changes first."""
+    return np.stack([places.ravel() for places in np.meshgrid(*values, indexing="ij")], axis=-1)

@@ -19,6 +19,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.contact.conditions.bent_lines import directions
 from gearmesh.contact.conditions.even_edges import to_middle
 from gearmesh.contact.conditions.lines import trace
 from gearmesh.contact.conditions.meshing import Conditions
@@ -36,6 +37,7 @@ from gearmesh.contact.pair import FILLET_PART, HAS_FILLET, PART_PAIRS, Pair
 from gearmesh.kernel.motion.rigid import MAX_SINE_OF_PARALLEL
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.numeric.roots import bracketed_root, last_true
+from gearmesh.kernel.surface.nearest import tangential
 from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.region import Side
@@ -54,6 +56,8 @@ LEVEL_PHASE_TOLERANCE_RAD = 1e-6
 CHANGE_OVER_TOLERANCE_RAD = 1e-7
 #: phases of a pitch for which clearances know the gear's rotation
 CLEARANCE_PHASES = 33
+#: change of a lever over the length of a flank, by the lever, that is rounding
+EVEN_LEVER_SHARE = 1e-10
 #: phases of a pitch at which gaps of contact are looked for
 GAP_PHASES = 97
 
@@ -484,9 +488,10 @@ def _lever(pair: GearPair, engagement: Engagement) -> tuple[float, float]:
     inside = contacts.touching & (contacts.edges[:, 0] < 0)
     there = np.flatnonzero(inside if inside.any() else contacts.touching)
     k = int(there[np.abs(engagement.phi1[there]).argmin()])
-    lever, point = _normal(engagement.pair, contacts, engagement.phi1, k)
     first, second = pair.mounts
     apart = centre_distance(pair)
+    even = _even_lever(engagement.pair, contacts, engagement.phi1, k) if apart is not None else None
+    lever, point = (even, np.zeros(3)) if even is not None else _normal(engagement.pair, contacts, engagement.phi1, k)
     if engagement.pair.coupled:
         # without a pitch point: the middle of the gear's flank
         flank = engagement.pair.gear
@@ -515,6 +520,24 @@ def _normal(pair: Pair, contacts: Contacts, phi1: Array, k: int) -> tuple[float,
     touch = Conditions(part.flanks, phi1, pair.length).touch(x, np.array([0]))
     jet, gear = touch.fixed[_fillet_of(contacts, k)], part.gear.mount
     return float(np.abs(dot(jet.n, gear.velocity(jet.r)))[0]), jet.r[0]
+
+
+def _even_lever(pair: Pair, contacts: Contacts, phi1: Array, k: int) -> float | None:
+    """Return the distance (mm) of the normal at contact k from the gear's axis; None unless it is the same all along a line of contact.
+
+    The middle of the line, which takes a search, is not needed then.
+    """
+    if not contacts.line[k]:
+        return None
+    part = pair.parts[contacts.part[k]]
+    touch = Conditions(part.flanks, phi1[[k]], part.length).touch(contacts.x[[k]], np.array([0]))
+    jet, velocity = touch.fixed[0], part.gear.mount.velocity
+    along = directions(part, touch)[0]
+    turning = jet.along(*tangential(jet, along))[1]
+    speed = velocity(jet.r)
+    lever = np.abs(dot(jet.n, speed))
+    change = np.abs(dot(turning, speed) + dot(jet.n, velocity(jet.r + along) - speed))
+    return float(lever[0]) if change[0] * part.length <= EVEN_LEVER_SHARE * lever[0] else None
 
 
 def _ahead_at_nodes(curve: MeshCurve) -> Array:
