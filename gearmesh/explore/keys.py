@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import cache
 from typing import Any
 
 from gearmesh.design.core import Design
@@ -14,7 +15,8 @@ from gearmesh.figures import ZERO_SIZES, at_resolution
 from gearmesh.systems.system import System
 
 
-def key_rows(design: type[Design], units: str) -> list[dict[str, Any]]:
+@cache
+def key_rows(design: type[Design], units: str) -> tuple[dict[str, Any], ...]:
     """Return all keys of a class of designs that a page can set, in the order of a file, for a unit of lengths."""
     usual = set(design.usual_keys())
     rows = []
@@ -40,7 +42,7 @@ def key_rows(design: type[Design], units: str) -> list[dict[str, Any]]:
             "high": high,
             "usual": line.key in usual,
         })  # fmt: skip
-    return rows
+    return tuple(rows)
 
 
 def error_keys(system: System[Any], design: type[Design]) -> list[str]:
