@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -29,6 +31,7 @@ from gearmesh.kernel.surface.stations import along
 from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import GearPair, Member
+from gearmesh.teeth.kept_by_tooth import KeptByTooth
 from gearmesh.teeth.region import FILLET_REGIONS, FLANK_REGIONS, Side
 from gearmesh.teeth.section import Link, breaks
 from gearmesh.teeth.tooth import Tooth
@@ -43,16 +46,43 @@ TIP_ROWS = 9
 SMOOTH_ANGLE_SINE = 1e-6
 
 
+class ToothParts(NamedTuple):
+    """Parts of one side of a tooth for the solver, with one mount."""
+
+    #: trimmed flank
+    flank: Flank
+    #: fillet
+    fillet: Flank
+    #: chamfer or rounding of the tip; None for a sharp tip
+    tip: Flank | None
+
+
+#: parts of the last teeth, with the mount that each member had first
+_KEPT_PARTS = KeptByTooth[ToothParts]()
+
+
+def _parts(member: Member, side: Side) -> ToothParts:
+    """Return the parts of one side of a member with its mount; those of the last teeth are kept with their tables."""
+
+    def made() -> ToothParts:
+        return ToothParts(contact_flank(member, side), contact_fillet(member, side), contact_tip_edge(member, side))
+
+    flank, fillet, tip = _KEPT_PARTS.get(member.one_tooth, side, made)
+    mount = member.mount
+    return ToothParts(flank.remount(mount), fillet.remount(mount), None if tip is None else tip.remount(mount))
+
+
 def solver_pair(pair: GearPair) -> Pair:
     """Return the mounted flanks, fillets and tip edges of a gear pair for the solver."""
+    pinion, gear = (_parts(member, side) for member, side in zip(pair.both, pair.flanks, strict=True))
     return Pair(
-        pinion=contact_flank(pair.pinion, pair.flanks[0]),
-        gear=contact_flank(pair.gear, pair.flanks[1]),
+        pinion=pinion.flank,
+        gear=gear.flank,
         ratio=pair.ratio,
         drive=pair.drive,
         delta=pair.delta,
-        fillets=(contact_fillet(pair.pinion, pair.flanks[0]), contact_fillet(pair.gear, pair.flanks[1])),
-        tips=(contact_tip_edge(pair.pinion, pair.flanks[0]), contact_tip_edge(pair.gear, pair.flanks[1])),
+        fillets=(pinion.fillet, gear.fillet),
+        tips=(pinion.tip, gear.tip),
         pitch=pair.pitch,
     )
 

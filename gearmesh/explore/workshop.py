@@ -10,6 +10,7 @@ What did not change is not computed again:
 from __future__ import annotations
 
 import base64
+import hashlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError
 from dataclasses import replace
@@ -41,11 +42,13 @@ from gearmesh.explore.saving import ALL_MEMBERS, design_file, file_name, gear_fi
 from gearmesh.explore.state import OPENED_NAME, TRAIN_KIND, Origin, as_stated, design_class_of, refuse_keys, stage_key
 from gearmesh.figures import Summary
 from gearmesh.formats import HTML_SUFFIX, TOML_SUFFIX
+from gearmesh.pickling import as_bytes
 from gearmesh.progress import ending_when, listening
 from gearmesh.records import dataclass
 from gearmesh.systems.displaced import displaced_bases, displaced_pair
 from gearmesh.systems.system import build, complete_design, system_of
-from gearmesh.teeth.gear_train import Member
+from gearmesh.teeth.gear_train import GearTrain, Member
+from gearmesh.teeth.kept_by_tooth import stand_for
 from gearmesh.view.report.staged_member import (
     camera_data,
     fitted,
@@ -56,6 +59,7 @@ from gearmesh.view.views import pair_scene, set_scene
 if TYPE_CHECKING:
     from gearmesh.answers.contact.contact import Contact
     from gearmesh.explore.trains import TrainBench
+    from gearmesh.teeth.tooth import Tooth
 
 #: limit of the built gears that are kept
 MAX_KEPT_GEARS = 4
@@ -93,6 +97,8 @@ class Workshop:
         self.origins = {} if opened is None else {OPENED_NAME: opened}
         self.states: Shelf[list[dict[str, Any]]] = Shelf(MAX_KEPT_STATES)
         self.built: Shelf[Built] = Shelf(MAX_KEPT_GEARS)
+        # teeth by their bytes when they were new
+        self.teeth: Shelf[Tooth] = Shelf(MAX_KEPT_STATES)
         self.solved: Shelf[Solved] = Shelf(MAX_KEPT_STATES)
         # first and last position of the contact of each pair
         self.ends: Shelf[dict[int, tuple[float, float]]] = Shelf(MAX_KEPT_STATES)
@@ -425,10 +431,22 @@ class Workshop:
         if known is None:
             complete = complete_design(design)
             train = build(complete)
+            self._share(train)
             known = self.built.put(
                 mark, Built(ModelledGears(complete, train), surface_marks(train), contact_mark(train))
             )
         return known
+
+    def _share(self, train: GearTrain) -> None:
+        """Let members that a key leaves as they were use the tables that the solver has made of them.
+
+        Called before teeth remember anything of their use.
+        """
+        for member in train.members.values():
+            mark = hashlib.sha256(as_bytes(member.tooth)).hexdigest()
+            known = self.teeth.get(mark) or self.teeth.put(mark, member.tooth)
+            if known is not member.tooth:
+                stand_for(known, member.tooth)
 
     def _first_scene(
         self,

@@ -55,7 +55,7 @@ def test_the_advance_is_known_on_either_side_of_a_passage(sample: str, monkeypat
     ["helical", *(pytest.param(name, marks=pytest.mark.sweep) for name in ("asymmetric", "cycloidal", "internal"))],
 )
 def test_beside_the_ends_of_lines_the_contact_is_that_of_a_whole_search(sample: str) -> None:
-    """Between a node with a line of contact and one without, the line is followed as far as it lies on both flanks, then the edge."""
+    """Between a node with a line of contact and one without, the line is followed while it lies on both flanks, then the edge."""
     pair = gm.build(gm.load(SAMPLES / f"{sample}.toml")).train.pairs[0]
     engagement = whole_engagement(solver_pair(pair), pair.pitch)
     assert engagement is not None

@@ -51,7 +51,7 @@ def test_grid_of_a_thread_is_as_fine_as_that_of_a_tooth() -> None:
     """A pattern is narrower than the 6 mm by which the columns of a tooth's grid would be apart on the worm."""
     pair = pair_of(load(str(SAMPLES / "worm_drive.toml"), []))
     for member, side, fewest in zip(pair.members.values(), pair.flanks, (150, 65), strict=True):
-        s, t = flank_places(member, side)
+        s, t = flank_places(member.tooth, side)
         root = member.tooth.flank_grid(side, s[:1], t).points[0]
         assert (len(s), len(t) >= fewest) == (41, True)
         assert np.linalg.norm(np.diff(root, axis=0), axis=-1).max() < 2.5  # mm; 0.2 of a depth of 11 mm

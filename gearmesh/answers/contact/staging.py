@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections import OrderedDict
-
 import numpy as np
 
 from gearmesh.answers.contact.contact import Contact
@@ -18,6 +16,7 @@ from gearmesh.contact.tca import contact_path
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
+from gearmesh.teeth.kept_by_tooth import KeptByTooth
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.section import Grid
 from gearmesh.teeth.tooth import Tooth
@@ -34,8 +33,6 @@ GAP_GRID = (41, 65)
 MAX_COLUMN_STEP = 0.2
 #: limit of the number of columns
 MAX_COLUMNS = 401
-#: limit of the flanks whose points are kept, as those of gears of which only the mounting changes
-MAX_KEPT_FLANKS = 12
 #: distance of the outer points from the edges of the flank, as a part of the flank: on an edge, rounding decides
 #: whether the mating flank ends there
 EDGE_MARGIN = 1e-4
@@ -125,24 +122,20 @@ def _at_first(train: GearTrain, pair: GearPair, path: ContactPath, flanks: Pair 
     return StagedContact(pair, path, turns, None, gaps)
 
 
+#: points of the last flanks
+_KEPT_GRIDS = KeptByTooth[Grid]()
+
+
 def shown_flank(member: Member, side: Side) -> Grid:
     """Return the points of a member's flank at `flank_places`; those of the last flanks are kept."""
-    tooth, key = member.tooth, (id(member.tooth), side)
-    known = _kept_flanks.pop(key, None) or (tooth, tooth.flank_grid(side, *flank_places(member, side)))
-    _kept_flanks[key] = known
-    while len(_kept_flanks) > MAX_KEPT_FLANKS:
-        _kept_flanks.popitem(last=False)
-    return known[1]
+    tooth = member.tooth
+    return _KEPT_GRIDS.get(tooth, side, lambda: tooth.flank_grid(side, *flank_places(tooth, side)))
 
 
-#: points of flanks by the identity of their tooth, which is kept with them, and their side
-_kept_flanks: OrderedDict[tuple[int, Side], tuple[Tooth, Grid]] = OrderedDict()
-
-
-def flank_places(member: Member, side: Side) -> tuple[Array, Array]:
+def flank_places(tooth: Tooth, side: Side) -> tuple[Array, Array]:
     """Return places across (I,) and along (J,) a flank, 0 to 1; long flanks of threads have more columns."""
     s, t = (np.linspace(EDGE_MARGIN, 1.0 - EDGE_MARGIN, count) for count in GAP_GRID)
-    root, tip = member.tooth.flank_grid(side, s[[0, -1]], t).points
+    root, tip = tooth.flank_grid(side, s[[0, -1]], t).points
     middle = len(t) // 2
     height = np.linalg.norm(root - tip[middle], axis=-1).min()
     length = np.linalg.norm(np.diff(root, axis=0), axis=-1).sum()

@@ -105,12 +105,16 @@ class Flank:
     @cached_property
     def winding(self) -> float:
         """Greatest absolute azimuth of the flank's points, rad."""
+        if self._unmoved is not None:
+            return self._unmoved.winding
         grid = self.grid.reshape(-1, 2)
         return float(np.abs(self.azimuth(self.surface.jet(grid[:, 0], grid[:, 1]).r)).max())
 
     @cached_property
     def _winding(self) -> tuple[Array, Array]:
         """Stations (J,), mm, ascending, and continuous polar angles (J,), rad, of the flank at half height."""
+        if self._unmoved is not None:
+            return self._unmoved._winding
         middle = self.grid[self.grid.shape[0] // 2]
         r = self.surface.jet(middle[:, 0], middle[:, 1]).r
         stations, angle = self.axial.value(r), np.unwrap(polar_angle(r))

@@ -523,7 +523,7 @@ def _normal(pair: Pair, contacts: Contacts, phi1: Array, k: int) -> tuple[float,
 
 
 def _even_lever(pair: Pair, contacts: Contacts, phi1: Array, k: int) -> float | None:
-    """Return the distance (mm) of the normal at contact k from the gear's axis; None unless it is the same all along a line of contact.
+    """Return the distance (mm) of the normal at contact k from the gear's axis; None unless all of a line of contact has it.
 
     The middle of the line, which takes a search, is not needed then.
     """
