@@ -17,7 +17,7 @@ from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, csv_text, round_to
 from gearmesh.arguments import checks_arguments, checks_methods
 from gearmesh.design.files import override
-from gearmesh.figures import Content, Figures, figure
+from gearmesh.figures import ZERO_SIZES, Content, Figures, figure
 from gearmesh.formats import CSV_SUFFIX, JSON_SUFFIX
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
 from gearmesh.lengths import Length, tolerance_in_mm
@@ -149,9 +149,14 @@ class TrainError(Result):
         return np.asarray(error / self.reading[0])
 
     @property
+    def _size(self) -> str:
+        """Peak to peak with its unit, in words; 0 for rounding."""
+        size, unit = float(np.ptp(self._in_unit(self.solved.te))), self.reading[1]
+        return f"{size if size >= ZERO_SIZES[unit] else 0.0:.4g} {unit} peak to peak"
+
+    @property
     def headline(self) -> str:
-        size, turns = float(np.ptp(self._in_unit(self.solved.te))), self.figures.turns
-        return f"{self.shaft}: TE {size:.4g} {self.reading[1]} peak to peak over {turns:.4g} turns of the input"
+        return f"{self.shaft}: TE {self._size} over {self.figures.turns:.4g} turns of the input"
 
     @property
     def listings(self) -> list[Listing]:
@@ -718,7 +723,7 @@ class MultistageTrain(Result):
         parts = {stage: error._in_unit(part) for stage, part in solved.parts.items()}
         slowest = min((mesh.teeth_per_turn for mesh in self.meshes if mesh.stage in parts), default=1.0)
         turns, te, unit = solved.psi / (2.0 * math.pi), error._in_unit(solved.te), error.reading[1]
-        title = f"{self.title}: shaft {error.shaft}, {float(np.ptp(te)):.4g} {unit.replace('um', 'µm')} peak to peak"
+        title = f"{self.title}: shaft {error.shaft}, {error._size.replace(' um ', ' µm ')}"
         return Diagram(title, lambda file: plot_train_error(file, turns, te, parts, title, 1.0 / slowest, unit=unit))
 
     def page(self, turns: float | None = None) -> ReportPage:

@@ -852,6 +852,15 @@ def test_the_chart_is_drawn(two_stage: gm.MultistageTrain, tmp_path: Path) -> No
     assert two_stage.chart(error).save(tmp_path / "te.svg").read_bytes().count(b"<path") > 5
 
 
+def test_rounding_is_no_transmission_error() -> None:
+    """Gears without modification turn evenly: a title said 9.208e-10 arcsec."""
+    train = gm.load_train(SAMPLES / "trains" / "train_planetary.toml")
+    error = train.transmission_error(turns=0.2)
+    assert 0.0 < np.ptp(error.solved.te)
+    assert train.chart(error).title.endswith("shaft output, 0 arcsec peak to peak")
+    assert "TE 0 arcsec" in error.headline
+
+
 @pytest.mark.sweep
 def test_the_page_has_figures_and_sheets_of_all_stages(two_stage: gm.MultistageTrain, tmp_path: Path) -> None:
     page = two_stage.page(turns=0.5)
