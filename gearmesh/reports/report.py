@@ -315,8 +315,8 @@ def _sections(
         body = "".join(picture(*shot) for shot in shots[1:])
         sections.append(PageSection("Pictures", f'<div class="pictures">{body}</div>'))
     sections += [study_section(folder) for folder in studies]
-    known_rows = [listing for listing in map(_known, sheet.listings) if listing.rows]
-    sections.append(PageSection("Data sheet", f'<div class="sheet">{tables_html(known_rows)}</div>'))
+    known = [listing for listing in map(known_rows, sheet.listings) if listing.rows]
+    sections.append(PageSection("Data sheet", f'<div class="sheet">{tables_html(known)}</div>'))
     if contacts:
         listings = [table for contact in contacts.values() for table in _contact_tables(contact)]
         sections.append(PageSection("Figures and positions", tables_html(listings), folded=True))
@@ -328,7 +328,7 @@ def _sections(
     return sections
 
 
-def _known(table: Listing) -> Listing:
+def known_rows(table: Listing) -> Listing:
     """Return a table of the data sheet without rows that have no value, and with the decimals that say something."""
     first = next((k for k, column in enumerate(table.columns) if column == "unit"), 0) + 1
     rows = [row for row in table.rows if any(text != "-" for text in map(cell, row[first:]))]

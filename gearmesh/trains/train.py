@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
 from os import PathLike
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from gearmesh.reports.report import ReportPage
     from gearmesh.study.study import Study
     from gearmesh.view.picture import Diagram, Picture
+    from gearmesh.view.report.card import CardFigure
     from gearmesh.view.scene import Scene
 
 #: width and height of a picture, pixels
@@ -726,6 +727,44 @@ class MultistageTrain(Result):
         title = f"{self.title}: shaft {error.shaft}, {error._size.replace(' um ', ' µm ')}"
         return Diagram(title, lambda file: plot_train_error(file, turns, te, parts, title, 1.0 / slowest, unit=unit))
 
+    def _card_figures(self, error: TrainError) -> Iterator[CardFigure]:
+        """Yield the main figures, in words."""
+        from gearmesh.view.report.card import CardFigure
+
+        own, unit = self.figures, error.reading[1].replace("um", "µm")
+        output = next(shaft for shaft in self.shafts if shaft.shaft == own.output)
+        yield CardFigure(f"Ratio {own.input} to {own.output}", _ratio_text(own, 4).removeprefix("ratio "))
+        if self.layout.port(own.output).slides:
+            yield CardFigure("Travel of the output", f"{output.travel:.4g} mm", "per turn of the input")
+            yield CardFigure("Force of the output", f"{output.force:.4g} N", "per Nm on the input")
+        else:
+            yield CardFigure(
+                "Speed of the output",
+                f"{output.speed:.4g}",
+                f"= {output.speed_fraction} of the input, about its axis {_vector(output.axis)}",
+            )
+            yield CardFigure("Torque on the output", f"{output.torque:.4g}", "of the input's")
+        yield CardFigure(
+            "Transmission error",
+            error._size.replace(" um ", " µm ").removesuffix(" peak to peak"),
+            f"peak to peak, turns of the input: {error.figures.turns:.4g}",
+        )
+        sizes = {stage: float(np.ptp(error._in_unit(part))) for stage, part in error.solved.parts.items()}
+        if sizes:
+            stage = max(sizes, key=lambda name: sizes[name])
+            size = sizes[stage] if sizes[stage] >= ZERO_SIZES[error.reading[1]] else 0.0
+            yield CardFigure("Largest share of a stage", f"{size:.4g} {unit}", f"stage {stage}")
+        orders = {f"{mesh.stage}: {mesh.mesh}": mesh.teeth_per_turn for mesh in self.meshes}
+        if orders:
+            fastest, slowest = (choose(orders, key=lambda name: orders[name]) for choose in (max, min))
+            yield CardFigure(
+                "Tooth pairs per turn of the input",
+                f"{orders[slowest]:.4g} to {orders[fastest]:.4g}",
+                "slowest and fastest mesh",
+            )
+        yield CardFigure("All teeth are where they were", f"after {own.turns_until_repeat:.4g} turns", "of the input")
+        yield CardFigure("Stages and meshes", f"{len(self.layout.stages)} and {len(self.meshes)}")
+
     def page(self, turns: float | None = None) -> ReportPage:
         """Return the report page: picture, figures, transmission error of the output, data sheets of the stages.
 
@@ -752,6 +791,7 @@ class MultistageTrain(Result):
         return train_page(
             self.title,
             self._summary,
+            list(self._card_figures(error)),
             [*self.listings, *error.listings],
             self.chart(error),
             lambda: self.scene(0.0, PAGE_PICTURE_SIZE),

@@ -223,6 +223,13 @@ def test_browser_fits_a_phone(page: str, browser: Any) -> None:
         .map((each) => each.outerHTML)"""
     )
     assert beyond == []
+    # plots are drawn wide, and scroll: at the width of a phone their letters had 4 pixels
+    widths = browser.execute_script(
+        """return [...document.querySelectorAll(".plots figure")].filter((each) => each.getClientRects().length)
+        .map((each) => [each.clientWidth, each.scrollWidth, each.querySelector("img").clientWidth])"""
+    )
+    assert widths
+    assert all(seen <= 390 and whole >= drawn > 700 for seen, whole, drawn in widths)
     # what can be used has a name
     unnamed = browser.execute_script(
         """return [...document.querySelectorAll("input, select, button")]

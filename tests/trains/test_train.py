@@ -856,7 +856,7 @@ def test_rounding_is_no_transmission_error() -> None:
     """Gears without modification turn evenly: a title said 9.208e-10 arcsec."""
     train = gm.load_train(SAMPLES / "trains" / "train_planetary.toml")
     error = train.transmission_error(turns=0.2)
-    assert 0.0 < np.ptp(error.solved.te)
+    assert np.ptp(error.solved.te) > 0.0
     assert train.chart(error).title.endswith("shaft output, 0 arcsec peak to peak")
     assert "TE 0 arcsec" in error.headline
 
@@ -868,6 +868,11 @@ def test_the_page_has_figures_and_sheets_of_all_stages(two_stage: gm.MultistageT
     for words in ("106/17", "Stage first", "Stage second", "Transmission error of the shaft output"):
         assert words in text
     assert page.title == "Two-stage helical gearbox"
+    # the first screen: the picture, and eight figures beside it
+    card = text[text.index('<section id="card"') : text.index("<h2>")]
+    for words in ("106/17 = 6.235", "<strong>0.1604</strong>", "8.5 to 24", "after 106 turns", "No warnings."):
+        assert words in card
+    assert card.count("<dt>") == 8
 
 
 @pytest.mark.quick

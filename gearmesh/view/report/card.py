@@ -62,10 +62,14 @@ class Card:
     checks: int | None = None
     #: checks that failed, one line each
     failures: tuple[str, ...] = ()
+    #: words in place of a verdict, where nothing can be checked; "" for the verdict
+    remark: str = ""
 
     @property
     def verdict(self) -> str:
         """All checks in one line."""
+        if self.remark:
+            return self.remark
         if self.checks is None:
             return "Not checked: the option --check compares meshes and contact by a second route."
         if self.failures:

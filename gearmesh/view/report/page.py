@@ -56,9 +56,15 @@ def page(
     return _filled("page.html", parts)
 
 
-def plain_page(title: str, summary: str, sections: Sequence[PageSection]) -> str:
-    """Return a page of sections without a view: it has no script."""
-    return _filled("plain.html", _common_parts(title, summary, sections))
+def plain_page(
+    title: str, summary: str, sections: Sequence[PageSection], shot: str = "", card: Card | None = None
+) -> str:
+    """Return a page of sections without a view: it has no script.
+
+    With a `card` the page begins with the HTML of a picture, `shot`, and the card beside it.
+    """
+    top = "" if card is None else f'<div class="top">\n{_card(card)}\n<section id="view">{shot}</section>\n</div>'
+    return _filled("plain.html", {**_common_parts(title, summary, sections), "TOP": top})
 
 
 def _common_parts(title: str, summary: str, sections: Sequence[PageSection]) -> dict[str, str]:
