@@ -316,7 +316,7 @@ def test_answers_pickle_with_all_that_they_are_made_of(gears: gm.Gears) -> None:
 
 
 def first_te(gears: gm.Gears) -> tuple[gm.Gears, list[float]]:
-    """What a worker does."""
+    """Return the gears, and their transmission errors, rad, at phi1 = 0 and 5 deg: the function that a worker process runs."""
     return gears, gears.contact([0.0, 5.0], cycle=False).path.te.tolist()
 
 

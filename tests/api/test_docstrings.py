@@ -94,7 +94,7 @@ def test_every_public_function_says_what_it_takes_gives_and_raises() -> None:
 @pytest.mark.quick
 def test_lacking_sections_are_seen() -> None:
     def area(width: float, height: float) -> float:
-        """Of a rectangle. Raises ValueError.
+        """Area of a rectangle. Raises ValueError.
 
         Parameters
         ----------

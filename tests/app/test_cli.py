@@ -872,7 +872,8 @@ except KeyboardInterrupt:
 
 @pytest.mark.quick
 def test_stop_within_executed_text_gives_the_exit_status_of_a_stop(tmp_path: Path) -> None:
-    """As dataclasses are made, in imports: `python -m` would end itself by the signal, after what was said."""
+    """Stop by Ctrl-C while `exec` runs text, as imports of dataclasses do. Untreated, `python -m` would print the message and
+    then end by the signal."""
     (tmp_path / "stopped.py").write_text(
         "import signal, sys\n"
         "from gearmesh import __main__\n"

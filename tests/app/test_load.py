@@ -167,7 +167,8 @@ def test_edges_are_named_with_their_loads() -> None:
 
 @pytest.mark.sweep
 def test_the_mean_of_tooth_pairs_that_carry() -> None:
-    """Of spur gears that give way little it is their contact ratio, to a position more or less."""
+    """Mean number of tooth pairs that carry. For spur gears that deflect little it is the contact ratio, to within one position
+    of 7."""
     gears = gm.build(gm.load(SPUR))
     phi1 = np.degrees(gears.pairs[0].pitch) * np.arange(7) / 7
     found = gears.loaded_contact(1.0, phi1)
@@ -195,8 +196,8 @@ def test_the_mean_of_tooth_pairs_that_carry() -> None:
 @pytest.mark.sweep
 @pytest.mark.parametrize(("sample", "kind", "power"), [("spur", "line", 1 / 2), ("beveloid_crossed", "point", 1 / 3)])
 def test_pressures_go_with_the_share_of_the_load(sample: str, kind: str, power: float) -> None:
-    """As its square root on lines, its third on points [Johnson 4.25, 4.45]; shares of all pairs sum to 1 at every position, and
-    where loaded contact was solved they are what it says."""
+    """Pressure is proportional to the square root of the load share on lines, to its cube root on points [Johnson 4.25, 4.45].
+    Shares of all tooth pairs sum to 1 at every position. At positions that loaded contact solved, they equal its shares."""
     gears = gm.build(gm.load(SAMPLES / f"{sample}.toml"))
     pitch = np.degrees(gears.pairs[0].pitch)
     rotation = (pitch * np.array([0.0, 2 / 7, 0.53])[:, None] + pitch * np.arange(-3, 4)).ravel()

@@ -521,7 +521,7 @@ def test_cones_fit_their_edges_at_any_tolerance(sample: str, tolerance: float) -
 
 
 def spline(sample: str, tolerance: float = DEFAULT_TOLERANCE_MM) -> SplineTooth:
-    """Of the sample's pinion; two breaks, one next to an end face, with 18 teeth."""
+    """Spline tooth of the sample's pinion. The beveloid pinion has 18 teeth and two breaks, one of them next to an end face."""
     changes = ["pinion.teeth=18"] if sample == "beveloid_crossed" else []
     return spline_tooth(pair_of(sample, changes).pinion.tooth, tolerance)
 

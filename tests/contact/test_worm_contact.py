@@ -74,8 +74,8 @@ def test_path_of_line_contact_is_the_middle_of_the_longest_piece() -> None:
 
 
 def test_tip_line_corners_touch_if_no_point_around_is_ahead() -> None:
-    """Where the throat passes into the outside cylinder. Second route: of a lattice of points of the worm about the contact,
-    where the circle through each meets the wheel."""
+    """Contact in the corner where the throat passes into the outside cylinder. Second route: a lattice of points of the worm
+    about the contact. No circle through one of these points meets the wheel ahead of the contact."""
     gears = pair_of(load(SAMPLES / "worm_drive.toml", ["hob.reference_diameter=66"]))
     pair = solver_pair(gears).parts[0]
     phi1 = np.array([-2.2, -1.83, -1.5]) * pair.pitch
@@ -122,8 +122,8 @@ def test_lines_end_where_no_point_of_them_is_left(keys: list[str]) -> None:
 
 
 def test_first_touch_at_the_ends_of_a_line_is_on_it() -> None:
-    """Of the line one point is left, inside the tip line, which touches there; other places of the tip are 9e-8 rad behind. Second
-    route: an identical hob has no transmission error."""
+    """First touch, when the contact line has shrunk to one point inside the tip line, is at that point. Other points of the tip
+    are 9e-8 rad behind. Second route: a wheel cut by an identical hob has no transmission error."""
     gears = pair_of(load(SAMPLES / "worm_drive_dual_lead.toml"))
     pair = solver_pair(gears).parts[0]
     engagement = whole_engagement(pair, gears.pitch)

@@ -206,7 +206,8 @@ def test_pinned_designs_of_other_units_parts_and_errors_build_the_same_gears(nam
 
 @pytest.mark.sweep
 def test_pinned_mounts_and_phi1_stay_where_they_are(tmp_path: Path) -> None:
-    """Where the body is held, the place that a stiffness is of, and of an ease-off what phi1 = 0 is."""
+    """Pinned keys state where each body is held, the point that its stiffness refers to, and the position phi1 = 0 of an
+    ease-off."""
     design = gm.parse(
         {
             "kind": "spiral_bevel",

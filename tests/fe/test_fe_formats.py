@@ -165,7 +165,8 @@ def test_meshio_reads_decks(tmp_path: Path, dialect: str, references: int, secon
 
 
 def volume(mesh: HexMesh) -> float:
-    """By the divergence theorem over the faces of a block's six sides, split into triangles finely enough to be exact."""
+    """Volume, mm^3, by the divergence theorem over the element faces on the sides of the blocks. Gauss points integrate the
+    bilinear faces exactly."""
     sides = [name for name in mesh.face_sets if name.startswith(("upper_", "lower_"))]
     x = np.polynomial.legendre.leggauss(5)
     u, v = np.meshgrid(0.5 * (x[0] + 1.0), 0.5 * (x[0] + 1.0), indexing="ij")
@@ -256,7 +257,8 @@ def check_hexahedra(nodes: Array, elements: Array, edges: Sequence[tuple[int, in
 
 @pytest.mark.parametrize("second_order", [False, True])
 def test_an_archive_is_read_as_it_was_written(tmp_path: Path, second_order: bool) -> None:
-    """By mapdl-archive's own reader: nodes, elements with their material, components; by hand what it does not know."""
+    """Read nodes, elements with their materials, and components by mapdl-archive's own reader. The test itself reads what that
+    reader does not know."""
     import mapdl_archive
 
     wanted, path = model(second_order), tmp_path / "blocks.cdb"
@@ -339,7 +341,8 @@ def test_gmsh_reads_all_nodes_of_nastran_elements(tmp_path: Path, gmsh: Any) -> 
 
 @pytest.mark.parametrize("second_order", [False, True])
 def test_nastran_holds_the_whole_model(tmp_path: Path, second_order: bool) -> None:
-    """By a strict reader of the format; pyNastran 1.4.1, which needs an older NumPy, reads the same (gearmesh/fe/notes.md)."""
+    """Read the deck by a strict reader of the format. pyNastran 1.4.1, which needs an older NumPy, reads the same
+    (gearmesh/fe/notes.md)."""
     wanted, path = model(second_order), tmp_path / "blocks.bdf"
     mesh, count = wanted.mesh, len(wanted.mesh.nodes)
     write_model(wanted, path)
@@ -394,7 +397,7 @@ def test_nastran_holds_the_whole_model(tmp_path: Path, second_order: bool) -> No
 
 @pytest.mark.parametrize("second_order", [False, True])
 def test_dyna_holds_the_whole_model(tmp_path: Path, second_order: bool) -> None:
-    """By a strict reader of the format; PyDyna (ansys-dyna-core 0.12.1) reads the same (gearmesh/fe/notes.md)."""
+    """Read the deck by a strict reader of the format. PyDyna (ansys-dyna-core 0.12.1) reads the same (gearmesh/fe/notes.md)."""
     wanted, path = model(second_order), tmp_path / "blocks.k"
     mesh, count = wanted.mesh, len(wanted.mesh.nodes)
     write_model(wanted, path)

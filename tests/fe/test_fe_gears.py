@@ -110,8 +110,8 @@ def test_ellipse_is_pressed_as_by_hertz() -> None:
 @pytest.mark.sweep
 @pytest.mark.parametrize("sample", ["helical", "spiral_bevel_basic"])
 def test_lines_follow_the_contact_on_every_tooth(sample: str) -> None:
-    """Where loaded contact finds the pairs beside the leading one, on edges too, faces are much less high than even ones, of
-    either member. Numbers of lines stay."""
+    """Element faces where the tooth pairs beside the leading pair touch, as loaded contact finds them, on edges too. On both
+    members they have less than 0.6 of the height of even faces. The number of nodes stays the same."""
     pair = pair_of(load(SAMPLES / f"{sample}.toml"))
     at = place(pair, 0.3 * pair.pitch, 1e5, (STEEL, STEEL))
     request = Request(cells=Cells(flank=24, fillet=4, thickness=3, rim=2, face=6), torque=1e5)

@@ -120,7 +120,8 @@ def test_several_meshes_in_one_file(tmp_path: Path, suffix: str) -> None:
 
 @pytest.mark.parametrize("suffix", [".3mf", ".glb", ".obj"])
 def test_trimesh_finds_several_meshes_in_place(tmp_path: Path, suffix: str) -> None:
-    """By name, each a closed body where it was put; a GLB is in metres, with a geometry for each region."""
+    """Meshes that trimesh reads have their names, and each is a closed body in its place. A GLB file is in metres and has a
+    geometry for each region."""
     import trimesh
 
     io.write_scene(pair(), tmp_path / f"pair{suffix}")

@@ -95,7 +95,7 @@ def check_twist(motion: Chain | RackRoll | CradleRoll, phi: Array) -> None:
 
 
 def test_twist_of_a_turn_that_grows_with_the_cube_of_phi() -> None:
-    """Where points 30 away move by 202: the difference that it is compared with is itself off by 1.4e-8."""
+    """Points 30 away move by 202 for each rad of phi. The difference quotient used for comparison is itself off by 1.4e-8."""
     check_twist(Chain((Step(rate=0.0, higher=(0.0, 0.25)),)), np.asarray(3.0))
 
 

@@ -104,7 +104,7 @@ def test_a_parallel_surface_keeps_its_centres_of_curvature(name: str, amount: fl
 
 @pytest.mark.parametrize("side", [1, -1])
 def test_a_parallel_helicoid_is_the_helicoid_turned(side: int) -> None:
-    """By amount / (r_b cos beta_b): so do points moved along the line of action in the transverse plane."""
+    """Turn angle amount / (r_b cos beta_b), the same as for points that move along the line of action in the transverse plane."""
     base = ScrewInvolute(23.0, side * 0.011, -0.1, side)
     turn = side * -0.3 / (23.0 * np.cos(np.arctan(0.011 * 23.0)))
     turned = ScrewInvolute(23.0, side * 0.011, -0.1 + turn, side)

@@ -72,8 +72,9 @@ def test_what_hardly_gives_way_is_rigid() -> None:
 
 @pytest.mark.sweep
 def test_soft_bearings_shift_along_the_line_of_action() -> None:
-    """Of either member: by F / k against the force, so that the pinion turns by that over its base radius; the transmission error
-    falls behind by as much. 0.1 %: the centre distance grows and the angle of the force with it."""
+    """Either member shifts by F / k along the line of action, and the pinion turns by that over its base radius. The
+    transmission error falls behind by that angle times the ratio. 0.1 %: the centre distance grows, and the angle of the force
+    with it."""
     pair, _ = geared("spur")
     for k, flexible in enumerate(
         ((FlexibleMount.of([2e4, 2e4, *[INF] * 4]), None), (None, FlexibleMount.of([2e4, 2e4, *[INF] * 4])))
@@ -107,8 +108,8 @@ def shift_and_turn(name: str, *keys: str) -> tuple[Array, Array]:
 @pytest.mark.sweep
 @pytest.mark.parametrize(("name", "keys"), [("double_helical", ()), ("rack", ("pinion.modifications={}",))])
 def test_pinions_of_racks_and_of_two_halves_have_bearings(name: str, keys: tuple[str, ...]) -> None:
-    """As a spur pair's: F / k against the transverse force, which both halves add to, and that over the base radius; 0.1 %,
-    and 0.1 % more of the rotation: teeth touch as far from where they did, and deflect otherwise there."""
+    """Shift is F / k, as for a spur pair, F being the transverse force, to which both halves add; the turn is the shift over
+    the base radius. 0.1 %, and another 0.1 % for the turn: the teeth touch farther along and deflect differently there."""
     shift, turn = shift_and_turn(name, *keys)
     np.testing.assert_allclose(shift, 1.0, rtol=1e-3)
     np.testing.assert_allclose(turn, 1.0, rtol=2e-3)
@@ -136,8 +137,8 @@ def test_racks_have_guides() -> None:
     ("axial", "aside"), [(1e5, 0.01), (1e3, 0.0), pytest.param(1e3, 0.01, marks=pytest.mark.sweep)]
 )
 def test_a_pinion_of_two_halves_goes_where_both_carry(axial: float, aside: float) -> None:
-    """Of a gear that is 10 um off along its axis one half alone carries; a pinion that its bearing lets go follows, until the
-    spring holds what the halves' axial forces differ by: nearly all the way where it is soft."""
+    """A gear that is 10 um off along its axis would load one half alone. A pinion in an axial spring follows the gear until the
+    spring holds the difference of the halves' axial forces. With a soft spring it goes nearly all the way."""
     pair, bodies = geared("double_helical")
     base = pair.gear.mount.base
     moved_base = Rigid(base.rotation, base.translation + np.array([0.0, 0.0, aside]))
@@ -280,7 +281,8 @@ def test_the_answer_tells_displacements_and_refuses_what_is_no_mount(
 def test_a_design_says_how_its_members_are_held(
     monkeypatch: pytest.MonkeyPatch, spur_bodies: Callable[..., FlankCompliance]
 ) -> None:
-    """As the argument does, member by member, which goes first; without z in the middle, where an even load tilts nothing."""
+    """Mounts in the design act like the argument `mounts`, which goes first, member by member. Without z the mount is in the
+    middle of the face, where an even load tilts nothing."""
     monkeypatch.setattr("gearmesh.loaded.sharing.flank_compliance", spur_bodies)
     monkeypatch.setattr("gearmesh.answers.load.loaded.loaded_mesh", partial(loaded_mesh, cells=(24, 14)))
     keys = [

@@ -52,7 +52,8 @@ def pair(name: str) -> GearPair:
 
 
 def by_bricks(name: str, member: int, cells: Cells, height: float, teeth: int = 5) -> float:
-    """As `bending`, by the bricks and lines of `loaded`: the section at toe, 1 mm wide, with no displacement along the axis."""
+    """Stress of `bending`, but by the bricks and lines of `loaded`: the section at the toe, 1 mm wide, without displacement
+    along the axis."""
     tooth, side = pair(name).both[member].tooth, pair(name).flanks[member]
     one = Cells(cells.flank, cells.fillet, cells.thickness, cells.rim, 1)
     rim = whole_rim(tooth, np.linspace(0.0, 1.0, 2))
@@ -97,7 +98,7 @@ def by_bricks(name: str, member: int, cells: Cells, height: float, teeth: int = 
 def test_default_elements_are_close_to_converged_plane_strain(
     name: str, member: int, height: float, within: float
 ) -> None:
-    """By quadrilaterals of second order, twice as fine as the bricks."""
+    """Compare with quadrilaterals of second order, twice as fine as the bricks."""
     teeth, side = pair(name).both[member].tooth, pair(name).flanks[member]
     coarse, converged = (
         bending(teeth, side, STEEL, crowd(plain_grid(cells)), height)

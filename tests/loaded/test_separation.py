@@ -17,8 +17,8 @@ from gearmesh.loaded.separation import near_pairs, separation
 @pytest.mark.sweep_cases("spiral_bevel_basic")
 @pytest.mark.parametrize("sample", ["helical", "spiral_bevel_basic"])
 def test_gaps_are_those_of_the_advances(sample: str) -> None:
-    """By how much a point of the pinion is behind the one that touches, times its lever, is its gap: 0.2 um, the tables' accuracy,
-    and 3 %. The grid's middle is where the gap across is least."""
+    """The gap at a point of the pinion is the angle by which the point is behind the touching point, times its lever. 3 % and
+    0.2 um, the tables' accuracy. Across the grid the gap is least in the middle."""
     pair = pair_of(gm.load(SAMPLES / f"{sample}.toml"))
     near = near_pairs(pair, pair.pitch * np.array([0.2, 0.55]), 0.05)
     assert len(near.position) >= 4
@@ -41,7 +41,7 @@ def test_gaps_are_those_of_the_advances(sample: str) -> None:
 
 @pytest.mark.quick
 def test_grids_end_where_the_flanks_do() -> None:
-    """Of a spur pair they are as long as the narrower face; unlike numbers of teeth stand a pitch apart."""
+    """Grids of a spur pair are as long as the narrower face. Tooth pairs 0 and 1 are a base pitch apart."""
     pair = pair_of(gm.load(SAMPLES / "spur.toml"))
     near = near_pairs(pair, np.array([0.4 * pair.pitch]), 1e-4)
     grid = separation(near, np.full(2, 1e3), contact_modulus(STEEL, STEEL), (40, 24), np.ones(2))
@@ -54,8 +54,8 @@ def test_grids_end_where_the_flanks_do() -> None:
 
 @pytest.mark.quick
 def test_grids_are_as_long_as_lines_of_contact() -> None:
-    """Of a helical pair, oblique over the flank and cut by tips: as long as the lines that contact analysis traces, 10 um, before
-    they go on along the tip."""
+    """Lines of contact of a helical pair run obliquely over the flank and end at tips. The grids' ranges are as long as the
+    lines that contact analysis traces, to 10 um; from there the ridge goes on along the tip."""
     pair = pair_of(gm.load(SAMPLES / "helical.toml"))
     near = near_pairs(pair, pair.pitch * np.array([0.1, 0.5]), 1e-3)
     lines = [m for m, line in enumerate(near.path.lines) if line is not None]
@@ -67,8 +67,8 @@ def test_grids_are_as_long_as_lines_of_contact() -> None:
 
 @pytest.mark.quick
 def test_lines_go_on_along_the_edges_that_end_them() -> None:
-    """Of a helical pair: beyond the line's end the ridge is the tip edge, at its radius to 1 um, and the gap there is that of the
-    flanks beside the line, half the curvature times the square of the distance from it: 4 % and 0.5 um."""
+    """Ridge of a helical pair beyond the end of the contact line: it is the tip edge, at the tip radius to 1 um. The gap there
+    is the gap of the flanks beside the line, half the curvature times the squared distance from the line: 4 % and 0.5 um."""
     pair = pair_of(gm.load(SAMPLES / "helical.toml", ["pinion.face_width=20", "gear.face_width=20"]))
     near = near_pairs(pair, np.array([0.8 * pair.pitch]), 1e-3)
     grid = separation(

@@ -194,10 +194,11 @@ def test_grids_follow_short_contacts() -> None:
 
 @pytest.mark.sweep
 def test_a_corner_carries_beside_its_ridge() -> None:
-    """Of askew teeth one pair begins to touch at a corner of its flank, and carries a tenth of the load along the edge from there:
-    cells half as long and wide agree to 1.2e-4 of the rotation and 0.2 % of the load (a grid that ended there gave it 3 %).
+    """One pair of askew teeth begins to touch at a corner of its flank and carries a tenth of the load along the edge from
+    there. Cells half as long and wide agree to 1.2e-4 of the rotation and 0.2 % of the load. A grid that ended at the corner
+    gave the pair 3 %.
 
-    They agreed to 1e-4 while the finer grid was 1.8 times as wide as the contact needs, and so no finer.
+    Rotations agreed to 1e-4 while the finer grid was 1.8 times as wide as the contact needs, and so no finer.
     """
     pair, bodies = geared("helical", "assembly.gamma_h=0.02")
     phi1, torque = pair.pitch * np.array([19.0 / 21.0]), np.array([5e5])

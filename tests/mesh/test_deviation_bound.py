@@ -136,7 +136,8 @@ def test_the_bound_is_above_what_another_route_measures(name: str, part: str) ->
     ],
 )
 def test_bounds_of_teeth_whose_surfaces_are_moved(name: str, part: str, distance: float) -> None:
-    """As close as those of the teeth themselves, and above what closest points by iteration say."""
+    """Bounds of offset teeth are as close as bounds of the teeth themselves. They are not below the distances to closest
+    points, found by iteration."""
     mesh = tessellate(offset_member(member_of(name, part), distance).tooth, 0.02)
     bound, measured = tooth_bound(mesh), max(one.largest for one in deviations(mesh).values())
     assert measured <= bound.largest * (1.0 + 1e-9)

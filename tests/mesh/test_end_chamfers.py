@@ -157,7 +157,8 @@ def test_contact_is_on_the_face_between_the_chamfers() -> None:
 
 
 def test_a_rounding_is_an_arc_between_tooth_and_end_face() -> None:
-    """Of spur teeth, at right angles to it: distances from the sharp outline against depths."""
+    """Rounding of spur teeth, whose flanks are at right angles to the end face. Distances from the sharp outline and depths lie
+    on an arc of the given radius."""
     radius = 0.6
     tooth = chamfered("spur", "pinion", (radius, radius, True), None).tooth
     strip = tooth.end_strips[0]

@@ -254,7 +254,7 @@ def test_outline_is_evenly_spaced_over_root_and_over_fillet() -> None:
 
 
 def test_mid_side_nodes_are_in_the_middle() -> None:
-    """Of graded and slanted lines too: not more than a tenth of an edge away from it, on curved flanks."""
+    """Mid-side nodes are within a tenth of the edge from its middle, on curved flanks and on graded and slanted lines, too."""
     gears = pair("spiral_bevel_basic")
     request = Request(teeth=1, cells=COARSE, ellipse=3, torque=5e4, second_order=True)
     at = place(gears, 0.0, request.torque, request.materials)

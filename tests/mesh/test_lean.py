@@ -126,7 +126,7 @@ def test_lands_of_threads_that_run_out_have_no_nodes_inside() -> None:
 
 
 def test_links_none_of_whose_edges_can_collapse_stay_as_they_are() -> None:
-    """Of two links of this wheel no edge is near enough to the tolerance to be tried with its neighbours moved."""
+    """Two links of this wheel have no edge that is near enough to the tolerance to be tried with its neighbours moved."""
     mesh = tessellate(tooth_of("worm_drive", "wheel"), 0.2)
     assert mesh.deviation <= 0.2
 
@@ -134,7 +134,8 @@ def test_links_none_of_whose_edges_can_collapse_stay_as_they_are() -> None:
 @pytest.mark.parametrize(("sample", "tolerance"), [("circular_arc", 0.01), ("spiral_bevel_basic", 0.1)])
 @pytest.mark.sweep_cases("spiral_bevel_basic-0.1")
 def test_sides_that_are_bent_most_beside_their_middles_keep_the_tolerance(sample: str, tolerance: float) -> None:
-    """By middles and normals at the ends to third order meshes were 0.33 and 1.4 um off, and solids were meshed twice."""
+    """Distances estimated from middles and from end normals, to third order, left these meshes 0.33 and 1.4 um off, and solids
+    were meshed twice."""
     assert tooth_bound(tessellate(tooth_of(sample, "pinion"), tolerance)).largest <= tolerance
 
 

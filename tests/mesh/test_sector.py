@@ -83,7 +83,7 @@ def polar(points: np.ndarray) -> np.ndarray:
 
 
 def test_a_sector_made_after_the_gear_has_its_teeth() -> None:
-    """Of a tooth that nobody has asked yet where it is undercut: what it learns changes its sections by rounding."""
+    """The tooth of the whole gear has not been searched for undercut yet. The search changes its sections by rounding alone."""
     gears = gm.build(gm.load(SAMPLES.parent / "tests" / "corpus" / "sector_beveloid_cone.toml"))
     whole, part = gears.solid("pinion", 0.02), gears.solid("pinion", 0.02, sector=1)
     assert part.measured.max_deviation == pytest.approx(whole.measured.max_deviation, rel=1e-9)

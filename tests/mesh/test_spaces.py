@@ -167,8 +167,9 @@ def test_a_space_is_a_cad_solid() -> None:
 
 
 def test_the_largest_offset_is_the_least_radius_of_curvature_of_the_fillet() -> None:
-    """Of a rack it is the tool's own rounding; on a gear the rounding's centre, at the depth c, goes round with the radius
-    c^2 / (r + c) where it turns back [Euler-Savary], which adds to it. The other way the tooth gets pointed."""
+    """Least radius of curvature of a rack's fillet is the tool's own rounding. On a gear the rounding's centre, at the depth c,
+    turns back on a curve of radius c^2 / (r + c) [Euler-Savary], which adds to the rounding. An offset the other way makes the
+    tooth pointed."""
     rack, gear = member_of("rack", "rack"), member_of("spur", "pinion")
     c = 3.0 * (1.25 - 0.38 - 0.3)
     for member, radius in ((rack, 0.38 * 2.0), (gear, 0.38 * 3.0 + c**2 / (30.0 + c))):
@@ -181,7 +182,8 @@ def test_the_largest_offset_is_the_least_radius_of_curvature_of_the_fillet() -> 
 
 
 def test_largest_offset_turns_no_place_of_a_fillet_inside_out() -> None:
-    """Of a face gear, whose fillet is bent most between two of the sections on which an offset is proved: at 257."""
+    """Face gear whose fillet is bent most between two of the sections at which an offset is proved. The largest offset is
+    checked at 257 sections."""
     member = member_of("face_gear", "gear")
     with pytest.raises(gm.errors.DesignError, match="fillet right would have a cusp") as refusal:
         offset_member(member, 5.0)

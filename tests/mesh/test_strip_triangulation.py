@@ -75,7 +75,8 @@ def test_a_triangulation_fills_the_rectangle(rows: list[int], toe: list[int], he
 
 @pytest.mark.parametrize("seed", range(6))
 def test_the_best_triangulation_is_the_best_of_all(seed: int) -> None:
-    """Of all between two chains, by any corners, of a strip of 5 and 4 nodes with 1 and 2 between them; the other strip stays."""
+    """Compare with all triangulations between two chains, for every choice of corners. The strip has sides of 5 and 4 nodes and
+    ends with 1 and 2 nodes between; the other strip stays as it is."""
     lines, below, above, s, t = nodes([5, 4, 3], [1, 0], [2, 1])
     table = np.random.default_rng(seed).random((s.size, s.size))
 
