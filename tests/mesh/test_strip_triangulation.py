@@ -89,7 +89,7 @@ def test_the_best_triangulation_is_the_best_of_all(seed: int) -> None:
         return float((miss(inner_edges(triangles)) ** 4).sum())
 
     def least(a: list[int], b: list[int]) -> float:
-        """Of all ways from the first nodes of two chains to the last ones."""
+        """Least cost of all ways from the first nodes of two chains to the last ones."""
         ways = []
         for chosen in combinations(range(len(a) + len(b) - 2), len(a) - 1):
             i = np.cumsum([0, *(k in chosen for k in range(len(a) + len(b) - 2))])
@@ -113,8 +113,9 @@ def test_the_best_triangulation_is_the_best_of_all(seed: int) -> None:
 
 
 def test_long_strips_have_the_best_triangulation_without_every_pair() -> None:
-    """Of 181 nodes beside 61 with 2 between them at the toe, as where a face gear's fillet meets its flank, diagonals that lean by
-    a twentieth of the strip, and fans: the sum over all pairs, cell by cell, has no less than that over the near ones."""
+    """Strip of 181 nodes beside 61, with 2 between them at the toe, as where a face gear's fillet meets its flank. Diagonals
+    lean by a twentieth of the strip, and there are fans. The least cost over all pairs of nodes, cell by cell, is not below the
+    cost that was found over near pairs alone."""
     lines, below, above, s, t = nodes([61, 181], [2], [0])
     tried = 0
 

@@ -70,7 +70,7 @@ def test_what_the_mesher_says_is_what_is_measured(tolerance: float) -> None:
 
 @pytest.mark.sweep
 def test_chords_of_end_faces_keep_the_tolerance_beside_their_middles() -> None:
-    """Where a thread runs out the section curve is bent most at one end of a chord that grew by merging."""
+    """Thread that runs out: its section curve is bent most at one end of a chord that grew by merging."""
     tolerance = 5e-3
     tooth = gm.build(gm.load(SAMPLES / "worm_drive_zk_oversize.toml")).members["worm"].tooth
     patch = tessellate(tooth, tolerance, (Region.FILLET_RIGHT,)).patches[0]

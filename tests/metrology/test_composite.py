@@ -61,8 +61,8 @@ def lead_of_involute_teeth() -> tuple[Array, FullTurns]:
 
 @pytest.mark.quick
 def test_involute_teeth_lead_by_their_pitch_deviations() -> None:
-    """Where a tooth pair is alone in the middle of its engagement, the gear is as far ahead as its two flanks. So the total
-    single-flank deviation is their range; between them the gear is nowhere behind either."""
+    """The gear is ahead by the pitch deviations of the two touching flanks where one tooth pair is alone. So the total
+    single-flank deviation is the range of these leads. In between, the gear is behind neither pair."""
     lead, turns = lead_of_involute_teeth()
     assert turns.pitches == 32
     number = np.arange(32)

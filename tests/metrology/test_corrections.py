@@ -48,7 +48,8 @@ def hypoid() -> Design:
 
 
 def pinion(design: Design, values: dict[str, float] | None = None) -> Tooth:
-    """Of a design with changes of keys of the concave side, and of those that both sides have in common."""
+    """Pinion tooth of a design with `values` added to keys of the concave side. Keys that both sides have in common change on
+    both."""
     plain = design.plain()["pinion"]
     changes = {
         f"pinion.{side}.{key}": plain[side][key] + change
@@ -60,7 +61,7 @@ def pinion(design: Design, values: dict[str, float] | None = None) -> Tooth:
 
 @lru_cache(maxsize=16)
 def cut_pinion(keys: str) -> Tooth:
-    """Of a design by its keys; several tests ask for the same ones."""
+    """Pinion tooth of a design given by its keys as JSON; cached, because several tests ask for the same keys."""
     return systems.member(gm.parse(json.loads(keys)), "pinion").member.one_tooth
 
 
@@ -112,7 +113,8 @@ def test_noise_moves_settings_by_what_is_stated(hypoid: Design, tmp_path: Path) 
 
 @pytest.mark.sweep
 def test_the_contact_of_the_corrected_pinion_is_that_of_the_design(hypoid: Design, tmp_path: Path) -> None:
-    """Of a machine that is off so far that the pattern leaves its place; by the command, whose files say the same again."""
+    """Machine that is off so far that the contact pattern leaves its place. The corrected pinion has the contact of the design,
+    and the saved files say the same again."""
     path = tmp_path / "pinion.csv"
     measured(path, hypoid, {"machining_offset": 0.1})
     made = gm.build(gm.load(SAMPLES / "hypoid.toml")).correct("pinion", path)

@@ -49,14 +49,15 @@ def design_of(*keys: str, sample: str = "face_gear") -> Design:
 
 
 def gear(design: Design, values: Mapping[str, Any] | None = None) -> Tooth:
-    """Of a design with changes of settings of the machine."""
+    """Gear tooth of a design with changes of machine settings."""
     before = design.plain()["gear"]["machine"]
     changes = {f"gear.machine.{key}": before[key] + change for key, change in (values or {}).items()}
     return systems.build(design.with_values(changes)).members["gear"].one_tooth
 
 
 def corrected(path: Path, design: Design, off: Mapping[str, float], noise: float = 0.0, **options: Any) -> Correction:
-    """By both flanks of a gear that was made with settings off."""
+    """Correction from both flanks of a gear that was made with settings `off`; `noise`: standard deviation, mm, of the
+    measurement."""
     nominal, made, random = gear(design), gear(design, off), np.random.default_rng(7)
     grids = {side: along_normals(made, side, nominal) for side in Side}
     noisy = {
@@ -77,7 +78,8 @@ def corrected(path: Path, design: Design, off: Mapping[str, float], noise: float
     ],
 )
 def test_a_setting_makes_the_flank_of_another_pair(key: str, change: float, other: str | None) -> None:
-    """Of a pair on those axes, or of that pressure angle; displaced along the axis it is the same one there."""
+    """A changed setting makes the flank of a pair with those axes or that pressure angle. A changed axial position makes the
+    same flank, displaced along the axis."""
     sample = "face_gear_offset" if key == "offset" else "face_gear"
     base = design_of(*RADII, sample=sample)
     designs = base, base if other is None else design_of(*RADII, other, sample=sample)
@@ -148,7 +150,8 @@ def test_a_setting_of_the_worm_that_was_off_comes_back(tmp_path: Path) -> None:
 
 @pytest.mark.sweep
 def test_noise_moves_settings_by_what_is_stated(tmp_path: Path) -> None:
-    """Of one flank too, whose thickness is left alone; what the machine then cuts is off by the opposite, but for the noise."""
+    """Settings change by the opposite of their errors, within three times the stated uncertainties. What the corrected machine
+    cuts is off by the opposite of what was measured, but for the noise. A correction from one flank leaves the thickness alone."""
     design, off = design_of(*RADII), {"shaft_angle": 0.02, "axial_position": 0.05}
     made = corrected(tmp_path / "gear.csv", design, off, noise=5e-4)
     assert made.solution.noise == pytest.approx(5e-4, rel=0.2)

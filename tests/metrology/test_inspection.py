@@ -88,7 +88,8 @@ def test_larger_helix_angle_gives_a_positive_helix_slope(hand: str) -> None:
 
 
 def test_larger_pressure_angle_gives_a_negative_profile_slope() -> None:
-    """Of roll lengths L on another base circle, at the same radii: L dr_b / r_b less from one end to the other."""
+    """Slope deviation of the profile is dr_b / r_b times the difference of roll lengths L between the ends of the evaluation
+    range. It is negative, because a larger pressure angle has a smaller base circle."""
     answer, _, base_change = inspected("right", 0.0, 0.02)
     base = answer._basis.involute.base  # type: ignore[union-attr]
     first, last = answer._basis.involute.profile.slope  # type: ignore[union-attr]

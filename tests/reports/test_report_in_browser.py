@@ -155,7 +155,8 @@ def test_browser_draws_rolls_and_picks(page: str, browser: Any, tmp_path: Path) 
 
 @pytest.mark.sweep
 def test_browser_shows_pressures_of_the_torque(page: str, browser: Any, tmp_path: Path) -> None:
-    """What is pressed now and at most, in other colours for another torque; the figures of the torque are told."""
+    """Colours show the pressure now and the highest pressure, and differ between torques. The text gives the figures of the
+    chosen torque."""
     browser.get(page)
     choose(browser, "look", "0")
     told, shown = [], []
@@ -180,7 +181,7 @@ def test_browser_shows_pressures_of_the_torque(page: str, browser: Any, tmp_path
 
 @pytest.mark.sweep
 def test_browser_shows_one_gear(browser: Any, tmp_path: Path) -> None:
-    """Of a gear without a mating gear the solid alone: no mark of contact, nothing to roll; it can be cut."""
+    """Page of a gear without a mating gear shows the solid alone: no mark of contact and nothing to roll. The solid can be cut."""
     gears = gm.build(gm.parse({"kind": "rack", "module": 2, "rack": {"teeth": 9, "face_width": 12}}))
     browser.get(report_page(gears, {}, 0.05, images=[]).save(tmp_path / "one.html").as_uri())
     whole = pixels(browser, tmp_path / "one.png")

@@ -152,7 +152,7 @@ def test_card_writes_three_digits_without_exponent(value: float, text: str) -> N
 
 
 def test_card_reads_as_the_solver_says(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of gears that fit and of gears that jam: words and units; what jams is the warning that comes first."""
+    """Words and units on the card of gears that fit and of gears that jam. The warning that comes first says what jams."""
     # by how much to move the members apart is not what is here
     monkeypatch.setattr("gearmesh.answers.contact.fit.freeing_shift", lambda *_: None)
     assert card.error(9.159997e-11, "arcsec") == "below 0.001\u00a0arcsec"

@@ -46,7 +46,7 @@ def test_grid_rows_count_like_digits_in_units_of_keys() -> None:
 
 @pytest.mark.parametrize("method", ["lhs", "sobol", "random"])
 def test_samples_have_the_distributions_asked_for(method: str) -> None:
-    """By the Kolmogorov-Smirnov distance from scipy's own distributions, and as the seed says."""
+    """Compare samples with scipy's own distributions by the Kolmogorov-Smirnov distance. The same seed gives the same sample."""
     spreads = {
         "a": Spread("normal", (0.3, 0.02)),
         "b": Spread("uniform", (-1.0, 2.0)),

@@ -159,7 +159,8 @@ def test_limits_are_found_at_a_level(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_what_does_not_converge_has_no_figures() -> None:
-    """Of two torques the second has a position without a solution: it is counted, and all else left empty."""
+    """Two torques, the second with a position without a solution: this position is counted as not converged, and all other
+    figures of the torque are empty."""
     pair = pair_of(gm.load(SPUR))
     bodies = [flank_compliance(m.tooth, side, STEEL, SMALL) for m, side in zip(pair.both, pair.flanks, strict=True)]
     phi1 = pair.pitch * np.arange(2) / 2

@@ -85,7 +85,7 @@ def test_a_letter_gives_the_allowances_of_the_reference_diameter(units: str) -> 
 
 
 def test_the_sheet_states_letters_and_limits() -> None:
-    """As it does of the same ends as numbers."""
+    """Sheet of a design with letters has the figures of the same limits given as numbers."""
     ends = {"pinion": (-0.054, -0.084), "gear": (-0.07, -0.11)}
     letters = {name: {"thickness_allowance": "cd25"} for name in ends}
     numbers = {name: {"thickness_allowance": {"upper": a, "lower": b}} for name, (a, b) in ends.items()}

@@ -23,7 +23,7 @@ CLOSURE = 3.0 * ARCSEC
 
 
 def index_angles(design: Design) -> dict[str, float]:
-    """As the sheet reports them, deg."""
+    """Index angles of the pinion's blank from the sheet, deg, by side."""
     rows = {row[0]: row[2:] for table in gm.build(design).sheet().tables for row in table.rows}
     return dict(zip(("concave", "convex"), rows["index angle of the blank"], strict=False))
 
@@ -44,7 +44,7 @@ def backlash_of(design: Design) -> float:
 @pytest.mark.sweep_cases("1.0")
 @pytest.mark.parametrize("shift", [1.0, 0.5, -25.0])
 def test_another_zero_of_the_cradle_is_another_index_and_the_same_tooth(shift: float) -> None:
-    """Where the cradle stands farther at its zero, the blank has to stand back by as much over the ratio of roll."""
+    """If the cradle stands farther at its zero, the blank stands back by as much over the ratio of roll."""
     design: Any = gm.load(GIVEN)
     before = index_angles(design)
     angle = design.pinion.concave.cradle_angle + shift

@@ -70,7 +70,8 @@ def generated(design: Any, blank: BevelBlank | None = None) -> dict[str, Generat
 
 
 def cutter_to_blank(side: Generated, q: Array) -> Array:
-    """By the settings' words, for a right-hand machine; the left-hand one is its mirror image (4, 4)."""
+    """Transformation (..., 4, 4) from cutter to blank, as the settings are defined for a right-hand machine. The left-hand
+    machine is its mirror image."""
     machine, mirror = side.settings, np.diag([1.0, float(side.hand), 1.0, 1.0])
     roll = 0.0 * q
     if not machine.formate:
@@ -300,7 +301,8 @@ def test_a_completing_cutter_leaves_its_point_width_and_the_backlash_that_follow
 
 
 def test_blades_of_one_cutter_that_cross_are_refused_for_their_point_width() -> None:
-    """As summaries of pinions have them whose sides are cut one by one: no tooth thickness is worked out, no width advised."""
+    """Summaries of pinions whose sides are cut one by one can have blades that cross as one cutter. The refusal computes no
+    tooth thickness and advises no width."""
     crossed = completing(-0.4)
     why = "point width negative: the blades of one cutter cross; allowed is more than"
     refused = rf'{why} .*; or cut side by side: process = "fixed_setting"$'
@@ -486,7 +488,8 @@ def test_the_sheet_shows_tilt_and_motions_and_loads_back() -> None:
 
 @pytest.mark.parametrize(("process", "within"), [("fixed_setting", 0.02), ("formate_fixed", 1e-4)])
 def test_slot_widths_of_the_gear_are_its_point_width(process: str, within: float) -> None:
-    """Of a Formate gear all along the face; of a generated one nearly, whose cutter comes to toe and heel from other angles."""
+    """Slot widths of a Formate gear are the cutter's point width all along the face. A generated gear has nearly that width,
+    because its cutter comes to toe and heel from other angles."""
     # nothing of the pinion's contact is searched for
     said = {"mean_offset": 0.0, "mean_shift": 0.0, "modified_roll_c3": 0.0, "path_angle": 90.0}
     sheet = gears_of(process=process, pinion={"teeth": 15, "concave": said, "convex": said}).sheet()

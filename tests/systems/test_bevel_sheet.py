@@ -81,7 +81,7 @@ def farthest(one: Any, other: Any) -> float:
 
 
 def rolling_choice(design: Any, blank: BevelBlank, name: str) -> ContactChoice:
-    """What is chosen, with modified roll, which few pairs need, where the pinion's settings are free."""
+    """Contact choice with modified roll, which few pairs need. A design that states the pinion's settings keeps its own choice."""
     found = contact_choice(design, blank, name)
     return found if design.sets(f"pinion.{name}.radial") else replace(found, roll=(0.004, -0.008, 0.01))
 
@@ -213,7 +213,7 @@ def mean_frame(member: Any, station: float) -> tuple[Array, Array, Array]:
 
 @pytest.mark.parametrize("name", some(["right", "zerol"], 1))
 def test_the_chord_is_what_a_calliper_reads(name: str) -> None:
-    """Of dense grids, looked at from along the tooth."""
+    """Measure the chord on dense grids of the flanks, seen along the tooth."""
     gears, tables = gm.build(design_named(name)), tables_of(name)
     blank = basic_blank(gears.design)
     for k, member in enumerate(gears.members.values(), start=1):
@@ -228,7 +228,8 @@ def test_the_chord_is_what_a_calliper_reads(name: str) -> None:
 
 
 def test_sheet_and_drawing_have_dimensions_of_the_cut_teeth() -> None:
-    """Of a pair whose formulas are up to 30 um and 0.4 mm off: thickness from grids of the flanks, tip and root from points."""
+    """Pair for which the standard's formulas are up to 30 um and 0.4 mm off. Second route: thickness from grids of the flanks,
+    tip and root from points."""
     gears, tables = gm.build(design_named("spiral_bevel_formate")), tables_of("spiral_bevel_formate")
     mean = tables["Pair"]["mean cone distance"][1]
     for k, member in enumerate(gears.members.values(), start=1):

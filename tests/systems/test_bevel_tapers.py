@@ -43,7 +43,8 @@ def slots(taper: str) -> dict[str, np.ndarray]:
 @pytest.mark.sweep
 @pytest.mark.parametrize("taper", TAPERS)
 def test_tips_clear_roots_by_the_clearance(taper: str) -> None:
-    """As the contact analysis has it of the generated roots, which a wrong sliding base would raise or lower."""
+    """Compare with tip clearances of the generated roots in the contact analysis. A wrong sliding base would raise or lower the
+    roots."""
     pair = gears(taper)
     told, clearance = pair.contact().summary, basic_blank(pair.design.in_mm()).clearance
     for member in ("pinion", "gear"):

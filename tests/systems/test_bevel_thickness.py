@@ -51,7 +51,8 @@ def test_built_teeth_are_as_thick_as_asked(design: Design) -> None:
 
 @pytest.mark.sweep
 def test_backlash_is_what_the_thicknesses_leave() -> None:
-    """By first contact of both sides, which knows of no thickness: what the teeth lack, along the normal."""
+    """Measure backlash by first contact of both sides, a route that knows no thickness. It grows by what the teeth are thinned,
+    along the normal."""
     least = []
     for thinner in (0.0, 0.05):
         values = {"pinion.thickness": 5.9 - thinner, "gear.thickness": 3.9 - 2.0 * thinner}

@@ -46,7 +46,7 @@ def between_spokes(count: int, width: float, inner: float, outer: float) -> floa
 
 
 def thickness(plain: Member) -> float:
-    """Of the body beside its bore."""
+    """Axial thickness, mm, of the body beside its bore."""
     (_, low), (_, high) = plain.body.profile[plain.body.bore_band : plain.body.bore_band + 2]
     return high - low
 

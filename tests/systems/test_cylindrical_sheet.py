@@ -175,7 +175,8 @@ def test_specific_sliding_is_what_the_points_of_contact_do_on_the_flanks(name: s
 @pytest.mark.sweep_cases("internal_helical", "internal_spur", "formed")
 @pytest.mark.parametrize("name", PAIRS)
 def test_the_root_is_that_of_the_generated_fillet(name: str) -> None:
-    """By points of the fillet alone; on a hobbed external spur gear also by ISO 6336-3, to which helical ones come near."""
+    """Compare root dimensions with points of the fillet alone; for a hobbed external spur gear also with ISO 6336-3, to which
+    helical gears come near."""
     gears = gm.build(design_of(name))
     sheet, found = sheet_of(gears), proportions(gears.design)
     for k, (member, teeth) in enumerate(zip(gears.members.values(), (found.mesh.pinion, found.mesh.gear), strict=True)):

@@ -161,7 +161,8 @@ def test_what_several_keys_would_mend_names_them() -> None:
 
 
 def test_limits_are_told_beyond_them_too() -> None:
-    """Of a face gear that is undercut at its inner radius: the radius that would work, and what is beyond."""
+    """Limits of a face gear that is undercut at its inner radius: they give the radius that would work, and the design beyond
+    it."""
     from gearmesh.answers.limits import limits_beyond
     from gearmesh.design import files
     from gearmesh.systems.designs import parse_as_stated
@@ -214,7 +215,8 @@ def test_first_of_two_faults_is_named_with_the_key_that_mends_it() -> None:
 
 @pytest.mark.sweep
 def test_what_was_put_in_anew_is_tried_first_and_the_search_ends(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of a design with 37 keys whose teeth take long: a bound of the one that was changed, within the effort allowed."""
+    """Design with 37 keys whose teeth take long to build. The refusal gives a bound of the changed key, found within the effort
+    allowed."""
     file, given = SAMPLES.parent / "tests" / "designs" / "maker_summary_13_42.toml", "pinion.convex.blade_angle=50"
     spent: list[float] = []
 

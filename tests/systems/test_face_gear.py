@@ -344,7 +344,8 @@ def test_units_do_not_matter() -> None:
 
 @pytest.mark.quick
 def test_face_gear_has_end_radii_and_tip_and_root_heights() -> None:
-    """Of shaft angle 90 deg tip and root are planes: the pitch radius of the shaper less the addendum, its top radius."""
+    """Tip and root are planes if the shaft angle is 90 deg. The tip is at the shaper's pitch radius less the addendum, the root
+    at the shaper's top radius."""
     own = design()
     tables = build(own).sheet().plain_tables["Members at mid face"]
     gear = {item: row[2] for item, row in tables.items()}

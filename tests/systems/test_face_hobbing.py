@@ -313,7 +313,8 @@ def test_crowned_gear_head_cuts_pinion_in_place_of_gear() -> None:
     ("values", "own"), [(MANY_TEETH, True), (LARGE_OFFSET, False)], ids=["many_teeth", "large_offset"]
 )
 def test_pinion_of_formed_gear_is_good(values: dict[str, Any], own: bool, name: str) -> None:
-    """By the gear's head, crowned; with a ratio of roll of its own where that head's blades would be too hollow."""
+    """Crown the pinion by the gear's head. If blades of that head would be too hollow, the pinion has a ratio of roll of its
+    own."""
     gears = gm.build(gm.parse({**values, "process": "face_hobbed_formate", "contact": {"side": f"pinion_{name}"}}))
     made = bevel_teeth(gears.design.in_mm())
     depth, sides = made.cut.blank.mean_working_depth, made.cut.pinion
@@ -525,7 +526,8 @@ def test_ease_off_of_hypoid_pairs_is_refused() -> None:
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("sample", ["cyclo_palloid", pytest.param("hypoid_face_hobbed", marks=pytest.mark.sweep)])
 def test_solids_of_samples_touch_and_do_not_overlap(sample: str, name: str) -> None:
-    """Where surface contact says that they touch: slivers of the facets' error; none with the gear turned away, more turned on."""
+    """Place solids where surface contact says that they touch: they overlap in slivers within the facets' error. They do not
+    overlap with the gear turned away, and overlap more with the gear turned on."""
     tolerance, design = 0.01, gm.load(f"samples/{sample}.toml")
     gears = gm.build(design.with_values({"contact.side": f"pinion_{name}"}))
     (pair,) = gears.pairs

@@ -91,8 +91,8 @@ def test_forces_are_those_of_the_exact_normals(name: str) -> None:
 
 @pytest.mark.parametrize(("fixed", "ring"), some([("sun", 74), ("ring", 72)], 1))
 def test_a_planetary_set_is_in_balance(fixed: str, ring: int) -> None:
-    """By the exact normals of both meshes of a planet: on its bearing the printed load, whose moment over all planets is the
-    carrier's torque. 74 teeth of the ring: other working pressure angles in both meshes."""
+    """Add the forces of both meshes of a planet, by the exact normals. The sum is the printed load of its bearing, and the
+    moment of all planets is the carrier's torque. A ring of 74 teeth has other working pressure angles in both meshes."""
     gears = gears_of(
         "planetary",
         helix_angle=12,

@@ -104,7 +104,7 @@ def drawn(start: Array, end: Array) -> Array:
 
 
 def finisher_contour(own: Toothing, diameter: float) -> Array:
-    """As `hob_contour`, of the finishing tool with a sharp tip that leaves an involute from a diameter on."""
+    """Points (N, 2) like `hob_contour`, of the finishing tool with a sharp tip that leaves an involute from `diameter` on."""
     half = 0.5 * own.thickness - own.shift * own.module * math.tan(own.alpha)
     length = own.roll_length(0.5 * diameter)
     x = (length - own.radius * math.sin(own.alpha_t)) * math.sin(own.alpha_t)

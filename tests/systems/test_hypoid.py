@@ -304,7 +304,7 @@ ERRORS = {"dA": 0.03, "dG": -0.02, "dV": 0.04, "d_delta": 0.02, "pinion_eccentri
 
 
 def test_small_errors_act_as_their_closed_forms_say() -> None:
-    """What is left is of second order: halving the errors quarters it."""
+    """The rest beyond first order is of second order: halving the errors quarters it."""
     left = []
     for share in (0.5, 0.25):
         errors = {key: value * (1.0 if key.endswith("phase") else share) for key, value in ERRORS.items()}
@@ -391,7 +391,8 @@ def test_what_cannot_be_is_refused(keys: dict[str, Any], message: str) -> None:
 
 
 def test_the_contact_of_a_side_is_looked_for_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What sliding bases are found by is what the gears are built of, the gear's own base too, which is found with them."""
+    """One search for each side's contact serves both the sliding bases and the gears. The gear's own base is found with the
+    sliding bases."""
     sides = []
 
     def looked_for(design: Any, blank: Any, name: str) -> Any:

@@ -40,7 +40,8 @@ TOPREM = (0.9, 11.0)
 
 
 def cutter_to_blank(sheet: dict[str, Any], q: Array) -> Array:
-    """Of a right-hand machine, (..., 4, 4), at cradle rotations q (...,), rad: the blank has its own z axis along its axis."""
+    """Transformation (..., 4, 4) from cutter to blank of a right-hand machine, at cradle rotations q (...,), rad. The blank's
+    own z axis lies along its axis."""
     i, j, cradle, gamma = (np.radians(sheet[key]) for key in ("i", "j", "q", "gamma_m"))
     zero = 0.0 * q
     cutter = turn(2, cradle + q) @ shift(sheet["S"] + zero, zero, zero) @ turn(2, 0.5 * np.pi + j) @ turn(1, i)

@@ -88,7 +88,8 @@ def test_teeth_measure_what_the_limits_say(made: str) -> None:
 
 
 def test_a_ring_between_pins_is_thickest_at_their_lower_limit() -> None:
-    """Of spur teeth, and of a gear without a mating gear as of a set; own balls and spans without limits leave the thickness."""
+    """Internal spur teeth of the upper limit measure the lower limit between pins, in a gear without a mating gear and in a
+    set. A planet's span without limits leaves its thickness."""
     pins = {"diameter": 3.75, "upper": 114.1, "lower": 114.0}
     ring = {"teeth": -60, "face_width": 20, "pins": pins, "thickness_made": "upper"}
     gears = gm.build(gm.parse({"kind": "cylindrical", "module": 2, "gear": ring}))

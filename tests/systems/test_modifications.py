@@ -222,7 +222,8 @@ EVERYTHING = {
 
 @pytest.mark.parametrize("base", [PLAIN, {"kind": "cylindrical", "module": 2, "pinion": {}, "gear": {}}])
 def test_a_topography_written_is_the_flank_again(base: dict[str, Any], tmp_path: Path) -> None:
-    """Of everything at once, on one flank: the same points everywhere, and to the last digits at the knots."""
+    """Flank with every modification at once, written and read again: the same to 1e-12 mm at the knots, and to 1e-5 mm
+    everywhere."""
     helical = base is PLAIN
     fields = (
         EVERYTHING if helical else {"tip_relief": {"amount": "15um", "start_diameter": 89.0}, "helix_slope": -0.004}

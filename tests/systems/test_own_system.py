@@ -192,7 +192,7 @@ def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str,
 
 @pytest.mark.quick
 def test_installed_packages_bring_their_kinds(installed: Callable[[str, str], None]) -> None:
-    """By an entry point; the package is loaded when the kind is asked for."""
+    """Installed packages declare kinds by an entry point. A package is imported when its kind is asked for."""
     assert "kind" in refused("describe", "outside")
     assert "outside" not in gm.kinds()
     installed("outside = other_gears:SYSTEM", OUTSIDE)

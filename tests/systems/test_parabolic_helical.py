@@ -99,8 +99,8 @@ def test_worm_plunges_as_the_rack_does_on_modified_involute_gears() -> None:
 
 
 def test_worm_touches_novikov_gears_off_its_feed_position() -> None:
-    """Where the path leaves the pitch cylinder the worm touches at z while it stands at s, nearer to the middle: it
-    plunges by a_pl s^2 where the rack does by a_pl z^2. That explains by how much their transmission errors differ."""
+    """Off the pitch cylinder the worm touches at z while it stands at s, nearer to the middle. The worm plunges by a_pl s^2,
+    the rack by a_pl z^2. That explains the difference of their transmission errors."""
     pair = gears("novikov")
     worm, rack = over_a_pitch(pair), rack_plunged("novikov")
     np.testing.assert_allclose(-rack.te[[0, -1]] / ARCSEC, (6.64, 9.17), rtol=0, atol=0.02)
@@ -276,7 +276,8 @@ def test_teeth_share_the_pitch_by_the_rack_parameter() -> None:
 
 @pytest.mark.parametrize(("kind", "sign"), [("novikov", -1.0), ("modified_involute", 1.0)])
 def test_the_gear_s_parabola_takes_off_or_leaves_more(kind: str, sign: float) -> None:
-    """Of the involute flank by a_t d^2, d from the pitch plane along the rack's profile: concave or convex."""
+    """Distance of the gear's flank from the involute flank is a_t d^2, d from the pitch plane along the rack's profile.
+    Depending on the kind, the flank is concave or convex."""
     a_t, (straight, bent) = 0.004, (gears(kind, f"gear.parabola={a}").gear.tooth.right.flank for a in (1e-12, 0.004))
     for d in (-5.0, 3.0):
         p = np.array(5.08 / np.cos(np.radians(25.0)) + d)

@@ -121,7 +121,7 @@ def test_room_is_that_of_blades_moved_by_the_machine(pair: str, member: str, cut
 
 
 def test_secondary_cut_is_reported() -> None:
-    """As a warning of the pair, and of a member alone, and as a row of the sheet."""
+    """Two warnings of the pair and a row of the sheet report the secondary cut."""
     gears = gm.build(gm.parse(TAPERED))
     assert sum("secondary cut" in line for line in gears.warnings) == 2
     (head,) = [table for table in gears.sheet().tables if table.title.startswith("Face hobbing head")]

@@ -149,7 +149,7 @@ def test_other_displacements_bring_the_contact_there_as_well() -> None:
 
 @pytest.mark.sweep
 def test_a_pair_that_is_at_its_middle_is_not_moved() -> None:
-    """What V-H check finds for the middle of a pair whose mean point lies there: nothing."""
+    """V-H check finds no displacement for the middle of a pair whose mean point lies there."""
     centred = {f"{key}": 0.0 for side in ("concave", "convex") for key in
                (f"pinion.{side}.mean_offset", f"pinion.{side}.mean_shift")}  # fmt: skip
     design = parse({"kind": "spiral_bevel", "module": 4, "pinion": {"teeth": 15}, "gear": {"teeth": 38}})

@@ -20,7 +20,8 @@ SAMPLE = SAMPLES / "worm_drive.toml"
     ("threads", "teeth", "quotient"), [(1, 30, 8), (1, 40, 16), (2, 40, 10), (3, 80, 10), (4, 60, 12)]
 )
 def test_plain_concave_drives_are_not_undercut(threads: int, teeth: int, quotient: float) -> None:
-    """By their default profile shift and face width; at the face width of the other forms the flank is gone at the toe."""
+    """Concave drives have their own default profile shift and face width. With the face width of the other forms the flank is
+    gone at the toe."""
     made = {
         "kind": "worm_drive",
         "module": 4.0,

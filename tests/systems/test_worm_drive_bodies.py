@@ -76,8 +76,9 @@ def test_solids_of_samples_touch_where_they_should_on_both_sides(sample: str, to
 
 @pytest.mark.parametrize("changes", [["hob.reference_diameter=66"], ["shaft_angle=75"]], ids=str)
 def test_roots_of_wheels_end_where_fillets_begin(changes: list[str]) -> None:
-    """Where the hob's axis is turned out of the plane across the wheel's, its tip cylinder leaves points beside the plane of the
-    common perpendicular: by those in that plane root and fillet are 4 um apart at the end of the face, and 1 mm at 75 deg."""
+    """Hob whose axis is turned out of the plane across the wheel's axis: its tip cylinder leaves points beside the plane of the
+    common perpendicular. Computed from points in that plane, root and fillet are 4 um apart at the end of the face, and 1 mm at
+    75 deg."""
     gears = built_sample("worm_drive", *changes)
     tooth, hob = gears.members["wheel"].tooth, wheel_hob(gears.design)
     sections = tooth.sections(np.linspace(0.0, 1.0, 9))

@@ -195,7 +195,8 @@ def test_jets_of_threads_and_wheels(form: str) -> None:
     ids=str,
 )
 def test_the_hob_touches_every_point_of_the_wheel_and_cuts_into_none(changes: list[str]) -> None:
-    """By brute force: where the hob is in every position of the roll, from the axial section of its thread alone."""
+    """Brute force: distance of the wheel's points from the hob in every position of the roll, by the axial section of its
+    thread alone."""
     design = drive(*changes)
     wheel = build(design).pairs[0].gear.tooth
     shares = np.linspace(0.05, 0.95, 6)

@@ -170,7 +170,8 @@ def test_backlash_is_the_same_by_either_member(form: str) -> None:
 
 
 def test_a_hob_that_stands_deeper_leaves_more_backlash() -> None:
-    """By e at 20 deg, 2 e sin(alpha_n) along the normal: of a larger hob, with which contact stays near the pitch point."""
+    """Normal backlash grows by 2 e sin(alpha_n) for a hob that stands deeper by e, at 20 deg. The hob is larger than the worm,
+    so that contact stays near the pitch point."""
     larger = ("backlash=0.1", "hob.reference_diameter=75")
     near = sheet_of(gears_of(*larger, "hob.center_distance=132.45"))
     assert near["a_0"] == 132.45
@@ -304,7 +305,8 @@ def test_larger_zi_hob_leaves_a_uniform_wheel_without_jamming(keys: dict[str, An
 
 
 def test_a_stated_swivel_keeps_a_hob_of_the_worms_normal_module() -> None:
-    """As files have it that older versions have pinned."""
+    """Files pinned by older versions state a swivel angle and no pitch height. With the height stated, too, the hob is the
+    default hob again."""
     design = parse(larger_hob(3, 0.5, hob={"swivel_angle": -1.2}))
     assert isinstance(design, WormDriveDesign)
     made = hob_thread(design)

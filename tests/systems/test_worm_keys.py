@@ -138,7 +138,7 @@ def test_every_key_has_an_effect_or_is_refused(form: str) -> None:
 
 @pytest.mark.parametrize(("key", "forms"), [(key, forms) for key, (_, forms) in LACKING.items() if key != "wheel.form"])
 def test_keys_of_another_form_are_refused_unless_they_are_its_defaults(key: str, forms: tuple[str, ...]) -> None:
-    """As designs have them in which all is stated."""
+    """Designs that state every key carry keys of other forms, at their defaults. These are accepted; other values are refused."""
     default = {"worm.section": "space", "worm.disk_diameter": 320.0, "worm.profile_radius": 24.0}[key]
     for form in forms:
         keys = with_keys(BASE, {"worm.form": form, key: default}.items())
@@ -172,7 +172,7 @@ def test_centre_distance_without_possible_shift_is_refused_by_its_name() -> None
 
 
 def test_bounds_of_the_centre_distance_are_allowed() -> None:
-    """As the refusal prints them, of a module of which they have no end."""
+    """Bounds as the refusal prints them are accepted, even for a module whose bounds have endless decimals."""
     odd = with_keys(BASE, [("module", 1.723), ("worm.quotient", 14.007)])
     with pytest.raises(gm.DesignError, match="allowed is from") as refused:
         parse_as_stated(with_keys(odd, [("center_distance", 1.0)]))
@@ -183,7 +183,8 @@ def test_bounds_of_the_centre_distance_are_allowed() -> None:
 
 @pytest.mark.sweep
 def test_a_backlash_that_leaves_no_thread_is_refused() -> None:
-    """Of several pitches, too, where flanks of other threads would stand in their places; and what is named is built."""
+    """Backlash of several pitches is refused, too, where flanks of other threads would stand in place of the thread's own. The
+    bound that the refusal names is built."""
     with pytest.raises(gm.DesignError, match=r"^backlash = 300 mm: .*leaves no") as refused:
         gears_of({"backlash": 300.0})
     bound = float(str(refused.value).partition("allowed is at most ")[2].removeprefix("about ").split()[0])

@@ -159,8 +159,8 @@ def test_wires_are_the_balls_of_a_helical_gear() -> None:
 
 
 def test_a_wire_lies_in_the_space_of_a_za_worm() -> None:
-    """By brute force: the ball of its centre is as near to the flank as its radius, and a wire that is free to turn, and lies as
-    low as it can, has the same height, at about the lead angle."""
+    """Brute force: the ball at the wire's centre is as near to the flank as its radius. A wire that is free to turn and lies as
+    low as it can has the same height, at about the lead angle."""
     made = gears_of(worm={"form": "ZA", "threads": 4})
     sheet, thread = sheet_of(made), worm_thread(own_of(made))
     half = 0.5 * sheet["D_M"]
@@ -176,7 +176,7 @@ def test_a_wire_lies_in_the_space_of_a_za_worm() -> None:
     r = flank.jet(p, v).r - [0.0, 0.0, centre[2]]
 
     def height(tilt: float) -> float:
-        """Of the axis of the wire over that of the worm: it clears all points of the flank."""
+        """Height, mm, of the wire's axis over the worm's axis at which the wire just clears all points of the flank."""
         beside = -np.sin(tilt) * r[..., 1] + np.cos(tilt) * r[..., 2]
         return float((r[..., 0] + np.sqrt(np.maximum(half**2 - beside**2, 0.0)))[np.abs(beside) < half].max())
 

@@ -59,7 +59,8 @@ def test_teeth_are_sound_at_every_station(name: str) -> None:
 
 
 def test_open_face_width_is_no_reason_for_a_refusal() -> None:
-    """What is left of DIN 3975's is sound, an eighth of it more is not; where that is, it stays."""
+    """The default face width is a number of eighths of the width of DIN 3975. The teeth are sound; one eighth more is refused.
+    If the whole width is sound, it stays."""
     steep = gm.load(CORPUS / "face_worm_drive_10.toml")
     gears = gm.build(steep)
     width = face_width(gears)
@@ -96,7 +97,7 @@ TALL: dict[str, dict[str, Any]] = {
 
 @pytest.mark.parametrize("why", ["pointed", pytest.param("does not reach the tip", marks=pytest.mark.sweep)])
 def test_an_addendum_that_is_left_open_is_no_reason_for_a_refusal(why: str) -> None:
-    """What is left of 1 is sound, and 1, as stated, is refused; the throat is that of the addendum."""
+    """The default addendum, below 1, is sound; an addendum of 1, as stated, is refused. The throat follows the default addendum."""
     keys = {"kind": "worm_drive", **TALL[why]}
     gears = gm.build(gm.parse(keys))
     own = gears.design
@@ -236,7 +237,8 @@ def test_no_long_search_for_a_face_width(file: Path, changes: list[str], most: f
 
 @pytest.mark.filterwarnings("error")
 def test_a_place_far_off_on_the_hob_is_no_warning() -> None:
-    """Where a step of Newton's method has gone astray: the polar angle rests, its rate is 0 as 1 / v^2 falls to it."""
+    """Points far off on the hob, where a step of Newton's method has gone astray, are finite. The polar angle rests there: its
+    rate falls to 0 as 1 / v^2."""
     design = gm.load(SAMPLES / "worm_drive.toml")
     assert isinstance(design, WormDriveDesign)
     hob = wheel_hob(complete_design(design).in_mm(), 1)
@@ -289,8 +291,8 @@ def test_an_undercut_flank_is_of_one_sheet(name: str) -> None:
 @pytest.mark.sweep
 @pytest.mark.parametrize("name", sorted(UNDERCUT))
 def test_share_of_the_flank_that_undercut_removes(name: str) -> None:
-    """By brute force: the hob's flank on a grid, carried to where it generates; what any part of its thread, by the axial section
-    with the rounding of its tip, cuts away in any other position of the roll is lost."""
+    """Brute force: the hob's flank on a grid, carried to where it generates. A point is lost if any part of the thread cuts it
+    away in another position of the roll. The thread is its axial section with the rounding of its tip."""
     gears = gm.build(gm.parse({"kind": "worm_drive", **UNDERCUT[name]}))
     assert isinstance(gears.design, WormDriveDesign)
     tooth, t, share = gears.members["wheel"].tooth, np.linspace(0.0, 1.0, 81), np.linspace(0.0, 1.0, 61)[:, None]
@@ -325,7 +327,7 @@ def test_share_of_the_flank_that_undercut_removes(name: str) -> None:
 
 @pytest.mark.sweep
 def test_what_undercut_loses_is_in_sheet_and_tables_as_in_json() -> None:
-    """Of either side, and nothing of a wheel that is not undercut."""
+    """Shares lost on either side; a wheel that is not undercut loses nothing."""
     gears = gm.build(gm.parse({"kind": "worm_drive", **UNDERCUT[min(UNDERCUT)]}))
     sides = gears.limits().members["wheel"].sides
     shares = [(s.lost_share, s.undercut_face_share, s.greatest_lost_share, s.greatest_lost_at) for s in sides.values()]

@@ -32,7 +32,7 @@ FINE = np.linspace(0.1, 0.9, 41)
 
 
 def smooth(tooth: Tooth, which: Side, s: Array, t: Array) -> Array:
-    """Of up to 50 um (S, T), mm: a function of the place on the flank, from -1 to 1 along and across the middle half of it."""
+    """Deviations (S, T), mm, over a range of some 50 um: a function of two coordinates, from -1 to 1 along and across the flank."""
     middle, heel, tip = (
         np.array([level.value(tooth.flank_grid(which, [at[0]], [at[1]]).points[0, 0]) for level in flank_levels(tooth)])
         for at in ((0.5, 0.5), (0.5, 1.0), (1.0, 0.5))
@@ -99,7 +99,7 @@ def test_a_bevel_flank_follows_45_deviations(bevel: Pair) -> None:
 
 
 def test_normals_and_curvatures_of_a_bevel_flank(bevel: Pair) -> None:
-    """By differences of points and of normals, which miss by their own error, of the second order in the step."""
+    """Compare with differences of points and of normals, whose own error is of the second order in the step."""
     tooth = bevel.real.member("pinion").tooth
     surface, grid = tooth.right.flank, tooth.flank_grid("right", np.linspace(0.15, 0.8, 4), np.linspace(0.15, 0.8, 6))
     assert grid.jet is not None

@@ -137,7 +137,7 @@ def test_a_loop_narrower_than_rounding_is_no_removed_flank() -> None:
 
 @pytest.mark.sweep
 def test_fillet_cuts_a_flank_that_folds_before_its_form_point() -> None:
-    """Where undercut deepens towards one end the flank turns twice, and the form point itself is on a branch that is right
+    """Flank that turns back twice where undercut deepens towards one end. The form point itself is on a branch that is right
     side out."""
     tooth = gm.build(gm.load(CORPUS / "fold_modified_involute_edge_2085.toml")).members["pinion"].tooth
     t = np.linspace(0.0, 1.0, 33)
@@ -155,7 +155,7 @@ def test_fillet_cuts_a_flank_that_folds_before_its_form_point() -> None:
 
 @pytest.mark.sweep
 def test_fold_that_ends_in_the_flank_names_a_given_key() -> None:
-    """By what the refusal says would mend it: the design's own angle, or the depth where that was put in anew."""
+    """The refusal names a key that would mend the tooth: the design's own angle, or the depth if an override set it."""
     file = CORPUS / "fold_spiral_bevel_edge_2080.toml"
     folded = [f"{key}={value}" for key, value in standard_factors(12, 15).items()]
     design = files.override(files.read(file), folded)

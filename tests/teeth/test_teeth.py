@@ -227,7 +227,7 @@ def test_every_solid_is_proved(sample: str) -> None:
 
 
 def test_proof_is_that_of_trimesh() -> None:
-    """Of a sound solid, and of such that are broken: a hole, a triangle turned over, one twice, no volume, inside out."""
+    """Compare a sound solid and broken ones: a hole, a triangle turned over, a triangle twice, no volume, inside out."""
     sound = gear_solid(pinion("spur"), 0.05)
     triangles = sound.triangles
     broken = {

@@ -171,7 +171,8 @@ def test_unknown_tool_is_refused() -> None:
     "changes", [[], ["hob.reference_diameter=75", "shaft_angle=82", "worm.right_hand=false", "worm.threads=1"]], ids=str
 )
 def test_hob_of_a_worm_wheel_touches_its_flank_without_cutting(changes: list[str]) -> None:
-    """By the section of its thread alone, which is drawn: seven teeth of the wheel, in the screw motion's section."""
+    """Compare with the drawn section of the hob's thread alone. Points of seven teeth of the wheel are carried into it by the
+    screw motion."""
     gears = gm.build(gm.load(SAMPLES / "worm_drive.toml", changes))
     tooth, side = gears.members["wheel"].tooth, gears.pairs[0].flanks[1]
     tool = tool_in_place(tooth, side)

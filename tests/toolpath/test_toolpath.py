@@ -112,8 +112,8 @@ def test_the_proof_reports_a_gouge_and_a_ridge() -> None:
 
 @pytest.mark.quick
 def test_the_largest_ball() -> None:
-    """Of a rack it is its tip rounding, to the rounding of 100 mm over the height of an arc of 1 um; of a hypoid pinion's flank
-    the one that touches at its form point and at the root beside it."""
+    """Largest ball of a rack is its tip rounding. The tolerance is the rounding error of 100 mm over the height of an arc of 1
+    um. Largest ball of a hypoid pinion's flank touches at its form point and at the root beside it."""
     rack = CutSpace(gm.gear(20, module=4, rack=True).members["rack"])
     assert largest_ball(rack, choose_walls(rack, "both", "all"), PathOrder(0.02)).radius == pytest.approx(
         0.38 * 4.0, abs=1e-7

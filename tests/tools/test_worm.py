@@ -186,7 +186,7 @@ def test_parabola_against_its_equation() -> None:
 @pytest.mark.parametrize("hand", [1, -1])
 @pytest.mark.parametrize("threads", [1, 3])
 def test_thread_is_a_helicoid(hand: int, threads: int) -> None:
-    """Of lead threads pi m_n / cos(lambda), right-hand for hand +1: a screw motion takes it into itself."""
+    """Thread of lead threads pi m_n / cos(lambda), right-hand for hand +1: a screw motion takes it into itself."""
     tool = worm(0.35, hand, threads)
     thread = tool.thread(rack(0.35))
     u, v = np.meshgrid(np.linspace(1.5, 7.5, 30), np.linspace(-20.0, 20.0, 400), indexing="ij")
@@ -217,7 +217,7 @@ def test_worm_without_crowning_grinds_what_the_rack_generates(helix: float, side
 
 
 def test_plunge_and_modified_roll_crown_the_tooth() -> None:
-    """By a_pl s^2 n_x, or a_mr s^2 times the arm of the normal about the axis, to first order in the amount."""
+    """Crowning is a_pl s^2 n_x, or a_mr s^2 times the arm of the normal about the axis, to first order in the amount."""
     tool, cutter = worm(0.35), rack(0.35)
     gear, u, v = generated(cutter)
     # the rack's normal is the same everywhere; x points from the gear to the worm

@@ -591,7 +591,7 @@ def power_split() -> dict[str, Any]:
 
 @pytest.mark.quick
 def test_torques_of_a_split_of_power_are_in_equilibrium() -> None:
-    """By own equations: a loop that a differential closes is determined, its torques follow without stiffness."""
+    """Solve the equilibrium by own equations. A differential closes the loop, so the torques follow without stiffness."""
     train = gm.load_train(power_split())
     found = {shaft.shaft: shaft for shaft in train.shafts}
     i = found["side"].speed

@@ -17,7 +17,8 @@ RACK = Path(__file__).parents[2] / "samples" / "rack.toml"
 
 
 def test_curves_of_pairs_and_gears_coincide_where_a_pair_leads(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of reliefs, whose curve bends sharply; and no word is cut off by the edge of the figure or stands on a curve."""
+    """Curves of gears with reliefs, which bend sharply. The edge of the figure cuts no word off, and the legend is outside the
+    diagram."""
     kept = []
     monkeypatch.setattr(plots, "save_figure", lambda figure, file: kept.append(figure))
     contact = gm.build(gm.load(RACK.with_name("spur_relieved.toml"))).contact()

@@ -178,7 +178,7 @@ def test_field_with_one_node_off_is_uniform_within_what_it_says() -> None:
 
 @pytest.mark.quick
 def test_fields_are_cut_at_two_edges_in_a_corner() -> None:
-    """Where the table ends before the corner, it goes on by lines; where no edge is near, what is not known stays so."""
+    """A table that ends before the corner goes on by straight lines. Far from all edges, what is not known stays unknown."""
     x, y = np.meshgrid(np.arange(7.0), np.arange(6.0))
     value, beyond = 3.0 + 2.0 * x - y, np.maximum(0.6 - 0.4 * x, 1.3 - y)
     table = (x + y > 2.0) & ((x < 5.0) | (y < 3.0))

@@ -86,7 +86,7 @@ def test_footprints_lie_on_the_flanks(loaded: LoadedContact) -> None:
 
 @pytest.mark.quick
 def test_halves_are_told_apart(loaded: LoadedContact) -> None:
-    """Of tooth pairs of two halves those of each, in order; one stands for both in figures where they carry alike."""
+    """Tooth pairs of double helical gears are divided by half, in order; together the halves have all pairs and shares."""
     load = loaded.mesh.loads[0]
     halves = loaded_diagrams.footprints(loaded.pair, loaded.mesh, 0)
     assert len(halves) == 1

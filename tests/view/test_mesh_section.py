@@ -51,7 +51,7 @@ def test_contact_of_spur_gears_moves_along_the_line_of_action() -> None:
 
 
 def test_section_has_pitch_circles_line_of_action_and_tooth_numbers() -> None:
-    """Of spur gears z 20, 40, module 3 mm, 20 deg."""
+    """Spur gears z 20, 40, module 3 mm, 20 deg."""
     gears = gm.build(gm.load(SAMPLES / "spur.toml"))
     pair = gears.pairs[0]
     rolling = rolling_contact(pair, gears.contact(cycle=False).path, np.arange(3) / 3)

@@ -28,7 +28,7 @@ def test_a_worm_is_in_front_whatever_rounding_says(aside: tuple[float, float]) -
 
 
 def test_a_rack_is_level_and_a_ring_fills_its_picture() -> None:
-    """Of a rack both ends of an edge are at one height; 35 % above face gears was blank."""
+    """Both ends of an edge of the rack are at one height. Face gears fill the picture; 35 % above them was blank."""
     scene = built_sample("rack").picture("pair", size=(800, 600))._scene
     rack = scene.bodies[1]
     low, high = (rack.own_to_scene.point(rack.mesh.vertices[end]) for end in _ends(rack.mesh.vertices))

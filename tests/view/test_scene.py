@@ -166,7 +166,7 @@ def test_ellipses_lie_on_the_surface_and_end_at_its_edges():
 
 @pytest.mark.quick
 def test_ends_of_ellipses_take_few_projections():
-    """By distances from the edge: 560 points for 95 ends, 2,000 by trial."""
+    """Distances from the edge give 95 ends with 560 points; trial needs 2,000."""
     asked = []
 
     class Counting(OntoFlank):
@@ -397,7 +397,7 @@ def test_names_of_lines_one_behind_the_other_stay_apart():
 
 @pytest.mark.quick
 def test_letters_are_where_they_were_measured_to_be():
-    """What is written is inside of its box but for its rim, and takes nearly all of the box's width."""
+    """Letters are inside their measured box, except for their rim, and take nearly all of the box."""
     sheet = LetteredImage(SIZE, np.full((SIZE[1], SIZE[0], 3), 128, dtype=np.uint8))
     sheet.text((200.3, 90.7), "flank lines\nlp", 20.0, across=0.25, down=0.0, colour="#000000")
     box = sheet.box((200.3, 90.7), "flank lines\nlp", 20.0, across=0.25, down=0.0)

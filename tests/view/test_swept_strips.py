@@ -10,7 +10,7 @@ from gearmesh.view.diagrams.flank_plane import strips
 
 
 def area(swept: list[Array]) -> float:
-    """Of quadrilaterals, whichever way round they go."""
+    """Area, mm^2, of quadrilaterals, whichever way round their corners go."""
     across, along = (np.concatenate([quads[:, k] - quads[:, j] for quads in swept]) for k, j in ((2, 0), (3, 1)))
     return float(0.5 * np.abs(across[:, 0] * along[:, 1] - across[:, 1] * along[:, 0]).sum())
 
