@@ -148,12 +148,12 @@ def test_killed_it_goes_on_where_it_was(whole: Path, tmp_path: Path) -> None:
 
 
 def test_rows_are_the_same_in_chunks_of_any_size(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A thousand rows go in chunks of more than fifty, a hundred thousand in chunks of four hundred."""
+    """Rows of small studies go in chunks of fifty, of large ones in chunks of 120 to 400."""
     gears = gm.build(gm.load(CROSSED))
     tolerance = {"assembly.dx": "normal:0:20um", "assembly.gamma_h": "uniform:-0.05:0.05"}
     together = gears.study(sample=30, seed=3, tolerance=tolerance, record="path", workers=1)
     work = together._work
-    assert [work.chunk_rows(rows) for rows in (30, 1_600, 100_000)] == [50, 100, 400]
+    assert [work.chunk_rows(rows) for rows in (30, 240, 1_600, 3_200, 100_000)] == [50, 60, 120, 200, 400]
     monkeypatch.setattr(work_module, "MIN_BATCHED_ROWS", 7)
     apart = gears.study(sample=30, seed=3, tolerance=tolerance, record="path", workers=1)
     for name, values in together.columns.items():

@@ -67,8 +67,10 @@ LOAD_GROUP = "load"
 MIN_BATCHED_ROWS = 50
 #: most rows of such a chunk: larger chunks take less time per row, more chunks keep workers busy
 MAX_BATCHED_ROWS = 400
-#: fewest chunks of a study with larger chunks
-MIN_BATCHED_CHUNKS = 16
+#: rows of a chunk from which fields of advances are polynomials in four errors of assembly: a fifth less time for each row
+POSED_ROWS = 120
+#: fewest chunks of a study with chunks of more than POSED_ROWS, and with chunks of up to as many
+MIN_BATCHED_CHUNKS, MIN_POSED_CHUNKS = 16, 4
 #: rows of any other chunk
 SINGLE_CHUNK_ROWS = 4
 #: pitches that are added to the engagement at both ends, because errors shift it
@@ -130,7 +132,8 @@ class StudyWork:
         """Return the number of rows that are computed together in a study of so many `rows`."""
         if self.groups != ("path",) or not self._moving:
             return SINGLE_CHUNK_ROWS
-        return min(max(rows // MIN_BATCHED_CHUNKS, MIN_BATCHED_ROWS), MAX_BATCHED_ROWS)
+        few = max(min(rows // MIN_POSED_CHUNKS, POSED_ROWS), MIN_BATCHED_ROWS)
+        return min(max(rows // MIN_BATCHED_CHUNKS, few), MAX_BATCHED_ROWS)
 
     @property
     def level_entry(self) -> dict[str, str]:
