@@ -25,7 +25,7 @@ import tables
 from processes import Measured, measured
 
 ROOT = Path(__file__).parent.parent
-#: figures of two versions are the same within this part of the larger of them and 1
+#: figures of two versions are equal if they differ by less than this, relative, or absolute for figures below 1
 FIGURE_TOLERANCE = 1e-12
 #: keys whose values are times, versions, rounding or names of files, which may differ
 NOT_FIGURES = frozenset({"seconds", "timing", "gearmesh", "files", "max_residual_mm"})
@@ -179,7 +179,8 @@ def _is_number(text: str) -> bool:
 
 
 def _samples(folder: Path) -> Path:
-    """A folder that has the samples and no package of the checkout, which Python would take instead of the installed one."""
+    """Return a folder with the samples but without the checkout's package, which Python would import instead of the installed
+    one."""
     link = folder / "samples"
     if not link.exists():
         link.symlink_to(ROOT / "samples")

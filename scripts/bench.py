@@ -156,11 +156,12 @@ def _contact_row(
 
 
 def _one_by_one(single: list[Conditions], start: np.ndarray, exact: bool) -> tuple[np.ndarray, int]:
-    """Each position from its neighbour's solution by scipy's hybrid method: unknowns (P, 5) and how many it solved.
+    """Solve each position by scipy's hybrid method, from the solution of its neighbour: unknowns (P, 5), and the number of
+    solved positions.
 
-    Nothing is computed that scipy does not use: without Jacobian the residuals alone, with it both from one evaluation.
-    The tolerances are the loosest powers of ten that bring the residual below 1e-11 mm (tenfold looser differences
-    end at 4e-11; the exact Jacobian ends at 2e-12 from 1e-8 on).
+    Only values that scipy uses are computed: without Jacobian the residuals alone, with it both from one evaluation. The
+    tolerances are the loosest powers of ten that bring the residual below 1e-11 mm (tenfold looser differences end at 4e-11;
+    the exact Jacobian ends at 2e-12 from 1e-8 on).
     """
     index, x, found, solved = np.array([0]), start, [], 0
 
@@ -223,7 +224,7 @@ def _path(gears: gm.Gears, phi1: np.ndarray) -> Any:
     return contact_path(solver_pair(gears.pairs[0]), phi1, edges=False)
 
 
-#: contact of a design in assemblies whose axes are off by so many mm
+#: contact of a design in many assemblies, with axes that are off by some mm
 ASSEMBLIES = """
         pair = solver_pair(gm.build(gm.load({})).pairs[0])
         rng = np.random.default_rng(0)
@@ -235,7 +236,7 @@ ASSEMBLIES = """
         phi1 = np.linspace(-0.5, 0.5, 21) * pair.pitch
         def work(): many_assemblies(pair, tuple(bases), phi1)
     """
-#: what is timed in a process of its own, for its memory: name, and the program
+#: programs by name, each timed in its own process, because peak memory is measured too
 MANY = {
     "beveloid_crossed, 100,000 positions": """
         pair = solver_pair(gm.build(gm.load("samples/beveloid_crossed.toml")).pairs[0])
@@ -292,7 +293,8 @@ class Need:
 
     @property
     def estimate(self) -> float:
-        """The same with 2.6 throughout, as if saddles were as dear as bowls: no bound there, a common yardstick."""
+        """Estimate like `fewest`, but with 2.6 for saddles, too, as if they cost as much as bowls: no bound, but a common
+        yardstick."""
         return (self.elliptic + self.saddle) / 2.6
 
 
@@ -403,10 +405,10 @@ def _member(sample: str, name: str) -> Member:
 
 
 def borders(tooth: Tooth, error: float, most: float) -> dict[Region, float]:
-    """Fewest triangles of each link whose border, drawn as parabolas, keeps the error, mm: its edges less two.
+    """Fewest triangles of each link whose border, drawn as parabolas, keeps the error, mm: the edges of its border less two.
 
-    At toe and heel edges keep to the section curve, on the seams, where the surfaces on both sides go on, to both of these: an edge
-    is one chord, whose heights over either are no more than the error of that one, `most` (mm) of links other than the own.
+    At toe and heel, edges keep to the section curve. On seams they keep to the surfaces on both sides: an edge is one chord,
+    and its height over neither surface exceeds that link's error. `most` (mm) is the error of links other than the own.
     """
     x, bends, chords = np.linspace(0.0, 1.0, 65), dict[Region, Any](), dict[Region, float]()
     for region in tooth.regions:

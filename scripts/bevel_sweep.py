@@ -1,19 +1,24 @@
-"""Bevel pairs from basic data alone: is what the program makes of them a good pair, on both sides?
+"""Bevel pairs from basic data alone: does the program make good pairs of them, on both sides?
 
 python scripts/bevel_sweep.py [--count 200] [--hypoids 50] [--hobbed 50]
     [--hobbed-hypoids 25] [--formates 25] [--hypoid-formates 25] [--all-hobbed 0] [--seed 0] [--jobs 2] [--no-solids]
     [--results FILE] [--write]
 
-Seeded pairs of 8 to 60 teeth, ratio 1 to 6, spiral angle 0 to 45 deg, pressure angle 16 to 25 deg, shaft angle 45 to 135 deg,
-face width 0.2 to 0.35 outer cone distances, module 0.8 to 12, both hands; and seeded hypoid pairs of 8 to 16 teeth, ratio 2.5 to
-5.5, offset 0.05 to 0.25 of the gear's mean diameter, spiral angle 35 to 50 deg; and seeded face-hobbed pairs of 6 to 40 teeth,
-ratio 1 to 6, spiral angle 20 to 42 deg, heads of 5 to 17 blade groups; and the hypoid pairs face-hobbed; and both with gears that
-are not generated; and, with --all-hobbed, face-hobbed pairs of 6 to 40 teeth, ratio 1 to 6, offset to 0.3 of the gear's pitch
-radius, heads of 5 to 17 blade groups, by both processes. Of each side: does surface contact last longer than a pitch and pass
-from pair to pair without a break, is the transmission error within 15 % of the lag asked for, is
-the path in the middle of the flank, are roots and tips clear, is nothing undercut. Both solids at 20 um are
-proved. Prints a line for what fails and a table; with --write it is kept in scripts/measured. --results keeps each pair in a
-file of JSON lines: a sweep that was stopped goes on from there. Exit 1 if a solid is no solid.
+Seeded pairs:
+- bevel: 8 to 60 teeth, ratio 1 to 6, spiral angle 0 to 45 deg, pressure angle 16 to 25 deg, shaft angle 45 to 135 deg, face width
+  0.2 to 0.35 outer cone distances, module 0.8 to 12, both hands
+- hypoid: 8 to 16 teeth, ratio 2.5 to 5.5, offset 0.05 to 0.25 of the gear's mean diameter, spiral angle 35 to 50 deg
+- face-hobbed: 6 to 40 teeth, ratio 1 to 6, spiral angle 20 to 42 deg, heads of 5 to 17 blade groups
+- face-hobbed hypoid pairs, and face-hobbed pairs of both kinds with gears that are not generated
+- with --all-hobbed: face-hobbed pairs of both kinds and processes, 6 to 40 teeth, ratio 1 to 6, offset up to 0.3 of the gear's
+  pitch radius, heads of 5 to 17 blade groups
+
+Checks of each side: surface contact lasts longer than a pitch and passes from pair to pair without a break; the transmission error
+is within 15 % of the requested lag; the path is in the middle of the flank; roots and tips are clear; nothing is undercut. Both
+solids at 20 um are proved.
+
+Prints a line for each failure, and a table; --write keeps the table in scripts/measured. --results keeps each pair in a file of
+JSON lines, from which a stopped sweep continues. Exit 1 if a solid is no solid.
 """
 
 from __future__ import annotations
@@ -35,7 +40,7 @@ from gearmesh.mesh.solid import prove
 
 #: tolerance of the solids, mm
 TOLERANCE = 0.02
-#: part of the lag asked for by which the transmission error may miss it; of half the face, by which the path may be off its middle
+#: largest error of the lag, as a share of the requested lag; largest distance of the path from mid-face, in half face widths
 MISSED, OFF_MIDDLE = 0.15, 0.3
 #: teeth of the pinion from which on nearly all pairs should be good
 FEW = 12

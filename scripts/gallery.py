@@ -27,7 +27,7 @@ GREYS, COLOURS = 160, 64
 LINE_GREYS = 15
 #: saturation (0 to 255) from which a pixel is coloured, not grey
 COLOURED = 90
-#: one design of each gear system, shown as a pair in its folder's README.md, and how fine its meshes are for that: about 50 um
+#: one design of each gear system, shown as a pair in its folder's README.md, and the tolerance of its meshes, about 50 um
 PAIRS = {
     "internal": 0.02,
     "double_helical": 0.02,
@@ -45,14 +45,14 @@ PAIRS = {
     "cycloidal": 0.01,
     "spline": 0.01,
 }
-#: designs of which another member's tooth is shown than the first's
+#: members whose tooth is shown, for designs that do not show the first member's
 MEMBERS = {"worm_drive": "wheel", "worm_drive_dual_lead": "wheel", "worm_drive_zk_oversize": "wheel"}
 #: figures that are read, not only looked at
 LARGE = {"bevel_machine_frames": (800, 900), "te_under_torque": (880, 660)}
 #: designs whose flanks are shown in their planes, and how large
 PLANES = ("spiral_bevel_basic", "circular_arc", "face_gear")
 PLANE = (900, 600)
-#: designs whose flanks are shown under torques (Nm), and the one of them at which a tooth is
+#: torques (Nm) under which flanks of a design are shown, and the torque of the picture of its tooth
 LOADED = {"spiral_bevel_basic": ("20,60,150", "60")}
 #: designs of which the pattern is shown in marking compound
 MARKED = ("spiral_bevel_basic",)

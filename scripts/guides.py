@@ -46,7 +46,7 @@ FENCE = re.compile(r"^(?:<!-- needs: (\S+) -->\n+)?```(\w+)(?: +(\S+))?\n(.*?)^`
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
 ANY = "..."
 
-#: What the interpreter of a guide does: run each text that it is sent, and send back what that printed, and its error.
+#: Program of a guide's interpreter: run each text that it receives, and return the printed text and the error.
 SESSION = """
 import contextlib, io, json, os, sys, traceback
 answers = os.fdopen(os.dup(1), "w")
@@ -64,13 +64,13 @@ for line in sys.stdin:
 
 
 class GuideError(Exception):
-    """A block that failed, or did not print what stands after it."""
+    """A block that failed, or whose output differs from the text after it."""
 
 
 @dataclass(frozen=True)
 class Block:
-    """A fenced block: where its text begins in the guide, in which line it is, the program that it needs, its language and the
-    file that it is written to, each "" if there is none."""
+    """A fenced block: position of its text in the guide, its line, the program that it needs, its language, and the file that
+    it is written to; each text is "" if there is none."""
 
     start: int
     line: int
@@ -94,7 +94,7 @@ def blocks(guide: str) -> list[Block]:
 
 
 def pictures(path: Path) -> dict[str, Path]:
-    """The pictures that a guide shows: what its blocks call them, and where they are kept."""
+    """Return the pictures that a guide shows: kept files by the names that its blocks use."""
     prefix = f"{path.stem}_"
     shown = dict.fromkeys(re.findall(r"\]\(pictures/([^)\s]+)\)", path.read_text(encoding="utf-8")))
     if alien := [name for name in shown if not name.startswith(prefix)]:
@@ -189,7 +189,7 @@ def environment() -> dict[str, str]:
     return {**os.environ, "PYTHONPATH": str(ROOT), "COLUMNS": "80", "NO_COLOR": "1"}
 
 
-#: what is in work, a line each, in a pipe: the bar of a terminal, which goes when it is done
+#: lines of progress, which commands print into a pipe in place of a terminal's progress bar
 STAGE = re.compile(r"^gearmesh: (?!warning|error).*\n", re.MULTILINE)
 
 

@@ -1,12 +1,12 @@
-"""Runs tests under the kernels that other processors get: last digits differ, what is tested must hold.
+"""Run tests under the kernels that other processors get: last digits differ, and all tests must pass.
 
     python scripts/kernels.py                                  the quick tests, under all of them
     python scripts/kernels.py --only Prescott -- -n 0 tests/kernel      pytest's own arguments after --
-    python scripts/kernels.py --designs samples/*.toml     compares what `tca` says of designs with what it says here
+    python scripts/kernels.py --designs samples/*.toml     compares the answers of `tca` with those of this processor
 
-OpenBLAS chooses its kernels and numpy its vector loops by the processor: OPENBLAS_CORETYPE and
-NPY_DISABLE_CPU_FEATURES choose instead.
-Kernels that this processor cannot run are left out, and said. Exit 1 if tests fail under any, or figures differ.
+OpenBLAS chooses its kernels and numpy its vector loops by the processor; the script sets them by OPENBLAS_CORETYPE and
+NPY_DISABLE_CPU_FEATURES.
+Kernels that this processor cannot run are named and left out. Exit 1 if tests fail under a kernel, or figures differ.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).parents[1]
-#: OpenBLAS's kernels by the instructions that they take: SSE3, AVX2, AVX-512; and what it calls them, the oldest name they serve
+#: OpenBLAS's kernels for SSE3, AVX2 and AVX-512: the name to request, and the name that OpenBLAS then reports
 CORES = {"Prescott": "Katmai", "Haswell": "Haswell", "SkylakeX": "SkylakeX"}
 #: numpy's own loops with nothing beyond its baseline
 PLAIN = "plain-numpy"
-#: prints the kernels that are used, and the features that numpy could go without; ends at once on a processor that cannot run
-#: them, at which OpenBLAS does not look
+#: program that prints the kernels in use and the features that numpy can switch off; it crashes if the processor cannot run the
+#: kernels, because OpenBLAS does not check this
 ASK = """
 import numpy, scipy.linalg, threadpoolctl
 numpy.ones((64, 64)) @ numpy.ones((64, 64))
@@ -38,12 +38,13 @@ print(*sorted({each.get("architecture", "") for each in threadpoolctl.threadpool
 print(*(name for name in names if has[name]))
 """
 
-#: by how much figures of an answer may differ, of themselves or, below 1, of 1
+#: largest difference of figures of an answer, relative, or absolute for figures below 1
 EQUAL = 1e-6
 
 
 def answers(environment: dict[str, str]) -> tuple[set[str], str]:
-    """OpenBLAS's kernels in an environment, none where they do not run, and numpy's features beyond its baseline that are used."""
+    """Return OpenBLAS's kernels in an environment, and the features beyond its baseline that numpy uses; no kernels if they
+    cannot run."""
     found = subprocess.run([sys.executable, "-c", ASK], env=environment, capture_output=True, text=True)
     if found.returncode < 0:
         return set(), ""
@@ -53,7 +54,7 @@ def answers(environment: dict[str, str]) -> tuple[set[str], str]:
 
 
 def environment_of(name: str) -> dict[str, str] | None:
-    """That of a kernel, None where it is not to be had."""
+    """Return the environment of a kernel, None if the kernel is not available."""
     own = dict(os.environ)
     for key in ("OPENBLAS_CORETYPE", "NPY_DISABLE_CPU_FEATURES"):
         own.pop(key, None)

@@ -34,16 +34,16 @@ from gearmesh.teeth.gear_train import GearPair
 
 Row = dict[str, Any]
 ROOT = Path(__file__).parents[1]
-#: elements of the models that CalculiX solves: of three teeth of either member, of one, which resolve the pressure, of three to see
-#: how far the first are from the limit
+#: elements of the models that CalculiX solves: three teeth of either member; one tooth, fine enough for the pressure; three teeth,
+#: to measure the error of the first model
 DECK = Cells(flank=20, fillet=10, thickness=3, rim=2, face=6)
 FINE = Cells(flank=28, fillet=5, thickness=4, rim=3, face=16)
 FINER = Cells(flank=26, fillet=10, thickness=7, rim=3, face=6)
-#: flanks that curve along the face need more there: the error of the facets is far more than the deflection of the teeth otherwise
+#: flanks that curve along the face need more elements along it: otherwise facets are farther off than teeth deflect
 CURVED = Cells(flank=12, fillet=8, thickness=3, rim=2, face=12)
 #: share of the face at either end in which peak pressures are not compared: there they depend on how fine the grids are
 END = 0.12
-#: nor in so many rows of elements at tip and root
+#: rows of elements at tip and root in which peak pressures are not compared
 ROWS = 2
 
 NARROW = (
@@ -67,9 +67,12 @@ CELLS_BESIDE_EDGES = (20, 12)
 
 @dataclass(frozen=True)
 class Case:
-    """A pair: the sample, keys set in it, and the torque on the pinion, Nm; `teeth` of either member, the middle one with the
-    leading contact, and `phases` of a pitch, of a single tooth such at which no other pair carries; `ellipse`: elements over each
-    semi-axis of the contact, 0 for what `deck` allows."""
+    """A pair to compare: its sample, the keys set in it, and the torque on the pinion, Nm.
+
+    - `teeth`: number of teeth of either member in the model; the middle tooth has the leading contact.
+    - `phases`: positions, in pitches; with a single tooth, positions at which no other pair carries.
+    - `ellipse`: elements over each semi-axis of the contact; 0 for the elements of `deck`.
+    """
 
     sample: str
     torque: float
@@ -99,10 +102,14 @@ CASES = {
 
 @dataclass(frozen=True)
 class Figures:
-    """Figures of one program at a position: `rotation`, arcsec; of tooth pairs by their number, 0 the leading one, `forces`, N, and
-    the largest principal stresses in the fillets of pinion and gear, `roots`, MPa; `peak` pressure of the leading pair, MPa, more
-    than `END` of the face and `ROWS` of elements away from edges. `springs`: arcsec that the contact's own springs add to the
-    rotation of the model."""
+    """Figures of one program at a position.
+
+    - `rotation`: arcsec.
+    - `forces`: N, by number of the tooth pair; 0 is the leading pair.
+    - `roots`: largest principal stresses, MPa, in the fillets of pinion and gear, by number of the tooth pair.
+    - `peak`: peak pressure, MPa, of the leading pair, at least `END` of the face and `ROWS` of elements away from edges.
+    - `springs`: part of the model's rotation that is due to its contact springs, arcsec.
+    """
 
     rotation: float
     forces: dict[str, float]
@@ -237,7 +244,7 @@ def compared(name: str, phase: float, loaded: Figures, wanted: Figures) -> Row:
         "peak_off": percent(loaded.peak, wanted.peak) if resolved else "",
     } | (
         {
-            # of one tooth elements are spent on the contact
+            # root stress of models with three teeth only: a model of one tooth has its elements at the contact
             f"{member}{key}": value
             for n, member in enumerate(("pinion", "gear"))
             for key, value in (("", round(wanted.root(n), 1)), ("_off", percent(loaded.root(n), wanted.root(n))))
@@ -264,7 +271,8 @@ def bodies_of(case: Case, pair: GearPair, cells: Cells = SECTOR_CELLS) -> tuple[
 
 
 def rows_of(name: str, folder: Path | None, solve: bool = True) -> list[Row]:
-    """The rows of a case, printed as they come; what CalculiX found is kept in `folder`. Without `solve` only of what is there."""
+    """Print and return the rows of a case; figures of CalculiX are kept in `folder`. Without `solve`, only kept figures are
+    compared."""
     case = CASES[name]
     pair = pair_of(case)
     at = places(case, pair)

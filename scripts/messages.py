@@ -4,7 +4,7 @@ python scripts/messages.py [--kind KIND] [FILE ...]
 
 Kinds: refusal (fields of errors), figure (meanings of results), key (descriptions of design keys), option and command (help),
 label (plots, scenes, report page), file (comments in STEP, DXF, SVG and finite-element files), message (warnings, verdicts, tables,
-and every other text); and, only where they are asked for, docstring and readme. Texts are found in the syntax tree: `{...}`
+and every other text); docstring and readme are listed on request only. Texts are found in the syntax tree: `{...}`
 stands for what the program fills in.
 """
 
@@ -19,10 +19,10 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "gearmesh"
-#: kinds that are listed unless others are asked for, and those that are listed only then
+#: kinds that are listed by default, and kinds that are listed on request only
 KINDS = ("refusal", "figure", "key", "option", "command", "label", "file", "message")
 DOCUMENTS = ("docstring", "readme")
-#: what the texts given to these are
+#: kinds of the texts that are arguments of these functions
 CALLS = {
     "figure": "figure",
     "Key": "key",
@@ -33,7 +33,7 @@ CALLS = {
 }
 #: module whose functions make keys of a design: `keys.length(...)`
 KEYS_MODULE = "keys"
-#: what other texts in a folder of the package are
+#: kinds of all other texts, by folder of the package
 FOLDERS = {"view": "label", "cad": "file", "io": "file", "fe/decks": "file"}
 #: fields of a refusal that are texts even if they are one word
 FIELDS = {"reason", "allowed", "must_be", "remedy"}
@@ -48,7 +48,7 @@ PAGE = {
 
 @dataclass(frozen=True)
 class Text:
-    """A text, where it is, and what kind it is of; `field`: the argument that it is given as, if any."""
+    """A text with its file, line and kind; `field`: the argument whose value it is, if any."""
 
     file: str
     line: int
@@ -62,7 +62,7 @@ class Text:
 
 
 def texts(files: Iterable[Path] = (), kinds: Iterable[str] = KINDS) -> list[Text]:
-    """The texts of these kinds in `files`, or in the whole package, with its READMEs and those beside it."""
+    """Return the texts of these kinds in `files`; by default in the whole package, its READMEs and the other pages."""
     wanted = set(kinds)
     found = (text for file in (list(files) or sources()) for text in _of_file(file))
     return [text for text in found if text.kind in wanted]
@@ -92,7 +92,7 @@ def _of_file(path: Path) -> Iterator[Text]:
 
 
 def found_in(file: str, source: str) -> Iterator[Text]:
-    """The texts of a module, by its name and what it says."""
+    """Return the texts of a module, given by its name and source."""
     return _Finder(file).found(ast.parse(source))
 
 

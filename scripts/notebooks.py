@@ -2,9 +2,8 @@
 
 Usage: python scripts/notebooks.py [NAME ...] [--write] [--keep FOLDER]
 
-Needs nbclient and ipykernel. What a cell prints must be what is kept under it, numbers to the digits that are printed; of what
-else it shows, as pictures, tables and sliders, the kinds must be the same. `--write` keeps what is shown now, pictures with few
-colours.
+Needs nbclient and ipykernel. Each cell must print the text that is kept under it, numbers to the printed digits. Its other outputs,
+such as pictures, tables and sliders, must be of the kept kinds. `--write` keeps the new outputs, pictures with few colours.
 """
 
 from __future__ import annotations
@@ -31,7 +30,7 @@ def notebooks() -> list[Path]:
 
 
 def run(path: Path, folder: Path, *, write: bool = False) -> None:
-    """Run a notebook in a folder, and compare what it shows with what is kept; or keep that.
+    """Run a notebook in a folder, and compare its outputs with the kept outputs; with `write`, keep the new outputs instead.
 
     Raises GuideError.
     """
@@ -67,7 +66,7 @@ def printed(cell: Any) -> str:
 
 
 def kinds(cell: Any) -> list[str]:
-    """The kinds of what else it shows, in their order, those that people see."""
+    """Return the kinds of a cell's other outputs that people see, in order."""
     return [
         kind
         for output in outputs(cell)

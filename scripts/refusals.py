@@ -1,14 +1,14 @@
-"""Pushes numeric keys of every kind up and down until they are refused, and holds the refusals to their word: `value` is the key's
-value, the bound that is stated builds, and a value 5 % beyond is refused.
+"""Push numeric keys of every kind up and down until they are refused, and check each refusal: `value` is the key's value, the
+stated bound builds, and a value 5 % beyond is refused.
 
     python scripts/refusals.py                                      the examples of all kinds
     python scripts/refusals.py --designs rack internal zerol        kinds or samples
     python scripts/refusals.py --designs hypoid --keys 40           a seeded choice of 40 keys
     python scripts/refusals.py --keep out/refusals.jsonl --write    goes on where it was stopped, and keeps the table
 
-Prints a line for each key, with its faults, and a table by design. Exits with 1 if there is a fault. With --keep keys are kept in a
-file as they are pushed, and those in it are not pushed again. --write keeps the rows in scripts/measured; the rows of other designs
-stay. A seeded choice of keys is in tests/systems/test_refusals.py.
+Prints a line for each key, with its faults, and a table by design. Exits with 1 if there is a fault. --keep keeps each key in a
+file when it was pushed, and does not push the keys of this file again. --write keeps the rows in scripts/measured; the rows of
+other designs stay. A seeded choice of keys is in tests/systems/test_refusals.py.
 """
 
 from __future__ import annotations
@@ -39,7 +39,8 @@ COLUMNS = {
 
 @dataclass(frozen=True)
 class Pushed:
-    """A key that was pushed: refusals, bounds that build, bounds behind which another refusal follows, longest refusal, faults."""
+    """Result for a pushed key: numbers of refusals, of bounds that build and of bounds with another refusal behind them; the
+    longest refusal; faults."""
 
     design: str
     key: str
@@ -71,7 +72,7 @@ def row(design: str, keys: list[Pushed]) -> dict[str, object]:
 
 
 def with_other_rows(rows: list[tables.Row]) -> list[tables.Row]:
-    """Rows, and those of other designs that are kept."""
+    """Return rows together with the kept rows of other designs."""
     titles = {title: key for key, title in COLUMNS.items()}
     before = [{titles[title]: cell for title, cell in row.items()} for row in tables.kept("refusals")]
     own = {row["design"] for row in rows}

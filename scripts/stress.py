@@ -1,12 +1,17 @@
-"""Random designs of every kind, each put to every question and each answer checked by a route that does not share its mistakes.
+"""Random designs of every kind: each answers every question, and each answer is checked by an independent route.
 
 python scripts/stress.py [--count 300] [--seed 0] [--kind KIND] [--range sensible|edge|both] [--jobs 2] [--timeout 180]
                          [--results out/stress.jsonl] [--failures out/stress] [--resume] [--write]
 
-Of every design: is it built, or refused over a key that it sets; are its solids closed and within their tolerance; does the
-contact of one tooth pair agree with the roll of exact flanks, and that of the gears with the roll of whole members; do the solids
-overlap without a word. Prints a table by kind; every failure is written as a design that loads again. With --write the table is
-kept in scripts/measured. Exit 1 if anything failed.
+Checks of every design:
+- It is built, or refused over a key that it sets.
+- Its solids are closed and within their tolerance.
+- The contact of one tooth pair agrees with the roll of exact flanks.
+- The contact of the gears agrees with the roll of whole members.
+- Solids that overlap come with a warning.
+
+Prints a table by kind, and writes every failure as a design that loads again. --write keeps the table in scripts/measured.
+Exit 1 if anything failed.
 """
 
 from __future__ import annotations
@@ -44,17 +49,17 @@ sys.path.insert(0, str(ROOT / "tests"))
 from oracles.overlap import overlap  # noqa: E402
 
 ARCSEC = math.pi / 648000.0
-#: arcsec: contact and roll of one pair's flanks may differ by this; the roll is believed where finer grids change it by less
+#: largest difference of contact and roll of one pair's flanks, arcsec; largest change of the roll with finer grids, arcsec
 SAME, SURE = 0.05, 0.02
-#: arcsec: the gears' first touch and the roll of whole members may differ by this
+#: largest difference of the gears' first touch and the roll of whole members, arcsec
 SAME_GEARS = 0.5
-#: so many positions of one pair, within so many pitches from phi1 = 0, and the share of the mesh cycle at which the gears are
-#: looked at
+#: number of positions of one pair, and their range in pitches from phi1 = 0; then the position of the whole gears, as a share of
+#: the mesh cycle
 POSITIONS, REACH = 3, 0.9
 CYCLE_SHARE = 0.3
 #: tolerance of the solids in modules, and mm at least
 SOLID_TOLERANCE, FINEST = 1e-3, 1e-3
-#: warnings that tell of solids in each other
+#: words of the warnings about solids that overlap
 TELLING = re.compile("overlap|interfer|backlash|jam|penetrat|inside", re.IGNORECASE)
 #: what refused designs begin with: a dotted key, and what follows it
 LEADING_KEY = re.compile(r"^([a-z]\w*(?:\.\w+)*)(?= =|:)", re.IGNORECASE)
@@ -137,7 +142,7 @@ def tolerance_of(gears: gm.Gears) -> float:
 
 
 def solids(gears: gm.Gears, outcome: Outcome) -> None:
-    """Closed as an STL file holds them, proved, and as near to their surfaces as asked for."""
+    """Check that solids are closed as an STL file holds them, are proved, and are within their tolerance of the exact surfaces."""
     wrong = []
     for name in gears.members:
         found = gears.solid(name, tolerance_of(gears), file="x.stl")
@@ -248,7 +253,8 @@ def eccentric(pair: GearPair) -> bool:
 
 
 def stated_touch(pair: GearPair, answer: Any) -> tuple[float, float] | None:
-    """Rotation of the pinion and of the gear (rad) at some position of the mesh cycle as the contact has it, if it does.
+    """Return rotations of pinion and gear (rad) at a position of the mesh cycle, from the contact analysis; None without a
+    cycle.
 
     Eccentric members have another cycle for every pair.
     """
@@ -262,14 +268,14 @@ def stated_touch(pair: GearPair, answer: Any) -> tuple[float, float] | None:
 
 
 def figures_against(summary: Mapping[str, Any], rolled: MemberRoll) -> dict[str, str]:
-    """The gears' own figures against the roll of whole members, as far as the contact has them: reason -> what is wrong.
+    """Compare figures of the gears with the roll of whole members, if the contact analysis has them: fault by reason.
 
     `backlash_min_deg` is the least over the mesh cycle, so that no position may have less.
     """
     least = summary.get("backlash_min_deg")
     if least is None or math.isnan(rolled.backlash):
         return {}
-    # by how much teeth are jammed that stand in roots is not a rotation
+    # teeth that stand in roots jam by a depth, which is no rotation
     if rolled.backlash < 0.0 and (least < 0.0 or stands_in_root(summary, rolled)):
         return {}
     short = math.radians(least) - rolled.backlash

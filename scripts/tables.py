@@ -116,7 +116,7 @@ def replaced(text: str, name: str, content: str) -> str:
 
 
 def rewrite(path: Path, blocks: Mapping[str, str]) -> None:
-    """Put several blocks into a file: all of them, or, if one of them has no place there, none."""
+    """Replace several blocks of a file; if one of them is not in the file, none is replaced."""
     text = path.read_text(encoding="utf-8")
     for name, content in blocks.items():
         text = replaced(text, name, content)
@@ -124,7 +124,7 @@ def rewrite(path: Path, blocks: Mapping[str, str]) -> None:
 
 
 def _whole(path: Path, text: str) -> None:
-    """Write a file, or leave the one that is there."""
+    """Write a file as a whole: if writing fails, the old file stays."""
     temporary = path.with_name(path.name + ".new")
     temporary.write_text(text, encoding="utf-8")
     os.replace(temporary, path)

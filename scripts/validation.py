@@ -1,11 +1,11 @@
-"""The table of scripts/site/pages/validation.md: what gearmesh is held against, and how far it is from it, computed anew.
+"""Compute the table of scripts/site/pages/validation.md: references to which gearmesh is compared, and the differences.
 
 Usage: python scripts/validation.py [NAME ...] [--write]
 
-Each function whose name begins with `of_` computes one line or several: published tables, samples of standards, closed forms,
-second routes that share no equation with the solver; and from the tables in scripts/measured, which other scripts wrote,
-those against CalculiX and over random designs. Printed figures are those of the tests, which hold every line within a stated
-tolerance (`pip install ".[test]"`). NAME is the name of such a function without `of_`. All take two minutes of a processor.
+Each function whose name begins with `of_` computes one line or several. References are published tables, samples of standards,
+closed forms, and second routes that share no equation with the solver. Lines on CalculiX and on random designs come from the
+tables that other scripts wrote into scripts/measured. The printed figures are in the tests, which hold every line within a stated
+tolerance (`pip install ".[test]"`). NAME is the name of a function without `of_`. All functions take two CPU minutes.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ TITLES = {
 
 @dataclass(frozen=True)
 class Line:
-    """A line of the table: what is claimed, what it is held against, both figures, how far they are apart, what reproduces it."""
+    """A line of the table: claim, reference, both figures, their difference, and the script or test that reproduces it."""
 
     claim: str
     reference: str

@@ -5,15 +5,24 @@ python scripts/worm_sweep.py [--count 200] [--seed 0] [--jobs 2] [--no-solids] [
 
 Seeded drives of all five flank forms in turn: 1 to 6 threads, wheels of 20 to 80 teeth, diameter quotient 6 to 20, module 1 to 10,
 pressure angle 15 to 25 deg, both hands, shaft angle 90 deg or (a quarter of them) 75 to 105, profile shift -0.5 to 0.75, hobs of
-the worm's size or 2 to 20 % larger. Of each drive: undercut by `limits`; both solids at 20 um proved; one flank in contact, right
-of even seeds, with all that interferes, beside the other flank too; where flanks touch, a transmission error below 1e-9 rad of
-those that are uniform (hob of the worm's size, and any hob of a ZI worm; where flanks cross that is reported); and meshes of the
-flanks rolled against each other at one position: where they are ahead of the solver, teeth go through each other that the solver
-does not know of. A refusal must name a key that the design sets. Prints a line for every drive that is not plain and two tables;
-with --write both are kept in scripts/measured. With --keep drives are kept in a file as they are tried, and those in
-it are not tried again. Exit 1 if a solid is no solid, a refusal names no key that is set, or interference is not reported.
+the worm's size or 2 to 20 % larger.
 
-Answers would take four times as long: they have solids of their own for the roll test, and what would free a pair that jams.
+Checks of each drive:
+- undercut, by `limits`
+- both solids at 20 um are proved
+- contact of one flank (the right one for even seeds), with all interference, also of the other flank
+- transmission error below 1e-9 rad if the drive is exactly uniform: the hob has the worm's size, or the worm is ZI. Flanks that
+  cross must be reported.
+- meshes of the flanks, rolled against each other at one position. If they touch earlier than the solver says, teeth pass
+  through each other without a report.
+- a refusal names a key that the design sets
+
+Prints a line for every drive with a finding, and two tables; --write keeps both in scripts/measured. --keep keeps each drive in a
+file when it was tried, and does not try the drives of this file again. Exit 1 if a solid is no solid, a refusal names no key that
+is set, or interference is not reported.
+
+The public answers would take four times as long: they make solids of their own for the roll test, and search how to free a pair
+that jams.
 """
 
 from __future__ import annotations
@@ -42,14 +51,14 @@ from gearmesh.mesh.solid import prove
 
 #: tolerance of the solids, and of the flanks that are rolled against each other, mm
 TOLERANCE, ROLLED = 0.02, 1e-3
-#: what of the roll test is compared: rotations; facets of 1 um change a mark of 6.35 um by more than the ellipse may be off
+#: compared figures of the roll test: rotations alone, because facets of 1 um change a mark of 6.35 um by more than is allowed
 ROTATIONS = tuple(f"roll: {RollRow.key_of(name)}" for name in ("te_difference", "along"))
 #: transmission error (rad) of drives that are exactly uniform
 UNIFORM = 1e-9
 #: positions of a path, over the engagement
 POSITIONS = 15
 FORMS = ("ZA", "ZN", "ZI", "ZK", "ZC")
-#: faults that the program does not report, and what it does report
+#: faults that the program does not report, and findings that it reports
 FAULTS = ("wrong key", "no solid", "bad solids", "no answer", "silent interference", "transmission error")
 REPORTED = ("undercut", "interference", "crossing flanks", "contact ratio below 1", "no contact")
 COLUMNS = {name: name for name in ("form", "drives", "refused", "in contact", *REPORTED, "plain", *FAULTS)}
@@ -85,8 +94,8 @@ def random_drive(seed: int) -> dict[str, Any]:
 
 @dataclass
 class Tried:
-    """Result for a drive: the key that is `refused`, what the refusal is `about` and the `line` of it; `faults` and what is
-    `reported`, by what they are, with a figure; CPU `seconds`; whether it was tried in `contact`."""
+    """Result for a drive: the refused key `refused`, the cause `about` of the refusal and its full `line`; `faults` and
+    `reported` findings with a figure each, by name; CPU `seconds`; `contact`: True if contact was tried."""
 
     seed: int
     form: str
@@ -197,7 +206,7 @@ def summary_of(drives: list[Tried]) -> list[tables.Row]:
 
 
 def refusals_of(drives: list[Tried]) -> list[tables.Row]:
-    """A row for everything that drives are refused for."""
+    """Return a row for each cause of refusals."""
     rows: list[tables.Row] = []
     for about in sorted({drive.about for drive in drives if drive.refused}):
         some = [drive for drive in drives if drive.about == about]
@@ -214,7 +223,7 @@ def refusals_of(drives: list[Tried]) -> list[tables.Row]:
 
 
 def kept(file: Path | None) -> dict[int, Tried]:
-    """Drives of a file of JSON lines, by their seeds; none where there is no file."""
+    """Return the drives of a file of JSON lines, by seed; none if the file does not exist."""
     if file is None or not file.exists():
         return {}
     drives = (Tried(**json.loads(line)) for line in file.read_text(encoding="utf-8").splitlines())

@@ -52,7 +52,7 @@ def gather(source: Path) -> None:
 
 
 def _list_under(page: Path, names: list[str]) -> None:
-    """Put pages beside a page under it in the site's contents, which shows them only there."""
+    """List pages under a page in the site's contents; they are listed nowhere else."""
     known = page.read_text(encoding="utf-8")
     page.write_text("\n".join([known, "```{toctree}", ":hidden:", "", *names, "```", ""]), encoding="utf-8")
 
