@@ -480,7 +480,7 @@ def work_and_nominal(
     allowed = (*CONTACT_GROUPS, TURNS_GROUP, *([LOAD_GROUP] if torques else []))
     if design.member_names is not None:
         design.member_names.pair_number(pair)
-    known = recordable(systems.build(design).pair(pair), len(torques))
+    known = recordable(systems.build(design).sharing(pair), len(torques))
     _refuse_unknown(tokens, allowed, known)
     # refused before anything is solved
     without_load = {*CONTACT_GROUPS, TURNS_GROUP, *(name for name, group in known.items() if group != LOAD_GROUP)}

@@ -423,7 +423,8 @@ def test_contact_has_the_error_and_the_backlash_of_both_discs(ahead: float) -> N
     """Against the first touch of both discs on either side, which contact under load begins with."""
     gears = two_discs("modification.equidistant=0.03", *([f"assembly.disc_ahead=[0, {ahead}]"] if ahead else []))
     contact = gears.contact()
-    touch = shared_touch(gears.train.sharing(0), contact)
+    assert contact.cycle is not None
+    touch = shared_touch(gears.train.sharing(0), contact.cycle.curve, contact.fit)
     assert touch is not None
     flat = contact.summary
     both = [gears.train, replace(gears.train, pairs=tuple(reversed_pair(pair) for pair in gears.pairs))]
@@ -485,6 +486,17 @@ def test_the_disc_whose_pin_touches_first_carries_a_small_torque() -> None:
     assert shares == pytest.approx(np.eye(2)[first], abs=1e-6)
     ring = np.degrees(np.max(turns, axis=0) - np.radians(degrees) * 20 / 21) * 3600.0
     assert [row.unloaded_te for row in rows] == pytest.approx(ring - ring[0], abs=1e-3)
+
+
+@pytest.mark.sweep
+def test_a_study_records_the_contact_of_all_discs() -> None:
+    """Rows have the figures of a design with the errors of the row; the discs differ by half a pitch."""
+    gears = two_discs("modification.equidistant=0.03")
+    study = gears.study({"assembly.dx": [0.0, 0.02]}, record="cycle,fit", workers=1)
+    wanted = two_discs("modification.equidistant=0.03", "assembly.dx=0.02").contact().summary
+    for name in ("set_te_peak_to_peak_arcsec", "set_backlash_min_deg", "set_backlash_max_deg", "disc_2_first_percent"):
+        assert study.numbers(name)[1] == pytest.approx(wanted[name], rel=1e-6, abs=1e-9)
+    assert study.numbers("set_te_peak_to_peak_arcsec")[0] < study.numbers("mesh_te_peak_to_peak_arcsec")[0]
 
 
 def test_a_study_moves_the_second_disc_as_its_design_does() -> None:

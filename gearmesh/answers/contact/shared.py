@@ -19,7 +19,7 @@ import numpy as np
 from gearmesh.contact.engagement.cycle import gears_curve
 from gearmesh.contact.engagement.turns import pitches_until_repeat
 from gearmesh.contact.engagement.uneven_teeth import flanks_ahead
-from gearmesh.contact.fit.fit import fit
+from gearmesh.contact.fit.fit import Fit, fit
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.figures import Figures, Summary, figure
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
@@ -28,6 +28,7 @@ from gearmesh.teeth.gear_train import GearPair, GearTrain
 
 if TYPE_CHECKING:
     from gearmesh.answers.contact.contact import Contact
+    from gearmesh.contact.engagement.curve import MeshCurve
 
 #: positions in a pitch of teeth that are alike
 POSITIONS_PER_PITCH = 192
@@ -84,7 +85,8 @@ class SharedTouch:
 
 def with_shared(contact: Contact, train: GearTrain, which: int | str) -> Contact:
     """Return the contact of a pair with the figures of all pairs that share its torque, if there are some."""
-    touch = shared_touch(train.sharing(which), contact)
+    curve = None if contact.cycle is None else contact.cycle.curve
+    touch = shared_touch(train.sharing(which), curve, contact.fit, over_turns=contact.turns is not None)
     if touch is None:
         return contact
     what = "set_te, set_backlash and *_first are of"
@@ -93,29 +95,30 @@ def with_shared(contact: Contact, train: GearTrain, which: int | str) -> Contact
     return replace(contact, summary=summary, warnings=(*contact.warnings, warning))
 
 
-def shared_touch(pair: GearPair, contact: Contact) -> SharedTouch | None:
-    """Return the first touch of a pair and its fellows, from the contact of the pair.
+def names_of_sharing(pair: GearPair) -> tuple[str, ...]:
+    """Return the names of the pinions of a pair and of its fellows."""
+    return pair.pinion.name, *(fellow.pair.pinion.name for fellow in pair.fellows)
 
-    None without fellows, for eccentric members, where some pair loses contact, and for unlike teeth without whole turns.
+
+def shared_touch(
+    pair: GearPair, curve: MeshCurve | None, fitted: Fit | None, *, over_turns: bool = False
+) -> SharedTouch | None:
+    """Return the first touch of a pair and its fellows, from the curve and the fit of the pair.
+
+    None without fellows, for eccentric members, where some pair loses contact, and for unlike teeth but `over_turns`.
     """
-    rows, curve = pair.halves, None if contact.cycle is None else contact.cycle.curve
-    if (
-        not pair.fellows
-        or any(row.eccentric for row in rows)
-        or curve is None
-        or contact.fit is None
-        or contact.fit.gaps
-    ):
+    rows = pair.halves
+    if not pair.fellows or any(row.eccentric for row in rows) or curve is None or fitted is None or fitted.gaps:
         return None
-    names = (pair.pinion.name, *(fellow.pair.pinion.name for fellow in pair.fellows))
+    names = names_of_sharing(pair)
     turned = [_turned(row) for row in rows]
     if any(own is None for own in turned):
-        return None if contact.turns is None else _of_unlike_teeth(pair, names)
+        return _of_unlike_teeth(pair, names) if over_turns else None
     phi1 = pair.pitch * np.arange(POSITIONS_PER_PITCH) / POSITIONS_PER_PITCH
     advances, ends = [], []
     for row, phase, (first, second) in zip(rows, pair.phases, filter(None, turned), strict=True):
         same = _same(row, pair)
-        fits = contact.fit if same else fit(row)
+        fits = fitted if same else fit(row)
         known = curve if same else gears_curve(solver_pair(row), row.pitch)
         if fits is None or fits.gaps or known is None or not known.whole:
             return None

@@ -7,6 +7,7 @@ from dataclasses import fields
 
 from gearmesh.answers.contact.figures import CycleSummary
 from gearmesh.answers.contact.fit import FitSummary
+from gearmesh.answers.contact.shared import SharedFigures, names_of_sharing
 from gearmesh.answers.contact.turns import TurnsSummary
 from gearmesh.contact.engagement.curve import HARMONIC_COUNT
 from gearmesh.figures import Summary
@@ -20,12 +21,12 @@ from gearmesh.teeth.gear_train import GearPair
 def recordable(pair: GearPair, torques: int = 0) -> dict[str, str]:
     """Return the group of each figure that rows of a pair can have, by name in the order of the rows.
 
-    Figures under load are included for `torques` above 0. Ratios of line contact are always included, also where the
-    contact proves to be at points.
+    `pair` has its fellows, those that share its torque. Figures under load are included for `torques` above 0. Ratios of
+    line contact are always included, also where the contact proves to be at points.
     """
     path = [declared_figure.key for kind in (PathFigures, PathShift) for declared_figure in kind.declared_figures()]
     kind_figures = () if pair.figures is None else pair.figures.row
-    cycle = cycle_figures(pair, _cycle(), None)
+    cycle = Summary(cycle_figures(pair, _cycle(), None), _shared(pair))
     fit = cycle_figures(pair, _cycle(), _fit(pair))
     turns = Summary(_turns(), RowPitch(*[dict.fromkeys(pair.members, math.nan)] * 2))
     load = Summary(_load(pair, torques)).flat if torques else ()
@@ -56,6 +57,12 @@ def _fit(pair: GearPair) -> FitSummary:
     none, pinion = math.nan, {pair.pinion.name: math.nan}
     clearance: dict[str, float | None] = dict.fromkeys(pair.members, none)
     return FitSummary(none, none, pinion, pinion, none, none, none, none, clearance, none)
+
+
+def _shared(pair: GearPair) -> SharedFigures | None:
+    """Return figures of all pairs that share the torque, with unknown values; None without others."""
+    names = dict.fromkeys(names_of_sharing(pair), math.nan)
+    return SharedFigures(math.nan, math.nan, math.nan, names) if pair.fellows else None
 
 
 def _turns() -> TurnsSummary:

@@ -29,6 +29,7 @@ import numpy as np
 from gearmesh.answers.contact.contact import by_engagement
 from gearmesh.answers.contact.figures import CycleSummary, slid_summary
 from gearmesh.answers.contact.fit import FitSummary
+from gearmesh.answers.contact.shared import shared_touch
 from gearmesh.answers.load.loaded import bodies_of, loaded_contact_of
 from gearmesh.answers.load.members import held_by_rim, materials_of, mounts_of
 from gearmesh.answers.tables import plain
@@ -287,7 +288,9 @@ class StudyWork:
         cycle = mesh_cycle(variant.flanks, pair.pitch, curve=curve, jammed=jammed)
         assert cycle is not None
         fitted = FitSummary.of(pair, fits) if fits is not None and "fit" in self.groups else None
-        return cycle, cycle_figures(pair, CycleSummary.of(cycle), fitted, jammed=jammed)
+        figures = cycle_figures(pair, CycleSummary.of(cycle), fitted, jammed=jammed)
+        touch = shared_touch(variant.sharing, curve, fits, over_turns=TURNS_GROUP in self.groups)
+        return cycle, Summary(figures, None if touch is None else touch.figures)
 
 
 def cycle_figures(pair: GearPair, known: CycleSummary, fitted: FitSummary | None, *, jammed: bool = False) -> Summary:
