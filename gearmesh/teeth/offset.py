@@ -132,7 +132,7 @@ def _shift(tooth: Tooth, distance: float) -> Tooth:
     blank = replace(tooth.blank, tip=tooth.blank.tip.parallel(distance), root=tooth.blank.root.parallel(distance))
     edge = tooth.tip_edge
     if edge is not None and edge.rounded:
-        edge = replace(edge, size=edge.size + distance) if edge.size + distance > 0.0 else None
+        edge = edge.grown(distance) if edge.least + distance > 0.0 else None
     right, left = (_side(side, tooth, blank, distance) for side in (tooth.right, tooth.left))
     made = replace(tooth, right=right, left=left, blank=blank, tip_edge=edge)
     if tooth.crest is not None:

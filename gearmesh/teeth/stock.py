@@ -93,9 +93,7 @@ def _covered(tooth: Tooth, stock: float, length: float) -> Tooth:
     with_stock, finished = (base.sharp_tip.sections([0.5]) for base in (made, tooth))
     widths = [float((ends.left.tip_angle - ends.right.tip_angle)[0]) for ends in (with_stock, finished)]
     arm = float(tooth.joint.arm(tooth.sharp_tip.flank_grid(Side.RIGHT, [1.0], [0.5]).points)[0, 0])
-    return replace(
-        made, tip_edge=replace(tooth.tip_edge, size=tooth.tip_edge.size + 0.5 * arm * (widths[0] - widths[1]))
-    )
+    return replace(made, tip_edge=tooth.tip_edge.grown(0.5 * arm * (widths[0] - widths[1])))
 
 
 def _side(tooth: Tooth, which: Side, stock: float, length: float) -> ToothSide:

@@ -226,7 +226,7 @@ class Tooth:
 
             links.append(GeneratedLink(TIP_EDGES[which], which, side.tip_corner.surface, axial, tip_corner))
         elif self.tip_edge is not None:
-            links.append(DrawnLink(TIP_EDGES[which], which, self.tip_edge, axial))
+            links.append(DrawnLink(TIP_EDGES[which], which, self.tip_edge.of(which), axial))
         return links
 
     def _flank(self, which: Side) -> GeneratedLink:
@@ -929,7 +929,7 @@ class Tooth:
             tip_point = along(side.tip_corner.surface, land, stations, self.blank.axial)[1].r
         if self.tip_edge is not None:
             edge_ends, at = (form_point_flank, tip), (stations, t)
-            tip, edge = self.tip_edge._between(side.flank, self.blank, which.sign, edge_ends, at)
+            tip, edge = self.tip_edge.of(which)._between(side.flank, self.blank, which.sign, edge_ends, at)
             tip_point = edge[1]
         return Ends(form_point_flank, form_point_fillet, tip, tip_corner, self.joint.angle(tip_point), root_angle, edge)
 

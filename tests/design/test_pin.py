@@ -65,7 +65,7 @@ ABSENT = {
     *(f"{member}_{what}_um" for member in ("pinion", "gear") for what in ("pitch_right", "pitch_left", "runout")),
     *(f"{member}_pitch_{what}" for member in ("pinion", "gear") for what in ("class", "seed")),
     # that of the drive side
-    *("coast_pressure_angle", "coast_tool_tip_radius"),
+    *("coast_pressure_angle", "coast_tool_tip_radius", "coast_tip_edge"),
     # refused without a shaft thicker than the roots
     "run_out_radius",
     *("end_rounding_toe", "end_rounding_heel"),

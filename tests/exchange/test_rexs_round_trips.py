@@ -63,7 +63,8 @@ OTHERS: dict[str, dict[str, Any]] = {
     },
     "asymmetric internal": {
         "kind": "cylindrical", "module": 2, "pressure_angle": 24, "coast_pressure_angle": 18, "helix_angle": 8,
-        "pinion": {"teeth": 22, "face_width": 14, "tool_tip_radius": 0.3, "coast_tool_tip_radius": 0.15},
+        "pinion": {"teeth": 22, "face_width": 14, "tool_tip_radius": 0.3, "coast_tool_tip_radius": 0.15,
+                   "tip_chamfer": 0.1, "coast_tip_edge": 0.2},
         "gear": {"teeth": -70, "face_width": 12, "tool_tip_radius": 0.1, "coast_tool_tip_radius": 0.2},
     },
     "transverse": {

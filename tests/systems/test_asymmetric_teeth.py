@@ -417,6 +417,42 @@ def test_tangents_of_30_deg_are_those_of_each_side() -> None:
     assert one["rho_F"][0] == pytest.approx(alike["rho_F"][0], rel=1e-9)
 
 
+@pytest.mark.parametrize("name", ["external", "internal", "rack", "beveloid ring"])
+@pytest.mark.sweep_cases("rack", "beveloid ring")
+def test_each_side_has_the_tip_edge_of_its_own_size(name: str) -> None:
+    """Chamfers begin as far under the tip as they are wide; contact ends there on that side."""
+    keys, member = ROUNDED[name]
+    gears = built({**keys, member: {**keys[member], "tip_chamfer": 0.1, "coast_tip_edge": 0.25}})
+    tooth, inside = gears.members[member].tooth, member == "gear"
+    places = {side: tooth.flank_grid(side, np.ones(1), np.array([0.5])).points[0, 0] for side in Side}
+    tip = tooth.grid(Region.LAND, np.array([0.5]), tooth.sections([0.5])).points[0, 0]
+    below = {
+        side: abs(float(tip[0] - place[0] if name == "rack" else np.hypot(*tip[:2]) - np.hypot(*place[:2])))
+        for side, place in places.items()
+    }
+    drive = Side.LEFT if inside else Side.RIGHT
+    assert [below[drive], below[drive.other]] == pytest.approx([0.1, 0.25], abs=1e-6)
+    assert gears.contact([-2.0, 1.0]).summary["te_peak_to_peak_arcsec"] < 1e-9 * 3600.0
+    if keys["kind"] == "cylindrical":
+        sheet = gears.sheet().plain_tables["Sides of asymmetric teeth"]["d_Fa"][1:]
+        ends = [2.0 * np.hypot(*places[side][:2]) for side in (drive, drive.other)]
+        assert (sheet[2:] if inside else sheet[:2]) == pytest.approx(ends, abs=1e-8)
+
+
+def test_the_tip_edge_without_room_is_refused_beside_the_other() -> None:
+    def made(coast: float) -> gm.Gears:
+        return built({**CYLINDER, "pinion": {**CYLINDER["pinion"], "tip_rounding": 0.2, "coast_tip_edge": coast}})
+
+    with pytest.raises(DesignError) as refusal:
+        made(2.5)
+    assert refusal.value.key == "pinion.coast_tip_edge"
+    most = refusal.value.bounds[1]
+    assert 0.2 < most < 2.5
+    made(0.999 * most)
+    with pytest.raises(DesignError, match="needs tip_chamfer or tip_rounding"):
+        gm.parse({**CYLINDER, "pinion": {**CYLINDER["pinion"], "coast_tip_edge": 0.2}})
+
+
 def test_beveloid_members_of_cone_angle_0_have_the_tolerances_of_cylindrical_gears() -> None:
     keys = {**cylindrical(with_helix(10.0)), "accuracy_class": 7}
     of_cylinders = built(keys).sheet().plain_tables[TOLERANCES]

@@ -60,7 +60,15 @@ def build(design: BeveloidDesign) -> GearTrain:
             made = ring(name, spec, module, angles, design.reduction, design.coast_flanks(name))
         else:
             racks = _rack(name, spec, design, roll)
-            made = member(name, spec, racks, roll, rack_parameters(f"l_{letter}", f"u_{letter}", along), tip_key)
+            made = member(
+                name,
+                spec,
+                racks,
+                roll,
+                rack_parameters(f"l_{letter}", f"u_{letter}", along),
+                tip_key,
+                coast=design.coast_flanks(name),
+            )
         reference_radius = None if cone else roll.radius
         made = with_modifications(
             with_tip_surface(made, spec), spec, internal=spec.internal, reference_radius=reference_radius

@@ -18,7 +18,7 @@ from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PairRunout
 from gearmesh.systems.common.defaults import ROOM_SHARE, straight_rounding
 from gearmesh.systems.common.internal_keys import check_ring, with_internal
-from gearmesh.systems.common.pressure_angles import CoastRounding, coast_pressure_angle_key
+from gearmesh.systems.common.pressure_angles import CoastSide, coast_pressure_angle_key
 from gearmesh.systems.kinds import OWN_KINDS
 from gearmesh.teeth.region import Side
 
@@ -28,7 +28,7 @@ PARALLEL_TOLERANCE_DEG = 1e-9
 STANDARD_TIP_RADIUS = 0.38
 
 
-class BeveloidMember(TurnedTip, MemberTable, CoastRounding, Modified):
+class BeveloidMember(TurnedTip, MemberTable, CoastSide, Modified):
     """One gear of a beveloid pair; flanks may be modified where its cone angle is 0."""
 
     usual: ClassVar[tuple[str, ...]] = ("helix_angle", "cone_angle")
@@ -201,9 +201,9 @@ class BeveloidDesign(PairDesign):
 
     @property
     def asymmetric(self) -> bool:
-        """True if drive side and coast side have different pressure angles or tool roundings."""
-        rounded = (spec.coast_tool_tip_radius not in (None, spec.tool_tip_radius) for spec in (self.pinion, self.gear))
-        return self._coast_angle != self.pressure_angle or any(rounded)
+        """True if drive side and coast side have different pressure angles, tool roundings or tip edges."""
+        others = (spec.sides_differ for spec in (self.pinion, self.gear))
+        return self._coast_angle != self.pressure_angle or any(others)
 
     def coast_flanks(self, name: str) -> Side:
         """Return the flanks of a member's coast side.

@@ -50,7 +50,7 @@ def ring(
         formed_side(shaper, Side.RIGHT, twist, tip),
         formed_side(other, Side.LEFT, twist, tip),
         ring_blank(0.5 * spec.face_width, tip, shaper.top_radius, rim),
-        tip_edge=tip_edge(spec),
+        tip_edge=tip_edge(spec, coast=coast),
     )
     prove_internal(name, tooth, f"another {name}.profile_shift")
     parameters = NamedParameters(

@@ -6,10 +6,12 @@ external gear, left flanks of an internal one.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Self
+
+from pydantic import model_validator
 
 from gearmesh.design import keys
-from gearmesh.design.keys import Table
+from gearmesh.design.keys import Table, conflict
 
 
 def coast_pressure_angle_key() -> Any:
@@ -23,8 +25,8 @@ def coast_pressure_angle_key() -> Any:
     )
 
 
-class CoastRounding(Table):
-    """Key of the tool's tip rounding on the coast side, of members with a `tool_tip_radius`."""
+class CoastSide(Table):
+    """Keys of the coast side of members with a `tool_tip_radius` and broken tip edges: tip rounding of the tool, tip edge."""
 
     coast_tool_tip_radius: float | None = keys.coefficient(
         "tool_tip_radius of the coast side: of the pinion's left flanks and the gear's that they touch",
@@ -33,3 +35,25 @@ class CoastRounding(Table):
         high=2,
         default="tool_tip_radius",
     )
+    coast_tip_edge: float | None = keys.length(
+        "tip_chamfer or tip_rounding of the coast side, where it is not that of the drive side",
+        None,
+        above=0,
+        default="as on the drive side",
+    )
+
+    @property
+    def sides_differ(self) -> bool:
+        """True if the coast side has another tip rounding of the tool or another tip edge."""
+        return self.coast_tip_edge is not None or self.coast_tool_tip_radius not in (
+            None,
+            getattr(self, "tool_tip_radius", None),
+        )
+
+    @model_validator(mode="after")
+    def _edge_has_a_shape(self) -> Self:
+        if self.coast_tip_edge is not None and not any(
+            getattr(self, key, None) for key in ("tip_chamfer", "tip_rounding")
+        ):
+            raise conflict("coast_tip_edge", self.coast_tip_edge, reason="needs tip_chamfer or tip_rounding")
+        return self

@@ -17,12 +17,13 @@ from gearmesh.kernel.numeric.effort import EffortSpentError
 from gearmesh.kernel.numeric.excess import Division, Refused
 from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.kernel.surface.stations import TrimError
+from gearmesh.systems.common.pressure_angles import CoastSide
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.body import end_names
 from gearmesh.teeth.blank.end_edge import EndChamfer, EndChamfers
 from gearmesh.teeth.blank.tip_edge import TipEdge
 from gearmesh.teeth.gear_train import Member
-from gearmesh.teeth.region import HEEL_END, TOE_END
+from gearmesh.teeth.region import HEEL_END, TOE_END, Side
 from gearmesh.teeth.tooth import Tooth
 
 if TYPE_CHECKING:
@@ -40,11 +41,15 @@ KNOWN_SHARE = 2e-3
 MAX_EDGE_PROOFS = 3
 
 
-def tip_edge(spec: BrokenEdges, joint: Joint = REVOLUTE_JOINT) -> TipEdge | None:
-    """Return the broken tip edge that a part of a design asks for; None if it asks for none."""
+def tip_edge(spec: BrokenEdges, joint: Joint = REVOLUTE_JOINT, coast: Side = Side.LEFT) -> TipEdge | None:
+    """Return the broken tip edge that a part of a design asks for; None if it asks for none.
+
+    `coast`: flanks of the coast side, whose edge may have another size.
+    """
+    other = spec.coast_tip_edge if isinstance(spec, CoastSide) else None
     if spec.tip_chamfer:
-        return TipEdge(spec.tip_chamfer, joint=joint)
-    return TipEdge(spec.tip_rounding, rounded=True, joint=joint) if spec.tip_rounding else None
+        return TipEdge(spec.tip_chamfer, False, joint, other, coast)
+    return TipEdge(spec.tip_rounding, True, joint, other, coast) if spec.tip_rounding else None
 
 
 def with_tip_edge(name: str, tooth: Tooth, spec: BrokenEdges) -> Tooth:
@@ -234,20 +239,27 @@ def edge_refusal(name: str, tooth: Tooth, failure: TrimError) -> DesignError | N
     # a tooth that is pointed may be so without the edge, too
     if failure.what == "pointed" and not fits(replace(tooth, tip_edge=None), 1.0):
         return None
-    key = "tip_rounding" if edge.rounded else "tip_chamfer"
+    # of two sizes the larger one is refused, and the other one stays
+    on_coast = edge.coast_size is not None and edge.coast_size > edge.size
+    key = "coast_tip_edge" if on_coast else "tip_rounding" if edge.rounded else "tip_chamfer"
+    size = edge.of(edge.coast).size if on_coast else edge.size
     try:
-        most: str = Allowed.at_most(_largest_edge(tooth, edge, failure), "mm")
+        most: str = Allowed.at_most(_largest_edge(tooth, edge, failure, on_coast=on_coast), "mm")
     except EffortSpentError:
         most = ""
-    return DesignError(f"{name}.{key}", edge.size, unit="mm", reason="larger than the tooth's tip allows", allowed=most)
+    return DesignError(f"{name}.{key}", size, unit="mm", reason="larger than the tooth's tip allows", allowed=most)
 
 
-def _largest_edge(tooth: Tooth, edge: TipEdge, failure: TrimError) -> float:
-    """Return the largest size (mm) of a broken tip edge that a tooth has room for; `failure`: that of its own size."""
-    size = edge.size
+def _largest_edge(tooth: Tooth, edge: TipEdge, failure: TrimError, *, on_coast: bool) -> float:
+    """Return the largest size (mm) of a broken tip edge that a tooth has room for; `failure`: that of its own size.
+
+    `on_coast`: the size is that of the coast side alone.
+    """
+    size = edge.of(edge.coast).size if on_coast else edge.size
 
     def tooth_of_share(share: float) -> Tooth:
-        return replace(tooth, tip_edge=replace(edge, size=share * size))
+        own = replace(edge, coast_size=share * size) if on_coast else replace(edge, size=share * size)
+        return replace(tooth, tip_edge=own)
 
     def trim(most: float, at: Array, share: float) -> None:
         tooth_of_share(share * most).sections(at)

@@ -124,7 +124,9 @@ def _toothed_member(gear: GearProportions) -> Member:
     racks = hobbed_racks(name, spec, own, Heights(tip - own.radius, root - own.radius))
     parameters = rack_parameters(f"l_{letter}", f"u_{letter}")
     way_out = run_outs(gear, racks)
-    made = member(name, spec, racks, Roll(own.radius, own.beta, 0.0), parameters, tip_key, way_out=way_out)
+    made = member(
+        name, spec, racks, Roll(own.radius, own.beta, 0.0), parameters, tip_key, way_out=way_out, coast=own.drive.other
+    )
     return with_modifications(with_tip_surface(made, spec, tip), spec, reference_radius=own.radius)
 
 

@@ -24,7 +24,7 @@ from gearmesh.design.keys import DERIVED_VALUE, MM_PER, Table, conflict, given_o
 from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PairRunout
 from gearmesh.systems.common.internal_keys import check_ring, with_internal
-from gearmesh.systems.common.pressure_angles import CoastRounding, coast_pressure_angle_key
+from gearmesh.systems.common.pressure_angles import CoastSide, coast_pressure_angle_key
 from gearmesh.systems.cylindrical.allowance_keys import (
     BallMeasurement,
     CenterDistanceAllowance,
@@ -141,7 +141,7 @@ TIP_SHAPE_KEYS = ("tip_cone_angle", "tip_throat_radius", "tip_chamfer", "tip_rou
 SIZE_KEYS = ("module", "diametral_pitch", "transverse_module", "transverse_diametral_pitch")
 
 
-class CylindricalMember(TurnedTip, MemberTable, CoastRounding, Modified):
+class CylindricalMember(TurnedTip, MemberTable, CoastSide, Modified):
     """One gear of a cylindrical pair."""
 
     usual: ClassVar[tuple[str, ...]] = ("profile_shift",)
@@ -469,11 +469,11 @@ class ToothingKeys(Design):
     def coast_angle(self) -> float | None:
         """Normal pressure angle of the coast side of asymmetric teeth, deg; None for symmetric teeth.
 
-        Teeth are asymmetric, too, if a tool has another tip rounding on the coast side.
+        Teeth are asymmetric, too, if a tool has another tip rounding, or teeth another tip edge, on the coast side.
         """
         coast = self.normal_angle if self.coast_pressure_angle is None else self.coast_pressure_angle
-        rounded = any(spec.coast_tool_tip_radius not in (None, spec.tool_tip_radius) for spec in self.specs.values())
-        return coast if rounded or coast != self.normal_angle else None
+        other = any(spec.sides_differ for spec in self.specs.values())
+        return coast if other or coast != self.normal_angle else None
 
     def derived_values(self) -> dict[str, float]:
         """Return the defaults that the profile gives; the system derives those that follow from the mesh.

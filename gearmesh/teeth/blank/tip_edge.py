@@ -16,6 +16,8 @@ trace with the spiral angle beta the chamfer's leg on the land is size cos(beta)
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -28,6 +30,7 @@ from gearmesh.kernel.surface.surface import Surface
 from gearmesh.records import dataclass
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.development import Development
+from gearmesh.teeth.region import Side
 
 #: Points (T, 3) at every station: where the edge meets the flank, where the land, and its centre
 EdgePoints = tuple[Array, Array, Array]
@@ -35,11 +38,31 @@ EdgePoints = tuple[Array, Array, Array]
 
 @dataclass(frozen=True)
 class TipEdge:
-    """A 45 deg chamfer or a rounding of `size` mm; `joint` is the motion from one tooth to the next."""
+    """A 45 deg chamfer or a rounding of `size` mm; `joint` is the motion from one tooth to the next.
+
+    The edge on the flanks `coast` has `coast_size` mm; None: as on the other flanks.
+    """
 
     size: float
     rounded: bool = False
     joint: Joint = REVOLUTE_JOINT
+    coast_size: float | None = None
+    coast: Side = Side.LEFT
+
+    def of(self, side: Side) -> TipEdge:
+        """Return the edge of the right or the left flanks, with one size."""
+        own = self.size if self.coast_size is None or side is not self.coast else self.coast_size
+        return replace(self, size=own, coast_size=None)
+
+    def grown(self, amount: float) -> TipEdge:
+        """Return the edge with larger sizes, by an amount (mm)."""
+        coast = None if self.coast_size is None else self.coast_size + amount
+        return replace(self, size=self.size + amount, coast_size=coast)
+
+    @property
+    def least(self) -> float:
+        """Smaller one of both sizes, mm."""
+        return self.size if self.coast_size is None else min(self.size, self.coast_size)
 
     def _between(
         self, flank: Surface, blank: Blank, sign: int, ends: tuple[Array, Array], at: tuple[Array, Array]

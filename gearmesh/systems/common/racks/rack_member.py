@@ -33,6 +33,7 @@ from gearmesh.systems.common.racks.way_out import WayOut
 from gearmesh.systems.common.tooth_edges import edge_refusal, fits, goes, largest_trimmed, stations_on, tip_edge
 from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.gear_train import Member, SourceParameters
+from gearmesh.teeth.region import Side
 from gearmesh.teeth.source_parameters import NamedParameters, SourceParameter
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import Bottom, TipCorner, ToothSide
@@ -106,6 +107,7 @@ def member(
     grinding: ToothMaking | None = None,
     bottom: Bottom | None = None,
     way_out: WayOut | None = None,
+    coast: Side = Side.LEFT,
 ) -> Member:
     """Return a member from its part `spec` of a design (in mm), proved to have closed, unpointed teeth.
 
@@ -114,6 +116,7 @@ def member(
     - grinding: makes the tooth surface from a cutter surface; by default the cutter rolls on the pitch cylinder.
     - bottom: a root that is no surface of revolution.
     - way_out: run-outs of teeth that the rack cutter makes.
+    - coast: flanks of the coast side.
 
     Raises DesignError naming key, value and limit: a bore not below the root, a pointed tooth, an undercut flank, or a
     tip edge larger than the tooth.
@@ -132,7 +135,7 @@ def member(
         right=right,
         left=left,
         blank=blank,
-        tip_edge=tip_edge(spec),
+        tip_edge=tip_edge(spec, coast=coast),
         bottom=bottom,
     )
     prove(name, tooth, spec, tip_key)

@@ -160,7 +160,7 @@ def shaped_member(
         _side(cut, Side.RIGHT),
         _side(cuts[Side.LEFT], Side.LEFT),
         _blank(name, spec, cut),
-        tip_edge=tip_edge(spec),
+        tip_edge=tip_edge(spec, coast=drive.other),
     )
     # an external tooth is proved as the tooth of a rack cutter is
     if own.internal:

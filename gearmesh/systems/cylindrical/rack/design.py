@@ -24,7 +24,7 @@ from gearmesh.design.measured import RackMeasured
 from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PinionRunout
 from gearmesh.member_names import MemberNames
-from gearmesh.systems.common.pressure_angles import CoastRounding
+from gearmesh.systems.common.pressure_angles import CoastSide
 from gearmesh.systems.cylindrical.allowance_keys import ThicknessAllowance, thickness_made_key
 from gearmesh.systems.cylindrical.design import CylindricalMember, HalvesKeys, accuracy_class_key
 from gearmesh.systems.kinds import OWN_KINDS
@@ -55,7 +55,7 @@ class BoltRow(Table):
     )
 
 
-class BarKeys(CoastRounding, Modified):
+class BarKeys(CoastSide, Modified):
     """Keys of a bar with teeth, as many pitches long as it has teeth, or longer."""
 
     usual: ClassVar[tuple[str, ...]] = ("teeth", "height")

@@ -253,7 +253,7 @@ def rack_member(name: str, spec: RackProportions, pinion: Toothing, table: RackT
             FlatLevel(heights.root, joint),
             Body.tube(back, -half, half, Region.BACK),
         ),
-        tip_edge=None if table is None else tip_edge(table, joint),
+        tip_edge=None if table is None else tip_edge(table, joint, pinion.drive.other),
         joint=joint,
     )
     try:

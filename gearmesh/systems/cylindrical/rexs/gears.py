@@ -134,7 +134,7 @@ class GearReader:
         keys: dict[str, Any] = {"teeth": self.teeth, "internal": self.internal}
         keys["face_width"] = self._face_width()
         keys["profile_shift"] = shift = self.shift(module)
-        keys["tip_chamfer"] = self.flank_figure(("tooth_tip_chamfer", 1.0), key=f"{self.name}.tip_chamfer") or None
+        keys |= self._tip_chamfers()
         if not self.internal:
             keys["bore"] = file.number(gear, "inner_diameter", f"{self.name}.bore")
         keys |= self._tip(module, beta, shift or 0.0)
@@ -147,6 +147,14 @@ class GearReader:
         tip = keys.get("tip_diameter")
         keys |= read_changes(file, gear, self.flanks, lambda end, length: _start(end, length, tip, base))
         return {key: value for key, value in keys.items() if value is not None}
+
+    def _tip_chamfers(self) -> dict[str, Any]:
+        """Return the keys of the tip chamfers, which both sides may have in different sizes."""
+        sizes = self._by_side("tooth_tip_chamfer")
+        drive, (coast, *_) = sizes.get(self.drive), [*(v for side, v in sizes.items() if side != self.drive), None]
+        if drive and coast and abs(drive - coast) > FIGURE_ROUNDING:
+            return {"tip_chamfer": drive, "coast_tip_edge": coast}
+        return {"tip_chamfer": self.flank_figure(("tooth_tip_chamfer", 1.0), key=f"{self.name}.tip_chamfer") or None}
 
     def shift(self, module: float) -> float | None:
         """Return the profile shift, in modules, positive towards the tip of a ring as in ISO 21771."""
@@ -375,10 +383,12 @@ def write_gear(file: StageWriter, gear: Component, of: GearProportions, name: st
     _write_thickness(file, gear, of, name)
     flanks = file.flanks(gear, FLANK_TYPE)
     chamfer = file.take(f"{name}.tip_chamfer")
+    coast = None if chamfer is None else file.take(f"{name}.coast_tip_edge")
     for side, flank in flanks.items():
         file.put(flank, "normal_pressure_angle", angles[side])
         file.put(flank, "addendum_modification_coefficient", own.shift)
-        file.put(flank, "tooth_tip_chamfer", chamfer)
+        other = coast is not None and side != str(own.drive)
+        file.put(flank, "tooth_tip_chamfer", coast if other else chamfer)
     file.take(f"{name}.profile_shift")
     if keys.get(f"{name}.manufacture") == "generated":
         _write_tool(file, flanks, of, name)
