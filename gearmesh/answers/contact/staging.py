@@ -145,9 +145,10 @@ def flank_places(tooth: Tooth, side: Side) -> tuple[Array, Array]:
 
 def _gaps(pair: GearPair, flanks: Pair, path: ContactPath, engagement: Engagement | None) -> FlankGaps:
     parameters = shown_flank(pair.pinion, pair.flanks[0]).parameters
-    least = np.nan_to_num(gaps_at(flanks, path.rotation, path.phi2, parameters), nan=np.inf).min(axis=0)
     amount = None if engagement is None else ease_off(engagement, pair.pitch, parameters).distance
     # phi1 = 0, or the nearest position of the path
     phi1 = np.clip(np.zeros(1), path.phi1.min(), path.phi1.max())
     rotation, phi2 = (np.interp(phi1, path.phi1, turn) for turn in (path.rotation, path.phi2))
-    return FlankGaps(least, float(phi1[0]), gaps_at(flanks, rotation, phi2, parameters)[0], amount)
+    *every, middle = gaps_at(flanks, np.append(path.rotation, rotation), np.append(path.phi2, phi2), parameters)
+    least = np.nan_to_num(every, nan=np.inf).min(axis=0)
+    return FlankGaps(least, float(phi1[0]), middle, amount)

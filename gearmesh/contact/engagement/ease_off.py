@@ -171,7 +171,7 @@ def gaps_at(pair: Pair, phi1: Array, phi2: Array, grid: Array) -> Array:
         field = advances(pair, phi1, jet.r, jet.n, np.arange(len(phi1)))
         advance = np.where((field.beyond <= 0.0).all(axis=0), field.advance, np.nan)
         behind = pair.drive * (phi2 - pair.ratio * phi1)[:, None] - advance
-        gaps: Array = behind * _levers(pair, jet.r, jet.n, phi1[:, None])
+        gaps: Array = behind * _all_levers(pair, jet.r, jet.n, phi1)
     return gaps.reshape(-1, *grid.shape[:2])
 
 
@@ -180,3 +180,16 @@ def _levers(pair: Pair, r: Array, n: Array, phi1: Array) -> Array:
     place, gear = pair.pinion.mount.at(phi1), pair.gear.mount
     levers: Array = np.abs(dot(place.vector(n), gear.velocity(place.point(r))))
     return levers
+
+
+def _all_levers(pair: Pair, r: Array, n: Array, phi1: Array) -> Array:
+    """Return `_levers` (N, K) of all points r (K, 3) at all rotations phi1 (N,).
+
+    The velocity of the gear is linear in the place, so that four places at each rotation give it at all points by one product.
+    """
+    turned, gear = phi1[:, None], pair.gear.mount
+    place = pair.pinion.mount.at(turned)
+    moved = gear.velocity(place.point(np.concatenate((np.zeros((1, 3)), np.eye(3)))))
+    origin, *axes = np.moveaxis(place.inverse.vector(moved), 1, 0)
+    velocity = np.concatenate((origin, *(along - origin for along in axes)), axis=1)
+    return np.abs(velocity @ np.concatenate((n, *(r[:, [k]] * n for k in range(3))), axis=1).T)

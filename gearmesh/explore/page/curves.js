@@ -4,7 +4,12 @@ window.gearmeshCurves = function (parent, moveTo) {
   "use strict";
 
   const NAMES = "http://www.w3.org/2000/svg", WIDTH = 360, HEIGHT = 190, LEFT = 66, RIGHT = 12, TOP = 24, BOTTOM = 24, LINES_SHOWN = 20;
-  const floats = (text) => new Float32Array(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer);
+  // a loop takes a fifth of the time of Uint8Array.from with a function
+  function floats(text) {
+    const plain = atob(text), bytes = new Uint8Array(plain.length);
+    for (let k = 0; k < plain.length; k++) bytes[k] = plain.charCodeAt(k);
+    return new Float32Array(bytes.buffer);
+  }
 
   function made(name, attributes, text) {
     const each = document.createElementNS(NAMES, name);

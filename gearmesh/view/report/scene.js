@@ -11,7 +11,12 @@ window.gearmeshScene = function () {
   if (!context) return null;
   context.getExtension("WEBGL_lose_context")?.loseContext();
 
-  const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer;
+  // a loop takes a fifth of the time of Uint8Array.from with a function
+  function bytes(text) {
+    const plain = atob(text), array = new Uint8Array(plain.length);
+    for (let k = 0; k < plain.length; k++) array[k] = plain.charCodeAt(k);
+    return array.buffer;
+  }
   const floats = (text) => new Float32Array(bytes(text));
   const vector = (v) => new THREE.Vector3(v[0], v[1], v[2]);
 
