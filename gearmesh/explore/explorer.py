@@ -83,16 +83,17 @@ class Explorer:
             self._server = uvicorn.Server(config)
             self._served = asyncio.run_coroutine_threadsafe(self._server.serve([self._socket]), self._loop)
             _wait_for(self._server, self._served)
+            if browser:
+                # a browser starts while the gears are built
+                import webbrowser
+
+                webbrowser.open(self.url)
             if origin is not None and known is not None and not known.result():
                 # the process has refused the design: the error itself is raised here
                 _try_build(origin)
         except BaseException:
             self._end()
             raise
-        if browser:
-            import webbrowser
-
-            webbrowser.open(self.url)
 
     @property
     def url(self) -> str:
@@ -195,7 +196,9 @@ async def _opened(worker: Worker, origin: Origin | None, known: Future[bool] | N
         kind = json.loads(content)["type"]
         if kind != "progress" and not known.done():
             known.set_result(kind == "design")
+            worker.release()
 
+    worker.held = True
     first = {"do": "show", **origin.state, "last": None, "have": [], "rows": None}
     worker.ask(first, Listener(NO_PAGE, None, hear))
 

@@ -93,6 +93,10 @@ class Worker:
     running: Asked | None = None
     #: the process; None while there is none
     process: asyncio.subprocess.Process | None = None
+    #: True while the program itself waits for the first answer to its question
+    held: bool = False
+    #: True once a page has asked
+    _has_page: bool = False
     #: number of the last question that was sent
     _job: int = 0
     #: set when a question waits
@@ -132,8 +136,16 @@ class Worker:
             self.waiting.append(Asked(request, [listener]))
         for older in (what,) * (what in NEWEST_COUNTS) + ("range",) * (what == "show"):
             self.drop(listener.page, older, listener)
-        self.drop(NO_PAGE, None, listener)
+        self._has_page |= listener.page != NO_PAGE
+        if not self.held:
+            self.drop(NO_PAGE, None, listener)
         self._wake.set()
+
+    def release(self) -> None:
+        """Drop the question of the program, which has heard its first answer, as soon as a page has asked."""
+        self.held = False
+        if self._has_page:
+            self.drop(NO_PAGE)
 
     def drop(self, page: int, what: str | None = None, newest: Listener | None = None) -> None:
         """Drop the questions of a page, or those of one kind, but for the newest one."""

@@ -295,6 +295,24 @@ def test_a_page_joins_work_that_is_done_already() -> None:
     assert [each.listeners[0].identity for each in worker.waiting] == [6, 8]
 
 
+@pytest.mark.quick
+@pytest.mark.parametrize("asks", [True, False])
+def test_a_page_that_opens_while_the_gears_are_built_takes_no_answer_from_the_program(*, asks: bool) -> None:
+    worker, first = Worker(held=True), {"do": "show", "keys": {"module": 2}}
+    worker.ask(first, Listener(NO_PAGE, None, lambda content: None))
+    worker.running = running = worker.waiting.pop()
+    if asks:
+        # the browser is faster than the gears
+        worker.ask(dict(first), Listener(1, 5, lambda content: None))
+        worker.ask({**first, "keys": {"module": 3}}, Listener(1, 6, lambda content: None))
+    assert [each.page for each in running.listeners] == [NO_PAGE]
+    worker.release()
+    # from now on the work is that of pages alone; without any it goes on for the one to come
+    assert [each.page for each in running.listeners] == ([] if asks else [NO_PAGE])
+    worker.ask(dict(first), Listener(2, 7, lambda content: None))
+    assert [each.page for each in running.listeners] == ([] if asks else [2])
+
+
 class Still:
     """Process that answers only what is fed to it."""
 

@@ -192,4 +192,5 @@ def _all_levers(pair: Pair, r: Array, n: Array, phi1: Array) -> Array:
     moved = gear.velocity(place.point(np.concatenate((np.zeros((1, 3)), np.eye(3)))))
     origin, *axes = np.moveaxis(place.inverse.vector(moved), 1, 0)
     velocity = np.concatenate((origin, *(along - origin for along in axes)), axis=1)
-    return np.abs(velocity @ np.concatenate((n, *(r[:, [k]] * n for k in range(3))), axis=1).T)
+    levers: Array = np.abs(velocity @ np.concatenate((n, *(r[:, [k]] * n for k in range(3))), axis=1).T)
+    return levers
