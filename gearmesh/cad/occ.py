@@ -7,6 +7,7 @@ digits differ between processors; rounded like this they are in none of the copi
 from __future__ import annotations
 
 from collections.abc import Sequence
+from io import BytesIO
 from importlib import import_module
 from typing import Any
 
@@ -220,3 +221,31 @@ def collection(name: str) -> Any:
     except ModuleNotFoundError:
         module, own_name = _COLLECTIONS_OF_7[name]
         return getattr(import_module(f"OCP.{module}"), own_name)
+
+
+def shapes_as_bytes(shapes: Sequence[Any]) -> bytes:
+    """Return shapes as bytes for `shapes_from_bytes`; what they share is stored once."""
+    from OCP.BinTools import BinTools
+    from OCP.BRep import BRep_Builder
+    from OCP.TopoDS import TopoDS_Compound
+
+    builder, whole, stream = BRep_Builder(), TopoDS_Compound(), BytesIO()
+    builder.MakeCompound(whole)
+    for shape in shapes:
+        builder.Add(whole, shape)
+    BinTools.Write_s(whole, stream)
+    return stream.getvalue()
+
+
+def shapes_from_bytes(content: bytes) -> list[Any]:
+    """Return the shapes of bytes, which share with each other what they shared."""
+    from OCP.BinTools import BinTools
+    from OCP.TopoDS import TopoDS_Iterator, TopoDS_Shape
+
+    whole, shapes = TopoDS_Shape(), []
+    BinTools.Read_s(whole, BytesIO(content))
+    children = TopoDS_Iterator(whole)
+    while children.More():
+        shapes.append(children.Value())
+        children.Next()
+    return shapes

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from gearmesh import __version__
-from gearmesh.cad.occ import location, mapped_shapes
+from gearmesh.cad.occ import location, mapped_shapes, shapes_as_bytes, shapes_from_bytes
 from gearmesh.cad.part21 import basic_alphabet, condense
 from gearmesh.cad.programs.requirements import require
 from gearmesh.errors import OutputError
@@ -71,6 +71,22 @@ class Part:
         there = location(place)
         faces = tuple(replace(face, shape=face.shape.Moved(there)) for face in self.faces)
         return replace(self, solid=self.solid.Moved(there), faces=faces)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        labels = [(face.name, face.region, face.copies, face.tooth) for face in self.faces]
+        content = shapes_as_bytes([self.solid, *(face.shape for face in self.faces)])
+        return _part_from_bytes, (self.name, content, labels, self.regions, self.closed)
+
+
+def _part_from_bytes(
+    name: str, content: bytes, labels: list[tuple[str, str, int, int | None]], regions: tuple[str, ...], closed: bool
+) -> Part:
+    """Return the part that `Part.__reduce__` has taken apart."""
+    from OCP.TopoDS import TopoDS
+
+    solid, *shapes = shapes_from_bytes(content)
+    faces = tuple(NamedFace(TopoDS.Face(shape), *label) for shape, label in zip(shapes, labels, strict=True))
+    return Part(name, solid, faces, regions, closed)
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import csv
 import importlib.util
 import json
+import pickle
+import re
 import subprocess
 import sys
 from functools import cache
@@ -119,6 +121,24 @@ def test_names_of_occurrences_and_colours_of_solids_arrive_in_gmsh(tmp_path: Pat
         expected, *middle = measures(face.shape)
         assert area == pytest.approx(expected)
         np.testing.assert_allclose(centre, occurrence.place.point(np.array(middle)), atol=1e-9)
+
+
+@pytest.mark.parametrize("asked", [{}, {"flank_only": "both"}])
+def test_solids_from_other_processes_make_the_same_file(asked: dict[str, Any], tmp_path: Path) -> None:
+    """The data of the file are the same but for the numbers of occurrences, which count on."""
+    made = gears().cad("pinion" if asked else None, COARSE, **asked)
+    again = pickle.loads(pickle.dumps(made))
+    assert again.document() == made.document()
+    texts = [one.save(tmp_path / "set.step").read_text().partition("DATA;")[2] for one in (made, again)]
+    mine, theirs = (re.sub(r"OCCURRENCE\('\d+'", "OCCURRENCE('1'", text) for text in texts)
+    assert theirs == mine
+    assert again.face_names().faces == made.face_names().faces
+
+
+def test_parts_that_occur_twice_are_one_part_in_other_processes() -> None:
+    again = pickle.loads(pickle.dumps(cubes()))
+    assert len(again.parts) == 2
+    assert again.colours == cubes().colours
 
 
 @needs_build123d
