@@ -7,8 +7,8 @@ digits differ between processors; rounded like this they are in none of the copi
 from __future__ import annotations
 
 from collections.abc import Sequence
-from io import BytesIO
 from importlib import import_module
+from io import BytesIO
 from typing import Any
 
 import numpy as np

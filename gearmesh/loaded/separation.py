@@ -288,8 +288,8 @@ def near_pairs(gears: GearPair, phi1: Array, limit: float) -> NearPairs:
     pinion_ahead, gear_ahead = (np.concatenate(parts) for parts in zip(*ahead, strict=True))
     if any(row.uneven for row in rows):
         out = [
-            farther_out_ahead(row, path, number[half == k])
-            for k, (row, path) in enumerate(zip(rows, paths, strict=True))
+            farther_out_ahead(row, followed.pair, path, number[half == k])
+            for k, (row, followed, path) in enumerate(zip(rows, engagements, paths, strict=True))
         ]
         gear_ahead = gear_ahead + np.concatenate(out)
     touching = [touching_jets(row, path) for row, path in zip(rows, paths, strict=True)]
@@ -425,9 +425,8 @@ class _Followed:
         # pair k at phi1 is in the position of pair 0 at phi1 - k pitches; a pair without contact there has no advance
         path = contact_path(self.pair, (self._phi1[:, None] - self._pitch * all_numbers + pinion_ahead).ravel())
         if self._gears.uneven:
-            gear_ahead = gear_ahead + farther_out_ahead(self._gears, path, all_numbers.ravel()).reshape(
-                gear_ahead.shape
-            )
+            out = farther_out_ahead(self._gears, self.pair, path, all_numbers.ravel())
+            gear_ahead = gear_ahead + out.reshape(gear_ahead.shape)
         te = path.phi2 - self.pair.ratio * path.rotation + (self.pair.ratio * pinion_ahead - gear_ahead).ravel()
         advance = np.where(path.touching, self.pair.drive * te, -np.inf)
         lever = np.abs(dot(path.normal, self.pair.gear.mount.velocity(path.point)))

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
+from scipy.spatial import KDTree
 
 import gearmesh as gm
 from gearmesh.answers.contact.shared import shared_touch
@@ -291,6 +292,35 @@ def test_ring_turns_as_the_first_of_pins_set_outwards_says() -> None:
         assert sorted(apart)[1] > 0.2 * np.ptp(turns.te)
         seen.append(int(np.argmin(apart)))
     assert (seen[0] - seen[1]) % 20 == 10
+
+
+@pytest.mark.sweep
+def test_ring_with_pins_far_out_turns_until_a_pin_meets_the_lobes() -> None:
+    """By distances of circles from points of the lobes: to first order pins near the root are 6 arcsec off."""
+    away = np.round(np.random.default_rng(5).normal(0.0, 8.0, 20), 1)
+    gears = gm.build(design("modification.equidistant=0.02", f"measured.ring_radial_um={away.tolist()}"))
+    turns, drive = whole_turns(gears.pairs[0]), Drive(gears.design)
+    own, half = drive.ground, np.exp(1j * np.pi / drive.ground.lobes)
+    points, slopes, _ = curve(drive, np.linspace(0.0, 2.0 * np.pi * own.lobes, 8000 * own.lobes, endpoint=False))
+    inwards = -1j * slopes / np.abs(slopes)
+    lobes = (points + drive.grinding_pin * inwards) * half
+    tree, outwards = KDTree(np.column_stack((lobes.real, lobes.imag))), -inwards * half
+    arms = (drive.curve.circle + 1e-3 * away) * np.exp(2j * np.pi * np.arange(20) / 20)
+
+    def gap(turn: float, phi1: float) -> float:
+        """Least distance of a pin from the lobes, mm, where the ring is `turn` (rad) behind its nominal place."""
+        places = (arms * np.exp(1j * (turn - np.pi / 20 - 0.95 * phi1)) - own.eccentricity) * np.exp(1j * phi1)
+        near = tree.query(np.column_stack((places.real, places.imag)))[1]
+        return float(((places - lobes[near]) * outwards[near].conj()).real.min()) - drive.pin
+
+    # every pin is free at some rotation, and one touches farther on
+    behind = []
+    for phi1 in turns.phi1[::8]:
+        trials = np.linspace(-5e-3, 5e-3, 101)
+        gaps = np.array([gap(turn, phi1) for turn in trials])
+        beyond = np.argmax(gaps) + np.flatnonzero(gaps[np.argmax(gaps) :] < 0.0)[0]
+        behind.append(brentq(gap, trials[beyond - 1], trials[beyond], args=(phi1,), xtol=1e-10))
+    assert turns.te[::8] == pytest.approx(behind[0] - np.array(behind), abs=0.01 * np.ptp(turns.te))
 
 
 @pytest.mark.sweep

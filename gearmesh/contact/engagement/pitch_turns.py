@@ -1,7 +1,8 @@
 """Transmission error of a pair with pitch deviations over whole turns: one tooth pair, followed beyond its engagement.
 
 All tooth pairs have the contact of this one, shifted as `uneven_teeth` derives it. The gears have the error of the most advanced
-tooth pair, edge contact included.
+tooth pair, edge contact included. Teeth that are farther from their axes are displaced, and solved for one by one as those of
+eccentric members are.
 """
 
 from __future__ import annotations
@@ -16,16 +17,16 @@ from gearmesh.contact.engagement.engagement import Engagement, follow, whole_eng
 from gearmesh.contact.engagement.transmission_advance import TransmissionAdvance
 from gearmesh.contact.engagement.turns import (
     FullTurns,
+    displaced_advances,
     full_turns,
     gear_turned,
     turns_from,
     turns_of,
 )
-from gearmesh.contact.engagement.uneven_teeth import farther_out, farther_out_rates, flanks_ahead
+from gearmesh.contact.engagement.uneven_teeth import flanks_ahead
 from gearmesh.contact.fit.fit import reversed_pair
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.pair import Pair
-from gearmesh.contact.tca import contact_path
 from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.progress import in_turn
@@ -59,6 +60,8 @@ def shifted_advances(pair: GearPair, pitches: int, per_pitch: int) -> tuple[Arra
     Coast flanks are the driving flanks of the reversed pair; the sum of both advances is the play. Raises NoSolutionError where the
     teeth lose contact.
     """
+    if any(member.index.outwards for member in pair.both):
+        return displaced_advances(pair, pitches, per_pitch)
     both = (pair, reversed_pair(pair))
     first, second = (_longer_engagement(solver_pair(own), own.pitch) for own in both)
     shifts = (0, gear_turned(pair, first, second))
@@ -87,8 +90,6 @@ def _shifted_advance(
     first, second = flanks_ahead(pair, number, turned)
     there = (place + first).ravel()
     inside = (there >= followed.phi1[0]) & (there <= followed.phi1[-1])
-    if any(member.index.outwards for member in pair.both):
-        second = second + _farther_out_by_place(pair, followed, number, turned, place + first)
     advance = np.full(there.shape, -np.inf)
     own_advance = of_pair.at(there[inside])[0]
     advance[inside] = np.where(np.isnan(own_advance), -np.inf, own_advance)
@@ -99,20 +100,6 @@ def _shifted_advance(
     if not np.isfinite(greatest).all():
         raise NoSolutionError(reason="the teeth lose contact, so there is no transmission error over whole turns")
     return greatest, np.repeat(np.arange(pitches), per_pitch) + away[leading]
-
-
-def _farther_out_by_place(
-    pair: GearPair, followed: Engagement, number: NDArray[np.intp], turned: int, place: Array
-) -> Array:
-    """Return the angles of `farther_out_ahead` of tooth pairs `number` (...,) at rotations `place` (...,), rad, of pair 0."""
-    from scipy.interpolate import CubicSpline
-
-    nodes = followed.phi1
-    path = contact_path(solver_pair(pair), nodes)
-    found = np.zeros(np.broadcast_shapes(number.shape, place.shape))
-    for rate, away in zip(farther_out_rates(pair, path), farther_out(pair, number, turned), strict=True):
-        found += CubicSpline(nodes[path.touching], rate[path.touching])(place) * away
-    return found
 
 
 def _longer_engagement(flanks: Pair, pitch: float) -> Engagement:

@@ -25,13 +25,13 @@ from numpy.typing import NDArray
 from gearmesh.contact.conditions.refinement import Contacts, Trial, refine_candidates
 from gearmesh.contact.engagement.cycle import engagement_range
 from gearmesh.contact.engagement.engagement import Engagement, whole_engagement
-from gearmesh.contact.engagement.uneven_teeth import farther_out, flanks_ahead, tooth_direction
+from gearmesh.contact.engagement.uneven_teeth import displace, farther_out, flanks_ahead, tooth_direction
 from gearmesh.contact.first_touch.first_touch import first_touch
 from gearmesh.contact.fit.fit import play, reversed_pair
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.pair import EDGE_CORNER, Pair
 from gearmesh.contact.path import ContactPath
-from gearmesh.contact.tca import contact_path
+from gearmesh.contact.tca import contact_jets, contact_path
 from gearmesh.errors import DesignError, NoSolutionError
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array, dot
 from gearmesh.records import dataclass
@@ -123,12 +123,21 @@ def full_turns(pair: GearPair) -> FullTurns:
     Raises DesignError where the turns are too many, NoSolutionError where the teeth lose contact.
     """
     pitches, per_pitch = turns_of(pair)
-    # advances of the driving flanks and of the coast flanks; their sum is the play
+    forwards, backwards, carrier = displaced_advances(pair, pitches, per_pitch)
+    return turns_from(pair, (forwards, backwards), carrier, per_pitch, closed=not pair.uneven)
+
+
+def displaced_advances(pair: GearPair, pitches: int, per_pitch: int) -> tuple[Array, Array, NDArray[np.intp]]:
+    """Compute transmission advances (P,), rad, of driving and coast flanks over `pitches`, and the tooth pairs (P,) that drive.
+
+    Every tooth pair is displaced by eccentricities, and by teeth that are farther from their axes. The sum of both advances is the
+    play. Raises NoSolutionError where the teeth lose contact.
+    """
     both = (pair, reversed_pair(pair))
     first, second = (_concentric_engagement(own) for own in both)
     forwards, carrier = _advance(pair, first, pitches, per_pitch)
     backwards, _ = _advance(both[1], second, pitches, per_pitch, gear_turned(pair, first, second))
-    return turns_from(pair, (forwards, backwards), carrier, per_pitch, closed=not pair.uneven)
+    return forwards, backwards, carrier
 
 
 def turns_from(
@@ -265,17 +274,18 @@ class _Turns:
         turned: int,
     ) -> _Turns:
         # contacts of the concentric pair are the starts; a place is worth solving if eccentricity can bring it to the front
-        contacts = followed.at(places.astype(float) * (gears.pitch / per_pitch))
+        step = gears.pitch / per_pitch
+        contacts = followed.at(places.astype(float) * step)
         usable = np.flatnonzero(contacts.touching & (contacts.edges[:, 0] < EDGE_CORNER))
         places, contacts = places[usable], contacts.at(usable)
         phase, most = places % per_pitch, np.full(per_pitch, -np.inf)
         np.maximum.at(most, phase, contacts.advance)
         numbers = np.arange(pitches)
         ahead, outwards = (of_teeth(gears, numbers, turned) for of_teeth in (flanks_ahead, farther_out))
-        behind = MAX_LAG * (
-            sum(amplitude for amplitude, _ in _closed_waves(gears).values())
-            + sum(float(np.ptp(away)) for away in outwards) / abs(_mean_contact(gears)[1])
-        )
+        # the smaller the lever arm of a normal, the farther the gear turns by a way along it
+        way = abs(_mean_contact(gears)[1]) * sum(amplitude for amplitude, _ in _closed_waves(gears).values())
+        way += sum(float(np.ptp(away)) for away in outwards)
+        behind = MAX_LAG * way / _levers(pair, np.asarray(places * step), contacts)
         # differences of pitch deviations count as they are
         behind += float(np.ptp(gears.ratio * ahead[0] - ahead[1]))
         worth = np.flatnonzero(contacts.advance >= most[phase] - behind - ROUNDING_RAD)
@@ -356,11 +366,7 @@ class _Turns:
         away_1, away_2 = (away[tooth, None] for away in self.outwards)
         at_phi1 = at_phi1 + away_1 * tooth_direction(pinion, self._flank_phi1(tooth, place))
         at_phi2 = at_phi2 + away_2 * tooth_direction(gear, phi2)
-        return replace(
-            self.pair,
-            pinion=self.pair.pinion.remount(self.pair.pinion.mount.shift(at_phi1)),
-            gear=self.pair.gear.remount(self.pair.gear.mount.shift(at_phi2)),
-        )
+        return displace(self.pair, at_phi1, at_phi2)
 
     def _solve(
         self, part: NDArray[np.intp], tooth: NDArray[np.intp], place: NDArray[np.intp], contacts: Contacts
@@ -454,6 +460,12 @@ def _closed_waves(pair: GearPair) -> dict[str, tuple[float, float]]:
         now, later = sense * dot(path.normal[0], member.mount.off(quarter)) / lever
         waves[member.name] = float(np.hypot(now, later)), float(np.arctan2(later, now) % (2.0 * np.pi) / rate)
     return waves
+
+
+def _levers(pair: Pair, phi1: Array, contacts: Contacts) -> Array:
+    """Return the lever arms (N,), mm, of the normals of contacts (N,) about the gear's axis at rotations phi1 (N,), rad."""
+    _, (_, gear) = contact_jets(pair, phi1, contacts)
+    return np.abs(dot(gear.n, pair.gear.mount.velocity(gear.r)))
 
 
 def _mean_contact(pair: GearPair) -> tuple[ContactPath, float]:

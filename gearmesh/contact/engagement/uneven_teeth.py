@@ -6,11 +6,8 @@ phi2 count, so its transmission error is
 
     te_k(phi1) = te(phi1 + e1 - k pitch) + i e1 - e2
 
-A tooth that is r farther from its axis, as a pin that is set into a ring, moves along the normal n at the contact. The gear
-follows by an angle at which nothing moves along the normal, to first order in r. With the direction x of the tooth and the
-velocity v2 of the gear at a unit rotation, this adds to e2
-
-    r x n / (v2 n)  for teeth of the gear,      -r x n / (v2 n)  for teeth of the pinion
+A tooth that is r farther from its axis, as a pin that is set into a ring, has the contact of a nominal tooth whose gear is
+displaced by r in the direction of the tooth. What the gear lags by that adds to e2.
 
 Pair k of the drive flanks has the gear's tooth k. Coast flanks of the same gear touch other teeth of it: pair k of theirs has the
 gear's tooth k + `turned`, where the gear is turned by so many pitches from the contact of flanks of the same number.
@@ -19,14 +16,20 @@ gear's tooth k + `turned`, where the gear is turned by so many pitches from the 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.contact.first_touch.first_touch import first_touch
+from gearmesh.contact.pair import Pair
 from gearmesh.contact.path import ContactPath
-from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.gear_train import GearPair, Member
 from gearmesh.teeth.region import Side
+
+#: rounds that find the direction of a tooth that is farther out: the first is off by less than a tenth of a degree
+DIRECTION_ROUNDS = 2
 
 
 def flanks_ahead(pair: GearPair, number: NDArray[np.intp], turned: int = 0) -> tuple[Array, Array]:
@@ -48,27 +51,35 @@ def farther_out(pair: GearPair, number: NDArray[np.intp], turned: int = 0) -> tu
     return first, second
 
 
-def farther_out_ahead(pair: GearPair, path: ContactPath, number: NDArray[np.intp]) -> Array:
+def farther_out_ahead(gears: GearPair, pair: Pair, path: ContactPath, number: NDArray[np.intp]) -> Array:
     """Return angles (M,), rad, by which the gear's flanks are ahead for teeth that are farther from their axes, as phi2 counts.
 
-    `path`: contacts (M,) of a tooth pair at its nominal place. `number` (M,) counts tooth pairs as `flanks_ahead` does.
+    `pair`: flanks of one tooth pair at its nominal place. `path`: its contacts (M,). `number` (M,) counts tooth pairs as
+    `flanks_ahead` does. Infinite for teeth that do not touch where they are.
     """
-    found = np.zeros(len(path.phi1))
-    for rate, away in zip(farther_out_rates(pair, path), farther_out(pair, number), strict=True):
-        found += rate * away
-    return found
+    ahead, outwards = np.zeros(len(path.phi1)), farther_out(gears, number)
+    moved = np.flatnonzero(path.touching & np.any([away != 0.0 for away in outwards], axis=0))
+    if moved.size:
+        turns = [path.rotation[moved], path.phi2[moved]]
+        # the direction of the gear's tooth is that where it touches
+        for _ in range(DIRECTION_ROUNDS):
+            first, second = (
+                away[moved, None] * tooth_direction(member, turn)
+                for member, turn, away in zip(gears.both, turns, outwards, strict=True)
+            )
+            contacts = first_touch(displace(pair, first, second), turns[0])
+            turns[1] = np.where(contacts.touching, contacts.x[:, 4], turns[1])
+        ahead[moved] = np.where(contacts.touching, path.phi2[moved] - turns[1], np.inf)
+    return ahead
 
 
-def farther_out_rates(pair: GearPair, path: ContactPath) -> list[Array]:
-    """Return angles (M,), rad/mm, by which flanks of the gear are ahead for each mm that a tooth of either member is farther
-    out; 0 without contact."""
-    moved = dot(path.normal, pair.gear.mount.velocity(path.point))
-    rates = []
-    for member, turn, sense in zip(pair.both, (path.rotation, path.phi2), (-1.0, 1.0), strict=True):
-        with np.errstate(divide="ignore", invalid="ignore"):
-            rate = sense * dot(path.normal, tooth_direction(member, turn)) / moved
-        rates.append(np.where(path.touching, rate, 0.0))
-    return rates
+def displace(pair: Pair, first: Array, second: Array) -> Pair:
+    """Return a pair whose pinion and gear are displaced by `first` and `second` (M, 3), mm, at M positions."""
+    return replace(
+        pair,
+        pinion=pair.pinion.remount(pair.pinion.mount.shift(first)),
+        gear=pair.gear.remount(pair.gear.mount.shift(second)),
+    )
 
 
 def tooth_direction(member: Member, turn: Array) -> Array:
