@@ -24,6 +24,9 @@ MAX_LOST_PER_JOB = 2
 #: questions of which only the newest of a page counts
 NEWEST_COUNTS = ("show", "range", "open", "start")
 
+#: questions that do not wait for the range of a key, which may take a minute: the page asks for it again
+ENDS_RANGES = ("show", "file")
+
 #: number of the page of questions that no page has asked yet
 NO_PAGE = 0
 
@@ -134,7 +137,7 @@ class Worker:
             same.join(listener)
         else:
             self.waiting.append(Asked(request, [listener]))
-        for older in (what,) * (what in NEWEST_COUNTS) + ("range",) * (what == "show"):
+        for older in (what,) * (what in NEWEST_COUNTS) + ("range",) * (what in ENDS_RANGES):
             self.drop(listener.page, older, listener)
         self._has_page |= listener.page != NO_PAGE
         if not self.held:

@@ -313,6 +313,19 @@ def test_a_page_that_opens_while_the_gears_are_built_takes_no_answer_from_the_pr
     assert [each.page for each in running.listeners] == ([] if asks else [2])
 
 
+@pytest.mark.quick
+def test_a_file_does_not_wait_for_the_range_of_a_key() -> None:
+    worker = Worker()
+    listeners = [Listener(page, number, lambda content: None) for page, number in ((1, 5), (2, 6), (1, 7))]
+    worker.ask({"do": "range", "key": "module"}, listeners[0])
+    worker.running = running = worker.waiting.pop()
+    worker.ask({"do": "range", "key": "backlash"}, listeners[1])
+    worker.ask({"do": "file", "suffix": ".toml"}, listeners[2])
+    assert running.listeners == []
+    # that of another page waits
+    assert [each.what for each in worker.waiting] == ["range", "file"]
+
+
 class Still:
     """Process that answers only what is fed to it."""
 

@@ -34,7 +34,8 @@
     if (!entered || socket.readyState !== WebSocket.OPEN) return null;
     const id = ++count;
     // what is stale has no end
-    for (const [old, { what: before }] of asked) if (what === "show" && ["show", "range"].includes(before)) asked.delete(old);
+    const ended = { show: ["show", "range"], file: ["range"] }[what] ?? [];
+    for (const [old, { what: before }] of asked) if (ended.includes(before)) asked.delete(old);
     asked.set(id, { what, ...fields });
     socket.send(JSON.stringify({ do: what, id, ...fields }));
     return id;
@@ -81,6 +82,9 @@
       if (filing === message.id) {
         filing = null;
         element("status").textContent = "";
+        // the file came before the range of the key in use
+        rangeAsked = null;
+        askRange();
       }
     },
   };
