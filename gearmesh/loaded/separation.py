@@ -66,6 +66,8 @@ MAX_CURVATURE_RATIO = 5.0
 MAX_STEP_GAP_MM = 0.05
 #: least relative curvature, 1/mm
 LEAST_KAPPA = 1e-3
+#: least width of a grid over that of a wider one whose gaps it takes
+MIN_SHARED_WIDTH = 0.6
 #: half width of the grid over the Hertz semi-axis under the load
 GRID_MARGIN = 1.4
 #: extension of a grid beyond a corner of a flank, in half widths of a contact as long as wide
@@ -539,6 +541,42 @@ class Separation:
 
 
 def separation(
+    near: NearPairs,
+    force: Array,
+    modulus: float,
+    cells: tuple[int, int],
+    widen: Array,
+    part: Array | tuple[float, float] = (0.0, 1.0),
+) -> Separation:
+    """Compute gaps on grids; arguments are those of `_separation`.
+
+    Of grids of one pair that differ in width alone, as those of several torques, only the widest has gaps of its own.
+    """
+    if near.chosen_from is None:
+        return _separation(near, force, modulus, cells, widen, part)
+    count = len(near.position)
+    ends = np.broadcast_to(np.reshape(part, (2, -1)), (2, count))
+    order = np.argsort(-widen, kind="stable")
+    first: dict[tuple[float, ...], int] = {}
+    of = np.arange(count)
+    for row in order.tolist():
+        key = (int(near.chosen_from[1][row]), float(ends[0, row]), float(ends[1, row]), float(force[row]))
+        widest = first.setdefault(key, row)
+        if widen[row] >= MIN_SHARED_WIDTH * widen[widest]:
+            of[row] = widest
+        else:
+            first[key] = row
+    kept = np.unique(of)
+    if len(kept) == count:
+        return _separation(near, force, modulus, cells, widen, part)
+    alone = _separation(near.some(kept), force[kept], modulus, cells, widen[kept], ends[:, kept])
+    grids = alone.some(np.searchsorted(kept, of))
+    narrower = np.flatnonzero(of != np.arange(count))
+    grids.narrowed(narrower, (widen / widen[of])[narrower])
+    return grids
+
+
+def _separation(
     near: NearPairs,
     force: Array,
     modulus: float,

@@ -45,9 +45,13 @@ from gearmesh.loaded.root_stress import Pressed, RootStress, root_stress
 from gearmesh.loaded.separation import NearPairs, Separation, advances_of_halves, near_pairs, separation
 from gearmesh.progress import in_turn, side_by_side, tell
 from gearmesh.teeth.gear_train import GearPair, Member
-from gearmesh.teeth.region import Side
+from gearmesh.teeth.region import FLANK_REGIONS, Side
 from gearmesh.teeth.tooth import Tooth
 
+#: places up the profile at which modifications of two teeth are compared
+SHIFT_ROWS = np.linspace(0.0, 1.0, 65)
+#: distance along the axis, mm, within which points are in one plane
+SAME_PLANE_MM = 1e-9
 #: stations along the face at which the angle that a flank covers is measured
 REACH_STATIONS = 33
 #: default numbers of cells along and across a contact
@@ -624,6 +628,57 @@ def largest_shift(
     )
 
 
+def modified_shift(first: GearPair, second: GearPair, outlines: tuple[BodyOutline, BodyOutline]) -> float | None:
+    """Return `largest_shift` of two pairs that differ in modifications of their flanks alone; None for others.
+
+    `outlines` are those of the members of the first pair.
+    """
+    if first.flanks != second.flanks:
+        return None
+    shift = 0.0
+    for member, other, outline in zip(first.both, second.both, outlines, strict=True):
+        tooth, other_tooth = member.one_tooth, other.one_tooth
+        bases = member.mount.base, other.mount.base
+        mounted = all(
+            np.array_equal(getattr(bases[0], part), getattr(bases[1], part)) for part in ("rotation", "translation")
+        )
+        if not mounted or not _same_tools(tooth, other_tooth):
+            return None
+        if tooth is not other_tooth and tooth != other_tooth:
+            for region in FLANK_REGIONS.values():
+                places, others = (each.grid(region, SHIFT_ROWS, each.even).points for each in (tooth, other_tooth))
+                apart = _aside(places, others)
+                if apart is None:
+                    return None
+                shift = max(shift, apart / outline.depth)
+    return shift
+
+
+def _aside(places: Array, others: Array) -> float | None:
+    """Return the largest distance, mm, along the circumference between two flanks with rows of points (I, J, 3); None where
+    their columns are not in the same planes across the axis."""
+    if places.shape != others.shape or np.abs(np.ptp([*places[..., 2], *others[..., 2]], axis=0)).max() > SAME_PLANE_MM:
+        return None
+    largest = 0.0
+    for column, other in zip(places.swapaxes(0, 1), others.swapaxes(0, 1), strict=True):
+        (radius, angle), (other_radius, other_angle) = (
+            (np.hypot(p[:, 0], p[:, 1]), np.arctan2(p[:, 1], p[:, 0])) for p in (column, other)
+        )
+        order = np.argsort(radius)
+        known = np.interp(other_radius, radius[order], angle[order])
+        largest = max(largest, float((other_radius * np.abs(other_angle - known)).max()))
+    return largest
+
+
+def _same_tools(tooth: Tooth, other: Tooth) -> bool:
+    """Return True for teeth that are the same without their modifications; False if that cannot be told."""
+    try:
+        return tooth is other or bool(tooth.unmodified_tooth == other.unmodified_tooth)
+    except ValueError:
+        # surfaces with arrays, as those of bevel gears
+        return False
+
+
 def outlines_of(gears: GearPair) -> tuple[BodyOutline, BodyOutline]:
     """Return the outlines of both members of a pair; that of the tooth of another design, if it is equal."""
     pinion, gear = (_outline_of(member.one_tooth, side) for member, side in zip(gears.both, gears.flanks, strict=True))
@@ -884,6 +939,7 @@ class _Problem:
         supports: Supports | None = None,
         slots: tuple[NDArray[np.intp], int] | None = None,
         tolerance: float = PRESSURE_TOLERANCE,
+        known: ContactCompliance | None = None,
     ) -> None:
         bodies, materials, cells = model.bodies, model.materials, model.cells
         self.whole_model = model
@@ -902,6 +958,8 @@ class _Problem:
         grid = self.grid
         dx, dy, ends = self._cells_and_ends()
         self.contact = ContactCompliance.of(dx, dy, cells, materials, ends)
+        if known is not None:
+            self.contact.take(known)
         self.area = self._slots(grid.dx * grid.dy)
         # motions from the teeth that touch to the tooth of which the compliance is known
         self.to_body = [
@@ -1008,7 +1066,7 @@ class _Problem:
         """Return the problem of the same pairs of nearly equal gears, from the grids and pressures of these, with the same
         bodies."""
         slots = self.slot, self.most
-        problem = _Problem(near, self.torque, self.model, self.grids, slots=slots, tolerance=VARIANT_TOLERANCE)
+        problem = _Problem(near, self.torque, self.model, self.grids, None, slots, VARIANT_TOLERANCE, self.contact)
         problem.fit(WIDENING_FACTOR, ends=True)
         return problem
 

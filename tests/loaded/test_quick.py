@@ -15,6 +15,7 @@ from gearmesh import DesignError, GearPair
 from gearmesh.contact.hertz import STEEL
 from gearmesh.errors import Status
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
+from gearmesh.loaded.separation import near_pairs, separation
 from gearmesh.loaded.sharing import (
     MAX_VARIANT_SHIFT,
     Level,
@@ -23,6 +24,7 @@ from gearmesh.loaded.sharing import (
     compliances,
     largest_shift,
     loaded_mesh,
+    modified_shift,
     outlines_of,
 )
 
@@ -100,6 +102,29 @@ def test_a_variant_on_grids_and_bodies_of_another_design() -> None:
     np.testing.assert_allclose(found.rotation, own.rotation, rtol=5e-3)
     other = pair_with(sample, "pinion.modifications.helix_crowning=200um")
     assert largest_shift(pair, other, outlines_of(pair), outlines_of(other)) > MAX_VARIANT_SHIFT
+
+
+def test_modifications_alone_shift_teeth_as_far_as_their_outlines_do() -> None:
+    """Second route: outlines, which are made from hexahedra. Other teeth cannot be compared so."""
+    pair = pair_with("helical")
+    crowned = pair_with("helical", "pinion.modifications.helix_crowning=0.01")
+    outlines = outlines_of(pair)
+    shift = modified_shift(pair, crowned, outlines)
+    assert shift == pytest.approx(largest_shift(pair, crowned, outlines, outlines_of(crowned)), rel=1e-3)
+    assert modified_shift(pair, pair, outlines) == 0.0
+    assert modified_shift(pair, pair_with("helical", "pinion.profile_shift=0.01"), outlines) is None
+
+
+def test_grids_of_one_pair_that_differ_in_width_have_the_gaps_of_the_widest() -> None:
+    """Against grids of their own: 2 nm, of polynomials of degree 4, and the same cells on the flanks."""
+    near = near_pairs(pair_with("spur_relieved"), np.array([0.02]), 0.02)
+    count = len(near.position)
+    force, widths = np.full(2 * count, 2000.0), np.repeat([1.0, 0.7], count)
+    shared = separation(near.repeated(2), force, 115000.0, (12, 8), widths)
+    own = separation(near, force[:count], 115000.0, (12, 8), widths[count:])
+    np.testing.assert_array_equal(shared.narrow, widths)
+    np.testing.assert_allclose(shared.gap[count:], own.gap, rtol=0.0, atol=2e-6)
+    np.testing.assert_array_equal(shared.on[count:], own.on)
 
 
 @pytest.mark.sweep

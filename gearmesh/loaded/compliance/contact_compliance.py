@@ -23,6 +23,8 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.compliance.half_space import rectangle_influence
 from gearmesh.loaded.compliance.quarter_space import release
 
+#: difference of end faces, in cells along a grid, below which coefficients are the same: at the end by a thousandth of themselves
+SAME_END_SHARE = 1e-2
 #: wave number of even pressure over that of half a wave along a grid
 EVEN_WAVE_SHARE = 0.5
 
@@ -61,6 +63,15 @@ class ContactCompliance:
     def replace(self, which: NDArray[np.intp], dx: Array, dy: Array, ends: Array) -> None:
         """Replace the sizes of cells (N, K) and the ends (2, 2, N, K) of positions `which` (N,)."""
         self.dx[which], self.dy[which], self.ends[:, :, which], self.known[which] = dx, dy, ends, False
+
+    def take(self, other: ContactCompliance) -> None:
+        """Take the known coefficients of grids that have the same cells in another compliance, with end faces in nearly the
+        same places."""
+        with np.errstate(invalid="ignore"):
+            near = (self.ends == other.ends) | (np.abs(self.ends - other.ends) < SAME_END_SHARE * self.dx)
+        same = other.known & (self.dx == other.dx) & (self.dy == other.dy) & near.all(axis=(0, 1))
+        self.known[same] = True
+        self.waves[same] = other.waves[same]
 
     def under(self, pressure: Array, which: NDArray[np.intp]) -> Array:
         """Return displacements (B, K, X, Y), mm, under pressures (B, K, X, Y), MPa, on the grids of positions `which`

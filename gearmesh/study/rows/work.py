@@ -47,10 +47,18 @@ from gearmesh.figures import Figures, Summary, figure
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.compliance.compliance import BodyOutline, FlankCompliance
-from gearmesh.loaded.sharing import MAX_BODY_SHIFT, MAX_VARIANT_SHIFT, Level, Reference, largest_shift, outlines_of
+from gearmesh.loaded.sharing import (
+    MAX_BODY_SHIFT,
+    MAX_VARIANT_SHIFT,
+    Level,
+    Reference,
+    largest_shift,
+    modified_shift,
+    outlines_of,
+)
 from gearmesh.records import dataclass
 from gearmesh.study.rows.load_figures import POSITIONS_PER_PITCH, load_figures
-from gearmesh.study.rows.path_figures import PathShift, path_figures
+from gearmesh.study.rows.path_figures import PathFigures, PathShift, path_figures
 from gearmesh.study.rows.turns_figures import turns_figures
 from gearmesh.systems import system as systems
 from gearmesh.systems.designs import parse
@@ -64,6 +72,8 @@ CONTACT_GROUPS = ("path", "cycle", "fit")
 TURNS_GROUP = "turns"
 #: group of figures under load, which needs torques
 LOAD_GROUP = "load"
+#: figures that the paths of contact give
+PATH_NAMES = frozenset(known.key for kind in (PathFigures, PathShift) for known in kind.declared_figures())
 #: fewest rows of a chunk whose rows are computed in one batch
 MIN_BATCHED_ROWS = 50
 #: most rows of such a chunk: larger chunks take less time per row, more chunks keep workers busy
@@ -206,9 +216,19 @@ class StudyWork:
                 variant = _reason(failure)
             yield variant, row_numbers, errors if errors else {"": np.zeros(len(row_numbers))}
 
+    @property
+    def _loads_alone(self) -> bool:
+        """True if no figure is kept that the paths of contact give."""
+        return self.groups == (CONTACT_GROUPS[0], LOAD_GROUP) and bool(self.names) and PATH_NAMES.isdisjoint(self.names)
+
     def _of_variant(self, variant: Variant, errors: Mapping[str, Array]) -> list[Row]:
         count = len(next(iter(errors.values())))
         bases = variant.bases(errors)
+        if self._loads_alone:
+            known = [self._loads(variant.standing(bases, m)) for m in range(count)]
+            # paths tell whether there is contact at all where one of these fails
+            if not any(reason for _, reason in known):
+                return known
         paths = assembly_paths(variant.flanks, bases, variant.phi1)
         all_figures = path_figures(paths, variant.frame, variant.pair.pitch)
         columns, (length, height) = all_figures.entries, self.reference or (math.nan, math.nan)
@@ -231,6 +251,13 @@ class StudyWork:
                     reason = _reason(failure)
             rows.append((figures, reason))
         return rows
+
+    def _loads(self, variant: Variant) -> Row:
+        """Return the figures under load of one assembly, and the reason if it has none."""
+        try:
+            return Summary(variant.pair.figures, self._of_assembly(variant)), ""
+        except Exception as failure:
+            return Summary(), _reason(failure)
 
     def _of_assembly(self, variant: Variant) -> Summary:
         """Return the figures of mesh cycle, fit, whole turns and loads, as far as their groups are wanted."""
@@ -265,7 +292,9 @@ class StudyWork:
         if mounts_of(base.design, base.pair):
             return None
         # at level "full" the design itself is solved on its own
-        shift = largest_shift(base.sharing, variant.sharing, base.bodies.outlines, variant.bodies.outlines)
+        shift = modified_shift(base.sharing, variant.sharing, base.bodies.outlines)
+        if shift is None:
+            shift = largest_shift(base.sharing, variant.sharing, base.bodies.outlines, variant.bodies.outlines)
         if shift > MAX_VARIANT_SHIFT if self.level == "quick" else not 0.0 < shift < MAX_BODY_SHIFT:
             return None
         known = _reference_of(own, self.pair, self.torque, self.level)
