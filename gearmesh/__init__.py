@@ -23,7 +23,7 @@
     gears.picture("flank").save("flank.svg")                      both sides in the planes of their flanks, with the ease-off
     gears.animation().save("mesh.gif")                            the mesh cut open, rolling
     gears.report().save("report.html")                            one page for a browser: the gears roll, figures, plots
-    gears.explore()                                               a page on this machine: turning a number turns the gear
+    gears.explore()                                               a page in the browser: gears and figures follow each key
     gears.run("out")                                              all of it into a folder
     gm.prove("my_kind")                                           a kind of your own: derivatives, normals, joins, motions
     gm.gear(30, module=1, helix=15)                               one gear without a mating gear

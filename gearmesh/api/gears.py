@@ -1157,7 +1157,7 @@ class Gears(ModelledGears):
         )
 
     def explore(self, port: int = 0, *, browser: bool = True) -> Explorer:
-        """Open a page on this machine on which turning a number turns the gear; needs `pip install "gearmesh[explore]"`.
+        """Open a page in the browser on which gears and figures follow each changed key; needs `pip install "gearmesh[explore]"`.
 
         Parameters
         ----------

@@ -56,12 +56,13 @@ MeasuredFile = Annotated[
     Path | None,
     option(
         "--measured FILE",
-        "Deviations or points of its flanks, as the table measured of a design reads them; by default that table's.",
+        "Deviations or points of its flanks, in the form that the table measured of a design reads. "
+        "[default: the files of this table]",
         show_default=False,
     ),
 ]
 MeasuredFlanks = Annotated[
-    str, option("--flank right|left|both", "Which flanks count; of a file without a column flank, whose points it has.")
+    str, option("--flank right|left|both", "Flanks to use; for a file without a column flank, the flank of its points.")
 ]
 Member = Annotated[str, option("--member NAME", "Which gear.", show_default=False)]
 PressureAngle = Annotated[float, option("--pressure-angle DEG", "Normal pressure angle.")]
@@ -84,8 +85,8 @@ Offset = Annotated[
     str | None,
     option(
         "--offset LEN",
-        "Move flanks, fillets, lands and roots along their normals, of .dxf and .svg the contours, positive away from the "
-        "gear's material: stock to grind, spark gap of an electrode (--space), 0.135mm; negative: clearance of printed "
+        "Move flanks, fillets, lands and roots along their normals; in .dxf and .svg, the contours. Positive, as 0.135mm: away "
+        "from the gear's material, for grinding stock or the spark gap of an electrode (--space). Negative: clearance of printed "
         "teeth. End faces and bore stay. Bare = mm. [default: 0]",
     ),
 ]

@@ -555,7 +555,9 @@ class UnloadedElementTable(FiniteElementTable):
 class RexsSource(Table):
     """Stage of a REXS file that a design was read from; writing copies the attributes that the design has no keys for."""
 
-    file: str = keys.file("REXS file that the design was read from; written anew, it keeps what the design has not")
+    file: str = keys.file(
+        "REXS file that the design was read from; its contents that a design cannot hold are written back"
+    )
     stage: str = keys.text("id of the stage in it")
 
 

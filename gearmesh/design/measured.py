@@ -34,8 +34,8 @@ def pitch_file(member: str) -> Any:
 def pitch_list(member: str, flank: str) -> Any:
     """Return the key of the index deviations of the flanks of one side."""
     return keys.number(
-        f"index deviations of the {flank} flanks of the {member}, um, tooth by tooth from the one on x, arcs of the reference "
-        "circle as angles grow; their mean does not count",
+        f"index deviations of the {flank} flanks of the {member}, um, one for each tooth from the tooth on x, in the sense of "
+        "growing angles; arcs of the reference circle; their mean does not count",
         None,
         low=-MAX_DEVIATION_UM,
         high=MAX_DEVIATION_UM,
@@ -48,7 +48,7 @@ def pitch_list(member: str, flank: str) -> Any:
 def radial_list(member: str) -> Any:
     """Return the key of the distances by which pins are farther from the axis than their circle says."""
     return keys.number(
-        f"how far outwards the pins of the {member} are out of place, um, from the one on x; all of it counts",
+        f"radial deviations of the pins of the {member}, um, positive outwards, from the pin on x; their mean counts, too",
         None,
         low=-MAX_DEVIATION_UM,
         high=MAX_DEVIATION_UM,
@@ -60,8 +60,8 @@ def radial_list(member: str) -> Any:
 def runout_list(member: str) -> Any:
     """Return the key of the runout of all spaces."""
     return keys.number(
-        f"how far outwards a ball rests in the spaces of the {member}, um, that before the tooth on x first; their mean does not "
-        "count",
+        f"radial position of a ball in each space of the {member}, um, positive outwards, from the space before the tooth on x; "
+        "their mean does not count",
         None,
         low=-MAX_DEVIATION_UM,
         high=MAX_DEVIATION_UM,
@@ -86,7 +86,7 @@ def pitch_class(member: str) -> Any:
 def pitch_seed(member: str) -> Any:
     """Return the key of the seed of random pitch deviations."""
     return keys.count(
-        f"number by which pitch deviations of the {member} are drawn: one number, one gear",
+        f"seed of the drawn pitch deviations of the {member}: the same seed gives the same gear",
         None,
         low=0,
         high=MAX_SEED,
@@ -188,7 +188,7 @@ class MeasuredTable(MeasuredMembersTable):
     """Reading of files of measured flanks."""
 
     axial_position: str = keys.choice(
-        "of measured points: that of the file, or the one that fits best; rotation about the axis is always free",
+        "axial position of measured points: as in the file, or by best fit; rotation about the axis is always free",
         ("measured", "free"),
         "measured",
     )

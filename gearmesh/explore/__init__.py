@@ -1,4 +1,4 @@
-"""The local page of `gearmesh explore`, on which turning a number turns the gear.
+"""The local page of `gearmesh explore`, on which gears and figures follow each changed key.
 
 - `server` answers the browser, and nobody else; `workers` keeps the process for heavy work.
 - `worker` is that process; `workshop` builds, solves and packs what a page shows.

@@ -41,7 +41,7 @@ EXTRA_NAME = "explore"
 
 
 class Explorer:
-    """A page on this machine on which turning a number turns the gear, served until it is closed.
+    """A page on this machine on which gears and figures follow each changed key, served until it is closed.
 
     Use it as a context manager, or close it. Raises DesignError or NoSolutionError if the gears cannot be built.
     """

@@ -128,7 +128,8 @@ class CycloidalAssembly(Table):
     ring_eccentricity: float = eccentricity(RING_NAME)
     ring_phase: float = phase(RING_NAME)
     disc_ahead: tuple[float, ...] = keys.angle(
-        "rotation of the lobes of each disc against its output holes, as phi1 grows, one a disc: they share the torque by it",
+        "rotation of the lobes of each disc against its output holes, as phi1 grows, one for each disc; it decides how the discs "
+        "share the torque",
         (),
         low=-MAX_AHEAD_DEG,
         high=MAX_AHEAD_DEG,

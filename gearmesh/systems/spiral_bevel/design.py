@@ -323,7 +323,8 @@ class GearCutter(Machine):
         "mean of inside and outside tip radius", None, above=0, default="ISO 23509", source="[AB] (5)"
     )
     straightest: bool = keys.flag(
-        "where tip_radius is left out, the largest with which the pair can be made: teeth as straight as can be", False
+        "without tip_radius: take the largest tip radius with which the pair can be made, for the straightest teeth",
+        False,
     )
     point_width: float | None = keys.length(
         "outside minus inside tip radius", None, low=0, default="by the tooth thickness", source="[AB] (5)"

@@ -84,7 +84,7 @@ def optimize(
     ] = None,
     robust_rows: Annotated[int, option("--robust-rows N", "Rows drawn from distributions of errors.")] = 12,
     robust_by: Annotated[
-        str, option("--robust-by worst|mean+Ksigma", "What counts of a figure over all errors.")
+        str, option("--robust-by worst|mean+Ksigma", "Value of a figure over all errors that counts.")
     ] = "mean+3sigma",
     method: Annotated[
         str | None,

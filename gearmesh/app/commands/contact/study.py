@@ -79,8 +79,7 @@ def study(
         option(
             "--record FIGURES",
             "path (ms per row), cycle (0.1 s), fit (backlash, clearance: 0.1 s more), load (2 s per torque; "
-            "needs --torque), turns (whole turns: 1 s), all but turns, "
-            "or names of figures, with commas.",
+            "needs --torque), turns (whole turns: 1 s), all (all but turns), or names of figures; separated by commas.",
         ),
     ] = DEFAULT_RECORD,
     torque: Annotated[
@@ -97,7 +96,8 @@ def study(
         list[str] | None,
         option(
             "--find-limits KEY[=REACH]",
-            "Find the largest values of a key with which every --limit holds [contact_ratio>1], instead of rows.",
+            "Instead of rows: find the largest values of a key with which every --limit holds. "
+            "[default limit: contact_ratio>1]",
         ),
     ] = None,
     output: Annotated[
@@ -118,8 +118,8 @@ def study(
 ) -> None:
     """Many assemblies or designs: grids, samples of tolerances, largest permissible errors.
 
-    Writes study.csv (.parquet), study.json and figures into DIR. If interrupted, the same command continues. A train has keys as
-    stages.first.assembly.dx and the transmission error of its output.
+    Writes study.csv (.parquet), study.json and figures into DIR. If interrupted, the same command continues. For a train, keys are
+    such as stages.first.assembly.dx, and figures are on the transmission error of its output.
     """
     refuse_unwritable(json_file)
     rows = {"vary": vary, "tolerance": tolerance, "sample": sample}

@@ -14,8 +14,8 @@ Moved = Annotated[
     str | None,
     option(
         "--move A[,B]",
-        "The displacements to find, of V, H (pinion), J (gear) and alpha (shaft angle): two of bevel gears, of worm drives "
-        "one of V, J and alpha.  [default: V,H; of worm drives J]",
+        "Displacements to find: V, H (pinion), J (gear), alpha (shaft angle). Two for bevel gears; for worm drives one of V, "
+        "J and alpha.  [default: V,H; worm drives: J]",
     ),
 ]
 
@@ -23,9 +23,9 @@ Moved = Annotated[
 def vh(design_file: DesignFile, json_file: Json = None, settings: Set = None, move: Moved = None) -> None:
     """V-H check of bevel gears and worm drives: displacements that bring the contact to toe, middle and heel, on both sides.
 
-    Of worm drives to the middle, the entering and the leaving side of the wheel's face. With --set assembly.dG and assembly.d_delta
-    (J and alpha) for another mounting of the gear. Every place is proved by the first
-    touch of the displaced members; one that is out of reach is refused with the nearest that is not.
+    For worm drives the places are the middle, the entering and the leaving side of the wheel's face. --set assembly.dG and
+    assembly.d_delta (J and alpha) mount the gear otherwise. Every place is proved by the first touch of the displaced
+    members. If a place is out of reach, the refusal names the nearest place within reach.
     """
     refuse_unwritable(json_file)
     moved = None if move is None else tuple(move.split(","))

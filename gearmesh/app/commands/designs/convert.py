@@ -42,7 +42,8 @@ def convert(
 ) -> None:
     """Read a stage of a REXS file as a design, or write a design as a REXS file (versions 1.0 to 1.7 are read, 1.7 is written).
 
-    What the file says and the design does not is listed; a design that was read from a file is written with all that the file has.
+    Contents of the file that a design cannot hold are listed. They are not lost: a design that was read from a file is written
+    together with them.
     """
     import gearmesh
     from gearmesh.exchange.rexs_file import is_rexs

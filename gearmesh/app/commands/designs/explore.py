@@ -26,7 +26,7 @@ def explore(
     no_browser: Annotated[bool, option("--no-browser", "Do not open the page in the browser.")] = False,
     settings: Set = None,
 ) -> None:
-    """A page on this machine on which turning a number turns the gear. Without an argument it offers kinds and samples.
+    """A page in the browser: change a key, and gears and figures follow. Without an argument it offers kinds and samples.
 
     It is served until Ctrl-C, to the browser of this machine alone.
     """

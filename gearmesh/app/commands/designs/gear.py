@@ -49,7 +49,7 @@ def gear(
         Path | None,
         option(
             "-o --output FILE",
-            "Mesh, CAD solid or section, by its suffix as of the command solid; .toml: the design. [default: print the sheet]",
+            "Mesh, CAD solid or section; the suffix is the format, as for `solid`; .toml: the design. [default: print the sheet]",
         ),
     ] = None,
     curves: Curves = None,

@@ -39,8 +39,8 @@ def settings(
 ) -> None:
     """Machine settings for the requested contact.
 
-    For spiral bevel gears the settings sheet, or with --compensate the settings that compensate the assembly errors of the
-    design; for circular-arc gears always the latter, which restore pressure_angle at the point of contact, too.
+    Spiral bevel gears: the settings sheet, or with --compensate the settings that compensate the assembly errors of the
+    design. Circular-arc gears: always the compensating settings; they restore pressure_angle at the point of contact, too.
     """
     refuse_torque(torque)
     compensate = compensate or refinish is not None

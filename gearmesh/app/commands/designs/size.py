@@ -24,14 +24,16 @@ def size(
     internal: Annotated[bool, option("--internal", "The gear is internal.")] = False,
     planetary: Annotated[bool, option("--planetary", "Planetary sets instead of pairs.")] = False,
     outside_diameter: Annotated[
-        str | None, option("--outside-diameter LEN", "Of the ring with its rim, instead of the centre distance.")
+        str | None,
+        option("--outside-diameter LEN", "Outside diameter of the ring with its rim, instead of --center-distance."),
     ] = None,
     planets: Annotated[int | None, option("--planets N", "Number of planets. [default: 3]")] = None,
     fixed: Annotated[
         str | None, option("--fixed ring|carrier|sun", "The fixed member, for the ratio. [default: ring]")
     ] = None,
     unequal: Annotated[
-        bool, option("--unequal", "Planets that cannot be equally spaced, too, at the nearest angles.")
+        bool,
+        option("--unequal", "Also sets whose planets cannot be equally spaced, with planets at the nearest angles."),
     ] = False,
     helix: Annotated[str, option("--helix DEG[:DEG]", "Helix angle, or its range.")] = "0",
     shifts: Annotated[
@@ -47,8 +49,9 @@ def size(
 ) -> None:
     """Tooth numbers, helix angles and profile shifts with which cylindrical gears have a ratio and a centre distance.
 
-    All pairs, those without faults first, then by the worst specific sliding. With --planetary sets of sun, planets and ring: those
-    without faults first, then those of exactly the ratio, then of the largest module. Strength is not considered.
+    Lists all pairs: pairs without faults first, then by the worst specific sliding. With --planetary it lists sets of sun,
+    planets and ring: sets without faults first, then sets with exactly the ratio, then by the largest module. Strength is not
+    considered.
     """
     from gearmesh.design.files import with_version
 

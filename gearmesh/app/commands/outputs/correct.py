@@ -29,25 +29,28 @@ def correct(
     ] = None,
     noise: Annotated[
         float | None,
-        option("--noise UM", "Standard deviation of a measured deviation; by default by what no setting takes away."),
+        option(
+            "--noise UM",
+            "Standard deviation of a measured deviation. [default: estimated from the remaining deviations]",
+        ),
     ] = None,
     residual: Annotated[Path | None, option("--residual FILE.csv", "Write the deviations that are left.")] = None,
     topography: Annotated[
         Path | None,
         option(
             "--topography FILE.csv",
-            "Write what is left as amounts to remove, for dressing; of two flanks FILE_right.csv and FILE_left.csv.",
+            "Write the remaining deviations as amounts to remove, for dressing; two flanks: FILE_right.csv, FILE_left.csv.",
         ),
     ] = None,
     output: Annotated[Path | None, option("-o --output FILE.toml", "Write the design with the new settings.")] = None,
     json_file: Json = None,
     changes: Set = None,
 ) -> None:
-    """Machine settings of bevel, hypoid and face gears, and corrections of ground flanks (slopes, crownings, twist), that take
-    measured deviations away, and the contact that they give.
+    """Machine settings of bevel, hypoid and face gears, and corrections of ground flanks (slopes, crownings, twist), that
+    remove measured deviations, and the resulting contact.
 
-    Least squares on the exact flanks. The new settings are for the machine: the design that they are written to has the deviations
-    with the other sign.
+    Least squares on the exact flanks. The new settings are for the machine: the flanks of the design with these settings deviate
+    with the opposite sign.
     """
     for file, suffix in ((output, TOML_SUFFIX), (residual, CSV_SUFFIX), (topography, CSV_SUFFIX)):
         if file is not None:

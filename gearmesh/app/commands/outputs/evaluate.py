@@ -24,7 +24,8 @@ def evaluate(
         Path | None,
         option(
             "--pitch FILE.csv",
-            "Index deviations of all teeth: columns tooth, right_um, left_um, runout_um; by default those of that table.",
+            "Index deviations of all teeth: columns tooth, right_um, left_um, runout_um. [default: the file of the table "
+            "measured]",
         ),
     ] = None,
     output: Annotated[Path | None, option("-o --output FILE", "Draw the chart: .png, .svg or .pdf.")] = None,

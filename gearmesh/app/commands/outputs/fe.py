@@ -71,7 +71,7 @@ def fe(
     sector: Annotated[
         int | None,
         sector_option(
-            "K pitches of one member with cyclic symmetry; K divides its teeth, and loads are those of every sector."
+            "K pitches of one member with cyclic symmetry; K divides its number of teeth. Loads act on every sector."
         ),
     ] = None,
     phi1: Positions = None,
@@ -83,7 +83,9 @@ def fe(
     friction: Annotated[float | None, option("--friction MU", "Coefficient of friction on the flanks.")] = None,
     program: Annotated[
         FiniteElementProgram | None,
-        option("--for", "Program; the suffix tells all but whose .inp.", show_default="calculix"),
+        option(
+            "--for", "Program of an .inp model; every other suffix belongs to one program.", show_default="calculix"
+        ),
     ] = None,
     member: Annotated[str, option("--member pinion|gear|both", "One member, or both in mesh.")] = BOTH_MEMBERS,
     pair: Pair = None,

@@ -18,7 +18,7 @@ def freecad(
     ] = "0.1um",
     settings: Set = None,
 ) -> None:
-    """A macro for FreeCAD: a feature with the keys of the design, one for each member, made anew when a key changes."""
+    """A macro for FreeCAD: the design and each member as a feature, rebuilt when a key of the design changes."""
     from gearmesh.answers.bodies.freecad import macro
     from gearmesh.design.files import is_input, override, read
 

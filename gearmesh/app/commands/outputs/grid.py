@@ -38,7 +38,7 @@ def grid(
 ) -> None:
     """Nominal points and unit normals of the exact flanks, for measuring machines.
 
-    The file, with a column deviation_um added, is one that a design reads: [measured] pinion_right = "FILE.csv".
+    With a column deviation_um added, a design reads the file: [measured] pinion_right = "FILE.csv".
     1xN is a helix line at mid height, Nx1 a profile line at mid face.
     """
     if output is not None:

@@ -115,7 +115,7 @@ def render(
     ] = None,
     scallop: Annotated[
         str | None,
-        option("--scallop LEN", "What it may leave over the exact surfaces. [default: 10um]"),
+        option("--scallop LEN", "Height that the cutter may leave over the exact surfaces. [default: 10um]"),
     ] = None,
     pair: Pair = None,
     size: Annotated[

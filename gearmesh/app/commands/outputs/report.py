@@ -60,8 +60,8 @@ def report(
     """All results of a design as one HTML page that needs no network: a 3-D view of the gears in mesh, figures, plots, the data
     sheet.
 
-    --tol is that of the gears in the view, by default 10 um. With OTHER, a second design, the page has both side by side:
-    figures with their change, keys that differ, transmission errors, patterns; with --torque also those under load.
+    --tol sets the tolerance of the gears in the view, by default 10 um. With a second design OTHER, the page shows both side
+    by side: figures and their changes, keys that differ, transmission errors, patterns; with --torque also under load.
     """
     torques = None if torque is None else torques_in_nm(torque)
     if other_file is not None:

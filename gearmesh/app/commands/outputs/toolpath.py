@@ -29,7 +29,7 @@ def toolpath(
     scallop: Annotated[
         str,
         option(
-            "--scallop LEN", "The most that is left over the exact surfaces, chords included: 10um, 0.01mm; bare = mm."
+            "--scallop LEN", "Largest height left over the exact surfaces, chords included: 10um, 0.01mm; bare = mm."
         ),
     ],
     output: Annotated[
@@ -47,7 +47,7 @@ def toolpath(
     flank: Annotated[str, option("--flank right|left|both", "Flanks that are finished.")] = "both",
     surfaces: Annotated[str, option("--surfaces all|flanks", "Flanks with fillets and root, or flanks alone.")] = "all",
     spaces: Annotated[
-        str, option("--spaces all|K", "All spaces, or one: that before tooth K; 0 is on the x axis.")
+        str, option("--spaces all|K", "All spaces, or the space before tooth K; tooth 0 is on the x axis.")
     ] = "0",
     order: Annotated[str, option("--order zigzag|one-way", "Feed order.")] = "zigzag",
     lead: Annotated[

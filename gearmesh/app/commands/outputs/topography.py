@@ -24,7 +24,7 @@ def topography(
 ) -> None:
     """All modifications of a flank together, as amounts over roll length and face position.
 
-    The file can replace them: modifications_right = { topography = "FILE.csv" }.
+    A design can read the file instead of the modifications: modifications_right = { topography = "FILE.csv" }.
     """
     if output is not None:
         refuse_suffix(output, CSV_SUFFIX)
