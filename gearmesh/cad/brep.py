@@ -24,11 +24,12 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
 from gearmesh.kernel.numeric.splines import control_net, knots_of, tensor_product
 from gearmesh.kernel.surface.levels import ConeLevel
+from gearmesh.kernel.surface.stations import along
 from gearmesh.records import dataclass
 from gearmesh.teeth.blank.halves import HalfGear
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Region
-from gearmesh.teeth.section import Grid, Sections, breaks
+from gearmesh.teeth.section import GeneratedLink, Grid, Sections, breaks
 from gearmesh.teeth.tooth import Tooth
 
 #: default of the largest deviation
@@ -44,6 +45,10 @@ MAX_ROUNDS = 12
 MIN_LINK_WIDTH_MM = 1e-6
 #: largest winding along the face of a land or root on a cylinder: CAD cuts cylinders open along a generatrix
 MAX_WINDING_RAD = np.pi
+#: largest number of steps to the ends of a crease
+MAX_CREASE_STEPS = 60
+#: change of the stations of these ends that is rounding
+CREASE_ROUNDING = 1e-14
 #: places across the planned direction at which links are sampled
 PLANNED_PLACES = np.array([0.0, 0.5, 1.0])
 
@@ -72,6 +77,68 @@ class Piece:
             return s
         # exactly on the ends, never beyond them: the neighbouring piece begins there
         return np.where(s >= 1.0, self.high, self.low + s * (self.high - self.low))
+
+
+@dataclass(frozen=True)
+class _Bound:
+    """A line across a tooth at which patches are split: a station, or a crease aslant across fillets and flanks."""
+
+    #: station t; of a crease that of the root
+    t: float
+    #: second surface parameter of a crease; None for a station
+    v: float | None = None
+
+    def is_slanted(self, tooth: Tooth, region: Region) -> bool:
+        """Return True if the line is aslant across a link."""
+        return self.v is not None and isinstance(tooth.chain[region], GeneratedLink)
+
+    def places(self, tooth: Tooth, region: Region, s: Array) -> Array:
+        """Return stations t (S,) at which the line crosses the lines s (S,) of a link."""
+        if not self.is_slanted(tooth, region):
+            return np.full(s.size, self.t)
+        link = tooth.chain[region]
+        assert link.surface is not None
+        (toe, heel), v = tooth.blank.extent, np.full(2, self.v)
+        t, ends = np.full(2, self.t), np.zeros(2)
+        # ends of the link move along the face beyond a crease
+        for _ in range(MAX_CREASE_STEPS):
+            first, last = link.span(tooth.sections(t))
+            ends = np.array([first[0], last[1]])
+            before, t = t, (link.surface.jet(ends, v).r[:, 2] - toe) / (heel - toe)
+            if np.abs(t - before).max() <= CREASE_ROUNDING:
+                break
+        p = ends[0] + s * (ends[1] - ends[0])
+        return np.asarray((link.surface.jet(p, np.full(s.size, self.v)).r[:, 2] - toe) / (heel - toe))
+
+
+@dataclass(frozen=True)
+class _Span:
+    """The part of a tooth between two bounds, with places y from 0 to 1 along each line s."""
+
+    #: exact tooth
+    tooth: Tooth
+    #: bound nearer to the toe
+    low: _Bound
+    #: bound nearer to the heel
+    high: _Bound
+
+    def sections(self, y: Array) -> Sections:
+        """Return the sections at places y (T,) between the stations of the bounds."""
+        return self.tooth.sections(self.low.t + (self.high.t - self.low.t) * y)
+
+    def points(self, piece: Piece, s: Array, y: Array, sections: Sections | None = None) -> Array:
+        """Return exact points (S, T, 3), mm, of a link at s (S,) and y (T,); `sections`: those at y, if they are known."""
+        tooth, region = self.tooth, piece.region
+        if not (self.low.is_slanted(tooth, region) or self.high.is_slanted(tooth, region)):
+            return piece.grid(tooth, s, sections or self.sections(y)).points
+        link = tooth.chain[region]
+        assert isinstance(link, GeneratedLink)
+        low, high = (bound.places(tooth, region, np.concatenate((s, [0.0, 1.0]))) for bound in (self.low, self.high))
+        t = low[:, None] + (high - low)[:, None] * y
+        # the ends of the link at the same y: at the same t they would have a corner where they pass the crease
+        first, last = (link.span(tooth.sections(t[row]))[end] for end, row in ((0, -2), (1, -1)))
+        p = first + s[:, None] * (last - first)
+        return np.asarray(along(link.surface, p, tooth.stations(t[:-2]), link.axial)[1].r)
 
 
 @dataclass(frozen=True)
@@ -216,17 +283,35 @@ def spline_tooth(tooth: Tooth, tolerance: float = DEFAULT_TOLERANCE_MM) -> Splin
 
     Raises TrimError for a tooth that cannot be trimmed, NoSolutionError if the tolerance is not met.
     """
-    bounds = np.concatenate(([0.0], tooth.breaks, [1.0]))
+    inner = [_Bound(*crease) for crease in tooth.slanted_breaks] or [_Bound(t) for t in tooth.breaks.tolist()]
+    lines = [_Bound(0.0), *inner, _Bound(1.0)]
+    bounds = np.array([line.t for line in lines])
     ends = tooth.sections(bounds)
     links = _links(tooth, ends)
-    spans = list(zip(bounds[:-1].tolist(), bounds[1:].tolist(), strict=True))
+    spans = [_Span(tooth, low, high) for low, high in pairwise(lines)]
     patches: dict[Piece, tuple[Patch, ...]] = {}
     deviation: dict[Piece, float] = {}
     for run in _runs(tooth, links):
         for link, (drawn, miss) in _Run(tooth, run, spans, tolerance).fit().items():
             patches[link], deviation[link] = drawn, miss
     corners = np.array([link.grid(tooth, np.zeros(1), ends).points[0] for link in links])
+    if tooth.slanted_breaks:
+        corners = _slanted_corners(spans, links, patches)
     return SplineTooth(tooth, bounds, links, patches, corners, deviation)
+
+
+def _slanted_corners(spans: list[_Span], links: tuple[Piece, ...], patches: dict[Piece, tuple[Patch, ...]]) -> Array:
+    """Return the points (L, G + 1, 3), mm, where links begin at bounds that are aslant."""
+    corners = []
+    for before, link in zip((links[-1], *links[:-1]), links, strict=True):
+        # a turned link begins where the link before it ends
+        piece, s = (link, 0.0) if link in patches or link is links[0] else (before, 1.0)
+        rows = [
+            span.points(piece, np.array([s]), np.array([y]))[0, 0]
+            for span, y in (*((each, 0.0) for each in spans), (spans[-1], 1.0))
+        ]
+        corners.append(rows)
+    return np.array(corners)
 
 
 def exact_volume(member: Member) -> float:
@@ -299,8 +384,8 @@ class _Run:
     tooth: Tooth
     #: the links, and the surfaces beside them
     run: _Stretch
-    #: spans of t between breaks
-    spans: list[tuple[float, float]]
+    #: parts between bounds
+    spans: list[_Span]
     #: allowed deviation, mm
     tolerance: float
 
@@ -349,9 +434,10 @@ class _Run:
         patches: dict[Piece, list[Patch]] = {link: [] for link in across}
         misses: dict[Piece, list[_Miss]] = {link: [] for link in across}
         for g, (nodes, span) in enumerate(zip(along, self.spans, strict=True)):
-            sections = self._sections(span, nodes.own(nodes.fine))
+            y = nodes.own(nodes.fine)
+            sections = span.sections(y)
             for link, s in across.items():
-                exact = link.grid(self.tooth, s.own(s.fine), sections).points
+                exact = span.points(link, s.own(s.fine), y, sections)
                 patch = _patch(link, exact[::PLACES_PER_INTERVAL, ::PLACES_PER_INTERVAL], s, nodes, span)
                 patches[link].append(patch)
                 misses[link].append(self._miss(link, g, patch.at(s.fine, nodes.fine), exact))
@@ -370,8 +456,8 @@ class _Run:
         return _Miss(float(miss.max()), by_interval(across), by_interval(along))
 
     def _planned_across(self, link: Piece) -> Nodes:
-        t = np.unique([at for low, high in self.spans for at in (low, 0.5 * (low + high), high)])
-        points = link.grid(self.tooth, samples(), self.tooth.sections(t)).points
+        y = np.array([0.0, 0.5, 1.0])
+        points = np.concatenate([span.points(link, samples(), y) for span in self.spans], axis=1)
 
         def excess(drawn: Array, exact: Array) -> Array:
             off = np.linalg.norm(drawn - exact, axis=-1).max(axis=1) / (TOLERANCE_SHARE * self.tolerance)
@@ -381,11 +467,10 @@ class _Run:
 
         return plan(points, excess)
 
-    def _planned_along(self, span: tuple[float, float]) -> Nodes:
-        sections, links = self._sections(span, samples()), self.run.links
-        points = np.concatenate([link.grid(self.tooth, PLANNED_PLACES, sections).points for link in links]).swapaxes(
-            0, 1
-        )
+    def _planned_along(self, span: _Span) -> Nodes:
+        sections, links = span.sections(samples()), self.run.links
+        drawn_links = [span.points(link, PLANNED_PLACES, samples(), sections) for link in links]
+        points = np.concatenate(drawn_links).swapaxes(0, 1)
 
         def excess(drawn: Array, exact: Array) -> Array:
             off = np.linalg.norm(drawn - exact, axis=-1).max(axis=1) / (TOLERANCE_SHARE * self.tolerance)
@@ -394,10 +479,6 @@ class _Run:
             return np.asarray(off)
 
         return plan(points, excess)
-
-    def _sections(self, span: tuple[float, float], x: Array) -> Sections:
-        low, high = span
-        return self.tooth.sections(low + (high - low) * x)
 
     def _off_station(self, points: Array, end: int) -> Array:
         """Return distances (K,) of a curve (K, 3) on toe (0) or heel (-1) from its station, over the allowed distance."""
@@ -412,7 +493,7 @@ class _Run:
         return np.asarray(np.abs(level.value(points)) / LEVEL_TOLERANCE_MM)
 
 
-def _patch(piece: Piece, points: Array, s: Nodes, t: Nodes, span: tuple[float, float]) -> Patch:
+def _patch(piece: Piece, points: Array, s: Nodes, t: Nodes, span: _Span) -> Patch:
     """Return the spline through points (S, T, 3) at nodes s, t."""
     knots = knots_of(s.y, SPLINE_DEGREE), knots_of(t.y, SPLINE_DEGREE)
-    return Patch(piece, control_net((s.y, t.y), points, knots), s, t, *knots, span)
+    return Patch(piece, control_net((s.y, t.y), points, knots), s, t, *knots, (span.low.t, span.high.t))

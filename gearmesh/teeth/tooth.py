@@ -305,6 +305,19 @@ class Tooth:
         """Stations t inside (0, 1) where a flank or the tip is not smooth along the face."""
         return self._inner([*self.right.face_breaks, *self.left.face_breaks, *self.blank.corners])
 
+    @cached_property
+    def slanted_breaks(self) -> tuple[tuple[float, float], ...]:
+        """Station t at the root, and second surface parameter, of lines aslant across all fillets and flanks where curvature jumps.
+
+        They stand for all `breaks`; empty if there are others.
+        """
+        if self.right.slanted_breaks != self.left.slanted_breaks or self.tip_edge is not None or self.crest is not None:
+            return ()
+        if self.breaks.size != self.face_breaks.size or any(link.seams for link in self.chain.values()):
+            return ()
+        toe, heel = self.blank.extent
+        return tuple(((z - toe) / (heel - toe), v) for z, v in self.right.slanted_breaks)
+
     def creases(self, region: Region) -> Array:
         """Return the stations t (K,) inside (0, 1), ascending, where the surface of a link has a corner along the face."""
         blank, sides = self.blank, (*self.right.face_breaks, *self.left.face_breaks)

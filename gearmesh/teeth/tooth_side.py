@@ -56,6 +56,9 @@ class ToothSide:
     fillet_breaks: tuple[float, ...] = ()
     #: station coordinates (mm) of breaks across the face
     face_breaks: tuple[float, ...] = ()
+    #: station coordinate (mm) at the root, and second surface parameter, of each line aslant across fillet and flank over which
+    #: their curvature jumps; `face_breaks` has the stations of its ends
+    slanted_breaks: tuple[tuple[float, float], ...] = ()
     #: station coordinates (mm) where only higher derivatives jump; grids need no lines there
     face_bends: tuple[float, ...] = ()
     #: those of `flank_breaks` over which the flank has a corner

@@ -129,7 +129,10 @@ def member(
     if way_out is not None:
         blank = replace(blank, root=way_out.level)
         breaks = way_out.breaks((right, left))
-        right, left = (replace(side, face_breaks=breaks, tip_along=way_out.tip_along(side)) for side in (right, left))
+        right, left = (
+            replace(side, face_breaks=breaks, slanted_breaks=way_out.slanted, tip_along=way_out.tip_along(side))
+            for side in (right, left)
+        )
     tooth = Tooth(
         teeth=spec.teeth,
         right=right,

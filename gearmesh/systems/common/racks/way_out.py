@@ -123,6 +123,13 @@ class WayOut:
         """Level of the root."""
         return Meridian(RunOutRoot(self.root, self.stops, self.tool))
 
+    @property
+    def slanted(self) -> tuple[tuple[float, float], ...]:
+        """Station z at the root and second surface parameter of the lines over which the curvature of helical teeth jumps."""
+        if self.helix == 0.0:
+            return ()
+        return tuple((stop, stop * math.cos(self.helix)) for stop in self.stops if math.isfinite(stop))
+
     def breaks(self, sides: Iterable[ToothSide]) -> tuple[float, ...]:
         """Return z where the curvature of root, form curves or tip edges jumps, ascending.
 
