@@ -283,7 +283,9 @@ def spline_tooth(tooth: Tooth, tolerance: float = DEFAULT_TOLERANCE_MM) -> Splin
 
     Raises TrimError for a tooth that cannot be trimmed, NoSolutionError if the tolerance is not met.
     """
-    inner = [_Bound(*crease) for crease in tooth.slanted_breaks] or [_Bound(t) for t in tooth.breaks.tolist()]
+    creases = [_Bound(*crease) for crease in tooth.slanted_breaks]
+    straight = np.setdiff1d(tooth.breaks, tooth.face_breaks) if creases else tooth.breaks
+    inner = sorted([*creases, *(_Bound(t) for t in straight.tolist())], key=lambda line: line.t)
     lines = [_Bound(0.0), *inner, _Bound(1.0)]
     bounds = np.array([line.t for line in lines])
     ends = tooth.sections(bounds)

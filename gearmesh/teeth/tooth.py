@@ -309,14 +309,21 @@ class Tooth:
     def slanted_breaks(self) -> tuple[tuple[float, float], ...]:
         """Station t at the root, and second surface parameter, of lines aslant across all fillets and flanks where curvature jumps.
 
-        They stand for all `breaks`; empty if there are others.
+        They stand for all `face_breaks`; empty if undercut begins or ends where they are.
         """
         if self.right.slanted_breaks != self.left.slanted_breaks or self.tip_edge is not None or self.crest is not None:
             return ()
-        if self.breaks.size != self.face_breaks.size or any(link.seams for link in self.chain.values()):
-            return ()
         toe, heel = self.blank.extent
-        return tuple(((z - toe) / (heel - toe), v) for z, v in self.right.slanted_breaks)
+        found = tuple(((z - toe) / (heel - toe), v) for z, v in self.right.slanted_breaks)
+        if not found or any(link.seams for link in self.chain.values()):
+            return ()
+        nearest = np.abs(self.face_breaks[:, None] - np.array([t for t, _ in found])).argmin(axis=1)
+        others = np.setdiff1d(self.breaks, self.face_breaks)
+        for k in range(len(found)):
+            ends = self.face_breaks[nearest == k]
+            if ends.size == 0 or ((others > ends.min()) & (others < ends.max())).any():
+                return ()
+        return found
 
     def creases(self, region: Region) -> Array:
         """Return the stations t (K,) inside (0, 1), ascending, where the surface of a link has a corner along the face."""
