@@ -14,7 +14,7 @@ OBJECTS_BETWEEN_SEARCHES = (50_000, 20, 50)
 
 
 def main() -> int:
-    """Answer the command line. Stopped while that is being loaded, it says so as it does later."""
+    """Run the command line; a stop while modules are loading gives the same message as a later stop."""
     gc.set_threshold(*OBJECTS_BETWEEN_SEARCHES)
     # the last searches, at the end of the process, would look at all objects, whose memory is given back anyhow
     atexit.register(gc.freeze)

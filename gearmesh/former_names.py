@@ -1,6 +1,6 @@
 """Names that were public until version 0.17.0 and go with version 0.20.0; until then `gearmesh.NAME` works and warns.
 
-Read when one of them is asked for, and taken away as a whole.
+The module is read when one of these names is used, and is removed as a whole with version 0.20.0.
 """
 
 from __future__ import annotations

@@ -908,8 +908,8 @@ class _Surfaces:
 
     @property
     def known(self) -> _Seen | None:
-        """Places (M, K) on the ridge, in equal steps of x, from which others begin; those of all pairs if there are none
-        of these."""
+        """Known places (M, K) on the ridge, in equal steps of x, from which the search for other places begins; by default
+        the places known of all pairs."""
         if self._known is None and self._near.chosen_from is not None:
             every_pair, rows = self._near.chosen_from
             known = every_pair.surfaces.known

@@ -240,8 +240,8 @@ class LoadedMesh:
     #: codes (T, P) of `errors.Status`; also not converged if the contact reaches beyond its grid or the mounts do not
     #: converge
     status: NDArray[np.int64]
-    #: load on each of several pairs that share the torque, the own pair first; `loads` and stresses are those of the
-    #: own pair, all else that of all of them
+    #: load on each of several pairs that share the torque, the own pair first; `loads` and stresses belong to the own
+    #: pair, all other figures to the pairs together
     shares: tuple[MeshShare, ...] = ()
 
     @property

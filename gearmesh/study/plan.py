@@ -168,7 +168,7 @@ def _shares(keys: int, count: int, method: str, seed: int) -> Array:
         a, b = both[:, :keys], both[:, keys:]
         points = np.concatenate((a, b, *(np.where(np.arange(keys) == k, b, a) for k in range(keys))))
     else:
-        # whole powers of 2 are what a Sobol sequence is balanced at: the first of them
+        # a Sobol sequence is balanced at powers of 2: draw the next power, and keep its first points
         points = qmc.Sobol(keys, rng=rng).random_base2(max(int(np.ceil(np.log2(count))), 0))[:count]
     return points
 
@@ -211,7 +211,7 @@ class KeyReader:
                 known = length(value, self.design.units)
             parsed = np.nan if known is None else known
         else:
-            # whole numbers beyond those of floats are none either
+            # whole numbers too large for a float are refused, too
             number = isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < MAX_NUMBER_SIZE
             parsed = float(value) if number else np.nan
         if unit in ("choice", "text", "file", "flag") or not np.isfinite(parsed):

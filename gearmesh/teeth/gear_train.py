@@ -566,7 +566,7 @@ class GearPair:
 
     @property
     def own_halves(self) -> int:
-        """Number of the first `halves` that are its own, not those of pairs that share its torque."""
+        """Number of own halves, the first in `halves`; pairs that share the torque follow."""
         return len(self.halves) - len(self.fellows)
 
     @property

@@ -1,4 +1,4 @@
-"""Things that are made of one side of a tooth, the last used of which are kept: other mountings leave the tooth as it is."""
+"""Cache of things made of one side of a tooth: designs that differ in their mounting alone have the same tooth."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from gearmesh.teeth.tooth import Tooth
 
 Thing = TypeVar("Thing")
 
-#: limit of the sides of teeth of which things are kept, as those of gears of which only the mounting changes
+#: largest number of sides of teeth in a cache; the last used are kept
 MAX_KEPT_SIDES = 12
 
 
 class KeptByTooth(Generic[Thing]):
-    """Things by the identity of their tooth, which is kept with them, and its side."""
+    """Cache by identity of the tooth, and by side; the tooth is kept too, so that its identity is not used again."""
 
     def __init__(self) -> None:
         self._things: OrderedDict[tuple[int, Side], tuple[Tooth, Thing]] = OrderedDict()
@@ -36,7 +36,7 @@ _equals: OrderedDict[int, tuple[Tooth, Tooth]] = OrderedDict()
 
 
 def stand_for(known: Tooth, tooth: Tooth) -> None:
-    """Let what is kept of a `known` tooth serve another with the same bytes."""
+    """Use the things kept of a `known` tooth for another tooth with the same bytes."""
     _equals[id(tooth)] = (tooth, _equals.get(id(known), (known, known))[1])
     while len(_equals) > MAX_KEPT_SIDES:
         _equals.popitem(last=False)

@@ -5,8 +5,8 @@ and most of them look right. Here derivatives are compared with differences of t
 
     f'(x) = (8 (f(x + h) - f(x - h)) - (f(x + 2 h) - f(x - 2 h))) / (12 h) + O(h^4)
 
-Parameters have units of their own. Errors are therefore multiplied by the range of the parameter over the tooth: those
-of normals are in rad then, and those of points are divided by the way of the point over this range.
+Parameters have units of their own. Errors are therefore multiplied by the range of the parameter over the tooth. Errors of
+normals are in rad then; errors of points are divided by the way of the point over this range.
 """
 
 from __future__ import annotations

@@ -255,7 +255,7 @@ class Stage:
     # ---------------------------------------------------------------- nominal motion
 
     def turns(self, known: Mapping[str, Fraction]) -> dict[str, Fraction]:
-        """Return turns of A, B and C, each about its own port, from those of two of them [Willis]."""
+        """Return turns of A, B and C, each about its own port, from the turns of two of them [Willis]."""
         first, last = self.members
         turned, slope = dict(known), self.slope
         if CARRIER_NAME not in turned:

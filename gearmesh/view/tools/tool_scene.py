@@ -84,7 +84,7 @@ def tool_scene(
     seen = np.concatenate((member.vertices, tool.tool_to_own.point(mesh.vertices)))
     tool_points, look = tool.tool_to_own.point(mesh.vertices), _looking(tool, grid)
     lines = [(axis, _along(axis, tool_points)) for axis in tool.axes]
-    # a member's axis tells something beside those of tool and machine only
+    # the member's axis is drawn only together with axes of tool and machine
     if tool.axes:
         own = MachineAxis(f"axis of the {member.name}", np.zeros(3), Z_AXIS)
         lines.append((own, _along(own, member.vertices)))
