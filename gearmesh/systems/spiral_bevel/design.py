@@ -432,7 +432,7 @@ ROLLING_KEYS = (
     *MOTION_KEYS,
 )
 #: keys of a side of the pinion that are unknown to face hobbing by a machine for each side
-HOBBED_UNKNOWN_KEYS = (*ROLLING_KEYS[1:], "ease_off")
+HOBBED_UNKNOWN_KEYS = ("ease_off",)
 #: parameters of an ease-off that eccentricity and hollow blades of face hobbing give
 HOBBED_EASE_OFF_KEYS = ("profile_crowning", "length_crowning")
 #: largest difference (mm) of lengths that count as equal: 1e5 times the rounding of solved settings of 100 mm
@@ -573,7 +573,8 @@ class FaceMilledDesign(ProportionedDesign, HandedDesign):
     @property
     def _hobbed_tables(self) -> dict[str, tuple[Table, tuple[str, ...]]]:
         """Tables of members and cutters, by their keys, and the keys that face hobbing has in them."""
-        side_keys: tuple[str, ...] = (*HOBBED_BLADE_KEYS, *HOBBED_CONTACT_KEYS, *CROWN_MACHINE_KEYS, "ease_off")
+        machine_keys = (*CROWN_MACHINE_KEYS, *ROLLING_KEYS[1:])
+        side_keys: tuple[str, ...] = (*HOBBED_BLADE_KEYS, *HOBBED_CONTACT_KEYS, *machine_keys, "ease_off")
         if not self.one_crown_gear:
             # settings by local synthesis, or given
             side_keys = tuple(key for key in PinionSide.model_fields if key not in HOBBED_UNKNOWN_KEYS)

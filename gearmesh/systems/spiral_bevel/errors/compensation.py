@@ -36,9 +36,9 @@ from gearmesh.systems.spiral_bevel.synthesis.local_synthesis import MeanContact,
 from gearmesh.systems.spiral_bevel.synthesis.settings import (
     ContactChoice,
     contact_at,
-    given_roll,
     mean_contact,
     pinion_values,
+    roll_of,
     side_of,
     synthesise,
 )
@@ -53,10 +53,11 @@ if TYPE_CHECKING:
 def compensate(design: FaceMilledDesign) -> list[Setting]:
     """Return the settings of both sides of the pinion for the gear in its misaligned position.
 
-    Raises NoSolutionError if no setting restores the contact, and DesignError for the contact of an ease-off and for face
-    hobbing.
+    Raises NoSolutionError if no setting restores the contact, and DesignError for the contact of an ease-off and for pairs
+    by one crown gear.
     """
-    refuse_hobbing(design, "compensation changes settings of face-milling machines")
+    if design.one_crown_gear:
+        refuse_hobbing(design, "compensation changes machines by local synthesis, not those of one crown gear")
     for name in BLADE_SIDES:
         if design.ease_off(name) is not None:
             raise DesignError(
@@ -95,16 +96,18 @@ def compensate(design: FaceMilledDesign) -> list[Setting]:
         turns[name] = teeth.cut.turns[name] + gears.gear.mount.sign * float(path.phi2[0]) + further_turn
         # values chosen for the aligned pair remain; the synthesis determines the others anew
         spec, choice = design_mm.pinion.side(name), teeth.choices[name]
-        kept = _chosen_values(spec, choice)
+        second_roll = choice.second_roll(blank.pinion.teeth / blank.gear.teeth)
+        kept = _chosen_values(spec, choice, second_roll)
         before = {**pinion_values(design_mm, blank, name, nominal, choice), **kept}
         free = _base_free(design_mm, design, name)
-        values = synthesise(free, blank, name, displaced, asked)
+        values = synthesise(free, blank, name, displaced, asked, second_roll)
         after = {**values, **kept}
-        made[name] = side_of(free, blank, name, values, given_roll(spec))
+        made[name] = side_of(free, blank, name, values, roll_of(spec, choice, blank))
         for key in (
             *SYNTHESISED_KEYS,
-            *(["blade_height"] if spec.blade_radius else []),
+            *(["blade_height"] if spec.blade_radius or design_mm.hobbed else []),
             *([] if spec.upright else ["sliding_base"]),
+            *(["blade_radius"] if before["blade_radius"] != values["blade_radius"] else []),
             *kept,
         ):
             number = key == "ratio_of_roll" or key.startswith("modified_roll")
@@ -163,17 +166,16 @@ def _mesh_angle(side: Generated) -> float:
     return float(np.degrees(side.hand * side.turned))
 
 
-def _chosen_values(spec: PinionSide, choice: ContactChoice) -> dict[str, float]:
+def _chosen_values(spec: PinionSide, choice: ContactChoice, second_roll: float) -> dict[str, float]:
     """Return the values chosen for open keys of a side, which remain, by key.
 
     The keys are those of the mean point's place (mm), the modified roll, and the machine root angle (deg) of a tilted
-    cutter.
+    cutter. `second_roll`: chosen coefficient of modified roll of the second order.
     """
     chosen = {"mean_offset": choice.height, "mean_shift": choice.along}
-    if any(choice.roll):
-        chosen |= {
-            f"modified_roll_c{k}": getattr(spec, f"modified_roll_c{k}") + c for k, c in enumerate(choice.roll, 3)
-        }
+    roll = (second_roll, *choice.roll)
+    if any(roll):
+        chosen |= {f"modified_roll_c{k}": getattr(spec, f"modified_roll_c{k}") + c for k, c in enumerate(roll, 2)}
     chosen = {key: value for key, value in chosen.items() if value != getattr(spec, key)}
     if not spec.upright and spec.machine_root_angle is not None:
         chosen["machine_root_angle"] = spec.machine_root_angle

@@ -70,6 +70,8 @@ class IndexingHead:
     blade_curvature: float | None
     #: 1/R of the most hollow blade that is sought, 1/mm
     hollowest: float = -np.inf
+    #: coefficient of modified roll of the second order, by right-handed rotations
+    second_roll: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -250,10 +252,14 @@ class _IndexingFit:
         form[:, 0, 0] = curvature * (bent @ n)
         form[:, 0, 1] = form[:, 1, 0] = cross(spin, edge) @ n
         form[:, 1, 1] = change @ n
-        tangents = np.linalg.inv(np.stack((edge, swept), axis=1) @ self._basis.T)
+        tangents: Array = np.linalg.inv(np.stack((edge, swept), axis=1) @ self._basis.T)
         cutter_operator = tangents @ form @ np.swapaxes(tangents, -1, -2)
         operator = generated_operator(
-            cutter_operator, (self.point, n, self._basis), (Z_AXIS, ratio[:, None] * cradle), by_cradle
+            cutter_operator,
+            (self.point, n, self._basis),
+            (Z_AXIS, ratio[:, None] * cradle),
+            by_cradle,
+            (2.0 * self.head.second_roll * ratio, self.head.per_turn * tangents[:, :, 1]),
         )
         down = tool - side * np.tan(angle)[:, None] * face
         return _HeadCut(ratio, curvature, by_cradle, radius, radial, angle, down, operator)

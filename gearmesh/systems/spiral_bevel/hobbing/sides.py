@@ -22,6 +22,7 @@ from gearmesh.systems.spiral_bevel.machine.blades import blade_keys, made_blade
 from gearmesh.systems.spiral_bevel.machine.gear_cradle import turned_after_cut
 from gearmesh.systems.spiral_bevel.machine.generated import Generated, Indexing
 from gearmesh.systems.spiral_bevel.machine.machine import MachineSettings
+from gearmesh.systems.spiral_bevel.machine.motions import with_motions
 from gearmesh.systems.spiral_bevel.machine.pair import BLADE_SIDES, HAND_SIGNS, MATING_SIDES, Sides, nominal_base
 from gearmesh.systems.spiral_bevel.synthesis.default_ellipse import default_semi_major_axis
 from gearmesh.teeth.region import Side
@@ -292,17 +293,20 @@ def hobbed_pinion(design: FaceMilledDesign, blank: BevelBlank, name: str, gear_t
 
 
 def _with_given(settings: MachineSettings, spec: PinionSide) -> MachineSettings:
-    """Return the machine of one crown gear with the settings that a side of a design (in mm) gives, as a correction does."""
+    """Return the machine of one crown gear with the settings and motions that a side of a design (in mm) gives."""
     given = {key: value for key in CROWN_MACHINE_KEYS if (value := getattr(spec, key)) is not None}
     if "cradle_angle" in given:
         given["cradle_angle"] = float(np.radians(given["cradle_angle"]))
-    return replace(settings, **given)
+    return with_motions(replace(settings, **given), spec)
 
 
-def indexing_head(design: FaceMilledDesign, blank: BevelBlank, name: str, cradle: Array) -> IndexingHead:
+def indexing_head(
+    design: FaceMilledDesign, blank: BevelBlank, name: str, cradle: Array, second_roll: float
+) -> IndexingHead:
     """Return the head of the pinion's side `name`, and the machine from which local synthesis starts.
 
     It is the pinion's own crown gear, or the gear itself where it is not generated, about the `cradle` axis (3,).
+    `second_roll`: coefficient of modified roll of the second order, by right-handed rotations.
     """
     own, hand = blank.pinion, HAND_SIGNS[design.hand]
     lead = hand * 0.5 * design.head.blade_groups * blank.mean_normal_module
@@ -319,7 +323,7 @@ def indexing_head(design: FaceMilledDesign, blank: BevelBlank, name: str, cradle
         ratio = float(s / np.linalg.norm(np.cross(cradle, [s, 0.0, c])))
     hollowest = -1.0 / (HOLLOWEST_BLADE_DEPTHS * blank.mean_working_depth)
     per_turn = design.head.blade_groups / own.teeth
-    return IndexingHead(per_turn, lead, blank.cutter_radius, centre, ratio, curvature, hollowest)
+    return IndexingHead(per_turn, lead, blank.cutter_radius, centre, ratio, curvature, hollowest, second_roll)
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.envelope.envelope import Envelope
+from gearmesh.kernel.envelope.indexed_envelope import IndexedEnvelope
 from gearmesh.kernel.envelope.swept_curve import SweptCurve
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.motion.rolling import CradleRoll
@@ -156,6 +157,7 @@ class Generated:
         Raises NoSolutionError if the cutter generates no such point near the middle, as at small spiral angles.
         """
         flank = self.envelope(self.blade.flank)
+        assert isinstance(flank, Envelope)
         p = self.blade.at_height(height)
 
         def cradle(v: Array, _: NDArray[np.intp]) -> tuple[Array, Array]:
@@ -182,7 +184,7 @@ class Generated:
             return PlacedSurface(self._revolved(profile), self.settings.standing(self.hand, self.turned + place))
         return self.envelope(profile, place)
 
-    def envelope(self, profile: Profile, place: float = 0.0) -> Envelope:
+    def envelope(self, profile: Profile, place: float = 0.0) -> Envelope | IndexedEnvelope:
         """Return the envelope of a profile of the blade."""
         motion = self.settings.motion(self.hand, self.turned + place)
         # branch 1: as for a rack, f grows with the roll where the normal has a component up the tooth; all blade angles
@@ -190,7 +192,13 @@ class Generated:
         if self.indexing is None:
             return Envelope(self._revolved(profile), motion, branch=1)
         # the crown gear's tooth is the tool, and carries the cutter
-        return Envelope(self._swept(profile), replace(motion, centre=(0.0, 0.0, 0.0), tilt=(), swivel=()), branch=1)
+        swept, constant = self._swept(profile), motion.unmodified_motion
+        crown = Envelope(swept, replace(constant, centre=(0.0, 0.0, 0.0), tilt=(), swivel=()), branch=1)
+        if constant is motion:
+            return crown
+        per_turn = self.indexing.blade_groups / self.indexing.teeth
+        by_index = self.hand * self.settings.ratio_of_roll * per_turn
+        return IndexedEnvelope(crown, swept, motion, per_turn, by_index, self.mean_direction)
 
     def _revolved(self, profile: Profile) -> Revolved:
         """Return the surface of revolution of a profile of the blade, in the cutter frame."""

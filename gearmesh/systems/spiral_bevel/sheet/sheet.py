@@ -183,7 +183,7 @@ def _machine_values(
         f"pinion.{name}.modified_roll_c{power}": value
         for name, side in pinion.items()
         for power, value in enumerate(side.settings.modified_roll, start=2)
-        if any(choices[name].roll) or choices[name].form is not None
+        if any(choices[name].roll) or choices[name].by_roll or choices[name].form is not None
     }
     return values
 

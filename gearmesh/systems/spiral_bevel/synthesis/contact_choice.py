@@ -30,7 +30,7 @@ import numpy as np
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.progress import tell
 from gearmesh.records import dataclass
-from gearmesh.systems.spiral_bevel.design import MAX_MOTION_ORDER, SYNTHESISED_KEYS
+from gearmesh.systems.spiral_bevel.design import SYNTHESISED_KEYS
 from gearmesh.systems.spiral_bevel.machine.pair import BLADE_SIDES
 from gearmesh.systems.spiral_bevel.synthesis.contact_preview import ContactPreview, ContactPreviews
 from gearmesh.systems.spiral_bevel.synthesis.flank_form import form_choice
@@ -62,6 +62,8 @@ LAG_TOLERANCE = 2e-3
 MAX_SHIFT_SHARES = (0.25, 0.35)
 #: numbers of contact previews after which no other direction is tried: without modified roll, and in all with it
 MAX_PREVIEW_COUNTS = (45, 70)
+#: numbers of contact previews of the gear's own head with modified roll: of the second order, and in all with higher ones
+MAX_ROLLED_COUNTS = (20, 36)
 #: keys of a contact that follow where the gear's own head cuts the pinion
 CROWNED_KEYS = ("path_angle", "semi_major_axis")
 #: largest coefficient of modified roll
@@ -81,6 +83,9 @@ def contact_said(design: FaceMilledDesign, blank: BevelBlank, name: str) -> Cont
     left_open = not any(design.sets(f"pinion.{name}.{key}") for key in CROWNED_KEYS)
     if not (previews.by_gear_head and left_open):
         return said
+    rolled = replace(said, by_roll=not design.pinion.side(name).gives_roll)
+    if rolled.by_roll and previews.in_gear_place(previews.of(rolled)):
+        return rolled
     crowned = previews.crowned(said)
     return crowned if previews.in_gear_place(previews.of(crowned)) else said
 
@@ -96,9 +101,13 @@ def contact_choice(design: FaceMilledDesign, blank: BevelBlank, name: str) -> Co
         return first
     key, named = f"pinion.{name}", ("path_angle", "mean_offset", "mean_shift", "semi_major_axis", "ratio_derivative")
     free = {stem for stem in named if not design.sets(f"{key}.{stem}")}
-    if not design.hobbed and not any(design.sets(f"{key}.modified_roll_c{k}") for k in range(2, MAX_MOTION_ORDER + 1)):
-        free.add("roll")
-    return _Search(ContactPreviews(design, blank, name), frozenset(free)).best(first)
+    previews = ContactPreviews(design, blank, name)
+    if not design.pinion.side(name).gives_roll:
+        if not design.hobbed:
+            free.add("roll")
+        elif previews.by_gear_head and free.issuperset(CROWNED_KEYS):
+            free.add("by_roll")
+    return _Search(previews, frozenset(free)).best(first)
 
 
 def chooses(design: FaceMilledDesign, name: str) -> bool:
@@ -123,13 +132,39 @@ class _Search:
 
     def best(self, first: ContactChoice) -> ContactChoice:
         """Return the first good choice, or else the best one."""
+        if "by_roll" not in self.free:
+            return self._best_by_head(first)[0]
+        rolled, score = self._best_by_roll(replace(first, by_roll=True))
+        if sum(score) >= 1.0:
+            return rolled
+        other, other_score = self._best_by_head(replace(first, by_roll=False))
+        return other if sum(other_score) > sum(score) else rolled
+
+    def _best_by_roll(self, first: ContactChoice) -> tuple[ContactChoice, tuple[float, float]]:
+        """Return the best choice by the gear's own head with modified roll, and its measures."""
+        best, best_score = first, (-np.inf, -np.inf)
+        for rolled in (False, True):
+            for direction in self._directions(first):
+                if self.previews.count >= MAX_ROLLED_COUNTS[rolled]:
+                    break
+                for choice, path in self._ellipses(direction, rolled=rolled):
+                    score = self._good(path)
+                    if self.previews.in_gear_place(path) and sum(score) > sum(best_score):
+                        best, best_score = choice, score
+                if sum(best_score) >= 1.0:
+                    return best, best_score
+        return best, best_score
+
+    def _best_by_head(self, first: ContactChoice) -> tuple[ContactChoice, tuple[float, float]]:
+        """Return the best choice whose parabola the head gives, and its measures."""
         best, best_score = self._best_crowned(first)
+        begun = self.previews.count if "by_roll" in self.free else 0
         for rolled in (False, True) if "roll" in self.free else (False,):
             # modified roll makes no path longer: it is not tried if a path is only too short
             if sum(best_score) >= 1.0 or (rolled and best_score[1] >= 0.0):
                 break
             for direction in self._directions(first):
-                if self.previews.count >= MAX_PREVIEW_COUNTS[rolled]:
+                if self.previews.count - begun >= MAX_PREVIEW_COUNTS[rolled]:
                     break
                 for choice, path in self._ellipses(direction, rolled=rolled):
                     # the number of previews is not known in advance, but its limit is
@@ -139,7 +174,7 @@ class _Search:
                         best, best_score = choice, score
                 if sum(best_score) >= 1.0:
                     break
-        return best
+        return best, best_score
 
     def _best_crowned(self, first: ContactChoice) -> tuple[ContactChoice, tuple[float, float]]:
         """Return the best choice by the gear's own head, crowned, with its measures; `first` if there is none."""

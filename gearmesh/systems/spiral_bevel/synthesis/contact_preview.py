@@ -67,7 +67,7 @@ LAG_FIT_DEGREE = 6
 CHANGE_POINTS = 401
 
 #: relative difference up to which a ratio of roll is that of the teeth
-RATIO_TOLERANCE = 1e-6
+RATIO_TOLERANCE = 1e-2
 
 _NO_GRID = np.zeros((1, 1, 2))
 

@@ -38,6 +38,7 @@ from gearmesh.records import dataclass
 from gearmesh.systems.common.bevel.blank import BevelBlank
 from gearmesh.systems.spiral_bevel.conjugate.flank import ActiveFlank, ConjugateFlank
 from gearmesh.systems.spiral_bevel.design import EASE_OFF_KEYS, SYNTHESISED_KEYS, PinionSide
+from gearmesh.systems.spiral_bevel.machine.motions import given_roll
 from gearmesh.systems.spiral_bevel.machine.pair import HAND_SIGNS, MATING_SIDES, nominal_base
 from gearmesh.systems.spiral_bevel.synthesis.local_synthesis import MeanContact, conjugate_operator
 from gearmesh.systems.spiral_bevel.synthesis.settings import (
@@ -45,7 +46,6 @@ from gearmesh.systems.spiral_bevel.synthesis.settings import (
     FlankForm,
     contact_asked,
     gear_sides,
-    given_roll,
     mean_point,
     side_of,
     synthesise,
@@ -298,7 +298,9 @@ class _Fit:
         """Return the flank with the settings of unknowns q (N,)."""
         values, roll = self._settings(q)
         side = side_of(self.design, self.blank, self.name, values, roll)
-        return side.envelope(side.blade.flank)
+        surface = side.envelope(side.blade.flank)
+        assert isinstance(surface, Envelope)
+        return surface
 
     def ease_off(self, surface: Surface, at: Array, steps: int = NEWTON_STEPS) -> tuple[Array, Array, Jet]:
         """Ease-off (K,), mm, and parameters and jet of the surface's points on the normals of the conjugate flank.

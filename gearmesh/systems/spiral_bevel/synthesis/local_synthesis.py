@@ -165,7 +165,11 @@ def conjugate_operator(gear: MeanContact) -> Array:
 
 
 def generated_operator(
-    operator: Array, at: tuple[Array, Array, Array], spins: tuple[Array, Array], tool_velocity: Array
+    operator: Array,
+    at: tuple[Array, Array, Array],
+    spins: tuple[Array, Array],
+    tool_velocity: Array,
+    modified: tuple[Array, Array],
 ) -> Array:
     """Return shape operators (N, 2, 2) of flanks that tools generate: `conjugate_operator` for many tools at one point.
 
@@ -173,14 +177,20 @@ def generated_operator(
     - `at`: point (3,), normal (3,), and the tangents (2, 3) that are the basis of the operators
     - `spins`: angular velocities of the blank (3,) and of the tools (N, 3)
     - `tool_velocity`: velocities (N, 3) of the tools at the point
+    - `modified`: derivatives (N,) of the ratios of roll, over the ratios, by the rotation of the blank with the roll; and
+      gradients (N, 2), 1/mm, of that rotation along the tools' surfaces, with the index of a cutter
     """
     point, n, basis = at
     spin1, spin2 = spins
     w12, v12 = spin1 - spin2, cross(spin1, point) - tool_velocity
-    in_plane = v12 @ basis.T
+    in_plane, (bend, along) = v12 @ basis.T, modified
     turning = cross(w12, n) @ basis.T + (operator @ in_plane[..., None])[..., 0]
-    rest = dot(cross(spin2, n), v12) + cross(w12, tool_velocity) @ n
-    added: Array = turning[:, :, None] * turning[:, None] / (rest - (turning * in_plane).sum(axis=-1))[:, None, None]
+    rest = dot(cross(spin2, n), v12) + cross(w12, tool_velocity) @ n - (turning * in_plane).sum(axis=-1)
+    # modified roll moves the tool along the normal by half of `bend` x^2, x the rotation with the roll
+    bend, rolled = bend * (tool_velocity @ n), 1.0 + (along * in_plane).sum(axis=-1)
+    operator = operator + bend[:, None, None] * along[:, :, None] * along[:, None]
+    turning, rest = turning + (bend * rolled)[:, None] * along, rest - bend * rolled**2
+    added: Array = turning[:, :, None] * turning[:, None] / rest[:, None, None]
     return operator + added
 
 

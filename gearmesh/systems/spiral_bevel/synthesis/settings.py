@@ -24,7 +24,6 @@ from gearmesh.systems.common.bevel.blank import BevelBlank, Proportions, basic_d
 from gearmesh.systems.common.bevel.cone_blank import ConeData, OffsetData, cone_blank
 from gearmesh.systems.common.bevel.pair_blank import pair_blank, proportions
 from gearmesh.systems.spiral_bevel.design import (
-    MAX_MOTION_ORDER,
     SYNTHESISED_KEYS,
     HypoidDesign,
     SpiralBevelDesign,
@@ -44,6 +43,7 @@ from gearmesh.systems.spiral_bevel.machine.gear_cradle import machine_axes, root
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
 from gearmesh.systems.spiral_bevel.machine.index import touching_turn
 from gearmesh.systems.spiral_bevel.machine.machine import MachineSettings
+from gearmesh.systems.spiral_bevel.machine.motions import given_roll, with_motions
 from gearmesh.systems.spiral_bevel.machine.pair import BLADE_SIDES, HAND_SIGNS, MATING_SIDES
 from gearmesh.systems.spiral_bevel.machine.thickness import cut_to
 from gearmesh.systems.spiral_bevel.synthesis.default_ellipse import default_semi_major_axis
@@ -84,6 +84,15 @@ class ContactChoice:
     roll: tuple[float, float, float] = (0.0, 0.0, 0.0)
     #: settings for an ease-off in place of local synthesis; of the rest only the mean point then counts
     form: FlankForm | None = None
+    #: True where modified roll gives the derivative of the ratio, and the head only parts the flanks along the path
+    by_roll: bool = False
+
+    def second_roll(self, ratio: float) -> float:
+        """Return the coefficient of modified roll of the second order that gives the derivative of the ratio.
+
+        `ratio`: ratio of roll, that of the teeth.
+        """
+        return 0.5 * self.asked.ratio_derivative / ratio if self.by_roll else 0.0
 
 
 @dataclass(frozen=True)
@@ -285,10 +294,10 @@ def pinion_side(design: FaceMilledDesign, blank: BevelBlank, name: str, mean: Me
         return hobbed_pinion(design, blank, name, mean.gear_turn)
     spec = design.pinion.side(name)
     values = pinion_values(design, blank, name, mean.contact, mean.choice)
-    made = side_of(design, blank, name, values, _roll_of(spec, mean.choice))
+    made = side_of(design, blank, name, values, roll_of(spec, mean.choice, blank))
     if spec.mesh_angle is not None:
         return replace(made, turned=HAND_SIGNS[design.hand] * float(np.radians(spec.mesh_angle)))
-    if mean.choice.form is not None or not spec.moves_flank:
+    if mean.choice.form is not None or not (spec.moves_flank or mean.choice.by_roll):
         return made
     return replace(made, turned=made.turned + touching_turn(made, mean.mating, mean.parameters, blank))
 
@@ -326,17 +335,13 @@ def side_of(
     return made
 
 
-def _roll_of(spec: PinionSide, choice: ContactChoice) -> tuple[float, ...]:
-    """Return the coefficients of modified roll from the second order on, with the chosen ones from the third on."""
+def roll_of(spec: PinionSide, choice: ContactChoice, blank: BevelBlank) -> tuple[float, ...]:
+    """Return the coefficients of modified roll from the second order on, given and chosen ones added."""
     second, *others = given_roll(spec)
     if choice.form is not None:
         return choice.form.roll
+    second += choice.second_roll(blank.pinion.teeth / blank.gear.teeth)
     return second, *(a + b for a, b in zip_longest(others, choice.roll, fillvalue=0.0))
-
-
-def given_roll(spec: Machine) -> tuple[float, ...]:
-    """Return the coefficients of modified roll of a design from the second order on."""
-    return tuple(getattr(spec, f"modified_roll_c{k}") for k in range(2, MAX_MOTION_ORDER + 1))
 
 
 def pinion_root_angle(design: FaceMilledDesign, name: str) -> float | None:
@@ -364,7 +369,8 @@ def pinion_values(
     spec = design.pinion.side(name)
     values = {key: getattr(spec, key) for key in (*SYNTHESISED_KEYS, "blade_height")}
     if any(values[key] is None for key in SYNTHESISED_KEYS):
-        derived = synthesise(design, blank, name, contact, choice.asked)
+        second_roll = choice.second_roll(blank.pinion.teeth / blank.gear.teeth)
+        derived = synthesise(design, blank, name, contact, choice.asked, second_roll)
     else:
         derived = {"blade_height": 0.5 * blank.mean_depth}
     settings = {key: value if value is not None else derived[key] for key, value in values.items()}
@@ -374,9 +380,16 @@ def pinion_values(
 
 
 def synthesise(
-    design: FaceMilledDesign, blank: BevelBlank, name: str, contact: MeanContact, asked: ContactAsked
+    design: FaceMilledDesign,
+    blank: BevelBlank,
+    name: str,
+    contact: MeanContact,
+    asked: ContactAsked,
+    second_roll: float = 0.0,
 ) -> dict[str, float]:
     """Return the settings of one side of the pinion by local synthesis, by key (mm, deg).
+
+    `second_roll`: as for `tool_values`.
 
     Raises NoSolutionError, naming the side, if the requested contact is impossible.
     """
@@ -384,15 +397,21 @@ def synthesise(
         operator = pinion_operator(contact, asked)
     except NoSolutionError as failure:
         raise NoSolutionError(f"pinion.{name}", reason=failure.reason, remedy=failure.remedy) from failure
-    return tool_values(design, blank, name, (contact.point, contact.normal), operator)
+    return tool_values(design, blank, name, (contact.point, contact.normal), operator, second_roll)
 
 
 def tool_values(
-    design: FaceMilledDesign, blank: BevelBlank, name: str, mean: tuple[Array, Array], operator: Array
+    design: FaceMilledDesign,
+    blank: BevelBlank,
+    name: str,
+    mean: tuple[Array, Array],
+    operator: Array,
+    second_roll: float = 0.0,
 ) -> dict[str, float]:
     """Return the settings by key (mm, deg) of one side of the pinion with a given point, normal and shape operator.
 
-    `mean`: point (3,) and normal (3,), `operator`: shape operator (3, 3), in the pinion's frame.
+    - `mean`: point (3,) and normal (3,), `operator`: shape operator (3, 3), in the pinion's frame
+    - `second_roll`: coefficient of modified roll of the second order, of face hobbing
 
     Raises NoSolutionError, naming the side, if no cutter has them.
     """
@@ -406,7 +425,7 @@ def tool_values(
     # local synthesis is in the frame of the pinion as cut
     mean = to_cut.point(mean[0]), to_cut.vector(mean[1])
     operator = to_cut.rotation @ operator @ to_cut.rotation.T
-    head = indexing_head(design, blank, name, cradle) if design.hobbed else None
+    head = indexing_head(design, blank, name, cradle, hand * second_roll) if design.hobbed else None
 
     nearby: HeadStart | None = None
 
@@ -453,6 +472,9 @@ def tool_values(
     }
     if design.hobbed:
         made = side_of(design, blank, name, values, ()).indexed_at(mean[0])
+        # the cradle has rolled by the index at the mean point; the ratio of roll there is that of the synthesis
+        rolled = np.radians(values["cradle_angle"]) - made.settings.cradle_angle
+        values["ratio_of_roll"] *= 1.0 - 2.0 * second_roll * float(rolled)
         values["cradle_angle"] = float(np.degrees(made.settings.cradle_angle))
     return values
 
@@ -606,7 +628,7 @@ def meshing_turns(jet: Jet, gear_to_pinion: Rigid, sense: int, ratio: float, nea
 
 def _machine(spec: Machine, root_angle: float, values: dict[str, float], formate: bool = False) -> MachineSettings:
     """Return machine settings from the values of their keys (mm, deg)."""
-    return MachineSettings(
+    settings = MachineSettings(
         radial=values["radial"],
         cradle_angle=float(np.radians(values["cradle_angle"])),
         ratio_of_roll=values["ratio_of_roll"],
@@ -614,13 +636,8 @@ def _machine(spec: Machine, root_angle: float, values: dict[str, float], formate
         machine_centre_to_back=values["machine_centre_to_back"],
         machine_root_angle=radians_or(spec.machine_root_angle, root_angle),
         sliding_base=values["sliding_base"],
-        modified_roll=given_roll(spec),
         tilt=float(np.radians(spec.tilt)),
         swivel=float(np.radians(spec.swivel)),
-        tilt_motion=tuple(float(a) for a in np.radians(spec.tilt_motion)),
-        swivel_motion=tuple(float(a) for a in np.radians(spec.swivel_motion)),
-        radial_motion=spec.radial_motion,
-        helical_motion=spec.helical_motion,
-        vertical_motion=spec.vertical_motion,
         formate=formate,
     )
+    return with_motions(settings, spec)
