@@ -183,7 +183,7 @@ class Blade:
         if isinstance(last, RackLine):
             return last.at_height(edge * (1.0 - np.sin(last.alpha))), last.alpha
         # the rounding's centre is at the height of its radius, and at the sum of both radii from the arc's centre
-        angle = float(np.arcsin((edge - last.centre[0]) / (edge + last.radius)))
+        angle = _arcsine((edge - last.centre[0]) / (edge + last.radius))
         return angle, angle
 
     @cached_property
@@ -247,9 +247,14 @@ class Blade:
         """Return the profile parameter of the cutting edge at a height (mm) over the tip plane."""
         if isinstance(self.flank, RackLine):
             return self.flank.at_height(height)
-        return float(np.arcsin((self.flank.centre[0] - height) / self.blade_radius))
+        return _arcsine((self.flank.centre[0] - height) / self.blade_radius)
 
     def radius_at(self, height: float) -> float:
         """Return the radius of the cutter (mm) on the cutting edge at a height over the tip plane."""
         point = self.flank.section(np.array(self.at_height(height)))[0]
         return float(self.side * point[1])
+
+
+def _arcsine(sine: float) -> float:
+    """Return the angle (rad) of a sine; NaN where an arc does not reach that far."""
+    return float(np.arcsin(sine)) if abs(sine) <= 1.0 else np.nan
