@@ -252,7 +252,7 @@ class _IndexingFit:
         form[:, 0, 0] = curvature * (bent @ n)
         form[:, 0, 1] = form[:, 1, 0] = cross(spin, edge) @ n
         form[:, 1, 1] = change @ n
-        tangents: Array = np.linalg.inv(np.stack((edge, swept), axis=1) @ self._basis.T)
+        tangents: Array = np.asarray(np.linalg.inv(np.stack((edge, swept), axis=1) @ self._basis.T), dtype=np.float64)
         cutter_operator = tangents @ form @ np.swapaxes(tangents, -1, -2)
         operator = generated_operator(
             cutter_operator,
