@@ -37,7 +37,7 @@ SQUARED_STEP_RAD = 1e-8
 
 @dataclass(frozen=True)
 class _Swept:
-    """What an edge sweeps: velocities and normals (..., 3) in the cradle's frame, and partials of the equation of meshing."""
+    """Velocities and normals (..., 3) of a swept edge in the cradle's frame, and partials of the equation of meshing."""
 
     #: rotation of the blank per rotation of the cutter, for the index
     per_turn: float

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -156,8 +157,8 @@ class Generated:
 
         Raises NoSolutionError if the cutter generates no such point near the middle, as at small spiral angles.
         """
-        flank = self.envelope(self.blade.flank)
-        assert isinstance(flank, Envelope)
+        # no cutter that indexes has a mean point by the cradle's zero
+        flank = cast(Envelope, self.envelope(self.blade.flank))
         p = self.blade.at_height(height)
 
         def cradle(v: Array, _: NDArray[np.intp]) -> tuple[Array, Array]:

@@ -23,7 +23,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -298,9 +298,8 @@ class _Fit:
         """Return the flank with the settings of unknowns q (N,)."""
         values, roll = self._settings(q)
         side = side_of(self.design, self.blank, self.name, values, roll)
-        surface = side.envelope(side.blade.flank)
-        assert isinstance(surface, Envelope)
-        return surface
+        # cutters of designs with an ease-off do not index
+        return cast(Envelope, side.envelope(side.blade.flank))
 
     def ease_off(self, surface: Surface, at: Array, steps: int = NEWTON_STEPS) -> tuple[Array, Array, Jet]:
         """Ease-off (K,), mm, and parameters and jet of the surface's points on the normals of the conjugate flank.
