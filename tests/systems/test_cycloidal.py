@@ -296,7 +296,7 @@ def test_ring_turns_as_the_first_of_pins_set_outwards_says() -> None:
 
 @pytest.mark.sweep
 def test_ring_with_pins_far_out_turns_until_a_pin_meets_the_lobes() -> None:
-    """By distances of circles from points of the lobes: to first order pins near the root are 6 arcsec off."""
+    """Compare with distances of circles from points of the lobes. To first order pins near the root are 6 arcsec off."""
     away = np.round(np.random.default_rng(5).normal(0.0, 8.0, 20), 1)
     gears = gm.build(design("modification.equidistant=0.02", f"measured.ring_radial_um={away.tolist()}"))
     turns, drive = whole_turns(gears.pairs[0]), Drive(gears.design)
