@@ -130,7 +130,7 @@ def test_table_has_tolerances_only_for_a_given_accuracy_class() -> None:
 
 def test_files_have_the_same_bytes_every_time(tmp_path: Path) -> None:
     made = drawing("rack")
-    for suffix in ("svg", "pdf"):
+    for suffix in ("png", "svg", "pdf"):
         files = [made.save(tmp_path / f"{k}.{suffix}") for k in (1, 2)]
         assert files[0].read_bytes() == files[1].read_bytes()
     assert b"CreationDate" not in files[0].read_bytes()

@@ -443,6 +443,7 @@ def _guess_first(axes: Any) -> None:
 def save_figure(figure: Any, file: Path | str) -> None:
     """Write a figure; equal figures give equal files (no date, no random names)."""
     from matplotlib import rc_context
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     from gearmesh.io.atomic import whole_file
 
@@ -451,6 +452,9 @@ def save_figure(figure: Any, file: Path | str) -> None:
     lay_out(figure)
     with rc_context({"svg.hashsalt": "gearmesh"}), whole_file(file) as unfinished:
         if kind == PNG_SUFFIX:
+            if not hasattr(figure.canvas, "buffer_rgba"):
+                # figures that were made without `new_figure`
+                FigureCanvasAgg(figure)
             figure.canvas.draw()
             write_png(unfinished, np.asarray(figure.canvas.buffer_rgba())[..., :3], shaded=False, dpi=figure.dpi)
             return
