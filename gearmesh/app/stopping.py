@@ -12,6 +12,7 @@ import signal
 import sys
 import threading
 from _thread import interrupt_main
+from time import sleep
 from types import FrameType, TracebackType
 from typing import Any, Self
 
@@ -36,6 +37,8 @@ class Stopping:
         self.asked = 0
         self._before: dict[int, Any] = {}
         self._unraisable_before: Any = None
+        #: True while `_unraisable` runs, in which another KeyboardInterrupt would be lost
+        self._dropping = False
 
     @property
     def status(self) -> int:
@@ -67,10 +70,18 @@ class Stopping:
         raise KeyboardInterrupt
 
     def _unraisable(self, dropped: Any) -> None:
+        self._dropping = True
         if self.asked and dropped.exc_type is KeyboardInterrupt:
-            # raise it later from a timer: exceptions raised within this hook are dropped, too
-            again = threading.Timer(RAISE_AGAIN_S, interrupt_main)
-            again.daemon = True
-            again.start()
+            # raise it later from a thread: exceptions raised within this hook are dropped, too
+            threading.Thread(target=self._raise_again, daemon=True).start()
         else:
             self._unraisable_before(dropped)
+        # the last statement: no signal is handled between it and the end of the hook
+        self._dropping = False
+
+    def _raise_again(self) -> None:
+        """Raise KeyboardInterrupt in the main thread when it has left the hook; on a busy machine that may take long."""
+        sleep(RAISE_AGAIN_S)
+        while self._dropping:
+            sleep(RAISE_AGAIN_S)
+        interrupt_main()
