@@ -4,8 +4,8 @@
 #   between turns in Z axis". A target across the diameter is half a turn away: 20 mm with a pitch of 2 mm are 9.5 or 10.5 turns
 #   of 2.105 or 1.905 mm, or 10 of 2.
 # Seen: from (0, 0) the 9.5 turns of radius 5. The same thread 10 mm further along x, from (10, 0) to (20, 0), has its centre taken as (5, 0):
-#   the target less the start is halved and the start taken off again, though centres are relative. The radius goes from 5 to 15 mm,
-#   the tool leaves the bore by 10 mm, and all points but the last are wrong. `helix` with a centre, `arc` and `circle` are right. No warning.
+#   the target less the start is halved and the start taken off again, though centres are relative. About it the radius grows from
+#   5 to 15 mm, a spiral up to 24.5 mm from the axis of the bore. `helix` with a centre, `arc` and `circle` are right. No warning.
 # Versions: gscrib 1.2.0, numpy 2.4.6, scipy 1.17.1.
 # Meets: whoever mills threads or bores by helix, away from the origin, as nearly every hole of a plate is.
 set -e
