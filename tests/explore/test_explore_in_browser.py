@@ -54,6 +54,8 @@ def downloads(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def browser(tmp_path_factory: pytest.TempPathFactory, running: Explorer, downloads: Path) -> Iterator[Any]:
     """A browser with the page; the token of the address is used up."""
     with chromium(tmp_path_factory.mktemp("profile")) as opened:
+        # the driver itself gives a script 30 s, which is little on a busy machine
+        opened.set_script_timeout(PATIENCE_S)
         resize(opened, 1300)
         behaviour = {"behavior": "allow", "downloadPath": str(downloads)}
         opened.execute_cdp_cmd("Browser.setDownloadBehavior", behaviour)
