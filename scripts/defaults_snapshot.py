@@ -9,6 +9,7 @@ gearmesh/design/changes.py, say it in gearmesh/CHANGES.md, and run this.
 
 from __future__ import annotations
 
+import argparse
 import json
 import math
 import re
@@ -98,10 +99,13 @@ def logged(text: str) -> str:
 
 
 def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--check", action="store_true", help="say what has changed, and write nothing")
+    only_checks = parser.parse_args().check
     now = snapshot()
     lines = differences(json.loads(SNAPSHOT.read_text(encoding="utf-8")), now) if SNAPSHOT.exists() else []
     print("\n".join(lines))
-    if "--check" in sys.argv[1:]:
+    if only_checks:
         return 1 if lines else 0
     SNAPSHOT.write_text(json.dumps(now, indent=1) + "\n", encoding="utf-8")
     LOG.write_text(logged(LOG.read_text(encoding="utf-8")), encoding="utf-8")
