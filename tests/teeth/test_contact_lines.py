@@ -10,6 +10,7 @@ from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh import DesignError, Rigid
+from gearmesh.kernel.envelope.indexed_envelope import IndexedEnvelope
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kinds import Envelope, FeedEnvelope, FeedMotion, Side
 from gearmesh.teeth.generation.contact_lines import ContactLine, tool_contact
@@ -67,6 +68,25 @@ def test_tool_and_tooth_touch_along_the_lines(sample: str, name: str) -> None:
             np.testing.assert_allclose(standing.vector(line.normals[known]), normals, rtol=0, atol=OFF)
             # a little earlier the tool touches elsewhere
             assert np.nanmin(np.abs(at(line.at - 0.01))) > 100.0 * NONE
+
+
+def test_edges_that_index_touch_at_rotations_of_the_cradle() -> None:
+    """A pinion cut with modified roll has lines as one cut by a crown gear; one line of a feed in mm stood for them."""
+    values = {"kind": "spiral_bevel", "process": "face_hobbed_formate", "module": 4.5, "spiral_angle": 33}
+    gears = gm.build(gm.parse({**values, "pinion": {"teeth": 13}, "gear": {"teeth": 41}}))
+    member = gears.members["pinion"]
+    flank = member.tooth.side(Side.RIGHT).flank
+    assert isinstance(flank, IndexedEnvelope)
+    found, project = tool_contact(member.tooth, Side.RIGHT), flank_projection(member, Side.RIGHT)
+    assert found.rolls
+    assert len(found.lines) == 6
+    rolls = flank.rolls(*np.moveaxis(member.tooth.flank_grid(Side.RIGHT, [0, 1], [0, 1]).parameters, -1, 0))
+    for line in found.lines:
+        assert rolls.min() < line.at < rolls.max()
+        own = line.on_tooth[0][np.isfinite(line.on_tooth[0][:, 0])]
+        off = np.linalg.norm(project(own) - own, axis=-1)
+        assert np.nanmax(off) < OFF
+        assert np.isfinite(off).mean() > 0.8
 
 
 def test_lines_on_a_face_gear_pinion_match_the_shaper() -> None:

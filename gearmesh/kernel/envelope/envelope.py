@@ -126,6 +126,10 @@ class Envelope:
     def freedoms(self) -> int:
         return 1
 
+    @property
+    def is_fed(self) -> bool:
+        return False
+
     def on_tool(self, u: Array, v: Array) -> tuple[Array, Array]:
         return u, v
 

@@ -70,7 +70,8 @@ class Surface(Protocol):
 class GeneratedSurface(Surface, Protocol):
     """A surface that a `tool` generates in a motion with 0 to 2 parameters (`freedoms`).
 
-    The parameters are: none for a fixed tool; the roll (rad); or the roll and the feed (mm).
+    The parameters are: none for a fixed tool; the roll (rad); the roll and the feed (mm); or, of an edge that indexes, the
+    roll and the rotation of its cutter (rad).
     """
 
     @property
@@ -81,6 +82,10 @@ class GeneratedSurface(Surface, Protocol):
     def freedoms(self) -> int:
         """Number of the motion's parameters."""
 
+    @property
+    def is_fed(self) -> bool:
+        """True if the second parameter of the motion is a feed, so that the tool touches in points and not along lines."""
+
     def on_tool(self, u: Array, v: Array) -> tuple[Array, Array]:
         """Return both parameters (...,) of the tool's surface at the points that generate the surface at u and v
         (...,)."""
@@ -88,7 +93,7 @@ class GeneratedSurface(Surface, Protocol):
     def generating(self, u: Array, v: Array) -> tuple[Array, ...]:
         """Return the motion's parameters (...,) at which the points at u and v (...,) are generated.
 
-        There is none, roll (rad), or roll and feed (mm).
+        There is none, roll (rad), roll and feed (mm), or roll and rotation of the cutter (rad).
         """
 
     def tool_to_blank(self, *motion: Array) -> Rigid:
@@ -123,6 +128,10 @@ class PlacedSurface:
     @property
     def freedoms(self) -> int:
         return 0
+
+    @property
+    def is_fed(self) -> bool:
+        return False
 
     def on_tool(self, u: Array, v: Array) -> tuple[Array, Array]:
         return u, v
