@@ -35,13 +35,13 @@ from gearmesh.explore.state import STAGES_NAME, Origin, is_file, refuse_file_key
 from gearmesh.figures import Summary
 from gearmesh.formats import DXF_SUFFIX, HTML_SUFFIX, STEP_SUFFIX
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import ARCSEC, Array
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.records import dataclass
 from gearmesh.systems.system import build, system
 from gearmesh.trains.bodies import gear_names, joined_shafts
 from gearmesh.trains.file import DESIGN_KEY, TRAIN_KIND, TrainFile, TrainKeys, naming_stage, train_of
 from gearmesh.trains.stage import CARRIER_NAME, Stage
-from gearmesh.trains.train import MultistageTrain
+from gearmesh.trains.train import MultistageTrain, TrainError
 from gearmesh.trains.transmission import mesh_motions
 from gearmesh.view.report.packing import pack
 from gearmesh.view.report.staged_member import camera_data, fitted, member_data
@@ -55,6 +55,8 @@ SECONDS_PER_TURN = 12.0
 WHOLE_NAME = "train"
 #: figures of a train at the head of the list
 TRAIN_FIGURES = ("ratio", "te_peak_to_peak_arcsec", "speed", "torque")
+#: those of a rack, and of a train that ends in one
+RACK_FIGURES = ("travel_mm", "te_peak_to_peak_um", "force")
 
 
 class StageKeys:
@@ -208,7 +210,7 @@ class TrainBench:
         yield {"type": "figures", "later": False, "meshes": [whole, *shafts, *found[1:]],
                "warnings": list(dict.fromkeys(warnings))}  # fmt: skip
         marks = {f"{name}.{own}": mark for name, each in built.items() for own, mark in each.marks.items()}
-        pair = self._motion(train, error.solved.psi * layout.sense, error.solved.te / ARCSEC, list(members))
+        pair = self._motion(train, error, list(members))
         for is_fine in (False, True):
             shapes: dict[str, Shape] = {}
             for name, stage in layout.stages.items():
@@ -220,9 +222,11 @@ class TrainBench:
             yield {"type": "scene", "camera": self._camera(train, marks, shapes), **_scene(train, shapes),
                    "waiting": False, "pairs": [pair]}  # fmt: skip
 
-    def _motion(self, train: MultistageTrain, psi: Array, te: Array, names: list[str]) -> dict[str, Any]:
-        """Return the motion of all members over rotations psi (K,), rad, of the input, in the form of a pair without contact."""
-        layout, none = train.layout, np.full((len(psi), 3), np.nan)
+    def _motion(self, train: MultistageTrain, error: TrainError, names: list[str]) -> dict[str, Any]:
+        """Return the motion of all members over the rotations of the input of an error, in the form of a pair without contact."""
+        layout = train.layout
+        psi = error.solved.psi * layout.sense
+        none = np.full((len(psi), 3), np.nan)
         shafts, ports = layout.follow(psi)
         turns: dict[str, Array] = {}
         carried: dict[str, Array] = {}
@@ -242,10 +246,13 @@ class TrainBench:
             "jumps": [],
             "turns": [pack(turns[name]) for name in names],
             "carried": [pack(carried[name]) if name in carried else None for name in names],
-            "shafts": [{"name": name, "turns": pack(turned)} for name, turned in shafts.items()],
+            "shafts": [
+                {"name": name, "travel": layout.port(name).joint.travel, "turns": pack(turned)}
+                for name, turned in shafts.items()
+            ],
             "seconds": SECONDS_PER_TURN * float(np.ptp(psi)) / (2.0 * math.pi),
-            "te": pack(te),
-            "te_unit": "arcsec",
+            "te": pack(error.solved.te / error.reading[0]),
+            "te_unit": error.reading[1],
             "kind": [""] * len(psi),
             "delta_um": 0.0,
             "point": pack(none),
@@ -282,8 +289,9 @@ def _solved(built: BuiltStage, stage: Stage) -> list[tuple[str, Summary, tuple[s
 
 def _named(name: str, summary: Summary) -> dict[str, Any]:
     """Return the figures of a part of a train with its name."""
-
-    return {"name": name, "figures": list(shown_figures(summary, (*MAIN_FIGURES, *TRAIN_FIGURES)))}
+    slides = any(entry.key == "travel_mm" and entry.known is not None for entry in summary.flat.entries)
+    first = RACK_FIGURES if slides else TRAIN_FIGURES
+    return {"name": name, "figures": list(shown_figures(summary, (*MAIN_FIGURES, *first)))}
 
 
 def _view_turns(train: MultistageTrain) -> float:

@@ -206,6 +206,34 @@ def test_a_train_has_figures_of_its_parts_and_turns_as_its_stages_do(train: Work
 
 
 @pytest.mark.sweep
+def test_a_train_that_ends_in_a_rack_has_its_travel(tmp_path: Path) -> None:
+    """A rack moves by millimetres: its figures, its error and the line of positions say so."""
+    (tmp_path / "rack.toml").write_text(
+        'kind = "train"\ninput = "input"\noutput = "table"\n'
+        f'[stages.pair]\ndesign = "{SAMPLES / "helical.toml"}"\n'
+        f'[stages.slide]\ndesign = "{SAMPLES / "rack.toml"}"\nhelix_angle = 12\n'
+        '[shafts.input]\nmembers = ["pair.pinion"]\n'
+        '[shafts.middle]\nmembers = ["pair.gear", { member = "slide.pinion", position = 40 }]\n'
+        '[shafts.table]\nmembers = ["slide.rack"]\n',
+        encoding="utf-8",
+    )
+    alone = gm.load_train(tmp_path / "rack.toml")
+    found = ask(Workshop(origin_of_file(tmp_path / "rack.toml")))
+    whole = of(found, "figures")[-1]["meshes"][0]
+    main = {each["key"]: each["value"] for each in whole["figures"] if each["main"]}
+    assert main["travel_mm"] == pytest.approx(alone.figures.travel, rel=1e-12)
+    assert None not in main.values()
+    (pair,) = of(found, "scene")[-1]["pairs"]
+    assert pair["te_unit"] == "um"
+    te = np.frombuffer(base64.b64decode(pair["te"]), dtype=np.float32)
+    assert np.ptp(te) == pytest.approx(main["te_peak_to_peak_um"], rel=1e-5)
+    phi1 = np.frombuffer(base64.b64decode(pair["phi1"]), dtype=np.float32)
+    table = next(shaft for shaft in pair["shafts"] if shaft["name"] == "table")
+    way = table["travel"] * np.ptp(np.frombuffer(base64.b64decode(table["turns"]), dtype=np.float32))
+    assert way == pytest.approx(abs(alone.figures.travel) * np.ptp(phi1) / (2.0 * np.pi), rel=1e-3)
+
+
+@pytest.mark.sweep
 def test_planets_go_round_with_their_carrier() -> None:
     file = SAMPLES / "trains" / "train_planetary.toml"
     scene = of(ask(Workshop(origin_of_file(file))), "scene")[-1]

@@ -372,9 +372,9 @@ window.gearmeshScene = function () {
       drawPressure(current, load, at(current.phi1, 1, x)[0], size);
     }
     const te = rounded(at(current.te, 1, x)[0], 3), words = [`φ₁ = ${degrees(at(current.phi1, 1, x)[0])}`];
-    current.members.forEach((m) => words.push(`${members[m].name} ${members[m].travel
-      ? `${rounded(turns[m] * members[m].travel, 3)} mm` : degrees(turns[m])}`));
-    current.shafts.forEach(({ name, turns: track }) => words.push(`${name} ${degrees(at(track, 1, x)[0])}`));
+    const moved = ({ name, travel }, angle) => `${name} ${travel ? `${rounded(angle * travel, 3)} mm` : degrees(angle)}`;
+    current.members.forEach((m) => words.push(moved(members[m], turns[m])));
+    current.shafts.forEach((shaft) => words.push(moved(shaft, at(shaft.turns, 1, x)[0])));
     words.push(`transmission error ${te} ${current.te_unit}`);
     if (current.kind[nearest]) words.push(current.kind[nearest].startsWith("edge") ? current.kind[nearest] : `${current.kind[nearest]} contact`);
     if (load) {
