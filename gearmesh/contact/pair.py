@@ -210,7 +210,7 @@ class Pair:
         The turn counts from the rotation at which the point faces the gear. A point that comes round to the gear again touches it
         as another tooth of the pinion.
         """
-        if self.pinion.winding + np.abs(phi1).max(initial=0.0) <= np.pi:
+        if self.pinion.winding + abs(self.facing) + np.abs(phi1).max(initial=0.0) <= np.pi:
             return np.zeros(np.broadcast_shapes(r.shape[:-1], phi1.shape), dtype=bool)
         turned = self.pinion.mount.sign * (phi1 - self.facing)
         # the teeth of coupled members face each other at every rotation: a whole flank changes its count at once
@@ -220,10 +220,14 @@ class Pair:
 
     @cached_property
     def facing(self) -> float:
-        """Rotation, rad, at which the middle of a thread's flank faces the gear's flank, 0 if within `FACING_RANGE_RAD` of 0.
+        """Rotation, rad, at which the middle of the pinion's flank faces the gear, 0 where so small a rotation does not count.
 
-        The coast flank of a single thread faces the gear half a turn before or after the driving flank.
+        Teeth of nested members may be in mesh over a whole turn, so that the rotation counts, however small. That of a thread is 0
+        if within `FACING_RANGE_RAD` of 0. The coast flank of a single thread faces the gear half a turn before or after the
+        driving flank.
         """
+        if self.nested and not self.coupled:
+            return _turn_into_mesh(*self.flanks)
         if not self.wound:
             return 0.0
         first, second = (_turn_towards(*flanks) for flanks in (self.flanks, self.flanks[::-1]))
@@ -308,19 +312,46 @@ def edge_name(pair: Pair, number: int) -> str:
     return f"{MEMBER_NAMES[member]}_{pair.flanks[member].edge_name(name)}"
 
 
+def _turn_into_mesh(flank: Flank, mating: Flank) -> float:
+    """Return the rotation (rad), -pi to pi, of a flank's member that turns its middle to where nested members are in mesh.
+
+    There the inner member is farthest from the axis of the outer one. The rotation is 0 where both axes coincide.
+    """
+    origin, axis, other, across = _axes(flank, mating)
+    row, column = (size // 2 for size in flank.grid.shape[:2])
+    middle = np.reshape(flank.mount.at(0.0).point(flank.surface.jet(*flank.grid[row, column]).r), (-1, 3))[0]
+    # the offset of the axes at the middle of the flank
+    apart = origin + axis * (axis @ (middle - origin)) - other
+    apart = apart - across * (across @ apart)
+    apart = apart - axis * (axis @ apart)
+    if np.linalg.norm(apart) < SOLVED_RESIDUAL_MM:
+        return 0.0
+    # +1 where tips of the mating member point away from its axis
+    outwards = np.sign(mating.heights.sign * mating.heights.station[1])
+    return _turn_to(flank, -outwards * apart)
+
+
 def _turn_towards(flank: Flank, mating: Flank) -> float:
     """Return the rotation (rad), -pi to pi, of a flank's member that turns its middle to the axis of the mating member.
 
     The rotation is 0 where the axes meet or are parallel except for assembly errors.
     """
-    origin, axis, other, across = (
-        np.reshape(vector, (-1, 3))[0]
-        for vector in (flank.mount.origin, flank.mount.axis, mating.mount.origin, mating.mount.axis)
-    )
+    origin, axis, other, across = _axes(flank, mating)
     normal = np.cross(axis, across)
     towards = normal * (normal @ (other - origin))
     if np.linalg.norm(normal) < SKEW_SINE or np.linalg.norm(towards) < SOLVED_RESIDUAL_MM:
         return 0.0
+    return _turn_to(flank, towards)
+
+
+def _axes(flank: Flank, mating: Flank) -> tuple[Array, ...]:
+    """Return origin (mm) and direction (3,) of the axis of a flank's member and of the axis of the mating member."""
+    first, second = flank.mount, mating.mount
+    return tuple(np.reshape(vector, (-1, 3))[0] for vector in (first.origin, first.axis, second.origin, second.axis))
+
+
+def _turn_to(flank: Flank, towards: Array) -> float:
+    """Return the rotation (rad), -pi to pi, of a flank's member that turns its middle to the direction `towards` (3,)."""
     own = flank.mount.at(0.0).inverse.vector(towards)
     angle = float(np.reshape(polar_angle(own), -1)[0]) - flank.middle_angle
     return flank.mount.sign * float((angle + np.pi) % (2.0 * np.pi) - np.pi)

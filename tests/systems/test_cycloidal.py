@@ -16,13 +16,13 @@ import gearmesh as gm
 from gearmesh.answers.contact.shared import shared_touch
 from gearmesh.contact.engagement.pitch_turns import whole_turns
 from gearmesh.contact.engagement.train_turns import leading_turns
-from gearmesh.contact.fit.fit import reversed_pair
+from gearmesh.contact.fit.fit import fit, reversed_pair
 from gearmesh.kernel.envelope.limiting_line import limiting_line
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kinds import Arc, RackSurface, Region, Side
 from gearmesh.loaded.separation import advances_of_halves, near_pairs
 from gearmesh.metrology.measured_teeth import pitch_radius
-from gearmesh.systems.cycloidal.build import Drive
+from gearmesh.systems.cycloidal.build import Drive, _lobe_tip
 from gearmesh.systems.cycloidal.forces import disc_shares, pin_forces
 from gearmesh.systems.cycloidal.geometry import PinCurve
 from gearmesh.systems.cycloidal.sheet import lobe_area
@@ -147,6 +147,49 @@ def test_lost_motion_is_the_closed_form_in_the_best_place(form: str, overrides: 
     contact, closed = gm.build(given).contact().summary, np.degrees(Drive(given).lost_motion)
     # of 20 pins one is never farther than half a pitch from the best place
     assert closed * (1.0 - 2e-4) < contact["backlash_min_deg"] < closed * 1.02
+
+
+@pytest.mark.sweep_cases("4 lobes", "pins in disc")
+@pytest.mark.parametrize(
+    ("form", "teeth", "sizes", "rotation"),
+    [
+        pytest.param("pins_in_ring", 6, (6.789, 130.28, 23.65), 0.099, id="6 lobes"),
+        pytest.param("pins_in_ring", 4, (3.55, 100.0, 25.22), 0.071, id="4 lobes"),
+        pytest.param("pins_in_disc", 6, (3.733, 100.0, 34.88), 0.114, id="pins in disc"),
+    ],
+)
+def test_few_pointed_lobes_pass_from_pin_to_pin(
+    form: str, teeth: int, sizes: tuple[float, float, float], rotation: float
+) -> None:
+    """The middle of such a flank faces the ring far from its tip: 14.7 deg on 6 lobes."""
+    keys = dict(zip(("eccentricity", "pin_circle", "pin_diameter"), sizes, strict=True))
+    made = gm.parse(
+        {"kind": "cycloidal", "units": "mm", "form": form, **keys, "modification": {"rotation": rotation}}
+        | {"disc": {"teeth": teeth, "face_width": 10}, "ring": {"teeth": teeth + 1, "face_width": 10}}
+    )
+    drive, pair = Drive(made), gm.build(made).pairs[0]
+    found = fit(pair)
+    assert found is not None
+    assert not found.jammed
+    assert not found.collisions
+    assert found.backlash == pytest.approx((drive.lost_motion, drive.lost_motion), rel=1e-9)
+    # by the distances of all points of the lobes from all pins, next to the place where a lobe passes a pin
+    own = drive.curve
+    right = drive.lobe_points(np.linspace(0.0, _lobe_tip(drive)[0], 2001)) @ np.array([1.0, 1j, 0.0])
+    both = np.concatenate((right, right.conj()))
+    lobes = (both * np.exp(2j * np.pi * np.arange(own.lobes) / own.lobes)[:, None]).ravel()
+    pins = own.circle * np.exp(2j * np.pi * np.arange(own.pins) / own.pins)
+    phi1 = np.radians(np.array([0.0, 150.0, 166.2, 172.0, 178.0, 183.98, 191.54]))
+    play = drive.lost_motion
+    for beyond, free in ((-1e-5, False), (1e-5, True), (play - 1e-5, True), (play + 1e-5, False)):
+        phi2 = found.turns(phi1) + pair.drive * beyond
+        if form == "pins_in_ring":
+            # the disc turns about 0 and the ring about -e, both clockwise; seen from the lobes
+            centres = (np.exp(-1j * phi2)[:, None] * pins - made.eccentricity) * np.exp(1j * phi1)[:, None]
+        else:
+            centres = (np.exp(-1j * phi1)[:, None] * pins + made.eccentricity) * np.exp(1j * phi2)[:, None]
+        apart = np.array([np.abs(lobes[:, None] - row).min() for row in centres])
+        assert ((apart > drive.pin) == free).all(), (beyond, apart - drive.pin)
 
 
 def test_equidistant_alone_has_the_textbook_lost_motion() -> None:
