@@ -18,6 +18,7 @@ from gearmesh import HypoidDesign
 from gearmesh.contact.flanks import analyse
 from gearmesh.kernel.numeric.algebra import ARCSEC
 from gearmesh.kinds import Side
+from gearmesh.systems.spiral_bevel.hobbing.crowning import crown_gear_curvatures
 from gearmesh.systems.spiral_bevel.hobbing.head_sheet import tooth_line
 from gearmesh.systems.spiral_bevel.hobbing.sides import HobbedContact
 from gearmesh.systems.spiral_bevel.machine.generated import Generated, Indexing
@@ -61,6 +62,10 @@ CONJUGATE = {"length_crowning": 0, "profile_crowning": 0}
 MANY_TEETH: dict[str, Any] = {
     **{"kind": "spiral_bevel", "module": 2, "spiral_angle": 26.4, "head": {"blade_groups": 6}},
     **{"pinion": {"teeth": 38}, "gear": {"teeth": 154}},
+}
+MANY_BY_CROWN_GEAR: dict[str, Any] = {
+    **{"module": 5.048, "pressure_angle": 19.47, "hand": "right", "spiral_angle": 33.48},
+    **{"head": {"blade_groups": 17}, "pinion": {"teeth": 38}, "gear": {"teeth": 214}},
 }
 LARGE_OFFSET: dict[str, Any] = {
     **{"kind": "hypoid", "module": 5, "offset": 80, "spiral_angle": 43, "head": {"blade_groups": 12}},
@@ -367,6 +372,34 @@ def test_crowned_pair_has_the_ellipse_and_lag_of_its_design() -> None:
     bend = (error[0] - 2.0 * error[1] + error[2]) / step**2
     assert abs(0.5 * bend * (np.pi / 14) ** 2) == pytest.approx(20.0 * ARCSEC, rel=0.03)
     assert path.semi_major[1] == pytest.approx(5.0, rel=0.02)
+
+
+@pytest.mark.parametrize(("least", "most"), [(0.006, np.inf), (0.006, 0.0017), (1e-5, np.inf)])
+def test_members_yield_beside_the_lines_of_their_crown_gear(least: float, most: float) -> None:
+    """Both parting from their tool's surfaces, the gap of the members has the stiffness on their path, and its least curvature."""
+    slopes, stiffness, parting = (0.0052, 0.030, 0.3), 20.0, 90.0
+    k_x, k_y = crown_gear_curvatures(slopes, stiffness, least, parting, most)
+    line = np.array(slopes[:2])
+    apart = np.array([[k_x, 0.3 * k_x], [0.3 * k_x, k_y]]) + parting * np.outer(line, line)
+    # least of x apart x / 2 - phi parting line x + parting phi^2 / 2
+    assert parting - parting**2 * line @ np.linalg.solve(apart, line) == pytest.approx(stiffness, rel=1e-9)
+    own = np.linalg.eigvalsh(apart)[0]
+    if np.isfinite(most):
+        assert k_x == most
+    elif least > 1e-4:
+        assert own == pytest.approx(least, rel=1e-6)
+    else:
+        assert own > least
+
+
+def test_pinion_of_many_teeth_has_the_lag_of_its_design() -> None:
+    """Half a pitch of 38 teeth is short: the members yield as much beside the crown gear's lines as on the path."""
+    for name in NAMES:
+        gears = gm.build(gm.parse({**BASIC, **MANY_BY_CROWN_GEAR, "contact": {"side": f"pinion_{name}"}}))
+        answer = gears.contact().summary
+        assert answer["mesh_te_peak_to_peak_arcsec"] == pytest.approx(10.0, rel=0.05)
+        assert not answer["te_breaks_phi1_deg"]
+        assert not answer["interference_um"]
 
 
 @pytest.mark.parametrize("pair", PAIRS)

@@ -5,6 +5,10 @@ lengthwise, hollow blades along the profile, by (k_x x^2 + 2 c k_x x y + k_y y^2
 on the line that generates at the roll phi, g_x x + g_y y = phi. With T = k_x (g_y^2 - 2 c g_x g_y) + k_y g_x^2 the gap
 there is phi^2 (k_x k_y - c^2 k_x^2) / (2 T). The difference of curvatures along the line is T / (g_x^2 + g_y^2). The
 flanks part from the path to all sides.
+
+Beside the line the members part from the tool's surfaces by C (g_x x + g_y y - phi)^2 / 2. With k the gap's second
+derivative by phi along the path above, that of both members is k C / (k + C). The determinant of the difference of their
+curvatures is T (k + C), and its trace k_x + k_y + C (g_x^2 + g_y^2).
 """
 
 from __future__ import annotations
@@ -51,6 +55,31 @@ def crown_curvatures(
     k_x = (total + (root if lengthwise else -root)) / (2.0 * sheared**2)
     k_y = (total - k_x * (g_y**2 - 2.0 * twist * g_x * g_y)) / g_x**2
     return float(k_x), float(k_y)
+
+
+def crown_gear_curvatures(
+    slopes: tuple[float, float, float], stiffness: float, least: float, parting: float, most: float
+) -> tuple[float, float]:
+    """Return the curvatures k_x and k_y (1/mm) with which the members have a gap of stiffness phi^2 / 2 on the path.
+
+    - `slopes`, `stiffness`: as for `crown_curvatures`
+    - `least`: least difference of the members' curvatures, along the ellipse, 1/mm
+    - `parting`: C, mm
+    - `most`: largest k_x, 1/mm; a larger one is taken only where that leaves no such gap
+    """
+    g_x, g_y, twist = slopes
+    square = g_x**2 + g_y**2
+    # the members yield beside the line as well
+    stiffness /= 1.0 - min(stiffness / parting, MAX_BESIDE_SHARE)
+    total = square * least
+    for _ in range(CROWNING_ROUNDS):
+        k_x, k_y = crown_curvatures(slopes, stiffness, total)
+        total = least * (parting * square + k_x + k_y - least) / (stiffness + parting)
+    if k_x > most > MIN_CURVATURE_RATIO * stiffness * g_x**2:
+        k_x = most
+        across = stiffness * (g_y**2 - 2.0 * twist * g_x * g_y) + twist**2 * k_x
+        k_y = k_x * across / (k_x - stiffness * g_x**2)
+    return k_x, k_y
 
 
 def crowned_contact(

@@ -40,6 +40,8 @@ USUAL_LEAD_ANGLE = float(np.radians(30.0))
 MAX_LEAD_ANGLE = float(np.radians(45.0))
 #: largest eccentricity, over the cutter radius
 MAX_ECCENTRICITY_SHARE = 0.5
+#: largest eccentricity that is chosen, over the cutter radius
+CHOSEN_ECCENTRICITY_SHARE = 0.4
 
 
 def refuse_hobbing(design: FaceMilledDesign, reason: str) -> None:
@@ -136,6 +138,13 @@ class HeadLines:
         across = toe_heel * np.cos(self.line.spiral_angle_at(toe_heel)) * np.cos(self.pressure_angle)
         # the more curved line of the inner blades turns less towards the head's centre at neither end
         return np.asarray((across * (inner - outer)).mean(axis=0))
+
+    @property
+    def largest_crowning(self) -> float:
+        """Largest length crowning (mm) that is chosen; inf if lines of so different radii do not reach toe and heel."""
+        most = np.array([CHOSEN_ECCENTRICITY_SHARE * self.line.cutter.radius])
+        with np.errstate(invalid="ignore"):
+            return float(np.nan_to_num(self.crowning(most)[0], nan=np.inf))
 
     def eccentricity(self, crowning: float) -> float:
         """Return the eccentricity (mm) with a length crowning (mm). Raises DesignError if there is none."""

@@ -15,7 +15,7 @@ from gearmesh.systems.common.bevel.blank import BevelBlank, MemberBlank, basic_d
 from gearmesh.systems.common.bevel.cone_blank import ConeData
 from gearmesh.systems.common.bevel.iso23509.tooth_line import FaceCutter, ToothLine
 from gearmesh.systems.spiral_bevel.design import CROWN_MACHINE_KEYS
-from gearmesh.systems.spiral_bevel.hobbing.crowning import crown_curvatures
+from gearmesh.systems.spiral_bevel.hobbing.crowning import crown_gear_curvatures
 from gearmesh.systems.spiral_bevel.hobbing.head import HeadLines, check_eccentricity, head_radius
 from gearmesh.systems.spiral_bevel.hobbing.head_synthesis import IndexingHead
 from gearmesh.systems.spiral_bevel.machine.blades import blade_keys, made_blade
@@ -85,7 +85,7 @@ class HobbedContact:
         target: EaseOffTable | None = design.ease_off(name)
         lines = HeadLines.of(blank, blade_angle(design, blank, MATING_SIDES[name]))
         length, profile = (
-            _asked(design, blank, name) if target is None else (target.length_crowning, target.profile_crowning)
+            _asked(design, blank, name, lines) if target is None else (target.length_crowning, target.profile_crowning)
         )
         if design.head.eccentricity is not None:
             apart = design.head.eccentricity
@@ -104,11 +104,13 @@ class HobbedContact:
         return -float(half**2 / self.profile_crowning) if self.profile_crowning else 0.0
 
 
-def _asked(design: FaceMilledDesign, blank: BevelBlank, name: str) -> tuple[float, float]:
+def _asked(design: FaceMilledDesign, blank: BevelBlank, name: str, lines: HeadLines) -> tuple[float, float]:
     """Return the crownings (mm) lengthwise and along the profile with the ellipse and transmission error of a design.
 
+    `lines`: tooth lines of the side.
+
     Both follow from the gap on the crown gear at the change of tooth pairs, half a pitch from the middle, and from the
-    ellipse (`crown_curvatures`); the eccentricity gives the terms of k_x, hollow blades those of k_y.
+    ellipse (`crown_gear_curvatures`); the eccentricity gives the terms of k_x, hollow blades those of k_y.
     """
     spec, angle = design.pinion.side(name), blade_angle(design, blank, MATING_SIDES[name])
     ratio, teeth = blank.pinion.teeth / blank.gear.teeth, float(blank.tooth_line.crown_teeth)
@@ -119,9 +121,10 @@ def _asked(design: FaceMilledDesign, blank: BevelBlank, name: str) -> tuple[floa
     # gap along the normal at the change of tooth pairs, half a pitch from the middle
     gap = lag * blank.gear.mean_radius * np.cos(blank.gear.spiral_angle) * np.cos(angle)
     half_pitch, slopes = np.pi / teeth, _crown_slopes(design, blank, name)
-    total = (slopes[0] ** 2 + slopes[1] ** 2) * 2.0 * design.contact.delta / axis**2
-    k_x, k_y = crown_curvatures(slopes, 2.0 * gap / half_pitch**2, total)
+    least, parting = 2.0 * design.contact.delta / axis**2, _parting(design, blank, name, slopes)
     half_length, half_height = _half_flank(blank, angle)
+    most = 2.0 * lines.largest_crowning / half_length**2
+    k_x, k_y = crown_gear_curvatures(slopes, 2.0 * gap / half_pitch**2, least, parting, most)
     return float(0.5 * k_x * half_length**2), float(0.5 * k_y * half_height**2)
 
 
@@ -142,14 +145,33 @@ def _height_of_touch(design: FaceMilledDesign, blank: BevelBlank, name: str, cro
     """
     if not min(crownings) > 0.0:
         return 0.0
+    pinion, gear = _plain_sides(design, blank, name)
+    half = _half_flank(blank, pinion.blade.blade_angle)
+    k_x, k_y = (2.0 * crowning / size**2 for crowning, size in zip(crownings, half, strict=True))
+    return _centred_touch(blank, pinion, gear, _crown_slopes(design, blank, name), (k_x, k_y))
+
+
+def _plain_sides(design: FaceMilledDesign, blank: BevelBlank, name: str) -> tuple[Generated, Generated]:
+    """Return the pinion's side `name` and the gear's mating side without crowning."""
     plain = HobbedContact(0.0, 0.0, 0.0)
     pinion, gear = (
         _side(design, blank, own, _blade(design, blank, member, side), plain)
         for own, member, side in zip(blank.members, ("pinion", "gear"), (name, MATING_SIDES[name]), strict=True)
     )
-    half = _half_flank(blank, pinion.blade.blade_angle)
-    k_x, k_y = (2.0 * crowning / size**2 for crowning, size in zip(crownings, half, strict=True))
-    return _centred_touch(blank, pinion, gear, _crown_slopes(design, blank, name), (k_x, k_y))
+    return pinion, gear
+
+
+def _parting(design: FaceMilledDesign, blank: BevelBlank, name: str, slopes: tuple[float, float, float]) -> float:
+    """Return C (mm) of `crown_gear_curvatures` in the middle of the flank, by both members without crowning.
+
+    `slopes`: figures of `crown_curvatures`.
+    """
+    convex = 0.0
+    for side in _plain_sides(design, blank, name):
+        jet = side.side(0.0).flank.jet(np.array(side.blade.at_height(0.5 * blank.mean_depth)), np.zeros(()))
+        along = unit(jet.r_v)
+        convex -= float(np.trace(shape_operator(jet, along, np.cross(jet.n, along))))
+    return convex / (slopes[0] ** 2 + slopes[1] ** 2)
 
 
 @lru_cache(maxsize=MAX_CACHED_TOUCHES)
