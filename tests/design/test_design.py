@@ -371,7 +371,7 @@ REFUSED: list[tuple[str, dict[str, Any], str]] = [
         "unknown key before other errors",
         set_in(set_in(set_in(BEVELOID, "module", -1), "gear.teeth", -1), "qq", 1),
         "qq: unknown key; known here: kind, gearmesh, units, name, module, diametral_pitch, backlash, pressure_angle,"
-        " coast_pressure_angle, pinion, gear, contact, mesh, material, fe, measured, assembly (and 2 more)",
+        " coast_pressure_angle, accuracy_class, pinion, gear, contact, mesh, material, fe, measured, assembly (and 2 more)",
     ),
 ]
 

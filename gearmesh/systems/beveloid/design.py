@@ -28,7 +28,7 @@ PARALLEL_TOLERANCE_DEG = 1e-9
 STANDARD_TIP_RADIUS = 0.38
 
 
-class BeveloidMember(TurnedTip, MemberTable, CoastSide, Modified):
+class BeveloidMember(CoastSide, TurnedTip, MemberTable, Modified):
     """One gear of a beveloid pair; flanks may be modified where its cone angle is 0."""
 
     usual: ClassVar[tuple[str, ...]] = ("helix_angle", "cone_angle")

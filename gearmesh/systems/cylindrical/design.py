@@ -141,7 +141,7 @@ TIP_SHAPE_KEYS = ("tip_cone_angle", "tip_throat_radius", "tip_chamfer", "tip_rou
 SIZE_KEYS = ("module", "diametral_pitch", "transverse_module", "transverse_diametral_pitch")
 
 
-class CylindricalMember(TurnedTip, MemberTable, CoastSide, Modified):
+class CylindricalMember(CoastSide, TurnedTip, MemberTable, Modified):
     """One gear of a cylindrical pair."""
 
     usual: ClassVar[tuple[str, ...]] = ("profile_shift",)

@@ -123,7 +123,7 @@ def cuts_of(gear: GearProportions) -> dict[Side, Shaping | Forming]:
         reason, note = "the spaces are too narrow for such root fillets", ", with which a space has one round root"
         tool = with_roundings(gear.name, spec, teeth.module, sharp, reason, note)
         return {side: Forming(cutting_flank(gear, tool, side), teeth.side(side), gear.root, gear.tip) for side in Side}
-    tool = with_roundings(gear.name, spec, teeth.module, sharp, "the cutter's tooth is too narrow for the fillet")
+    tool = with_roundings(gear.name, spec, teeth.module, sharp, "the shaper's tooth is too narrow for the fillet")
     cutter = cutter_of(gear)
     return {
         side: Shaping(cutting_flank(gear, tool, side), teeth.side(side), gear.root, gear.tip, cutter, teeth)
