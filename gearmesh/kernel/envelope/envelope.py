@@ -126,10 +126,6 @@ class Envelope:
     def freedoms(self) -> int:
         return 1
 
-    @property
-    def is_fed(self) -> bool:
-        return False
-
     def on_tool(self, u: Array, v: Array) -> tuple[Array, Array]:
         return u, v
 

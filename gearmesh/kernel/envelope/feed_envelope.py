@@ -263,10 +263,6 @@ class FeedEnvelope:
     def freedoms(self) -> int:
         return 2
 
-    @property
-    def is_fed(self) -> bool:
-        return True
-
     def on_tool(self, u: Array, v: Array) -> tuple[Array, Array]:
         return u, self.generation(u, v).v
 

@@ -123,10 +123,6 @@ class IndexedEnvelope:
     def freedoms(self) -> int:
         return 2
 
-    @property
-    def is_fed(self) -> bool:
-        return False
-
     def on_tool(self, u: Array, v: Array) -> tuple[Array, Array]:
         return u, v
 

@@ -47,10 +47,6 @@ class MotionEnvelope:
     def freedoms(self) -> int:
         return 1
 
-    @property
-    def is_fed(self) -> bool:
-        return False
-
     def on_tool(self, u: Array, v: Array) -> tuple[Array, Array]:
         phi, v = broadcast_pair(u, v)
         return self._solve(phi, v)[0], v

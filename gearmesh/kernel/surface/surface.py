@@ -82,10 +82,6 @@ class GeneratedSurface(Surface, Protocol):
     def freedoms(self) -> int:
         """Number of the motion's parameters."""
 
-    @property
-    def is_fed(self) -> bool:
-        """True if the second parameter of the motion is a feed, so that the tool touches in points and not along lines."""
-
     def on_tool(self, u: Array, v: Array) -> tuple[Array, Array]:
         """Return both parameters (...,) of the tool's surface at the points that generate the surface at u and v
         (...,)."""
@@ -128,10 +124,6 @@ class PlacedSurface:
     @property
     def freedoms(self) -> int:
         return 0
-
-    @property
-    def is_fed(self) -> bool:
-        return False
 
     def on_tool(self, u: Array, v: Array) -> tuple[Array, Array]:
         return u, v
