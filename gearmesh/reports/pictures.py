@@ -34,6 +34,7 @@ from gearmesh.view.picture import (
     Animation,
     Diagram,
     Picture,
+    refuse_member,
 )
 
 if TYPE_CHECKING:
@@ -50,8 +51,6 @@ VIEWS_WITHOUT_POSITION = {
     "backlash": "backlash over a whole pitch",
     "turns": "whole turns",
 }
-#: views that show all members of a mesh, whichever is named
-VIEWS_OF_ALL_MEMBERS = ("pair", "section", "zone", "te", "backlash", "turns")
 #: name of the worm that grinds a member, where names of members are given
 WORM_NAME = "worm"
 
@@ -198,12 +197,6 @@ def refuse_size(size: tuple[int, int]) -> None:
     if not all(MIN_SIDE_PIXELS <= side <= MAX_SIDE_PIXELS for side in size):
         must_be = f"width and height in pixels, each from {MIN_SIDE_PIXELS} to {MAX_SIDE_PIXELS}"
         raise ArgumentError("size", list(size), must_be=must_be)
-
-
-def refuse_member(view: str, member: str | None) -> None:
-    """Raise ArgumentError for a member in a view that shows all."""
-    if member is not None and view in VIEWS_OF_ALL_MEMBERS:
-        raise ArgumentError("member", member, reason=f"the view {view} shows all members; leave member out")
 
 
 def _refuse_position(view: str, phi1: ArrayLike | None, shown: str) -> None:

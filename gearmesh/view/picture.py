@@ -8,7 +8,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from gearmesh.errors import OutputError
+from gearmesh.errors import ArgumentError, OutputError
 from gearmesh.formats import DIAGRAM_SUFFIXES, GIF_SUFFIX, MP4_SUFFIX, PNG_SUFFIX, refuse_suffix
 from gearmesh.io.atomic import scratch_folder
 from gearmesh.records import dataclass
@@ -34,6 +34,14 @@ COMPOUND_VIEWS = ("pattern", "gap")
 MOVING_VIEWS = ("section", "pair", "contact", "pattern")
 #: what pictures of loaded contact show; all but the first are figures on paper
 LOADED_VIEWS = ("loaded", "loaded_flank", "loaded_te", "loaded_share", "loaded_stress", "loaded_pair")
+#: views that show all members of a mesh
+VIEWS_OF_ALL_MEMBERS = ("pair", "section", "zone", "te", "backlash", "turns", *LOADED_VIEWS[2:])
+
+
+def refuse_member(view: str, member: str | None) -> None:
+    """Raise ArgumentError for a member in a view that shows all."""
+    if member is not None and view in VIEWS_OF_ALL_MEMBERS:
+        raise ArgumentError("member", member, reason=f"the view {view} shows all members; leave member out")
 
 
 class Saved(ABC):

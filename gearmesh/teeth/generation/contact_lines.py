@@ -95,8 +95,9 @@ def tool_contact(tooth: Tooth, which: Side, count: int = LINE_COUNT) -> ToolCont
     active, generated = _on_both(flank, parameters)
     levels = _progress(flank, parameters)[0]
     # what is constant along lines is the first parameter of the motion, the roll, or else the second, the feed
-    roll = flank.generating(*np.moveaxis(parameters, -1, 0))[0]
-    rolls = flank.freedoms == 1 or np.array_equal(levels, roll, equal_nan=True)
+    rolls = flank.freedoms == 1 or np.allclose(
+        levels[0], flank.generating(*np.moveaxis(parameters[0], -1, 0))[0], equal_nan=True
+    )
     low, high = np.nanmin(levels), np.nanmax(levels)
     # a fed tool touches along nearly the same line everywhere: the feed is a screw motion with a little plunge
     steps = (np.arange(count) + 0.5) / count if rolls else np.array([0.5])

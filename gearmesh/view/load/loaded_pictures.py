@@ -17,7 +17,7 @@ from gearmesh.view import opengl
 from gearmesh.view.load import loaded_diagrams as diagrams
 from gearmesh.view.load.loaded_diagrams import LoadedPattern, newton_metres
 from gearmesh.view.load.loaded_tooth import loaded_scene
-from gearmesh.view.picture import LOADED_VIEWS, Diagram, Picture
+from gearmesh.view.picture import LOADED_VIEWS, Diagram, Picture, refuse_member
 from gearmesh.view.pictures import PICTURE_SIZE, ToothViews
 
 
@@ -61,8 +61,7 @@ class LoadedPictures:
             )
         if torque is not None:
             raise ArgumentError("torque", torque, unit="Nm", reason=f"{view} shows all torques; leave torque out")
-        if member is not None and view != "loaded_flank":
-            raise ArgumentError("member", member, reason=f"{view} shows all members; leave member out")
+        refuse_member(view, member)
         return self._figure(view, member, size, dpi, note)
 
     def save(self, folder: Path, before: str = "") -> tuple[Path, ...]:

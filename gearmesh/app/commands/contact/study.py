@@ -124,13 +124,12 @@ def study(
     refuse_unwritable(json_file)
     rows = {"vary": vary, "tolerance": tolerance, "sample": sample}
     tls = {"tls_ca_file": tls_ca_file, "tls_client_cert": tls_client_cert, "tls_client_key": tls_client_key}
-    of_one_set = {"torque": torque, "find_limits": find_limits, "pair": pair, "scheduler": scheduler, **tls}
+    of_train = is_train(design_file)
     torques = None if torque is None else torques_in_nm(torque)
-    if is_train(design_file):
-        _refuse_given(
-            {**of_one_set, "level": None if level == "full" else level},
-            "is for studies of one gear set, not of a train",
-        )
+    if of_train:
+        of_one_set = {"torque": torque, "find_limits": find_limits, "pair": pair, "scheduler": scheduler, **tls}
+        of_one_set["level"] = None if level == "full" else level
+        _refuse_given(of_one_set, "is for studies of one gear set, not of a train")
     elif find_limits:
         _refuse_beside_limits(output, {**rows, "workers": workers, "scheduler": scheduler, **tls})
         _find_limits(design_file, settings, find_limits, limit, torques, level, pair, json_file)
@@ -155,7 +154,7 @@ def study(
             "workers": workers,
         }
 
-    if is_train(design_file):
+    if of_train:
         refuse_folder(output)
         with working("stages"):
             train = gm.load_train(design_file, settings or [])
