@@ -523,6 +523,8 @@ class GearPair:
     other_mesh: OtherMesh | None = None
     #: number of equally loaded meshes of its central member, this one included
     around: int = 1
+    #: True if the arm between its axes, at rest here, turns in use: an eccentric drives the pair
+    arm_turns: bool = False
 
     @property
     def eccentric(self) -> bool:

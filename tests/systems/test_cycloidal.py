@@ -29,6 +29,7 @@ from gearmesh.systems.cycloidal.sheet import lobe_area
 from gearmesh.systems.displaced import displaced_bases
 from gearmesh.teeth.limits import member_limits
 from gearmesh.teeth.offset import offset_tooth
+from gearmesh.view.report.card import mesh_card
 
 SAMPLES = Path(__file__).parents[2] / "samples"
 #: both forms with a difference of one and of two teeth
@@ -677,3 +678,15 @@ def test_gears_at_rest_touch_with_the_pin_that_touches_first() -> None:
     gears = gm.build(design("modification.equidistant=0.03"))
     at_rest, beside = (gears.places_at(phi1)["ring"].rotation for phi1 in (0.0, 1e-6))
     assert at_rest == pytest.approx(beside, abs=1e-7)
+
+
+def test_a_drive_has_the_ratio_of_its_eccentric() -> None:
+    """The card had 1.05, the ratio of the teeth with the arm at rest. Reference: the disc rolls inside of the ring, by hand."""
+    gears = gm.build(design("ring.teeth=20", "disc.teeth=18", "pin_diameter=6"))
+    (ratio,) = [figure for figure in mesh_card(gears.contact(cycle=False)).figures if figure.label == "Gear ratio"]
+    assert ratio.amount == pytest.approx(-18 / 2)
+    assert ratio.note == "eccentric to disc, ring at rest; 10 to ring, disc not turning"
+    # no test presses the members of an eccentric together
+    test = gears.composite()
+    assert test.double is None
+    assert test.values.double_flank_total is None

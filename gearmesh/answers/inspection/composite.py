@@ -78,7 +78,7 @@ class CompositeTest(Result):
     pair: GearPair
     #: single-flank test, on the driving flanks
     single: FullTurns
-    #: double-flank test, with the gears pressed together; None if the axes are not parallel
+    #: double-flank test, with the gears pressed together; None if the axes are not parallel, or an eccentric drives the pair
     double: TightMesh | None
     #: radius of the gear's reference circle, mm
     radius: float
@@ -184,7 +184,8 @@ def composite_test(
         return replace(member, index=index_angles(given[member.name].pitch, radii[member.name]))
 
     pair = replace(pair, pinion=at_places(pair.pinion), gear=at_places(pair.gear))
-    parallel = centre_distance(pair) is not None
+    # an eccentric that drives the pair fixes the distance: no test presses such members together
+    parallel = centre_distance(pair) is not None and not pair.arm_turns
     with part(0.0, SINGLE_FLANK_SHARE if parallel else 1.0):
         single = whole_turns(pair)
     with part(SINGLE_FLANK_SHARE, 1.0):

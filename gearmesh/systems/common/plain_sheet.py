@@ -160,7 +160,7 @@ def _axes(pair: GearPair) -> dict[tuple[str, str], float]:
         else abs(offset @ perpendicular) / length
     )
     return {
-        ("ratio", "-"): 1.0 / pair.ratio,
+        ("ratio, arm at rest" if pair.arm_turns else "ratio", "-"): 1.0 / pair.ratio,
         ("shaft angle", "deg"): float(np.degrees(pair.shaft_angle)),
         ("shaft angle (acute)", "deg"): float(np.degrees(pair.acute_angle)),
         ("distance of the axes", "mm"): float(distance),

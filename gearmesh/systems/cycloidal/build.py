@@ -235,6 +235,7 @@ def build(design: CycloidalDesign) -> GearTrain:
                 drive=flank.sign,
                 ratio=design.disc.teeth / design.ring.teeth,
                 delta=design.contact.delta,
+                arm_turns=True,
             )
         )
     alike = (0,) * len(pairs) if len(pairs) > 1 and not any(ahead) else ()

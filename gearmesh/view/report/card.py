@@ -144,11 +144,17 @@ def percent(value: float) -> str:
 
 
 def _ratio(contact: Contact) -> CardFigure:
-    """Return the ratio of the teeth; of a rack the travel per turn of the pinion."""
+    """Return the ratio of the teeth, or of the arm that turns; of a rack the travel per turn of the pinion."""
     slid = contact.summary.entry(SlideSummary.key_of("displacement_per_turn"))
     if slid is not None:
         return CardFigure("Travel per turn", length(slid.value), "of the pinion")
     first, second = contact.pair.both
+    if contact.pair.arm_turns:
+        # of Willis's equation, the gear at rest
+        arm = contact.pair.ratio / (contact.pair.ratio - 1.0)
+        held = f"{number(1.0 - arm)} to {second.name}, {first.name} not turning"
+        note = f"eccentric to {first.name}, {second.name} at rest; {held}"
+        return CardFigure("Gear ratio", number(arm), note, arm)
     ratio = 1.0 / abs(contact.pair.ratio)
     return CardFigure("Gear ratio", number(ratio), f"{second.tooth.teeth} : {first.tooth.teeth} teeth", ratio)
 
