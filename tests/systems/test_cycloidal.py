@@ -689,4 +689,4 @@ def test_a_drive_has_the_ratio_of_its_eccentric() -> None:
     # no test presses the members of an eccentric together
     test = gears.composite()
     assert test.double is None
-    assert test.values.double_flank_total is None
+    assert test.figures.double_flank_total is None
