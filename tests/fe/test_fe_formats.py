@@ -481,6 +481,8 @@ def test_med_is_read_by_gmsh_and_medcoupling(tmp_path: Path, gmsh: Any, second_o
         theirs = np.concatenate([np.sort(each.reshape(-1, ours.shape[1])) for each in faces])
         assert sorted(map(tuple, theirs)) == sorted(map(tuple, np.sort(ours)))
     file = mc.MEDFileUMesh(str(path))
+    # meshio refuses others
+    assert all(file.getGroupsOnFamily(name) for name in file.getFamiliesNames() if file.getFamilyId(name))
     np.testing.assert_array_equal(file.getCoords().toNumPyArray(), [*mesh.nodes, wanted.ties[0].point])
     assert file.getMeshAtLevel(0).getMeasureField(False).getArray().toNumPyArray().min() > 0.0
     for name, nodes in mesh.node_sets.items():

@@ -117,6 +117,13 @@ def test_every_element_is_well_shaped(sample: str, shape: str) -> None:
         assert quality > 0.95 * scaled_jacobian(mesh.nodes, mesh.elements[:, :8]).min()
 
 
+def test_lines_of_a_narrow_space_turn_over_its_sharp_fillet() -> None:
+    """A spline hub: wide teeth, and a fillet as large as one element between root land and flank."""
+    design = load(SAMPLES / "spline.toml", ["fe.face=4", "fe.flank=6"])
+    built = gm.build(design).finite_elements(members=["hub"])
+    assert built.figures["min_scaled_jacobian"] > 0.4
+
+
 @pytest.mark.sweep
 def test_fine_lines_near_an_edge_leave_the_others_in_place() -> None:
     """The line of contact of this conical pair runs out over the tip."""

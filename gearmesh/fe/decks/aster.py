@@ -131,7 +131,18 @@ def _med(model: Model) -> Any:
             arrays.append(array)
         if arrays:
             file.setGroupsAtLevel(level, arrays)
+    _join_ungrouped(file)
     return file
+
+
+def _join_ungrouped(file: Any) -> None:
+    """Put nodes and cells that are in no group into family 0, which has none; meshio refuses other families without a group."""
+    ungrouped = [file.getFamilyId(name) for name in file.getFamiliesNames() if not file.getGroupsOnFamily(name)]
+    for level in file.getFamArrNonEmptyLevelsExt():
+        families = file.getFamilyFieldAtLevel(level)
+        for number in ungrouped:
+            families.changeValue(number, 0)
+    file.removeOrphanFamilies()
 
 
 def _umesh(mc: Any, coordinates: Any, dimension: int, kind: Any, cells: NDArray[np.int64]) -> Any:

@@ -58,6 +58,8 @@ TRIED_SHARES = (
     np.linspace(0.15, 0.75, 7),
     np.linspace(0.0, 0.6, 5),
 )
+#: shares that are tried for M from its place to the inner face where lines do not go round the tip
+TRIED_DEPTHS = np.linspace(0.0, 0.7, 8)
 #: lines s of the blocks that are tried
 TRIED_LINES = 13
 #: largest sum of the shares towards J and M
@@ -161,7 +163,7 @@ def tooth_lattice(layers: Layers, lines: Lines, chart: Chart, inner: Array) -> t
     low, flank, land = ([chart.to_chart(getattr(o, name)) for o in outlines] for name in ("low", "flank", "land"))
     outer = _Outer(low, flank, land, chart.depth(inner), lines)
     halves = []
-    for outline, blocks in zip(outlines, outer.blocks(_best_place(outer) if lines.round else None), strict=True):
+    for outline, blocks in zip(outlines, outer.blocks(_best_place(outer)), strict=True):
         lower, upper, *rest = (chart.from_chart(nodes) for nodes in blocks)
         halves.append(HalfLattice(lower, upper, outline.root_cells, *rest))
     return halves[0], halves[1]
@@ -193,18 +195,17 @@ class _Outer:
         )
         return _Outer(low, flank, [line[:, sections] for line in self.land], self.bottom[sections], self.lines)
 
-    def blocks(self, place: Array | None) -> list[tuple[Array, ...]]:
-        """Return the nodes (S, D, T, 2) of the blocks of both halves: `lower`, `upper`, and `cap` if there is a `place`.
+    def blocks(self, place: Array) -> list[tuple[Array, ...]]:
+        """Return the nodes (S, D, T, 2) of the blocks of both halves: `lower`, `upper`, and `cap` if lines go round the tip.
 
-        A place (4,) or (T, 4) has the shares of C' from C towards J and towards M, of Q from the land towards M, and of M on
-        its way to the rim's inner face.
+        A place (P,) or (T, P) has the share of M on its way to the rim's inner face. Where lines go round the tip, it is the last of
+        four: before it are those of C' from C towards J and towards M, and of Q from the land towards M.
         """
         low, lines = self.low, self.lines
         root, centre = 0.5 * (low[0][0, :, 0] + low[1][0, :, 0]), 0.5 * (low[0][0, :, 1] + low[1][0, :, 1])
         meeting = 0.5 * (low[0][-1] + low[1][-1])
         meeting[:, 0] = root + MEETING_HEIGHT_SHARE * (meeting[:, 0] - root)
-        if place is not None:
-            meeting[:, 0] += place[..., 3] * (self.bottom - meeting[:, 0])
+        meeting[:, 0] += place[..., -1] * (self.bottom - meeting[:, 0])
         down = _straight(meeting, np.stack((self.bottom, centre), -1), lines.rim)
         across = [_straight(side[-1], meeting, lines.thickness) for side in low]
         inwards = [np.concatenate((line, down[1:])) for line in across]
@@ -216,11 +217,11 @@ class _Outer:
             cut = _straight(side[0], np.stack((self.bottom, side[0, :, 1]), -1), places)
             arc = _straight(cut[-1], inwards[k][-1], np.linspace(0.0, 1.0, len(side)))
             lower = transfinite(cut, inwards[k], side, arc)
-            if place is None:
+            if lines.round:
+                halves.append((lower, *_round_tip(flank, land, across[k], rises, lines, place)))
+            else:
                 upper = transfinite(across[k], land, flank, _straight(meeting, land[-1], rises))
                 halves.append((lower, upper))
-            else:
-                halves.append((lower, *_round_tip(flank, land, across[k], rises, lines, place)))
         return halves
 
 
@@ -250,18 +251,21 @@ def _round_tip(
 
 
 def _best_place(outer: _Outer) -> Array:
-    """Return the place (4,) of C', Q and M, see `_Outer.blocks`, with a good worst corner of the elements and a thin ring.
+    """Return the place (P,) of M, or of C', Q and M, see `_Outer.blocks`, with a good worst corner of the elements and a thin ring.
 
     It is chosen in the middle section, for both halves of a tooth.
     """
-    places = np.stack(np.meshgrid(*TRIED_SHARES, indexing="ij"), axis=-1).reshape(-1, len(TRIED_SHARES))
-    # above the line from J to M
-    places = places[places[:, 0] + places[:, 1] < MAX_CORNER_SHARE]
+    if outer.lines.round:
+        places = np.stack(np.meshgrid(*TRIED_SHARES, indexing="ij"), axis=-1).reshape(-1, len(TRIED_SHARES))
+        # above the line from J to M
+        places = places[places[:, 0] + places[:, 1] < MAX_CORNER_SHARE]
+    else:
+        places = TRIED_DEPTHS[:, None]
     middle = np.full(len(places), len(outer.bottom) // 2)
     halves = outer.coarse(middle).blocks(places)
     worst = np.min([_least_sines(block) for blocks in halves for block in blocks], axis=0)
     # good is enough: then the thinner the ring, the finer its layers
-    merit = np.minimum(worst, ENOUGH_SINE) - RING_WEIGHT * places[:, 1]
+    merit = np.minimum(worst, ENOUGH_SINE) - (RING_WEIGHT * places[:, 1] if outer.lines.round else 0.0)
     return np.asarray(places[int(merit.round(SINE_DIGITS).argmax())])
 
 
