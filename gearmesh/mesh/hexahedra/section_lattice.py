@@ -198,8 +198,8 @@ class _Outer:
     def blocks(self, place: Array) -> list[tuple[Array, ...]]:
         """Return the nodes (S, D, T, 2) of the blocks of both halves: `lower`, `upper`, and `cap` if lines go round the tip.
 
-        A place (P,) or (T, P) has the share of M on its way to the rim's inner face. Where lines go round the tip, it is the last of
-        four: before it are those of C' from C towards J and towards M, and of Q from the land towards M.
+        A place (P,) or (T, P) has the share of M on its way to the rim's inner face. Where lines go round the tip, it is the last
+        of four: before it are those of C' from C towards J and towards M, and of Q from the land towards M.
         """
         low, lines = self.low, self.lines
         root, centre = 0.5 * (low[0][0, :, 0] + low[1][0, :, 0]), 0.5 * (low[0][0, :, 1] + low[1][0, :, 1])

@@ -24,7 +24,7 @@ from gearmesh.tools.drawing import ToolSheet
 from gearmesh.view.palette import CURVE_COLOURS, INK_COLOUR
 from gearmesh.view.scene import STEEL_PAINT, TOOL_PAINT, Camera, Curve, Scene, SceneBody, Word
 from gearmesh.view.tools.tool_scene import sheet_mesh
-from gearmesh.view.views import MAX_TURN_RAD, frame
+from gearmesh.view.views import frame
 
 #: largest share of the picture's width that tool and tooth take
 FILLED_WIDTH_SHARE = 0.88
@@ -34,6 +34,8 @@ HEIGHTS_AROUND = (0.14, 0.07)
 GAP_HEIGHTS = 0.22
 #: smallest share of the picture's height that tool and tooth take; longer ones are turned away from the viewer
 MIN_FILLED_HEIGHT = 0.62
+#: largest angle by which they are turned: farther, the end of a helical tooth would hide its flank
+MAX_TURN_RAD = np.radians(70.0)
 #: distance from the middle of a line of contact up to which a thread is shown, relative to the size of the tooth
 VISIBLE_THREAD_SHARE = 0.5
 #: height of lines above the generating surface, relative to its size
@@ -77,7 +79,7 @@ def _filled(back: Array, up: Array, points: Array, size: tuple[int, int]) -> Cam
 def _turned(seen: Array, points: Array, size: tuple[int, int]) -> Array:
     """Direction (3,) to the viewer of points (K, 3) along the rows of `seen` (3, 3), right, up and back.
 
-    It is turned about the direction upwards, as far as flanks are at most, until the points take `MIN_FILLED_HEIGHT`.
+    It is turned about the direction upwards, by `MAX_TURN_RAD` at most, until the points take `MIN_FILLED_HEIGHT`.
     """
     length, height = np.ptp(points @ seen[:2].T, axis=0)
     filled = MIN_FILLED_HEIGHT * length * size[1] / size[0] / FILLED_WIDTH_SHARE
