@@ -77,7 +77,7 @@ Curves = Annotated[
     str | None,
     option(
         "--curves splines|arcs|polyline",
-        "What flanks and fillets of .dxf and .svg are drawn with; with arcs and polyline a .dxf has one closed polyline "
+        "Curves of flanks and fillets in .dxf and .svg; with arcs and polyline a .dxf has one closed polyline "
         "for every contour. [default: splines]",
     ),
 ]
@@ -128,7 +128,7 @@ Speed = Annotated[
 ]
 
 SheetSpeed = Annotated[
-    float | None, option("--speed RPM", "Speed of the member that --torque is on: adds speeds and power.")
+    float | None, option("--speed RPM", "Speed of the member under --torque: adds speeds and power.")
 ]
 
 

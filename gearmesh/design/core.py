@@ -145,10 +145,10 @@ class SpokeTable(Table):
     count: int = keys.count("number of spokes", low=2, high=1000)
     width: float = keys.length("width of each spoke", above=0)
     inner_diameter: float | None = keys.length(
-        "where the openings begin", None, above=0, default="10 % of the room beyond its inner diameter"
+        "diameter at which the openings begin", None, above=0, default="10 % of the room beyond its inner diameter"
     )
     outer_diameter: float | None = keys.length(
-        "where the openings end", None, above=0, default="10 % of the room within its outer diameter"
+        "diameter at which the openings end", None, above=0, default="10 % of the room within its outer diameter"
     )
     corner_radius: float | None = keys.length(
         "radius of the openings' corners; 0 = sharp", None, low=0, default="a tenth of their height"

@@ -316,6 +316,17 @@ def test_the_rounding_without_room_is_refused_with_the_largest_beside_the_other(
     built({**keys, member: {**keys[member], **given, key: most - 1e-4}})
 
 
+def test_the_default_rounding_has_room_beside_that_of_the_coast_side() -> None:
+    """It takes 80 % of the largest rounding, which is found by what is refused."""
+    keys, coast = CYLINDERS["formed"], 0.5
+    gear = {**keys["gear"], "coast_tool_tip_radius": coast}
+    derived = built({**keys, "gear": gear}).sheet().plain_tables["Derived keys (lengths in mm)"]
+    with pytest.raises(DesignError) as refusal:
+        built({**keys, "gear": {**gear, "tool_tip_radius": 0.6}})
+    assert derived["gear.tool_tip_radius"][1] == pytest.approx(0.8 * refusal.value.bounds[1], rel=1e-4)
+    assert derived["gear.tool_tip_radius"][1] < 0.3
+
+
 def test_equal_angles_are_symmetric_cylindrical_teeth() -> None:
     plain = {key: value for key, value in CYLINDER.items() if key != "coast_pressure_angle"}
     ours, theirs = built({**plain, "coast_pressure_angle": DRIVE}), built(plain)

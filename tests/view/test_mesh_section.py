@@ -93,6 +93,8 @@ def test_section_of_bevel_gears_has_the_pitch_cones_of_their_tooth_numbers() -> 
         along = away @ mount.axis
         across = np.linalg.norm(away - along[:, None] * mount.axis, axis=-1)
         assert across / np.abs(along) == pytest.approx(tangent, rel=1e-9)
+        # on one side of the apex: the teeth's
+        assert abs(np.sign(along).sum()) == len(along)
         assert np.abs((away + apex - scene.camera.focus) @ scene.camera.axes[2]).max() < 1e-9
     assert {"0", "12", "43"} <= {word.text for word in scene.words}
     _, scene = _drawn_section("hypoid")

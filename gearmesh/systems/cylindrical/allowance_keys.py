@@ -45,7 +45,7 @@ class ThicknessAllowance(Table):
     """Allowances of the normal tooth thickness at the reference cylinder; teeth are made in their middle."""
 
     series: str | None = keys.text(
-        'letter and tolerance series, as "cd25", which may stand in the place of the table', None, source="DIN 3967"
+        'letter and tolerance series, as "cd25"; this text alone may replace the table', None, source="DIN 3967"
     )
     upper: float = keys.length(
         "upper allowance A_sne, negative where the tooth is thinned",
@@ -121,7 +121,7 @@ class DiameterTolerance(Table):
     """Deviations of a diameter."""
 
     grade: str | None = keys.text(
-        'tolerance class, as "h8", which may stand in the place of the table', None, source="ISO 286-1"
+        'tolerance class, as "h8"; this text alone may replace the table', None, source="ISO 286-1"
     )
     upper: float | None = keys.length("upper deviation", None, low=-100, high=100)
     lower: float | None = keys.length("lower deviation", None, low=-100, high=100)

@@ -83,7 +83,7 @@ class Hob(Table):
     stock: float = keys.length(
         "stock q that the hob leaves on each flank, normal to it", 0.0, low=0, high=100, source="ISO 6336-3"
     )
-    finished: bool = keys.flag("whether the stock is removed; false: the teeth as the hob leaves them", True)
+    finished: bool = keys.flag("true: the stock is removed; false: the teeth are as the hob leaves them", True)
     finishing_diameter: float | None = keys.length(
         "diameter to which the finishing tool's sharp tip leaves an involute, where stock is more than protuberance",
         None,

@@ -18,7 +18,7 @@ def composite(
     pair: Pair = None,
     settings: Set = None,
 ) -> None:
-    """Composite tests of gears with pitch deviations, as measured, or eccentric members, until the same teeth meet again.
+    """Composite tests of gears with measured pitch deviations or eccentric members, until the same teeth meet again.
 
     Single flank: transmission error, F_i' and f_i'. Double flank, on parallel axes: centre distance without backlash, F_i'', f_i''.
     """

@@ -44,7 +44,7 @@ def tca(
         bool,
         option(
             "--turns",
-            "Transmission error of eccentric members over whole turns, until it repeats; --csv then writes these.",
+            "Transmission error of eccentric members over whole turns, until it repeats; --csv then writes this.",
         ),
     ] = False,
     speed: Speed = None,

@@ -29,12 +29,13 @@ def convert(
     output: Annotated[Path, option("-o --output OUT", "Design file (.toml) of a REXS file, or REXS file of a design.")],
     stage: Annotated[
         str | None,
-        option("--stage ID|all", "Which stage of a REXS file, where it has several; all: the train of all stages."),
+        option("--stage ID|all", "Stage to read from a REXS file with several; all: the train of all stages."),
     ] = None,
     torque: Annotated[
         float | None,
         option(
-            "--torque NM", "Of a design: loaded contact under this torque on the pinion too, as results of a load case."
+            "--torque NM",
+            "For a design: also write loaded contact under this torque on the pinion, as results of a load case.",
         ),
     ] = None,
     json_file: Json = None,

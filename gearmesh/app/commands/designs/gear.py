@@ -43,7 +43,7 @@ def gear(
     shift: Annotated[float, option("--shift X", "Profile shift coefficient.")] = 0.0,
     pressure_angle: PressureAngle = 20.0,
     internal: Annotated[bool, option("--internal", "An internal gear.")] = False,
-    rack: Annotated[bool, option("--rack", "A rack with so many teeth.")] = False,
+    rack: Annotated[bool, option("--rack", "A rack with this number of teeth.")] = False,
     tol: Annotated[str | None, option("--tol LEN", "Largest distance from the exact surface: 10um; bare = mm.")] = None,
     output: Annotated[
         Path | None,
@@ -58,7 +58,7 @@ def gear(
         list[str] | None,
         option(
             "--set KEY=VALUE",
-            "Set any other key of the design, as gear.tip_chamfer=0.2, of a rack rack.height=20; may be repeated.",
+            "Set any other key of the design, as gear.tip_chamfer=0.2, or rack.height=20 for a rack; may be repeated.",
         ),
     ] = None,
 ) -> None:

@@ -19,7 +19,7 @@ def size(
     ratio: Annotated[float, option("--ratio Z2/Z1", "Gear ratio.")],
     center_distance: Annotated[str | None, option("--center-distance LEN", "Centre distance; bare = mm.")] = None,
     module: Annotated[
-        str | None, option("--module LEN", "Normal module; bare = mm. [default: planetary: those of ISO 54]")
+        str | None, option("--module LEN", "Normal module; bare = mm. [default: planetary: all of ISO 54]")
     ] = None,
     internal: Annotated[bool, option("--internal", "The gear is internal.")] = False,
     planetary: Annotated[bool, option("--planetary", "Planetary sets instead of pairs.")] = False,

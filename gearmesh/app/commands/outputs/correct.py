@@ -24,7 +24,7 @@ def correct(
         str | None,
         option(
             "--settings NAME,...",
-            "Settings that may move, as radial,concave.tilt,helical_motion.2; by default the usual ones.",
+            "Settings that may change, as radial,concave.tilt,helical_motion.2. [default: the usual settings]",
         ),
     ] = None,
     noise: Annotated[
@@ -34,7 +34,7 @@ def correct(
             "Standard deviation of a measured deviation. [default: estimated from the remaining deviations]",
         ),
     ] = None,
-    residual: Annotated[Path | None, option("--residual FILE.csv", "Write the deviations that are left.")] = None,
+    residual: Annotated[Path | None, option("--residual FILE.csv", "Write the remaining deviations.")] = None,
     topography: Annotated[
         Path | None,
         option(

@@ -18,7 +18,7 @@ def drawing(
 ) -> None:
     """A workshop drawing of one gear: section, view along the axis, dimensions, gear data, title block.
 
-    On A4 where it fits at full size or larger, else on A3, at a scale of ISO 5455.
+    The sheet is A4 if the gear fits at full size or larger, otherwise A3, at a scale of ISO 5455.
     """
     refuse_suffix(output, *DRAWING_SUFFIXES)
     refuse_unwritable(output)

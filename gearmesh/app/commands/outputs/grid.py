@@ -20,10 +20,10 @@ def grid(
     surface: Annotated[str, option("--surface flank|fillet|all", "Flanks, fillets under them, or both.")] = "flank",
     shape: Annotated[str, option("--grid ROWSxCOLUMNS", "Points from root to tip and from toe to heel.")] = "5x9",
     margins: Annotated[
-        str, option("--margins P,F", "Shares of profile and face beside the edges that have no points.")
+        str, option("--margins P,F", "Shares of profile and face next to the edges that are left without points.")
     ] = "0.1,0.1",
     ball: Annotated[
-        str | None, option("--ball LEN", "Diameter of the probe's ball: its centres are written too.")
+        str | None, option("--ball LEN", "Diameter of the probe's ball; adds the centres of the ball.")
     ] = None,
     output: Annotated[Path | None, option("-o --output FILE", "Write a .csv or .txt file.")] = None,
     chart: Annotated[

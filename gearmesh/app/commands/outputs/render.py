@@ -86,9 +86,9 @@ def render(
         option(
             "--view",
             "contact: path and ellipses on a tooth; pattern: the union of the ellipses; gap: the pattern by the roll test; "
-            "pair: the gears in mesh; section: a section across the teeth; tool: a member with its tool; contact_lines: of "
-            "the tool on the tooth that it generates; flank, sliding: ease-off and sliding velocity on flank planes; zone: "
-            "contact lines of all tooth pairs on the flanks and in the plane of action, with limit lines; te, turns: "
+            "pair: the gears in mesh; section: a section across the teeth; tool: a member with its tool; contact_lines: contact "
+            "lines of the tool on the tooth that it generates; flank, sliding: ease-off and sliding velocity on flank planes; "
+            "zone: contact lines of all tooth pairs on the flanks and in the plane of action, with limit lines; te, turns: "
             "transmission error, over a mesh cycle and over whole turns of eccentric members; backlash: over a mesh cycle; "
             "toolpath: passes of the ball-end cutter --tool in a space of --member. With --torque: loaded: largest pressures on a "
             "tooth; loaded_*: pressures on flank planes, transmission error, load sharing, root stress. "
@@ -111,7 +111,7 @@ def render(
     ] = None,
     tool: Annotated[
         str | None,
-        option("--tool ball:D[,L[,H]]", "Ball-end cutter of the view toolpath, as of the command."),
+        option("--tool ball:D[,L[,H]]", "Ball-end cutter of the view toolpath, as for `toolpath`."),
     ] = None,
     scallop: Annotated[
         str | None,

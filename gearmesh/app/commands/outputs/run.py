@@ -36,7 +36,7 @@ def run(
         ),
     ] = None,
     timing: Timing = True,
-    no_report: Annotated[bool, option("--no-report", "Without report.html, the page of `report`.")] = False,
+    no_report: Annotated[bool, option("--no-report", "Do not write report.html, the page of `report`.")] = False,
     settings: Set = None,
 ) -> None:
     """The main job: solids, contact, check and pictures in a folder."""

@@ -70,7 +70,7 @@ def solid(
         bool,
         option(
             "--space",
-            "The space between two teeth as a solid: a broach, an electrode; of double helical gears that of one half.",
+            "The space between two teeth as a solid: for a broach or an electrode; double helical gears: the space of one half.",
         ),
     ] = False,
     blank: Annotated[

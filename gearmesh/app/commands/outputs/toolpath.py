@@ -42,7 +42,7 @@ def toolpath(
     stock: Annotated[str, option("--stock LEN", "Stock left over the exact surfaces, along the normals.")] = "0",
     tol: Annotated[
         str | None,
-        option("--tol LEN", "The part of the scallop that chords between points may take. [default: a tenth]"),
+        option("--tol LEN", "Part of the scallop that chords between points may take. [default: a tenth]"),
     ] = None,
     flank: Annotated[str, option("--flank right|left|both", "Flanks that are finished.")] = "both",
     surfaces: Annotated[str, option("--surfaces all|flanks", "Flanks with fillets and root, or flanks alone.")] = "all",
@@ -64,8 +64,8 @@ def toolpath(
     json_file: Json = None,
     settings: Set = None,
 ) -> None:
-    """Finishing passes of a ball-end cutter on a five-axis machine, with step-over by the scallop, tool axes clear of all teeth,
-    and what they leave measured on the exact surfaces."""
+    """Finishing passes of a ball-end cutter on a five-axis machine, with step-over by the scallop and tool axes clear of all
+    teeth. The remaining height is measured on the exact surfaces."""
     if output is not None:
         refuse_suffix(output, *TOOL_PATH_SUFFIXES, PNG_SUFFIX)
     for file in (output, json_file):
