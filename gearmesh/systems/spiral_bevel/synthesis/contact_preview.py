@@ -154,10 +154,22 @@ class ContactPreviews:
     def _of(self, choice: ContactChoice) -> ContactPreview | None:
         """Compute the path of contact of a choice, None if no pinion gives it."""
         try:
-            mean = mean_point(self.design, self.blank, self._gear, self._base, choice)
+            mean = self._mean_point(choice)
             return self._follow(pinion_side(self.design, self.blank, self.name, mean), mean)
         except (NoSolutionError, DesignError):
             return None
+
+    def _mean_point(self, choice: ContactChoice) -> MeanPoint:
+        """Return the mean point of a choice; choices that differ in direction, ellipse or parabola alone share it."""
+        place = choice.height, choice.along
+        if place not in self._mean_points:
+            self._mean_points[place] = mean_point(self.design, self.blank, self._gear, self._base, choice)
+        return replace(self._mean_points[place], choice=choice)
+
+    @cached_property
+    def _mean_points(self) -> dict[tuple[float, float], MeanPoint]:
+        """Mean points computed so far, by height and place along the face."""
+        return {}
 
     @cached_property
     def _cache(self) -> dict[ContactChoice, ContactPreview | None]:
@@ -182,7 +194,7 @@ class ContactPreviews:
         `lengthwise`: with more crowning lengthwise than along the profile.
         """
         try:
-            mean = mean_point(self.design, self.blank, self._gear, self._base, choice)
+            mean = self._mean_point(choice)
         except NoSolutionError:
             return choice
         flank, position = mean.mating
