@@ -17,7 +17,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import chain
 
-from gearmesh.io.digits import PARAMETER_STEPS_PER_UNIT, POINT_STEPS_PER_MM, STEPS_PER_UNIT, reals_on_grid
+from gearmesh.io.digits import (
+    PARAMETER_STEPS_PER_UNIT,
+    POINT_STEPS_PER_MM,
+    STEPS_PER_UNIT,
+    reals_on_grid,
+    values_on_grid,
+)
 
 #: kinds of instances that are merged if their values are equal; each kind follows the kinds that it refers to
 _VALUE_KINDS = (
@@ -41,6 +47,8 @@ _VALUE_KINDS = (
 _COLOURING_KIND = "MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION"
 #: number and value of an instance, whose strings may contain semicolons
 _INSTANCE_PATTERN = re.compile(r"#(\d+) = ((?:[^';]++|'[^']*')*+);\n")
+#: number and coordinates of a point without a name
+_POINT_PATTERN = re.compile(r"#(\d+) = CARTESIAN_POINT\(\s*'',\s*\(([^()']*)\)\s*\);\n")
 #: break of a long line
 _FOLD_PATTERN = re.compile(r"\n\s*")
 #: string, or break of a long line
@@ -58,8 +66,8 @@ _WITH_REALS = (
     *("DIRECTION", "VECTOR", "B_SPLINE_CURVE_WITH_KNOTS", "B_SPLINE_SURFACE_WITH_KNOTS", "CIRCLE", "ELLIPSE"),
     *("CYLINDRICAL_SURFACE", "CONICAL_SURFACE", "TOROIDAL_SURFACE"),
 )
-#: number of commas of a point in space; a point of two parameters has fewer
-_COMMAS_IN_SPACE = 3
+#: a point in space, and a point of two parameters
+_POINT_TEXTS = {3: "CARTESIAN_POINT('',({},{},{}))", 2: "CARTESIAN_POINT('',({},{}))"}
 #: mark between instances, which no file contains
 _INSTANCE_MARK = "\x01"
 #: mark between pieces of an instance, which no file contains
@@ -95,12 +103,22 @@ class _Instances:
     """Instances of a file by their numbers."""
 
     def __init__(self) -> None:
-        #: texts of values without references, most of them points
+        #: coordinates of points without names, until `_put_on_grid` has put them on their grids among the `plain` values
+        self.points: dict[int, str] = {}
+        #: texts of values without references
         self.plain: dict[int, str] = {}
         #: values with references
         self.compound: dict[int, _Instance] = {}
         #: numbers of the instances of each kind
         self.kinds: Numbers = defaultdict(list)
+
+    def add_points(self, data: str) -> str:
+        """Add all points without names, most of the instances of a file, and return the other instances."""
+        pieces = _POINT_PATTERN.split(data)
+        numbers = list(map(int, pieces[1::3]))
+        self.points.update(zip(numbers, pieces[2::3], strict=True))
+        self.kinds[_POINT_KIND] += numbers
+        return "".join(pieces[::3])
 
     def add(self, number: int, value: str) -> None:
         """Add an instance; the lines of its value may be broken."""
@@ -142,6 +160,7 @@ def condense(text: str) -> str:
     gc.disable()
     try:
         instances, end = _Instances(), 0
+        data = instances.add_points(data)
         for match in _INSTANCE_PATTERN.finditer(data):
             if match.start() != end and data[end : match.start()].strip():
                 return text
@@ -173,25 +192,31 @@ def basic_alphabet(text: str) -> str:
 
 def _put_on_grid(instances: _Instances) -> None:
     """Round numbers to the grids of files; the positions of planes, cylinders and cones have a finer grid than points."""
-    kinds, plain = instances.kinds, instances.plain
+    kinds, plain, points = instances.kinds, instances.plain, instances.points
     places = {instances.references(number)[0] for number in kinds[_PLACEMENT_KIND]}
-    points = [number for number in kinds[_POINT_KIND] if number not in places]
-    in_space = [number for number in points if plain[number].count(",") == _COMMAS_IN_SPACE]
-    on_surfaces = [number for number in points if plain[number].count(",") != _COMMAS_IN_SPACE]
     others = [number for kind in _WITH_REALS for number in kinds[kind]]
     beside = [number for number in others if number in plain]
-    beside += [number for number in kinds[_POINT_KIND] if number in places]
-    for numbers, per_unit in (
-        (in_space, POINT_STEPS_PER_MM),
-        (on_surfaces, PARAMETER_STEPS_PER_UNIT),
-        (beside, STEPS_PER_UNIT),
-    ):
-        # every second point is a repetition
-        texts = [plain[number] for number in numbers]
-        different = dict.fromkeys(texts, "")
-        joined = reals_on_grid(_INSTANCE_MARK.join(different), per_unit)
-        different.update(zip(different, joined.split(_INSTANCE_MARK), strict=False))
-        plain.update(zip(numbers, map(different.__getitem__, texts), strict=True))
+    # every second value is a repetition
+    different = dict.fromkeys([plain[number] for number in beside], "")
+    joined = reals_on_grid(_INSTANCE_MARK.join(different), STEPS_PER_UNIT)
+    different.update(zip(different, joined.split(_INSTANCE_MARK), strict=False))
+    plain.update((number, different[plain[number]]) for number in beside)
+    # names of points, which OpenCASCADE does not give, are dropped
+    for number in [number for number in kinds[_POINT_KIND] if number not in points]:
+        _, coordinates = plain[number].rsplit("(", 1)
+        points[number] = coordinates.rstrip(") ")
+    kinds[_POINT_KIND].sort()
+    split: dict[tuple[int, float], list[int]] = defaultdict(list)
+    grids = {3: POINT_STEPS_PER_MM, 2: PARAMETER_STEPS_PER_UNIT}
+    for number, text in points.items():
+        size = text.count(",") + 1
+        split[size, STEPS_PER_UNIT if number in places else grids[size]].append(number)
+    for (size, per_unit), numbers in split.items():
+        texts = [points[number] for number in numbers]
+        known = dict.fromkeys(texts, "")
+        digits = values_on_grid(map(float, ",".join(known).split(",")), per_unit)
+        known.update(zip(known, map(_POINT_TEXTS[size].format, *(digits[k::size] for k in range(size))), strict=True))
+        plain.update(zip(numbers, map(known.__getitem__, texts), strict=True))
     compound = [instances.compound[number] for number in others if number in instances.compound]
     joined = reals_on_grid(_INSTANCE_MARK.join(_PIECE_MARK.join(value.text) for value in compound), STEPS_PER_UNIT)
     for value, text in zip(compound, joined.split(_INSTANCE_MARK), strict=False):

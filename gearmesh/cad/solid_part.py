@@ -31,9 +31,6 @@ from gearmesh.teeth.blank.halves import HalfEnd
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.region import Region
 
-#: relative error of a face's share of the volume
-QUADRATURE_ERROR = 1e-8
-
 
 def solid_part(member: Member, teeth: SplineTooth) -> Part:
     """Build the whole member; faces are named by region, and faces of teeth also by number (1 is the tooth on +x).
@@ -100,25 +97,6 @@ def _gap_faces(gap: Body, outline: tuple[Loop, Loop], teeth: SplineTooth) -> lis
         outer, inner = (ring, loop) if ring.rho > loop.rho else (loop, ring)
         faces.append(NamedFace(plane_face(outer, inner, up == (end == 1)), f"{regions[end]}_gap", regions[end]))
     return faces
-
-
-def volume(part: Part) -> float:
-    """Return the volume of a part (mm^3) by OpenCASCADE: the sum of the volumes between the origin and each face.
-
-    A face with turned copies is integrated once. With its default order of quadrature, OpenCASCADE has an error of 3e-7 on a
-    fillet, more than the error of the fillet itself; therefore QUADRATURE_ERROR is given.
-    """
-    from OCP.BRepGProp import BRepGProp_Domain, BRepGProp_Face, BRepGProp_Vinert
-    from OCP.gp import gp_Pnt
-
-    origin, total = gp_Pnt(0.0, 0.0, 0.0), 0.0
-    for named in part.faces:
-        if named.copies:
-            below = BRepGProp_Vinert(
-                BRepGProp_Face(named.shape), BRepGProp_Domain(named.shape), origin, QUADRATURE_ERROR
-            )
-            total += named.copies * float(below.Mass())
-    return total
 
 
 #: vertices and edges of the outline of all teeth at a bound, from column to column

@@ -8,6 +8,7 @@ either. With rounding of 1e-14 mm this happens to one coordinate in a million or
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -32,13 +33,17 @@ _STEP_REAL = re.compile(r"(-?[0-9]+\.[0-9]*(?:E[-+]?[0-9]+)?)")
 def reals_on_grid(text: str, per_unit: float) -> str:
     """Return the text of a STEP file with all reals on a grid of `per_unit` steps per unit, in the fewest digits."""
     pieces = _STEP_REAL.split(text)
-    values = np.array(list(map(float, pieces[1::2])))
-    # always with a point, and with a capital E [ISO 10303-21]
-    pieces[1::2] = [
-        _with_exponent(digits) if "e" in digits else digits[:-1] if digits.endswith(".0") else digits
-        for digits in map(repr, on_grid(values, per_unit).tolist())
-    ]
+    pieces[1::2] = values_on_grid(map(float, pieces[1::2]), per_unit)
     return "".join(pieces)
+
+
+def values_on_grid(values: Iterable[float], per_unit: float) -> list[str]:
+    """Return the texts of a STEP file of values on a grid of `per_unit` steps per unit, in the fewest digits."""
+    # always with a point, and with a capital E [ISO 10303-21]
+    return [
+        _with_exponent(digits) if "e" in digits else digits[:-1] if digits.endswith(".0") else digits
+        for digits in map(repr, on_grid(np.fromiter(values, dtype=float), per_unit).tolist())
+    ]
 
 
 def _with_exponent(digits: str) -> str:

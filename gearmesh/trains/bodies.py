@@ -173,7 +173,7 @@ def _cad_member(
 def _one_cad_body(body: TrainBody, made: list[tuple[Part, CadFigures]]) -> tuple[Part, CadFigures]:
     """Return the members of a joined shaft as one CAD solid."""
     from gearmesh.cad.joined_part import joined_part
-    from gearmesh.cad.solid_part import volume
+    from gearmesh.cad.volume import volume
 
     figures = [own for _, own in made]
     try:

@@ -28,8 +28,9 @@ from gearmesh.cad import brep
 from gearmesh.cad.brep import DEFAULT_TOLERANCE_MM, Piece, SplineTooth, exact_volume, spline_tooth
 from gearmesh.cad.nodes import plan, samples
 from gearmesh.cad.part21 import condense
-from gearmesh.cad.solid_part import solid_part, volume
+from gearmesh.cad.solid_part import solid_part
 from gearmesh.cad.step import write_step
+from gearmesh.cad.volume import volume
 from gearmesh.contact.flanks import analyse
 from gearmesh.io.digits import points_on_grid
 from gearmesh.io.palette import region_colours

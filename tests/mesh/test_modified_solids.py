@@ -11,7 +11,8 @@ from oracles.built import pair_of
 
 from gearmesh import Member, parse
 from gearmesh.cad.brep import exact_volume, spline_tooth
-from gearmesh.cad.solid_part import solid_part, volume
+from gearmesh.cad.solid_part import solid_part
+from gearmesh.cad.volume import volume
 from gearmesh.check.deviation import deviations
 from gearmesh.design.modifications import Modifications, Modified
 from gearmesh.kinds import Region, Side

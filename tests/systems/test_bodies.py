@@ -225,7 +225,8 @@ def test_sections_show_webs_and_holes(case: str) -> None:
 
 def test_rings_have_holes_in_their_rim() -> None:
     from gearmesh.cad.brep import spline_tooth
-    from gearmesh.cad.solid_part import solid_part, volume
+    from gearmesh.cad.solid_part import solid_part
+    from gearmesh.cad.volume import volume
 
     pytest.importorskip("OCP")
     member = replace(ring.ring(-1.0), features=BodyFeatures(holes=Drilling(7, 6.0, 106.0)))

@@ -227,7 +227,8 @@ def test_features_make_solids_of_the_right_volume(case: str) -> None:
 def test_step_files_have_them_as_planes_cylinders_and_cones(case: str) -> None:
     """One valid solid; what the faces of the features change of its volume is the closed form, without facets."""
     pytest.importorskip("OCP")
-    from gearmesh.cad.solid_part import solid_part, volume
+    from gearmesh.cad.solid_part import solid_part
+    from gearmesh.cad.volume import volume
 
     whole, plain = both(case)
     teeth = spline_tooth(whole.tooth, 1e-3)
@@ -254,7 +255,7 @@ def test_step_files_have_them_as_planes_cylinders_and_cones(case: str) -> None:
 def test_holes_across_a_bar_are_cylinders_in_step_files(case: str) -> None:
     pytest.importorskip("OCP")
     from gearmesh.cad.bar import bar_part, has_straight_faces, spline_bar_part
-    from gearmesh.cad.solid_part import volume
+    from gearmesh.cad.volume import volume
 
     parts = [
         bar_part(one)[0] if has_straight_faces(one) else spline_bar_part(one, spline_tooth(one.tooth, 1e-3))

@@ -12,7 +12,8 @@ from oracles.examples import some
 import gearmesh as gm
 from gearmesh import DesignError
 from gearmesh.cad.brep import exact_volume, spline_tooth
-from gearmesh.cad.solid_part import solid_part, volume
+from gearmesh.cad.solid_part import solid_part
+from gearmesh.cad.volume import volume
 from gearmesh.contact.flanks import contact_flank
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kinds import Region, Side

@@ -142,7 +142,8 @@ def test_splines_of_helical_run_outs_split_at_the_crease(shafts: tuple[str, ...]
 
 def test_step_solids_have_the_wall_before_the_teeth() -> None:
     pytest.importorskip("OCP")
-    from gearmesh.cad.solid_part import solid_part, volume
+    from gearmesh.cad.solid_part import solid_part
+    from gearmesh.cad.volume import volume
 
     member = gear(20.0)
     part = solid_part(member, spline_tooth(member.tooth, 2e-2))

@@ -10,7 +10,8 @@ from scipy.integrate import quad
 
 from gearmesh import Member
 from gearmesh.cad.brep import DEFAULT_TOLERANCE_MM, exact_volume, spline_tooth
-from gearmesh.cad.solid_part import solid_part, volume
+from gearmesh.cad.solid_part import solid_part
+from gearmesh.cad.volume import volume
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
 from gearmesh.kernel.surface.levels import ConeSurface
 from gearmesh.kinds import (

@@ -233,7 +233,7 @@ def _figures_of(
     part: Part, exact: float, deviation: float, tolerance: float, started: float, offset: float | None = None
 ) -> CadFigures:
     """Return the figures of a CAD solid; `exact`: volume, mm3, of the surfaces; lengths in mm, `started` in s."""
-    from gearmesh.cad.solid_part import volume
+    from gearmesh.cad.volume import volume
 
     measured = volume(part)
     return CadFigures(
@@ -254,7 +254,7 @@ def cad_space(member: Member, tolerance: float, offset: float | None = None) -> 
     no valid solid, and OutputError if OpenCASCADE is missing.
     """
     from gearmesh.cad.extracts.space_part import space_part, spline_space
-    from gearmesh.cad.solid_part import volume
+    from gearmesh.cad.volume import volume
     from gearmesh.teeth.space import Space
 
     started, space = time.perf_counter(), Space.before(member.one_tooth.sharp_ends)

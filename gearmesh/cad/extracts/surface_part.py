@@ -12,8 +12,9 @@ from typing import Any
 from gearmesh.cad.brep import SplineTooth
 from gearmesh.cad.faces.drawn_face import Sides
 from gearmesh.cad.occ import edge, transformation, vertex
-from gearmesh.cad.solid_part import QUADRATURE_ERROR, LinkCurves, drawn_faces
+from gearmesh.cad.solid_part import LinkCurves, drawn_faces
 from gearmesh.cad.step import NamedFace, Part, require_occ
+from gearmesh.cad.volume import QUADRATURE_ERROR
 from gearmesh.errors import DesignError
 from gearmesh.teeth.blank.halves import HalfGear
 from gearmesh.teeth.gear_train import Member
