@@ -84,6 +84,7 @@ def solver_pair(pair: GearPair) -> Pair:
         fillets=(pinion.fillet, gear.fillet),
         tips=(pinion.tip, gear.tip),
         pitch=pair.pitch,
+        arm_turns=pair.arm_turns,
     )
 
 

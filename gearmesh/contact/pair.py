@@ -105,6 +105,8 @@ class Pair:
     tips: tuple[Flank | None, Flank | None] = (None, None)
     #: pitch of the pinion, rad, NaN if unknown
     pitch: float = np.nan
+    #: True if an eccentric drives the pair
+    arm_turns: bool = False
 
     @cached_property
     def parts(self) -> dict[int, Pair]:

@@ -112,6 +112,18 @@ def test_unmodified_drives_turn_evenly_on_half_of_the_pins(form: str, teeth: int
 
 
 @pytest.mark.parametrize("form", ["pins_in_ring", "pins_in_disc"])
+def test_clearance_does_not_bring_pins_of_the_other_half_into_mesh(form: str) -> None:
+    """17.8 of 19 pins, or 13.4 on the other flank: pins behind the eccentric touch if the ring turns back by 16 deg."""
+    for flank, sense in (("right", 1), ("left", -1)):
+        gears = gm.build(design(f'form="{form}"', "modification.equidistant=0.03", f'contact.flank="{flank}"'))
+        contact = gears.contact().summary
+        begin, end = sorted(sense * np.array(contact["engagement_phi1_deg"]))
+        assert -1e-9 < begin < 20.0
+        assert 150.0 < end < 180.0
+        assert contact["contact_ratio"] == pytest.approx((end - begin) * 19 / 360.0)
+
+
+@pytest.mark.parametrize("form", ["pins_in_ring", "pins_in_disc"])
 def test_volume_is_that_of_the_closed_form(form: str) -> None:
     gears = gm.build(design(f'form="{form}"'))
     inside = lobe_area(PinCurve(50.0, 1.5, *((20, 19) if form == "pins_in_ring" else (19, 20))), 5.0)

@@ -305,16 +305,29 @@ def whole_engagement(pair: Pair, pitch: float) -> Engagement | None:
         collides = near[best[near] > most[looks[near] % LOOKS_PER_PITCH] + MIN_COLLISION_LEAD_RAD]
         run = np.concatenate((run, collides))
     step = NODES_PER_PITCH // LOOKS_PER_PITCH
-    first, last = (looks[run.min()] - 1) * step, (looks[run.max()] + 1) * step
+    first, last = _one_side(pair, (looks[run.min()] - 1) * step, (looks[run.max()] + 1) * step)
     engagement = follow(pair, np.arange(first, last + 1) * (pitch / NODES_PER_PITCH))
     # surface contact at an end of the nodes is followed to its end
     for _ in range(MAX_PITCHES):
         inside = engagement.flanks.touching[[0, -1]] & (engagement.flanks.edges[[0, -1], 0] < 0)
-        if not inside.any():
-            break
+        before = first, last
         first, last = first - NODES_PER_PITCH // 2 * int(inside[0]), last + NODES_PER_PITCH // 2 * int(inside[1])
+        first, last = _one_side(pair, first, last)
+        if (first, last) == before:
+            break
         engagement = follow(pair, np.arange(first, last + 1) * (pitch / NODES_PER_PITCH))
     return engagement
+
+
+def _one_side(pair: Pair, first: int, last: int) -> tuple[int, int]:
+    """Return the nodes of a pair that an eccentric drives which lie on the side of the eccentric that carries the load.
+
+    A pin with clearance passes the middle of its space and would touch the same flank again, once the gear has turned back by
+    far more than the backlash.
+    """
+    if not pair.arm_turns:
+        return first, last
+    return (max(first, 0), max(last, 1)) if pair.drive > 0 else (min(first, -1), min(last, 0))
 
 
 def _distance_from_mesh(
