@@ -305,15 +305,15 @@ def whole_engagement(pair: Pair, pitch: float) -> Engagement | None:
         collides = near[best[near] > most[looks[near] % LOOKS_PER_PITCH] + MIN_COLLISION_LEAD_RAD]
         run = np.concatenate((run, collides))
     step = NODES_PER_PITCH // LOOKS_PER_PITCH
-    first, last = _one_side(pair, (looks[run.min()] - 1) * step, (looks[run.max()] + 1) * step)
+    first, last = _one_side(pair, (int(looks[run.min()]) - 1) * step, (int(looks[run.max()]) + 1) * step)
     engagement = follow(pair, np.arange(first, last + 1) * (pitch / NODES_PER_PITCH))
     # surface contact at an end of the nodes is followed to its end
     for _ in range(MAX_PITCHES):
         inside = engagement.flanks.touching[[0, -1]] & (engagement.flanks.edges[[0, -1], 0] < 0)
-        before = first, last
+        followed = first, last
         first, last = first - NODES_PER_PITCH // 2 * int(inside[0]), last + NODES_PER_PITCH // 2 * int(inside[1])
         first, last = _one_side(pair, first, last)
-        if (first, last) == before:
+        if (first, last) == followed:
             break
         engagement = follow(pair, np.arange(first, last + 1) * (pitch / NODES_PER_PITCH))
     return engagement
