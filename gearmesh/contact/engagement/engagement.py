@@ -306,7 +306,7 @@ def whole_engagement(pair: Pair, pitch: float) -> Engagement | None:
         run = np.concatenate((run, collides))
     step = NODES_PER_PITCH // LOOKS_PER_PITCH
     first, last = _one_side(pair, (int(looks[run.min()]) - 1) * step, (int(looks[run.max()]) + 1) * step)
-    engagement = follow(pair, np.arange(first, last + 1) * (pitch / NODES_PER_PITCH))
+    engagement = follow(pair, np.arange(first, last + 1, dtype=float) * (pitch / NODES_PER_PITCH))
     # surface contact at an end of the nodes is followed to its end
     for _ in range(MAX_PITCHES):
         inside = engagement.flanks.touching[[0, -1]] & (engagement.flanks.edges[[0, -1], 0] < 0)
@@ -315,7 +315,7 @@ def whole_engagement(pair: Pair, pitch: float) -> Engagement | None:
         first, last = _one_side(pair, first, last)
         if (first, last) == followed:
             break
-        engagement = follow(pair, np.arange(first, last + 1) * (pitch / NODES_PER_PITCH))
+        engagement = follow(pair, np.arange(first, last + 1, dtype=float) * (pitch / NODES_PER_PITCH))
     return engagement
 
 
